@@ -1,0 +1,1 @@
+"""The Law: three relations over a case; pure, given oracles."""

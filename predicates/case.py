@@ -1,0 +1,165 @@
+"""Case, Answer, Diagnosis and Verdict: what the three relations are about and what they say."""
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+from sdt_kg.iri import Iri
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.state import Region, State
+from sdt_kg.task import UNKNOWN, Task, Unknown
+from sdt_kg.twin import Twin
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """(R, E, Π, G, τ): each field but the twin may be unknown and is then solved for.
+
+    Attributes:
+        twin: E and G, the environment in its current state.
+        robot: R; `UNKNOWN` where no robot is asked about.
+        task: Π.
+        motion: τ of the container.
+        final: G_final: a state, or the region that the task demands.
+        body_motion: Γ of the robot.
+    """
+
+    twin: Twin
+    robot: Iri | Unknown = UNKNOWN
+    task: Task | Unknown = UNKNOWN
+    motion: Motion | Unknown = UNKNOWN
+    final: State | Region | Unknown = UNKNOWN
+    body_motion: BodyMotion | Unknown = UNKNOWN
+
+
+class Kind(Enum):
+    """Why a motion is not certified."""
+
+    SEMANTIC = "semantic"
+    CAUSAL = "causal"
+    EMBODIMENT = "embodiment"
+    OUT_OF_SCOPE = "out_of_scope"
+
+
+class Quantity(Enum):
+    """What a piece of evidence measures."""
+
+    POSITION = "position"
+    VELOCITY = "velocity"
+    ACCELERATION = "acceleration"
+    DISTANCE = "distance"
+    TOOL_ERROR = "tool_error"
+    ORIENTATION_ERROR = "orientation_error"
+    SIDEWAYS_VELOCITY = "sideways_velocity"
+    FORCE = "force"
+    TIME = "time"
+    COUNT = "count"
+    LIMIT = "limit"
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """One measured quantity against its bound.
+
+    Attributes:
+        quantity: A collision is DISTANCE with a negative value (penetration).
+        value: As measured, in `unit`.
+        bound: What it had to keep, in `unit`.
+        unit: m, rad, m/s, rad/s, m/s2, rad/s2, s, N or 1.
+        entity: IRI of the joint or body concerned.
+        links: IRIs of the two bodies of a distance.
+        time: Along the motion [s], where it has one.
+        scope: `self` or `environment` for a distance, else empty.
+        path: IRI of the shape's path, for a scope violation.
+    """
+
+    quantity: Quantity
+    value: float
+    bound: float
+    unit: str
+    entity: Iri | None = None
+    links: tuple[Iri, Iri] | None = None
+    time: float | None = None
+    scope: str = ""
+    path: Iri | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Search:
+    """What was tried before a search gave up."""
+
+    seeds: int = 0
+    branches: int = 0
+    placements: int = 0
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """One reason for a refusal or abstention.
+
+    Attributes:
+        reason: One sentence for people, names not IRIs.
+        evidence: What it rests on, None where nothing was measured.
+        proof: True only where infeasibility is shown by a sound bound; a search that gave up
+            is no proof.
+        search: What was tried, for a search that gave up.
+    """
+
+    kind: Kind
+    reason: str
+    evidence: Evidence | None = None
+    proof: bool = False
+    search: Search | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """One answer of a relation: a case with more known, or a refusal.
+
+    Attributes:
+        case: The case with what the relation solved for filled in.
+        holds: Whether the relation holds.
+        diagnoses: Why not; empty where it holds.
+        notes: What a reader should know of how it was found (base policy, margins, time split).
+        seconds: Name of a step → seconds spent in it.
+        figures: Certified margins: name → (value, unit); empty where nothing was certified.
+    """
+
+    case: Case
+    holds: bool
+    diagnoses: tuple[Diagnosis, ...] = ()
+    notes: tuple[str, ...] = ()
+    seconds: dict[str, float] = field(default_factory=dict[str, float])
+    figures: dict[str, tuple[float, str]] = field(default_factory=dict[str, tuple[float, str]])
+
+
+class Outcome(Enum):
+    """What the Law says."""
+
+    CERTIFIED = "certified"
+    NOT_CERTIFIED = "not_certified"
+    ABSTAINED = "abstained"
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """CanAchieve.
+
+    Attributes:
+        iri: Hash of all inputs (ARCHITECTURE, decision 8).
+        case: With everything that the relations solved for.
+        satisfies_request: None where the relation was not run.
+        causes: None where the relation was not run.
+        can_perform: None where the relation was not run.
+        inputs: Name → value or hash of each input, in the order in which they are hashed.
+    """
+
+    iri: Iri
+    outcome: Outcome
+    case: Case
+    satisfies_request: Answer | None
+    causes: Answer | None
+    can_perform: Answer | None
+    diagnoses: tuple[Diagnosis, ...]
+    inputs: tuple[tuple[str, str], ...]
+    seconds: float

@@ -1,0 +1,106 @@
+"""What a robot's or kitchen's `.ttl` adds to its URDF, as values."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+from sdt_kg.mechanism import Pose
+
+
+class Drive(Enum):
+    """How a base moves. The base policy decides most verdicts, so every verdict prints it."""
+
+    OMNI = "omni"
+    DIFFERENTIAL = "differential"
+    FIXED = "fixed"
+
+
+@dataclass(frozen=True, slots=True)
+class FingerJoint:
+    """A joint that opens and closes a gripper; positions in rad or m."""
+
+    joint: str
+    open: float
+    closed: float
+
+
+@dataclass(frozen=True, slots=True)
+class Gripper:
+    """One gripper of a robot.
+
+    Attributes:
+        name: `left`, `right` or `gripper`.
+        tool_body: Link whose frame carries the tool frame.
+        tool: Pose of the tool frame in `tool_body`: origin between the finger pads, x the
+            approach axis (out of the palm), y the axis along which the fingers close.
+        fingers: Links which may touch a handle.
+        finger_joints: Joints that open and close it, mimicking ones left out.
+        opening: Free width between the finger pads when open [m].
+    """
+
+    name: str
+    tool_body: str
+    tool: Pose
+    fingers: tuple[str, ...]
+    finger_joints: tuple[FingerJoint, ...]
+    opening: float
+
+
+@dataclass(frozen=True, slots=True)
+class BaseLimits:
+    """Speed and acceleration of the base, linear [m/s, m/s²] and angular [rad/s, rad/s²]."""
+
+    linear_velocity: float
+    angular_velocity: float
+    linear_acceleration: float
+    angular_acceleration: float
+
+
+@dataclass(frozen=True, slots=True)
+class RobotAnnotation:
+    """What CanPerform needs to know of a robot beyond its URDF.
+
+    Attributes:
+        drive: Of the hardware.
+        base_body: Link that stands for the base; the world frame at (x, y, yaw) maps to it, with
+            `base_height` as z [m].
+        parked: Joint name → position when driving; every movable joint not listed stays at 0, or
+            at the nearest limit.
+        held: Movable joints that planning never moves (casters, head, laser …).
+        acceleration: Joint name → acceleration limit [rad/s² or m/s²].
+        coupled: Groups of joints that share one motor and move equally (Stretch's telescope).
+        allowed_contacts: Pairs of links whose contact is not a self-collision, beyond bodies
+            joined by one joint or rigidly attached to each other.
+        overhang: How far the reference's surface may stick out of our shapes [m]; added to
+            every margin.
+        notes: Assumptions, one sentence each, printed with verdicts.
+    """
+
+    robot: str
+    drive: Drive
+    base_body: str
+    base_height: float
+    base_limits: BaseLimits
+    grippers: tuple[Gripper, ...]
+    parked: dict[str, float]
+    held: tuple[str, ...]
+    acceleration: dict[str, float]
+    coupled: tuple[tuple[str, ...], ...]
+    allowed_contacts: frozenset[frozenset[str]]
+    overhang: float
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class KitchenAnnotation:
+    """What a kitchen's `.ttl` adds: where robots start, and acceleration limits of its joints.
+
+    Attributes:
+        start: Base pose x, y [m], yaw [rad] in the root frame; robots are then turned to the handle.
+        acceleration: Joint name → acceleration limit [rad/s² or m/s²].
+        container_names: Containers it counts, as bodies; empty if the rules alone decide.
+    """
+
+    kitchen: str
+    start: tuple[float, float, float]
+    acceleration: dict[str, float]
+    notes: tuple[str, ...] = ()

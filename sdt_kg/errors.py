@@ -1,0 +1,94 @@
+"""The exception tree. A false predicate is a value; an exception is a broken promise.
+
+    SdtError
+    ├── InputError                  the caller's: it can be mended by changing the input
+    │   ├── UrdfError               a model file that is not a valid, tree-shaped URDF
+    │   ├── AnnotationError         a robot or kitchen annotation that contradicts its model
+    │   ├── UnknownEntityError      no kitchen, robot, container or joint of that name
+    │   ├── StateError              a joint value outside its limits, or not a number
+    │   ├── MotionError             a motion that is not one: units, times, frames, joints
+    │   └── QueryError              SPARQL that does not parse or asks for more than it may
+    ├── NoModeError                 the case has too many unknowns for every predicate
+    └── OracleError                 the world's
+        ├── OracleUnavailableError  nobody answered: there is no verdict
+        └── OracleRejectedError     the oracle answered that it cannot judge this input
+"""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class SdtError(Exception):
+    """Root of all errors which this project raises."""
+
+
+class InputError(SdtError):
+    """The input is wrong: the message says what, what is allowed and what to do.
+
+    Attributes:
+        what: The input as given, and what is wrong with it.
+        allowed: What would have been accepted.
+        remedy: What to do.
+    """
+
+    def __init__(self, what: str, *, allowed: str = "", remedy: str = "") -> None:
+        self.what, self.allowed, self.remedy = what, allowed, remedy
+        parts = [what, f"allowed: {allowed}" if allowed else "", remedy]
+        super().__init__("; ".join(part for part in parts if part))
+
+
+class UrdfError(InputError):
+    """A model file is not a valid, tree-shaped URDF."""
+
+
+class AnnotationError(InputError):
+    """An annotation names what its model does not have, or lacks what is needed."""
+
+
+class StateError(InputError):
+    """A joint value lies outside its limits or is not a number."""
+
+
+class MotionError(InputError):
+    """A motion has wrong units, unsorted times, unknown joints or values which are not numbers."""
+
+
+class QueryError(InputError):
+    """A query does not parse, or asks for what this service does not do."""
+
+
+class UnknownEntityError(InputError):
+    """No entity has that name; the nearest names are told.
+
+    Attributes:
+        kind: What was looked for: kitchen, robot, container, joint.
+        name: The name as given.
+        near: The nearest known names, best first.
+    """
+
+    def __init__(self, kind: str, name: str, known: Iterable[str], remedy: str = "") -> None:
+        names = sorted(known)
+        self.kind, self.name = kind, name
+        self.near = get_close_matches(name, names, n=3, cutoff=0.5)
+        if self.near:
+            allowed = "did you mean " + " or ".join(f"'{near}'" for near in self.near) + "?"
+        else:
+            shown = ", ".join(names[:10]) or "there are none"
+            allowed = shown + (f", … ({len(names)} in all)" if len(names) > 10 else "")
+        super().__init__(f"no {kind} named '{name}'", allowed=allowed, remedy=remedy)
+
+
+class NoModeError(SdtError):
+    """Too many fields of the case are unknown: no predicate can run."""
+
+
+class OracleError(SdtError):
+    """An oracle kept no promise: there is no verdict."""
+
+
+class OracleUnavailableError(OracleError):
+    """Nobody answered."""
+
+
+class OracleRejectedError(OracleError):
+    """The oracle answered that it cannot judge this input."""

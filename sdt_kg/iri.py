@@ -1,0 +1,62 @@
+"""The only place where an IRI is spelled."""
+
+from typing import Final
+from urllib.parse import quote, unquote
+
+SDT: Final = "https://example.org/sdt#"
+"""V, E and P of a Semantic Digital Twin."""
+TEE: Final = "https://example.org/tee#"
+"""Task-Environment-Embodiment classes."""
+LAW: Final = "https://example.org/law#"
+"""Tasks, cases, verdicts and diagnoses."""
+ID: Final = "https://example.org/id/"
+"""Individuals: models, bodies, joints, states, verdicts."""
+
+RDF: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
+RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"
+XSD: Final = "http://www.w3.org/2001/XMLSchema#"
+OWL: Final = "http://www.w3.org/2002/07/owl#"
+PROV: Final = "http://www.w3.org/ns/prov#"
+DCTERMS: Final = "http://purl.org/dc/terms/"
+SH: Final = "http://www.w3.org/ns/shacl#"
+
+PREFIXES: Final = {
+    "dcterms": DCTERMS,
+    "id": ID,
+    "law": LAW,
+    "owl": OWL,
+    "prov": PROV,
+    "rdf": RDF,
+    "rdfs": RDFS,
+    "sdt": SDT,
+    "sh": SH,
+    "tee": TEE,
+    "xsd": XSD,
+}
+
+Iri = str
+
+
+def model_iri(model: str) -> Iri:
+    """Individual that stands for a whole kitchen or robot, `id:a` say."""
+    return ID + quote(model, safe="")
+
+
+def body_iri(model: str, link: str) -> Iri:
+    """Individual of a link. Links and joints may share a name, hence the segment."""
+    return f"{model_iri(model)}/body/{quote(link, safe='')}"
+
+
+def joint_iri(model: str, joint: str) -> Iri:
+    """Individual of a joint."""
+    return f"{model_iri(model)}/joint/{quote(joint, safe='')}"
+
+
+def local_name(iri: Iri) -> str:
+    """Name of a link or joint, as its URDF spells it."""
+    return unquote(iri.rsplit("/", 1)[-1].rsplit("#", 1)[-1])
+
+
+def graph_iri(kind: str, key: str) -> Iri:
+    """Named graph: kind is asserted, inferred, state, observed or verdict."""
+    return f"{ID}graph/{kind}/{quote(key, safe='')}"

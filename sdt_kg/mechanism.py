@@ -1,0 +1,159 @@
+"""Mechanism: a tree of bodies and joints as values, between URDF, graph and physics.
+
+`sdt_kg.urdf` makes it from a file, `sdt_kg.triples` writes it to a graph and reads it back,
+`services.physics.model` builds Pinocchio's model from it. Equality is exact.
+"""
+
+import math
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class JointType(Enum):
+    """Joint types of D_artic; `continuous` has no position limits."""
+
+    FIXED = "fixed"
+    PRISMATIC = "prismatic"
+    REVOLUTE = "revolute"
+    CONTINUOUS = "continuous"
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Position [m] and unit quaternion xyzw of a child frame in its parent frame."""
+
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    orientation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+
+    def matrix(self) -> NDArray[np.float64]:
+        """Homogeneous transform, shape (4, 4): maps child coordinates to parent coordinates."""
+        x, y, z, w = self.orientation
+        parent_T_child = np.eye(4)
+        parent_T_child[:3, :3] = (
+            (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+            (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+            (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
+        )
+        parent_T_child[:3, 3] = self.position
+        return parent_T_child
+
+
+class ShapeType(Enum):
+    """Collision shapes. Cylinder and capsule lie along z; a capsule's length excludes its caps."""
+
+    BOX = "box"
+    SPHERE = "sphere"
+    CYLINDER = "cylinder"
+    CAPSULE = "capsule"
+    MESH = "mesh"
+
+
+@dataclass(frozen=True, slots=True)
+class Geometry:
+    """One collision shape of a body.
+
+    Attributes:
+        shape: What it is.
+        pose: Pose in the body's frame.
+        size: Box: x, y, z; sphere: radius; cylinder, capsule: radius, length [m]; mesh: scale x, y, z.
+        mesh_file: Absolute path of a mesh, else empty.
+        mesh_hash: SHA-256 of the mesh file, else empty.
+    """
+
+    shape: ShapeType
+    pose: Pose
+    size: tuple[float, ...]
+    mesh_file: str = ""
+    mesh_hash: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Inertia:
+    """Mass [kg], centre of mass frame, and ixx, ixy, ixz, iyy, iyz, izz [kg m²] in that frame."""
+
+    mass: float
+    pose: Pose
+    moments: tuple[float, float, float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A link: rigid, with collision shapes."""
+
+    name: str
+    inertia: Inertia | None = None
+    collision: tuple[Geometry, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Mimic:
+    """Position of the mimicking joint = multiplier · position of `joint` + offset."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Bounds of a joint in rad or m and seconds; `inf` where the model gives none.
+
+    Attributes:
+        acceleration: `inf` on import: URDF has none; annotation gives it (see `Annotation`).
+    """
+
+    lower: float = -math.inf
+    upper: float = math.inf
+    velocity: float = math.inf
+    acceleration: float = math.inf
+    effort: float = math.inf
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint from a parent body to a child body.
+
+    Attributes:
+        origin: Pose of the joint frame (the child's frame at position 0) in the parent's frame.
+        axis: Unit vector in the joint frame; motion is about (along) it.
+        notes: What import changed or noticed, one sentence each (equal limits made fixed, axis
+            normalised or turned …).
+    """
+
+    name: str
+    type: JointType
+    parent: str
+    child: str
+    origin: Pose = field(default_factory=Pose)
+    axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    limits: Limits = field(default_factory=Limits)
+    mimic: Mimic | None = None
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Mechanism:
+    """A kinematic tree.
+
+    Attributes:
+        name: Name of the model: a bundled name or the stem of its file.
+        root: Name of the root body.
+        bodies: In file order.
+        joints: Parents before children.
+    """
+
+    name: str
+    root: str
+    bodies: tuple[Body, ...]
+    joints: tuple[Joint, ...]
+
+    def joint(self, name: str) -> Joint:
+        """Joint of that name; KeyError is a bug of ours, input is checked where it enters."""
+        return next(joint for joint in self.joints if joint.name == name)
+
+    def parent_joint(self, body: str) -> Joint | None:
+        """Joint which moves the body, or None for the root."""
+        return next((joint for joint in self.joints if joint.child == body), None)

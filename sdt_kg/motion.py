@@ -1,0 +1,65 @@
+"""Motion (τ, of a container) and BodyMotion (Γ, of a robot)."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.iri import Iri
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """τ: how a container moves, as articulation values *or* as poses of a frame.
+
+    Attributes:
+        of: IRI of the joint (values) or of the body whose frame is meant (poses).
+        times: Shape (T,), increasing [s].
+        values: Shape (T, 1) [rad or m], or shape (T, 7): x, y, z [m], quaternion xyzw, in the
+            environment's root frame.
+    """
+
+    of: Iri
+    times: Array
+    values: Array
+
+    @property
+    def is_poses(self) -> bool:
+        """Whether this is a handle-pose path rather than articulation values."""
+        return self.values.shape[1] == 7
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BodyMotion:
+    """Γ: how a robot moves, base first.
+
+    Attributes:
+        robot: IRI of the robot.
+        gripper: Name of the gripper that acts, empty if not known.
+        joints: Names of the n robot joints; the base is apart. Not listed: parked.
+        times: Shape (T,), increasing [s].
+        base: Shape (T, 3): x, y [m], yaw [rad] in the environment's root frame.
+        q: Shape (T, n) [rad or m]. Between samples the motion is the cubic Hermite spline of
+            q and v, and of base and base_v.
+        v: Shape (T, n) [rad/s or m/s].
+        base_v: Shape (T, 3).
+        kitchen_joints: IRIs of the m kitchen joints whose motion comes with it; may be empty.
+        kitchen_q: Shape (T, m).
+        kitchen_v: Shape (T, m).
+        phases: (name, first sample) of drive, approach, grasp, follow, in order; may be empty.
+    """
+
+    robot: Iri
+    gripper: str
+    joints: tuple[str, ...]
+    times: Array
+    base: Array
+    q: Array
+    v: Array
+    base_v: Array
+    kitchen_joints: tuple[Iri, ...] = ()
+    kitchen_q: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    kitchen_v: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    phases: tuple[tuple[str, int], ...] = ()

@@ -1,0 +1,58 @@
+"""Interval, State and Region: I, s and G_final of the paper."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from sdt_kg.iri import Iri
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """Closed interval [lower, upper] in rad or m."""
+
+    lower: float = -math.inf
+    upper: float = math.inf
+
+    def __contains__(self, value: float) -> bool:
+        return self.lower <= value <= self.upper
+
+
+@dataclass(frozen=True, slots=True)
+class State(Mapping[Iri, float]):
+    """s: joint IRI → position [rad or m]. Joints that are not listed are at their lower limit,
+    or at 0 where 0 lies inside the limits.
+    """
+
+    positions: tuple[tuple[Iri, float], ...] = ()
+
+    @staticmethod
+    def of(positions: Mapping[Iri, float]) -> "State":
+        """State with these positions, ordered by IRI."""
+        return State(tuple(sorted(positions.items())))
+
+    def __getitem__(self, joint: Iri) -> float:
+        return dict(self.positions)[joint]
+
+    def __iter__(self) -> Iterator[Iri]:
+        return (joint for joint, _ in self.positions)
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def __hash__(self) -> int:
+        return hash(self.positions)
+
+    def moved(self, joint: Iri, position: float) -> "State":
+        """The same state with one joint elsewhere."""
+        return State.of({**dict(self.positions), joint: position})
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """G_final as a *set* of states: joint IRI → Interval. ≈ in Eq. (6) is membership."""
+
+    intervals: tuple[tuple[Iri, Interval], ...]
+
+    def __contains__(self, state: State) -> bool:
+        return all(joint in state and state[joint] in interval for joint, interval in self.intervals)
