@@ -19,11 +19,13 @@ class Motion:
         times: Shape (T,), increasing [s].
         values: Shape (T, 1) [rad or m], or shape (T, 7): x, y, z [m], quaternion xyzw, in the
             environment's root frame.
+        timed: Whether the times are a requirement; else a proposal that a robot may slow down.
     """
 
     of: Iri
     times: Array
     values: Array
+    timed: bool = True
 
     @property
     def is_poses(self) -> bool:
