@@ -1,0 +1,43 @@
+# Each target makes .venv from constraints.txt when needed; nothing else is to be installed by hand.
+PYTHON ?= python3
+BIN := .venv/bin
+UV := $(shell command -v uv 2>/dev/null)
+export OMP_NUM_THREADS := 1
+
+.PHONY: demo test lint bench soak clean
+
+## demo: Table 1 of the paper, three robots in two kitchens, every verdict saved as triples
+demo: .venv
+	$(BIN)/sdt table --drive omni --jobs 2 --save demo.trig
+
+## test: lint, types, import contracts, then all tests
+test: .venv lint
+	$(BIN)/pytest -p no:benchmark --ignore=tests/benchmarks
+
+## lint: format, rules, types and import contracts
+lint: .venv
+	$(BIN)/ruff format --check
+	$(BIN)/ruff check
+	$(BIN)/pyright
+	$(BIN)/lint-imports
+
+## bench: figures, never assertions on time; the JSON is kept
+bench: .venv
+	$(BIN)/pytest tests/benchmarks --benchmark-json=benchmark.json
+
+## soak: the tests marked slow as well
+soak: .venv
+	$(BIN)/pytest -p no:benchmark --ignore=tests/benchmarks --soak
+
+.venv: pyproject.toml constraints.txt
+ifdef UV
+	$(UV) venv --quiet --clear --python $(PYTHON) .venv
+	$(UV) pip install --quiet --python $(BIN)/python -c constraints.txt -e '.[dev]'
+else
+	$(PYTHON) -m venv --clear .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+endif
+	@touch .venv
+
+clean:
+	rm -rf .venv dist build .pytest_cache .ruff_cache

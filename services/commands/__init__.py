@@ -1,0 +1,1 @@
+"""The subcommands of `sdt`, one module for each family."""

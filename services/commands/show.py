@@ -1,0 +1,74 @@
+"""How rows, verdicts and progress look on a terminal, on a pipe, and as JSON or CSV."""
+
+import csv
+import io
+import json
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+PIPE_WIDTH = 400
+"""[characters] Wide enough that nothing is cut on a pipe, where no terminal tells its width."""
+
+Row = Mapping[str, object]
+
+
+def console() -> Console:
+    """Where people read: full width and no colour on a pipe."""
+    return Console() if sys.stdout.isatty() else Console(width=PIPE_WIDTH, no_color=True)
+
+
+def print_json(value: object) -> None:
+    """JSON on standard output."""
+    click.echo(json.dumps(value, indent=2, ensure_ascii=False))
+
+
+def print_rows(rows: Sequence[Row], columns: Sequence[str], form: str) -> None:
+    """Rows as `table`, `csv` or `json`; the columns are shown even where there is no row."""
+    if form == "json":
+        print_json([{column: row.get(column) for column in columns} for row in rows])
+    elif form == "csv":
+        click.echo(csv_text(rows, columns), nl=False)
+    else:
+        console().print(_table(rows, columns))
+
+
+def csv_text(rows: Sequence[Row], columns: Sequence[str]) -> str:
+    """Rows as CSV with a head."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([_cell(row.get(column)) for column in columns] for row in rows)
+    return out.getvalue()
+
+
+def _table(rows: Sequence[Row], columns: Sequence[str]) -> Table:
+    table = Table(box=None, pad_edge=False)
+    for column in columns:
+        table.add_column(column, overflow="fold")
+    for row in rows:
+        table.add_row(*(_cell(row.get(column)) for column in columns))
+    return table
+
+
+def _cell(value: object) -> str:
+    if value is None:
+        return ""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+@contextmanager
+def progress(label: str, total: int) -> Iterator[Progress | None]:
+    """A progress bar on a terminal, nothing on a pipe."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    columns = TextColumn(label), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.fields[now]}")
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        bar.add_task(label, total=total, now="")
+        yield bar
