@@ -68,7 +68,13 @@ def progress(label: str, total: int) -> Iterator[Progress | None]:
     if not sys.stderr.isatty():
         yield None
         return
-    columns = TextColumn(label), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.fields[now]}")
+    columns = (
+        TextColumn(label),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[now]}"),
+    )
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         bar.add_task(label, total=total, now="")
         yield bar

@@ -1,0 +1,146 @@
+"""The one place where parts are put together: twin, Φ, embodiment, Law.
+
+`from services import load` is the public Python API.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+from predicates.causes import causes
+from predicates.law import law
+from predicates.satisfies_request import satisfies_request
+from sdt_kg.load import load_twin
+
+from predicates.case import Answer, Case, Verdict
+from predicates.oracle import Embodiment, Physics
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError
+from sdt_kg.iri import Iri
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.task import UNKNOWN, Task
+from sdt_kg.twin import Twin
+from services.requests import parse_state, parse_task
+
+DEFAULT_BUDGET = 20.0
+"""[s] How long CanPerform searches for one container before it gives up."""
+
+
+@dataclass(frozen=True)
+class Policy:
+    """What decides CanPerform beyond twin, robot and task.
+
+    Attributes:
+        drive: How the base moves; None takes the robot's own.
+        base: Start pose x, y [m], yaw [rad]; None takes the kitchen's, turned towards the handle.
+        budget: Seconds of search for each container.
+        seed: Of the search.
+    """
+
+    drive: Drive | None = None
+    base: tuple[float, float, float] | None = None
+    budget: float = DEFAULT_BUDGET
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Service:
+    """The Law over one twin, asked with names as people type them.
+
+    Attributes:
+        twin: The kitchen in its present state, with the robots that were loaded.
+        policy: What decides CanPerform beyond the case.
+    """
+
+    twin: Twin
+    policy: Policy = Policy()
+
+    def at(self, *states: str) -> "Service":
+        """The same kitchen with these joints elsewhere: `JOINT=VALUE`, `all=open` …"""
+        return replace(self, twin=self.twin.at(parse_state(self.twin, states)))
+
+    def satisfies(self) -> Iterator[Answer]:
+        """Every request which the present state meets: SatisfiesRequest, backwards."""
+        return satisfies_request(Case(self.twin, final=self.twin.state))
+
+    def causes(self, task: str | Task, motion: Motion | None = None) -> Iterator[Answer]:
+        """Motions that would cause the task, or whether the given one does; no robot."""
+        case = Case(self.twin, task=self._task(task), motion=UNKNOWN if motion is None else motion)
+        return causes(case, self.physics)
+
+    def achieve(
+        self, task: str | Task, robot: str | Iri | None = None, motion: Motion | BodyMotion | None = None
+    ) -> Iterator[Verdict]:
+        """CanAchieve: one verdict for each container that the task is about.
+
+        Args:
+            task: `open`, `open:CONTAINER`, `close` …
+            robot: Name or IRI of a loaded robot; may be left out where only one is loaded.
+            motion: To be verified; generated where it is None.
+        """
+        case = Case(self.twin, robot=self.robot(robot), task=self._task(task))
+        if isinstance(motion, BodyMotion):
+            case = replace(case, body_motion=motion)
+        elif motion is not None:
+            case = replace(case, motion=motion)
+        return law(case, self.physics, self.embodiment)
+
+    def query(self, sparql: str) -> list[dict[str, object]]:
+        """Rows of a SPARQL query over entities and present state."""
+        return self.twin.query(sparql)
+
+    def robot(self, name: str | Iri | None) -> Iri:
+        """IRI of a loaded robot."""
+        names = {self.twin.name(robot): robot for robot in self.twin.robots}
+        if name is None and len(names) == 1:
+            return next(iter(names.values()))
+        if name in names:
+            return names[name]
+        if name in names.values():
+            return str(name)
+        raise InputError(
+            f"no loaded robot '{name}'",
+            allowed=", ".join(names) or "none is loaded",
+            remedy="pass it to load()",
+        )
+
+    @cached_property
+    def physics(self) -> Physics:
+        """Φ in process."""
+        from services.physics.oracle import Kinematics  # noqa: PLC0415 - not needed for questions about the graph
+
+        return Kinematics()
+
+    @cached_property
+    def embodiment(self) -> Embodiment:
+        """CanPerform's oracle in process."""
+        from services.embodiment.oracle import WholeBody  # noqa: PLC0415 - not needed without a robot
+
+        policy = self.policy
+        return WholeBody(drive=policy.drive, start=policy.base, budget=policy.budget, seed=policy.seed)
+
+    def _task(self, task: str | Task) -> Task:
+        return task if isinstance(task, Task) else parse_task(self.twin, task)
+
+
+def load(
+    kitchen: str | Path,
+    robots: Sequence[str | Path] = (),
+    *,
+    annotation: str | Path | None = None,
+    state: Sequence[str] | Mapping[Iri, float] = (),
+    policy: Policy | None = None,
+) -> Service:
+    """The Law over a kitchen, with robots, by bundled name or path of a URDF.
+
+    Raises:
+        UnknownEntityError: No bundled kitchen or robot of that name, and no such file.
+        UrdfError: A file that is not a valid URDF tree.
+        AnnotationError: A robot's annotation is missing or contradicts its URDF.
+    """
+    twin = load_twin(kitchen, robots, annotation=annotation)
+    service = Service(twin, policy or Policy())
+    if isinstance(state, Mapping):
+        return replace(service, twin=twin.at(state))
+    return service.at(*state) if state else service

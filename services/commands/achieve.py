@@ -1,0 +1,254 @@
+"""`sdt achieve` and `sdt table`: CanAchieve for one case, and for many."""
+
+import os
+from collections import Counter
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+import click
+from predicates.record import to_json
+
+from predicates.case import Outcome, Verdict
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError
+from sdt_kg.motion import BodyMotion
+from services.app import Policy, load
+from services.commands.options import (
+    ROBOT_HELP,
+    annotation_option,
+    budget_option,
+    drive_option,
+    json_flag,
+    save_option,
+    seed_option,
+    states_option,
+)
+from services.commands.show import console, csv_text, print_json, print_rows, progress
+from services.motion_files import read_motion, write_motion
+from services.requests import parse_base
+from services.store.files import SavedVerdicts
+from services.table import CellResult, TableResult, cells, run
+
+SOME_NOT_EXIT, ABSTAINED_EXIT = 1, 3
+CSV_COLUMNS = (
+    "kitchen",
+    "robot",
+    "task",
+    "container",
+    "outcome",
+    "satisfies_request",
+    "causes",
+    "can_perform",
+    "gripper",
+    "why",
+    "proof",
+    "seconds",
+    "iri",
+)
+
+
+@click.command()
+@click.option("--kitchen", required=True, help="Bundled kitchen (a, b) or path of a URDF or xacro.")
+@click.option("--robot", required=True, help=ROBOT_HELP)
+@click.option("--task", required=True, metavar="TASK", help="open, close, open:CONTAINER, close:CONTAINER.")
+@click.option(
+    "--motion",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="FILE.npz",
+    help="Verify this motion, of a container or of the robot, instead of making one.",
+)
+@states_option
+@click.option(
+    "--base",
+    metavar="X,Y,YAW",
+    help="Start pose of the base [m, m, rad]; without it the kitchen's, turned to the handle.",
+)
+@drive_option
+@annotation_option
+@budget_option
+@seed_option
+@save_option
+@click.option(
+    "--motion-out",
+    type=click.Path(path_type=Path),
+    metavar="FILE.npz",
+    help="Write the certified body motion.",
+)
+@json_flag
+def achieve(
+    *,
+    kitchen: str,
+    robot: str,
+    task: str,
+    motion: Path | None,
+    states: tuple[str, ...],
+    base: str | None,
+    drive: str | None,
+    annotation: str | None,
+    budget: float,
+    seed: int,
+    save: str | None,
+    motion_out: Path | None,
+    as_json: bool,
+) -> None:
+    """Can ROBOT achieve TASK in KITCHEN? Makes a motion, or verifies the one given.
+
+    Exit 0 all certified, 1 some not, 3 all abstained, 2 bad input.
+    """
+    policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed)
+    service = load(kitchen, [robot], annotation=annotation, state=states, policy=policy)
+    given = read_motion(motion, service.twin, service.robot(None)) if motion else None
+    verdicts: list[Verdict] = []
+    with ExitStack() as stack:
+        saved = stack.enter_context(SavedVerdicts(Path(save))) if save else None
+        for verdict in service.achieve(task, motion=given):
+            verdicts.append(verdict)
+            if saved:
+                saved.add(verdict)
+    objects = [to_json(verdict) for verdict in verdicts]
+    if motion_out:
+        _write_motion(verdicts, motion_out)
+    if as_json:
+        print_json(objects)
+    else:
+        for each in objects:
+            _print_verdict(each)
+    raise SystemExit(_exit_code(verdicts))
+
+
+def _exit_code(verdicts: Sequence[Verdict]) -> int:
+    outcomes = {verdict.outcome for verdict in verdicts}
+    if outcomes == {Outcome.CERTIFIED}:
+        return 0
+    return ABSTAINED_EXIT if outcomes == {Outcome.ABSTAINED} else SOME_NOT_EXIT
+
+
+def _write_motion(verdicts: Sequence[Verdict], path: Path) -> None:
+    motions = [verdict.case.body_motion for verdict in verdicts if verdict.outcome is Outcome.CERTIFIED]
+    if len(verdicts) > 1:
+        raise InputError(
+            "--motion-out takes one motion", allowed="a task with a container, such as open:CONTAINER"
+        )
+    if motions and isinstance(motions[0], BodyMotion):
+        write_motion(path, motions[0])
+    else:
+        click.echo(f"{path} is not written: no certified motion", err=True)
+
+
+@click.command()
+@click.option(
+    "--kitchens", default="a,b", show_default=True, help="Bundled kitchens or paths, comma-separated."
+)
+@click.option(
+    "--robots",
+    default="pr2,tiago_dual,stretch",
+    show_default=True,
+    help="Bundled robots or paths, comma-separated.",
+)
+@click.option("--task", "verb", type=click.Choice(["open", "close"]), default="open", show_default=True)
+@drive_option
+@states_option
+@budget_option
+@seed_option
+@click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    default=os.cpu_count() or 1,
+    show_default="all cores",
+    help="Worker processes.",
+)
+@save_option
+@click.option(
+    "--csv", "csv_file", type=click.Path(path_type=Path), metavar="FILE", help="Write every case as CSV."
+)
+@json_flag
+def table(
+    *,
+    kitchens: str,
+    robots: str,
+    verb: str,
+    drive: str | None,
+    states: tuple[str, ...],
+    budget: float,
+    seed: int,
+    jobs: int,
+    save: str | None,
+    csv_file: Path | None,
+    as_json: bool,
+) -> None:
+    """Table 1: every container of some kitchens for some robots, each refusal explained.
+
+    Exit 0 whenever every case got a verdict.
+    """
+    policy = Policy(Drive(drive) if drive else None, None, budget, seed)
+    cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)
+    with ExitStack() as stack:
+        saved = stack.enter_context(SavedVerdicts(Path(save))) if save else None
+        bar = stack.enter_context(progress(f"{verb}()", len(cases)))
+
+        def report(result: CellResult) -> None:
+            if saved:
+                saved.add_record(result.record)
+            if bar:
+                bar.update(
+                    bar.task_ids[0], advance=1, now=f"{result.verdict['robot']} {result.verdict['container']}"
+                )
+
+        result = run(cases, jobs, report)
+    objects = [each.verdict for each in result.results]
+    if csv_file:
+        csv_file.write_text(csv_text([_row(each) for each in objects], CSV_COLUMNS))
+    if as_json:
+        print_json(result.to_json())
+    else:
+        _print_table(result, objects)
+        if save:
+            click.echo(f"verdicts as triples: {save}")
+
+
+def _print_table(result: TableResult, objects: Sequence[dict[str, object]]) -> None:
+    counts = result.cells()
+    robots = list(dict.fromkeys(robot for row in counts.values() for robot in row))
+    rows = [
+        {"kitchen": kitchen} | {robot: f"{row[robot][0]} / {row[robot][1]}" for robot in robots}
+        for kitchen, row in counts.items()
+    ]
+    print_rows(rows, ("kitchen", *robots), "table")
+    drives = Counter((str(each["robot"]), str(each["drive"])) for each in objects)
+    click.echo("\nbase: " + ", ".join(f"{robot} {drive}" for robot, drive in drives))
+    missing = [_row(each) for each in objects if each["outcome"] != "certified"]
+    if missing:
+        click.echo("\nnot certified, and why:\n")
+        print_rows(missing, ("kitchen", "robot", "container", "outcome", "why"), "table")
+    click.echo(f"\n{len(objects)} verdicts in {result.seconds:.0f} s ({result.cpu_seconds:.0f} s of CPU)")
+
+
+def _row(verdict: dict[str, object]) -> dict[str, object]:
+    """A verdict's JSON object on one line."""
+    diagnoses = list(verdict["diagnoses"])  # type: ignore[call-overload]
+    why = "; ".join(f"{each['kind']}: {each['reason']}" for each in diagnoses)
+    return verdict | {"why": why, "proof": any(each["proof"] for each in diagnoses)}
+
+
+def _print_verdict(verdict: dict[str, object]) -> None:
+    """A verdict for people: outcome, the three predicates, the reasons, the figures."""
+    out = console()
+    out.print(
+        f"{verdict['outcome']}  {verdict['task']}({verdict['container']})  {verdict['robot']} in kitchen {verdict['kitchen']}"
+    )
+    for name in ("satisfies_request", "causes", "can_perform"):
+        answer = {True: "yes", False: "no", None: "not asked"}[verdict[name]]  # type: ignore[index]
+        out.print(f"  {name:18} {answer}")
+    for diagnosis in list(verdict["diagnoses"]):  # type: ignore[call-overload]
+        claim = "proved" if diagnosis["proof"] else "not proved impossible"
+        out.print(f"  {diagnosis['kind']}: {diagnosis['reason']} ({claim})")
+    details = {"gripper": verdict["gripper"], "drive": verdict["drive"], **dict(verdict["figures"])}  # type: ignore[call-overload]
+    for name, value in details.items():
+        if value is not None:
+            out.print(
+                f"  {name:18} {' '.join(map(str, value)) if isinstance(value, list | tuple) else value}"
+            )
+    for note in list(verdict["notes"]):  # type: ignore[call-overload]
+        out.print(f"  note: {note}")
+    out.print(f"  {verdict['seconds']} s   {verdict['iri']}")

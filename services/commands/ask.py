@@ -1,0 +1,133 @@
+"""`sdt query`, `sdt satisfies`, `sdt causes`: questions that need no robot."""
+
+from pathlib import Path
+
+import click
+from predicates.record import diagnosis_json
+
+from predicates.case import Answer
+from sdt_kg.errors import InputError
+from sdt_kg.iri import local_name
+from sdt_kg.motion import Motion
+from sdt_kg.task import Task
+from services.app import load
+from services.commands.options import json_flag, kitchen_argument, states_option
+from services.commands.show import console, print_json, print_rows
+from services.motion_files import read_motion, write_motion
+from services.store.files import is_saved_graph, query_saved
+
+NOT_CAUSED_EXIT, ABSTAINED_EXIT = 1, 3
+
+
+@click.command()
+@click.argument("source", metavar="KITCHEN|FILE|STORE")
+@click.argument("sparql", required=False)
+@click.option(
+    "-f",
+    "--file",
+    "query_file",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="FILE.rq",
+)
+@click.option(
+    "--format", "form", type=click.Choice(["table", "csv", "json"]), default="table", show_default=True
+)
+@json_flag
+def query(source: str, sparql: str | None, query_file: Path | None, form: str, as_json: bool) -> None:
+    """Ask the twin of a KITCHEN, or saved verdicts, in SPARQL; the usual prefixes are known."""
+    if (sparql is None) == (query_file is None):
+        raise InputError("there is no query, or there are two", allowed="'SPARQL' or -f FILE.rq")
+    text = query_file.read_text() if query_file else str(sparql)
+    columns, rows = query_saved(Path(source), text) if is_saved_graph(source) else load(source).query(text)
+    print_rows(rows, columns, "json" if as_json else form)
+
+
+@click.command()
+@kitchen_argument
+@states_option
+@json_flag
+def satisfies(kitchen: str, states: tuple[str, ...], as_json: bool) -> None:
+    """The requests which a state of KITCHEN meets (SatisfiesRequest, backwards)."""
+    service = load(kitchen, state=states)
+    tasks = (answer.case.task for answer in service.satisfies())
+    rows = [_task_row(task) for task in tasks if isinstance(task, Task)]
+    print_rows(rows, ("task", "container"), "json" if as_json else "table")
+
+
+@click.command()
+@kitchen_argument
+@click.option("--task", required=True, metavar="TASK", help="open, close, open:CONTAINER, close:CONTAINER.")
+@states_option
+@click.option(
+    "--motion",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="FILE.npz",
+    help="What would this container's motion cause? Without it, motions that would cause the task.",
+)
+@click.option(
+    "--motion-out", type=click.Path(path_type=Path), metavar="FILE.npz", help="Write the first motion found."
+)
+@json_flag
+def causes(
+    kitchen: str,
+    task: str,
+    states: tuple[str, ...],
+    motion: Path | None,
+    motion_out: Path | None,
+    as_json: bool,
+) -> None:
+    """Motions that would cause TASK, or what a given motion causes; no robot.
+
+    Exit 0 if all would, 1 if some would not, 3 if all are out of scope.
+    """
+    service = load(kitchen, state=states)
+    given = read_motion(motion, service.twin) if motion else None
+    if given is not None and not isinstance(given, Motion):
+        raise InputError(
+            f"{motion} is a robot's motion", allowed="a container's motion", remedy="use sdt achieve"
+        )
+    answers = list(service.causes(task, given))
+    if motion_out:
+        _write_first(answers, motion_out)
+    rows = [_answer_row(answer) for answer in answers]
+    if as_json:
+        print_json(rows)
+    else:
+        for row in rows:
+            row["why"] = "; ".join(str(each["reason"]) for each in row["diagnoses"])  # type: ignore[union-attr]
+        print_rows(rows, ("task", "container", "outcome", "start", "end", "duration", "why"), "table")
+    _exit(rows)
+
+
+def _exit(rows: list[dict[str, object]]) -> None:
+    outcomes = {row["outcome"] for row in rows}
+    if outcomes == {"out_of_scope"}:
+        raise SystemExit(ABSTAINED_EXIT)
+    if outcomes != {"causes"}:
+        raise SystemExit(NOT_CAUSED_EXIT)
+
+
+def _write_first(answers: list[Answer], path: Path) -> None:
+    for answer in answers:
+        if isinstance(answer.case.motion, Motion):
+            write_motion(path, answer.case.motion)
+            return
+    console().print("no motion to write")
+
+
+def _task_row(task: Task) -> dict[str, object]:
+    container = task.container if isinstance(task.container, str) else ""
+    return {"task": task.verb.value, "container": local_name(container)}
+
+
+def _answer_row(answer: Answer) -> dict[str, object]:
+    case = answer.case
+    row: dict[str, object] = _task_row(case.task) if isinstance(case.task, Task) else {}
+    kinds = {diagnosis.kind.value for diagnosis in answer.diagnoses}
+    row["outcome"] = (
+        "causes" if answer.holds else ("out_of_scope" if "out_of_scope" in kinds else "does_not_cause")
+    )
+    if isinstance(case.motion, Motion) and not case.motion.is_poses:
+        values = case.motion.values[:, 0]
+        row |= {"start": float(values[0]), "end": float(values[-1]), "duration": float(case.motion.times[-1])}
+    return row | {"diagnoses": [diagnosis_json(each) for each in answer.diagnoses]}

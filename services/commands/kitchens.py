@@ -1,0 +1,113 @@
+"""`sdt containers`, `sdt graph`, `sdt scope`: what a kitchen is, before any question of motion."""
+
+from pathlib import Path
+
+import click
+from sdt_kg.load import load_twin
+from sdt_kg.scope import D_ARTIC, report_turtle, violations
+
+from sdt_kg.errors import InputError
+from sdt_kg.iri import local_name
+from sdt_kg.twin import Container
+from services.commands.options import ROBOT_HELP, annotation_option, json_flag, kitchen_argument
+from services.commands.show import console, print_json, print_rows
+
+COLUMNS = (
+    "name",
+    "kind",
+    "joint",
+    "handle",
+    "lower",
+    "upper",
+    "open_from",
+    "closed_to",
+    "velocity",
+    "acceleration",
+)
+GRAPH_FORMATS = {".ttl": "turtle", ".trig": "trig", ".nq": "nquads"}
+OUT_OF_SCOPE_EXIT = 3
+
+
+@click.command()
+@kitchen_argument
+@click.option(
+    "--all", "show_all", is_flag=True, help="Also the handled joints that are left out, with the reason."
+)
+@json_flag
+def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
+    """The counted containers of KITCHEN, their joints, handles and limits."""
+    twin = load_twin(kitchen)
+    counted = [container_row(container) for container in twin.containers()]
+    left_out = [
+        {
+            "joint": local_name(each.joint),
+            "name": local_name(each.body),
+            "reason": each.reason,
+            "left_out": True,
+        }
+        for each in (twin.left_out() if show_all else ())
+    ]
+    if as_json:
+        print_json(counted + left_out)
+        return
+    print_rows(counted, COLUMNS, "table")
+    if show_all:
+        console().print()
+        print_rows(left_out, ("name", "joint", "reason"), "table")
+    for note in twin.notes:
+        click.echo(f"note: {note}", err=True)
+
+
+def container_row(container: Container) -> dict[str, object]:
+    """One counted container with local names; positions in rad or m."""
+    row: dict[str, object] = {column: getattr(container, column) for column in COLUMNS}
+    joint, active = local_name(container.joint), local_name(container.active_joint)
+    return row | {
+        "joint": joint,
+        "active_joint": active,
+        "handle": local_name(container.handle),
+        "iri": container.iri,
+    }
+
+
+@click.command()
+@kitchen_argument
+@click.option("--robot", "robots", multiple=True, help=ROBOT_HELP + " Repeatable.")
+@annotation_option
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE.ttl|.trig|.nq")
+def graph(kitchen: str, robots: tuple[str, ...], annotation: str | None, output: Path) -> None:
+    """Write the twin of KITCHEN (and robots) as RDF."""
+    if output.suffix not in GRAPH_FORMATS:
+        raise InputError(f"no RDF format for '{output.name}'", allowed=", ".join(GRAPH_FORMATS))
+    twin = load_twin(kitchen, robots, annotation=annotation)
+    output.write_bytes(twin.serialize(GRAPH_FORMATS[output.suffix]))
+    click.echo(f"{output}: {twin.triple_count()} triples")
+
+
+@click.command()
+@kitchen_argument
+@click.option("--robot", help=ROBOT_HELP)
+@annotation_option
+@click.option("--format", "form", type=click.Choice(["text", "turtle"]), default="text", show_default=True)
+@json_flag
+def scope(kitchen: str, robot: str | None, annotation: str | None, form: str, as_json: bool) -> None:
+    """SHACL report: does KITCHEN (with a robot) lie inside D_artic? Exit 0 in scope, 3 not."""
+    twin = load_twin(kitchen, [robot] if robot else [], annotation=annotation)
+    rows: list[dict[str, object]] = []
+    for container in twin.containers():
+        for each in violations(twin, container, twin.robots[0] if robot else None):
+            row = {"focus": local_name(each.focus), "path": local_name(each.path or ""), "value": each.value}
+            rows.append({"container": container.name, **row, "bound": each.bound, "message": each.message})
+    if as_json:
+        print_json({"class": D_ARTIC, "in_scope": not rows, "violations": rows})
+    elif form == "turtle":
+        click.echo(report_turtle(twin, twin.robots[0] if robot else None))
+    elif rows:
+        print_rows(rows, ("container", "focus", "path", "value", "bound", "message"), "table")
+    else:
+        click.echo(
+            f"in scope of D_artic: {len(twin.containers())} containers"
+            + (f", robot {robot}" if robot else "")
+        )
+    if rows:
+        raise SystemExit(OUT_OF_SCOPE_EXIT)

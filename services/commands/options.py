@@ -1,0 +1,47 @@
+"""Options that several subcommands share, each spelled once."""
+
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+Command = Callable[..., Any]  # click's own decorators are typed so
+
+KITCHEN_HELP = "Bundled kitchen (a, b) or path of a URDF or xacro."
+ROBOT_HELP = "Bundled robot (pr2, tiago_dual, stretch) or path of a URDF or xacro."
+
+kitchen_argument = click.argument("kitchen")
+json_flag = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+states_option = click.option(
+    "--state",
+    "states",
+    multiple=True,
+    metavar="JOINT=VALUE",
+    help="Start state: a joint or container at a position [rad or m], open or closed; all=open, all=closed, "
+    "all=half-open:SEED. Repeatable. Without it everything is closed.",
+)
+drive_option = click.option(
+    "--drive",
+    type=click.Choice(["omni", "differential", "fixed"]),
+    help="How the base moves; without it, as the robot's hardware does. omni is the paper's set-up.",
+)
+budget_option = click.option(
+    "--budget",
+    type=click.FloatRange(min=0, min_open=True),
+    default=20.0,
+    show_default=True,
+    help="Seconds of search for each container before giving up.",
+)
+seed_option = click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
+save_option = click.option(
+    "--save",
+    type=click.Path(),
+    metavar="STORE",
+    help="Keep verdicts as triples: a .trig or .nq file, or a store directory.",
+)
+annotation_option = click.option(
+    "--annotation",
+    type=click.Path(exists=True, dir_okay=False),
+    metavar="FILE.ttl",
+    help="Annotation of the robot's URDF; without it, the .ttl beside it or a bundled one that fits.",
+)

@@ -1,0 +1,36 @@
+"""`sdt robot describe`: a first annotation for a robot of one's own."""
+
+from pathlib import Path
+
+import click
+from sdt_kg.describe import describe as describe_robot
+
+from sdt_kg.errors import InputError
+
+
+@click.group()
+def robot() -> None:
+    """Bring your own robot."""
+
+
+@robot.command()
+@click.argument("urdf", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE.ttl",
+    help="Default: NAME.ttl beside the URDF.",
+)
+@click.option("--force", is_flag=True, help="Overwrite the file if it is there.")
+def describe(urdf: Path, output: Path | None, force: bool) -> None:
+    """Write a first annotation of URDF: grippers guessed, pairs sampled, what to check marked."""
+    from services.physics.contacts import sampled_contacts  # noqa: PLC0415 - the only physics here
+
+    path = output or urdf.with_suffix(".ttl")
+    if path.exists() and not force:
+        raise InputError(
+            f"{path} exists", allowed="a file which is not there yet", remedy="--force overwrites it"
+        )
+    path.write_text(describe_robot(urdf, sampled_contacts))
+    click.echo(f"{path}: check every line that says 'check'")

@@ -1,0 +1,144 @@
+"""Many cases at once: every container of some kitchens for some robots, in worker processes."""
+
+import os
+import resource
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+from predicates.record import Record, to_json, to_record
+from sdt_kg.load import load_twin, model_name
+
+from sdt_kg.errors import InputError
+from services.app import Policy, Service, load
+from services.requests import state_joints
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One case of the table, small enough to travel to a worker process."""
+
+    kitchen: str
+    robot: str
+    task: str
+    states: tuple[str, ...]
+    policy: Policy
+
+
+@dataclass(frozen=True, slots=True)
+class CellResult:
+    """What a worker found: the verdict as the JSON object of `sdt achieve`, and as triples."""
+
+    cell: Cell
+    verdict: dict[str, object]
+    record: Record
+
+
+@dataclass(slots=True)
+class TableResult:
+    """All verdicts of a table.
+
+    Attributes:
+        seconds: Wall time [s].
+        cpu_seconds: CPU time of this process and its workers [s].
+    """
+
+    results: list[CellResult] = field(default_factory=list[CellResult])
+    seconds: float = 0.0
+    cpu_seconds: float = 0.0
+
+    def cells(self) -> dict[str, dict[str, list[int]]]:
+        """Kitchen → robot → [certified, total]."""
+        counts: dict[str, dict[str, list[int]]] = {}
+        for result in self.results:
+            row = counts.setdefault(model_name(result.cell.kitchen), {})
+            count = row.setdefault(model_name(result.cell.robot), [0, 0])
+            count[0] += result.verdict["outcome"] == "certified"
+            count[1] += 1
+        return counts
+
+    def to_json(self) -> dict[str, object]:
+        """The object that `sdt table --json` prints."""
+        return {
+            "cells": self.cells(),
+            "verdicts": [result.verdict for result in self.results],
+            "seconds": round(self.seconds, 3),
+            "cpu_seconds": round(self.cpu_seconds, 3),
+        }
+
+
+def cells(
+    kitchens: Sequence[str], robots: Sequence[str], verb: str, states: Sequence[str], policy: Policy
+) -> list[Cell]:
+    """Every container of every kitchen with every robot, kitchen by kitchen.
+
+    A state text that names a joint applies to those kitchens which have it.
+
+    Raises:
+        InputError: Two models share a name, or a state names a joint which no kitchen has.
+    """
+    for models in (kitchens, robots):
+        names = [model_name(model) for model in models]
+        if len(set(names)) < len(names):
+            raise InputError(f"two models share a name: {', '.join(names)}", allowed="each model once")
+    found: list[Cell] = []
+    used: set[str] = set()
+    for kitchen in kitchens:
+        twin = load_twin(kitchen)
+        own = tuple(state_joints(twin, states))
+        used.update(own)
+        for robot in robots:
+            tasks = (f"{verb}:{container.name}" for container in twin.containers())
+            found += [Cell(kitchen, robot, task, own, policy) for task in tasks]
+    unused = set(states) - used
+    if unused:
+        raise InputError(f"no kitchen of the table has a joint for: {', '.join(sorted(unused))}")
+    return found
+
+
+def run(cases: Sequence[Cell], jobs: int, report: Callable[[CellResult], None]) -> TableResult:
+    """Verdicts of all cases, in the order of the cases; each is reported as soon as it is there.
+
+    An interrupt stops the workers; what was reported until then stays reported.
+    """
+    began, cpu_began = time.perf_counter(), _cpu_seconds()
+    done: dict[Cell, CellResult] = {}
+    for result in _results(cases, jobs):
+        done[result.cell] = result
+        report(result)
+    ordered = [done[case] for case in cases]
+    return TableResult(ordered, time.perf_counter() - began, _cpu_seconds() - cpu_began)
+
+
+def _results(cases: Sequence[Cell], jobs: int) -> Iterator[CellResult]:
+    if jobs == 1:
+        yield from map(_judge, cases)
+        return
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    with ProcessPoolExecutor(jobs) as pool:
+        futures: list[Future[CellResult]] = [pool.submit(_judge, case) for case in cases]
+        try:
+            for future in as_completed(futures):
+                yield future.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _judge(cell: Cell) -> CellResult:
+    service = _service(cell.kitchen, cell.robot, cell.states, cell.policy)
+    (verdict,) = service.achieve(cell.task)
+    return CellResult(cell, to_json(verdict), to_record(verdict))
+
+
+@lru_cache(maxsize=2)
+def _service(kitchen: str, robot: str, states: tuple[str, ...], policy: Policy) -> Service:
+    """Loaded once in each worker for the cases that follow each other."""
+    return load(kitchen, [robot], state=states, policy=policy)
+
+
+def _cpu_seconds() -> float:
+    usages = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
