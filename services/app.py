@@ -57,7 +57,7 @@ class Service:
     policy: Policy = Policy()
 
     def at(self, *states: str) -> "Service":
-        """The same kitchen with these joints elsewhere: `JOINT=VALUE`, `all=open` …"""
+        """The same kitchen with these joints elsewhere: `JOINT=VALUE`, `all=open`, and so on."""
         return replace(self, twin=self.twin.at(parse_state(self.twin, states)))
 
     def satisfies(self) -> Iterator[Answer]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from sdt_kg.errors import InputError, StateError, UnknownEntityError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.state import State
-from sdt_kg.task import UNKNOWN, Task, Verb
+from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container, Twin
 
 HALF_OPEN_MARGIN = 0.1

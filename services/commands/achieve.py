@@ -234,9 +234,7 @@ def _row(verdict: dict[str, object]) -> dict[str, object]:
 def _print_verdict(verdict: dict[str, object]) -> None:
     """A verdict for people: outcome, the three predicates, the reasons, the figures."""
     out = console()
-    out.print(
-        f"{verdict['outcome']}  {verdict['task']}({verdict['container']})  {verdict['robot']} in kitchen {verdict['kitchen']}"
-    )
+    out.print("{outcome}  {task}({container})  {robot} in kitchen {kitchen}".format_map(verdict))
     for name in ("satisfies_request", "causes", "can_perform"):
         answer = {True: "yes", False: "no", None: "not asked"}[verdict[name]]  # type: ignore[index]
         out.print(f"  {name:18} {answer}")

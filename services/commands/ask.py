@@ -69,6 +69,7 @@ def satisfies(kitchen: str, states: tuple[str, ...], as_json: bool) -> None:
 )
 @json_flag
 def causes(
+    *,
     kitchen: str,
     task: str,
     states: tuple[str, ...],
