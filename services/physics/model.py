@@ -1,0 +1,220 @@
+"""A kitchen and a robot as one scene: Pinocchio model, limits, collision shapes and their pairs."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
+import numpy as np
+import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
+
+from sdt_kg.annotation import RobotAnnotation
+from sdt_kg.errors import AnnotationError
+from sdt_kg.iri import Iri, body_iri
+from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism
+from sdt_kg.twin import Twin
+from services.physics.shapes import solid, surface
+from services.physics.tree import UNIVERSE, Array, Bounds, Indices, Part, add, coupling, se3
+
+BASE_COORDINATES = ("base_x", "base_y", "base_yaw")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solid:
+    """One collision shape of a body.
+
+    Attributes:
+        body: IRI of its body.
+        joint: Pinocchio's index of the joint that moves it; 0 for the world.
+        joint_T_shape: Where it sits.
+        centre: Centre of the shape's own axis-aligned box, in the joint's frame [m], shape (3,).
+        half: Half extents of that box, in the shape's frame [m], shape (3,).
+        radius: Of the sphere about `centre` that contains the shape [m].
+    """
+
+    body: Iri
+    joint: int
+    joint_T_shape: pin.SE3
+    shape: coal.CollisionGeometry
+    centre: Array
+    half: Array
+    radius: float
+
+
+def _solid(
+    body: Iri, geometry: Geometry, joint: int, joint_T_body: pin.SE3, shape: coal.CollisionGeometry
+) -> Solid:
+    joint_T_shape = joint_T_body * se3(geometry.pose)
+    box = shape.aabb_local
+    centre = (box.min_ + box.max_) / 2
+    half = (box.max_ - box.min_) / 2
+    return Solid(
+        body, joint, joint_T_shape, shape, joint_T_shape.act(centre), half, float(np.linalg.norm(half))
+    )
+
+
+class Scene:
+    """A kitchen and one robot as one Pinocchio model with collision shapes.
+
+    Coordinates: the kitchen's movable joints, base x, y, yaw, the robot's movable joints. `placement`
+    and `tool` write the scene's own `data`; everything else is read only.
+
+    Attributes:
+        model, data: Pinocchio's. Frames are named by body IRI, tool frames `ROBOT/gripper/NAME`.
+        kitchen, robot: Which part of the model is which.
+        annotation: The robot's.
+        names: IRI of the joint of each coordinate; `ROBOT/base_x` and so on for the base.
+        coordinate: The inverse of `names`.
+        base: Coordinates of the base, shape (3,).
+        coupling: How mimic joints follow.
+        bounds: Limits of each coordinate.
+        solids: All collision shapes, the kitchen's first.
+        self_pairs: Pairs of robot shapes that must not touch, shape (P, 2), indices of `solids`.
+        environment_pairs: Every robot shape with every kitchen shape, shape (P, 2), robot first.
+    """
+
+    def __init__(self, twin: Twin, robot: Iri) -> None:
+        kitchen, machine = twin.mechanism(twin.environment), twin.mechanism(robot)
+        self.twin, self.robot_iri, self.annotation = twin, robot, twin.robot(robot)
+        self.model = pin.Model()
+        self.kitchen = add(self.model, kitchen, UNIVERSE, pin.SE3.Identity())
+        self.base = np.arange(self.model.nq, self.model.nq + 3)
+        carrier = self._add_base(self.model)
+        self.robot = add(self.model, machine, carrier, _base_T_root(machine, self.annotation))
+        self._add_tools()
+        self.data = self.model.createData()
+        self.coupling = coupling(self.model.nq, (self.kitchen, self.robot))
+        self.names = self._names()
+        self.coordinate = {name: k for k, name in enumerate(self.names)}
+        self.bounds = self._bounds()
+        self.solids = (*_solids(self.kitchen, surface), *_solids(self.robot, solid))
+        self.self_pairs, self.environment_pairs = self._pairs()
+
+    def _add_base(self, model: pin.Model) -> int:
+        up = pin.SE3(np.eye(3), np.array([0.0, 0.0, self.annotation.base_height]))
+        joints = (pin.JointModelPX(), pin.JointModelPY(), pin.JointModelRZ())
+        carrier, placement = UNIVERSE, up
+        for joint, name in zip(joints, BASE_COORDINATES, strict=True):
+            carrier = model.addJoint(carrier, joint, placement, f"{self.robot_iri}/{name}")
+            placement = pin.SE3.Identity()
+        return carrier
+
+    def _add_tools(self) -> None:
+        for gripper in self.annotation.grippers:
+            joint, joint_T_body = self.robot.attached[gripper.tool_body]
+            name = self.tool_frame(gripper.name)
+            self.model.addFrame(pin.Frame(name, joint, joint_T_body * se3(gripper.tool), pin.OP_FRAME))
+
+    def _names(self) -> tuple[Iri, ...]:
+        return tuple(self.model.names)[1:]
+
+    def _bounds(self) -> Bounds:
+        nq, base = self.model.nq, self.annotation.base_limits
+        bounds = Bounds(np.full(nq, -np.inf), np.full(nq, np.inf), np.full(nq, np.inf), np.full(nq, np.inf))
+        annotated = (
+            (self.kitchen, self.twin.kitchen().acceleration),
+            (self.robot, self.annotation.acceleration),
+        )
+        for part, acceleration in annotated:
+            for k, joint in enumerate(part.joints, part.first):
+                if joint.type is not JointType.CONTINUOUS:
+                    bounds.lower[k], bounds.upper[k] = joint.limits.lower, joint.limits.upper
+                bounds.velocity[k] = joint.limits.velocity
+                bounds.acceleration[k] = min(joint.limits.acceleration, acceleration.get(joint.name, np.inf))
+        bounds.velocity[self.base] = base.linear_velocity, base.linear_velocity, base.angular_velocity
+        bounds.acceleration[self.base] = (
+            base.linear_acceleration,
+            base.linear_acceleration,
+            base.angular_acceleration,
+        )
+        return bounds
+
+    def _pairs(self) -> tuple[Indices, Indices]:
+        first = next((i for i, one in enumerate(self.solids) if self._is_robot(one)), len(self.solids))
+        kitchen, robot = np.arange(first), np.arange(first, len(self.solids))
+        environment = np.stack(np.meshgrid(robot, kitchen, indexing="ij"), axis=-1).reshape(-1, 2)
+        exempt = exempt_pairs(self.robot.mechanism, self.annotation)
+        own = [
+            (i, j)
+            for i in robot
+            for j in range(i + 1, len(self.solids))
+            if frozenset((self.solids[i].body, self.solids[j].body)) not in exempt
+        ]
+        return np.array(own, dtype=np.intp).reshape(-1, 2), environment
+
+    def _is_robot(self, one: Solid) -> bool:
+        return one.joint > self.base[-1]
+
+    def q(
+        self,
+        base: Sequence[float] | Array,
+        robot: Mapping[str, float],
+        kitchen: Mapping[Iri, float] | None = None,
+    ) -> Array:
+        """Coordinates, shape (nq,).
+
+        Args:
+            base: x, y [m], yaw [rad].
+            robot: Joint name → position; joints that are not listed are parked.
+            kitchen: Joint IRI → position; joints that are not listed are as the twin's state says.
+        """
+        q = np.zeros(self.model.nq)
+        for iri, value in {**self.twin.state, **(kitchen or {})}.items():
+            q[self.coordinate[iri]] = value
+        q[self.base] = base
+        for k, joint in enumerate(self.robot.joints, self.robot.first):
+            q[k] = robot.get(joint.name, self.parked(joint))
+        return self.coupling.positions(q)
+
+    def parked(self, joint: Joint) -> float:
+        """Position of a robot joint when driving: as annotated, else 0 or the limit nearest to it."""
+        rest = float(np.clip(0.0, joint.limits.lower, joint.limits.upper))
+        return self.annotation.parked.get(joint.name, rest)
+
+    def tool_frame(self, gripper: str) -> str:
+        """Name of a gripper's tool frame in the model."""
+        return f"{self.robot_iri}/gripper/{gripper}"
+
+    def placement(self, q: Array, frame: str) -> pin.SE3:
+        """world_T_frame of a body (its IRI) or tool frame at q."""
+        pin.forwardKinematics(self.model, self.data, q)
+        return pin.updateFramePlacement(self.model, self.data, self.model.getFrameId(frame)).copy()
+
+
+def _base_T_root(mechanism: Mechanism, annotation: RobotAnnotation) -> pin.SE3:
+    root_T_body = {mechanism.root: pin.SE3.Identity()}
+    for joint in mechanism.joints:
+        if joint.type is JointType.FIXED and joint.parent in root_T_body:
+            root_T_body[joint.child] = root_T_body[joint.parent] * se3(joint.origin)
+    if annotation.base_body not in root_T_body:
+        raise AnnotationError(
+            f"base body {annotation.base_body} of {mechanism.name} moves against the root {mechanism.root}",
+            allowed="a body that is rigidly attached to the root",
+        )
+    return root_T_body[annotation.base_body].inverse()
+
+
+def _solids(part: Part, shape: Callable[[Geometry], coal.CollisionGeometry]) -> list[Solid]:
+    return [
+        _solid(body_iri(part.mechanism.name, body.name), geometry, *part.attached[body.name], shape(geometry))
+        for body in part.mechanism.bodies
+        for geometry in body.collision
+    ]
+
+
+def exempt_pairs(mechanism: Mechanism, annotation: RobotAnnotation) -> set[frozenset[Iri]]:
+    """Bodies (IRIs) whose contact is no self-collision; a set of one body means the body with itself.
+
+    Two bodies are exempt if one joint joins them, if only fixed joints lie between them, or if the
+    annotation says so.
+    """
+    rigid = {mechanism.root: mechanism.root}
+    pairs = set(annotation.allowed_contacts)
+    for joint in mechanism.joints:
+        rigid[joint.child] = rigid[joint.parent] if joint.type is JointType.FIXED else joint.child
+        pairs.add(frozenset((joint.parent, joint.child)))
+    groups: dict[str, list[str]] = {}
+    for body, group in rigid.items():
+        groups.setdefault(group, []).append(body)
+    for group in groups.values():
+        pairs.update(frozenset((one, other)) for one in group for other in group)
+    return {frozenset(body_iri(mechanism.name, body) for body in pair) for pair in pairs}

@@ -1,0 +1,84 @@
+"""Collision geometry as coal shapes."""
+
+from functools import lru_cache
+
+import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.errors import UrdfError
+from sdt_kg.mechanism import Geometry, ShapeType
+
+FLAT = 1e-6  # [m] a mesh thinner than this has no volume: qhull crashes on it
+PADDING = 1e-4  # [m] how far the hull of a flat mesh stands out on both sides
+
+
+def solid(geometry: Geometry) -> coal.CollisionGeometry:
+    """Shape that contains the geometry: primitives as they are, a mesh as its convex hull.
+
+    For robot links: what is certified free with the hull is free with the mesh.
+    """
+    if geometry.shape is ShapeType.MESH:
+        return _hull(geometry.mesh_file, geometry.mesh_hash, geometry.size)
+    return _primitive(geometry)
+
+
+def surface(geometry: Geometry) -> coal.CollisionGeometry:
+    """Shape with the geometry's surface: primitives as they are, a mesh as its triangles.
+
+    For kitchens, whose cabinets and drawers are hollow: a hull would fill them. A body that lies
+    wholly inside a closed mesh touches no triangle and reads as free; it cannot get there from
+    outside without crossing the surface, which a check of the motion between samples sees. The
+    depth of a penetration is that into single triangles, at least that of the crossing.
+    """
+    if geometry.shape is ShapeType.MESH:
+        return _triangles(geometry.mesh_file, geometry.mesh_hash, geometry.size)
+    return _primitive(geometry)
+
+
+def _primitive(geometry: Geometry) -> coal.CollisionGeometry:
+    kinds = {
+        ShapeType.BOX: coal.Box,
+        ShapeType.SPHERE: coal.Sphere,
+        ShapeType.CYLINDER: coal.Cylinder,
+        ShapeType.CAPSULE: coal.Capsule,
+    }
+    shape = kinds[geometry.shape](*geometry.size)
+    shape.computeLocalAABB()
+    return shape
+
+
+@lru_cache(maxsize=1024)
+def _triangles(mesh_file: str, mesh_hash: str, scale: tuple[float, ...]) -> coal.BVHModelBase:
+    # The hash is part of the key: a file that changed is another mesh.
+    del mesh_hash
+    try:
+        mesh = coal.MeshLoader(coal.BV_OBBRSS).load(mesh_file, np.array(scale))
+    except (RuntimeError, ValueError) as error:
+        raise UrdfError(f"mesh {mesh_file} cannot be read ({error})", allowed="STL, OBJ, DAE") from error
+    mesh.computeLocalAABB()
+    return mesh
+
+
+@lru_cache(maxsize=1024)
+def _hull(mesh_file: str, mesh_hash: str, scale: tuple[float, ...]) -> coal.ConvexBase:
+    vertices = np.array(_triangles(mesh_file, mesh_hash, scale).vertices())
+    points = _with_volume(vertices)
+    mesh = coal.BVHModelOBBRSS()
+    mesh.beginModel(0, len(points))
+    mesh.addVertices(points)
+    mesh.endModel()
+    # buildConvexRepresentation is no hull: it keeps the mesh's own, possibly concave, faces.
+    mesh.buildConvexHull(True, "Qt")
+    hull = mesh.convex
+    hull.computeLocalAABB()
+    return hull
+
+
+def _with_volume(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The points, and where they lie in a plane or on a line copies on both sides of it."""
+    _, _, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
+    for axis in axes:
+        if np.ptp(points @ axis) < FLAT:
+            points = np.vstack((points + PADDING * axis, points - PADDING * axis))
+    return points
