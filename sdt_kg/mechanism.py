@@ -143,12 +143,14 @@ class Mechanism:
         root: Name of the root body.
         bodies: In file order.
         joints: Parents before children.
+        notes: What import noticed about the model as a whole, one sentence each.
     """
 
     name: str
     root: str
     bodies: tuple[Body, ...]
     joints: tuple[Joint, ...]
+    notes: tuple[str, ...] = ()
 
     def joint(self, name: str) -> Joint:
         """Joint of that name; KeyError is a bug of ours, input is checked where it enters."""

@@ -1,0 +1,194 @@
+"""URDF text → XML tree that is safe and whole, or a UrdfError that says what is wrong."""
+
+import math
+from collections import Counter
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Final, NoReturn
+from xml.etree import ElementTree as ET
+from xml.parsers import expat
+
+from sdt_kg.errors import UrdfError
+
+MAX_BYTES: Final = 50_000_000
+"""[byte] Larger files are refused; the largest robot that we know of is below 1 MB."""
+
+MOVABLE_TYPES: Final = ("prismatic", "revolute", "continuous")
+JOINT_TYPES: Final = ("fixed", *MOVABLE_TYPES)
+SHAPES: Final = ("box", "cylinder", "sphere", "mesh")
+
+# Tag → numeric attributes and how many numbers each holds.
+NUMBERS: Final[dict[str, dict[str, int]]] = {
+    "axis": {"xyz": 3},
+    "box": {"size": 3},
+    "cylinder": {"radius": 1, "length": 1},
+    "inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), 1),
+    "limit": dict.fromkeys(("lower", "upper", "velocity", "effort"), 1),
+    "mass": {"value": 1},
+    "mesh": {"scale": 3},
+    "mimic": {"multiplier": 1, "offset": 1},
+    "origin": {"xyz": 3, "rpy": 3},
+    "sphere": {"radius": 1},
+}
+POSITIVE: Final = {("box", "size"), ("cylinder", "radius"), ("cylinder", "length"), ("sphere", "radius")}
+
+
+def parse_xml(text: bytes, source: Path) -> ET.Element:
+    """Root element `robot` of a document without DTD, whose links and joints form one tree.
+
+    Raises:
+        UrdfError: Anything else.
+    """
+    if len(text) > MAX_BYTES:
+        raise UrdfError(f"{source}: {len(text)} bytes", allowed=f"up to {MAX_BYTES} bytes")
+    refuse_dtd(text, source)
+    root = ET.fromstring(text)  # noqa: S314 - no DTD, hence no entity, is left in the text
+    if root.tag != "robot":
+        raise UrdfError(f"{source}: the root element is <{root.tag}>", allowed="<robot>")
+    _check_names(root, source)
+    for joint in root.findall("joint"):
+        _check_joint(joint, source)
+    _check_tree(root, source)
+    for owner in (*root.findall("link"), *root.findall("joint")):
+        _check_numbers(owner, source)
+    return root
+
+
+def refuse_dtd(text: bytes, source: Path) -> None:
+    def refuse(*_: object) -> NoReturn:
+        raise UrdfError(
+            f"{source}: has a DTD or defines entities",
+            allowed="XML without <!DOCTYPE>",
+            remedy="remove the <!DOCTYPE …> part",
+        )
+
+    parser = expat.ParserCreate()
+    parser.StartDoctypeDeclHandler = refuse
+    parser.EntityDeclHandler = refuse
+    try:
+        parser.Parse(text, True)
+    except expat.ExpatError as error:
+        raise UrdfError(f"{source}: is not XML: {error}", allowed="a URDF or xacro file") from None
+
+
+def _check_names(root: ET.Element, source: Path) -> None:
+    for tag in ("link", "joint"):
+        names = [element.get("name", "") for element in root.findall(tag)]
+        if "" in names:
+            raise UrdfError(f"{source}: a {tag} has no name", remedy=f"give each {tag} a name of its own")
+        twice = [name for name, count in Counter(names).items() if count > 1]
+        if twice:
+            raise UrdfError(
+                f"{source}: {tag} named twice: {_list(twice)}", remedy=f"give each {tag} a name of its own"
+            )
+    if root.find("link") is None:
+        raise UrdfError(f"{source}: has no link", allowed="at least one link")
+
+
+def _check_joint(joint: ET.Element, source: Path) -> None:
+    name = f"{source}: joint '{joint.get('name')}'"
+    kind = joint.get("type")
+    if kind not in JOINT_TYPES:
+        raise UrdfError(
+            f"{name} has type '{kind}'",
+            allowed=", ".join(JOINT_TYPES),
+            remedy="replace it by joints of these types, or make it fixed",
+        )
+    for tag in ("parent", "child"):
+        end = joint.find(tag)
+        if end is None or not end.get("link"):
+            raise UrdfError(f"{name} has no {tag} link", remedy=f'add <{tag} link="…"/>')
+    if kind in ("prismatic", "revolute") and joint.find("limit") is None:
+        raise UrdfError(
+            f"{name} ({kind}) has no limits",
+            allowed='<limit lower="…" upper="…" velocity="…" effort="…"/>',
+            remedy="add them, or make a hinge without end 'continuous'",
+        )
+
+
+def _check_tree(root: ET.Element, source: Path) -> None:
+    links = {link.get("name", "") for link in root.findall("link")}
+    ends = [(_link(joint, "parent"), _link(joint, "child")) for joint in root.findall("joint")]
+    unknown = sorted({end for pair in ends for end in pair} - links)
+    if unknown:
+        raise UrdfError(f"{source}: joints name links which do not exist: {_list(unknown)}")
+    twice = [child for child, count in Counter(child for _, child in ends).items() if count > 1]
+    if twice:
+        raise UrdfError(
+            f"{source}: links with more than one parent (a loop): {_list(twice)}", allowed="a tree of links"
+        )
+    roots = sorted(links - {child for _, child in ends})
+    if len(roots) > 1:
+        raise UrdfError(f"{source}: {len(roots)} links without parent: {_list(roots)}", allowed="one root")
+    if not roots:
+        raise UrdfError(f"{source}: every link has a parent (a loop)", allowed="a tree of links")
+    cut_off = sorted(links - reachable(roots[0], ends))
+    if cut_off:
+        raise UrdfError(
+            f"{source}: a loop that is not joined to the root: {_list(cut_off)}", allowed="a tree of links"
+        )
+
+
+def reachable(root: str, ends: Iterable[tuple[str, str]]) -> set[str]:
+    """Links which can be reached from the root along (parent, child) pairs."""
+    children: dict[str, list[str]] = {}
+    for parent, child in ends:
+        children.setdefault(parent, []).append(child)
+    seen, waiting = {root}, [root]
+    while waiting:
+        fresh = [child for child in children.get(waiting.pop(), []) if child not in seen]
+        seen.update(fresh)
+        waiting += fresh
+    return seen
+
+
+def _link(joint: ET.Element, tag: str) -> str:
+    end = joint.find(tag)
+    return "" if end is None else end.get("link", "")
+
+
+def _check_numbers(owner: ET.Element, source: Path) -> None:
+    where = f"{source}: {owner.tag} '{owner.get('name')}'"
+    for element in owner.iter():
+        if element.tag == "visual":
+            continue
+        for attribute, count in NUMBERS.get(element.tag, {}).items():
+            text = element.get(attribute)
+            if text is not None:
+                _check_number(f"{where}: {element.tag} {attribute}", text, count)
+                if (element.tag, attribute) in POSITIVE and any(float(word) <= 0 for word in text.split()):
+                    raise UrdfError(f"{where}: {element.tag} {attribute}='{text}'", allowed="above 0 m")
+    _check_geometry(owner, where)
+
+
+def _check_number(where: str, text: str, count: int) -> None:
+    try:
+        values = [float(word) for word in text.split()]
+    except ValueError:
+        raise UrdfError(f"{where}='{text}' is not {count} number(s)") from None
+    if len(values) != count:
+        raise UrdfError(f"{where}='{text}' holds {len(values)} number(s)", allowed=f"{count}")
+    if not all(map(math.isfinite, values)):
+        raise UrdfError(
+            f"{where}='{text}' is not finite",
+            allowed="finite numbers",
+            remedy="write the value, or leave it out",
+        )
+
+
+def _check_geometry(link: ET.Element, where: str) -> None:
+    for collision in link.findall("collision"):
+        geometry = collision.find("geometry")
+        shapes = [] if geometry is None else list(geometry)
+        if len(shapes) != 1 or shapes[0].tag not in SHAPES:
+            found = ", ".join(f"<{shape.tag}>" for shape in shapes) or "none"
+            raise UrdfError(f"{where}: collision geometry is {found}", allowed="one of " + ", ".join(SHAPES))
+        needed = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}
+        for attribute in needed.get(shapes[0].tag, ("filename",)):
+            if not shapes[0].get(attribute):
+                raise UrdfError(f"{where}: collision {shapes[0].tag} has no {attribute}")
+
+
+def _list(names: Iterable[str]) -> str:
+    ordered = sorted(names)
+    return ", ".join(f"'{name}'" for name in ordered[:8]) + (" …" if len(ordered) > 8 else "")
