@@ -6,9 +6,9 @@ from typing import Protocol
 
 from predicates.case import Answer, Case, Diagnosis
 from sdt_kg.iri import Iri
-from sdt_kg.motion import Motion
+from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.state import Region, State
-from sdt_kg.twin import Twin
+from sdt_kg.twin import Container, Twin
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,10 +18,14 @@ class Replayed:
     Attributes:
         final: State after the last sample.
         motion: τ as articulation values of the container's own joint, whichever form came in.
+        violations: What the motion does that the kitchen cannot: limits of position, velocity and
+            acceleration, a start elsewhere, poses that leave the joint's motion; the first and the
+            worst of each. `final` is then where the motion would end, held by the joint's limits.
     """
 
     final: State
     motion: Motion
+    violations: tuple[Diagnosis, ...] = ()
 
 
 class Physics(Protocol):
@@ -32,12 +36,21 @@ class Physics(Protocol):
         """Name and version of the model and its libraries; part of every verdict's hash."""
         ...
 
-    def replay(self, twin: Twin, motion: Motion) -> Replayed | Diagnosis:
-        """Final state under the motion, or why it cannot be replayed (limits, wrong frame)."""
+    def replay(self, twin: Twin, motion: Motion) -> Replayed:
+        """Final state under the motion, and what it does that the kitchen cannot.
+
+        Raises:
+            MotionError: It is no motion of this kitchen.
+            DisconnectedFrameError: It is of a frame that no joint moves.
+        """
         ...
 
     def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:
-        """Motions which end in the region, best first."""
+        """Motions from the twin's state into the region, best first."""
+        ...
+
+    def carried(self, twin: Twin, body_motion: BodyMotion, container: Container) -> Motion:
+        """τ of the container's own joint under a body motion: as it says, or as its gripper drags it."""
         ...
 
 

@@ -1,17 +1,18 @@
 """The exception tree. A false predicate is a value; an exception is a broken promise.
 
-    SdtError
-    ├── InputError                  the caller's: it can be mended by changing the input
-    │   ├── UrdfError               a model file that is not a valid, tree-shaped URDF
-    │   ├── AnnotationError         a robot or kitchen annotation that contradicts its model
-    │   ├── UnknownEntityError      no kitchen, robot, container or joint of that name
-    │   ├── StateError              a joint value outside its limits, or not a number
-    │   ├── MotionError             a motion that is not one: units, times, frames, joints
-    │   └── QueryError              SPARQL that does not parse or asks for more than it may
-    ├── NoModeError                 the case has too many unknowns for every predicate
-    └── OracleError                 the world's
-        ├── OracleUnavailableError  nobody answered: there is no verdict
-        └── OracleRejectedError     the oracle answered that it cannot judge this input
+SdtError
+├── InputError                  the caller's: it can be mended by changing the input
+│   ├── UrdfError               a model file that is not a valid, tree-shaped URDF
+│   ├── AnnotationError         a robot or kitchen annotation that contradicts its model
+│   ├── UnknownEntityError      no kitchen, robot, container or joint of that name
+│   ├── StateError              a joint value outside its limits, or not a number
+│   ├── MotionError             a motion that is not one: units, times, frames, joints
+│   │   └── DisconnectedFrameError   poses of a frame which no joint moves
+│   └── QueryError              SPARQL that does not parse or asks for more than it may
+├── NoModeError                 the case has too many unknowns for every predicate
+└── OracleError                 the world's
+├── OracleUnavailableError  nobody answered: there is no verdict
+└── OracleRejectedError     the oracle answered that it cannot judge this input
 """
 
 from collections.abc import Iterable
@@ -51,6 +52,10 @@ class StateError(InputError):
 
 class MotionError(InputError):
     """A motion has wrong units, unsorted times, unknown joints or values which are not numbers."""
+
+
+class DisconnectedFrameError(MotionError):
+    """A motion is of a frame or joint that nothing moves."""
 
 
 class QueryError(InputError):

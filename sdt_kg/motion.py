@@ -20,12 +20,15 @@ class Motion:
         values: Shape (T, 1) [rad or m], or shape (T, 7): x, y, z [m], quaternion xyzw, in the
             environment's root frame.
         timed: Whether the times are a requirement; else a proposal that a robot may slow down.
+        velocities: Shape (T, 1), for values only: between samples τ is then the cubic Hermite
+            spline of both. Without them it is the C² cubic spline which begins and ends at rest.
     """
 
     of: Iri
     times: Array
     values: Array
     timed: bool = True
+    velocities: Array | None = None
 
     @property
     def is_poses(self) -> bool:

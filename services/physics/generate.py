@@ -1,0 +1,69 @@
+"""τ for a goal: the actuated joint moves, from rest to rest, as smoothly and as fast as it may."""
+
+import math
+
+import numpy as np
+
+from sdt_kg.errors import OracleRejectedError
+from sdt_kg.iri import Iri, local_name
+from sdt_kg.motion import Motion
+from sdt_kg.state import Interval
+from sdt_kg.twin import Twin
+from services.physics.chain import follower
+from services.physics.replay import effective_bounds
+from services.physics.spline import Hermite, at_rest_velocities
+from services.physics.tree import Model
+
+SAMPLES = 33
+"""[1] Samples of a generated motion; the spline through them is within 1e-5 of the quintic."""
+
+DEPTH_SHARE = 0.2
+"""[1] How deep into the goal a motion goes, as a share of the goal's width: open ends at 0.92 · upper."""
+
+LEAST_DEPTH = 0.01
+"""[rad or m] At least so deep, so far as the goal reaches: five times the tolerance of the tool on
+the handle (2 mm). A container is therefore closed to its lower limit."""
+
+LIMIT_SHARE = 0.99
+"""[1] Share of the velocity and acceleration limits that a generated motion uses."""
+
+
+def generate(model: Model, twin: Twin, joint: Iri, goal: Interval) -> Motion:
+    """Motion of a joint into an interval: a quintic in time, speed and acceleration 0 at both ends.
+
+    Not timed: whoever follows it may be slower.
+
+    Args:
+        model: Built from the twin's environment.
+        twin: The kitchen in the state in which the motion begins, outside the goal.
+        joint: The joint that moves: a container's own.
+        goal: Where it is to end [rad or m].
+
+    Raises:
+        OracleRejectedError: The goal lies outside the joint's limits, or the joint has neither a
+            velocity nor an acceleration limit.
+    """
+    followed = follower(model, joint)
+    bounds = effective_bounds(model, twin, followed)
+    begin = followed.multiplier * twin.state.get(followed.active, 0.0) + followed.offset
+    target = _target(begin, max(goal.lower, bounds.lower), min(goal.upper, bounds.upper), local_name(joint))
+    u = np.linspace(0, 1, SAMPLES)
+    values = (begin + (target - begin) * u**3 * (10 + u * (6 * u - 15)))[:, None]
+    spline = Hermite(u, values[:, 0], at_rest_velocities(u, values)[:, 0])
+    speed, acceleration = (
+        float(np.abs(each).max()) for _, each in (spline.velocity(), spline.acceleration())
+    )
+    duration = max(
+        speed / (LIMIT_SHARE * bounds.velocity), math.sqrt(acceleration / (LIMIT_SHARE * bounds.acceleration))
+    )
+    if duration == 0:
+        raise OracleRejectedError(f"{local_name(joint)} has no limit of velocity or acceleration")
+    return Motion(joint, u * duration, values, timed=False)
+
+
+def _target(begin: float, lower: float, upper: float, name: str) -> float:
+    """A point inside [lower, upper], deep enough from the edge at which the motion enters."""
+    if lower > upper:
+        raise OracleRejectedError(f"no position of {name} within its limits lies in the goal")
+    depth = min(max(DEPTH_SHARE * (upper - lower), LEAST_DEPTH), upper - lower)
+    return lower + depth if begin < lower else upper - depth
