@@ -60,3 +60,13 @@ def local_name(iri: Iri) -> str:
 def graph_iri(kind: str, key: str) -> Iri:
     """Named graph: kind is asserted, inferred, state, observed or verdict."""
     return f"{ID}graph/{kind}/{quote(key, safe='')}"
+
+
+def verdict_iri(key: str) -> Iri:
+    """Verdict whose inputs have this hash."""
+    return f"{ID}verdict/{quote(key, safe='')}"
+
+
+def part_iri(whole: Iri, kind: str, index: int) -> Iri:
+    """The index-th part of that kind, counted from 1: a verdict's diagnosis, say."""
+    return f"{whole}/{kind}/{index}"

@@ -1,0 +1,204 @@
+"""Annotation files: which `.ttl` belongs to a model, read and checked against it."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+
+import pyoxigraph as ox
+
+import kitchens
+import robots
+from sdt_kg.errors import AnnotationError
+from sdt_kg.iri import SDT, Iri, joint_iri, local_name, model_iri
+from sdt_kg.mechanism import Mechanism, Pose
+from sdt_kg.store import Triple
+from sdt_kg.triples import Facts
+from sdt_kg.triples.annotation import GRIPPER_NEEDS, ROBOT_NEEDS
+from sdt_kg.triples.facts import TYPE
+from sdt_kg.triples.from_mechanism import pose_triples
+from sdt_kg.urdf import parse_xml
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """An annotation's triples, about the model's own IRIs, and what choosing it noticed."""
+
+    triples: tuple[Triple, ...]
+    notes: tuple[str, ...] = ()
+
+
+def chosen_robot(mechanism: Mechanism, urdf: Path, explicit: Path | None) -> Chosen:
+    """The robot's annotation: explicit, beside the URDF, or the bundled one that fits.
+
+    Raises:
+        AnnotationError: There is none, or it contradicts the model.
+    """
+    given = _given(mechanism, urdf, explicit, "Robot")
+    if given is not None:
+        return given
+    for file in sorted(Path(str(robots.__file__)).parent.glob("*/*.ttl")):
+        chosen = _read(file, mechanism, "Robot")
+        if chosen is not None and not _unknown_names(chosen, mechanism):
+            return _bundled(file, chosen, mechanism)
+    raise AnnotationError(
+        f"robot '{mechanism.name}' has no annotation",
+        allowed=f"{urdf.with_name(mechanism.name + '.ttl')}, or --annotation FILE.ttl",
+        remedy=f"sdt robot describe {urdf} writes a first one",
+    )
+
+
+def chosen_kitchen(mechanism: Mechanism, urdf: Path, explicit: Path | None) -> Chosen:
+    """The kitchen's annotation: explicit, beside the URDF, or the bundled one that fits.
+
+    Without any, robots start at the origin and joints get D_artic's acceleration, as assumptions.
+
+    Raises:
+        AnnotationError: It contradicts the model.
+    """
+    given = _given(mechanism, urdf, explicit, "Environment")
+    if given is not None:
+        return given
+    joints = {joint.name for joint in mechanism.joints}
+    for file in sorted(Path(str(kitchens.__file__)).parent.glob("*/*.ttl")):
+        if _movable_joints(file.with_suffix(".urdf")) <= joints:
+            chosen = _read(file, mechanism, "Environment")
+            if chosen is not None and not _unknown_names(chosen, mechanism):
+                return _bundled(file, chosen, mechanism)
+    return _without_annotation(mechanism)
+
+
+def _given(mechanism: Mechanism, urdf: Path, explicit: Path | None, kind: str) -> Chosen | None:
+    """The explicit annotation if it is of this kind, else the one beside the URDF, else None."""
+    for file in (explicit, urdf.with_name(f"{mechanism.name}.ttl")):
+        if file is None or (file is not explicit and not file.is_file()):
+            continue
+        chosen = _read(file, mechanism, kind)
+        if chosen is not None:
+            _check(chosen, mechanism, file, kind)
+            return chosen
+        if file is not explicit:
+            raise AnnotationError(f"{file} describes no sdt:{kind}", remedy=f"add '… a sdt:{kind} .'")
+    return None
+
+
+def _bundled(file: Path, chosen: Chosen, mechanism: Mechanism) -> Chosen:
+    _check(chosen, mechanism, file, "Robot" if "robots" in file.parts else "Environment")
+    note = f"has no annotation of its own: that of the bundled '{file.stem}' fits and is used"
+    start = next((term for _, name, term in chosen.triples if name == SDT + "startPose"), None)
+    return Chosen(chosen.triples, (note + (", its start pose included" if start is not None else ""),))
+
+
+def _movable_joints(urdf: Path) -> set[str]:
+    root = parse_xml(urdf.read_bytes(), urdf)
+    return {joint.get("name", "") for joint in root.findall("joint") if joint.get("type") != "fixed"}
+
+
+def _without_annotation(mechanism: Mechanism) -> Chosen:
+    kitchen = model_iri(mechanism.name)
+    note = "no annotation: robots are assumed to start at x = 0, y = 0, yaw = 0 of the root frame"
+    start = f"{kitchen}/start"
+    triples: list[Triple] = [
+        (kitchen, SDT + "startPose", ox.NamedNode(start)),
+        (kitchen, SDT + "assumption", ox.Literal(note)),
+        *pose_triples(start, Pose()),
+    ]
+    return Chosen(tuple(triples), (note,))
+
+
+def _read(file: Path, mechanism: Mechanism, kind: str) -> Chosen | None:
+    """The file's triples, its model's IRIs replaced by this model's; None if it describes no such thing.
+
+    Raises:
+        AnnotationError: Not there, not Turtle, or blank nodes.
+    """
+    if not file.is_file():
+        raise AnnotationError(f"no annotation file at {file}", allowed="a Turtle file")
+    try:
+        quads = list(ox.parse(file.read_bytes(), format=ox.RdfFormat.TURTLE))
+    except SyntaxError as error:
+        raise AnnotationError(f"{file} is not Turtle: {error}") from None
+    described = [
+        quad.subject.value
+        for quad in quads
+        if quad.predicate.value == TYPE
+        and quad.object == ox.NamedNode(SDT + kind)
+        and isinstance(quad.subject, ox.NamedNode)
+    ]
+    if not described:
+        return None
+    if len(described) > 1:
+        raise AnnotationError(f"{file} describes {len(described)} of sdt:{kind}", allowed="one for each file")
+    return Chosen(tuple(_renamed(quads, described[0], model_iri(mechanism.name), file)))
+
+
+def _renamed(quads: Iterable[ox.Quad], old: Iri, new: Iri, file: Path) -> Iterator[Triple]:
+    def renamed(iri: Iri) -> Iri:
+        return new + iri.removeprefix(old) if iri == old or iri.startswith(old + "/") else iri
+
+    for quad in quads:
+        subject, value = quad.subject, quad.object
+        if not isinstance(subject, ox.NamedNode) or not isinstance(value, ox.NamedNode | ox.Literal):
+            raise AnnotationError(
+                f"{file} has a blank node: {quad}", remedy="name it: a verdict must be able to point at it"
+            )
+        if isinstance(value, ox.NamedNode):
+            value = ox.NamedNode(renamed(value.value))
+        yield renamed(subject.value), quad.predicate.value, value
+
+
+def _unknown_names(chosen: Chosen, mechanism: Mechanism) -> list[tuple[str, str, list[str]]]:
+    """(body or joint, name, nearest names) of what the annotation names and the model lacks."""
+    model = model_iri(mechanism.name)
+    known = {
+        "body": {body.name for body in mechanism.bodies},
+        "joint": {joint.name for joint in mechanism.joints},
+    }
+    iris = {subject for subject, _, _ in chosen.triples}
+    iris |= {value.value for _, _, value in chosen.triples if isinstance(value, ox.NamedNode)}
+    found: list[tuple[str, str, list[str]]] = []
+    for iri in sorted(iris):
+        for kind, names in known.items():
+            name = local_name(iri)
+            itself = iri.startswith(f"{model}/{kind}/") and iri.count("/") == model.count("/") + 2
+            if itself and name not in names:
+                found.append((kind, name, get_close_matches(name, names, n=3, cutoff=0.5)))
+    return found
+
+
+def _check(chosen: Chosen, mechanism: Mechanism, file: Path, kind: str) -> None:
+    unknown = _unknown_names(chosen, mechanism)
+    if unknown:
+        part, name, near = unknown[0]
+        more = f" (and {len(unknown) - 1} more)" if len(unknown) > 1 else ""
+        hint = " or ".join(f"'{each}'" for each in near)
+        raise AnnotationError(
+            f"{file} names {part} '{name}', which '{mechanism.name}' does not have{more}",
+            allowed=f"did you mean {hint}?" if hint else f"names of its URDF's {part}s",
+        )
+    facts = Facts(chosen.triples)
+    model = model_iri(mechanism.name)
+    needed = [(model, name) for name in (ROBOT_NEEDS if kind == "Robot" else ("startPose",))]
+    for gripper in facts.iris(model, "hasGripper"):
+        needed += [(gripper, name) for name in GRIPPER_NEEDS]
+        for joint in facts.iris(gripper, "hasFingerJoint"):
+            needed += [(joint, "openPosition"), (joint, "closedPosition")]
+    missing = [
+        f"{local_name(iri)} sdt:{local_name(name)}" for iri, name in needed if facts.one(iri, name) is None
+    ]
+    if missing:
+        raise AnnotationError(f"{file} lacks: {', '.join(missing)}", allowed="see robots/README.md")
+    _check_positions(facts, mechanism, file)
+
+
+def _check_positions(facts: Facts, mechanism: Mechanism, file: Path) -> None:
+    for joint in mechanism.joints:
+        iri = joint_iri(mechanism.name, joint.name)
+        for name in ("parkedPosition", "openPosition", "closedPosition"):
+            value = facts.one(iri, name)
+            limits = joint.limits
+            if isinstance(value, int | float) and not limits.lower <= value <= limits.upper:
+                raise AnnotationError(
+                    f"{file}: sdt:{name} {value:g} of joint '{joint.name}' is outside its limits",
+                    allowed=f"{limits.lower:g} to {limits.upper:g}",
+                )

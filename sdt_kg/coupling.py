@@ -1,0 +1,111 @@
+"""Coupling: how positions of a kitchen's joints depend on each other, and which are possible."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from sdt_kg.errors import StateError, UnknownEntityError
+from sdt_kg.iri import Iri, joint_iri, local_name
+from sdt_kg.mechanism import Joint, JointType, Mechanism
+from sdt_kg.state import State
+
+LIMIT_TOLERANCE: Final = 1e-9
+"""[rad or m] Rounding of a limit times a multiplier; below any encoder's resolution."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Follower:
+    """A mimicking joint: position = multiplier · position of `active` + offset."""
+
+    active: Iri
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """Movable joints of one mechanism."""
+
+    joints: Mapping[Iri, Joint]
+    followers: Mapping[Iri, _Follower]
+
+    @staticmethod
+    def of(mechanism: Mechanism) -> "Coupling":
+        """Coupling of the mechanism's movable joints."""
+        model = mechanism.name
+        movable = [joint for joint in mechanism.joints if joint.type is not JointType.FIXED]
+        return Coupling(
+            {joint_iri(model, joint.name): joint for joint in movable},
+            {
+                joint_iri(model, joint.name): _Follower(
+                    joint_iri(model, joint.mimic.joint), joint.mimic.multiplier, joint.mimic.offset
+                )
+                for joint in movable
+                if joint.mimic is not None
+            },
+        )
+
+    def start(self) -> State:
+        """Every joint at 0 where its limits allow that, else at its lower limit; mimicking ones follow."""
+        free = {
+            iri: 0.0 if joint.limits.lower <= 0 <= joint.limits.upper else joint.limits.lower
+            for iri, joint in self.joints.items()
+            if iri not in self.followers
+        }
+        return State.of(self._complete(free))
+
+    def moved(self, state: State, changes: Mapping[Iri, float]) -> State:
+        """The state with these joints elsewhere.
+
+        A mimicking joint may be given: where its active joint is not, that one is set; where both
+        are, they must agree. A value equal to the present one is no change.
+
+        Raises:
+            UnknownEntityError: No such movable joint.
+            StateError: Not a number, outside limits, or two values that contradict each other.
+        """
+        self._check(changes)
+        now = dict(state.positions)
+        changed = {joint: float(value) for joint, value in changes.items() if value != now[joint]}
+        for joint, value in list(changed.items()):
+            follower = self.followers.get(joint)
+            if follower is not None and follower.active not in changed and follower.multiplier != 0:
+                changed[follower.active] = (value - follower.offset) / follower.multiplier
+        free = {iri: changed.get(iri, now[iri]) for iri in self.joints if iri not in self.followers}
+        complete = self._complete(free)
+        for joint, value in changed.items():
+            if abs(complete[joint] - value) > LIMIT_TOLERANCE:
+                active = local_name(self.followers[joint].active)
+                raise StateError(
+                    f"joint '{local_name(joint)}' at {value:g} contradicts '{active}', which it mimics",
+                    allowed=f"{complete[joint]:g} with that one at {free[self.followers[joint].active]:g}",
+                    remedy="give one of the two",
+                )
+        for joint in complete:
+            self._check_limits(joint, complete[joint])
+        return State.of(complete)
+
+    def _complete(self, free: Mapping[Iri, float]) -> dict[Iri, float]:
+        followed = {
+            iri: follower.multiplier * free[follower.active] + follower.offset
+            for iri, follower in self.followers.items()
+        }
+        return {**free, **followed}
+
+    def _check(self, changes: Mapping[Iri, float]) -> None:
+        for joint, value in changes.items():
+            if joint not in self.joints:
+                raise UnknownEntityError("joint", local_name(joint), map(local_name, self.joints))
+            if not math.isfinite(value):
+                raise StateError(f"joint '{local_name(joint)}' at {value}", allowed="a finite number")
+
+    def _check_limits(self, joint: Iri, value: float) -> None:
+        limits = self.joints[joint].limits
+        if limits.lower - LIMIT_TOLERANCE <= value <= limits.upper + LIMIT_TOLERANCE:
+            return
+        unit = "m" if self.joints[joint].type is JointType.PRISMATIC else "rad"
+        raise StateError(
+            f"joint '{local_name(joint)}' at {value:g} {unit} is outside its limits",
+            allowed=f"{limits.lower:g} to {limits.upper:g} {unit}",
+        )

@@ -1,0 +1,100 @@
+"""Kitchen and robots, by bundled name or path, → Twin."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Final
+
+import kitchens
+import robots as bundled_robots
+from sdt_kg.annotate import TEE_GRAPH, annotate, tee_triples
+from sdt_kg.annotation_files import Chosen, chosen_kitchen, chosen_robot
+from sdt_kg.errors import AnnotationError, UnknownEntityError
+from sdt_kg.iri import Iri, graph_iri, model_iri
+from sdt_kg.mechanism import Mechanism
+from sdt_kg.store import MemoryStore
+from sdt_kg.triples import mechanism_triples
+from sdt_kg.twin import Entities, Twin
+from sdt_kg.urdf import model_stem, read_mechanism
+
+MODEL_SUFFIXES: Final = (".urdf", ".xacro")
+
+
+def load_twin(
+    kitchen: str | Path,
+    robots: Sequence[str | Path] = (),
+    annotation: str | Path | None = None,
+) -> Twin:
+    """Twin of a kitchen with robots, all containers closed.
+
+    Args:
+        kitchen: Bundled name (`a`, `b`) or path of a URDF or xacro file.
+        robots: Bundled names (`pr2`, `tiago_dual`, `stretch`) or paths.
+        annotation: `.ttl` of the robot, or of the kitchen, whichever it describes; by default the
+            one beside the model, else the bundled one that fits.
+
+    Raises:
+        UnknownEntityError: No bundled model of that name.
+        UrdfError: A file that is not a valid URDF tree.
+        AnnotationError: A robot's annotation is missing or contradicts its URDF.
+    """
+    explicit = None if annotation is None else Path(annotation)
+    store = MemoryStore()
+    store.add(TEE_GRAPH, tee_triples())
+    asserted: dict[Iri, Iri] = {}
+    inferred: dict[Iri, tuple[Iri, ...]] = {}
+    notes: list[str] = []
+    parts = [_kitchen(kitchen, explicit)]
+    parts += [_robot(robot, explicit) for robot in robots]
+    for mechanism, kind, chosen in parts:
+        model = model_iri(mechanism.name)
+        if model in asserted:
+            raise AnnotationError(f"two models are named '{mechanism.name}'", allowed="each name once")
+        asserted[model] = graph_iri("asserted", mechanism.name)
+        store.add(asserted[model], mechanism_triples(mechanism, kind))
+        store.add(asserted[model], chosen.triples)
+        inferred[model] = tuple(annotate(store, model, asserted[model]))
+        notes += _notes(mechanism, chosen)
+    environment, *others = asserted
+    return Twin(Entities(store, environment, tuple(others), asserted, inferred, tuple(notes)))
+
+
+def model_name(name_or_path: str | Path) -> str:
+    """Name of a model as people see it: the bundled name, or the stem of the file."""
+    return model_stem(Path(name_or_path))
+
+
+def _kitchen(name: str | Path, explicit: Path | None) -> tuple[Mechanism, str, Chosen]:
+    path = model_path("kitchen", name, kitchens)
+    mechanism = read_mechanism(path, turn_axes=True)
+    return mechanism, "Environment", chosen_kitchen(mechanism, path, explicit)
+
+
+def _robot(name: str | Path, explicit: Path | None) -> tuple[Mechanism, str, Chosen]:
+    path = model_path("robot", name, bundled_robots)
+    mechanism = read_mechanism(path)
+    return mechanism, "Robot", chosen_robot(mechanism, path, explicit)
+
+
+def model_path(kind: str, name_or_path: str | Path, package: ModuleType) -> Path:
+    """URDF file of a bundled name, or the path as given."""
+    text = str(name_or_path)
+    folder = Path(str(package.__file__)).parent
+    bundled = folder / text / f"{text}.urdf"
+    if "/" not in text and bundled.is_file():
+        return bundled
+    path = Path(name_or_path)
+    if path.suffix in MODEL_SUFFIXES and path.is_file():
+        return path
+    names = sorted(each.parent.name for each in folder.glob("*/*.urdf"))
+    raise UnknownEntityError(
+        kind, text, names, f"or the path of a .urdf or .xacro file; bundled: {', '.join(names)}"
+    )
+
+
+def _notes(mechanism: Mechanism, chosen: Chosen) -> list[str]:
+    name = mechanism.name
+    notes = [f"{name}: {note}" for note in (*mechanism.notes, *chosen.notes)]
+    return notes + [
+        f"{name}: joint '{joint.name}': {note}" for joint in mechanism.joints for note in joint.notes
+    ]

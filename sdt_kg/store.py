@@ -1,0 +1,168 @@
+"""Store: named graphs and queries over them, and the in-memory form."""
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Final, Protocol
+
+import pyoxigraph as ox
+
+from sdt_kg.errors import QueryError
+from sdt_kg.iri import XSD, Iri
+
+Term = ox.NamedNode | ox.Literal
+AnyTerm = ox.NamedNode | ox.BlankNode | ox.Literal | ox.Triple
+Triple = tuple[Iri, Iri, Term]
+Value = str | float | int | bool | None
+Row = dict[str, object]
+Solutions = ox.QuerySolutions | ox.QueryBoolean | ox.QueryTriples
+
+_READERS: Final[dict[str, Callable[[str], Value]]] = {
+    **dict.fromkeys((XSD + name for name in ("double", "float", "decimal")), float),
+    **dict.fromkeys((XSD + name for name in ("integer", "int", "long", "nonNegativeInteger")), int),
+    XSD + "boolean": lambda text: text in {"true", "1"},
+}
+_ESCAPE: Final = re.compile(r"\\u([0-9A-Fa-f]{4})|\\U([0-9A-Fa-f]{8})")
+
+
+class Store(Protocol):
+    """Named graphs. A twin's entity graphs are written once; only state graphs come and go."""
+
+    def add(self, graph: Iri, triples: Iterable[Triple]) -> None:
+        """Put triples into a named graph."""
+        ...
+
+    def drop(self, graph: Iri) -> None:
+        """Remove a named graph."""
+        ...
+
+    def triples(self, graph: Iri) -> Iterable[Triple]:
+        """All triples of a named graph."""
+        ...
+
+    def query(self, sparql: str, graphs: Sequence[Iri], known: Mapping[str, Term] | None = None) -> Solutions:
+        """Evaluate a query whose default graph is the union of these graphs.
+
+        Raises:
+            QueryError: It does not parse, or binds a variable that it does not select.
+        """
+        ...
+
+    def dump(self, graphs: Sequence[Iri]) -> "ox.Store":
+        """A copy of these named graphs, for serialisation."""
+        ...
+
+
+class MemoryStore:
+    """The in-memory form, pyoxigraph's."""
+
+    def __init__(self) -> None:
+        self._store = ox.Store()
+
+    def add(self, graph: Iri, triples: Iterable[Triple]) -> None:
+        """Put triples into a named graph."""
+        name = ox.NamedNode(graph)
+        self._store.extend(
+            ox.Quad(ox.NamedNode(subject), ox.NamedNode(predicate), value, name)
+            for subject, predicate, value in triples
+        )
+
+    def drop(self, graph: Iri) -> None:
+        """Remove a named graph."""
+        self._store.remove_graph(ox.NamedNode(graph))
+
+    def triples(self, graph: Iri) -> Iterable[Triple]:
+        """All triples of a named graph."""
+        for quad in self._store.quads_for_pattern(None, None, None, ox.NamedNode(graph)):
+            subject, value = quad.subject, quad.object
+            assert isinstance(subject, ox.NamedNode), "no blank nodes in data"
+            assert isinstance(value, ox.NamedNode | ox.Literal), "no blank nodes in data"
+            yield subject.value, quad.predicate.value, value
+
+    def query(self, sparql: str, graphs: Sequence[Iri], known: Mapping[str, Term] | None = None) -> Solutions:
+        """Evaluate a query whose default graph is the union of these graphs."""
+        names = [ox.NamedNode(graph) for graph in graphs]
+        bound: dict[ox.Variable, AnyTerm] = {ox.Variable(name): term for name, term in (known or {}).items()}
+        try:
+            return self._store.query(
+                sparql, default_graph=list(names), named_graphs=list(names), substitutions=bound
+            )
+        except (SyntaxError, ValueError) as error:
+            raise QueryError(f"the query is not SPARQL: {error}", allowed="SELECT, ASK, CONSTRUCT") from None
+
+    def dump(self, graphs: Sequence[Iri]) -> ox.Store:
+        """A copy of these named graphs, for serialisation."""
+        copy = ox.Store()
+        for graph in graphs:
+            copy.extend(self._store.quads_for_pattern(None, None, None, ox.NamedNode(graph)))
+        return copy
+
+
+def checked_query(sparql: str) -> str:
+    """The query, if it only reads what is loaded.
+
+    pyoxigraph cannot switch SERVICE off, and where a string or an IRI ends depends on its
+    grammar, so that a scan for the keyword alone can be misled: the word is refused anywhere.
+
+    Raises:
+        QueryError: The word SERVICE occurs, or it does not parse, or it is an update.
+    """
+    plain = _ESCAPE.sub(lambda match: chr(int(match[1] or match[2], 16)), sparql)
+    if "service" in plain.lower() or "service" in sparql.lower():
+        raise QueryError(
+            "the query has the word SERVICE, which asks another server",
+            allowed="SELECT, ASK, CONSTRUCT, DESCRIBE over what is loaded",
+            remedy="leave the word out, in names and comments too",
+        )
+    try:
+        ox.Store().query(sparql)
+    except SyntaxError as error:
+        raise QueryError(
+            f"the query is not SPARQL that reads: {error}",
+            allowed="SELECT, ASK, CONSTRUCT, DESCRIBE",
+            remedy="LOAD, INSERT, DELETE and other updates are not done here",
+        ) from None
+    return sparql
+
+
+def value_of(term: object) -> Value:
+    """IRI as text, literal as bool, int, float or text, unbound as None."""
+    if isinstance(term, ox.NamedNode):
+        return term.value
+    if isinstance(term, ox.Literal):
+        return _READERS.get(term.datatype.value, str)(term.value)
+    return None if term is None else str(term)
+
+
+def rows_of(solutions: Solutions) -> tuple[list[str], list[Row]]:
+    """Columns and rows of an answer; ASK has one cell, CONSTRUCT has subject, predicate, object."""
+    if isinstance(solutions, ox.QueryBoolean):
+        return ["answer"], [{"answer": bool(solutions)}]
+    if isinstance(solutions, ox.QueryTriples):
+        columns = ["subject", "predicate", "object"]
+        return columns, [
+            {"subject": value_of(s), "predicate": value_of(p), "object": value_of(o)}
+            for s, p, o in ((t.subject, t.predicate, t.object) for t in solutions)
+        ]
+    columns = [variable.value for variable in solutions.variables]
+    return columns, [
+        dict(zip(columns, (value_of(term) for term in solution), strict=True)) for solution in solutions
+    ]
+
+
+def term_of(value: Value) -> Term:
+    """Literal of a number or boolean; IRI of an absolute IRI; else a plain literal."""
+    if isinstance(value, bool):
+        return ox.Literal(value)
+    if isinstance(value, int):
+        return ox.Literal(value)
+    if isinstance(value, float):
+        return double(value)
+    text = str(value)
+    if re.match(r"[a-z][a-z0-9+.-]*:\S+$", text):
+        return ox.NamedNode(text)
+    return ox.Literal(text)
+
+
+def double(value: float) -> ox.Literal:
+    """xsd:double that reads back as exactly this value."""
+    return ox.Literal(value)

@@ -1,0 +1,99 @@
+"""Triples → RobotAnnotation and KitchenAnnotation."""
+
+import math
+
+from sdt_kg.annotation import BaseLimits, Drive, FingerJoint, Gripper, KitchenAnnotation, RobotAnnotation
+from sdt_kg.iri import RDFS, Iri, local_name
+from sdt_kg.triples.facts import Facts
+from sdt_kg.triples.to_mechanism import notes_of
+
+
+def read_robot(facts: Facts, robot: Iri) -> RobotAnnotation:
+    """What the graph says of a robot beyond its mechanism."""
+    joints = _joints(facts, robot)
+    grippers = sorted(facts.iris(robot, "hasGripper"))
+    base = [
+        facts.number(robot, f"base{name}")
+        for name in ("LinearVelocity", "AngularVelocity", "LinearAcceleration", "AngularAcceleration")
+    ]
+    return RobotAnnotation(
+        robot=local_name(robot),
+        drive=Drive(local_name(str(facts.one(robot, "drive"))).lower()),
+        base_body=local_name(str(facts.one(robot, "baseBody"))),
+        base_height=facts.number(robot, "baseHeight"),
+        base_limits=BaseLimits(*base),
+        grippers=tuple(_gripper(facts, gripper) for gripper in grippers),
+        parked=_numbers(facts, joints, "parkedPosition"),
+        held=tuple(local_name(joint) for joint in joints if facts.one(joint, "held") is True),
+        acceleration=_numbers(facts, joints, "accelerationLimit"),
+        coupled=tuple(
+            tuple(sorted(local_name(joint) for joint in facts.iris(coupling, "couples")))
+            for coupling in sorted(facts.iris(robot, "hasCoupling"))
+        ),
+        allowed_contacts=frozenset(
+            frozenset((local_name(body), local_name(other)))
+            for body in facts.having("partOf", robot)
+            for other in facts.iris(body, "mayTouch")
+        ),
+        overhang=facts.number(robot, "overhang", 0.0),
+        notes=(*map(str, facts.all(robot, "assumption")), *notes_of(facts, robot)),
+    )
+
+
+def read_kitchen(facts: Facts, kitchen: Iri) -> KitchenAnnotation:
+    """What the graph says of a kitchen beyond its mechanism."""
+    start = facts.pose(str(facts.one(kitchen, "startPose")))
+    _, _, qz, qw = start.orientation
+    return KitchenAnnotation(
+        kitchen=local_name(kitchen),
+        start=(start.position[0], start.position[1], 2 * math.atan2(qz, qw)),
+        acceleration=_numbers(facts, _joints(facts, kitchen), "accelerationLimit"),
+        notes=(*map(str, facts.all(kitchen, "assumption")), *notes_of(facts, kitchen)),
+    )
+
+
+def _joints(facts: Facts, model: Iri) -> list[Iri]:
+    parts = facts.having("partOf", model)
+    return sorted(
+        (part for part in parts if facts.one(part, "child") is not None),
+        key=lambda joint: facts.number(joint, "index"),
+    )
+
+
+def _numbers(facts: Facts, joints: list[Iri], name: str) -> dict[str, float]:
+    return {
+        local_name(joint): facts.number(joint, name) for joint in joints if facts.one(joint, name) is not None
+    }
+
+
+def _gripper(facts: Facts, gripper: Iri) -> Gripper:
+    finger_joints = (
+        FingerJoint(
+            local_name(joint), facts.number(joint, "openPosition"), facts.number(joint, "closedPosition")
+        )
+        for joint in sorted(facts.iris(gripper, "hasFingerJoint"))
+    )
+    return Gripper(
+        name=str(facts.one(gripper, RDFS + "label")),
+        tool_body=local_name(str(facts.one(gripper, "toolBody"))),
+        tool=facts.pose(str(facts.one(gripper, "toolFrame"))),
+        fingers=tuple(sorted(local_name(finger) for finger in facts.iris(gripper, "hasFinger"))),
+        finger_joints=tuple(finger_joints),
+        opening=facts.number(gripper, "opening"),
+    )
+
+
+ROBOT_NEEDS = (
+    "drive",
+    "baseBody",
+    "baseHeight",
+    "baseLinearVelocity",
+    "baseAngularVelocity",
+    "baseLinearAcceleration",
+    "baseAngularAcceleration",
+    "hasGripper",
+)
+"""Properties without which a robot's annotation is of no use."""
+
+GRIPPER_NEEDS = (RDFS + "label", "toolBody", "toolFrame", "hasFinger", "hasFingerJoint", "opening")
+"""Properties without which a gripper is of no use."""

@@ -1,0 +1,82 @@
+"""Facts: triples grouped by subject and property, for reading values back."""
+
+from collections import defaultdict
+from collections.abc import Iterable
+from typing import Final
+
+from sdt_kg.iri import RDF, SDT, Iri
+from sdt_kg.mechanism import Pose
+from sdt_kg.store import Term, Triple, Value, value_of
+
+TYPE: Final = RDF + "type"
+
+
+class Facts:
+    """Triples by subject and property.
+
+    Property names are local names of `sdt.ttl`; a full IRI works too.
+    """
+
+    def __init__(self, triples: Iterable[Triple]) -> None:
+        self._values: dict[Iri, dict[Iri, list[Term]]] = defaultdict(lambda: defaultdict(list))
+        self._subjects: dict[tuple[Iri, Iri], list[Iri]] = defaultdict(list)
+        for subject, predicate, value in triples:
+            self._values[subject][predicate].append(value)
+            if predicate in (TYPE, SDT + "partOf"):
+                self._subjects[predicate, value.value].append(subject)
+
+    def all(self, subject: Iri, name: str) -> list[Value]:
+        """All values, in a fixed order."""
+        values = self._values.get(subject)
+        terms = values.get(_iri(name), []) if values is not None else []
+        return (
+            [value_of(term) for term in sorted(terms, key=str)] if len(terms) > 1 else [*map(value_of, terms)]
+        )
+
+    def one(self, subject: Iri, name: str) -> Value:
+        """The value, or None; the first in a fixed order where there are several."""
+        values = self.all(subject, name)
+        return values[0] if values else None
+
+    def number(self, subject: Iri, name: str, default: float | None = None) -> float:
+        """The number, or the default.
+
+        Raises:
+            KeyError: There is none and no default: a bug of ours.
+        """
+        value = self.one(subject, name)
+        if isinstance(value, int | float):
+            return float(value)
+        if default is None:
+            raise KeyError((subject, name))
+        return default
+
+    def iris(self, subject: Iri, name: str) -> list[Iri]:
+        """All values as IRIs."""
+        return [str(value) for value in self.all(subject, name)]
+
+    def types(self, subject: Iri) -> set[Iri]:
+        """Classes of the subject."""
+        return {str(value) for value in self.all(subject, TYPE)}
+
+    def having(self, name: str, value: Iri) -> list[Iri]:
+        """Subjects with that type, or part of that model."""
+        return self._subjects.get((_iri(name), value), [])
+
+    def subjects(self) -> Iterable[Iri]:
+        """All subjects."""
+        return self._values.keys()
+
+    def properties(self, subject: Iri) -> set[Iri]:
+        """Properties that the subject has."""
+        return set(self._values.get(subject, ()))
+
+    def pose(self, subject: Iri) -> Pose:
+        """The pose individual's value; coordinates in m, quaternion xyzw."""
+        x, y, z = (self.number(subject, name) for name in ("x", "y", "z"))
+        qx, qy, qz, qw = (self.number(subject, name) for name in ("qx", "qy", "qz", "qw"))
+        return Pose((x, y, z), (qx, qy, qz, qw))
+
+
+def _iri(name: str) -> Iri:
+    return name if "/" in name else SDT + name
