@@ -1,0 +1,205 @@
+"""Compiled inverse kinematics of one chain, from the world over base and arm to a tool frame.
+
+Damped least squares on a weighted, bounded problem; the damping follows the error (Sugihara 2011),
+joints at a limit that would leave it are frozen for the step. Restarts are cheap, so completeness
+comes from many seeds.
+"""
+
+import math
+
+import numpy as np
+from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
+
+from services.embodiment.kernels import REVOLUTE, matmul, rotation
+
+ARM = 0.2  # [m] what one radian of orientation error counts as
+DAMPING = 1e-3  # [1] of the squared error, floor below
+FLOOR = 1e-10  # [m²] keeps singular directions bounded
+STEP = 0.4  # [rad or m] largest change of a variable in one step
+
+_compiled = njit(cache=True, fastmath=False)
+
+
+@_compiled
+def tool_pose(x, chain, r, p, z, o):  # noqa: ANN001, ANN201
+    """Tool pose is in r (3, 3), p (3,); each joint's world axis and origin in z, o (C, 3)."""
+    place_r, place_p, axis, kind, var, mult, offset, end_r, end_p = chain
+    turn, tmp = np.empty((3, 3)), np.empty((3, 3))
+    for i in range(3):
+        p[i] = 0.0
+        for j in range(3):
+            r[i, j] = 1.0 if i == j else 0.0
+    for c in range(kind.shape[0] + 1):
+        last = c == kind.shape[0]
+        for i in range(3):
+            for j in range(3):
+                p[i] += r[i, j] * (end_p[j] if last else place_p[c, j])
+        matmul(r, end_r if last else place_r[c], tmp)
+        if last:
+            r[:, :] = tmp
+            return
+        angle = offset[c] + (mult[c] * x[var[c]] if var[c] >= 0 else 0.0)
+        for i in range(3):
+            z[c, i] = tmp[i, 0] * axis[c, 0] + tmp[i, 1] * axis[c, 1] + tmp[i, 2] * axis[c, 2]
+            o[c, i] = p[i]
+        if kind[c] == REVOLUTE:
+            rotation(axis[c], angle, turn)
+            matmul(tmp, turn, r)
+        else:
+            r[:, :] = tmp
+            for i in range(3):
+                p[i] += z[c, i] * angle
+
+
+@_compiled
+def jacobian(chain, p, z, o, out):  # noqa: ANN001, ANN201
+    """World Jacobian of the tool (linear over angular) is in out (6, n)."""
+    kind, var, mult = chain[3], chain[4], chain[5]
+    out[:, :] = 0.0
+    for c in range(kind.shape[0]):
+        k, m = var[c], mult[c]
+        if k < 0:
+            continue
+        if kind[c] == REVOLUTE:
+            a, b, d = p[0] - o[c, 0], p[1] - o[c, 1], p[2] - o[c, 2]
+            out[0, k] += m * (z[c, 1] * d - z[c, 2] * b)
+            out[1, k] += m * (z[c, 2] * a - z[c, 0] * d)
+            out[2, k] += m * (z[c, 0] * b - z[c, 1] * a)
+            for i in range(3):
+                out[3 + i, k] += m * z[c, i]
+        else:
+            for i in range(3):
+                out[i, k] += m * z[c, i]
+
+
+@_compiled
+def pose_error(r, p, target_r, target_p, e):  # noqa: ANN001, ANN201
+    """Error twist that leads from (r, p) to the target is in e (6,), in the world frame."""
+    w = np.zeros(3)
+    trace = -1.0
+    for i in range(3):
+        e[i] = target_p[i] - p[i]
+        for k in range(3):
+            trace += target_r[i, k] * r[i, k]
+    # target_r · rᵀ, its skew part is 2 sin(angle) · axis
+    for k in range(3):
+        w[0] += target_r[2, k] * r[1, k] - target_r[1, k] * r[2, k]
+        w[1] += target_r[0, k] * r[2, k] - target_r[2, k] * r[0, k]
+        w[2] += target_r[1, k] * r[0, k] - target_r[0, k] * r[1, k]
+    sine2 = math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+    angle = math.atan2(sine2, trace)
+    scale = angle / sine2 if sine2 > 1e-9 else 0.5
+    if sine2 <= 1e-9 and trace < 0.0:  # a half turn: any axis will do for one step
+        w[0], scale = math.pi, 1.0
+    for i in range(3):
+        e[3 + i] = w[i] * scale
+
+
+@_compiled
+def solve6(a, b):  # noqa: ANN001, ANN201
+    """b becomes the solution of a · y = b; a (6, 6) symmetric positive definite, is overwritten."""
+    for i in range(6):
+        for j in range(i + 1):
+            s = a[i, j]
+            for k in range(j):
+                s -= a[i, k] * a[j, k]
+            a[i, j] = math.sqrt(max(s, 1e-30)) if i == j else s / a[j, j]
+    for i in range(6):
+        for k in range(i):
+            b[i] -= a[i, k] * b[k]
+        b[i] /= a[i, i]
+    for i in range(5, -1, -1):
+        for k in range(i + 1, 6):
+            b[i] -= a[k, i] * b[k]
+        b[i] /= a[i, i]
+
+
+@_compiled
+def step(x, jac, e, error, weight, lower, upper):  # noqa: ANN001, ANN201
+    """x has made one damped step; False if nothing may move."""
+    n = x.shape[0]
+    a, y = np.empty((6, 6)), np.empty(6)
+    free = np.ones(n, np.bool_)
+    dx = np.zeros(n)
+    for _ in range(4):
+        for i in range(6):
+            y[i] = e[i]
+            for j in range(i + 1):
+                s = 0.0
+                for k in range(n):
+                    if free[k]:
+                        s += jac[i, k] * weight[k] * jac[j, k]
+                a[i, j] = s
+            a[i, i] += DAMPING * error + FLOOR
+        solve6(a, y)
+        stuck = False
+        largest = 0.0
+        for k in range(n):
+            dx[k] = 0.0
+            if not free[k]:
+                continue
+            for i in range(6):
+                dx[k] += weight[k] * jac[i, k] * y[i]
+            if (x[k] <= lower[k] and dx[k] < 0.0) or (x[k] >= upper[k] and dx[k] > 0.0):
+                free[k], stuck = False, True
+            largest = max(largest, abs(dx[k]))
+        if not stuck:
+            break
+    if largest == 0.0:
+        return False
+    shrink = min(1.0, STEP / largest)
+    for k in range(n):
+        if free[k]:
+            x[k] = min(max(x[k] + shrink * dx[k], lower[k]), upper[k])
+    return True
+
+
+@_compiled
+def solve(x, target_r, target_p, chain, weight, lower, upper, steps, tolerance):  # noqa: ANN001, ANN201
+    """Whether x has been moved to where the tool meets the target within `tolerance` [m, and rad · ARM]."""
+    joints, n = chain[3].shape[0], x.shape[0]
+    r, p = np.empty((3, 3)), np.empty(3)
+    z, o = np.empty((joints, 3)), np.empty((joints, 3))
+    jac, e = np.empty((6, n)), np.empty(6)
+    for _ in range(steps):
+        tool_pose(x, chain, r, p, z, o)
+        pose_error(r, p, target_r, target_p, e)
+        jacobian(chain, p, z, o, jac)
+        error = 0.0
+        for i in range(6):
+            if i >= 3:
+                e[i] *= ARM
+                for k in range(n):
+                    jac[i, k] *= ARM
+            error += e[i] * e[i]
+        if error < tolerance * tolerance:
+            return True
+        if not step(x, jac, e, error, weight, lower, upper):
+            return False
+    return False
+
+
+@_compiled
+def solve_many(seeds, target_r, target_p, chain, weight, lower, upper, steps, tolerance):  # noqa: ANN001, ANN201
+    """Which seeds (S, n) reached their target (S, 3, 3), (S, 3); the seeds become the solutions."""
+    met = np.zeros(seeds.shape[0], np.bool_)
+    for s in range(seeds.shape[0]):
+        met[s] = solve(
+            seeds[s], target_r[s], target_p[s], chain, weight, lower, upper, steps, tolerance
+        )
+    return met
+
+
+@_compiled
+def follow(x0, target_r, target_p, chain, weight, lower, upper, jump, path):  # noqa: ANN001, ANN201
+    """How many targets in a row could be followed from x0, with no variable jumping; path (K, n) holds them."""
+    x = x0.copy()
+    for k in range(target_r.shape[0]):
+        before = x.copy()
+        if not solve(x, target_r[k], target_p[k], chain, weight, lower, upper, 40, 1e-7):
+            return k
+        for i in range(x.shape[0]):
+            if abs(x[i] - before[i]) > jump:
+                return k
+        path[k] = x
+    return target_r.shape[0]

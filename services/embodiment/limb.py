@@ -1,0 +1,217 @@
+"""A limb: base, torso, one arm and its fingers as the vector x that planning moves.
+
+x = [base x, y, yaw, arm …]; a configuration of the scene is q = rest + expansion · x, linear, so
+that coupled joints (a telescope) and mimic joints follow. Fingers are set apart by `with_fingers`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.annotation import Gripper
+from sdt_kg.iri import body_iri, joint_iri
+from services.embodiment import ik
+from services.embodiment.world import Rules, World
+from services.physics.model import Scene
+
+Array = NDArray[np.float64]
+
+BASE = slice(0, 3)
+TURN = np.pi  # [rad] seeds of continuous joints are drawn from −TURN … TURN
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Limb:
+    """Variables, limits and tool of one gripper.
+
+    Attributes:
+        variables: Scene coordinate of each variable (of the first of a coupled group), shape (n,).
+        expansion: Shape (nq, n).
+        rest: Scene configuration at x = 0, everything else parked, fingers open, shape (nq,).
+        lower, upper, velocity, acceleration: Shape (n,); the base's positions are unbounded.
+        parked: x when parked, its base at 0, shape (n,).
+        chain: What `ik` takes.
+        palm: Bodies of the gripper that move with the tool, fingers left out.
+        fingers: Bodies that may touch a handle.
+    """
+
+    gripper: Gripper
+    variables: NDArray[np.intp]
+    expansion: Array
+    rest: Array
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
+    parked: Array
+    chain: tuple
+    palm: tuple[str, ...]
+    fingers: tuple[str, ...]
+
+    def q(self, x: Array, rest: Array | None = None) -> Array:
+        """Scene configurations of x, shape (…, n); `rest` replaces the limb's own."""
+        return (self.rest if rest is None else rest) + x @ self.expansion.T
+
+    def tool(self, x: Array) -> tuple[Array, Array]:
+        """World pose of the tool: rotation (3, 3), translation (3,)."""
+        joints = len(self.chain[3])
+        r, p = np.empty((3, 3)), np.empty(3)
+        ik.tool_pose(x, self.chain, r, p, np.empty((joints, 3)), np.empty((joints, 3)))
+        return r, p
+
+    def tool_jacobian(self, x: Array) -> Array:
+        """World Jacobian of the tool, linear over angular, shape (6, n)."""
+        joints = len(self.chain[3])
+        r, p = np.empty((3, 3)), np.empty(3)
+        z, o = np.empty((joints, 3)), np.empty((joints, 3))
+        out = np.empty((6, len(x)))
+        ik.tool_pose(x, self.chain, r, p, z, o)
+        ik.jacobian(self.chain, p, z, o, out)
+        return out
+
+
+def make_limb(world: World, gripper: Gripper) -> Limb:
+    """The limb that carries a gripper."""
+    scene = world.scene
+    frame = scene.model.frames[scene.model.getFrameId(scene.tool_frame(gripper.name))]
+    support = _support(scene, frame.parentJoint)
+    variables, expansion = _expansion(scene, gripper, support)
+    rest = _rest(scene, gripper)
+    parked = rest[variables].copy()
+    parked[BASE] = 0.0
+    rest = rest - expansion @ parked
+    bounds = scene.bounds
+    lower, upper = bounds.lower[variables], bounds.upper[variables]
+    lower[BASE], upper[BASE] = -np.inf, np.inf
+    for k in range(3, len(variables)):
+        lower[k], upper[k] = _coupled_limits(scene, expansion[:, k], rest, lower[k], upper[k])
+    velocity, acceleration = _rates(scene, expansion)
+    palm = _palm(scene, gripper, frame.parentJoint)
+    fingers = tuple(body_iri(scene.robot.mechanism.name, body) for body in gripper.fingers)
+    chain = _chain(world, frame, support, rest, expansion)
+    return Limb(
+        gripper, variables, expansion, rest, lower, upper, velocity, acceleration, parked, chain, palm, fingers
+    )
+
+
+def _support(scene: Scene, joint: int) -> list[int]:
+    """Model joints from the base to this one, in order."""
+    chain = []
+    while joint > 0:
+        chain.append(joint)
+        joint = scene.model.parents[joint]
+    return chain[::-1]
+
+
+def _expansion(scene: Scene, gripper: Gripper, support: list[int]) -> tuple[NDArray[np.intp], Array]:
+    name = scene.robot.mechanism.name
+    own = {joint_iri(name, finger.joint) for finger in gripper.finger_joints}
+    held = {joint_iri(name, joint) for joint in scene.annotation.held}
+    groups = {
+        joint_iri(name, joint): [scene.coordinate[joint_iri(name, other)] for other in group]
+        for group in scene.annotation.coupled
+        for joint in group
+    }
+    taken: set[int] = set()
+    variables, columns = [], []
+    for joint in support:
+        k = int(scene.coupling.source[joint - 1])
+        iri = scene.names[k]
+        if k in taken or iri in own or iri in held:
+            continue
+        members = groups.get(iri, [k])
+        taken.update(members)
+        unit = np.zeros(scene.model.nq)
+        unit[members] = 1.0
+        variables.append(k)
+        columns.append(scene.coupling.rates(unit))
+    return np.array(variables, dtype=np.intp), np.stack(columns, axis=1)
+
+
+def _rest(scene: Scene, gripper: Gripper) -> Array:
+    return scene.q((0.0, 0.0, 0.0), {finger.joint: finger.open for finger in gripper.finger_joints})
+
+
+def _coupled_limits(scene: Scene, column: Array, rest: Array, lower: float, upper: float) -> tuple[float, float]:
+    """Limits of a variable such that all joints that follow it keep theirs."""
+    for k in np.flatnonzero(column):
+        ends = sorted(((scene.bounds.lower[k] - rest[k]) / column[k], (scene.bounds.upper[k] - rest[k]) / column[k]))
+        lower, upper = max(lower, ends[0]), min(upper, ends[1])
+    return lower, upper
+
+
+def _rates(scene: Scene, expansion: Array) -> tuple[Array, Array]:
+    """Velocity and acceleration limits of the variables, shape (n,) each."""
+    share = np.abs(expansion)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        velocity = np.where(share > 0, scene.bounds.velocity[:, None] / share, np.inf).min(axis=0)
+        acceleration = np.where(share > 0, scene.bounds.acceleration[:, None] / share, np.inf).min(axis=0)
+    return velocity, acceleration
+
+
+def _palm(scene: Scene, gripper: Gripper, joint: int) -> tuple[str, ...]:
+    """Bodies that move with the tool's joint or hang on it, fingers left out."""
+    below = {joint}
+    for other in range(joint + 1, scene.model.njoints):
+        if scene.model.parents[other] in below:
+            below.add(other)
+    fingers = set(gripper.fingers)
+    name = scene.robot.mechanism.name
+    return tuple(
+        body_iri(name, body)
+        for body, (carrier, _) in scene.robot.attached.items()
+        if carrier in below and body not in fingers
+    )
+
+
+def _chain(world: World, frame: object, support: list[int], rest: Array, expansion: Array) -> tuple:
+    _, place_r, place_p, axis, kind = world.tree
+    index = np.array(support)
+    coordinate = index - 1
+    moving = np.abs(expansion[coordinate]) > 0
+    variable = np.where(moving.any(axis=1), moving.argmax(axis=1), -1).astype(np.int64)
+    share = np.where(variable >= 0, expansion[coordinate, variable], 0.0)
+    end = frame.placement  # pyright: ignore[reportAttributeAccessIssue]  # a pin.Frame
+    return (
+        np.ascontiguousarray(place_r[index]),
+        np.ascontiguousarray(place_p[index]),
+        np.ascontiguousarray(axis[index]),
+        np.ascontiguousarray(kind[index]),
+        variable,
+        share,
+        rest[coordinate],
+        np.ascontiguousarray(end.rotation),
+        np.ascontiguousarray(end.translation),
+    )
+
+
+def rules(world: World, limb: Limb, free: float, fine: float, touching: tuple[str, ...] = ()) -> Rules:
+    """Distances that planning demands.
+
+    Args:
+        free: Of any two bodies [m].
+        fine: Of fingers and palm to the kitchen [m].
+        touching: Kitchen bodies which the fingers may touch.
+    """
+    robot = len(world.body) - world.split
+    environment = np.full((robot, world.split), free)
+    hand = world.shapes_of((*limb.palm, *limb.fingers)) - world.split
+    environment[hand] = fine
+    fingers, handle = world.shapes_of(limb.fingers) - world.split, world.shapes_of(touching)
+    environment[np.ix_(fingers, handle)] = -1.0
+    pairs = _moving_pairs(world, limb)
+    return Rules(environment, pairs, np.full(len(pairs), free))
+
+
+def _moving_pairs(world: World, limb: Limb) -> NDArray[np.int64]:
+    """Self pairs whose relative pose depends on the limb's arm or fingers."""
+    scene = world.scene
+    moves = np.abs(limb.expansion[:, 3:]).any(axis=1)
+    fingers = {joint_iri(scene.robot.mechanism.name, one.joint) for one in limb.gripper.finger_joints}
+    for k, source in enumerate(scene.coupling.source):
+        moves[k] |= scene.names[source] in fingers
+    chains = [frozenset(j for j in _support(scene, joint) if moves[j - 1]) for joint in range(scene.model.njoints)]
+    joint = world.boxes[0]
+    kept = [(a, b) for a, b in scene.self_pairs if chains[joint[a]] != chains[joint[b]]]
+    return np.array(kept, dtype=np.int64).reshape(-1, 2)

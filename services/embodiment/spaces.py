@@ -1,0 +1,128 @@
+"""Spaces for `paths`: an arm over a standing base, and a parked robot that drives."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.annotation import Drive
+from services.embodiment.limb import BASE, Limb
+from services.embodiment.paths import between
+from services.embodiment.world import Rules, World
+
+Array = NDArray[np.float64]
+
+FINGER_REACH = 0.2  # [m] what a hand reaches beyond the last joint, for step sizes only
+ARM_STEP = 0.025  # [m] farthest that any point of the arm moves between two checks
+ARM_EXTENSION = 1.2  # [m] that one extension of a tree moves the arm at most
+CONTINUOUS = np.pi  # [rad] samples of joints without limits lie within ± this
+DRIVE_STEP = 0.03  # [m] between two checks of a driving robot
+DRIVE_EXTENSION = 1.5  # [m]
+TURN_REACH = 0.6  # [m] what one radian of base rotation counts as
+
+
+def reaches(limb: Limb) -> Array:
+    """How far a point of the limb moves for a unit of each arm variable [m/rad or m/m], shape (n,)."""
+    lengths = np.linalg.norm(limb.chain[1], axis=1)
+    kind, variable = limb.chain[3], limb.chain[4]
+    beyond = np.cumsum(lengths[::-1])[::-1] - lengths + np.linalg.norm(limb.chain[8]) + FINGER_REACH
+    out = np.zeros(len(limb.lower))
+    for c, k in enumerate(variable):
+        if k >= 0:
+            out[k] = max(out[k], beyond[c] if kind[c] else np.abs(limb.expansion[:, k]).sum())
+    return out
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ArmSpace:
+    """Arm configurations x with the base standing at x[:3].
+
+    Attributes:
+        rest: Scene configuration at x = 0, with fingers and container as they are to be.
+        weight: `reaches` of the limb.
+    """
+
+    world: World
+    limb: Limb
+    rules: Rules
+    rest: Array
+    weight: Array
+    base: Array
+
+    def sample(self, rng: np.random.Generator) -> Array:
+        low = np.where(np.isfinite(self.limb.lower), self.limb.lower, -CONTINUOUS)
+        high = np.where(np.isfinite(self.limb.upper), self.limb.upper, CONTINUOUS)
+        x = rng.uniform(low, high)
+        x[BASE] = self.base
+        return x
+
+    def distance(self, one: Array, others: Array) -> Array:
+        return np.linalg.norm((others - one)[:, 3:] * self.weight[3:], axis=1)
+
+    def towards(self, start: Array, end: Array) -> Array:
+        length = self._length(start, end)
+        return end if length <= ARM_EXTENSION else start + ARM_EXTENSION / length * (end - start)
+
+    def edge(self, start: Array, end: Array) -> Array:
+        return np.stack([start, end])
+
+    def free(self, start: Array, end: Array) -> bool:
+        pieces = int(np.ceil(self._length(start, end) / ARM_STEP)) + 1
+        xs = between(start, end, pieces)
+        return self.world.contact(self.limb.q(xs, self.rest), self.rules) is None
+
+    def _length(self, start: Array, end: Array) -> float:
+        return float(np.abs(end - start) @ self.weight)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DriveSpace:
+    """Base poses (x, y, yaw) of a robot whose arms do not move; yaw is a real number.
+
+    Attributes:
+        x: The limb's variables but for the base.
+        box: Lower and upper corner of where it may drive, shape (2, 2).
+    """
+
+    world: World
+    limb: Limb
+    rules: Rules
+    rest: Array
+    x: Array
+    box: Array
+    drive: Drive
+
+    def sample(self, rng: np.random.Generator) -> Array:
+        return np.append(rng.uniform(self.box[0], self.box[1]), rng.uniform(-np.pi, np.pi))
+
+    def distance(self, one: Array, others: Array) -> Array:
+        away = others - one
+        return np.linalg.norm(away[:, :2], axis=1) + TURN_REACH * np.abs(away[:, 2])
+
+    def towards(self, start: Array, end: Array) -> Array:
+        length = float(self.distance(start, end[None])[0])
+        return end if length <= DRIVE_EXTENSION else start + DRIVE_EXTENSION / length * (end - start)
+
+    def edge(self, start: Array, end: Array) -> Array:
+        """Straight for an omnidirectional base, else turn, drive (forwards or backwards), turn."""
+        away = end[:2] - start[:2]
+        if self.drive is Drive.OMNI or np.linalg.norm(away) < 1e-9:
+            return np.stack([start, end])
+        ahead = np.arctan2(away[1], away[0])
+        options = [ahead + k * np.pi + start[2] - _wrap(start[2]) for k in (-2, -1, 0, 1, 2)]
+        heading = min(options, key=lambda one: abs(one - start[2]) + abs(end[2] - one))
+        return np.array([start, [*start[:2], heading], [*end[:2], heading], end])
+
+    def free(self, start: Array, end: Array) -> bool:
+        corners = self.edge(start, end)
+        return all(self._straight(one, other) for one, other in zip(corners, corners[1:], strict=False))
+
+    def _straight(self, start: Array, end: Array) -> bool:
+        pieces = int(np.ceil(float(self.distance(start, end[None])[0]) / DRIVE_STEP)) + 1
+        xs = np.repeat(self.x[None], pieces, axis=0)
+        xs[:, BASE] = between(start, end, pieces)
+        return self.world.contact(self.limb.q(xs, self.rest), self.rules) is None
+
+
+def _wrap(angle: float) -> float:
+    return float((angle + np.pi) % (2 * np.pi) - np.pi)

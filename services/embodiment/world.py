@@ -1,0 +1,200 @@
+"""The scene as the planner sees it: fast, with margins, sound where it says free.
+
+An oriented box around each shape decides most pairs in compiled code; what is left goes to coal.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.iri import Iri
+from sdt_kg.mechanism import JointType
+from services.embodiment import kernels
+from services.physics.model import Scene
+
+Array = NDArray[np.float64]
+Pair = tuple[int, int]
+
+MAY_TOUCH = -1.0  # as a margin: the pair is not looked at
+ROOM = 4096  # unsure pairs that one batch may leave; a batch with more is halved
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rules:
+    """Distances demanded of pairs [m].
+
+    Attributes:
+        environment: Shape (robot shapes, kitchen shapes); MAY_TOUCH where contact is allowed.
+        pairs: Self pairs that are looked at, shape (P, 2).
+        own: Their distances, shape (P,).
+    """
+
+    environment: Array
+    pairs: NDArray[np.int64]
+    own: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """Two shapes nearer than their margin.
+
+    Attributes:
+        index: Which configuration of those asked about.
+    """
+
+    index: int
+    shapes: Pair
+
+
+class World:
+    """Collision checks of many configurations of one scene.
+
+    Attributes:
+        split: Index of the robot's first shape; those before are the kitchen's.
+        tree, boxes: What `kernels.forward` and `kernels.place_boxes` take.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.tree = _tree(scene)
+        solids = scene.solids
+        self.split = next((i for i, one in enumerate(solids) if one.joint > scene.base[-1]), len(solids))
+        self.half = np.array([one.half for one in solids]).reshape(-1, 3)
+        self.kind = np.array([_kind(one.shape) for one in solids], dtype=np.int64)
+        self.radius = np.where(self.kind == kernels.BALL, self.half[:, 0], [one.radius for one in solids])
+        self.boxes = (
+            np.array([one.joint for one in solids], dtype=np.int64),
+            np.array([one.joint_T_shape.rotation for one in solids]).reshape(-1, 3, 3),
+            np.array([one.centre for one in solids]).reshape(-1, 3),
+        )
+        self.joint_T_shape = [one.joint_T_shape for one in solids]
+        self.body = [one.body for one in solids]
+        self._found = np.zeros((ROOM, 2), np.int64)
+        self._owner = np.zeros(ROOM, np.int64)
+
+    def shapes_of(self, bodies: Iterable[Iri]) -> NDArray[np.int64]:
+        """Indices of the shapes of these bodies."""
+        wanted = set(bodies)
+        return np.array([i for i, body in enumerate(self.body) if body in wanted], dtype=np.int64)
+
+    def frames(self, q: Array) -> tuple[Array, Array]:
+        """World poses of all joint frames: rotations (J, 3, 3) and translations (J, 3)."""
+        r, p = np.empty((len(self.tree[0]), 3, 3)), np.empty((len(self.tree[0]), 3))
+        kernels.forward(q, self.tree, r, p)
+        return r, p
+
+    def contact(self, configurations: Array, rules: Rules) -> Contact | None:
+        """A pair nearer than its margin in one of the configurations, shape (N, nq); None if all are free.
+
+        Not always that of the first such configuration: compiled checks come before exact ones.
+        """
+        hit, unsure = kernels.check_many(
+            configurations,
+            self.tree,
+            self.boxes,
+            self.split,
+            self.half,
+            self.radius,
+            self.kind,
+            (rules.pairs, rules.own),
+            rules.environment,
+            self._found,
+            self._owner,
+        )
+        if hit >= 0:
+            return Contact(int(hit), (int(self._found[0, 0]), int(self._found[0, 1])))
+        if unsure > ROOM:
+            return self._halved(configurations, rules)
+        return self._exact(configurations, rules, unsure)
+
+    def free(self, q: Array, rules: Rules) -> bool:
+        """Whether all pairs keep their margins at one configuration, shape (nq,)."""
+        return self.contact(q[None], rules) is None
+
+    def _halved(self, configurations: Array, rules: Rules) -> Contact | None:
+        if len(configurations) == 1:
+            return Contact(0, (int(self._found[0, 0]), int(self._found[0, 1])))
+        middle = len(configurations) // 2
+        first = self.contact(configurations[:middle], rules)
+        if first is not None:
+            return first
+        second = self.contact(configurations[middle:], rules)
+        return None if second is None else Contact(second.index + middle, second.shapes)
+
+    def _exact(self, configurations: Array, rules: Rules, unsure: int) -> Contact | None:
+        if not unsure:
+            return None
+        own = {(int(a), int(b)): m for (a, b), m in zip(rules.pairs, rules.own, strict=True)}
+        found, owner = self._found[:unsure].tolist(), self._owner[:unsure].tolist()
+        at, r, p = -1, None, None
+        for (a, b), index in zip(found, owner, strict=True):
+            if index != at:
+                at, (r, p) = index, self.frames(configurations[index])
+            margin = own[a, b] if b >= self.split else rules.environment[a - self.split, b]
+            if self.near((a, b), r, p, margin):
+                return Contact(index, (a, b))
+        return None
+
+    def near(self, pair: Pair, r: Array, p: Array, margin: float) -> bool:
+        """Whether two shapes are nearer than the margin [m], exactly, for joint frames r, p."""
+        request = coal.CollisionRequest()  # fresh: a cached guess makes the answer depend on history
+        request.security_margin = float(margin)
+        a, b = pair
+        result = coal.CollisionResult()
+        coal.collide(
+            self.scene.solids[a].shape,
+            self._transform(a, r, p),
+            self.scene.solids[b].shape,
+            self._transform(b, r, p),
+            request,
+            result,
+        )
+        return result.isCollision()
+
+    def distance(self, pair: Pair, r: Array, p: Array) -> float:
+        """Signed distance of two shapes [m], negative when they penetrate."""
+        a, b = pair
+        return float(
+            coal.distance(
+                self.scene.solids[a].shape,
+                self._transform(a, r, p),
+                self.scene.solids[b].shape,
+                self._transform(b, r, p),
+                coal.DistanceRequest(),
+                coal.DistanceResult(),
+            )
+        )
+
+    def _transform(self, k: int, r: Array, p: Array) -> coal.Transform3s:
+        j, local = self.boxes[0][k], self.joint_T_shape[k]
+        return coal.Transform3s(r[j] @ local.rotation, r[j] @ local.translation + p[j])
+
+
+def _kind(shape: coal.CollisionGeometry) -> int:
+    if isinstance(shape, coal.Box):
+        return kernels.BOX
+    return kernels.BALL if isinstance(shape, coal.Sphere) else kernels.OTHER
+
+
+def _tree(scene: Scene) -> tuple[NDArray[np.int64], Array, Array, Array, NDArray[np.int64]]:
+    """(parent, placement rotations, placement translations, axes, kinds) of joints 0 … nq."""
+    model = scene.model
+    count = model.nq + 1
+    axes, kinds = np.zeros((count, 3)), np.zeros(count, np.int64)
+    axes[scene.base + 1] = np.eye(3)[[0, 1, 2]]
+    kinds[scene.base[2] + 1] = kernels.REVOLUTE
+    for part in (scene.kitchen, scene.robot):
+        for k, joint in enumerate(part.joints, part.first + 1):
+            axes[k] = joint.axis
+            kinds[k] = 0 if joint.type is JointType.PRISMATIC else kernels.REVOLUTE
+    placements = list(model.jointPlacements)
+    return (
+        np.array(list(model.parents), dtype=np.int64),
+        np.array([one.rotation for one in placements]),
+        np.array([one.translation for one in placements]),
+        axes,
+        kinds,
+    )
