@@ -1,0 +1,141 @@
+"""Eq. (6): does a motion of the kitchen cause a final state, and which motion would?"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity
+from predicates.meant import containers_meant, tasks_meant, unit_of
+from predicates.oracle import Physics
+from predicates.satisfies_request import demanded, met_requests, own_position, threshold
+from predicates.scope import out_of_scope
+from sdt_kg.errors import NoModeError
+from sdt_kg.iri import local_name
+from sdt_kg.motion import Motion
+from sdt_kg.state import Interval, Region, State
+from sdt_kg.task import Task
+from sdt_kg.twin import Container
+
+STATE_TOLERANCE = 0.002
+"""[rad or m] Within this, a final state given as positions counts as reached (≈ of Eq. (6))."""
+
+
+def causes(case: Case, physics: Physics) -> Iterator[Answer]:
+    r"""Eq. (6): :math:`Params(G) \in I_\Phi` and :math:`\Phi_{sim}(G, \tau) \approx G_{final}`.
+
+    Modes: (+motion, ?final) one answer, with the final state;
+    (-motion, +task) one answer for each container that the task may mean, with a motion if one exists;
+    (-motion, -task, +final) one answer.
+    The scope is checked first: outside it nothing is replayed. A request which the present state
+    already meets leaves nothing to cause, so no motion causes it.
+
+    Raises:
+        NoModeError: Motion, task and final state are all unknown.
+        MotionError: The motion is none of this kitchen.
+    """
+    if isinstance(case.motion, Motion):
+        yield _verified(case, case.motion, physics)
+    elif isinstance(case.task, Task):
+        for task, container in tasks_meant(case):
+            yield _found(replace(case, task=task), task, container, physics)
+    elif isinstance(case.final, State | Region):
+        yield _reached(case, case.final, physics)
+    else:
+        raise NoModeError("Causes needs a motion, a task or a final state")
+
+
+def _verified(case: Case, motion: Motion, physics: Physics) -> Answer:
+    """What the given motion causes."""
+    outside = [each for container in containers_meant(case) for each in out_of_scope(case, container)]
+    if outside:
+        return Answer(case, holds=False, diagnoses=tuple(outside))
+    replayed = physics.replay(case.twin, motion)
+    diagnoses = list(replayed.violations)
+    if isinstance(case.task, Task):
+        for task, container in tasks_meant(case):
+            diagnoses += _nothing_to_cause(case, task, container)
+    diagnoses += _missed(case.final, replayed.final)
+    solved = replace(case, motion=replayed.motion, final=replayed.final)
+    return Answer(solved, holds=not diagnoses, diagnoses=tuple(diagnoses))
+
+
+def _found(case: Case, task: Task, container: Container, physics: Physics) -> Answer:
+    """A motion of the container that causes what the task demands."""
+    refusals = [*out_of_scope(case, container), *_nothing_to_cause(case, task, container)]
+    if refusals:
+        final = case.final if refusals[0].kind is Kind.OUT_OF_SCOPE else case.twin.state
+        return Answer(replace(case, final=final), holds=False, diagnoses=tuple(refusals))
+    return _generated(case, demanded(container, task.verb), physics)
+
+
+def _reached(case: Case, final: State | Region, physics: Physics) -> Answer:
+    """A motion that ends in the final state or region."""
+    goal = final if isinstance(final, Region) else _difference(case.twin.state, final)
+    joints = [joint for joint, _ in goal.intervals]
+    if len(joints) != 1:
+        names = ", ".join(map(local_name, joints)) or "nothing"
+        reason = f"nothing to cause by one motion: {names} would move"
+        return Answer(case, holds=False, diagnoses=(Diagnosis(Kind.CAUSAL, reason, proof=True),))
+    moved = [each for each in case.twin.containers() if each.active_joint == joints[0]]
+    outside = [each for container in moved for each in out_of_scope(case, container)]
+    if outside:
+        return Answer(case, holds=False, diagnoses=tuple(outside))
+    if case.twin.state in goal:
+        reason = f"nothing to cause: {local_name(joints[0])} is already there"
+        return Answer(case, holds=False, diagnoses=(Diagnosis(Kind.CAUSAL, reason, proof=True),))
+    return _generated(case, goal, physics)
+
+
+def _generated(case: Case, goal: Region, physics: Physics) -> Answer:
+    """The best motion into the goal, which replay must confirm."""
+    for motion in physics.generate(case.twin, goal):
+        replayed = physics.replay(case.twin, motion)
+        diagnoses = replayed.violations + _missed(goal, replayed.final)
+        solved = replace(case, motion=replayed.motion, final=replayed.final)
+        return Answer(solved, holds=not diagnoses, diagnoses=diagnoses)
+    reason = "the physics found no motion into the goal"
+    return Answer(case, holds=False, diagnoses=(Diagnosis(Kind.CAUSAL, reason),))
+
+
+def _nothing_to_cause(case: Case, task: Task, container: Container) -> Iterator[Diagnosis]:
+    """The request is already met."""
+    state = case.twin.state
+    if (task.verb, container.iri) not in met_requests(case.twin, state):
+        return
+    position, unit = own_position(container, state), unit_of(case.twin, container)
+    bound = threshold(container, task.verb)
+    reason = f"nothing to cause: {container.name} at {position:.4g} {unit} already meets {task.verb.value}"
+    evidence = Evidence(Quantity.POSITION, position, bound, unit, entity=container.joint)
+    yield Diagnosis(Kind.CAUSAL, reason, evidence, proof=True)
+
+
+def _missed(goal: object, final: State) -> tuple[Diagnosis, ...]:
+    """Where the final state lies outside the goal, if a goal is known."""
+    if isinstance(goal, State):
+        near = {joint: Interval(p - STATE_TOLERANCE, p + STATE_TOLERANCE) for joint, p in goal.items()}
+        goal = Region(tuple(near.items()))
+    if not isinstance(goal, Region):
+        return ()
+    missed = [(joint, interval) for joint, interval in goal.intervals if final[joint] not in interval]
+    return tuple(
+        Diagnosis(
+            Kind.CAUSAL,
+            f"{local_name(joint)} ends at {final[joint]:.4g}, not in {_text(interval)}",
+            proof=True,
+        )
+        for joint, interval in missed
+    )
+
+
+def _text(interval: Interval) -> str:
+    return f"[{interval.lower:.4g}, {interval.upper:.4g}]"
+
+
+def _difference(present: State, final: State) -> Region:
+    """The joints that have to move, each to its final position."""
+    return Region(
+        tuple(
+            (joint, Interval(position, position))
+            for joint, position in final.items()
+            if abs(present.get(joint, position) - position) > STATE_TOLERANCE
+        )
+    )

@@ -1,0 +1,98 @@
+"""Every input of a verdict, and the IRI that is their hash (ARCHITECTURE, decision 8)."""
+
+import hashlib
+from collections.abc import Iterable
+
+from predicates.case import Case
+from predicates.oracle import Embodiment, Physics
+from predicates.scope import tee_class_hash
+from sdt_kg.iri import Iri
+from sdt_kg.iri import verdict_iri as iri_of
+from sdt_kg.motion import Array, BodyMotion, Motion
+from sdt_kg.state import Region, State
+from sdt_kg.task import Task, Unknown
+
+NOT_HASHED = frozenset({"embodiment.budget"})
+"""Inputs which bound how long is searched: a longer search answers the same question."""
+
+UNKNOWN_INPUT = "unknown"
+
+Inputs = tuple[tuple[str, str], ...]
+
+
+def inputs_of(case: Case, physics: Physics, embodiment: Embodiment | None) -> Inputs:
+    """Name → value or hash of each input, as asked, before anything is solved."""
+    twin, robot = case.twin, case.robot
+    inputs = [
+        ("environment", f"{twin.environment} {twin.content_hash(twin.environment)}"),
+        ("state", _state_hash(twin.state)),
+        ("robot", f"{robot} {twin.content_hash(robot)}" if isinstance(robot, str) else UNKNOWN_INPUT),
+        ("task", _task_text(case.task)),
+        ("motion", _motion_hash(case.motion)),
+        ("body_motion", _body_motion_hash(case.body_motion)),
+        ("final", _final_hash(case.final)),
+        ("tee_class", tee_class_hash()),
+        ("physics", physics.version),
+    ]
+    if embodiment is not None and isinstance(robot, str):
+        inputs.append(("embodiment", embodiment.version))
+        inputs += [(f"embodiment.{name}", value) for name, value in embodiment.settings(twin, robot)]
+    return tuple(inputs)
+
+
+def verdict_iri(inputs: Inputs) -> Iri:
+    """IRI of the verdict: the hash of all inputs that decide it."""
+    return iri_of(_digest(f"{name}={value}\n" for name, value in inputs if name not in NOT_HASHED))
+
+
+def _digest(texts: Iterable[str]) -> str:
+    digest = hashlib.sha256()
+    for text in texts:
+        digest.update(text.encode())
+    return digest.hexdigest()
+
+
+def _array_text(array: Array) -> str:
+    return f"{array.shape} {array.astype('<f8').tobytes().hex()}\n"
+
+
+def _state_hash(state: State) -> str:
+    return _digest(f"{joint} {float(position).hex()}\n" for joint, position in sorted(state.positions))
+
+
+def _task_text(task: Task | Unknown) -> str:
+    if isinstance(task, Unknown):
+        return UNKNOWN_INPUT
+    container = UNKNOWN_INPUT if isinstance(task.container, Unknown) else task.container
+    return f"{task.verb.value} {container}"
+
+
+def _motion_hash(motion: Motion | Unknown) -> str:
+    if isinstance(motion, Unknown):
+        return UNKNOWN_INPUT
+    arrays = [motion.times, motion.values] + ([] if motion.velocities is None else [motion.velocities])
+    return _digest([motion.of, str(motion.timed), *map(_array_text, arrays)])
+
+
+def _body_motion_hash(motion: BodyMotion | Unknown) -> str:
+    if isinstance(motion, Unknown):
+        return UNKNOWN_INPUT
+    names = (motion.robot, motion.gripper, *motion.joints, *motion.kitchen_joints, str(motion.phases))
+    arrays = (
+        motion.times,
+        motion.base,
+        motion.q,
+        motion.v,
+        motion.base_v,
+        motion.kitchen_q,
+        motion.kitchen_v,
+    )
+    return _digest([*(f"{name}\n" for name in names), *map(_array_text, arrays)])
+
+
+def _final_hash(final: State | Region | Unknown) -> str:
+    if isinstance(final, Unknown):
+        return UNKNOWN_INPUT
+    if isinstance(final, State):
+        return _state_hash(final)
+    return _digest(f"{joint} {each.lower.hex()} {each.upper.hex()}\n" for joint, each in final.intervals)

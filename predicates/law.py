@@ -1,0 +1,148 @@
+"""Eq. (4): the Law of Task-Achieving Body Motion."""
+
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TypeGuard, TypeVar
+
+from predicates.can_perform import can_perform
+from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Verdict
+from predicates.causes import causes
+from predicates.inputs import inputs_of, verdict_iri
+from predicates.oracle import Embodiment, Physics
+from predicates.questions import Question, questions, with_carried
+from predicates.satisfies_request import satisfies_request
+from sdt_kg.errors import OracleRejectedError
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.state import Region, State
+from sdt_kg.task import UNKNOWN, Task, Unknown
+from sdt_kg.twin import Container
+
+T = TypeVar("T")
+Answers = tuple[Answer | None, Answer | None, Answer | None]
+
+NOT_ASKED = Diagnosis(Kind.EMBODIMENT, "no robot was asked, so CanPerform is open")
+
+
+def law(case: Case, physics: Physics, embodiment: Embodiment | None = None) -> Iterator[Verdict]:
+    r"""Eq. (4): :math:`SatisfiesRequest \wedge Causes \wedge CanPerform \Rightarrow CanAchieve`.
+
+    Modes: (+task, -motion) generation; (+task, +motion) or (+task, +body_motion) verification, in
+    each one verdict for each container that the task may mean; (-task, +motion) or
+    (-task, +body_motion) explanation, one verdict for each request that is met afterwards and was
+    not before, or a single refusal; everything after a change of twin, robot or task: what if.
+    Robot unknown: one verdict for each robot of the twin, if there is an embodiment to ask.
+
+    Whatever can run, runs, also after a refusal: a verdict names every reason. Outside the scope
+    of D nothing runs and the Law abstains.
+
+    Raises:
+        NoModeError: Task and motion are both unknown.
+        InputError: The motion is no motion of this kitchen.
+        OracleUnavailableError: An oracle did not answer: there is no verdict.
+    """
+    for question in questions(case, physics, embodiment):
+        yield _judged(question, physics, embodiment)
+
+
+def _judged(question: Question, physics: Physics, embodiment: Embodiment | None) -> Verdict:
+    """Three answers about one question, and what follows from them."""
+    began = time.perf_counter()
+    case, container = question.case, question.container
+    caused = _caused(case, physics)
+    satisfied = performed = None
+    if caused is None or not _outside(caused):
+        solved = case if caused is None else caused.case
+        satisfied, performed = _satisfied(solved, container), _performed(solved, embodiment)
+        if _is_new(performed, case) and container is not None:
+            caused = _executed(performed, container, physics)
+            satisfied = _satisfied(caused.case, container)
+    inputs = inputs_of(question.asked, physics, embodiment)
+    return _verdict(case, (satisfied, caused, performed), began, inputs)
+
+
+def _caused(case: Case, physics: Physics) -> Answer | None:
+    """The answer of Causes; None for a body motion which moves no container."""
+    if case.motion is UNKNOWN and case.body_motion is not UNKNOWN:
+        return None
+    return next(causes(case, physics))
+
+
+def _outside(answer: Answer) -> bool:
+    return any(diagnosis.kind is Kind.OUT_OF_SCOPE for diagnosis in answer.diagnoses)
+
+
+def _satisfied(case: Case, container: Container | None) -> Answer | None:
+    """The answer of SatisfiesRequest about the final state, so far as there is one."""
+    if not isinstance(case.final, State | Region):
+        return None
+    if container is not None:
+        return next(satisfies_request(case))
+    if isinstance(case.task, Task):
+        reason = f"the motion moves no container, so nothing is {case.task.verb.value} that was not before"
+    else:
+        reason = "the motion meets no request that was not met before"
+    return Answer(case, holds=False, diagnoses=(Diagnosis(Kind.SEMANTIC, reason, proof=True),))
+
+
+def _performed(case: Case, embodiment: Embodiment | None) -> Answer | None:
+    """The answer of CanPerform, if there is somebody to ask and something to ask about."""
+    known = isinstance(case.motion, Motion) or isinstance(case.body_motion, BodyMotion)
+    if embodiment is None or case.robot is UNKNOWN or not known:
+        return None
+    return next(can_perform(case, embodiment))
+
+
+def _is_new(performed: Answer | None, case: Case) -> TypeGuard[Answer]:
+    """Whether CanPerform holds by a body motion that was not given."""
+    return performed is not None and performed.holds and performed.case.body_motion is not case.body_motion
+
+
+def _executed(performed: Answer, container: Container, physics: Physics) -> Answer:
+    """Causes about the motion that the robot really makes the container do.
+
+    A generated τ is a proposal which the robot may slow down: what it proposed is not what counts.
+    """
+    body_motion = performed.case.body_motion
+    if not isinstance(body_motion, BodyMotion):
+        raise OracleRejectedError("CanPerform holds, but the embodiment oracle gave no body motion")
+    case = with_carried(replace(performed.case, final=UNKNOWN), body_motion, container, physics)
+    return next(causes(case, physics))
+
+
+def _verdict(asked: Case, answers: Answers, began: float, inputs: tuple[tuple[str, str], ...]) -> Verdict:
+    """What the answers add up to."""
+    satisfied, caused, performed = answers
+    diagnoses = [each for answer in answers if answer is not None for each in answer.diagnoses]
+    case = _solved(asked, answers)
+    if caused is not None and _outside(caused):
+        outcome, satisfied, caused = Outcome.ABSTAINED, None, None
+    elif all(answer is not None and answer.holds for answer in answers):
+        outcome = Outcome.CERTIFIED
+    else:
+        outcome = Outcome.NOT_CERTIFIED
+        if performed is None and all(answer is not None and answer.holds for answer in answers[:2]):
+            diagnoses.append(NOT_ASKED)
+    seconds = time.perf_counter() - began
+    return Verdict(
+        verdict_iri(inputs), outcome, case, satisfied, caused, performed, tuple(diagnoses), inputs, seconds
+    )
+
+
+def _solved(asked: Case, answers: Answers) -> Case:
+    """The case with all that the relations found out, later answers winning."""
+    case = asked
+    for found in (answer.case for answer in answers if answer is not None):
+        case = Case(
+            twin=case.twin,
+            robot=_known(case.robot, found.robot),
+            task=_known(case.task, found.task),
+            motion=_known(case.motion, found.motion),
+            final=_known(case.final, found.final),
+            body_motion=_known(case.body_motion, found.body_motion),
+        )
+    return case
+
+
+def _known(before: T | Unknown, found: T | Unknown) -> T | Unknown:
+    return before if isinstance(found, Unknown) else found

@@ -1,0 +1,60 @@
+"""Which containers a case is about."""
+
+from collections.abc import Iterator
+
+from predicates.case import Case
+from sdt_kg.errors import UnknownEntityError
+from sdt_kg.iri import Iri, joint_iri, local_name
+from sdt_kg.mechanism import JointType
+from sdt_kg.motion import Motion
+from sdt_kg.task import Task
+from sdt_kg.twin import Container, Twin
+
+
+def containers_meant(case: Case) -> tuple[Container, ...]:
+    """The task's container; where the task leaves it open, those that the motion moves, or all."""
+    if isinstance(case.task, Task) and isinstance(case.task.container, str):
+        return (case.twin.container(case.task.container),)
+    if isinstance(case.motion, Motion):
+        return moved_by(case.twin, case.motion.of)
+    return case.twin.containers()
+
+
+def moved_by(twin: Twin, of: Iri) -> tuple[Container, ...]:
+    """Containers whose own joint is this one, or moves this body; else those which follow it.
+
+    Raises:
+        UnknownEntityError: The kitchen has neither a joint nor a body of that IRI.
+    """
+    joint = _joint(twin, of)
+    own = tuple(each for each in twin.containers() if each.joint == joint)
+    return own or tuple(each for each in twin.containers() if each.active_joint == joint)
+
+
+def _joint(twin: Twin, of: Iri) -> Iri | None:
+    """The joint itself, or the nearest one that moves the body; None if nothing does."""
+    mechanism, name = twin.mechanism(twin.environment), local_name(of)
+    if of in {joint_iri(mechanism.name, each.name) for each in mechanism.joints}:
+        return of
+    bodies = {each.name for each in mechanism.bodies}
+    if name not in bodies:
+        raise UnknownEntityError("joint or frame", name, bodies)
+    parents = {each.child: each for each in mechanism.joints}
+    while name in parents:
+        if parents[name].type is not JointType.FIXED:
+            return joint_iri(mechanism.name, parents[name].name)
+        name = parents[name].parent
+    return None
+
+
+def tasks_meant(case: Case) -> Iterator[tuple[Task, Container]]:
+    """The case's task about each container that it may mean."""
+    if isinstance(case.task, Task):
+        for container in containers_meant(case):
+            yield Task(case.task.verb, container.iri), container
+
+
+def unit_of(twin: Twin, container: Container) -> str:
+    """Unit of the container's own joint: m or rad."""
+    joint = twin.mechanism(twin.environment).joint(local_name(container.joint))
+    return "m" if joint.type is JointType.PRISMATIC else "rad"

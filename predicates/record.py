@@ -1,0 +1,206 @@
+"""Verdicts as triples and as JSON: what was asked, what was answered, from which inputs."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pyoxigraph as ox
+
+from predicates.case import Diagnosis, Evidence, Kind, Outcome, Verdict
+from predicates.report import answers, diagnosis_json, drive, figures, gripper, notes, to_json
+from sdt_kg.iri import LAW, PROV, RDF, XSD, Iri, graph_iri, local_name, part_iri
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.store import Term, Triple
+from sdt_kg.task import Task
+
+__all__ = ["Record", "diagnosis_json", "to_json", "to_record", "write"]
+
+DIAGNOSIS_CLASS = {
+    Kind.SEMANTIC: "SemanticFailure",
+    Kind.CAUSAL: "CausalFailure",
+    Kind.EMBODIMENT: "EmbodimentFailure",
+    Kind.OUT_OF_SCOPE: "OutOfScope",
+}
+OUTCOME_TERM = {
+    Outcome.CERTIFIED: "Certified",
+    Outcome.NOT_CERTIFIED: "NotCertified",
+    Outcome.ABSTAINED: "Abstained",
+}
+SECONDS = {ox.NamedNode(LAW + "seconds"), ox.NamedNode(LAW + "searchedSeconds")}
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """A verdict's triples, in a named graph of their own.
+
+    Attributes:
+        verdict: IRI of the verdict.
+        graph: IRI of its named graph.
+        triples: Subject, predicate, object.
+    """
+
+    verdict: Iri
+    graph: Iri
+    triples: tuple[Triple, ...]
+
+    def quads(self) -> Iterator[ox.Quad]:
+        """The triples with their graph."""
+        name = ox.NamedNode(self.graph)
+        for subject, predicate, value in self.triples:
+            yield ox.Quad(ox.NamedNode(subject), ox.NamedNode(predicate), value, name)
+
+
+def to_record(verdict: Verdict) -> Record:
+    """The verdict as PROV-O and law: triples, no blank nodes."""
+    key = local_name(verdict.iri)
+    triples = (*_verdict(verdict), *_case(verdict), *_provenance(verdict))
+    return Record(verdict.iri, graph_iri("verdict", key), triples)
+
+
+def write(store: ox.Store, record: Record) -> bool:
+    """Whether the store has changed: a verdict that is there already stays as it is.
+
+    Except a refusal without proof, which gives way to the same question's later answer: it was
+    searched, and a longer search may find what a shorter one did not.
+    """
+    graph = ox.NamedNode(record.graph)
+    if store.contains_named_graph(graph):
+        if not _searched(store, graph) or _same_claims(store, record):
+            return False
+        store.remove_graph(graph)
+    store.extend(record.quads())
+    return True
+
+
+def _verdict(verdict: Verdict) -> Iterator[Triple]:
+    """Outcome, the three answers, diagnoses, figures."""
+    subject = verdict.iri
+    yield subject, RDF + "type", _node(LAW + "Verdict")
+    yield subject, LAW + "outcome", _node(LAW + OUTCOME_TERM[verdict.outcome])
+    for name, answer in answers(verdict).items():
+        if answer is not None:
+            yield subject, LAW + name, _literal(answer.holds)
+    yield subject, LAW + "seconds", _literal(verdict.seconds)
+    for name, value in (("gripper", gripper(verdict)), ("drive", drive(verdict))):
+        if value is not None:
+            yield subject, LAW + name, _literal(value)
+    for note in notes(verdict):
+        yield subject, LAW + "note", _literal(note)
+    for index, diagnosis in enumerate(verdict.diagnoses, 1):
+        of = part_iri(verdict.iri, "diagnosis", index)
+        yield subject, LAW + "diagnosis", _node(of)
+        yield from _diagnosis(of, diagnosis)
+    for index, (name, (value, unit)) in enumerate(sorted(figures(verdict).items()), 1):
+        of = part_iri(verdict.iri, "figure", index)
+        yield subject, LAW + "figure", _node(of)
+        yield of, RDF + "type", _node(LAW + "Figure")
+        yield of, LAW + "name", _literal(name)
+        yield of, LAW + "value", _literal(value)
+        yield of, LAW + "unit", _literal(unit)
+
+
+def _diagnosis(of: Iri, diagnosis: Diagnosis) -> Iterator[Triple]:
+    yield of, RDF + "type", _node(LAW + DIAGNOSIS_CLASS[diagnosis.kind])
+    yield of, LAW + "reason", _literal(diagnosis.reason)
+    yield of, LAW + "proof", _literal(diagnosis.proof)
+    if diagnosis.evidence is not None:
+        yield from _evidence(of, diagnosis.evidence)
+    if diagnosis.search is not None:
+        for name in ("seeds", "branches", "placements", "seconds"):
+            yield of, LAW + f"searched{name.capitalize()}", _literal(getattr(diagnosis.search, name))
+
+
+def _evidence(of: Iri, evidence: Evidence) -> Iterator[Triple]:
+    yield of, LAW + "quantity", _literal(evidence.quantity.value)
+    yield of, LAW + "value", _literal(evidence.value)
+    yield of, LAW + "bound", _literal(evidence.bound)
+    yield of, LAW + "unit", _literal(evidence.unit)
+    if evidence.time is not None:
+        yield of, LAW + "time", _literal(evidence.time)
+    if evidence.scope:
+        yield of, LAW + "collisionScope", _literal(evidence.scope)
+    if evidence.path is not None:
+        yield of, LAW + "path", _node(evidence.path)
+    if evidence.entity is not None:
+        yield of, LAW + "entity", _node(evidence.entity)
+    for link in evidence.links or ():
+        yield of, LAW + "link", _node(link)
+
+
+def _case(verdict: Verdict) -> Iterator[Triple]:
+    """What was asked, and what was solved for."""
+    subject, case = verdict.iri, verdict.case
+    yield subject, LAW + "environment", _node(case.twin.environment)
+    if isinstance(case.robot, str):
+        yield subject, LAW + "robot", _node(case.robot)
+    if isinstance(case.task, Task):
+        task = part_iri(verdict.iri, "task", 1)
+        yield subject, LAW + "task", _node(task)
+        yield task, RDF + "type", _node(LAW + "Task")
+        yield task, LAW + "verb", _node(LAW + case.task.verb.value.capitalize())
+        if isinstance(case.task.container, str):
+            yield subject, LAW + "container", _node(case.task.container)
+            yield task, LAW + "container", _node(case.task.container)
+    if isinstance(case.motion, Motion):
+        yield from _motion(verdict.iri, case.motion)
+    if isinstance(case.body_motion, BodyMotion):
+        yield from _body_motion(verdict.iri, case.body_motion)
+
+
+def _motion(verdict: Iri, motion: Motion) -> Iterator[Triple]:
+    """Summary of τ; the samples are kept beside the graph."""
+    of = part_iri(verdict, "motion", 1)
+    yield verdict, LAW + "motion", _node(of)
+    yield of, RDF + "type", _node(LAW + "Motion")
+    yield of, LAW + "entity", _node(motion.of)
+    yield of, LAW + "duration", _literal(float(motion.times[-1] - motion.times[0]))
+    if not motion.is_poses:
+        yield of, LAW + "startPosition", _literal(float(motion.values[0, 0]))
+        yield of, LAW + "endPosition", _literal(float(motion.values[-1, 0]))
+
+
+def _body_motion(verdict: Iri, motion: BodyMotion) -> Iterator[Triple]:
+    """Summary of Γ; the samples are kept beside the graph."""
+    of = part_iri(verdict, "body_motion", 1)
+    yield verdict, LAW + "bodyMotion", _node(of)
+    yield of, RDF + "type", _node(LAW + "BodyMotion")
+    yield of, LAW + "duration", _literal(float(motion.times[-1] - motion.times[0]))
+    yield of, LAW + "samples", _literal(len(motion.times))
+
+
+def _provenance(verdict: Verdict) -> Iterator[Triple]:
+    """PROV-O: the judging used these inputs."""
+    activity = part_iri(verdict.iri, "judging", 1)
+    yield verdict.iri, PROV + "wasGeneratedBy", _node(activity)
+    yield activity, RDF + "type", _node(PROV + "Activity")
+    for index, (name, value) in enumerate(verdict.inputs, 1):
+        of = part_iri(verdict.iri, "input", index)
+        yield activity, PROV + "used", _node(of)
+        yield of, RDF + "type", _node(LAW + "Input")
+        yield of, LAW + "name", _literal(name)
+        yield of, LAW + "inputHash", _literal(value)
+
+
+def _searched(store: ox.Store, graph: ox.NamedNode) -> bool:
+    """Whether the stored verdict is a refusal that rests on a search alone."""
+    refused = (None, ox.NamedNode(LAW + "outcome"), ox.NamedNode(LAW + "NotCertified"), graph)
+    proved = (None, ox.NamedNode(LAW + "proof"), ox.Literal(True), graph)
+    return any(store.quads_for_pattern(*refused)) and not any(store.quads_for_pattern(*proved))
+
+
+def _same_claims(store: ox.Store, record: Record) -> bool:
+    """Whether the stored verdict differs from the record in nothing but seconds."""
+    graph = ox.NamedNode(record.graph)
+    stored = {(q.subject, q.predicate, q.object) for q in store.quads_for_pattern(None, None, None, graph)}
+    fresh = {(q.subject, q.predicate, q.object) for q in record.quads()}
+    return all(predicate in SECONDS for _, predicate, _ in stored ^ fresh)
+
+
+def _node(iri: Iri) -> Term:
+    return ox.NamedNode(iri)
+
+
+def _literal(value: str | float | bool) -> Term:
+    """bool, int, float or text as a literal of its own datatype."""
+    if isinstance(value, float):
+        return ox.Literal(repr(value), datatype=ox.NamedNode(XSD + "double"))
+    return ox.Literal(value)

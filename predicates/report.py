@@ -1,0 +1,122 @@
+"""Verdicts as JSON objects, with names instead of IRIs."""
+
+from predicates.case import Answer, Diagnosis, Evidence, Verdict
+from sdt_kg.iri import local_name
+from sdt_kg.motion import BodyMotion
+from sdt_kg.task import Task
+
+SIGNIFICANT = 6
+"""[digits] Figures in JSON are rounded to so many; triples keep them all."""
+
+
+def answers(verdict: Verdict) -> dict[str, Answer | None]:
+    """Each predicate's answer, under the name of its law: property."""
+    return {
+        "satisfiesRequest": verdict.satisfies_request,
+        "causes": verdict.causes,
+        "canPerform": verdict.can_perform,
+    }
+
+
+def notes(verdict: Verdict) -> tuple[str, ...]:
+    """What the three answers say beyond yes and no, each sentence once."""
+    found = [note for answer in answers(verdict).values() if answer is not None for note in answer.notes]
+    return tuple(dict.fromkeys(found))
+
+
+def figures(verdict: Verdict) -> dict[str, tuple[float, str]]:
+    """Certified margins of all answers: name → (value, unit)."""
+    given = [answer.figures for answer in answers(verdict).values() if answer is not None]
+    return {name: figure for each in given for name, figure in each.items()}
+
+
+def times(verdict: Verdict) -> dict[str, float]:
+    """Seconds of each step of all answers."""
+    given = [answer.seconds for answer in answers(verdict).values() if answer is not None]
+    return {name: seconds for each in given for name, seconds in each.items()}
+
+
+def gripper(verdict: Verdict) -> str | None:
+    """Name of the gripper that acts, where one was found or given."""
+    motion = verdict.case.body_motion
+    return (motion.gripper or None) if isinstance(motion, BodyMotion) else None
+
+
+def drive(verdict: Verdict) -> str | None:
+    """How the base moves, where an embodiment was asked; else as the robot's hardware does."""
+    settings = dict(verdict.inputs)
+    if "embodiment.drive" in settings:
+        return settings["embodiment.drive"]
+    robot = verdict.case.robot
+    return verdict.case.twin.robot(robot).drive.value if isinstance(robot, str) else None
+
+
+def to_json(verdict: Verdict) -> dict[str, object]:
+    """The object that `sdt achieve --json` prints for one verdict."""
+    case = verdict.case
+    task = case.task if isinstance(case.task, Task) else None
+    container = task.container if task is not None and isinstance(task.container, str) else None
+    holds = {name: None if answer is None else answer.holds for name, answer in answers(verdict).items()}
+    return {
+        "kitchen": local_name(case.twin.environment),
+        "robot": local_name(case.robot) if isinstance(case.robot, str) else None,
+        "task": task.verb.value if task is not None else None,
+        "container": local_name(container) if container is not None else None,
+        "outcome": verdict.outcome.value,
+        "satisfies_request": holds["satisfiesRequest"],
+        "causes": holds["causes"],
+        "can_perform": holds["canPerform"],
+        "gripper": gripper(verdict),
+        "drive": drive(verdict),
+        "diagnoses": [diagnosis_json(each) for each in verdict.diagnoses],
+        "figures": {name: [_rounded(value), unit] for name, (value, unit) in figures(verdict).items()},
+        "notes": list(notes(verdict)),
+        "times": {name: round(seconds, 4) for name, seconds in times(verdict).items()},
+        "seconds": round(verdict.seconds, 4),
+        "iri": verdict.iri,
+    }
+
+
+def diagnosis_json(diagnosis: Diagnosis) -> dict[str, object]:
+    """A diagnosis as a JSON object."""
+    search = diagnosis.search
+    return {
+        "kind": diagnosis.kind.value,
+        "reason": diagnosis.reason,
+        "evidence": None if diagnosis.evidence is None else _evidence_json(diagnosis.evidence),
+        "proof": diagnosis.proof,
+        "search": None
+        if search is None
+        else {
+            "seeds": search.seeds,
+            "branches": search.branches,
+            "placements": search.placements,
+            "seconds": round(search.seconds, 4),
+        },
+    }
+
+
+def _evidence_json(evidence: Evidence) -> dict[str, object]:
+    """Evidence with what it has: an entity or two links, a time, a scope, a path."""
+    found: dict[str, object] = {
+        "quantity": evidence.quantity.value,
+        "value": _rounded(evidence.value),
+        "bound": _rounded(evidence.bound),
+        "unit": evidence.unit,
+        "time": None if evidence.time is None else _rounded(evidence.time),
+    }
+    if evidence.links is not None:
+        found["links"] = [local_name(link) for link in evidence.links]
+    if evidence.entity is not None:
+        found["entity"] = local_name(evidence.entity)
+    if evidence.scope:
+        found["scope"] = evidence.scope
+    if evidence.path is not None:
+        found["path"] = local_name(evidence.path)
+    return found
+
+
+def _rounded(value: float) -> float | None:
+    """The value to SIGNIFICANT digits; JSON has no infinity and no NaN, which become null."""
+    rounded = float(f"{value:.{SIGNIFICANT}g}")
+    return rounded if abs(rounded) < float("inf") else None

@@ -1,0 +1,102 @@
+"""Eq. (5): does a state meet a request, and which requests does it meet?"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity
+from predicates.meant import tasks_meant, unit_of
+from sdt_kg.errors import NoModeError
+from sdt_kg.iri import Iri, local_name
+from sdt_kg.state import Interval, Region, State
+from sdt_kg.task import Task, Verb
+from sdt_kg.twin import Container, Twin
+
+NOTHING: frozenset[tuple[Verb, Iri]] = frozenset()
+
+
+def satisfies_request(case: Case) -> Iterator[Answer]:
+    r"""Eq. (5), :math:`SatisfiesRequest(\Pi, G_{final})`, judged by SPARQL over entities and state.
+
+    Modes: (+task, +final) one answer for each container that the task may mean;
+    (+task, -final) one for each of them, with the region that the request demands;
+    (-task, +final) one for each request that the state meets.
+
+    Raises:
+        NoModeError: Neither the task nor the final state is known.
+    """
+    if isinstance(case.task, Task):
+        met = _met(case.twin.at(case.final)) if isinstance(case.final, State) else NOTHING
+        for task, container in tasks_meant(case):
+            yield _forwards(replace(case, task=task), task, container, met)
+    elif isinstance(case.final, State):
+        met = _met(case.twin.at(case.final))
+        for verb, container in sorted(met, key=lambda each: (each[1], each[0].value)):
+            yield Answer(replace(case, task=Task(verb, container)), holds=True)
+    else:
+        raise NoModeError("SatisfiesRequest needs a task or a final state")
+
+
+def demanded(container: Container, verb: Verb) -> Region:
+    """G_final of a request, as an interval of the actuated joint."""
+    own = {
+        Verb.OPEN: (container.open_from, container.upper),
+        Verb.CLOSE: (container.lower, container.closed_to),
+    }[verb]
+    lower, upper = sorted((each - container.offset) / container.multiplier for each in own)
+    return Region(((container.active_joint, Interval(lower, upper)),))
+
+
+def met_requests(twin: Twin, state: State) -> frozenset[tuple[Verb, Iri]]:
+    """Every request which the state meets, as verb and container."""
+    return _met(twin.at(state))
+
+
+def _met(twin: Twin) -> frozenset[tuple[Verb, Iri]]:
+    rows = twin.select("satisfied_requests")
+    return frozenset((Verb(local_name(str(row["verb"])).lower()), str(row["container"])) for row in rows)
+
+
+def _forwards(case: Case, task: Task, container: Container, met: frozenset[tuple[Verb, Iri]]) -> Answer:
+    """The answer for one container, its request known."""
+    region = demanded(container, task.verb)
+    if isinstance(case.final, State):
+        if (task.verb, container.iri) in met:
+            return Answer(case, holds=True)
+        return Answer(case, holds=False, diagnoses=(_unmet(case.twin, container, task.verb, case.final),))
+    if isinstance(case.final, Region):
+        if _within(case.final, region):
+            return Answer(case, holds=True)
+        reason = f"the final region of {container.name} holds states that do not meet {task.verb.value}"
+        return Answer(case, holds=False, diagnoses=(Diagnosis(Kind.SEMANTIC, reason, proof=True),))
+    return Answer(replace(case, final=region), holds=True)
+
+
+def _within(inner: Region, outer: Region) -> bool:
+    """Whether every state of the inner region is in the outer one."""
+    bounds = dict(inner.intervals)
+    return all(
+        joint in bounds and interval.lower <= bounds[joint].lower and bounds[joint].upper <= interval.upper
+        for joint, interval in outer.intervals
+    )
+
+
+def _unmet(twin: Twin, container: Container, verb: Verb, final: State) -> Diagnosis:
+    """How far the state is from the request."""
+    position = own_position(container, final)
+    bound = threshold(container, verb)
+    unit = unit_of(twin, container)
+    demand = f"open begins at {bound:.4g}" if verb is Verb.OPEN else f"closed ends at {bound:.4g}"
+    reason = f"{container.name} ends at {position:.4g} {unit}: {demand} {unit}"
+    evidence = Evidence(Quantity.POSITION, position, bound, unit, entity=container.joint)
+    return Diagnosis(Kind.SEMANTIC, reason, evidence, proof=True)
+
+
+def own_position(container: Container, state: State) -> float:
+    """p_c of the container in a state [rad or m]."""
+    return container.multiplier * state.get(container.active_joint, math.nan) + container.offset
+
+
+def threshold(container: Container, verb: Verb) -> float:
+    """Where open begins, or closed ends, as a position of the container's own joint [rad or m]."""
+    return container.open_from if verb is Verb.OPEN else container.closed_to

@@ -1,0 +1,105 @@
+"""Units that a motion file probably got wrong: degrees, millimetres, milliseconds.
+
+A value outside its limits is a matter for the verdict. Here only those are refused that would be
+plausible in another unit and are absurd in the stated one.
+"""
+
+import math
+
+import numpy as np
+
+from sdt_kg.errors import MotionError
+from sdt_kg.mechanism import Joint, JointType, Mechanism
+from sdt_kg.motion import Array
+
+FULL_TURN = 2 * math.pi
+"""[rad] A joint with limits that is asked to go further than this is probably given in degrees."""
+
+MANY_TURNS = 10 * FULL_TURN
+"""[rad] The same for angles without limits: yaw of the base, continuous joints."""
+
+ROOM = 100.0
+"""[m] A base or handle farther from the kitchen's origin is probably given in millimetres."""
+
+SLOW_SPACING = 1.0
+"""[s] Samples farther apart than this, in a motion that nearly stands still, look like milliseconds."""
+
+SLOW_SHARE = 0.01
+"""[1] Share of a joint's velocity limit below which a motion nearly stands still."""
+
+MANY_SAMPLES = 5
+"""[1] A few samples may well be waypoints far apart."""
+
+MILLI = 1000.0
+"""[1] Millimetres in a metre, milliseconds in a second."""
+
+
+def check_joints(names: tuple[str, ...], values: Array, mechanism: Mechanism, array: str) -> None:
+    """Positions are not in degrees or millimetres.
+
+    Raises:
+        MotionError: With the first index and the joint.
+    """
+    joints = {joint.name: joint for joint in mechanism.joints}
+    for column, name in enumerate(names):
+        bound, unit, other = _absurd(joints[name])
+        beyond = np.flatnonzero(np.abs(values[:, column]) > bound)
+        if beyond.size:
+            k = int(beyond[0])
+            raise MotionError(
+                f"'{array}' of {name} at index {k} is {values[k, column]:.6g} {unit}, probably in {other}",
+                allowed=f"{unit}, up to {bound:.4g}",
+                remedy=f"convert to {unit}",
+            )
+
+
+def _absurd(joint: Joint) -> tuple[float, str, str]:
+    """Beyond which value, in which unit, a joint's position is absurd, and what it probably is in."""
+    largest = max(abs(joint.limits.lower), abs(joint.limits.upper))
+    if joint.type is JointType.PRISMATIC:
+        return (ROOM if math.isinf(largest) else 1.0 + 10 * largest), "m", "millimetres"
+    return (MANY_TURNS if math.isinf(largest) else max(FULL_TURN, 1.5 * largest)), "rad", "degrees"
+
+
+def check_base(poses: Array, array: str) -> None:
+    """x, y and, where there is one, yaw are not in millimetres or degrees.
+
+    Raises:
+        MotionError: With the first index and the coordinate.
+    """
+    named = (
+        ("x", ROOM, "m", "millimetres"),
+        ("y", ROOM, "m", "millimetres"),
+        ("yaw", MANY_TURNS, "rad", "degrees"),
+    )
+    for column, (name, bound, unit, other) in enumerate(named[: poses.shape[1]]):
+        beyond = np.flatnonzero(np.abs(poses[:, column]) > bound)
+        if beyond.size:
+            k = int(beyond[0])
+            raise MotionError(
+                f"{name} of '{array}' at index {k} is {poses[k, column]:.6g} {unit}, probably in {other}",
+                allowed=f"{unit}, up to {bound:.4g}",
+                remedy=f"convert to {unit}",
+            )
+
+
+def check_times(times: Array, names: tuple[str, ...], velocities: Array, mechanism: Mechanism) -> None:
+    """Times are not in milliseconds: no joint comes near its speed and samples are far apart.
+
+    Raises:
+        MotionError: With the spacing, and the joint that moves fastest.
+    """
+    spacing = float(np.median(np.diff(times)))
+    if len(times) < MANY_SAMPLES or spacing < SLOW_SPACING or not names:
+        return
+    joints = {joint.name: joint for joint in mechanism.joints}
+    limits = np.array([joints[name].limits.velocity for name in names])
+    shares = np.abs(velocities).max(axis=0) / np.where(np.isfinite(limits) & (limits > 0), limits, 1.0)
+    fastest = int(np.argmax(shares))
+    if 0 < shares[fastest] < SLOW_SHARE:
+        raise MotionError(
+            f"'times' are {spacing:.4g} s apart and {names[fastest]}, the fastest joint, uses"
+            f" {shares[fastest]:.2%} of its speed: probably milliseconds",
+            allowed="seconds",
+            remedy=f"divide times by {MILLI:.0f}",
+        )
