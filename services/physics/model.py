@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
 from sdt_kg.annotation import RobotAnnotation
-from sdt_kg.errors import AnnotationError
+from sdt_kg.errors import AnnotationError, UnknownEntityError
 from sdt_kg.iri import Iri, body_iri
 from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism
 from sdt_kg.twin import Twin
@@ -56,7 +56,7 @@ class Scene:
     """A kitchen and one robot as one Pinocchio model with collision shapes.
 
     Coordinates: the kitchen's movable joints, base x, y, yaw, the robot's movable joints. `placement`
-    and `tool` write the scene's own `data`; everything else is read only.
+    writes the scene's own `data`; everything else is read only.
 
     Attributes:
         model, data: Pinocchio's. Frames are named by body IRI, tool frames `ROBOT/gripper/NAME`.
@@ -156,9 +156,17 @@ class Scene:
             base: x, y [m], yaw [rad].
             robot: Joint name → position; joints that are not listed are parked.
             kitchen: Joint IRI → position; joints that are not listed are as the twin's state says.
+
+        Raises:
+            UnknownEntityError: The robot or the kitchen has no such movable joint.
         """
+        known = [joint.name for joint in self.robot.joints]
+        for name in robot.keys() - set(known):
+            raise UnknownEntityError("joint", name, known)
         q = np.zeros(self.model.nq)
-        for iri, value in {**self.twin.state, **(kitchen or {})}.items():
+        for iri, value in (dict(self.twin.state.positions) | dict(kitchen or {})).items():
+            if iri not in self.coordinate:
+                raise UnknownEntityError("joint", iri, self.names)
             q[self.coordinate[iri]] = value
         q[self.base] = base
         for k, joint in enumerate(self.robot.joints, self.robot.first):

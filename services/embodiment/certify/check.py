@@ -1,0 +1,119 @@
+"""All checks of a body motion, one after the other."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from predicates.case import Diagnosis
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import UnknownEntityError
+from sdt_kg.iri import Iri
+from sdt_kg.motion import BodyMotion
+from sdt_kg.twin import Container, Twin
+from services.embodiment.certify.collisions import collisions
+from services.embodiment.certify.findings import Findings
+from services.embodiment.certify.hold import Hold, begin
+from services.embodiment.certify.kinematics import joint_axes
+from services.embodiment.certify.limits import drive_limits, joint_limits, kitchen_keeps
+from services.embodiment.certify.motion import start as starts
+from services.embodiment.certify.motion import whole_motion
+from services.embodiment.certify.pieces import Pieces
+from services.embodiment.certify.subject import Subject, subject
+from services.embodiment.certify.tolerances import Tolerances
+from services.physics.model import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class Certified:
+    """Every check holds, between samples too.
+
+    Attributes:
+        figures: What was kept, and by how much: name → (value, unit).
+    """
+
+    figures: dict[str, tuple[float, str]]
+
+
+@dataclass(frozen=True, slots=True)
+class Refused:
+    """At least one check does not hold.
+
+    Attributes:
+        diagnoses: The first and the worst violation of each rule.
+        figures: What was measured on the way.
+    """
+
+    diagnoses: tuple[Diagnosis, ...]
+    figures: dict[str, tuple[float, str]]
+
+
+def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaults
+    twin: Twin,
+    robot: Iri,
+    motion: BodyMotion,
+    container: Container,
+    tolerances: Tolerances,
+    *,
+    drive: Drive,
+    start: tuple[float, float, float] | None = None,
+    scene: Scene | None = None,
+) -> Certified | Refused:
+    """Whether the robot can move so, and moves that container by its handle and nothing else.
+
+    The motion between samples is the cubic Hermite spline of its samples; every check holds for
+    all of it. Reaching the task's goal is not judged here: the container's last position is a figure.
+
+    Args:
+        twin: Kitchen and robot, in the state in which the motion begins.
+        robot: IRI of the robot.
+        motion: What is judged.
+        container: The container that is to be moved.
+        tolerances: What is allowed.
+        drive: What the base can do.
+        start: Base pose x, y [m], yaw [rad] at which the robot has to start, parked; None if any
+            start will do.
+        scene: The scene of this twin and robot if it is built already.
+
+    Raises:
+        MotionError: The arrays are no motion: shapes, times, values which are not numbers.
+        UnknownEntityError: The motion names a joint or gripper that is not there.
+    """
+    scene = Scene(twin, robot) if scene is None else scene
+    pieces, findings = whole_motion(scene, motion, tolerances)
+    findings.add(starts(scene, pieces, start, tolerances))
+    findings.add(joint_limits(scene, pieces, tolerances))
+    findings.add(drive_limits(scene, pieces, drive, tolerances))
+    findings.add(kitchen_keeps(scene, pieces, container, tolerances))
+    checked = subject(scene, pieces, tolerances)
+    hold, held = _hold(checked, container, motion.gripper)
+    findings.add(held)
+    findings.add(collisions(checked, hold))
+    findings.add(_end(scene, pieces, container))
+    if findings.violations:
+        return Refused(findings.diagnoses(), findings.figures)
+    return Certified(findings.figures)
+
+
+def _hold(checked: Subject, container: Container, name: str) -> tuple[Hold | None, Findings]:
+    """How the named gripper holds the container; if none is named, the one that does so best."""
+    grippers = {gripper.name: gripper for gripper in checked.scene.annotation.grippers}
+    if name and name not in grippers:
+        raise UnknownEntityError("gripper", name, grippers)
+    first = begin(checked.scene, checked.pieces, container)
+    if first is None:
+        return None, Findings()
+    chosen = [grippers[name]] if name else list(grippers.values())
+    holds = [Hold(checked, container, gripper, first) for gripper in chosen]
+    contacts = [hold.contact() for hold in holds]
+    best = min(range(len(holds)), key=lambda i: max((v.excess for v in contacts[i].violations), default=0.0))
+    hold, findings = holds[best], contacts[best]
+    findings.add(hold.follows())
+    findings.add(hold.keeps_fingers())
+    return hold, findings
+
+
+def _end(scene: Scene, pieces: Pieces, container: Container) -> Findings:
+    k = scene.coordinate[container.joint]
+    last = pieces.at(np.array([len(pieces.start) - 1]), pieces.duration[-1:])[0][0, k]
+    unit = "rad" if joint_axes(scene)[1][k] else "m"
+    return Findings(figures={"container at the end": (float(last), unit)})

@@ -1,0 +1,60 @@
+"""What a check finds, and the diagnoses made of it: the first and the worst of each kind."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from predicates.case import Diagnosis, Evidence, Kind
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """One rule that is broken at one time.
+
+    Attributes:
+        rule: Kind of violation; the first and the worst of each rule become diagnoses.
+        excess: How bad it is, comparable within the rule.
+    """
+
+    rule: str
+    reason: str
+    evidence: Evidence
+    excess: float
+
+    @property
+    def time(self) -> float:
+        """When it happens; before everything else where it has no time."""
+        return -float("inf") if self.evidence.time is None else self.evidence.time
+
+
+@dataclass(slots=True)
+class Findings:
+    """Violations, and the figures of what was kept.
+
+    Attributes:
+        figures: Name → (value, unit).
+    """
+
+    violations: list[Violation] = field(default_factory=list)
+    figures: dict[str, tuple[float, str]] = field(default_factory=dict)
+
+    def add(self, found: "Findings") -> None:
+        """All that another check found as well."""
+        self.violations.extend(found.violations)
+        self.figures.update(found.figures)
+
+    def diagnoses(self) -> tuple[Diagnosis, ...]:
+        """The first and the worst violation of each rule, rules in the order of their checks."""
+        by_rule: dict[str, list[Violation]] = {}
+        for violation in self.violations:
+            by_rule.setdefault(violation.rule, []).append(violation)
+        return tuple(
+            Diagnosis(Kind.EMBODIMENT, violation.reason, violation.evidence)
+            for group in by_rule.values()
+            for violation in _first_and_worst(group)
+        )
+
+
+def _first_and_worst(group: list[Violation]) -> Iterable[Violation]:
+    first = min(group, key=lambda violation: (violation.time, -violation.excess))
+    worst = max(group, key=lambda violation: (violation.excess, -violation.time))
+    return (first,) if first is worst else (first, worst)

@@ -1,0 +1,219 @@
+"""The tool holds the handle from the moment in which the container begins to move."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from predicates.case import Evidence, Quantity
+from sdt_kg.annotation import Gripper
+from sdt_kg.iri import Iri, body_iri, local_name
+from sdt_kg.twin import Container
+from services.embodiment.certify.findings import Findings, Violation
+from services.embodiment.certify.kinematics import Of, Placed
+from services.embodiment.certify.pieces import Pieces, positions
+from services.embodiment.certify.subject import Subject
+from services.physics.model import Scene
+from services.physics.tree import se3
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+MOVES = 1e-6  # [rad or m] less is rounding
+FINE = 2e-4  # [m or rad] precision of the largest tool error that is reported
+DEEPEST = 12  # halvings of a piece in the check of the tool
+FIRST = np.zeros(1, dtype=np.intp)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Attached:
+    """A frame that is fixed to a carrier: carrier_T_frame, shape (4, 4)."""
+
+    carrier: int
+    placement: Array
+
+    def world(self, placed: Placed) -> tuple[Array, Array]:
+        """Rotations and origins in the world, shapes (U, 3, 3) and (U, 3)."""
+        rotation, origin = placed.rotation[:, self.carrier], placed.origin[:, self.carrier]
+        return rotation @ self.placement[:3, :3], origin + rotation @ self.placement[:3, 3]
+
+
+class Hold:
+    """One gripper, the handle of one container, and the motion that is to be checked for them.
+
+    Attributes:
+        begin: First piece on which the container moves; its start is the moment of the grasp.
+        time: That moment [s].
+    """
+
+    def __init__(self, checked: Subject, container: Container, gripper: Gripper, begin: int) -> None:
+        scene = self.scene = checked.scene
+        self.tolerances, self.timeline = checked.tolerances, checked.timeline
+        self.kinematics, self.shapes = checked.kinematics, checked.shapes
+        self.pieces, self.begin = checked.timeline.pieces, begin
+        self.time = float(self.pieces.start[begin])
+        self.gripper, self.container = gripper, container
+        joint, joint_T_body = scene.robot.attached[gripper.tool_body]
+        self.tool = self._attached(joint, (joint_T_body * se3(gripper.tool)).homogeneous)
+        joint, joint_T_body = scene.kitchen.attached[local_name(container.handle)]
+        self.handle = self._attached(joint, joint_T_body.homogeneous)
+        robot = scene.robot.mechanism.name
+        self.fingers = _shapes_of(scene, [body_iri(robot, name) for name in gripper.fingers])
+        self.bar = _shapes_of(scene, [container.handle])
+
+    def _attached(self, joint: int, joint_T_frame: Array) -> Attached:
+        return Attached(int(self.kinematics.carrier[joint]), self.kinematics.fixed[joint] @ joint_T_frame)
+
+    def _relative(self, placed: Placed) -> tuple[Array, Array]:
+        """handle_T_tool: rotations (U, 3, 3) and origins (U, 3)."""
+        tool_R, tool_p = self.tool.world(placed)
+        handle_R, handle_p = self.handle.world(placed)
+        back = np.swapaxes(handle_R, 1, 2)
+        return back @ tool_R, (back @ (tool_p - handle_p)[:, :, None])[:, :, 0]
+
+    def _at_grasp(self) -> Placed:
+        q, v, _ = self.pieces.at(np.array([self.begin]), np.zeros(1))
+        return self.kinematics.place(q, v)
+
+    def _errors(self, placed: Placed) -> tuple[Array, Array]:
+        """How far the tool is from its grasp [m], and the norm of its rotation's change [rad]."""
+        rotation, origin = self._relative(placed)
+        rotation_0, origin_0 = self._relative(self._at_grasp())
+        turned = np.linalg.norm(rotation - rotation_0, axis=(1, 2)) / np.sqrt(2)
+        return np.linalg.norm(origin - origin_0, axis=1), turned
+
+    def arrived(self) -> float:
+        """Time of the sample from which on the tool is in its grasp: the fingers may close."""
+        q, v, _ = self.pieces.at(np.arange(self.begin + 1), np.zeros(self.begin + 1))
+        slipped, turned = self._errors(self.kinematics.place(q, v))
+        away = np.flatnonzero(
+            (slipped > self.tolerances.tool_position) | (turned > self.tolerances.tool_angle)
+        )
+        return float(self.pieces.start[away[-1] + 1 if len(away) else 0])
+
+    def contact(self) -> Findings:
+        """At the grasp the handle is between the fingers, which touch it from both sides."""
+        placed = self._at_grasp()
+        tool_R, _ = self.tool.world(placed)
+        across = tool_R[0, :, 1]
+        nearest = {}
+        for finger in self.fingers:
+            for bar in self.bar:
+                gap, on_finger, on_bar = self.shapes.nearest_points(placed, (finger, bar))
+                centre = self.shapes.centres(placed, FIRST, np.array([finger]))[0]
+                side = 1 if (centre - on_bar) @ across > 0 else -1
+                if side not in nearest or gap < nearest[side][0]:
+                    nearest[side] = gap, float(on_finger @ across), finger
+        if len(nearest) == 2 and nearest[1][1] >= nearest[-1][1] - self.tolerances.contact:
+            gap, _, finger = max(nearest.values())
+            if gap <= self.tolerances.contact:
+                return Findings(figures={"finger to handle": (gap, "m")})
+        return self._not_held(placed)
+
+    def _not_held(self, placed: Placed) -> Findings:
+        gaps = {
+            finger: min(self.shapes.nearest_points(placed, (finger, bar))[0] for bar in self.bar)
+            for finger in self.fingers
+        }
+        finger = (
+            min(gaps, key=lambda one: gaps[one])
+            if min(gaps.values()) > self.tolerances.contact
+            else max(gaps, key=lambda one: gaps[one])
+        )
+        links = (self.scene.solids[finger].body, self.container.handle)
+        name = local_name(self.container.handle)
+        if gaps[finger] > self.tolerances.contact:
+            what = f"{local_name(links[0])} is {gaps[finger] * 1000:.1f} mm away from {name}"
+        else:
+            what = f"{name} is not between the fingers of {self.gripper.name}"
+        reason = f"{self.container.name} moves before it is held: {what}"
+        evidence = Evidence(
+            Quantity.DISTANCE, gaps[finger], self.tolerances.contact, "m", links=links, time=self.time
+        )
+        return Findings([Violation("held", reason, evidence, gaps[finger])])
+
+    def follows(self) -> Findings:
+        """From the grasp on the tool neither slips nor turns on the handle, between samples too."""
+        findings, worst = Findings(), np.zeros(2)
+        most = np.array([self.tolerances.tool_position, 2 * np.sin(self.tolerances.tool_angle / 2)])
+        level, intervals = self.timeline.depth, np.arange(self.begin, len(self.pieces.start))
+        for halving in range(DEEPEST + 1):
+            spans = self.timeline.spans(level + halving, intervals)
+            placed = self.kinematics.place(spans.q, spans.v)
+            error = np.stack(self._errors(placed))
+            between = np.stack(self.kinematics.bounds(spans, placed, self._ball(placed)))
+            upper = error + between
+            last = halving == DEEPEST
+            broken = (upper if last else error) > most[:, None]
+            for row in (0, 1):
+                self._slips(
+                    findings,
+                    row,
+                    np.where(broken[row], (upper if last else error)[row], 0),
+                    spans.middle,
+                    most,
+                )
+            done = ((upper <= most[:, None]) & (between <= FINE)).all(axis=0)
+            worst = np.maximum(worst, upper[:, done].max(axis=1, initial=0))
+            intervals = intervals[~done & ~broken.any(axis=0)]
+            if not len(intervals):
+                break
+            intervals = np.concatenate((2 * intervals, 2 * intervals + 1))
+        if not findings.violations:
+            findings.figures["tool slip"] = (float(worst[0]), "m")
+            findings.figures["tool turn"] = (float(2 * np.arcsin(worst[1] / 2)), "rad")
+        return findings
+
+    def _ball(self, placed: Placed) -> Of:
+        _, origin = self.tool.world(placed)
+        count = len(origin)
+        tool, handle = np.full(count, self.tool.carrier), np.full(count, self.handle.carrier)
+        return Of(np.arange(count), tool, handle, origin, np.zeros(count))
+
+    def _slips(self, findings: Findings, row: int, error: Array, time: Array, most: Array) -> None:
+        if not error.any():
+            return
+        verb, quantity, unit = (
+            ("slips", Quantity.TOOL_ERROR, "m"),
+            ("turns", Quantity.ORIENTATION_ERROR, "rad"),
+        )[row]
+        for n in (int(np.argmax(error > 0)), int(np.argmax(error))):
+            value, bound = float(error[n]), float(most[row])
+            entity = body_iri(self.scene.robot.mechanism.name, self.gripper.tool_body)
+            evidence = Evidence(quantity, value, bound, unit, entity, time=float(time[n]))
+            reason = f"the tool {verb} by {value:.4g} {unit} on {local_name(self.container.handle)}"
+            findings.violations.append(Violation(f"tool {verb}", reason, evidence, value))
+
+    def keeps_fingers(self) -> Findings:
+        """From the grasp on the fingers do not move against the tool by more than a contact allows."""
+        findings, placed = Findings(), self._at_grasp()
+        values, _ = positions(self.pieces)
+        later = values[:, self.begin :]
+        shift = np.abs(later - self.pieces.c[0, self.begin]).max(axis=(0, 1))
+        for finger in self.fingers:
+            between = (
+                self.kinematics.path[self.shapes.carrier[finger]] ^ self.kinematics.path[self.tool.carrier]
+            )
+            centre = self.shapes.centres(placed, FIRST, np.array([finger]))[0]
+            lever = self.kinematics.levers(placed, centre) + self.shapes.radius[finger]
+            moved = float((between[1:] * np.where(self.kinematics.revolute[1:], lever[1:], 1) * shift).sum())
+            if moved > self.tolerances.contact:
+                body = self.scene.solids[finger].body
+                reason = f"{local_name(body)} moves by up to {moved * 1000:.1f} mm while it holds the handle"
+                evidence = Evidence(
+                    Quantity.TOOL_ERROR, moved, self.tolerances.contact, "m", body, time=self.time
+                )
+                findings.violations.append(Violation("fingers", reason, evidence, moved))
+        return findings
+
+
+def _shapes_of(scene: Scene, bodies: list[Iri]) -> list[int]:
+    return [i for i, one in enumerate(scene.solids) if one.body in bodies]
+
+
+def begin(scene: Scene, pieces: Pieces, container: Container) -> int | None:
+    """First piece on which the container moves, None if it never does."""
+    k = scene.coordinate[container.joint]
+    candidates, _ = positions(pieces)
+    moved = np.abs(candidates[:, :, k] - pieces.c[0, 0, k]).max(axis=0) > MOVES
+    return int(np.argmax(moved)) if moved.any() else None

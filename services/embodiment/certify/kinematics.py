@@ -1,0 +1,184 @@
+"""Placements and motion bounds of all bodies for many configurations at once.
+
+Plain numpy, apart from the forward kinematics that planning uses: what Pinocchio or its glue gets
+wrong is not repeated here. Joints that stand still during the whole motion are merged.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.mechanism import JointType
+from services.embodiment.certify.pieces import Spans
+from services.physics.model import Scene
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+WORLD = 0  # carrier of everything that no moving joint moves
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """Carriers at U configurations; K carriers, the world first, then one for each moving joint.
+
+    Attributes:
+        rotation, origin: world_T_carrier, shapes (U, K, 3, 3) and (U, K, 3).
+        axis: Axis of the carrier's joint in the world, shape (U, K, 3).
+        omega, linear: Angular velocity, and velocity of the carrier's point at the world's origin,
+            shape (U, K, 3).
+    """
+
+    rotation: Array
+    origin: Array
+    axis: Array
+    omega: Array
+    linear: Array
+
+
+class Kinematics:
+    """The scene with all coordinates fixed but those that move.
+
+    Attributes:
+        moving: The coordinates that move, shape (K - 1,); carrier k + 1 belongs to moving[k].
+        path: path[i, k]: carrier k is carrier i or one of its ancestors; the world counts for none.
+        carrier: Pinocchio's joint index → carrier, shape (njoints,).
+        revolute: Whether a carrier's joint turns, shape (K,).
+        fixed: carrier_T_joint for each of Pinocchio's joints, shape (njoints, 4, 4).
+    """
+
+    def __init__(self, scene: Scene, q: Array, moving: Indices) -> None:
+        self.moving = moving
+        axes, revolute = joint_axes(scene)
+        self._axis = np.vstack((np.zeros((1, 3)), axes[moving]))
+        self.revolute = np.concatenate(([False], revolute[moving]))
+        count, model = len(moving) + 1, scene.model
+        self._parent, self._offset = np.zeros(count, dtype=np.intp), np.tile(np.eye(4), (count, 1, 1))
+        self.path = np.zeros((count, count), dtype=bool)
+        self.carrier = np.zeros(model.njoints, dtype=np.intp)
+        self.fixed = np.tile(np.eye(4), (model.njoints, 1, 1))
+        own = {int(k): i + 1 for i, k in enumerate(moving)}
+        for joint in range(1, model.njoints):
+            parent, k = model.parents[joint], joint - 1
+            placement = self.fixed[parent] @ model.jointPlacements[joint].homogeneous
+            self.carrier[joint] = self.carrier[parent]
+            if k not in own:
+                self.fixed[joint] = placement @ _displacement(axes[k], bool(revolute[k]), float(q[k]))
+                continue
+            i = self.carrier[joint] = own[k]
+            self._parent[i], self._offset[i] = self.carrier[parent], placement
+            self.path[i] = self.path[self._parent[i]]
+            self.path[i, i] = True
+
+    def place(self, q: Array, v: Array) -> Placed:
+        """Carriers at positions and velocities of the moving coordinates, shape (U, K - 1)."""
+        count = len(self._parent)
+        rotation = np.tile(np.eye(3), (len(q), count, 1, 1))
+        origin, axis, omega, linear = (np.zeros((len(q), count, 3)) for _ in range(4))
+        for i in range(1, count):
+            parent, offset, rate = self._parent[i], self._offset[i], v[:, i - 1, None]
+            frame = rotation[:, parent] @ offset[:3, :3]
+            origin[:, i] = origin[:, parent] + rotation[:, parent] @ offset[:3, 3]
+            axis[:, i] = frame @ self._axis[i]
+            if self.revolute[i]:
+                rotation[:, i] = frame @ _rotations(self._axis[i], q[:, i - 1])
+                omega[:, i] = omega[:, parent] + rate * axis[:, i]
+                linear[:, i] = linear[:, parent] + rate * np.cross(origin[:, i], axis[:, i])
+            else:
+                rotation[:, i] = frame
+                origin[:, i] += q[:, i - 1, None] * axis[:, i]
+                omega[:, i], linear[:, i] = omega[:, parent], linear[:, parent] + rate * axis[:, i]
+        return Placed(rotation, origin, axis, omega, linear)
+
+    def levers(self, placed: Placed, point: Array) -> Array:
+        """Distance of a point from each carrier's axis at the first configuration, shape (K,) [m]."""
+        return np.linalg.norm(np.cross(point - placed.origin[0], placed.axis[0]), axis=1)
+
+    def bounds(self, spans: Spans, placed: Placed, of: "Of") -> tuple[Array, Array]:
+        r"""How far the points of a ball can move, and turn, against another carrier.
+
+        Both bounds are against the middle of the span and hold for all of it. With
+        :math:`\rho_k` the largest distance of the ball's points from axis k (1 for a prismatic
+        joint), over the joints between the two carriers: moving the joints one after the other from
+        the other carrier outwards, every :math:`\rho_k` is that of the middle, so that the shift is
+        at most :math:`D = \sum \rho_k |\Delta q_k|`. For a short span, Taylor's formula of second
+        order with the relative velocity at the middle is sharper, and keeps small what moves along
+        with the other carrier: :math:`|v_{rel}| \tau + M \tau^2 / 2`,
+        :math:`M = \sum (\rho_k + D) |\ddot q_k| + 2 \sum |\omega_k| \sum (\rho_k + D) |\dot q_k|`.
+
+        Returns:
+            Shift [m] and turn [rad; of the operator norm of the rotation's change], shape (M,).
+        """
+        between = self.path[of.carrier] ^ self.path[of.against]
+        u = of.span
+        arm = np.cross(of.centre[:, None] - placed.origin[u], placed.axis[u])
+        radius = np.linalg.norm(arm, axis=2) + of.radius[:, None]
+        lever = np.where(between, np.where(self.revolute, radius, 1.0), 0.0)
+        turning = between & self.revolute
+        shift = _with_world(spans.shift)[u]
+        moved, turned = (lever * shift).sum(axis=1), np.where(turning, shift, 0).sum(axis=1)
+        if not np.isfinite(spans.v_max).all():
+            return moved, turned
+        reach = np.where(turning, lever + moved[:, None], lever)
+        v, a = _with_world(spans.v_max)[u], _with_world(spans.a_max)[u]
+        rate, gain = np.where(turning, v, 0).sum(axis=1), np.where(turning, a, 0).sum(axis=1)
+        bend = (reach * a).sum(axis=1) + 2 * rate * (reach * v).sum(axis=1)
+        omega = placed.omega[u, of.carrier] - placed.omega[u, of.against]
+        linear = placed.linear[u, of.carrier] - placed.linear[u, of.against]
+        spin = np.linalg.norm(omega, axis=1)
+        speed = np.linalg.norm(linear + np.cross(omega, of.centre), axis=1) + spin * of.radius
+        half = (spans.end - spans.start)[u] / 2
+        sharp_move = half * (speed + half * bend / 2)
+        sharp_turn = half * (spin + half * (gain + rate**2) / 2)
+        return np.minimum(moved, sharp_move), np.minimum(turned, sharp_turn)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Of:
+    """Balls whose motion is to be bounded, one for each of M items.
+
+    Attributes:
+        span: Index of the span, shape (M,).
+        carrier: What carries the ball, shape (M,).
+        against: Carrier against which it moves, shape (M,).
+        centre: In the world at the span's middle, shape (M, 3) [m].
+        radius: Shape (M,) [m].
+    """
+
+    span: Indices
+    carrier: Indices
+    against: Indices
+    centre: Array
+    radius: Array
+
+
+def joint_axes(scene: Scene) -> tuple[Array, NDArray[np.bool_]]:
+    """Axis of each coordinate's joint in its own frame, shape (nq, 3), and whether it turns."""
+    axes, revolute = np.zeros((scene.model.nq, 3)), np.zeros(scene.model.nq, dtype=bool)
+    axes[scene.base] = np.eye(3)
+    revolute[scene.base[2]] = True
+    for part in (scene.kitchen, scene.robot):
+        for k, joint in enumerate(part.joints, part.first):
+            axes[k], revolute[k] = joint.axis, joint.type is not JointType.PRISMATIC
+    return axes, revolute
+
+
+def _rotations(axis: Array, angle: Array) -> Array:
+    x, y, z = axis
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    turn = angle[:, None, None]
+    return np.eye(3) + np.sin(turn) * cross + (1 - np.cos(turn)) * (cross @ cross)
+
+
+def _displacement(axis: Array, revolute: bool, q: float) -> Array:
+    joint_T_moved = np.eye(4)
+    if revolute:
+        joint_T_moved[:3, :3] = _rotations(axis, np.array([q]))[0]
+    else:
+        joint_T_moved[:3, 3] = q * axis
+    return joint_T_moved
+
+
+def _with_world(x: Array) -> Array:
+    return np.concatenate((np.zeros((len(x), 1)), x), axis=1)

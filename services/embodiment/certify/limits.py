@@ -1,0 +1,192 @@
+"""Limits of position, velocity and acceleration, and what the drive can do; exact between samples."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from predicates.case import Evidence, Quantity
+from sdt_kg.annotation import Drive
+from sdt_kg.iri import local_name
+from sdt_kg.twin import Container
+from services.embodiment.certify.findings import Findings, Violation
+from services.embodiment.certify.kinematics import joint_axes
+from services.embodiment.certify.pieces import Pieces, accelerations, positions, velocities
+from services.embodiment.certify.tolerances import Tolerances
+from services.physics.model import Scene
+
+Array = NDArray[np.float64]
+
+SUBSAMPLES = 32  # of the base's speed on each piece; what lies between is bounded
+MOST_SUBSAMPLES = 20_000  # of the sideways velocity on one piece
+
+
+def joint_limits(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
+    """Every coordinate keeps its limits; the base's linear ones hold for the length of the vector."""
+    findings, bounds = Findings(), scene.bounds
+    values, s = positions(pieces)
+    excess = np.maximum(bounds.lower - values, values - bounds.upper)
+    for k, i, n in _first_and_worst(excess > tolerances.position, excess):
+        lower = values[i, n, k] < bounds.lower[k]
+        bound = bounds.lower[k] if lower else bounds.upper[k]
+        time = pieces.start[n] + s[i, n, k]
+        findings.violations.append(
+            _limit(scene, k, Quantity.POSITION, values[i, n, k], float(bound), time, excess[i, n, k])
+        )
+    single = np.setdiff1d(np.arange(scene.model.nq), scene.base[:2])
+    rated = (
+        (Quantity.VELOCITY, velocities(pieces), bounds.velocity),
+        (Quantity.ACCELERATION, accelerations(pieces), bounds.acceleration),
+    )
+    for quantity, (rates, at), most in rated:
+        ratio = _ratio(np.abs(rates[:, :, single]), most[single])
+        for j, i, n in _first_and_worst(ratio > 1 + tolerances.rate, ratio):
+            k, time = single[j], pieces.start[n] + at[i, n, single[j]]
+            findings.violations.append(
+                _limit(scene, k, quantity, abs(rates[i, n, k]), float(most[k]), time, ratio[i, n, j])
+            )
+        findings.figures[f"largest {quantity.value} ratio"] = (float(ratio.max()), "1")
+    findings.add(_base_norms(scene, pieces, tolerances))
+    return findings
+
+
+def _ratio(value: Array, most: Array) -> Array:
+    """Ratio to the limit, where nothing of a limit of nothing is no violation."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(value == 0, 0.0, value / most)
+
+
+def _first_and_worst(violated: NDArray[np.bool_], badness: Array) -> Iterator[tuple[int, int, int]]:
+    """For each coordinate k, candidate i and piece n of its first and of its worst violation."""
+    for k in np.flatnonzero(violated.any(axis=(0, 1))):
+        n = int(np.argmax(violated[:, :, k].any(axis=0)))
+        yield int(k), int(np.argmax(violated[:, n, k])), n
+        i, n = np.unravel_index(np.argmax(badness[:, :, k]), badness.shape[:2])
+        yield int(k), int(i), int(n)
+
+
+def _limit(  # noqa: PLR0913, PLR0917  # the parts of one sentence
+    scene: Scene, k: int, quantity: Quantity, value: float, bound: float, time: float, excess: float
+) -> Violation:
+    turning = joint_axes(scene)[1][k]
+    unit = ("rad" if turning else "m") + _PER[quantity]
+    name = local_name(scene.names[k])
+    reason = f"{name} reaches {quantity.value} {value:.4g} {unit}, its limit is {bound:.4g} {unit}"
+    evidence = Evidence(quantity, float(value), float(bound), unit, entity=scene.names[k], time=float(time))
+    return Violation(f"limit of {quantity.value}", reason, evidence, float(excess))
+
+
+_PER = {Quantity.POSITION: "", Quantity.VELOCITY: "/s", Quantity.ACCELERATION: "/s2"}
+
+
+def _base_norms(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
+    findings, plane = Findings(), scene.base[:2]
+    most_v, most_a = scene.bounds.velocity[plane[0]], scene.bounds.acceleration[plane[0]]
+    part = np.linspace(0, 1, SUBSAMPLES + 1)[:, None]
+    s = part * pieces.duration
+    _, c1, c2, c3 = pieces.c[:, :, plane]
+    speed = np.linalg.norm(c1 + s[:, :, None] * (2 * c2 + 3 * s[:, :, None] * c3), axis=2)
+    # A quadratic leaves its chord by at most (width²/8)·|second derivative|.
+    between = (pieces.duration / SUBSAMPLES) ** 2 / 8 * 6 * np.linalg.norm(c3, axis=1)
+    values, at = accelerations(pieces)
+    acceleration = np.linalg.norm(values[:, :, plane], axis=2)
+    rated = (
+        (Quantity.VELOCITY, speed + between, s, most_v),
+        (Quantity.ACCELERATION, acceleration, at[:, :, plane[0]], most_a),
+    )
+    for quantity, value, s_of, most in rated:
+        ratio = _ratio(value, most)[:, :, None]
+        for _, i, n in _first_and_worst(ratio > 1 + tolerances.rate, ratio):
+            time = pieces.start[n] + s_of[i, n]
+            findings.violations.append(
+                _limit(scene, int(plane[0]), quantity, value[i, n], float(most), time, ratio[i, n, 0])
+            )
+        findings.figures[f"largest base {quantity.value} ratio"] = (float(ratio.max()), "1")
+    return findings
+
+
+def kitchen_keeps(scene: Scene, pieces: Pieces, container: Container, tolerances: Tolerances) -> Findings:
+    """The container moves, and of the kitchen nothing else but what is coupled to it."""
+    findings, source = Findings(), scene.coupling.source
+    values, s = positions(pieces)
+    moved = np.abs(values - pieces.c[0, 0])
+    own = scene.coordinate[container.joint]
+    if not (moved[:, :, own] > STILL).any():
+        unit = "rad" if joint_axes(scene)[1][own] else "m"
+        evidence = Evidence(Quantity.POSITION, 0.0, STILL, unit, container.joint)
+        findings.violations.append(Violation("moves", f"{container.name} does not move", evidence, 0.0))
+    others = np.arange(scene.base[0])
+    others = others[source[others] != source[own]]
+    for j, i, n in _first_and_worst(moved[:, :, others] > tolerances.position, moved[:, :, others]):
+        k = int(others[j])
+        value, time = float(moved[i, n, k]), float(pieces.start[n] + s[i, n, k])
+        unit = "rad" if joint_axes(scene)[1][k] else "m"
+        evidence = Evidence(Quantity.POSITION, value, 0.0, unit, scene.names[k], time=time)
+        reason = (
+            f"{local_name(scene.names[k])} moves by {value:.4g} {unit}, and it is no part of {container.name}"
+        )
+        findings.violations.append(Violation("kitchen stands still", reason, evidence, value))
+    return findings
+
+
+def drive_limits(scene: Scene, pieces: Pieces, drive: Drive, tolerances: Tolerances) -> Findings:
+    """The base moves only as its drive can."""
+    if drive is Drive.OMNI:
+        return Findings()
+    base = pieces.columns(scene.base)
+    return _stands(scene, base) if drive is Drive.FIXED else _rolls(scene, base, tolerances)
+
+
+def _stands(scene: Scene, base: Pieces) -> Findings:
+    findings, (values, s) = Findings(), positions(base)
+    moved = np.abs(values - base.c[0, 0])
+    for k, i, n in _first_and_worst(moved > STILL, moved):
+        unit = "rad" if k == 2 else "m"
+        value, time = float(moved[i, n, k]), float(base.start[n] + s[i, n, k])
+        evidence = Evidence(Quantity.POSITION, value, 0.0, unit, scene.names[scene.base[k]], time=time)
+        reason = f"the base moves by {value:.4g} {unit}, and it is fixed"
+        findings.violations.append(Violation("fixed base", reason, evidence, value))
+    return findings
+
+
+STILL = 1e-6  # [rad or m] rounding of what does not move
+
+
+def _rolls(scene: Scene, base: Pieces, tolerances: Tolerances) -> Findings:
+    r"""|−sin θ ẋ + cos θ ẏ| stays small; its rate is at most |a| + |θ̇| |v|."""
+    speed, at_v = velocities(base)
+    del at_v
+    rate, _ = accelerations(base)
+    v, turn, a = (np.abs(x).max(axis=0) for x in (speed[:, :, :2], speed[:, :, 2], rate[:, :, :2]))
+    steepest = np.linalg.norm(a, axis=1) + turn * np.linalg.norm(v, axis=1)
+    slack = tolerances.sideways / 4
+    count = np.clip(np.ceil(base.duration * steepest / (2 * slack)), 1, MOST_SUBSAMPLES).astype(int)
+    piece = np.repeat(np.arange(len(count)), count)
+    part = np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count) + 0.5
+    width = (base.duration / count)[piece]
+    q, velocity, _ = base.at(piece, part * width)
+    sideways = np.abs(-np.sin(q[:, 2]) * velocity[:, 0] + np.cos(q[:, 2]) * velocity[:, 1])
+    most = sideways + steepest[piece] * width / 2
+    drift = float((sideways * width).sum())
+    findings = Findings(
+        figures={"sideways velocity": (float(most.max()), "m/s"), "sideways path": (drift, "m")}
+    )
+    entity = scene.names[scene.base[0]]
+    times = base.start[piece] + part * width
+    for n in {int(np.argmax(most > tolerances.sideways)), int(np.argmax(most))}:
+        if most[n] > tolerances.sideways:
+            evidence = Evidence(
+                Quantity.SIDEWAYS_VELOCITY,
+                float(most[n]),
+                tolerances.sideways,
+                "m/s",
+                entity,
+                time=float(times[n]),
+            )
+            reason = f"the base moves sideways at {most[n]:.4g} m/s, and its drive is differential"
+            findings.violations.append(Violation("sideways motion", reason, evidence, float(most[n])))
+    if drift > tolerances.drift:
+        evidence = Evidence(Quantity.POSITION, drift, tolerances.drift, "m", entity)
+        reason = f"the base drifts {drift:.4g} m sideways in all, and its drive is differential"
+        findings.violations.append(Violation("sideways drift", reason, evidence, drift))
+    return findings

@@ -1,0 +1,138 @@
+"""A body motion as cubic pieces of all the scene's coordinates, and whether it is one of that scene."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from predicates.case import Evidence, Quantity
+from sdt_kg.errors import MotionError, UnknownEntityError
+from sdt_kg.iri import joint_iri, local_name
+from sdt_kg.motion import BodyMotion
+from services.embodiment.certify.findings import Findings, Violation
+from services.embodiment.certify.kinematics import joint_axes
+from services.embodiment.certify.pieces import Pieces, hermite
+from services.embodiment.certify.tolerances import Tolerances
+from services.physics.model import Scene
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+def whole_motion(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> tuple[Pieces, Findings]:
+    """All coordinates along the motion: what it does not list is parked, or as the twin's state says.
+
+    A listed joint that mimics another which is not listed moves that one.
+
+    Raises:
+        MotionError: Shapes do not fit, times do not increase, or a value is not a number.
+        UnknownEntityError: The robot or the kitchen has no such movable joint.
+    """
+    _check_arrays(motion)
+    robot = [joint_iri(scene.robot.mechanism.name, name) for name in motion.joints]
+    own = _coordinates(scene, [*robot, *motion.kitchen_joints])
+    count = len(motion.times)
+    q = np.tile(scene.q(motion.base[0], {}), (count, 1))
+    v = np.zeros_like(q)
+    kitchen = (motion.kitchen_q, motion.kitchen_v) if motion.kitchen_joints else (np.zeros((count, 0)),) * 2
+    q[:, scene.base], v[:, scene.base] = motion.base, motion.base_v
+    q[:, own], v[:, own] = np.hstack((motion.q, kitchen[0])), np.hstack((motion.v, kitchen[1]))
+    coupling, given = scene.coupling, set(own.tolist())
+    for k in own:
+        source, multiplier = int(coupling.source[k]), coupling.multiplier[k]
+        if source not in given and multiplier != 0:
+            q[:, source] = (q[:, k] - coupling.offset[k]) / multiplier
+            v[:, source] = v[:, k] / multiplier
+    whole = coupling.positions(q)
+    findings = Findings()
+    for k in own:
+        findings.add(_same(scene, int(k), motion.times, np.abs(whole[:, k] - q[:, k]), tolerances))
+    findings.add(_together(scene, whole, motion.times, tolerances))
+    return hermite(motion.times, whole, coupling.rates(v)), findings
+
+
+def _check_arrays(motion: BodyMotion) -> None:
+    count, n, m = len(motion.times), len(motion.joints), len(motion.kitchen_joints)
+    if count < 2:
+        raise MotionError(f"a body motion of {count} samples", allowed="two samples or more")
+    shapes = {"base": (count, 3), "base_v": (count, 3), "q": (count, n), "v": (count, n)}
+    if m:
+        shapes |= {"kitchen_q": (count, m), "kitchen_v": (count, m)}
+    for name, shape in shapes.items():
+        array = getattr(motion, name)
+        if array.shape != shape:
+            raise MotionError(f"{name} of a body motion has shape {array.shape}", allowed=f"shape {shape}")
+        if not np.isfinite(array).all():
+            raise MotionError(f"{name} of a body motion has values which are not numbers")
+    if not np.isfinite(motion.times).all() or not (np.diff(motion.times) > 0).all():
+        raise MotionError("times of a body motion do not increase", allowed="increasing times in seconds")
+
+
+def _coordinates(scene: Scene, joints: Iterable[str]) -> Indices:
+    names = list(joints)
+    for name in names:
+        if name not in scene.coordinate:
+            raise UnknownEntityError("joint", local_name(name), [local_name(known) for known in scene.names])
+    if len(set(names)) < len(names):
+        raise MotionError("a body motion lists a joint twice", allowed="each joint once")
+    return np.array([scene.coordinate[name] for name in names], dtype=np.intp)
+
+
+def _same(scene: Scene, k: int, times: Array, off: Array, tolerances: Tolerances) -> Findings:
+    source = local_name(scene.names[scene.coupling.source[k]])
+    reason = f"{local_name(scene.names[k])} does not follow {source}, which it mimics"
+    return _apart(scene, k, reason, times, off, tolerances)
+
+
+def _together(scene: Scene, q: Array, times: Array, tolerances: Tolerances) -> Findings:
+    findings = Findings()
+    for group in scene.annotation.coupled:
+        own = [scene.coordinate[joint_iri(scene.robot.mechanism.name, name)] for name in group]
+        reason = f"{group[0]} and {group[-1]} share one motor and do not move equally"
+        findings.add(_apart(scene, own[0], reason, times, np.ptp(q[:, own], axis=1), tolerances))
+    return findings
+
+
+def _apart(  # noqa: PLR0913, PLR0917  # one sentence and its figures
+    scene: Scene, k: int, reason: str, times: Array, off: Array, tolerances: Tolerances
+) -> Findings:
+    findings, most = Findings(), tolerances.coupling
+    unit = "rad" if joint_axes(scene)[1][k] else "m"
+    for n in (int(np.argmax(off > most)), int(np.argmax(off))):
+        if off[n] > most:
+            value, time = float(off[n]), float(times[n])
+            evidence = Evidence(Quantity.POSITION, value, most, unit, scene.names[k], time=time)
+            findings.violations.append(Violation("coupled joints", reason, evidence, value))
+    return findings
+
+
+def start(
+    scene: Scene, pieces: Pieces, base: tuple[float, float, float] | None, tolerances: Tolerances
+) -> Findings:
+    """The kitchen begins in the twin's state and, where a start pose is given, the robot parked there.
+
+    Finger joints may be anywhere. Velocities at both ends are only held to their limits.
+    """
+    findings, q = Findings(), pieces.c[0, 0]
+    parked = scene.q(q[scene.base] if base is None else base, {})
+    off = q - parked
+    yaw = scene.base[2]
+    off[yaw] = (off[yaw] + np.pi) % (2 * np.pi) - np.pi
+    free = {fj.joint for gripper in scene.annotation.grippers for fj in gripper.finger_joints}
+    fingers = {scene.coordinate[joint_iri(scene.robot.mechanism.name, name)] for name in free}
+    for k in range(len(q)):
+        robot = k >= scene.base[0]
+        if (robot and base is None) or int(scene.coupling.source[k]) in fingers:
+            continue
+        turning = bool(joint_axes(scene)[1][k])
+        most = tolerances.start_angle if turning else tolerances.start_position
+        if abs(off[k]) > most:
+            unit, whose = ("rad" if turning else "m"), ("parked" if robot else "the kitchen's state")
+            name = local_name(scene.names[k])
+            reason = f"{name} starts at {q[k]:.4g} {unit} and not at {parked[k]:.4g} {unit} ({whose})"
+            time = float(pieces.start[0])
+            evidence = Evidence(
+                Quantity.POSITION, float(q[k]), float(parked[k]), unit, scene.names[k], time=time
+            )
+            findings.violations.append(Violation(f"start: {whose}", reason, evidence, abs(float(off[k]))))
+    return findings

@@ -1,0 +1,149 @@
+"""A motion's coordinates as cubic pieces, and sound bounds on them over any interval of time."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pieces:
+    r"""q(s) = c0 + c1 s + c2 s² + c3 s³ for 0 ≤ s ≤ h on each of N pieces.
+
+    Attributes:
+        start: When each piece begins, shape (N,) [s].
+        duration: h, shape (N,) [s].
+        c: c0 to c3, shape (4, N, nq).
+    """
+
+    start: Array
+    duration: Array
+    c: Array
+
+    def at(self, piece: Indices, s: Array) -> tuple[Array, Array, Array]:
+        """Positions, velocities and accelerations, shape (M, nq) each, at s [s] into the pieces."""
+        c0, c1, c2, c3 = self.c[:, piece]
+        s = s[:, None]
+        q = c0 + s * (c1 + s * (c2 + s * c3))
+        return q, c1 + s * (2 * c2 + 3 * s * c3), 2 * c2 + 6 * s * c3
+
+    def columns(self, coordinates: Indices) -> "Pieces":
+        """The same pieces with these coordinates only."""
+        return Pieces(self.start, self.duration, self.c[:, :, coordinates])
+
+
+def hermite(times: Array, q: Array, v: Array) -> Pieces:
+    """Cubic Hermite pieces through T samples of q and v, shape (T, nq)."""
+    h = np.diff(times)
+    step = np.diff(q, axis=0)
+    w = h[:, None]
+    c2 = (3 * step / w - 2 * v[:-1] - v[1:]) / w
+    c3 = (v[:-1] + v[1:] - 2 * step / w) / w**2
+    return Pieces(times[:-1], h, np.stack((q[:-1], v[:-1], c2, c3)))
+
+
+def positions(pieces: Pieces) -> tuple[Array, Array]:
+    """Exact candidates for the extreme positions of each piece, shape (4, N, nq), and their s [s]."""
+    c0, c1, c2, c3 = pieces.c
+    h = np.broadcast_to(pieces.duration[:, None], c0.shape)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = np.sqrt(np.maximum(c2**2 - 3 * c1 * c3, 0))
+        far = -(c2 + np.copysign(root, c2))  # the form of the quadratic's roots that does not cancel
+        s = np.stack((np.zeros_like(c0), h, far / (3 * c3), c1 / far))
+    s = np.where(np.isfinite(s), np.clip(s, 0, h), 0)
+    return c0 + s * (c1 + s * (c2 + s * c3)), s
+
+
+def velocities(pieces: Pieces) -> tuple[Array, Array]:
+    """Exact candidates for the extreme velocities of each piece, shape (3, N, nq), and their s [s]."""
+    _, c1, c2, c3 = pieces.c
+    h = np.broadcast_to(pieces.duration[:, None], c1.shape)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        s = np.stack((np.zeros_like(c1), h, -c2 / (3 * c3)))
+    s = np.where(np.isfinite(s), np.clip(s, 0, h), 0)
+    return c1 + s * (2 * c2 + 3 * s * c3), s
+
+
+def accelerations(pieces: Pieces) -> tuple[Array, Array]:
+    """Extreme accelerations of each piece, which are at its ends: shape (2, N, nq), and their s [s]."""
+    _, c1, c2, c3 = pieces.c
+    h = np.broadcast_to(pieces.duration[:, None], c1.shape)
+    s = np.stack((np.zeros_like(c1), h))
+    return 2 * c2 + 6 * s * c3, s
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spans:
+    """Intervals of time, and what the coordinates do on each.
+
+    Attributes:
+        start, end, middle: Shape (U,) [s].
+        q, v: At the middle, shape (U, nq).
+        shift: Bound on |q(t) - q(middle)| over the interval, shape (U, nq).
+        v_max, a_max: Bounds on |velocity| and |acceleration|, shape (U, nq); `inf` for an interval
+            of several pieces.
+    """
+
+    start: Array
+    end: Array
+    middle: Array
+    q: Array
+    v: Array
+    shift: Array
+    v_max: Array
+    a_max: Array
+
+
+class Timeline:
+    """A binary tree of intervals over the pieces of a motion.
+
+    Level `depth` has one interval for each piece (filled up with empty ones to a power of two), the
+    levels above join neighbours, those below halve a piece. Interval i of one level is halved into
+    2i and 2i + 1 of the next.
+    """
+
+    def __init__(self, pieces: Pieces) -> None:
+        count = len(pieces.start)
+        self.pieces, self.depth = pieces, int(np.ceil(np.log2(count)))
+        self.end = float(pieces.start[-1] + pieces.duration[-1])
+        pad = 2**self.depth - count
+        self._knots = np.concatenate((pieces.start, np.full(pad + 1, self.end)))
+        candidates, _ = positions(pieces)
+        low, high = candidates.min(axis=0), candidates.max(axis=0)
+        low, high = (np.concatenate((x, np.repeat(x[-1:], pad, axis=0))) for x in (low, high))
+        self._low, self._high = [low], [high]
+        for _ in range(self.depth):
+            self._low.insert(0, np.minimum(self._low[0][::2], self._low[0][1::2]))
+            self._high.insert(0, np.maximum(self._high[0][::2], self._high[0][1::2]))
+
+    def interval(self, level: int, index: Indices) -> tuple[Array, Array]:
+        """Start and end of intervals, shape (U,) each [s]."""
+        if level <= self.depth:
+            width = 2 ** (self.depth - level)
+            return self._knots[index * width], self._knots[(index + 1) * width]
+        parts = 2 ** (level - self.depth)
+        piece, part = np.divmod(index, parts)
+        start, length = self._knots[piece], np.diff(self._knots)[piece]
+        return start + length * part / parts, start + length * (part + 1) / parts
+
+    def spans(self, level: int, index: Indices) -> Spans:
+        """What the coordinates do on intervals of one level."""
+        start, end = self.interval(level, index)
+        middle = (start + end) / 2
+        if level < self.depth:
+            piece = np.searchsorted(self.pieces.start, middle, side="right") - 1
+        else:
+            piece = np.minimum(index >> (level - self.depth), len(self.pieces.start) - 1)
+        q, v, a = self.pieces.at(piece, middle - self.pieces.start[piece])
+        if level < self.depth:
+            shift = np.maximum(self._high[level][index] - q, q - self._low[level][index])
+            unbounded = np.full_like(q, np.inf)
+            return Spans(start, end, middle, q, v, shift, unbounded, unbounded)
+        half = ((end - start) / 2)[:, None]
+        speed, bend, cubic = np.abs(v), np.abs(a) / 2, np.abs(self.pieces.c[3, piece])
+        shift = half * (speed + half * (bend + half * cubic))
+        v_max = speed + half * (2 * bend + 3 * half * cubic)
+        return Spans(start, end, middle, q, v, shift, v_max, 2 * bend + 6 * half * cubic)

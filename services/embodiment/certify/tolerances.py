@@ -1,0 +1,38 @@
+"""What certification allows; part of every verdict's inputs."""
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerances:
+    """How exactly a motion must keep what it promises.
+
+    Attributes:
+        margin: Distance to be kept from everything, beyond the robot's overhang [m].
+        resolution: A pair that keeps less than this beyond the margin may be refused [m].
+        contact: How far a finger may be from the handle that it holds, and how deep in it [m].
+        tool_position: How far the tool may slip on the handle [m].
+        tool_angle: How far it may turn on the handle [rad].
+        position: Beyond position limits [rad or m]: rounding, no more.
+        rate: Beyond limits of velocity and acceleration, as a fraction of them.
+        start_position: Of the base and of prismatic joints at the start [m].
+        start_angle: Of the base and of other joints at the start [rad].
+        coupling: Between joints that must move together, and between a joint that must stand
+            still and its place [rad or m].
+        sideways: Sideways velocity of a differential drive [m/s].
+        drift: Sideways path of a differential drive in all [m].
+    """
+
+    margin: float = 0.0
+    resolution: float = 1e-4
+    contact: float = 0.002
+    tool_position: float = 0.002
+    tool_angle: float = math.radians(1.0)
+    position: float = 1e-5
+    rate: float = 1e-3
+    start_position: float = 1e-3
+    start_angle: float = 1e-3
+    coupling: float = 1e-3
+    sideways: float = 0.002
+    drift: float = 0.01
