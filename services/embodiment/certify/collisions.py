@@ -1,15 +1,17 @@
 """Which pairs of bodies must keep which distance, and what the sweep over them says."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from predicates.case import Evidence, Quantity
-from sdt_kg.iri import body_iri, local_name
+from sdt_kg.iri import local_name
 from services.embodiment.certify.clearance import NEAR, Distance, Pairs, Sweep
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.hold import Hold
 from services.embodiment.certify.subject import Subject
-from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
+
+Indices = NDArray[np.intp]
 
 BLOCK = 8  # pieces joined in the first look at pairs of robot and kitchen
 
@@ -20,54 +22,58 @@ def collisions(checked: Subject, hold: Hold | None) -> Findings:
     The only contact allowed is that of the holding gripper's fingers with the container's handle,
     from the time on at which the tool is in its grasp.
     """
-    findings, scene, tolerances, timeline = Findings(), checked.scene, checked.tolerances, checked.timeline
+    findings, timeline = Findings(), checked.timeline
     block = max(0, timeline.depth - int(np.log2(BLOCK)))
-    for scope, pairs, level in (
-        ("self", _self(scene, tolerances), 0),
-        ("environment", _environment(scene, hold, tolerances), block),
+    own = (
+        np.zeros(len(checked.scene.environment_pairs), dtype=bool)
+        if hold is None
+        else _touching(checked, hold)
+    )
+    others = _keep(checked, checked.scene.environment_pairs[~own])
+    for scope, name, pairs, level in (
+        ("self", "self", _keep(checked, checked.scene.self_pairs), 0),
+        ("environment", "environment", others, block),
+        ("environment", "handle", _touch(checked, hold, own), block),
     ):
         if len(pairs.shapes):
             sweep = Sweep(timeline, checked.kinematics, checked.shapes, pairs)
-            sweep.run(level, tolerances.resolution)
-            findings.add(_findings(scene, sweep, scope))
+            sweep.run(level, checked.tolerances.resolution)
+            findings.add(_findings(checked.scene, sweep, scope, name))
     return findings
 
 
-def _self(scene: Scene, tolerances: Tolerances) -> Pairs:
-    least = np.full(len(scene.self_pairs), tolerances.margin + scene.annotation.overhang)
-    return Pairs(scene.self_pairs, least, least, np.inf)
+def _keep(checked: Subject, shapes: Indices) -> Pairs:
+    least = np.full(len(shapes), checked.tolerances.margin + checked.scene.annotation.overhang)
+    return Pairs(shapes, least, least, np.inf)
 
 
-def _environment(scene: Scene, hold: Hold | None, tolerances: Tolerances) -> Pairs:
-    pairs = scene.environment_pairs
-    least = np.full(len(pairs), tolerances.margin + scene.annotation.overhang)
+def _touching(checked: Subject, hold: Hold) -> NDArray[np.bool_]:
+    """Which pairs of robot and kitchen are a finger of the holding gripper and the handle."""
+    pairs = checked.scene.environment_pairs
+    return np.isin(pairs[:, 0], hold.fingers) & np.isin(pairs[:, 1], hold.bar)
+
+
+def _touch(checked: Subject, hold: Hold | None, own: NDArray[np.bool_]) -> Pairs:
+    kept = _keep(checked, checked.scene.environment_pairs[own])
     if hold is None:
-        return Pairs(pairs, least, least, np.inf)
-    robot = scene.robot.mechanism.name
-    fingers = {body_iri(robot, name) for name in hold.gripper.fingers}
-    touching = np.array(
-        [
-            scene.solids[one].body in fingers and scene.solids[other].body == hold.container.handle
-            for one, other in pairs
-        ]
-    )
-    held = np.where(touching, -tolerances.contact, least)
-    return Pairs(pairs, least, held, hold.arrived())
+        return kept
+    held = np.full(len(kept.shapes), -checked.tolerances.contact)
+    return Pairs(kept.shapes, kept.least, held, hold.arrived())
 
 
-def _findings(scene: Scene, sweep: Sweep, scope: str) -> Findings:
+def _findings(scene: Scene, sweep: Sweep, scope: str, name: str) -> Findings:
     found, findings = sweep.found, Findings()
     if found.gave_up is not None:
         reason = f"the motion is too fast between samples to be checked for contact ({scope})"
         evidence = Evidence(Quantity.TIME, found.gave_up, found.gave_up, "s", time=found.gave_up, scope=scope)
-        findings.violations.append(Violation(f"too fast to be checked: {scope}", reason, evidence, 0.0))
+        findings.violations.append(Violation(f"too fast to be checked: {name}", reason, evidence, 0.0))
     if found.first is not None:
         worst = found.worst or found.first
         findings.violations.extend(_violation(scene, one, scope) for one in (found.first, worst))
     elif found.gave_up is None:
         nearest = NEAR if found.worst is None else found.worst.value
-        findings.figures[f"smallest distance, {scope}"] = (nearest, "m")
-    findings.figures[f"distance queries, {scope}"] = (float(found.queries), "1")
+        findings.figures[f"smallest distance, {name}"] = (nearest, "m")
+    findings.figures[f"distance queries, {name}"] = (float(found.queries), "1")
     return findings
 
 

@@ -112,8 +112,9 @@ class Timeline:
         pad = 2**self.depth - count
         self._knots = np.concatenate((pieces.start, np.full(pad + 1, self.end)))
         candidates, _ = positions(pieces)
-        low, high = candidates.min(axis=0), candidates.max(axis=0)
-        low, high = (np.concatenate((x, np.repeat(x[-1:], pad, axis=0))) for x in (low, high))
+        last = np.tile(candidates[1, -1], (pad, 1))  # positions at the end of the motion
+        low = np.vstack((candidates.min(axis=0), last))
+        high = np.vstack((candidates.max(axis=0), last))
         self._low, self._high = [low], [high]
         for _ in range(self.depth):
             self._low.insert(0, np.minimum(self._low[0][::2], self._low[0][1::2]))
