@@ -13,10 +13,10 @@ from typing import Final
 import pyoxigraph as ox
 
 import ontology
-from sdt_kg.iri import ID, RDF, SDT, Iri, graph_iri, local_name
+from sdt_kg.iri import ID, RDF, SDT, TEE, Iri, graph_iri, local_name
 from sdt_kg.store import Store, Triple
 
-TEE_GRAPH: Final = graph_iri("asserted", "tee")
+TEE_GRAPH: Final = TEE.removesuffix("#")
 """Named graph of the constants of D_artic."""
 
 STRUCTURE_RULE: Final = "r07_door_by_structure"
