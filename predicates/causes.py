@@ -4,16 +4,16 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity
-from predicates.meant import containers_meant, tasks_meant, unit_of
+from predicates.meant import containers_meant, moved_by, tasks_meant, unit_of
 from predicates.oracle import Physics
-from predicates.satisfies_request import demanded, met_requests, own_position, threshold
+from predicates.satisfies_request import demanded, met_requests, threshold
 from predicates.scope import out_of_scope
 from sdt_kg.errors import NoModeError
 from sdt_kg.iri import local_name
 from sdt_kg.motion import Motion
 from sdt_kg.state import Interval, Region, State
 from sdt_kg.task import Task
-from sdt_kg.twin import Container
+from sdt_kg.twin import Container, Twin
 
 STATE_TOLERANCE = 0.002
 """[rad or m] Within this, a final state given as positions counts as reached (≈ of Eq. (6))."""
@@ -69,13 +69,13 @@ def _found(case: Case, task: Task, container: Container, physics: Physics) -> An
 
 def _reached(case: Case, final: State | Region, physics: Physics) -> Answer:
     """A motion that ends in the final state or region."""
-    goal = final if isinstance(final, Region) else _difference(case.twin.state, final)
+    goal = final if isinstance(final, Region) else _difference(case.twin, final)
     joints = [joint for joint, _ in goal.intervals]
     if len(joints) != 1:
         names = ", ".join(map(local_name, joints)) or "nothing"
         reason = f"nothing to cause by one motion: {names} would move"
         return Answer(case, holds=False, diagnoses=(Diagnosis(Kind.CAUSAL, reason, proof=True),))
-    moved = [each for each in case.twin.containers() if each.active_joint == joints[0]]
+    moved = moved_by(case.twin, joints[0])
     outside = [each for container in moved for each in out_of_scope(case, container)]
     if outside:
         return Answer(case, holds=False, diagnoses=tuple(outside))
@@ -101,7 +101,7 @@ def _nothing_to_cause(case: Case, task: Task, container: Container) -> Iterator[
     state = case.twin.state
     if (task.verb, container.iri) not in met_requests(case.twin, state):
         return
-    position, unit = own_position(container, state), unit_of(case.twin, container)
+    position, unit = state[container.joint], unit_of(case.twin, container)
     bound = threshold(container, task.verb)
     reason = f"nothing to cause: {container.name} at {position:.4g} {unit} already meets {task.verb.value}"
     evidence = Evidence(Quantity.POSITION, position, bound, unit, entity=container.joint)
@@ -130,12 +130,14 @@ def _text(interval: Interval) -> str:
     return f"[{interval.lower:.4g}, {interval.upper:.4g}]"
 
 
-def _difference(present: State, final: State) -> Region:
-    """The joints that have to move, each to its final position."""
-    return Region(
-        tuple(
-            (joint, Interval(position, position))
-            for joint, position in final.items()
-            if abs(present.get(joint, position) - position) > STATE_TOLERANCE
-        )
-    )
+def _difference(twin: Twin, final: State) -> Region:
+    """The joints that have to move, each to its final position; of those that are coupled, one."""
+    moving = {
+        joint: Interval(position, position)
+        for joint, position in final.items()
+        if abs(twin.state.get(joint, position) - position) > STATE_TOLERANCE
+    }
+    driving = {each.active_joint for each in twin.containers() if each.joint in moving} - {
+        each.joint for each in twin.containers()
+    }
+    return Region(tuple((joint, at) for joint, at in moving.items() if joint not in driving))

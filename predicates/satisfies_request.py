@@ -1,6 +1,5 @@
 """Eq. (5): does a state meet a request, and which requests does it meet?"""
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -38,13 +37,12 @@ def satisfies_request(case: Case) -> Iterator[Answer]:
 
 
 def demanded(container: Container, verb: Verb) -> Region:
-    """G_final of a request, as an interval of the actuated joint."""
-    own = {
-        Verb.OPEN: (container.open_from, container.upper),
-        Verb.CLOSE: (container.lower, container.closed_to),
+    """G_final of a request, as an interval of the container's own joint."""
+    interval = {
+        Verb.OPEN: Interval(container.open_from, container.upper),
+        Verb.CLOSE: Interval(container.lower, container.closed_to),
     }[verb]
-    lower, upper = sorted((each - container.offset) / container.multiplier for each in own)
-    return Region(((container.active_joint, Interval(lower, upper)),))
+    return Region(((container.joint, interval),))
 
 
 def met_requests(twin: Twin, state: State) -> frozenset[tuple[Verb, Iri]]:
@@ -83,18 +81,13 @@ def _within(inner: Region, outer: Region) -> bool:
 
 def _unmet(twin: Twin, container: Container, verb: Verb, final: State) -> Diagnosis:
     """How far the state is from the request."""
-    position = own_position(container, final)
+    position = final[container.joint]
     bound = threshold(container, verb)
     unit = unit_of(twin, container)
     demand = f"open begins at {bound:.4g}" if verb is Verb.OPEN else f"closed ends at {bound:.4g}"
     reason = f"{container.name} ends at {position:.4g} {unit}: {demand} {unit}"
     evidence = Evidence(Quantity.POSITION, position, bound, unit, entity=container.joint)
     return Diagnosis(Kind.SEMANTIC, reason, evidence, proof=True)
-
-
-def own_position(container: Container, state: State) -> float:
-    """p_c of the container in a state [rad or m]."""
-    return container.multiplier * state.get(container.active_joint, math.nan) + container.offset
 
 
 def threshold(container: Container, verb: Verb) -> float:

@@ -114,8 +114,11 @@ def effective_bounds(model: Model, twin: Twin, followed: Follower) -> Bounds:
     joint = model.part.joints[model.coordinate[followed.own] - model.part.first]
     unit = "m" if joint.type is JointType.PRISMATIC else "rad"
     for each in twin.containers():
-        if each.joint == followed.own:
-            return Bounds(each.lower, each.upper, each.velocity, each.acceleration, unit)
+        if each.active_joint == followed.active:
+            scale = followed.multiplier / each.multiplier
+            shift = followed.offset - each.offset * scale
+            lower, upper = sorted((each.lower * scale + shift, each.upper * scale + shift))
+            return Bounds(lower, upper, each.velocity * abs(scale), each.acceleration * abs(scale), unit)
     limits = joint.limits
     return Bounds(limits.lower, limits.upper, limits.velocity, limits.acceleration, unit)
 
