@@ -2,12 +2,13 @@
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from textwrap import shorten
 from typing import Final, Protocol
 
 import pyoxigraph as ox
 
 from sdt_kg.errors import QueryError
-from sdt_kg.iri import XSD, Iri
+from sdt_kg.iri import PREFIXES, XSD, Iri
 
 Term = ox.NamedNode | ox.Literal
 AnyTerm = ox.NamedNode | ox.BlankNode | ox.Literal | ox.Triple
@@ -21,6 +22,9 @@ _READERS: Final[dict[str, Callable[[str], Value]]] = {
     **dict.fromkeys((XSD + name for name in ("integer", "int", "long", "nonNegativeInteger")), int),
     XSD + "boolean": lambda text: text in {"true", "1"},
 }
+SHOWN_EXPECTATION: Final = 80
+"""[characters] Of what the parser would have accepted; it lists whole character classes."""
+
 _ESCAPE: Final = re.compile(r"\\u([0-9A-Fa-f]{4})|\\U([0-9A-Fa-f]{8})")
 
 
@@ -84,7 +88,11 @@ class MemoryStore:
         bound: dict[ox.Variable, AnyTerm] = {ox.Variable(name): term for name, term in (known or {}).items()}
         try:
             return self._store.query(
-                sparql, default_graph=list(names), named_graphs=list(names), substitutions=bound
+                sparql,
+                default_graph=list(names),
+                named_graphs=list(names),
+                prefixes=PREFIXES,
+                substitutions=bound,
             )
         except (SyntaxError, ValueError) as error:
             raise QueryError(f"the query is not SPARQL: {error}", allowed="SELECT, ASK, CONSTRUCT") from None
@@ -114,10 +122,12 @@ def checked_query(sparql: str) -> str:
             remedy="leave the word out, in names and comments too",
         )
     try:
-        ox.Store().query(sparql)
+        ox.Store().query(sparql, prefixes=PREFIXES)
     except SyntaxError as error:
+        where, _, expected = str(error).partition(" expected ")
+        what = shorten(" ".join(expected.split()), SHOWN_EXPECTATION, placeholder=" …")
         raise QueryError(
-            f"the query is not SPARQL that reads: {error}",
+            f"the query is not SPARQL that reads: {where} expected {what}",
             allowed="SELECT, ASK, CONSTRUCT, DESCRIBE",
             remedy="LOAD, INSERT, DELETE and other updates are not done here",
         ) from None

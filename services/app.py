@@ -8,16 +8,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from predicates.case import Answer, Case, Verdict
 from predicates.causes import causes
 from predicates.law import law
-from predicates.satisfies_request import satisfies_request
-from sdt_kg.load import load_twin
-
-from predicates.case import Answer, Case, Verdict
 from predicates.oracle import Embodiment, Physics
+from predicates.satisfies_request import satisfies_request
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
+from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import UNKNOWN, Task
 from sdt_kg.twin import Twin
@@ -86,8 +85,8 @@ class Service:
             case = replace(case, motion=motion)
         return law(case, self.physics, self.embodiment)
 
-    def query(self, sparql: str) -> list[dict[str, object]]:
-        """Rows of a SPARQL query over entities and present state."""
+    def query(self, sparql: str) -> tuple[list[str], list[dict[str, object]]]:
+        """Columns and rows of a SPARQL query over entities and present state."""
         return self.twin.query(sparql)
 
     def robot(self, name: str | Iri | None) -> Iri:

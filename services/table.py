@@ -8,10 +8,10 @@ from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
 from functools import lru_cache
 
-from predicates.record import Record, to_json, to_record
-from sdt_kg.load import load_twin, model_name
-
+from predicates.record import Record, to_record
+from predicates.report import to_json
 from sdt_kg.errors import InputError
+from sdt_kg.load import load_twin, model_name
 from services.app import Policy, Service, load
 from services.requests import state_joints
 

@@ -6,12 +6,12 @@ from types import TracebackType
 from typing import Self
 
 import pyoxigraph as ox
-from predicates.record import Record, to_record
-from sdt_kg.store import checked_query, rows_of
 
 from predicates.case import Verdict
+from predicates.record import Record, to_record, write
 from sdt_kg.errors import InputError
 from sdt_kg.iri import PREFIXES
+from sdt_kg.store import checked_query, rows_of
 
 FORMATS = {".trig": ox.RdfFormat.TRIG, ".nq": ox.RdfFormat.N_QUADS, ".ttl": ox.RdfFormat.TURTLE}
 
@@ -58,7 +58,7 @@ class SavedVerdicts:
 
     def add_record(self, record: Record) -> None:
         """Add triples that a worker process made."""
-        self._store.extend(record.quads())
+        write(self._store, record)
 
 
 def query_saved(path: Path, sparql: str) -> tuple[list[str], list[dict[str, object]]]:
@@ -70,7 +70,7 @@ def query_saved(path: Path, sparql: str) -> tuple[list[str], list[dict[str, obje
     """
     if not path.exists():
         raise InputError(f"no file or store at {path}")
-    solutions = _read(path).query(checked_query(sparql), use_default_graph_as_union=True)
+    solutions = _read(path).query(checked_query(sparql), use_default_graph_as_union=True, prefixes=PREFIXES)
     return rows_of(solutions)
 
 
