@@ -9,6 +9,7 @@ from predicates.can_perform import can_perform
 from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Verdict
 from predicates.causes import causes
 from predicates.inputs import inputs_of, verdict_iri
+from predicates.meant import moved_by
 from predicates.oracle import Embodiment, Physics
 from predicates.questions import Question, questions, with_carried
 from predicates.satisfies_request import satisfies_request
@@ -74,10 +75,8 @@ def _outside(answer: Answer) -> bool:
 
 def _satisfied(case: Case, container: Container | None) -> Answer | None:
     """The answer of SatisfiesRequest about the final state, so far as there is one."""
-    if not isinstance(case.final, State | Region):
-        return None
     if container is not None:
-        return next(satisfies_request(case))
+        return next(satisfies_request(case)) if isinstance(case.final, State | Region) else None
     if isinstance(case.task, Task):
         reason = f"the motion moves no container, so nothing is {case.task.verb.value} that was not before"
     else:
@@ -86,10 +85,18 @@ def _satisfied(case: Case, container: Container | None) -> Answer | None:
 
 
 def _performed(case: Case, embodiment: Embodiment | None) -> Answer | None:
-    """The answer of CanPerform, if there is somebody to ask and something to ask about."""
-    known = isinstance(case.motion, Motion) or isinstance(case.body_motion, BodyMotion)
-    if embodiment is None or case.robot is UNKNOWN or not known:
+    """The answer of CanPerform, if there is somebody to ask and a container whose motion to ask about.
+
+    CanPerform is about τ, whatever the task: a motion of another container than the task's is asked
+    about without the task.
+    """
+    if embodiment is None or case.robot is UNKNOWN or not isinstance(case.motion, Motion):
         return None
+    moved = moved_by(case.twin, case.motion.of)
+    if not moved:
+        return None
+    if isinstance(case.task, Task) and case.task.container not in {each.iri for each in moved}:
+        case = replace(case, task=UNKNOWN)
     return next(can_perform(case, embodiment))
 
 

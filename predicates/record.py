@@ -7,7 +7,8 @@ import pyoxigraph as ox
 
 from predicates.case import Diagnosis, Evidence, Kind, Outcome, Verdict
 from predicates.report import answers, diagnosis_json, drive, figures, gripper, notes, to_json
-from sdt_kg.iri import LAW, PROV, RDF, XSD, Iri, graph_iri, local_name, part_iri
+from predicates.scope import verb_iri
+from sdt_kg.iri import LAW, PROV, RDF, Iri, graph_iri, local_name, part_iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.store import Term, Triple
 from sdt_kg.task import Task
@@ -136,7 +137,7 @@ def _case(verdict: Verdict) -> Iterator[Triple]:
         task = part_iri(verdict.iri, "task", 1)
         yield subject, LAW + "task", _node(task)
         yield task, RDF + "type", _node(LAW + "Task")
-        yield task, LAW + "verb", _node(LAW + case.task.verb.value.capitalize())
+        yield task, LAW + "verb", _node(verb_iri(case.task.verb))
         if isinstance(case.task.container, str):
             yield subject, LAW + "container", _node(case.task.container)
             yield task, LAW + "container", _node(case.task.container)
@@ -200,7 +201,5 @@ def _node(iri: Iri) -> Term:
 
 
 def _literal(value: str | float | bool) -> Term:
-    """bool, int, float or text as a literal of its own datatype."""
-    if isinstance(value, float):
-        return ox.Literal(repr(value), datatype=ox.NamedNode(XSD + "double"))
+    """bool, int, float or text as a literal of its own datatype; doubles round-trip."""
     return ox.Literal(value)

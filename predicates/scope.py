@@ -1,9 +1,9 @@
 """Params(G) ∈ I_Φ: whether a case lies inside the TEE class D_artic."""
 
-from sdt_kg.scope import D_ARTIC, Violation, violations
-
 from predicates.case import Case, Diagnosis, Evidence, Kind, Quantity
-from sdt_kg.iri import local_name
+from sdt_kg.iri import LAW, Iri, local_name
+from sdt_kg.scope import D_ARTIC, Violation, violations
+from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container
 
 
@@ -13,7 +13,13 @@ def out_of_scope(case: Case, container: Container) -> list[Diagnosis]:
     Being outside refutes nothing, so no diagnosis is a proof.
     """
     robot = case.robot if isinstance(case.robot, str) else None
-    return [_diagnosis(each) for each in violations(case.twin, container, robot)]
+    verb = verb_iri(case.task.verb) if isinstance(case.task, Task) else None
+    return [_diagnosis(each) for each in violations(case.twin, container, robot, verb)]
+
+
+def verb_iri(verb: Verb) -> Iri:
+    """`law:Open` or `law:Close`."""
+    return LAW + verb.value.capitalize()
 
 
 def tee_class_hash() -> str:

@@ -10,11 +10,11 @@ from dataclasses import replace
 import numpy as np
 
 from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity
+from predicates.meant import moved_by
 from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.iri import Iri, body_iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
-from sdt_kg.task import Task
-from sdt_kg.twin import Twin
+from sdt_kg.twin import Container, Twin
 from services.physics.chain import chain
 from services.physics.spline import at_rest_velocities
 from services.physics.tree import build
@@ -45,7 +45,7 @@ class Lift:
         return Answer(_followed(case, case.motion, path, heights), holds=True, figures={"margin": (0.0, "m")})
 
     def _too_far(self, case: Case, height: float, bound: float) -> Answer:
-        name = case.twin.container(case.task.container).name  # type: ignore[union-attr,arg-type]
+        name = _container(case).name
         reason = f"the handle of {name} needs the lift at {height:.3g} m"
         evidence = Evidence(Quantity.POSITION, height, bound, "m", entity=f"{case.robot}/joint/{LIFT}")
         return Answer(
@@ -72,6 +72,11 @@ def tool_path(case: Case, body: BodyMotion) -> np.ndarray:
     return np.column_stack([body.base[:, 0] + _arm(case), body.base[:, 1], heights])
 
 
+def _container(case: Case) -> Container:
+    assert isinstance(case.motion, Motion)
+    return moved_by(case.twin, case.motion.of)[0]
+
+
 def _annotation(case: Case) -> RobotAnnotation:
     assert isinstance(case.robot, str)
     return case.twin.robot(case.robot)
@@ -89,8 +94,7 @@ def _zero_height(case: Case) -> float:
 
 def _handle_path(case: Case, motion: Motion) -> np.ndarray:
     """Positions of the handle along τ, shape (T, 3)."""
-    assert isinstance(case.task, Task)
-    container = case.twin.container(str(case.task.container))
+    container = _container(case)
     model = build(case.twin.mechanism(case.twin.environment))
     handle = chain(
         model, body_iri(local_name(case.twin.environment), local_name(container.handle)), case.twin.state
@@ -102,7 +106,7 @@ def _handle_path(case: Case, motion: Motion) -> np.ndarray:
 def _followed(case: Case, motion: Motion, path: np.ndarray, heights: np.ndarray) -> Case:
     """Base and lift follow the handle, slowly enough for both if τ may be slowed."""
     assert isinstance(case.robot, str)
-    container = case.twin.container(str(case.task.container))  # type: ignore[union-attr]
+    container = _container(case)
     base = np.column_stack([path[:, 0] - _arm(case), path[:, 1], np.zeros(len(path))])
     speed = (
         np.linalg.norm(at_rest_velocities(motion.times, base), axis=1).max()
