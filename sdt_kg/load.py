@@ -9,12 +9,13 @@ import kitchens
 import robots as bundled_robots
 from sdt_kg.annotate import TEE_GRAPH, annotate, tee_triples
 from sdt_kg.annotation_files import Chosen, chosen_kitchen, chosen_robot
+from sdt_kg.entities import Entities
 from sdt_kg.errors import AnnotationError, UnknownEntityError
 from sdt_kg.iri import Iri, graph_iri, model_iri
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.store import MemoryStore
 from sdt_kg.triples import mechanism_triples
-from sdt_kg.twin import Entities, Twin
+from sdt_kg.twin import Twin
 from sdt_kg.urdf import model_stem, read_mechanism
 
 MODEL_SUFFIXES: Final = (".urdf", ".xacro")

@@ -1,135 +1,21 @@
 """Twin (G): a kitchen and robots as a graph, in one state."""
 
 import hashlib
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cache, cached_property
-from itertools import chain
-from typing import Final
 
 import pyoxigraph as ox
 import rdflib
 
-import ontology
-from sdt_kg.annotate import TEE_GRAPH
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
-from sdt_kg.coupling import Coupling
+from sdt_kg.entities import Container, Entities, LeftOut, query_text
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import PREFIXES, SDT, Iri, graph_iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.state import State
-from sdt_kg.store import Row, Store, Value, checked_query, double, rows_of, term_of
-from sdt_kg.triples import Facts, read_kitchen, read_mechanism_of, read_robot
+from sdt_kg.store import Row, Value, checked_query, double, rows_of, term_of
+from sdt_kg.triples import read_kitchen, read_mechanism_of, read_robot
 
-_PLACE_ONLY: Final = {SDT + "meshFile"}
-"""Properties that say where something lies, not what it is: not hashed."""
-
-
-@dataclass(frozen=True, slots=True)
-class Container:
-    """A counted container of a kitchen.
-
-    Attributes:
-        iri: IRI of its body.
-        name: Name of its body.
-        kind: `door` or `drawer`.
-        joint: IRI of its own joint p_c.
-        active_joint: IRI of the joint that is actuated: the mimicked one for a mimic door.
-        multiplier: p_c = multiplier · p_active + offset.
-        offset: See multiplier.
-        handle: IRI of its handle's body.
-        lower, upper: Effective limits of p_c [rad or m], over the coupling; infinite if there are none.
-        open_from: Threshold of open(c): 0.9 · upper.
-        closed_to: Threshold of closed(c): lower + epsilon.
-        velocity, acceleration: Effective limits of p_c; infinite if there are none.
-    """
-
-    iri: Iri
-    name: str
-    kind: str
-    joint: Iri
-    active_joint: Iri
-    multiplier: float
-    offset: float
-    handle: Iri
-    lower: float
-    upper: float
-    open_from: float
-    closed_to: float
-    velocity: float
-    acceleration: float
-
-
-@dataclass(frozen=True, slots=True)
-class LeftOut:
-    """A joint with a handle, or a door or drawer by name, that is not counted.
-
-    Attributes:
-        joint: IRI of the joint.
-        body: IRI of the body which it moves.
-        reason: One sentence.
-    """
-
-    joint: Iri
-    body: Iri
-    reason: str
-
-
-@dataclass(frozen=True)
-class Entities:
-    """What does not change with the state: shared by all branches of a twin.
-
-    Attributes:
-        store: Holds every graph.
-        environment: IRI of the kitchen.
-        robots: IRIs of the robots.
-        asserted: Model IRI → its asserted graph.
-        inferred: Model IRI → its inferred graphs.
-        notes: What loading noticed, one sentence each.
-    """
-
-    store: Store
-    environment: Iri
-    robots: tuple[Iri, ...]
-    asserted: Mapping[Iri, Iri]
-    inferred: Mapping[Iri, tuple[Iri, ...]]
-    notes: tuple[str, ...] = ()
-
-    @cached_property
-    def graphs(self) -> tuple[Iri, ...]:
-        """All entity graphs, the constants of D_artic first."""
-        models = (self.environment, *self.robots)
-        return (TEE_GRAPH, *chain.from_iterable(self.graphs_of(model) for model in models))
-
-    def graphs_of(self, model: Iri) -> tuple[Iri, ...]:
-        """Graphs of one model."""
-        return (self.asserted[model], *self.inferred[model])
-
-    @cached_property
-    def facts(self) -> Facts:
-        """All entity triples, grouped."""
-        return Facts(chain.from_iterable(self.store.triples(graph) for graph in self.graphs))
-
-    @cached_property
-    def mechanisms(self) -> dict[Iri, Mechanism]:
-        """Mechanisms read back so far."""
-        return {}
-
-    @cached_property
-    def containers(self) -> tuple["Container", ...]:
-        """The counted containers, by name."""
-        _, rows = rows_of(self.store.query(query_text("containers"), self.graphs))
-        found: dict[Iri, Container] = {}
-        for row in rows:
-            container = _container(row)
-            found.setdefault(container.iri, container)
-        return tuple(sorted(found.values(), key=lambda container: container.name))
-
-    @cached_property
-    def coupling(self) -> Coupling:
-        """How the kitchen's joints depend on each other."""
-        return Coupling.of(read_mechanism_of(self.facts, self.environment))
+__all__ = ["Container", "LeftOut", "Twin"]
 
 
 class Twin:
@@ -246,13 +132,7 @@ class Twin:
 
         Paths of mesh files are left out: their content counts, not where they lie.
         """
-        lines = (
-            f"<{subject}> <{predicate}> {value}"
-            for graph in self.entities.graphs_of(self._known(model))
-            for subject, predicate, value in self.entities.store.triples(graph)
-            if predicate not in _PLACE_ONLY
-        )
-        return hashlib.sha256("\n".join(sorted(set(lines))).encode()).hexdigest()
+        return self.entities.content_hash(self._known(model))
 
     def at(self, state: Mapping[Iri, float]) -> "Twin":
         """The same twin with these joints elsewhere; StateError outside limits.
@@ -260,6 +140,20 @@ class Twin:
         A mimicking joint follows the one that it mimics; setting it sets that one.
         """
         return Twin(self.entities, self.entities.coupling.moved(self.state, state))
+
+    def with_edit(self, subject: Iri, **changes: Value) -> "Twin":
+        """The same twin in the same state, with properties of one individual replaced.
+
+        `twin.with_edit(joint, upperLimit=0.3)`; None removes. Rules run again, so that whatever
+        follows from the property changes too.
+
+        Raises:
+            UnknownEntityError: No such individual, or no such property in `sdt.ttl`.
+            StateError: The present state is outside the new limits.
+        """
+        entities = self.entities.edited(subject, changes)
+        start = entities.coupling.start()
+        return Twin(entities, entities.coupling.moved(start, dict(self.state)))
 
     def serialize(self, form: str) -> bytes:
         """The twin as RDF: `turtle` (all graphs merged), `trig` or `nquads` (named graphs)."""
@@ -289,33 +183,3 @@ class Twin:
     def triple_count(self) -> int:
         """How many triples the twin has, state included."""
         return len(self.entities.store.dump(self.graphs()))
-
-
-@cache
-def query_text(name: str) -> str:
-    """Text of a query of `ontology/queries`."""
-    return ontology.path(f"queries/{name}.rq").read_text(encoding="utf-8")
-
-
-def _container(row: Row) -> Container:
-    def number(name: str, missing: float = math.inf) -> float:
-        value = row[name]
-        return float(value) if isinstance(value, int | float) else missing
-
-    iri = str(row["container"])
-    return Container(
-        iri=iri,
-        name=local_name(iri),
-        kind=local_name(str(row["kind"])).lower(),
-        joint=str(row["joint"]),
-        active_joint=str(row["active"]),
-        multiplier=number("multiplier"),
-        offset=number("offset"),
-        handle=str(row["handle"]),
-        lower=number("lower", -math.inf),
-        upper=number("upper"),
-        open_from=number("openFrom"),
-        closed_to=number("closedTo", -math.inf),
-        velocity=number("velocity"),
-        acceleration=number("acceleration"),
-    )

@@ -71,6 +71,11 @@ class Facts:
         """Properties that the subject has."""
         return set(self._values.get(subject, ()))
 
+    def about(self, subject: Iri) -> Iterable[tuple[Iri, Term]]:
+        """Properties and values of the subject."""
+        values = self._values.get(subject, {})
+        return ((name, term) for name, terms in values.items() for term in terms)
+
     def pose(self, subject: Iri) -> Pose:
         """The pose individual's value; coordinates in m, quaternion xyzw."""
         x, y, z = (self.number(subject, name) for name in ("x", "y", "z"))

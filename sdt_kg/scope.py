@@ -1,0 +1,244 @@
+"""Scope: is a request inside a TEE class D, so that its physics may be trusted at all?
+
+The class's shapes run on the request's own subgraph (pySHACL; on a whole twin it is a hundred
+times slower). Conforming is not enough: a shape which finds no focus node is a violation too,
+since a typo in a target would otherwise let everything pass.
+"""
+
+import hashlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final
+
+import pyoxigraph as ox
+import pyshacl
+import rdflib
+from rdflib.namespace import RDF as RDF_NS
+from rdflib.term import Node
+
+import ontology
+from sdt_kg.annotate import tee_triples
+from sdt_kg.iri import LAW, RDF, SH, TEE, Iri
+from sdt_kg.store import Term, Value
+from sdt_kg.triples import Facts
+from sdt_kg.twin import Container, Twin
+
+_TASK: Final = "https://example.org/id/request/task"
+_SH: Final = rdflib.Namespace(SH)
+
+# Constraint component → the parameter which holds its bound.
+_BOUNDS: Final = {
+    "ClassConstraintComponent": "class",
+    "InConstraintComponent": "in",
+    "LessThanConstraintComponent": "lessThan",
+    "MaxCountConstraintComponent": "maxCount",
+    "MaxExclusiveConstraintComponent": "maxExclusive",
+    "MaxInclusiveConstraintComponent": "maxInclusive",
+    "MinCountConstraintComponent": "minCount",
+    "MinExclusiveConstraintComponent": "minExclusive",
+    "MinInclusiveConstraintComponent": "minInclusive",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """One SHACL result.
+
+    Attributes:
+        focus: The individual that is outside, or the shape which found none to look at.
+        path: The property concerned, None for a constraint on the individual itself.
+        value: Its value, None where there is none.
+        bound: What the shape asks for, None where it is no single value.
+        message: What to repair.
+        shape: IRI of the shape.
+        component: IRI of the constraint component, None for a shape without focus node.
+    """
+
+    focus: Iri
+    path: Iri | None
+    value: Value
+    bound: Value
+    message: str
+    shape: Iri
+    component: Iri | None = None
+
+
+@dataclass(frozen=True)
+class TeeClass:
+    """D: tasks, environments, robots, physics and its validity intervals, each a set of shapes.
+
+    Attributes:
+        iri: Individual of `tee.ttl`.
+        name: For people.
+    """
+
+    iri: Iri
+    name: str
+
+    @cached_property
+    def _facts(self) -> Facts:
+        return Facts(tee_triples())
+
+    @cached_property
+    def shapes(self) -> rdflib.Graph:
+        """The shapes file."""
+        return rdflib.Graph().parse(data=self._shapes_text(), format="turtle")
+
+    def shapes_of(self, part: str) -> list[Iri]:
+        """Shapes of a part of D: Task, Environment, Robot or Physics."""
+        return self._facts.iris(self.iri, f"{TEE}has{part}Shape")
+
+    def number(self, name: str) -> float:
+        """A constant of the class: openFraction, closedTolerance, defaultAcceleration."""
+        return self._facts.number(self.iri, TEE + name)
+
+    def content_hash(self) -> str:
+        """SHA-256 of its constants and shapes; part of every verdict's hash."""
+        constants = sorted(f"{s} {p} {o}" for s, p, o in tee_triples())
+        return hashlib.sha256("\n".join((*constants, self._shapes_text())).encode()).hexdigest()
+
+    def _shapes_text(self) -> str:
+        file = self._facts.one(self.iri, TEE + "shapesFile")
+        return ontology.path(f"shapes/{file}").read_text(encoding="utf-8")
+
+
+D_ARTIC: Final = TeeClass(TEE + "D_artic", "D_artic")
+
+
+def violations(
+    twin: Twin, container: Container, robot: Iri | None = None, verb: Iri | None = None
+) -> list[Violation]:
+    """How the request lies outside D_artic; empty inside.
+
+    Args:
+        twin: The kitchen, and the robot if there is one.
+        container: What the request is about.
+        robot: Left out, R is not checked.
+        verb: `law:Open` or `law:Close`; left out, T is not checked.
+    """
+    asked = ["Environment", "Physics"]
+    asked += ["Robot"] if robot is not None else []
+    asked += ["Task"] if verb is not None else []
+    expected = [shape for part in asked for shape in D_ARTIC.shapes_of(part)]
+    return check(request_graph(twin, container, robot, verb), D_ARTIC.shapes, expected)
+
+
+def check(data: rdflib.Graph, shapes: rdflib.Graph, expected: list[Iri]) -> list[Violation]:
+    """SHACL results of the data, and a violation for each expected shape without focus node."""
+    found = [_without_focus(shape) for shape in expected if not _has_focus(data, shapes, shape)]
+    report = _validated(data, shapes)
+    assert isinstance(report, rdflib.Graph), "pyshacl answers with a graph, or raises"
+    for result in report.subjects(RDF_NS.type, _SH.ValidationResult):
+        found.append(_violation(data, shapes, report, result))
+    return sorted(found, key=lambda each: (each.focus, each.path or "", each.message))
+
+
+def _validated(data: rdflib.Graph, shapes: rdflib.Graph) -> object:
+    validator: Any = pyshacl  # its annotations are partial
+    return validator.validate(data, shacl_graph=shapes, inference="none")[1]
+
+
+def _has_focus(data: rdflib.Graph, shapes: rdflib.Graph, shape: Iri) -> bool:
+    node = rdflib.URIRef(shape)
+    by_class = (
+        next(data.subjects(RDF_NS.type, target), None) for target in shapes.objects(node, _SH.targetClass)
+    )
+    by_object = (
+        next(data.subject_objects(target), None) for target in shapes.objects(node, _SH.targetObjectsOf)
+    )
+    return any(each is not None for each in (*by_class, *by_object))
+
+
+def _without_focus(shape: Iri) -> Violation:
+    message = f"the shape <{shape}> finds nothing to look at: nothing is known to be inside the class"
+    return Violation(shape, None, None, None, message, shape)
+
+
+def _violation(data: rdflib.Graph, shapes: rdflib.Graph, report: rdflib.Graph, result: Node) -> Violation:
+    def one(name: str) -> Node | None:
+        return report.value(result, _SH[name])
+
+    focus, path, source = one("focusNode"), one("resultPath"), one("sourceShape")
+    component = str(one("sourceConstraintComponent"))
+    parameter = _BOUNDS.get(component.removeprefix(SH))
+    bound = None if parameter is None else shapes.value(source, _SH[parameter])
+    if parameter == "lessThan" and focus is not None and bound is not None:
+        bound = data.value(focus, bound)
+    return Violation(
+        focus=str(focus),
+        path=None if path is None else str(path),
+        value=_value(one("value")),
+        bound=_value(bound),
+        message=str(one("resultMessage")),
+        shape=str(source),
+        component=component,
+    )
+
+
+def _value(node: Node | None) -> Value:
+    if not isinstance(node, rdflib.Literal):
+        return None if node is None or isinstance(node, rdflib.BNode) else str(node)
+    value = node.toPython()
+    if isinstance(value, bool | int | str):
+        return value
+    return float(value)
+
+
+def request_graph(
+    twin: Twin, container: Container, robot: Iri | None = None, verb: Iri | None = None
+) -> rdflib.Graph:
+    """What the graph says of the individuals that the request is about, and no more."""
+    facts = twin.entities.facts
+    subjects = [twin.environment, container.iri, *facts.iris(container.iri, "hasHandle")]
+    subjects += facts.iris(container.iri, "hasJoint")
+    if robot is not None:
+        subjects += [robot, *facts.iris(robot, "hasGripper")]
+    graph = rdflib.Graph()
+    for subject in subjects:
+        for name, term in facts.about(subject):
+            graph.add((rdflib.URIRef(subject), rdflib.URIRef(name), _node(term)))
+    if verb is not None:
+        task = rdflib.URIRef(_TASK)
+        graph.add((task, RDF_NS.type, rdflib.URIRef(LAW + "Task")))
+        graph.add((task, rdflib.URIRef(LAW + "verb"), rdflib.URIRef(verb)))
+        graph.add((task, rdflib.URIRef(LAW + "container"), rdflib.URIRef(container.iri)))
+    return graph
+
+
+def _node(term: Term) -> Node:
+    if isinstance(term, ox.NamedNode):
+        return rdflib.URIRef(term.value)
+    if term.language:
+        return rdflib.Literal(term.value, lang=term.language)
+    return rdflib.Literal(term.value, datatype=rdflib.URIRef(term.datatype.value))
+
+
+def report_turtle(twin: Twin, robot: Iri | None = None) -> str:
+    """SHACL validation report of all containers, as Turtle."""
+    found = {each: None for container in twin.containers() for each in violations(twin, container, robot)}
+    graph = rdflib.Graph()
+    graph.bind("sh", SH)
+    report = rdflib.URIRef(f"{twin.environment}/scope")
+    graph.add((report, RDF_NS.type, _SH.ValidationReport))
+    graph.add((report, _SH.conforms, rdflib.Literal(not found)))
+    for number, violation in enumerate(found, 1):
+        result = rdflib.URIRef(f"{report}/{number}")
+        graph.add((report, _SH.result, result))
+        for name, node in _result(violation):
+            graph.add((result, name, node))
+    return graph.serialize(format="turtle")
+
+
+def _result(violation: Violation) -> Iterator[tuple[rdflib.URIRef, Node]]:
+    yield rdflib.URIRef(RDF + "type"), _SH.ValidationResult
+    yield _SH.focusNode, rdflib.URIRef(violation.focus)
+    yield _SH.resultMessage, rdflib.Literal(violation.message)
+    yield _SH.resultSeverity, _SH.Violation
+    yield _SH.sourceShape, rdflib.URIRef(violation.shape)
+    if violation.component is not None:
+        yield _SH.sourceConstraintComponent, rdflib.URIRef(violation.component)
+    if violation.path is not None:
+        yield _SH.resultPath, rdflib.URIRef(violation.path)
+    if violation.value is not None:
+        yield _SH.value, rdflib.Literal(violation.value)
