@@ -99,7 +99,7 @@ def scope(kitchen: str, robot: str | None, annotation: str | None, form: str, as
             row = {"focus": local_name(each.focus), "path": local_name(each.path or ""), "value": each.value}
             rows.append({"container": container.name, **row, "bound": each.bound, "message": each.message})
     if as_json:
-        print_json({"class": D_ARTIC, "in_scope": not rows, "violations": rows})
+        print_json({"class": D_ARTIC.iri, "in_scope": not rows, "violations": rows})
     elif form == "turtle":
         click.echo(report_turtle(twin, twin.robots[0] if robot else None))
     elif rows:

@@ -1,0 +1,40 @@
+"""Run `sdt` as a person does, in this process."""
+
+import json
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+from services import cli
+
+
+@dataclass(frozen=True)
+class Done:
+    """What a run of `sdt` gave."""
+
+    code: int
+    out: str
+    err: str
+
+    @property
+    def json(self) -> Any:  # JSON is any
+        return json.loads(self.out)
+
+
+@pytest.fixture
+def sdt(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., Done]:
+    """`sdt("containers", "b")` → exit code, standard output, standard error."""
+
+    def run(*arguments: str) -> Done:
+        monkeypatch.setattr(sys, "argv", ["sdt", *arguments])
+        try:
+            cli.main()
+            code = 0
+        except SystemExit as stop:
+            code = int(stop.code or 0)
+        captured = capsys.readouterr()
+        return Done(code, captured.out, captured.err)
+
+    return run

@@ -1,0 +1,119 @@
+"""Bad input: exit 2, one line that says what, what is allowed or what to do, and no traceback."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+BAD = {
+    "unknown kitchen": (["containers", "kitchn"], ["kitchn", "a, b"]),
+    "unknown file": (["containers", "no/such.urdf"], ["no/such.urdf"]),
+    "unknown robot": (["graph", "b", "--robot", "pr3", "-o", "x.ttl"], ["pr3", "pr2"]),
+    "unknown container": (["causes", "b", "--task", "open:iai_frige_door"], ["iai_frige_door", "iai_fridge_door"]),
+    "left-out container": (["causes", "a", "--task", "open:coffee_table_drawer"], ["coffee_table_drawer", "no handle"]),
+    "unknown verb": (["causes", "b", "--task", "opn"], ["opn", "open"]),
+    "unknown joint": (["satisfies", "b", "--state", "iai_fridge_dor=1"], ["iai_fridge_dor", "iai_fridge_door"]),
+    "state outside limits": (["satisfies", "b", "--state", "iai_fridge_door_joint=2"], ["iai_fridge_door_joint", "1.57"]),
+    "state that is no number": (["satisfies", "b", "--state", "iai_fridge_door_joint=wide"], ["wide"]),
+    "state that is nan": (["satisfies", "b", "--state", "iai_fridge_door_joint=nan"], ["nan"]),
+    "state without value": (["satisfies", "b", "--state", "iai_fridge_door"], ["JOINT=VALUE"]),
+    "unknown graph format": (["graph", "b", "-o", "x.json"], ["x.json", ".ttl"]),
+    "query that is no query": (["query", "b", "SELEKT"], ["SPARQL"]),
+    "update": (["query", "b", "INSERT DATA { <a:a> <a:b> <a:c> }"], ["SELECT"]),
+    "service": (["query", "b", "SELECT * { SERVICE <http://127.0.0.1:1/> { ?a ?b ?c } }"], ["SERVICE"]),
+    "load": (["query", "b", "LOAD <http://127.0.0.1:1/>"], ["SELECT"]),
+    "no query": (["query", "b"], ["-f FILE.rq"]),
+    "no such store": (["query", "gone.trig", "ASK { ?a ?b ?c }"], ["gone.trig"]),
+    "base that is no pose": (
+        ["achieve", "--kitchen", "b", "--robot", "pr2", "--task", "open", "--base", "1,2"], ["X,Y,YAW"],
+    ),
+    "kitchen twice": (["table", "--kitchens", "a,a"], ["share a name"]),
+    "state of no kitchen": (["table", "--kitchens", "b", "--state", "nothing=1"], ["nothing=1"]),
+    "unknown option": (["containers", "b", "--jason"], ["--jason"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_input_is_named(sdt, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    arguments, fragments = BAD[name]
+    done = sdt(*arguments)
+    assert done.code == 2, done
+    assert "Traceback" not in done.err
+    assert [fragment for fragment in fragments if fragment not in done.err] == []
+    assert list(tmp_path.iterdir()) == []
+
+
+URDF = '<robot name="r"><link name="l"/>{}</robot>'
+BAD_URDF = {
+    "not XML": ("<robot", ["XML"]),
+    "XML bomb": ('<!DOCTYPE r [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]><robot name="&b;"><link name="l"/></robot>', ["DTD"]),
+    "duplicate link": (URDF.format('<link name="l"/>'), ["'l'"]),
+    "missing mesh": (
+        '<robot name="r"><link name="l"><collision><geometry><mesh filename="gone.stl"/></geometry></collision></link></robot>',
+        ["gone.stl"],
+    ),
+    "mesh outside": (
+        '<robot name="r"><link name="l"><collision><geometry><mesh filename="../../etc/x.stl"/></geometry></collision></link></robot>',
+        ["x.stl"],
+    ),
+    "zero axis": (
+        URDF.format(
+            '<link name="m"/><joint name="j" type="revolute"><parent link="l"/><child link="m"/><axis xyz="0 0 0"/>'
+            '<limit lower="0" upper="1" effort="1" velocity="1"/></joint>'
+        ),
+        ["'j'", "axis"],
+    ),
+    "inverted limits": (
+        URDF.format(
+            '<link name="m"/><joint name="j" type="revolute"><parent link="l"/><child link="m"/><axis xyz="0 0 1"/>'
+            '<limit lower="1" upper="0" effort="1" velocity="1"/></joint>'
+        ),
+        ["'j'", "limit"],
+    ),
+    "NaN": (
+        URDF.format(
+            '<link name="m"/><joint name="j" type="revolute"><parent link="l"/><child link="m"/><origin xyz="nan 0 0"/>'
+            '<axis xyz="0 0 1"/><limit lower="0" upper="1" effort="1" velocity="1"/></joint>'
+        ),
+        ["'j'", "nan"],
+    ),
+    "loop": (
+        URDF.format(
+            '<link name="m"/><joint name="i" type="fixed"><parent link="l"/><child link="m"/></joint>'
+            '<joint name="j" type="fixed"><parent link="m"/><child link="l"/></joint>'
+        ),
+        [],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD_URDF)
+def test_a_bad_model_is_named(sdt, tmp_path: Path, name: str) -> None:
+    text, fragments = BAD_URDF[name]
+    path = tmp_path / "bad.urdf"
+    path.write_text(text)
+    done = sdt("containers", str(path))
+    assert done.code == 2, done
+    assert "Traceback" not in done.err
+    assert [fragment for fragment in ["bad.urdf", *fragments] if fragment not in done.err] == []
+
+
+BAD_MOTION = {
+    "unsorted times": ({"joint": "iai_fridge_door_joint", "times": [0.0, 2.0, 1.0], "values": [0.0, 0.1, 0.2]}, ["times", "2"]),
+    "not a number": ({"joint": "iai_fridge_door_joint", "times": [0.0, 1.0], "values": [0.0, np.nan]}, ["values"]),
+    "unknown joint": ({"joint": "iai_fridge_dor_joint", "times": [0.0, 1.0], "values": [0.0, 1.0]}, ["iai_fridge_door_joint"]),
+    "degrees": ({"joint": "iai_fridge_door_joint", "times": [0.0, 90.0], "values": [0.0, 90.0]}, ["degree"]),
+    "wrong arrays": ({"times": [0.0, 1.0]}, ["joint"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD_MOTION)
+def test_a_bad_motion_is_named(sdt, tmp_path: Path, name: str) -> None:
+    arrays, fragments = BAD_MOTION[name]
+    path = tmp_path / "motion.npz"
+    np.savez(path, **arrays)
+    done = sdt("causes", "b", "--task", "open:iai_fridge_door", "--motion", str(path))
+    assert done.code == 2, done
+    assert "Traceback" not in done.err
+    assert [fragment for fragment in fragments if fragment not in done.err] == []

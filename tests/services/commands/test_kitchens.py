@@ -1,0 +1,105 @@
+"""`sdt containers`, `graph`, `scope`, `satisfies`, `causes`, `query`."""
+
+import csv
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rdflib
+
+
+@pytest.mark.parametrize(("kitchen", "doors", "drawers"), [("a", 8, 19), ("b", 3, 14)])
+def test_containers_are_those_of_the_paper(sdt, kitchen, doors, drawers) -> None:
+    kinds = [each["kind"] for each in sdt("containers", kitchen, "--json").json]
+    assert (kinds.count("door"), kinds.count("drawer"), len(kinds)) == (doors, drawers, doors + drawers)
+
+
+def test_what_is_left_out_is_listed_with_its_reason(sdt) -> None:
+    rows = sdt("containers", "a", "--all", "--json").json
+    left_out = {each["name"]: each["reason"] for each in rows if each.get("left_out")}
+    assert left_out["coffee_table_drawer"] == "it has no handle"
+    assert len(left_out) == 10
+
+
+@pytest.mark.parametrize("suffix", [".ttl", ".trig", ".nq"])
+def test_graph_writes_rdf_that_others_read(sdt, tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"b{suffix}"
+    assert sdt("graph", "b", "--robot", "stretch", "-o", str(path)).code == 0
+    graph = rdflib.Graph() if suffix == ".ttl" else rdflib.Dataset(default_union=True)
+    graph.parse(data=path.read_text(), format={".ttl": "turtle", ".trig": "trig", ".nq": "nquads"}[suffix])
+    containers = set(graph.subjects(rdflib.RDF.type, rdflib.URIRef("https://example.org/sdt#Container")))
+    assert len(containers) == 17
+    assert not [
+        term
+        for triple in graph.triples((None, None, None))
+        for term in triple
+        if isinstance(term, rdflib.BNode)
+    ]
+    rows = sdt("query", str(path), "--json", "SELECT ?d WHERE { ?d a sdt:Door } ORDER BY ?d").json
+    assert [row["d"].rsplit("/", 1)[-1] for row in rows] == [
+        "iai_fridge_door",
+        "oven_area_oven_door",
+        "sink_area_dish_washer_door",
+    ]
+
+
+def test_a_kitchen_of_the_paper_is_in_scope(sdt) -> None:
+    done = sdt("scope", "b", "--robot", "pr2", "--json")
+    assert done.code == 0
+    assert done.json["in_scope"] is True
+
+
+def test_an_open_door_meets_open_and_no_longer_close(sdt) -> None:
+    rows = sdt("satisfies", "b", "--state", "iai_fridge_door=open", "--json").json
+    assert [each["task"] for each in rows if each["container"] == "iai_fridge_door"] == ["open"]
+    assert len(rows) == 17
+
+
+def test_half_open_meets_neither(sdt) -> None:
+    assert sdt("satisfies", "b", "--state", "all=half-open:7", "--json").json == []
+
+
+def test_causes_makes_a_motion_and_judges_it_again(sdt, tmp_path: Path) -> None:
+    path = str(tmp_path / "open.npz")
+    door = "open:iai_fridge_door"
+    (made,) = sdt("causes", "b", "--task", door, "--motion-out", path, "--json").json
+    (judged,) = sdt("causes", "b", "--task", door, "--motion", path, "--json").json
+    assert made["outcome"] == judged["outcome"] == "causes"
+    assert made["end"] == judged["end"] >= 0.9 * 1.57079632679
+
+
+def test_what_is_open_cannot_be_caused_to_open(sdt) -> None:
+    done = sdt("causes", "b", "--task", "open:iai_fridge_door", "--state", "iai_fridge_door=open", "--json")
+    assert done.code == 1
+    (diagnosis,) = done.json[0]["diagnoses"]
+    assert diagnosis["kind"] == "causal"
+    assert "nothing to cause" in diagnosis["reason"]
+
+
+def test_a_motion_beyond_the_limit_is_refused_with_its_evidence(sdt, tmp_path: Path) -> None:
+    times = np.linspace(0.0, 4.0, 41)
+    path = tmp_path / "far.npz"
+    np.savez(
+        path, joint="iai_fridge_door_joint", times=times, values=2.0 * (1 - np.cos(np.pi * times / 4)) / 2
+    )
+    done = sdt("causes", "b", "--task", "open:iai_fridge_door", "--motion", str(path), "--json")
+    assert done.code == 1
+    quantities = {each["evidence"]["quantity"] for each in done.json[0]["diagnoses"]}
+    assert "position" in quantities
+
+
+def test_query_prints_csv(sdt) -> None:
+    done = sdt(
+        "query",
+        "b",
+        "--format",
+        "csv",
+        "SELECT ?d ?u WHERE { ?d a sdt:Door ; sdt:hasJoint/sdt:upperLimit ?u } ORDER BY ?d",
+    )
+    rows = list(csv.DictReader(io.StringIO(done.out)))
+    assert [row["d"].rsplit("/", 1)[-1] for row in rows] == [
+        "iai_fridge_door",
+        "oven_area_oven_door",
+        "sink_area_dish_washer_door",
+    ]
