@@ -14,6 +14,7 @@ import pyoxigraph as ox
 
 import ontology
 from sdt_kg.iri import ID, OWL, RDF, SDT, TEE, Iri, graph_iri, local_name
+from sdt_kg.panels import panel_triples
 from sdt_kg.store import Store, Triple
 
 TEE_GRAPH: Final = TEE.removesuffix("#")
@@ -68,6 +69,8 @@ def annotate(store: Store, model: Iri, asserted: Iri) -> list[Iri]:
     """
     graphs = [asserted, TEE_GRAPH]
     for name, text in rules():
+        if name == STRUCTURE_RULE:
+            graphs += _infer(store, model, "measure_panels", panel_triples(store, graphs))
         solutions = store.query(text, graphs)
         assert isinstance(solutions, ox.QueryTriples), f"{name} is a CONSTRUCT"
         graphs += _infer(store, model, name, map(_triple, solutions))

@@ -44,7 +44,7 @@ def _body(facts: Facts, iri: Iri) -> Body:
         name=local_name(iri),
         inertia=None if inertia is None else _inertia(facts, str(inertia)),
         collision=tuple(
-            _geometry(facts, shape) for shape in _ordered(facts, facts.iris(iri, "hasCollisionGeometry"))
+            geometry_of(facts, shape) for shape in _ordered(facts, facts.iris(iri, "hasCollisionGeometry"))
         ),
     )
 
@@ -55,7 +55,8 @@ def _inertia(facts: Facts, iri: Iri) -> Inertia:
     return Inertia(facts.number(iri, "mass"), pose, (ixx, ixy, ixz, iyy, iyz, izz))
 
 
-def _geometry(facts: Facts, iri: Iri) -> Geometry:
+def geometry_of(facts: Facts, iri: Iri) -> Geometry:
+    """The collision shape."""
     shape = next(_SHAPE_TYPES[each] for each in facts.types(iri) if each in _SHAPE_TYPES)
     file = facts.one(iri, "meshFile")
     return Geometry(

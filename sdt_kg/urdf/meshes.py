@@ -14,8 +14,9 @@ FILE: Final = "file://"
 def mesh_path(reference: str, urdf: Path, where: str) -> Path:
     """File of a mesh reference.
 
-    `package://NAME/…` is the folder NAME beside the URDF, or the folder NAME that the URDF lies
-    in; a relative path starts at the URDF's folder. The file may not lie outside that folder.
+    `package://NAME/…` is the folder NAME beside the URDF (which may be a link), or the folder
+    NAME that the URDF lies in; a relative path starts at the URDF's folder. The file may not lie
+    outside that folder, whether by `..` or by a link.
 
     Raises:
         UrdfError: Outside its root, or not there.
@@ -25,7 +26,7 @@ def mesh_path(reference: str, urdf: Path, where: str) -> Path:
     if not path.is_relative_to(root.resolve()):
         raise UrdfError(
             f"{where}: mesh '{reference}' lies outside of '{root}'",
-            allowed="files below the URDF's own folder",
+            allowed="files below that folder",
             remedy="put the mesh there and name it package://NAME/… or by a relative path",
         )
     if not path.is_file():
@@ -44,7 +45,7 @@ def _split(reference: str, urdf: Path) -> tuple[Path, str]:
             inside = next((parent for parent in urdf.resolve().parents if parent.name == name), None)
             if inside is not None:
                 return inside, relative
-        return folder, f"{name}/{relative}"
+        return folder / name, relative
     return folder, reference.removeprefix(FILE)
 
 
