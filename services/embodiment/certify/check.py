@@ -107,8 +107,11 @@ def _hold(checked: Subject, container: Container, name: str) -> tuple[Hold | Non
     contacts = [hold.contact() for hold in holds]
     best = min(range(len(holds)), key=lambda i: max((v.excess for v in contacts[i].violations), default=0.0))
     hold, findings = holds[best], contacts[best]
-    findings.add(hold.follows())
-    findings.add(hold.keeps_fingers())
+    if findings.violations:  # what follows the late grasp, if there is one, is judged as well
+        hold = next((late for one in holds if (late := one.later()) is not None), None)
+    if hold is not None:
+        findings.add(hold.follows())
+        findings.add(hold.keeps_fingers())
     return hold, findings
 
 

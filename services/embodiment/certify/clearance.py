@@ -152,13 +152,11 @@ class Sweep:
         swept, _ = self.kinematics.bounds(spans, placed, ball)
         half = self.shapes.extents(placed, span, shape) + swept[:, None]
         size = (len(intervals), len(used), 3)
-        centre, half = centre.reshape(size), half.reshape(size)
+        near = _overlapping(
+            (centre - half).reshape(size), (centre + half).reshape(size), self.pairs.least.max()
+        )
         one, other = np.searchsorted(used, self.pairs.shapes).T
-        near = np.ones((len(intervals), len(one)), dtype=bool)
-        for axis in range(3):
-            gap = np.abs(centre[:, one, axis] - centre[:, other, axis]) - self.pairs.least - NEAR
-            near &= gap <= half[:, one, axis] + half[:, other, axis]
-        which, pair = np.nonzero(near)
+        which, pair = np.nonzero(near[:, one, other])
         return Items(pair, intervals[which])
 
     def _step(self, level: int, items: Items, resolution: float) -> Items:
@@ -198,11 +196,13 @@ class Sweep:
     def _boxes(
         self, placed: Placed, span: Indices, one: Indices, other: Indices
     ) -> tuple[Array, Array, Array]:
-        """Centres of the first shapes, distances of the centres, and of the boxes along the world's axes."""
+        """Centres of the first shapes, distances of the centres, and lower bounds on signed distances."""
         centre = self.shapes.centres(placed, span, one)
         between = self.shapes.centres(placed, span, other) - centre
         half = self.shapes.extents(placed, span, one) + self.shapes.extents(placed, span, other)
-        boxes = np.linalg.norm(np.maximum(np.abs(between) - half, 0), axis=1)
+        gap = np.abs(between) - half
+        # Boxes that overlap are separated by a shift along the axis of least overlap: no depth is more.
+        boxes = np.where((gap > 0).any(axis=1), np.linalg.norm(np.maximum(gap, 0), axis=1), gap.max(axis=1))
         apart = np.linalg.norm(between, axis=1)
         balls = apart - self.shapes.radius[one] - self.shapes.radius[other]
         return centre, apart, np.maximum(boxes, balls)
@@ -212,3 +212,12 @@ class Sweep:
         held, least = self.pairs.least_held[pair], self.pairs.least[pair]
         whole = np.where(spans.start[span] >= self.pairs.held_from, held, least)
         return whole, np.where(spans.middle[span] >= self.pairs.held_from, held, least)
+
+
+def _overlapping(low: Array, high: Array, least: float) -> NDArray[np.bool_]:
+    """Which boxes come nearer to each other than `NEAR` beyond what they must keep, shape (U, S, S)."""
+    near = np.ones((len(low), low.shape[1], low.shape[1]), dtype=bool)
+    for axis in range(3):
+        below = low[:, :, None, axis] - (least + NEAR) <= high[:, None, :, axis]
+        near &= below & np.swapaxes(below, 1, 2)
+    return near

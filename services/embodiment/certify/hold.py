@@ -47,7 +47,8 @@ class Hold:
     """
 
     def __init__(self, checked: Subject, container: Container, gripper: Gripper, begin: int) -> None:
-        scene = self.scene = checked.scene
+        self.checked, self.scene = checked, checked.scene
+        scene = checked.scene
         self.tolerances, self.timeline = checked.tolerances, checked.timeline
         self.kinematics, self.shapes = checked.kinematics, checked.shapes
         self.pieces, self.begin = checked.timeline.pieces, begin
@@ -109,6 +110,23 @@ class Hold:
             if gap <= self.tolerances.contact:
                 return Findings(figures={"finger to handle": (gap, "m")})
         return self._not_held(placed)
+
+    def later(self) -> "Hold | None":
+        """The first sample after the container began to move at which it is held, if there is one."""
+        pieces = np.arange(self.begin, len(self.pieces.start))
+        q, v, _ = self.pieces.at(pieces, np.zeros(len(pieces)))
+        placed = self.kinematics.place(q, v)
+        touched = np.zeros(len(pieces), dtype=bool)
+        for finger in self.fingers:
+            for bar in self.bar:
+                pair = np.tile((finger, bar), (len(pieces), 1))
+                gaps = self.shapes.distances(placed, np.arange(len(pieces)), pair)
+                touched |= gaps <= self.tolerances.contact
+        for begin in pieces[touched]:
+            late = Hold(self.checked, self.container, self.gripper, int(begin))
+            if not late.contact().violations:
+                return late
+        return None
 
     def _not_held(self, placed: Placed) -> Findings:
         gaps = {

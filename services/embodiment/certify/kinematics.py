@@ -84,7 +84,7 @@ class Kinematics:
             if self.revolute[i]:
                 rotation[:, i] = frame @ _rotations(self._axis[i], q[:, i - 1])
                 omega[:, i] = omega[:, parent] + rate * axis[:, i]
-                linear[:, i] = linear[:, parent] + rate * np.cross(origin[:, i], axis[:, i])
+                linear[:, i] = linear[:, parent] + rate * cross(origin[:, i], axis[:, i])
             else:
                 rotation[:, i] = frame
                 origin[:, i] += q[:, i - 1, None] * axis[:, i]
@@ -93,7 +93,7 @@ class Kinematics:
 
     def levers(self, placed: Placed, point: Array) -> Array:
         """Distance of a point from each carrier's axis at the first configuration, shape (K,) [m]."""
-        return np.linalg.norm(np.cross(point - placed.origin[0], placed.axis[0]), axis=1)
+        return np.linalg.norm(cross(point - placed.origin[0], placed.axis[0]), axis=1)
 
     def bounds(self, spans: Spans, placed: Placed, of: "Of") -> tuple[Array, Array]:
         r"""How far the points of a ball can move, and turn, against another carrier.
@@ -112,7 +112,7 @@ class Kinematics:
         """
         between = self.path[of.carrier] ^ self.path[of.against]
         u = of.span
-        arm = np.cross(of.centre[:, None] - placed.origin[u], placed.axis[u])
+        arm = cross(of.centre[:, None] - placed.origin[u], placed.axis[u])
         radius = np.linalg.norm(arm, axis=2) + of.radius[:, None]
         lever = np.where(between, np.where(self.revolute, radius, 1.0), 0.0)
         turning = between & self.revolute
@@ -127,7 +127,7 @@ class Kinematics:
         omega = placed.omega[u, of.carrier] - placed.omega[u, of.against]
         linear = placed.linear[u, of.carrier] - placed.linear[u, of.against]
         spin = np.linalg.norm(omega, axis=1)
-        speed = np.linalg.norm(linear + np.cross(omega, of.centre), axis=1) + spin * of.radius
+        speed = np.linalg.norm(linear + cross(omega, of.centre), axis=1) + spin * of.radius
         half = (spans.end - spans.start)[u] / 2
         sharp_move = half * (speed + half * bend / 2)
         sharp_turn = half * (spin + half * (gain + rate**2) / 2)
@@ -153,6 +153,13 @@ class Of:
     radius: Array
 
 
+def cross(one: Array, other: Array) -> Array:
+    """Cross products, shape (…, 3); numpy's own spends most of its time on moving axes."""
+    x, y, z = one[..., 0], one[..., 1], one[..., 2]
+    u, v, w = other[..., 0], other[..., 1], other[..., 2]
+    return np.stack((y * w - z * v, z * u - x * w, x * v - y * u), axis=-1)
+
+
 def joint_axes(scene: Scene) -> tuple[Array, NDArray[np.bool_]]:
     """Axis of each coordinate's joint in its own frame, shape (nq, 3), and whether it turns."""
     axes, revolute = np.zeros((scene.model.nq, 3)), np.zeros(scene.model.nq, dtype=bool)
@@ -166,9 +173,9 @@ def joint_axes(scene: Scene) -> tuple[Array, NDArray[np.bool_]]:
 
 def _rotations(axis: Array, angle: Array) -> Array:
     x, y, z = axis
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     turn = angle[:, None, None]
-    return np.eye(3) + np.sin(turn) * cross + (1 - np.cos(turn)) * (cross @ cross)
+    return np.eye(3) + np.sin(turn) * skew + (1 - np.cos(turn)) * (skew @ skew)
 
 
 def _displacement(axis: Array, revolute: bool, q: float) -> Array:

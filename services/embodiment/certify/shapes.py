@@ -13,6 +13,10 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
+SPHERE, CYLINDER = 1, 2
+_KINDS = {coal.Sphere: SPHERE, coal.Cylinder: CYLINDER}
+
+
 class Shapes:
     """All collision shapes of a scene.
 
@@ -33,6 +37,7 @@ class Shapes:
         self._centre = self._origin + (self._rotation @ middle[:, :, None])[:, :, 0]
         self.carrier = kinematics.carrier[joints]
         self.radius = np.linalg.norm(self._half, axis=1)
+        self._kind = [_KINDS.get(type(one.shape), 0) for one in scene.solids]
         # One request for all would do no harm as long as nothing is cached in it (FACTS: GJK's
         # cached guess makes answers depend on history); the result is cleared at each call.
         self._request, self._result = coal.DistanceRequest(), coal.DistanceResult()
@@ -50,30 +55,41 @@ class Shapes:
 
     def distances(self, placed: Placed, span: Indices, pairs: Indices) -> Array:
         """Signed distances of pairs of shapes, shape (M, 2): negative is depth, shape (M,) [m]."""
-        rotations, origins = [], []
-        for side in (0, 1):
-            shape = pairs[:, side]
-            rotation = placed.rotation[span, self.carrier[shape]]
-            origin = placed.origin[span, self.carrier[shape]]
-            rotations.append(rotation @ self._rotation[shape])
-            origins.append(origin + (rotation @ self._origin[shape][:, :, None])[:, :, 0])
-        return np.array([self._distance(*item) for item in zip(pairs, *rotations, *origins, strict=True)])
-
-    def _distance(self, pair: Sequence[int], *frames: Array) -> float:
-        one_R, other_R, one_p, other_p = frames
-        self._result.clear()
-        return coal.distance(
-            self._shapes[pair[0]],
-            coal.Transform3s(one_R, one_p),
-            self._shapes[pair[1]],
-            coal.Transform3s(other_R, other_p),
-            self._request,
-            self._result,
-        )
+        one, other = self._frames(placed, span, pairs[:, 0]), self._frames(placed, span, pairs[:, 1])
+        return np.array([self._distance(*item) for item in zip(pairs.tolist(), *one, *other, strict=True)])
 
     def nearest_points(self, placed: Placed, pair: tuple[int, int]) -> tuple[float, Array, Array]:
         """Signed distance of two shapes at the first configuration, and the points that have it."""
         span = np.zeros(1, dtype=np.intp)
-        distance = self.distances(placed, span, np.array([pair]))[0]
-        one, other = self._result.getNearestPoint1(), self._result.getNearestPoint2()
-        return float(distance), np.array(one), np.array(other)
+        one, other = (self._frames(placed, span, np.array([shape])) for shape in pair)
+        distance = self._coal(pair, one[0][0], one[1][0], other[0][0], other[1][0])
+        return distance, np.array(self._result.getNearestPoint1()), np.array(self._result.getNearestPoint2())
+
+    def _frames(self, placed: Placed, span: Indices, shape: Indices) -> tuple[Array, Array]:
+        """Rotations and origins of shapes in the world, shapes (M, 3, 3) and (M, 3)."""
+        rotation = placed.rotation[span, self.carrier[shape]]
+        origin = placed.origin[span, self.carrier[shape]]
+        shifted = origin + (rotation @ self._origin[shape][:, :, None])[:, :, 0]
+        return rotation @ self._rotation[shape], shifted
+
+    def _distance(self, pair: Sequence[int], *frames: Array) -> float:
+        if {self._kind[pair[0]], self._kind[pair[1]]} == {SPHERE, CYLINDER}:
+            return self._ball_and_cylinder(pair, *frames)
+        return self._coal(pair, *frames)
+
+    def _coal(self, pair: Sequence[int], *frames: Array) -> float:
+        one_R, one_p, other_R, other_p = frames
+        self._result.clear()
+        one_T, other_T = coal.Transform3s(one_R, one_p), coal.Transform3s(other_R, other_p)
+        one, other = self._shapes[pair[0]], self._shapes[pair[1]]
+        return float(coal.distance(one, one_T, other, other_T, self._request, self._result))
+
+    def _ball_and_cylinder(self, pair: Sequence[int], *frames: Array) -> float:
+        """Coal's own answer is right outside, and too deep inside (a sphere's centre in a cylinder)."""
+        one_R, one_p, other_R, other_p = frames
+        first = self._kind[pair[0]] == SPHERE
+        ball, cylinder = (self._shapes[i] for i in (pair if first else pair[::-1]))
+        x = (other_R if first else one_R).T @ (other_p - one_p)
+        gap = np.array([np.hypot(x[0], x[1]) - cylinder.radius, abs(x[2]) - cylinder.halfLength])
+        outside = float(np.linalg.norm(np.maximum(gap, 0)))
+        return outside + min(0.0, float(gap.max())) - ball.radius
