@@ -38,7 +38,6 @@ for command in (
     ask.causes,
     achieve.achieve,
     achieve.table,
-
 ):
     sdt.add_command(command)
 
@@ -58,3 +57,7 @@ def main() -> None:
         sys.exit(BAD_INPUT_EXIT if isinstance(error, InputError) else NO_ORACLE_EXIT)
     except BrokenPipeError:
         sys.stderr.close()
+
+
+if __name__ == "__main__":
+    main()

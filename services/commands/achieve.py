@@ -12,6 +12,7 @@ from predicates.case import Outcome, Verdict
 from predicates.report import to_json
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
+from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from services.app import Policy, load
 from services.commands.options import (
@@ -102,6 +103,8 @@ def achieve(
     verdicts: list[Verdict] = []
     with ExitStack() as stack:
         saved = stack.enter_context(SavedVerdicts(Path(save))) if save else None
+        if saved:
+            saved.add_twin(service.twin)
         for verdict in service.achieve(task, motion=given):
             verdicts.append(verdict)
             if saved:
@@ -185,6 +188,8 @@ def table(
     cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)
     with ExitStack() as stack:
         saved = stack.enter_context(SavedVerdicts(Path(save))) if save else None
+        for kitchen in kitchens.split(",") if saved else ():
+            saved.add_twin(load_twin(kitchen, robots.split(",")))
         bar = stack.enter_context(progress(f"{verb}()", len(cases)))
 
         def report(result: CellResult) -> None:

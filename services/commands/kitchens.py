@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import click
-from sdt_kg.load import load_twin
-from sdt_kg.scope import D_ARTIC, report_turtle, violations
 
 from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
+from sdt_kg.load import load_twin
+from sdt_kg.scope import D_ARTIC, report_turtle, violations
 from sdt_kg.twin import Container
 from services.commands.options import ROBOT_HELP, annotation_option, json_flag, kitchen_argument
 from services.commands.show import console, print_json, print_rows

@@ -12,6 +12,7 @@ from predicates.record import Record, to_record, write
 from sdt_kg.errors import InputError
 from sdt_kg.iri import PREFIXES
 from sdt_kg.store import checked_query, rows_of
+from sdt_kg.twin import Twin
 
 FORMATS = {".trig": ox.RdfFormat.TRIG, ".nq": ox.RdfFormat.N_QUADS, ".ttl": ox.RdfFormat.TURTLE}
 
@@ -51,6 +52,10 @@ class SavedVerdicts:
         with partial.open("wb") as out:
             self._store.dump(out, FORMATS[self.path.suffix], prefixes=PREFIXES)
         os.replace(partial, self.path)  # noqa: PTH105 - one step, also over an existing file
+
+    def add_twin(self, twin: Twin) -> None:
+        """Add the twin's named graphs, so that verdicts can be asked together with what they are about."""
+        self._store.load(twin.serialize("nquads"), format=ox.RdfFormat.N_QUADS)
 
     def add(self, verdict: Verdict) -> None:
         """Add the verdict's triples to its own named graph."""
