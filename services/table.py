@@ -6,13 +6,17 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
+from pathlib import Path
 
+from predicates.case import Outcome
 from predicates.record import Record, to_record
 from predicates.report import to_json
 from sdt_kg.errors import InputError
 from sdt_kg.load import load_twin, model_name
+from sdt_kg.motion import BodyMotion
 from services.app import Policy, Service, load
+from services.motion_files import write_motion
 from services.requests import state_joints
 
 
@@ -25,6 +29,12 @@ class Cell:
     task: str
     states: tuple[str, ...]
     policy: Policy
+
+    @property
+    def file_name(self) -> str:
+        """Where the case's certified body motion is kept, in a folder of motions."""
+        container = self.task.partition(":")[2]
+        return f"{model_name(self.kitchen)}_{model_name(self.robot)}_{container}.npz"
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,27 +108,37 @@ def cells(
     return found
 
 
-def run(cases: Sequence[Cell], jobs: int, report: Callable[[CellResult], None]) -> TableResult:
+def run(
+    cases: Sequence[Cell], jobs: int, report: Callable[[CellResult], None], motions: Path | None = None
+) -> TableResult:
     """Verdicts of all cases, in the order of the cases; each is reported as soon as it is there.
 
     An interrupt stops the workers; what was reported until then stays reported.
+
+    Args:
+        cases: What `cells` gave.
+        jobs: Worker processes; 1 works in this one.
+        report: Called with each result.
+        motions: Folder for the certified body motions, a file for each.
     """
     began, cpu_began = time.perf_counter(), _cpu_seconds()
     done: dict[Cell, CellResult] = {}
-    for result in _results(cases, jobs):
+    if motions is not None:
+        motions.mkdir(parents=True, exist_ok=True)
+    for result in _results(partial(_judge, motions=motions), cases, jobs):
         done[result.cell] = result
         report(result)
     ordered = [done[case] for case in cases]
     return TableResult(ordered, time.perf_counter() - began, _cpu_seconds() - cpu_began)
 
 
-def _results(cases: Sequence[Cell], jobs: int) -> Iterator[CellResult]:
+def _results(judge: Callable[[Cell], CellResult], cases: Sequence[Cell], jobs: int) -> Iterator[CellResult]:
     if jobs == 1:
-        yield from map(_judge, cases)
+        yield from map(judge, cases)
         return
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     with ProcessPoolExecutor(jobs) as pool:
-        futures: list[Future[CellResult]] = [pool.submit(_judge, case) for case in cases]
+        futures: list[Future[CellResult]] = [pool.submit(judge, case) for case in cases]
         try:
             for future in as_completed(futures):
                 yield future.result()
@@ -127,9 +147,12 @@ def _results(cases: Sequence[Cell], jobs: int) -> Iterator[CellResult]:
             raise
 
 
-def _judge(cell: Cell) -> CellResult:
+def _judge(cell: Cell, motions: Path | None) -> CellResult:
     service = _service(cell.kitchen, cell.robot, cell.states, cell.policy)
     (verdict,) = service.achieve(cell.task)
+    body_motion = verdict.case.body_motion
+    if motions is not None and verdict.outcome is Outcome.CERTIFIED and isinstance(body_motion, BodyMotion):
+        write_motion(motions / cell.file_name, body_motion)
     return CellResult(cell, to_json(verdict), to_record(verdict))
 
 
