@@ -4,6 +4,6 @@
 """
 
 from sdt_kg.urdf.document import parse_xml
-from sdt_kg.urdf.read import model_stem, read_mechanism
+from sdt_kg.urdf.read import model_stem, quaternion, read_mechanism
 
-__all__ = ["model_stem", "parse_xml", "read_mechanism"]
+__all__ = ["model_stem", "parse_xml", "quaternion", "read_mechanism"]
