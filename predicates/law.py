@@ -55,8 +55,8 @@ def _judged(question: Question, physics: Physics, embodiment: Embodiment | None)
     if caused is None or not _outside(caused):
         solved = case if caused is None else caused.case
         satisfied, performed = _satisfied(solved, container), _performed(solved, embodiment)
-        if _is_new(performed, case) and container is not None:
-            caused = _executed(performed, container, physics)
+        if _is_new(performed, case):
+            caused = _executed(performed, physics)
             satisfied = _satisfied(caused.case, container)
     inputs = inputs_of(question.asked, physics, embodiment)
     return _verdict(case, (satisfied, caused, performed), began, inputs)
@@ -95,9 +95,9 @@ def _performed(case: Case, embodiment: Embodiment | None) -> Answer | None:
     moved = moved_by(case.twin, case.motion.of)
     if not moved:
         return None
-    if isinstance(case.task, Task) and case.task.container not in {each.iri for each in moved}:
-        case = replace(case, task=UNKNOWN)
-    return next(can_perform(case, embodiment))
+    about = isinstance(case.task, Task) and case.task.container in {each.iri for each in moved}
+    answer = next(can_perform(case if about else replace(case, task=UNKNOWN), embodiment))
+    return replace(answer, case=replace(answer.case, task=case.task))
 
 
 def _is_new(performed: Answer | None, case: Case) -> TypeGuard[Answer]:
@@ -105,14 +105,15 @@ def _is_new(performed: Answer | None, case: Case) -> TypeGuard[Answer]:
     return performed is not None and performed.holds and performed.case.body_motion is not case.body_motion
 
 
-def _executed(performed: Answer, container: Container, physics: Physics) -> Answer:
+def _executed(performed: Answer, physics: Physics) -> Answer:
     """Causes about the motion that the robot really makes the container do.
 
     A generated τ is a proposal which the robot may slow down: what it proposed is not what counts.
     """
-    body_motion = performed.case.body_motion
-    if not isinstance(body_motion, BodyMotion):
+    body_motion, motion = performed.case.body_motion, performed.case.motion
+    if not isinstance(body_motion, BodyMotion) or not isinstance(motion, Motion):
         raise OracleRejectedError("CanPerform holds, but the embodiment oracle gave no body motion")
+    container = moved_by(performed.case.twin, motion.of)[0]
     case = with_carried(replace(performed.case, final=UNKNOWN), body_motion, container, physics)
     return next(causes(case, physics))
 

@@ -1,27 +1,163 @@
-"""τ of a container under a body motion."""
+"""τ of a container under a body motion: as that says, or as a gripper drags the handle along."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from sdt_kg.annotation import Gripper
+from sdt_kg.errors import UnknownEntityError
+from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container, Twin
+from services.physics.chain import Chain, chain
+from services.physics.model import Scene
+from services.physics.replay import (
+    ANGLE_TOLERANCE,
+    POSE_TOLERANCE,
+    Bounds,
+    apart,
+    effective_bounds,
+    fitted_positions,
+)
 from services.physics.tree import Model
+
+Array = NDArray[np.float64]
+
+LIMIT_PLAY = 0.002
+"""[rad or m] How far beyond a stop a dragged joint may seem to be: the tool's tolerance on the handle."""
+
+INSTANT = 1e-4
+"""[s] Half of the interval over which the velocity of a dragged joint is taken."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Hold:
+    """A gripper holds the handle from sample `begin` to `end`, the joint's positions being `values`."""
+
+    begin: int
+    end: int
+    values: Array
 
 
 def carried(model: Model, twin: Twin, body_motion: BodyMotion, container: Container) -> Motion:
-    """Motion of the container's own joint, as the body motion says; still where it says nothing."""
-    del model
+    """Motion of the container's own joint under the body motion.
+
+    If the body motion says how the kitchen moves, as it says; what it does not name stands still. If it
+    says nothing, the handle moves rigidly with a gripper that is at it, for as long as the joint can
+    follow; before and after, the container stands still.
+
+    Raises:
+        UnknownEntityError: The robot has no gripper of the motion's name.
+    """
+    m, o, times = container.multiplier, container.offset, body_motion.times
+    still = twin.state[container.joint]
+    values, velocities = np.full((len(times), 1), still), np.zeros((len(times), 1))
     columns = {joint: i for i, joint in enumerate(body_motion.kitchen_joints)}
-    m, o = container.multiplier, container.offset
     if container.active_joint in columns:
         i = columns[container.active_joint]
         values, velocities = m * body_motion.kitchen_q[:, [i]] + o, m * body_motion.kitchen_v[:, [i]]
     elif container.joint in columns:
         i = columns[container.joint]
         values, velocities = body_motion.kitchen_q[:, [i]], body_motion.kitchen_v[:, [i]]
-    else:
-        still = m * twin.state[container.active_joint] + o
-        values, velocities = (
-            np.full((len(body_motion.times), 1), still),
-            np.zeros((len(body_motion.times), 1)),
-        )
-    return Motion(container.joint, body_motion.times, values, velocities=velocities)
+    elif not columns:
+        values, velocities = _dragged(model, twin, body_motion, container)
+    return Motion(container.joint, times, values, velocities=velocities)
+
+
+def _dragged(model: Model, twin: Twin, body_motion: BodyMotion, container: Container) -> tuple[Array, Array]:
+    """Positions and velocities of the own joint, shape (T, 1), as the gripper that moves it most does."""
+    scene, handle = Scene(twin, body_motion.robot), chain(model, container.handle, twin.state)
+    bounds, samples = effective_bounds(model, twin, handle.follower), len(body_motion.times)
+    values, velocities = np.full(samples, twin.state[container.joint]), np.zeros(samples)
+    most = 0.0
+    for gripper in _grippers(scene, body_motion):
+        tools = _tool_poses(scene, body_motion, gripper, 0.0)
+        hold = _longest_hold(scene, handle, bounds, twin, tools, gripper, container)
+        if hold is None or np.ptp(hold.values) <= most:
+            continue
+        most = float(np.ptp(hold.values))
+        held = slice(hold.begin, hold.end + 1)
+        values[:], velocities[:] = twin.state[container.joint], 0.0
+        values[held], values[hold.end :] = hold.values, hold.values[-1]
+        ends = [
+            _positions(handle, bounds, twin, _tool_poses(scene, body_motion, gripper, dt), tools[hold.begin])
+            for dt in (-INSTANT, INSTANT)
+        ]
+        velocities[held] = ((ends[1] - ends[0]) / (2 * INSTANT))[held]
+    return values[:, None], velocities[:, None]
+
+
+def _grippers(scene: Scene, body_motion: BodyMotion) -> tuple[Gripper, ...]:
+    grippers = {each.name: each for each in scene.annotation.grippers}
+    if not body_motion.gripper:
+        return tuple(grippers.values())
+    if body_motion.gripper not in grippers:
+        raise UnknownEntityError("gripper", body_motion.gripper, grippers)
+    return (grippers[body_motion.gripper],)
+
+
+def _tool_poses(scene: Scene, motion: BodyMotion, gripper: Gripper, dt: float) -> Array:
+    """world_T_tool at each sample, a moment dt before or after it, shape (T, 4, 4)."""
+    base, q = motion.base + dt * motion.base_v, motion.q + dt * motion.v
+    frame = scene.tool_frame(gripper.name)
+    poses = [
+        scene.placement(scene.q(base[k], dict(zip(motion.joints, q[k], strict=True))), frame).homogeneous
+        for k in range(len(q))
+    ]
+    return np.array(poses)
+
+
+def _longest_hold(  # noqa: PLR0913, PLR0917 - two paths, what joins them, and where the search may begin
+    scene: Scene,
+    handle: Chain,
+    bounds: Bounds,
+    twin: Twin,
+    tools: Array,
+    gripper: Gripper,
+    container: Container,
+) -> _Hold | None:
+    """The hold that lasts longest, then the one that moves the joint most; None if no tool comes near.
+
+    A gripper that comes along the joint's own direction is held to the right moment by the joint's
+    limits: taken too early, it would push a closed drawer through the cabinet.
+    """
+    best: _Hold | None = None
+    for begin in _near(scene, tools, gripper, container.handle):
+        values = _positions(handle, bounds, twin, tools[begin:], tools[begin])
+        fitted = handle.poses((values - handle.follower.offset) / handle.follower.multiplier)[0]
+        gaps, angles = apart(fitted, tools[begin:] @ _tool_T_handle(handle, twin, tools[begin]))
+        inside = (values >= bounds.lower - LIMIT_PLAY) & (values <= bounds.upper + LIMIT_PLAY)
+        fits = (gaps <= POSE_TOLERANCE) & (angles <= ANGLE_TOLERANCE) & inside
+        length = len(fits) if fits.all() else int(np.argmin(fits))
+        hold = _Hold(begin, begin + length - 1, values[:length])
+        if best is None or (hold.end, np.ptp(hold.values)) > (best.end, np.ptp(best.values)):
+            best = hold
+    return best
+
+
+def _tool_T_handle(handle: Chain, twin: Twin, world_T_tool: Array) -> Array:
+    """Where the handle is in the tool's frame at the grasp, the container being where the state has it."""
+    active = np.array([twin.state[handle.follower.active]])
+    return np.linalg.inv(world_T_tool) @ handle.poses(active)[0][0]
+
+
+def _positions(handle: Chain, bounds: Bounds, twin: Twin, tools: Array, grasp: Array) -> Array:
+    """Positions of the own joint at which the handle is where the tools hold it."""
+    observed = tools @ _tool_T_handle(handle, twin, grasp)
+    return fitted_positions(handle, bounds, twin.state[handle.follower.active], observed)
+
+
+def _near(scene: Scene, tools: Array, gripper: Gripper, handle: Iri) -> Iterator[int]:
+    """Samples at which the tool's origin is no farther from the handle than half the gripper's opening."""
+    _, joint_T_handle = scene.kitchen.attached[local_name(handle)]
+    world_T_joint = scene.placement(scene.q(np.zeros(3), {}), handle) * joint_T_handle.inverse()
+    origins = (world_T_joint.inverse().homogeneous @ tools[:, :, 3].T).T[:, :3]
+    near = np.zeros(len(tools), dtype=bool)
+    for solid in scene.solids:
+        if solid.body == handle:
+            local = (origins - solid.centre) @ solid.joint_T_shape.rotation
+            beyond = np.maximum(np.abs(local) - solid.half, 0.0)
+            near |= np.linalg.norm(beyond, axis=1) <= gripper.opening / 2
+    yield from (int(k) for k in np.flatnonzero(near))

@@ -17,8 +17,9 @@ from sdt_kg.errors import MotionError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.mechanism import JointType
 from sdt_kg.motion import Motion
+from sdt_kg.state import State
 from sdt_kg.twin import Twin
-from services.physics.chain import Follower, chain, follower
+from services.physics.chain import Chain, Follower, chain, follower
 from services.physics.spline import Excess, Hermite, at_rest_velocities, excesses
 from services.physics.tree import Model
 
@@ -77,15 +78,16 @@ def replay(model: Model, twin: Twin, motion: Motion) -> Replayed:
         followed = follower(model, motion.of)
     bounds = effective_bounds(model, twin, followed)
     values = motion.values[:, 0]
-    began = followed.multiplier * twin.state.get(followed.active, 0.0) + followed.offset
+    final = dict(twin.state.positions)
+    began = followed.multiplier * final.get(followed.active, 0.0) + followed.offset
     violations += _start(motion, began, bounds)
     violations += _limits(motion, bounds)
     end = min(max(float(values[-1]), bounds.lower), bounds.upper)
-    final = dict(twin.state)
     final[followed.active] = (end - followed.offset) / followed.multiplier
-    for joint in _mimics(model, followed.active, twin):
-        final[joint.own] = joint.multiplier * final[followed.active] + joint.offset
-    return Replayed(type(twin.state).of(final), motion, tuple(violations))
+    for joint in _mimics(model, followed.active):
+        if joint.own in final:
+            final[joint.own] = joint.multiplier * final[followed.active] + joint.offset
+    return Replayed(State.of(final), motion, tuple(violations))
 
 
 def check_samples(motion: Motion) -> None:
@@ -123,13 +125,12 @@ def effective_bounds(model: Model, twin: Twin, followed: Follower) -> Bounds:
     return Bounds(limits.lower, limits.upper, limits.velocity, limits.acceleration, unit)
 
 
-def _mimics(model: Model, active: Iri, twin: Twin) -> Iterator[Follower]:
-    """Joints of the state that follow the actuated joint."""
-    for joint in model.coordinate:
-        if joint != active and joint in twin.state:
-            followed = follower(model, joint)
-            if followed.active == active:
-                yield followed
+def _mimics(model: Model, active: Iri) -> Iterator[Follower]:
+    """Joints that follow the actuated joint."""
+    coupling, source = model.coupling, model.coordinate[active]
+    for joint, k in model.coordinate.items():
+        if coupling.source[k] == source and k != source:
+            yield follower(model, joint)
 
 
 def _from_poses(model: Model, twin: Twin, motion: Motion) -> tuple[Follower, Motion, list[Diagnosis]]:
@@ -137,18 +138,30 @@ def _from_poses(model: Model, twin: Twin, motion: Motion) -> tuple[Follower, Mot
     path = chain(model, motion.of, twin.state)
     observed, followed = _matrices(motion.values), path.follower
     bounds = effective_bounds(model, twin, followed)
-    seeds = np.array([bounds.lower, bounds.upper])
-    if not np.isfinite(seeds).all():
-        began = twin.state.get(followed.active, 0.0)
-        seeds = np.array([began - math.pi, began + math.pi])
-    lower, upper = sorted((seeds - followed.offset) / followed.multiplier)
-    active = path.fit(observed, lower, upper)
-    if math.isinf(bounds.upper) and bounds.unit == "rad":
-        active = np.unwrap(active)
-    fitted, _ = path.poses(active)
-    values = followed.multiplier * active + followed.offset
+    values = fitted_positions(path, bounds, twin.state.get(followed.active, 0.0), observed)
+    fitted, _ = path.poses((values - followed.offset) / followed.multiplier)
     joint_motion = Motion(followed.own, motion.times, values[:, None], motion.timed)
     return followed, joint_motion, list(_leaving(motion, fitted, observed))
+
+
+def fitted_positions(path: Chain, bounds: Bounds, began: float, observed: Array) -> Array:
+    """Positions of the frame's own joint at which the frame is nearest to the observed poses.
+
+    Args:
+        path: How the frame moves.
+        bounds: Of the frame's own joint.
+        began: Position of the actuated joint in the state before, about which joints without
+            limits are searched.
+        observed: Shape (T, 4, 4).
+    """
+    followed = path.follower
+    seeds = np.array([began - math.pi, began + math.pi])
+    if math.isfinite(bounds.lower) and math.isfinite(bounds.upper):
+        seeds = (np.array([bounds.lower, bounds.upper]) - followed.offset) / followed.multiplier
+    active = path.fit(observed, float(seeds.min()), float(seeds.max()))
+    if math.isinf(bounds.upper) and bounds.unit == "rad":
+        active = np.unwrap(active)
+    return followed.multiplier * active + followed.offset
 
 
 def _matrices(poses: Array) -> Array:
@@ -175,9 +188,7 @@ def _matrices(poses: Array) -> Array:
 
 def _leaving(motion: Motion, fitted: Array, observed: Array) -> Iterator[Diagnosis]:
     """Where the path leaves what the joint allows, by distance and by angle."""
-    gaps = np.linalg.norm(fitted[:, :3, 3] - observed[:, :3, 3], axis=1)
-    differences = np.linalg.norm(fitted[:, :3, :3] - observed[:, :3, :3], axis=(1, 2))
-    angles = 2 * np.arcsin(np.clip(differences / math.sqrt(8), 0, 1))
+    gaps, angles = apart(fitted, observed)
     name = local_name(motion.of)
     for quantity, unit, values, tolerance in (
         (Quantity.POSITION, "m", gaps, POSE_TOLERANCE),
@@ -186,6 +197,13 @@ def _leaving(motion: Motion, fitted: Array, observed: Array) -> Iterator[Diagnos
         for excess in excesses(motion.times, values, -math.inf, tolerance, 0.0):
             what = f"the path of {name} leaves the joint's motion by {_figure(excess, unit)}"
             yield _violation(what, quantity, unit, motion.of, excess)
+
+
+def apart(poses: Array, others: Array) -> tuple[Array, Array]:
+    """Distance [m] and angle [rad] between poses, shape (T,) each."""
+    gaps = np.linalg.norm(poses[:, :3, 3] - others[:, :3, 3], axis=1)
+    differences = np.linalg.norm(poses[:, :3, :3] - others[:, :3, :3], axis=(1, 2))
+    return gaps, 2 * np.arcsin(np.clip(differences / math.sqrt(8), 0, 1))
 
 
 def _start(motion: Motion, began: float, bounds: Bounds) -> Iterator[Diagnosis]:
