@@ -1,4 +1,4 @@
-"""What generation makes, verification certifies and explanation names, for every certified case of Table 1."""
+"""What generation makes, verification certifies and explanation names: every certified case of Table 1."""
 
 import pytest
 

@@ -1,7 +1,5 @@
-"""`sdt achieve` and `sdt table`: CanAchieve for one case, and for many."""
+"""`sdt achieve`: CanAchieve for one task."""
 
-import os
-from collections import Counter
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -12,7 +10,6 @@ from predicates.case import Outcome, Verdict
 from predicates.report import to_json
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
-from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from services.app import Policy, load
 from services.commands.options import (
@@ -25,28 +22,12 @@ from services.commands.options import (
     seed_option,
     states_option,
 )
-from services.commands.show import console, csv_text, print_json, print_rows, progress
+from services.commands.show import console, print_json
 from services.motion_files import read_motion, write_motion
 from services.requests import parse_base
 from services.store.files import SavedVerdicts
-from services.table import CellResult, TableResult, cells, run
 
 SOME_NOT_EXIT, ABSTAINED_EXIT = 1, 3
-CSV_COLUMNS = (
-    "kitchen",
-    "robot",
-    "task",
-    "container",
-    "outcome",
-    "satisfies_request",
-    "causes",
-    "can_perform",
-    "gripper",
-    "why",
-    "proof",
-    "seconds",
-    "iri",
-)
 
 
 @click.command()
@@ -137,103 +118,6 @@ def _write_motion(verdicts: Sequence[Verdict], path: Path) -> None:
         write_motion(path, motions[0])
     else:
         click.echo(f"{path} is not written: no certified motion", err=True)
-
-
-@click.command()
-@click.option(
-    "--kitchens", default="a,b", show_default=True, help="Bundled kitchens or paths, comma-separated."
-)
-@click.option(
-    "--robots",
-    default="pr2,tiago_dual,stretch",
-    show_default=True,
-    help="Bundled robots or paths, comma-separated.",
-)
-@click.option("--task", "verb", type=click.Choice(["open", "close"]), default="open", show_default=True)
-@drive_option
-@states_option
-@budget_option
-@seed_option
-@click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    default=os.cpu_count() or 1,
-    show_default="all cores",
-    help="Worker processes.",
-)
-@save_option
-@click.option(
-    "--csv", "csv_file", type=click.Path(path_type=Path), metavar="FILE", help="Write every case as CSV."
-)
-@json_flag
-def table(
-    *,
-    kitchens: str,
-    robots: str,
-    verb: str,
-    drive: str | None,
-    states: tuple[str, ...],
-    budget: float,
-    seed: int,
-    jobs: int,
-    save: str | None,
-    csv_file: Path | None,
-    as_json: bool,
-) -> None:
-    """Table 1: every container of some kitchens for some robots, each refusal explained.
-
-    Exit 0 whenever every case got a verdict.
-    """
-    policy = Policy(Drive(drive) if drive else None, None, budget, seed)
-    cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)
-    with ExitStack() as stack:
-        saved = stack.enter_context(SavedVerdicts(Path(save))) if save else None
-        for kitchen in kitchens.split(",") if saved else ():
-            saved.add_twin(load_twin(kitchen, robots.split(",")))
-        bar = stack.enter_context(progress(f"{verb}()", len(cases)))
-
-        def report(result: CellResult) -> None:
-            if saved:
-                saved.add_record(result.record)
-            if bar:
-                bar.update(
-                    bar.task_ids[0], advance=1, now=f"{result.verdict['robot']} {result.verdict['container']}"
-                )
-
-        result = run(cases, jobs, report)
-    objects = [each.verdict for each in result.results]
-    if csv_file:
-        csv_file.write_text(csv_text([_row(each) for each in objects], CSV_COLUMNS))
-    if as_json:
-        print_json(result.to_json())
-    else:
-        _print_table(result, objects)
-        if save:
-            click.echo(f"verdicts as triples: {save}")
-
-
-def _print_table(result: TableResult, objects: Sequence[dict[str, object]]) -> None:
-    counts = result.cells()
-    robots = list(dict.fromkeys(robot for row in counts.values() for robot in row))
-    rows = [
-        {"kitchen": kitchen} | {robot: f"{row[robot][0]} / {row[robot][1]}" for robot in robots}
-        for kitchen, row in counts.items()
-    ]
-    print_rows(rows, ("kitchen", *robots), "table")
-    drives = Counter((str(each["robot"]), str(each["drive"])) for each in objects)
-    click.echo("\nbase: " + ", ".join(f"{robot} {drive}" for robot, drive in drives))
-    missing = [_row(each) for each in objects if each["outcome"] != "certified"]
-    if missing:
-        click.echo("\nnot certified, and why:\n")
-        print_rows(missing, ("kitchen", "robot", "container", "outcome", "why"), "table")
-    click.echo(f"\n{len(objects)} verdicts in {result.seconds:.0f} s ({result.cpu_seconds:.0f} s of CPU)")
-
-
-def _row(verdict: dict[str, object]) -> dict[str, object]:
-    """A verdict's JSON object on one line."""
-    diagnoses = list(verdict["diagnoses"])  # type: ignore[call-overload]
-    why = "; ".join(f"{each['kind']}: {each['reason']}" for each in diagnoses)
-    return verdict | {"why": why, "proof": any(each["proof"] for each in diagnoses)}
 
 
 def _print_verdict(verdict: dict[str, object]) -> None:

@@ -5,7 +5,7 @@ into the worktop or a fingertip into the front.
 """
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +15,7 @@ from sdt_kg.iri import joint_iri
 from services.embodiment.handle import Bar
 from services.embodiment.limb import Limb
 from services.embodiment.world import World
+from services.physics.model import Scene
 
 Array = NDArray[np.float64]
 
@@ -24,7 +25,7 @@ PLACES = (0.0, 0.5, -0.5)  # [1] along the bar, as a share of what of it leaves 
 DEPTHS = (0.0, -0.008, 0.008, -0.016, 0.016)  # [m] the tool frame beyond the bar's middle, along the approach
 FINGER_HALF = 0.015  # [m] kept from the ends of a bar, half a finger's width
 TOUCH = 0.0003  # [m] distance from which a finger counts as touching: certify allows 2 mm
-BISECTIONS = 16
+ROUNDS = 12  # of regula falsi; three or four are usual
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,10 +53,17 @@ def _turned(axis: Array, angle: float, vector: Array) -> Array:
     return c * vector + s * np.cross(axis, vector) + (1 - c) * (axis @ vector) * axis
 
 
+def grasp_settings() -> str:
+    """What the grasp set depends on, as text."""
+    return repr((PITCHES.tolist(), TILTS.tolist(), PLACES, DEPTHS, FINGER_HALF, TOUCH))
+
+
 def grasp_set(bar: Bar) -> Iterator[Grasp]:
     """All grasps of a bar, straight ones first."""
     choices = sorted(
-        itertools.product(range(len(PITCHES)), range(len(TILTS)), (1, -1), range(len(PLACES)), range(len(DEPTHS))),
+        itertools.product(
+            range(len(PITCHES)), range(len(TILTS)), (1, -1), range(len(PLACES)), range(len(DEPTHS))
+        ),
         key=lambda choice: (choice[0] + choice[1] * 2 + choice[3] + choice[4], choice),
     )
     room = max(bar.length / 2 - FINGER_HALF, 0.0)
@@ -81,6 +89,14 @@ class Hand:
         self.shapes = np.concatenate([palm, fingers])
         self.fingers = fingers
         self._tool = limb.tool(np.zeros(len(limb.lower)))
+        self._left = self._left_side()
+
+    def _left_side(self) -> NDArray[np.bool_]:
+        """Which finger shapes lie on the +y side of the tool frame when open."""
+        r, p = self.world.frames(self.configuration(0.0))
+        joint, _, centre = self.world.boxes
+        at = [r[joint[f]] @ centre[f] + p[joint[f]] - self._tool[1] for f in self.fingers]
+        return np.array([self._tool[0][:, 1] @ one > 0 for one in at], dtype=np.bool_)
 
     def configuration(self, share: float | dict[str, float]) -> Array:
         """Scene configuration at x = 0 with the fingers closed by a share (0 open, 1 closed) or as given."""
@@ -100,92 +116,89 @@ class Hand:
         p[own] = (p[own] - self._tool[1]) @ turn.T + tool_p
         return r, p
 
-    def closed_on(self, grasp: Grasp, handle: NDArray[np.int64], handle_r: Array, handle_p: Array) -> Grasp | None:
+    def closed_on(
+        self, grasp: Grasp, handle: NDArray[np.int64], handle_r: Array, handle_p: Array
+    ) -> Grasp | None:
         """The grasp, centred across the bar, with both sides' fingers on it; None if they cannot be."""
+        joints = self.limb.gripper.finger_joints
+        shares: list[float] = []
         for _ in range(2):
             tool_r, tool_p = grasp.tool(handle_r, handle_p)
-            closed = self._close(handle, tool_r, tool_p)
-            if closed is None:
+            found = self._close(handle, tool_r, tool_p)
+            if found is None:
                 return None
-            share, left, right = closed
-            if len(self.limb.gripper.finger_joints) > 1 or abs(left - right) < TOUCH:
+            shares = found
+            if len(joints) > 1:
                 break
-            # The side that is farther (its distance larger) tells where the bar lies.
+            left, right = self._sides(self._gaps(shares, handle, tool_r, tool_p))
+            if not np.isfinite(left + right) or abs(left - right) < TOUCH:
+                break
+            # The side that is farther tells where the bar lies.
             grasp = replace(grasp, translation=grasp.translation + (right - left) / 2 * grasp.rotation[:, 1])
         fingers = tuple(
-            (one.joint, _between(one, one_share))
-            for one, one_share in zip(self.limb.gripper.finger_joints, share, strict=True)
+            (one.joint, float(_between(one, share))) for one, share in zip(joints, shares, strict=True)
         )
         return replace(grasp, fingers=fingers)
 
-    def _close(
-        self, handle: NDArray[np.int64], tool_r: Array, tool_p: Array
-    ) -> tuple[list[float], float, float] | None:
-        """Shares at which the fingers touch, and distances of the +y and −y sides there."""
+    def _close(self, handle: NDArray[np.int64], tool_r: Array, tool_p: Array) -> list[float] | None:
+        """Shares at which the fingers touch."""
         count = len(self.limb.gripper.finger_joints)
-        if max(self._sides([0.0] * count, handle, tool_r, tool_p)) <= 0:
-            return None
         if count == 1:
-            share = self._bisect(lambda s: max(self._sides([s], handle, tool_r, tool_p)))
-            if share is None:
-                return None
-            return [share], *self._sides([share], handle, tool_r, tool_p)
+            share = root(lambda s: max(self._sides(self._gaps([s], handle, tool_r, tool_p))))
+            return None if share is None else [share]
         shares = []
         for k in range(count):
-            share = self._bisect(lambda s, k=k: self._one(k, s, count, handle, tool_r, tool_p))
+            mine = self._moved_by(k)
+            unit = np.eye(count)[k]
+            share = root(lambda s, u=unit, m=mine: self._gaps(list(s * u), handle, tool_r, tool_p)[m].min())
             if share is None:
                 return None
             shares.append(share)
-        return shares, *self._sides(shares, handle, tool_r, tool_p)
+        return shares
 
-    def _bisect(self, gap) -> float | None:  # noqa: ANN001 - share → distance, two kinds of lambda
-        if gap(1.0) > TOUCH:
-            return None
-        low, high = 0.0, 1.0
-        for _ in range(BISECTIONS):
-            middle = (low + high) / 2
-            if gap(middle) > TOUCH:
-                low = middle
-            else:
-                high = middle
-        return high
-
-    def _one(
-        self, k: int, share: float, count: int, handle: NDArray[np.int64], tool_r: Array, tool_p: Array
-    ) -> float:
-        """Distance to the handle of those fingers that joint k moves."""
-        shares = [0.0] * count
-        shares[k] = share
-        scene = self.world.scene
-        joint = self.limb.gripper.finger_joints[k].joint
-        source = scene.coordinate[joint_iri(scene.robot.mechanism.name, joint)]
-        r, p = self.placed(self._shares(shares), tool_r, tool_p)
-        mine = [one for one in self.fingers if self._moved_by(int(self.world.boxes[0][one]), source)]
-        return min(self.world.distance((int(f), int(h)), r, p) for f in mine for h in handle)
-
-    def _moved_by(self, joint: int, source: int) -> bool:
-        scene = self.world.scene
-        while joint > 0:
-            if scene.coupling.source[joint - 1] == source:
-                return True
-            joint = scene.model.parents[joint]
-        return False
-
-    def _shares(self, shares: list[float]) -> Array:
+    def _gaps(self, shares: list[float], handle: NDArray[np.int64], tool_r: Array, tool_p: Array) -> Array:
+        """Distance of each finger shape from the handle."""
         joints = self.limb.gripper.finger_joints
-        return self.configuration({one.joint: _between(one, s) for one, s in zip(joints, shares, strict=True)})
+        q = self.configuration({one.joint: _between(one, s) for one, s in zip(joints, shares, strict=True)})
+        return self.world.distances(self.fingers, handle, *self.placed(q, tool_r, tool_p))
 
-    def _sides(
-        self, shares: list[float], handle: NDArray[np.int64], tool_r: Array, tool_p: Array
-    ) -> tuple[float, float]:
-        """Distances of the fingers on the +y and the −y side of the tool frame from the handle."""
-        r, p = self.placed(self._shares(shares), tool_r, tool_p)
-        joint, _, centre = self.world.boxes
-        sides: list[list[float]] = [[], []]
-        for f in self.fingers:
-            at = tool_r.T @ (r[joint[f]] @ centre[f] + p[joint[f]] - tool_p)
-            sides[0 if at[1] > 0 else 1].append(min(self.world.distance((int(f), int(h)), r, p) for h in handle))
-        return min(sides[0], default=np.inf), min(sides[1], default=np.inf)
+    def _sides(self, gaps: Array) -> tuple[float, float]:
+        """Smallest of the gaps on the +y and on the −y side of the tool frame."""
+        return float(gaps[self._left].min(initial=np.inf)), float(gaps[~self._left].min(initial=np.inf))
+
+    def _moved_by(self, k: int) -> NDArray[np.bool_]:
+        """Which finger shapes finger joint k moves."""
+        scene = self.world.scene
+        name = self.limb.gripper.finger_joints[k].joint
+        source = scene.coordinate[joint_iri(scene.robot.mechanism.name, name)]
+        return np.array([_carried(scene, int(self.world.boxes[0][one]), source) for one in self.fingers])
+
+
+def root(gap: Callable[[float], float]) -> float | None:
+    """Share in [0, 1] at which the gap has fallen to TOUCH, by regula falsi (Illinois); None if it does not."""
+    low, high = 0.0, 1.0
+    at_low, at_high = gap(low) - TOUCH, gap(high) - TOUCH
+    if at_low <= 0 or at_high > 0:
+        return None
+    for _ in range(ROUNDS):
+        share = (low * at_high - high * at_low) / (at_high - at_low)
+        at = gap(share) - TOUCH
+        if at > 0:
+            low, at_low, at_high = share, at, at_high / 2
+        else:
+            high, at_high, at_low = share, at, at_low / 2
+            if at > -TOUCH:
+                break
+    return high
+
+
+def _carried(scene: Scene, joint: int, source: int) -> bool:
+    """Whether the coordinate `source`, or one that follows it, moves the joint."""
+    while joint > 0:
+        if scene.coupling.source[joint - 1] == source:
+            return True
+        joint = scene.model.parents[joint]
+    return False
 
 
 def _between(finger, share: float) -> float:  # noqa: ANN001 - FingerJoint

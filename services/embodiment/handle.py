@@ -78,6 +78,12 @@ class Mechanics:
         placed[:, self.moving] = self.positions(values)
         return placed
 
+    def put_each(self, q: Array, values: Array) -> Array:
+        """Copies of scene configurations q (T, nq), each with the container at its value (T,)."""
+        placed = q.copy()
+        placed[:, self.moving] = self.positions(values)
+        return placed
+
     def handle_poses(self, q: Array, joint: int, values: Array) -> tuple[Array, Array]:
         """World poses of a joint frame at each value: rotations (T, 3, 3), translations (T, 3)."""
         r, p = np.empty((len(values), 3, 3)), np.empty((len(values), 3))
@@ -106,9 +112,7 @@ def find_bar(world: World, mechanics: Mechanics, q: Array, seed: int = 0) -> Bar
     top = core[:, 1].max()
     core = core[core[:, 1] > top - BAR_DEPTH]
     c_low, c_high = core.min(axis=0), core.max(axis=0)
-    centre = (
-        middle * along + (c_low[1] + c_high[1]) / 2 * outward + (c_low[2] + c_high[2]) / 2 * across
-    )
+    centre = middle * along + (c_low[1] + c_high[1]) / 2 * outward + (c_low[2] + c_high[2]) / 2 * across
     return Bar(joint, centre, along, outward, length, c_high[1] - c_low[1], c_high[2] - c_low[2])
 
 
@@ -124,7 +128,9 @@ def _covariance(corners: Array) -> Array:
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     total = corners.sum(axis=1)
     mean = area @ total / 3 / area.sum()
-    squares = np.einsum("n,nki,nkj->ij", area, corners, corners) + np.einsum("n,ni,nj->ij", area, total, total)
+    squares = np.einsum("n,nki,nkj->ij", area, corners, corners) + np.einsum(
+        "n,ni,nj->ij", area, total, total
+    )
     return squares / 12 / area.sum() - np.outer(mean, mean)
 
 
@@ -164,9 +170,31 @@ def _triangles(shape: coal.CollisionGeometry) -> Array:
     """Triangles of a shape, or of its own box for round ones, shape (N, 3, 3)."""
     if isinstance(shape, coal.BVHModelBase):
         vertices = np.array(shape.vertices())
-        indices = np.array([[t[0], t[1], t[2]] for t in (shape.tri_indices(i) for i in range(shape.num_tris))])
+        indices = np.array(
+            [[t[0], t[1], t[2]] for t in (shape.tri_indices(i) for i in range(shape.num_tris))]
+        )
         return vertices[indices]
     low, high = np.array(shape.aabb_local.min_), np.array(shape.aabb_local.max_)
-    corners = np.array([[(low, high)[i][0], (low, high)[j][1], (low, high)[k][2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-    faces = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)]
+    corners = np.array(
+        [
+            [(low, high)[i][0], (low, high)[j][1], (low, high)[k][2]]
+            for i in (0, 1)
+            for j in (0, 1)
+            for k in (0, 1)
+        ]
+    )
+    faces = [
+        (0, 1, 3),
+        (0, 3, 2),
+        (4, 6, 7),
+        (4, 7, 5),
+        (0, 4, 5),
+        (0, 5, 1),
+        (2, 3, 7),
+        (2, 7, 6),
+        (0, 2, 6),
+        (0, 6, 4),
+        (1, 5, 7),
+        (1, 7, 3),
+    ]
     return corners[np.array(faces)]

@@ -184,9 +184,7 @@ def solve_many(seeds, target_r, target_p, chain, weight, lower, upper, steps, to
     """Which seeds (S, n) reached their target (S, 3, 3), (S, 3); the seeds become the solutions."""
     met = np.zeros(seeds.shape[0], np.bool_)
     for s in range(seeds.shape[0]):
-        met[s] = solve(
-            seeds[s], target_r[s], target_p[s], chain, weight, lower, upper, steps, tolerance
-        )
+        met[s] = solve(seeds[s], target_r[s], target_p[s], chain, weight, lower, upper, steps, tolerance)
     return met
 
 

@@ -79,10 +79,7 @@ def place_boxes(r, p, boxes, first, last, box_r, box_c):  # noqa: ANN001, ANN201
         matmul(r[j], local_r[k], box_r[k])
         for i in range(3):
             box_c[k, i] = (
-                r[j, i, 0] * local_c[k, 0]
-                + r[j, i, 1] * local_c[k, 1]
-                + r[j, i, 2] * local_c[k, 2]
-                + p[j, i]
+                r[j, i, 0] * local_c[k, 0] + r[j, i, 1] * local_c[k, 1] + r[j, i, 2] * local_c[k, 2] + p[j, i]
             )
 
 

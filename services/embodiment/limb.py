@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sdt_kg.annotation import Gripper
 from sdt_kg.iri import body_iri, joint_iri
 from services.embodiment import ik
-from services.embodiment.world import Rules, World
+from services.embodiment.world import MAY_TOUCH, Rules, World
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]
@@ -91,7 +91,18 @@ def make_limb(world: World, gripper: Gripper) -> Limb:
     fingers = tuple(body_iri(scene.robot.mechanism.name, body) for body in gripper.fingers)
     chain = _chain(world, frame, support, rest, expansion)
     return Limb(
-        gripper, variables, expansion, rest, lower, upper, velocity, acceleration, parked, chain, palm, fingers
+        gripper,
+        variables,
+        expansion,
+        rest,
+        lower,
+        upper,
+        velocity,
+        acceleration,
+        parked,
+        chain,
+        palm,
+        fingers,
     )
 
 
@@ -133,10 +144,14 @@ def _rest(scene: Scene, gripper: Gripper) -> Array:
     return scene.q((0.0, 0.0, 0.0), {finger.joint: finger.open for finger in gripper.finger_joints})
 
 
-def _coupled_limits(scene: Scene, column: Array, rest: Array, lower: float, upper: float) -> tuple[float, float]:
+def _coupled_limits(
+    scene: Scene, column: Array, rest: Array, lower: float, upper: float
+) -> tuple[float, float]:
     """Limits of a variable such that all joints that follow it keep theirs."""
     for k in np.flatnonzero(column):
-        ends = sorted(((scene.bounds.lower[k] - rest[k]) / column[k], (scene.bounds.upper[k] - rest[k]) / column[k]))
+        ends = sorted(
+            ((scene.bounds.lower[k] - rest[k]) / column[k], (scene.bounds.upper[k] - rest[k]) / column[k])
+        )
         lower, upper = max(lower, ends[0]), min(upper, ends[1])
     return lower, upper
 
@@ -186,32 +201,49 @@ def _chain(world: World, frame: object, support: list[int], rest: Array, expansi
     )
 
 
-def rules(world: World, limb: Limb, free: float, fine: float, touching: tuple[str, ...] = ()) -> Rules:
-    """Distances that planning demands.
+@dataclass(frozen=True, slots=True)
+class Margins:
+    """Distances that planning keeps, beyond what certification demands [m].
 
-    Args:
-        free: Of any two bodies [m].
-        fine: Of fingers and palm to the kitchen [m].
-        touching: Kitchen bodies which the fingers may touch.
+    Attributes:
+        free: Between any two bodies.
+        fine: Between hand and kitchen.
+        close: Between bodies of the robot that one or two joints part, built with little play.
     """
+
+    free: float = 0.003
+    fine: float = 0.0015
+    close: float = 0.0003
+
+
+NEIGHBOURS = 2  # moving joints between two bodies which count as close
+
+
+def rules(world: World, limb: Limb, margins: Margins, touching: tuple[str, ...] = ()) -> Rules:
+    """Distances that planning demands; the fingers may touch the kitchen bodies `touching`."""
+    overhang = world.scene.annotation.overhang
     robot = len(world.body) - world.split
-    environment = np.full((robot, world.split), free)
-    hand = world.shapes_of((*limb.palm, *limb.fingers)) - world.split
-    environment[hand] = fine
+    environment = np.full((robot, world.split), margins.free + overhang)
+    hand = world.shapes_of((*limb.palm, *limb.fingers))
+    environment[hand - world.split] = margins.fine + overhang
     fingers, handle = world.shapes_of(limb.fingers) - world.split, world.shapes_of(touching)
-    environment[np.ix_(fingers, handle)] = -1.0
-    pairs = _moving_pairs(world, limb)
-    return Rules(environment, pairs, np.full(len(pairs), free))
+    environment[np.ix_(fingers, handle)] = MAY_TOUCH
+    pairs, parted = _moving_pairs(world, limb)
+    within = (parted <= NEIGHBOURS) | np.isin(pairs, hand).all(axis=1)
+    return Rules(environment, pairs, np.where(within, margins.close, margins.free) + overhang)
 
 
-def _moving_pairs(world: World, limb: Limb) -> NDArray[np.int64]:
-    """Self pairs whose relative pose depends on the limb's arm or fingers."""
+def _moving_pairs(world: World, limb: Limb) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Self pairs whose relative pose depends on the limb's arm or fingers, and how many joints part them."""
     scene = world.scene
     moves = np.abs(limb.expansion[:, 3:]).any(axis=1)
     fingers = {joint_iri(scene.robot.mechanism.name, one.joint) for one in limb.gripper.finger_joints}
     for k, source in enumerate(scene.coupling.source):
         moves[k] |= scene.names[source] in fingers
-    chains = [frozenset(j for j in _support(scene, joint) if moves[j - 1]) for joint in range(scene.model.njoints)]
+    chains = [
+        frozenset(j for j in _support(scene, joint) if moves[j - 1]) for joint in range(scene.model.njoints)
+    ]
     joint = world.boxes[0]
-    kept = [(a, b) for a, b in scene.self_pairs if chains[joint[a]] != chains[joint[b]]]
-    return np.array(kept, dtype=np.int64).reshape(-1, 2)
+    parted = np.array([len(chains[joint[a]] ^ chains[joint[b]]) for a, b in scene.self_pairs], dtype=np.int64)
+    kept = np.asarray(scene.self_pairs, dtype=np.int64).reshape(-1, 2)
+    return kept[parted > 0], parted[parted > 0]

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from sdt_kg.motion import Motion
+
 Array = NDArray[np.float64]
 
 SLACK = 0.98  # [1] of every limit is used
@@ -119,8 +121,10 @@ def smooth(u: Array) -> Array:
     """
     ramp = 0.3
     top = 1.0 / (1.0 - ramp)
+
     def rise(s: Array) -> tuple[Array, Array, Array]:
         return top * ramp * (s**3 - s**4 / 2), top * (3 * s**2 - 2 * s**3), top / ramp * (6 * s - 6 * s**2)
+
     up, down = rise(np.clip(u / ramp, 0, 1)), rise(np.clip((1 - u) / ramp, 0, 1))
     early, late = u < ramp, u > 1 - ramp
     way = np.where(early, up[0], np.where(late, 1 - down[0], top * ramp / 2 + top * (u - ramp)))
@@ -151,7 +155,9 @@ class Followed:
         return self.spline(share), self.spline(share, 1) * rate[:, None]
 
 
-def slowed(path: Followed, bound: Bound, container: tuple[float, float], samples: int) -> tuple[Timed, Array, Array]:
+def slowed(
+    path: Followed, bound: Bound, container: tuple[float, float], samples: int
+) -> tuple[Timed, Array, Array]:
     """The path as fast as all limits allow with the law `smooth`, and the container's values and rates.
 
     Args:
@@ -190,3 +196,21 @@ def excess(timed: Timed, bound: Bound) -> tuple[float, float]:
     middles = 1.5 * np.diff(timed.x, axis=0) / h - (timed.v[1:] + timed.v[:-1]) / 4
     speeds, accelerations = np.concatenate([timed.v, middles]), np.concatenate([first, second])
     return 1.0 / _slowest(speeds, bound.velocity), 1.0 / _slowest(accelerations, bound.acceleration)
+
+
+def as_timed(motion: Motion, samples: int) -> tuple[Array, Array, Array]:
+    """(times, values, rates) of a motion given as values, on at least `samples` samples, from time 0.
+
+    Between its samples the motion is the C² cubic spline at rest at both ends.
+    """
+    spline = CubicSpline(motion.times - motion.times[0], motion.values[:, 0], bc_type="clamped")
+    times = np.union1d(spline.x, np.linspace(0.0, spline.x[-1], samples))
+    times = times[np.append(True, np.diff(times) > 1e-9)]
+    return times, spline(times), spline(times, 1)
+
+
+def at_values(path: Followed, times: Array, values: Array, rates: Array) -> Timed:
+    """The robot where the container is at given values and rates."""
+    span = float(path.values[-1] - path.values[0])
+    x, v = path.at((values - path.values[0]) / span, rates / span)
+    return Timed(times, x, v)

@@ -156,16 +156,20 @@ class World:
 
     def distance(self, pair: Pair, r: Array, p: Array) -> float:
         """Signed distance of two shapes [m], negative when they penetrate."""
-        a, b = pair
+        one, other = [(k, self._transform(k, r, p)) for k in pair]
+        return self._distance(one, other)
+
+    def distances(self, ours: NDArray[np.int64], theirs: NDArray[np.int64], r: Array, p: Array) -> Array:
+        """Signed distance of each of our shapes to the nearest of theirs [m], shape (len(ours),)."""
+        others = [(int(k), self._transform(int(k), r, p)) for k in theirs]
+        placed = [(int(k), self._transform(int(k), r, p)) for k in ours]
+        return np.array([min(self._distance(one, other) for other in others) for one in placed])
+
+    def _distance(self, one: tuple[int, coal.Transform3s], other: tuple[int, coal.Transform3s]) -> float:
+        solids = self.scene.solids
+        request, result = coal.DistanceRequest(), coal.DistanceResult()
         return float(
-            coal.distance(
-                self.scene.solids[a].shape,
-                self._transform(a, r, p),
-                self.scene.solids[b].shape,
-                self._transform(b, r, p),
-                coal.DistanceRequest(),
-                coal.DistanceResult(),
-            )
+            coal.distance(solids[one[0]].shape, one[1], solids[other[0]].shape, other[1], request, result)
         )
 
     def _transform(self, k: int, r: Array, p: Array) -> coal.Transform3s:

@@ -152,34 +152,32 @@ class Hold:
 
     def follows(self) -> Findings:
         """From the grasp on the tool neither slips nor turns on the handle, between samples too."""
-        findings, worst = Findings(), np.zeros(2)
+        findings, seen, safe = Findings(), np.zeros(2), np.zeros(2)
         most = np.array([self.tolerances.tool_position, 2 * np.sin(self.tolerances.tool_angle / 2)])
         level, intervals = self.timeline.depth, np.arange(self.begin, len(self.pieces.start))
         for halving in range(DEEPEST + 1):
             spans = self.timeline.spans(level + halving, intervals)
             placed = self.kinematics.place(spans.q, spans.v)
             error = np.stack(self._errors(placed))
-            between = np.stack(self.kinematics.bounds(spans, placed, self._ball(placed)))
-            upper = error + between
-            last = halving == DEEPEST
-            broken = (upper if last else error) > most[:, None]
+            upper = error + np.stack(self.kinematics.bounds(spans, placed, self._ball(placed)))
+            if halving == DEEPEST:  # what is not shown by now is refused
+                error = upper
+            seen = np.maximum(seen, error.max(axis=1))
             for row in (0, 1):
                 self._slips(
-                    findings,
-                    row,
-                    np.where(broken[row], (upper if last else error)[row], 0),
-                    spans.middle,
-                    most,
+                    findings, row, np.where(error[row] > most[row], error[row], 0), spans.middle, most
                 )
-            done = ((upper <= most[:, None]) & (between <= FINE)).all(axis=0)
-            worst = np.maximum(worst, upper[:, done].max(axis=1, initial=0))
-            intervals = intervals[~done & ~broken.any(axis=0)]
+            may_be_worse = upper > seen[:, None] + FINE
+            may_break = (upper > most[:, None]) & (seen <= most)[:, None]
+            keep = (may_be_worse | may_break).any(axis=0)
+            safe = np.maximum(safe, upper[:, ~keep].max(axis=1, initial=0))
+            intervals = intervals[keep]
             if not len(intervals):
                 break
             intervals = np.concatenate((2 * intervals, 2 * intervals + 1))
         if not findings.violations:
-            findings.figures["tool slip"] = (float(worst[0]), "m")
-            findings.figures["tool turn"] = (float(2 * np.arcsin(worst[1] / 2)), "rad")
+            findings.figures["tool slip"] = (float(safe[0]), "m")
+            findings.figures["tool turn"] = (float(2 * np.arcsin(safe[1] / 2)), "rad")
         return findings
 
     def _ball(self, placed: Placed) -> Of:

@@ -70,7 +70,7 @@ def _limit(  # noqa: PLR0913, PLR0917  # the parts of one sentence
 ) -> Violation:
     turning = joint_axes(scene)[1][k]
     unit = ("rad" if turning else "m") + _PER[quantity]
-    name = local_name(scene.names[k])
+    name = "the base" if k == scene.base[0] else local_name(scene.names[k])
     reason = f"{name} reaches {quantity.value} {value:.4g} {unit}, its limit is {bound:.4g} {unit}"
     evidence = Evidence(quantity, float(value), float(bound), unit, entity=scene.names[k], time=float(time))
     return Violation(f"limit of {quantity.value}", reason, evidence, float(excess))

@@ -1,0 +1,144 @@
+"""`sdt table`: CanAchieve for every container of some kitchens and some robots."""
+
+import os
+from collections import Counter
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+import click
+
+from sdt_kg.annotation import Drive
+from sdt_kg.load import load_twin
+from services.app import Policy
+from services.commands.options import (
+    budget_option,
+    drive_option,
+    json_flag,
+    save_option,
+    seed_option,
+    states_option,
+)
+from services.commands.show import csv_text, print_json, print_rows, progress
+from services.store.files import SavedVerdicts
+from services.table import CellResult, TableResult, cells, run
+
+CSV_COLUMNS = (
+    "kitchen",
+    "robot",
+    "task",
+    "container",
+    "outcome",
+    "satisfies_request",
+    "causes",
+    "can_perform",
+    "gripper",
+    "why",
+    "proof",
+    "seconds",
+    "iri",
+)
+
+
+@click.command()
+@click.option(
+    "--kitchens", default="a,b", show_default=True, help="Bundled kitchens or paths, comma-separated."
+)
+@click.option(
+    "--robots",
+    default="pr2,tiago_dual,stretch",
+    show_default=True,
+    help="Bundled robots or paths, comma-separated.",
+)
+@click.option("--task", "verb", type=click.Choice(["open", "close"]), default="open", show_default=True)
+@drive_option
+@states_option
+@budget_option
+@seed_option
+@click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    default=os.cpu_count() or 1,
+    show_default="all cores",
+    help="Worker processes.",
+)
+@save_option
+@click.option(
+    "--motions",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    help="Write each certified body motion to DIR.",
+)
+@click.option(
+    "--csv", "csv_file", type=click.Path(path_type=Path), metavar="FILE", help="Write every case as CSV."
+)
+@json_flag
+def table(
+    *,
+    kitchens: str,
+    robots: str,
+    verb: str,
+    drive: str | None,
+    states: tuple[str, ...],
+    budget: float,
+    seed: int,
+    jobs: int,
+    save: str | None,
+    motions: Path | None,
+    csv_file: Path | None,
+    as_json: bool,
+) -> None:
+    """Table 1: every container of some kitchens for some robots, each refusal explained.
+
+    Exit 0 whenever every case got a verdict.
+    """
+    policy = Policy(Drive(drive) if drive else None, None, budget, seed)
+    cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)
+    with ExitStack() as stack:
+        saved = stack.enter_context(SavedVerdicts(Path(save))) if save else None
+        for kitchen in kitchens.split(",") if saved else ():
+            saved.add_twin(load_twin(kitchen, robots.split(",")))
+        bar = stack.enter_context(progress(f"{verb}()", len(cases)))
+
+        def report(result: CellResult) -> None:
+            if saved:
+                saved.add_record(result.record)
+            if bar:
+                bar.update(
+                    bar.task_ids[0], advance=1, now=f"{result.verdict['robot']} {result.verdict['container']}"
+                )
+
+        result = run(cases, jobs, report, motions)
+    objects = [each.verdict for each in result.results]
+    if csv_file:
+        csv_file.write_text(csv_text([_row(each) for each in objects], CSV_COLUMNS))
+    if as_json:
+        print_json(result.to_json())
+    else:
+        _print_table(result, objects)
+        if save:
+            click.echo(f"verdicts as triples: {save}")
+
+
+def _print_table(result: TableResult, objects: Sequence[dict[str, object]]) -> None:
+    counts = result.cells()
+    robots = list(dict.fromkeys(robot for row in counts.values() for robot in row))
+    rows = [
+        {"kitchen": kitchen} | {robot: f"{row[robot][0]} / {row[robot][1]}" for robot in robots}
+        for kitchen, row in counts.items()
+    ]
+    print_rows(rows, ("kitchen", *robots), "table")
+    drives = Counter((str(each["robot"]), str(each["drive"])) for each in objects)
+    click.echo("\nbase: " + ", ".join(f"{robot} {drive}" for robot, drive in drives))
+    missing = [_row(each) for each in objects if each["outcome"] != "certified"]
+    if missing:
+        click.echo("\nnot certified, and why:\n")
+        print_rows(missing, ("kitchen", "robot", "container", "outcome", "why"), "table")
+    click.echo(f"\n{len(objects)} verdicts in {result.seconds:.0f} s ({result.cpu_seconds:.0f} s of CPU)")
+
+
+def _row(verdict: dict[str, object]) -> dict[str, object]:
+    """A verdict's JSON object on one line."""
+    diagnoses = list(verdict["diagnoses"])  # type: ignore[call-overload]
+    why = "; ".join(f"{each['kind']}: {each['reason']}" for each in diagnoses)
+    return verdict | {"why": why, "proof": any(each["proof"] for each in diagnoses)}
