@@ -1,0 +1,173 @@
+"""From the start pose, parked, to the handle: drive, raise the arm with room around, come near, take hold.
+
+Built backwards: the hand leaves the bar along its approach axis, the base backs off, there the arm
+folds to its parked posture, and from there the robot drives home.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.annotation import Drive
+from services.embodiment import ik
+from services.embodiment.holding import JUMP, Holding, Problem
+from services.embodiment.limb import BASE, Limb
+from services.embodiment.paths import between, connect
+from services.embodiment.spaces import ARM_STEP, ArmSpace, DriveSpace, reaches
+from services.embodiment.world import Contact, Rules, World
+
+Array = NDArray[np.float64]
+
+LEAVE = 0.1  # [m] the open hand backs off from the bar along its approach axis
+PULLS = 11  # waypoints of that
+BACK_OFFS = (0.0, 0.3, 0.6, 0.9)  # [m] the base drives back before the arm folds
+ARM_ITERATIONS = 120
+DRIVE_ITERATIONS = 400
+CORNER = 0.5  # [m] beyond the kitchen's and the robot's own places that it may drive
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Approach:
+    """All before the grasp, in the order in which it is done.
+
+    Attributes:
+        drive: Base poses at the corners of the drive, shape (D, 3).
+        raise_arm: x at the corners of the arm's way from parked, shape (A, n).
+        drive_in: x before and after the base comes near, shape (2, n).
+        reach: x at waypoints of the last centimetres, shape (R, n).
+    """
+
+    drive: Array
+    raise_arm: Array
+    drive_in: Array
+    reach: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Blocked:
+    """Why a holding could not be approached.
+
+    Attributes:
+        stage: leave, back off, park, fold or drive.
+    """
+
+    stage: str
+    contact: Contact | None = None
+
+
+class Approacher:
+    """Ways to holdings of one limb."""
+
+    def __init__(
+        self, world: World, limb: Limb, rules: Rules, drive: Drive, start: Array, late: Callable[[], bool]
+    ) -> None:
+        self.world, self.limb, self.rules, self.drive = world, limb, rules, drive
+        self.start, self.late = start, late
+        self.weight = reaches(limb)
+
+    def approach(self, holding: Holding, problem: Problem, rng: np.random.Generator) -> Approach | Blocked:
+        """The way to a holding, or the stage that failed last."""
+        left = self._leave(holding, problem)
+        if isinstance(left, Blocked):
+            return left
+        failed = Blocked("back off")
+        for back in self._back_offs(left[-1], problem):
+            outcome = self._from(back, left, rng)
+            if isinstance(outcome, Approach):
+                return outcome
+            failed = outcome
+            if self.late():
+                break
+        return failed
+
+    def _leave(self, holding: Holding, problem: Problem) -> Array | Blocked:
+        """Waypoints from the grasp backwards, shape (PULLS + 1, n)."""
+        r, p = holding.grasp.tool(problem.handle_r[0], problem.handle_p[0])
+        away = -r[:, 0]
+        x0 = holding.xs[0]
+        contact = None
+        for xs in self._leaves(x0, r, p, away):
+            contact = self._contact(xs)
+            if contact is None:
+                return xs
+        return Blocked("leave", contact)
+
+    def _leaves(self, x0: Array, r: Array, p: Array, away: Array):  # noqa: ANN202 - iterator of arrays
+        if self.drive is Drive.OMNI and abs(away[2]) < 1e-3:
+            end = x0.copy()
+            end[:2] += LEAVE * away[:2]
+            yield np.concatenate([x0[None], between(x0, end, PULLS)])
+        still = np.sqrt(np.minimum(self.limb.velocity, 2.0) / 2.0)
+        still[BASE] = 0.0
+        free = still.copy()
+        free[BASE] = 0.3
+        target_p = p + LEAVE * np.arange(1, PULLS + 1)[:, None] / PULLS * away
+        target_r = np.repeat(r[None], PULLS, axis=0)
+        for weight in (still, free) if self.drive is Drive.OMNI else (still,):
+            path = np.empty((PULLS, len(x0)))
+            done = ik.follow(
+                x0, target_r, target_p, self.limb.chain, weight, self.limb.lower, self.limb.upper, JUMP, path
+            )
+            if done == PULLS:
+                yield np.concatenate([x0[None], path])
+
+    def _back_offs(self, x: Array, problem: Problem):  # noqa: ANN202 - iterator of arrays
+        """Configurations with the base backed off, the arm still."""
+        if self.drive is Drive.FIXED:
+            yield x
+            return
+        heading = np.array([np.cos(x[2]), np.sin(x[2])])
+        out = problem.outward[:2] / max(float(np.linalg.norm(problem.outward[:2])), 1e-9)
+        ways = [out, -heading] if self.drive is Drive.OMNI else [-heading, heading]
+        for distance in BACK_OFFS:
+            for way in ways if distance else ways[:1]:
+                back = x.copy()
+                back[:2] += distance * way
+                yield back
+
+    def _from(self, back: Array, left: Array, rng: np.random.Generator) -> Approach | Blocked:
+        """The rest of the way where the arm folds at `back`."""
+        parked = self.limb.parked.copy()
+        parked[BASE] = back[BASE]
+        contact = self.world.contact(self.limb.q(np.stack([back, parked])), self.rules)
+        if contact is None:
+            contact = self._contact(np.stack([back, left[-1]]))
+        if contact is not None:
+            return Blocked("park", contact)
+        road = self.road(back[BASE], rng)
+        if road is None:
+            return Blocked("drive")
+        turns = road[-1, 2] - back[2]
+        space = ArmSpace(self.world, self.limb, self.rules, self.limb.rest, self.weight, back[BASE])
+        corners = connect(space, (parked, back), rng, ARM_ITERATIONS, self.late)
+        if corners is None:
+            return Blocked("fold")
+        whole = [corners.copy(), np.stack([back, left[-1]]), left[::-1].copy()]
+        for part in whole:
+            part[:, 2] += turns
+        return Approach(road, *whole)
+
+    def _contact(self, xs: Array) -> Contact | None:
+        """A contact along straight segments through xs."""
+        parts = [xs[:1]]
+        for one, other in zip(xs, xs[1:], strict=False):
+            pieces = int(np.ceil(float(np.abs(other - one) @ self.weight) / (ARM_STEP / 2))) + 1
+            parts.append(between(one, other, pieces))
+        return self.world.contact(self.limb.q(np.concatenate(parts)), self.rules)
+
+    def road(self, goal: Array, rng: np.random.Generator) -> Array | None:
+        """Corners of the drive from the start to a base pose (its yaw up to whole turns), shape (K, 3)."""
+        turned = goal.copy()
+        turned[2] += 2 * np.pi * np.round((self.start[2] - goal[2]) / (2 * np.pi))
+        if np.allclose(turned, self.start, atol=1e-9):
+            return np.stack([self.start, self.start])
+        if self.drive is Drive.FIXED:
+            return None
+        box = np.stack([np.minimum(self.start, turned)[:2], np.maximum(self.start, turned)[:2]])
+        box += np.array([[-1], [1]]) * (CORNER + 1.5)
+        space = DriveSpace(
+            self.world, self.limb, self.rules, self.limb.rest, self.limb.parked.copy(), box, self.drive
+        )
+        return connect(space, (self.start, turned), rng, DRIVE_ITERATIONS, self.late)

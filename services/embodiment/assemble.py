@@ -1,0 +1,161 @@
+"""Paths become a BodyMotion: phases in order, each from rest to rest."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.iri import Iri, joint_iri, local_name
+from sdt_kg.motion import BodyMotion, Motion
+from services.embodiment import timing
+from services.embodiment.approach import Approach
+from services.embodiment.holding import Holding, Problem
+from services.embodiment.limb import BASE, Limb
+from services.embodiment.spaces import reaches
+from services.embodiment.timing import Bound, Followed, Timed
+from services.embodiment.world import World
+
+Array = NDArray[np.float64]
+
+SPACING = 0.08  # [m] that any point moves between samples on the way to the handle
+FINGER_REACH = 0.1  # [m] of a finger, for the number of samples only
+FOLLOW_SAMPLES = 121
+REACH_SAMPLES = 25
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Assembled:
+    """A body motion with the container's motion as it is executed in it.
+
+    Attributes:
+        excess: Largest ratios of velocity and acceleration to their limits while following.
+    """
+
+    body: BodyMotion
+    motion: Motion
+    excess: tuple[float, float]
+
+
+class Assembler:
+    """Body motions of one limb: y = [x, positions of the finger joints]."""
+
+    def __init__(self, world: World, limb: Limb, robot: Iri, problem: Problem, motion: Motion) -> None:
+        self.world, self.limb, self.robot, self.problem, self.motion = world, limb, robot, problem, motion
+        scene = world.scene
+        name = scene.robot.mechanism.name
+        fingers = limb.gripper.finger_joints
+        self.fingers = [scene.coordinate[joint_iri(name, one.joint)] for one in fingers]
+        self.opened = np.array([one.open for one in fingers])
+        parked = scene.q((0.0, 0.0, 0.0), {})
+        self.parked = parked[self.fingers]
+        bound = self._finger_bound()
+        self.bound = Bound(
+            np.append(limb.velocity, bound.velocity), np.append(limb.acceleration, bound.acceleration)
+        )
+        self.body_bound = Bound(limb.velocity, limb.acceleration)
+        self.reach = np.append(reaches(limb), np.full(len(fingers), FINGER_REACH))
+        self.reach[BASE] = 1.0
+
+    def _finger_bound(self) -> Bound:
+        scene = self.world.scene
+        units = np.zeros((len(self.fingers), scene.model.nq))
+        units[np.arange(len(self.fingers)), self.fingers] = 1.0
+        share = np.abs(scene.coupling.rates(units))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            velocity = np.where(share > 0, scene.bounds.velocity / share, np.inf).min(axis=1)
+            acceleration = np.where(share > 0, scene.bounds.acceleration / share, np.inf).min(axis=1)
+        return Bound(velocity, acceleration)
+
+    def assemble(self, approach: Approach, holding: Holding) -> Assembled:
+        """The whole motion."""
+        turns = approach.reach[-1, 2] - holding.xs[0, 2]
+        xs = holding.xs.copy()
+        xs[:, 2] += turns
+        closed = np.array([value for _, value in holding.grasp.fingers])
+        follow, values, rates, excess = self._follow(xs)
+        phases = [
+            ("drive", self._drive(approach)),
+            ("approach", self._approach(approach)),
+            ("grasp", self._grasp(xs[0], closed)),
+            ("follow", self._with_fingers(follow, closed)),
+        ]
+        whole, marks = _chained(phases)
+        still = len(whole.times) - len(values)
+        container = np.concatenate([np.full(still, values[0]), values])
+        speed = np.concatenate([np.zeros(still), rates])
+        body = self._body(whole, marks, container, speed)
+        executed = Motion(self.motion.of, follow.times, values[:, None], timed=self.motion.timed)
+        return Assembled(body, executed, excess)
+
+    def _with_fingers(self, timed: Timed, fingers: Array) -> Timed:
+        count = len(timed.times)
+        x = np.hstack([timed.x, np.repeat(fingers[None], count, axis=0)])
+        return Timed(timed.times, x, np.hstack([timed.v, np.zeros((count, len(fingers)))]))
+
+    def _drive(self, approach: Approach) -> Timed:
+        parked = self.limb.parked.copy()
+        parked[BASE] = approach.drive[0]
+        opening = np.stack([np.append(parked, self.parked), np.append(parked, self.opened)])
+        corners = np.repeat(np.append(parked, self.opened)[None], len(approach.drive), axis=0)
+        corners[:, BASE] = approach.drive
+        return timing.along(np.concatenate([opening, corners]), self.bound, self.reach, SPACING)
+
+    def _approach(self, approach: Approach) -> Timed:
+        corners = np.concatenate([approach.raise_arm, approach.drive_in])
+        raised = timing.along(corners, self.body_bound, self.reach[: corners.shape[1]], SPACING)
+        path = Followed.through(np.linspace(0.0, 1.0, len(approach.reach)), approach.reach)
+        near, _, _ = timing.slowed(path, self.body_bound, (np.inf, np.inf), REACH_SAMPLES)
+        return self._with_fingers(timing.joined([raised, near]), self.opened)
+
+    def _grasp(self, x: Array, closed: Array) -> Timed:
+        corners = np.stack([np.append(x, self.opened), np.append(x, closed)])
+        return timing.along(corners, self.bound, self.reach, SPACING)
+
+    def _follow(self, xs: Array) -> tuple[Timed, Array, Array, tuple[float, float]]:
+        """(robot, container's values, their rates, ratios to the limits)."""
+        path = Followed.through(self.problem.values, xs)
+        container = self.problem.mechanics.container
+        if not self.motion.timed:
+            timed, values, rates = timing.slowed(
+                path, self.body_bound, (container.velocity, container.acceleration), FOLLOW_SAMPLES
+            )
+            return timed, values, rates, timing.excess(timed, self.body_bound)
+        times, values, rates = timing.as_timed(self.motion, FOLLOW_SAMPLES)
+        timed = timing.at_values(path, times, values, rates)
+        return timed, values, rates, timing.excess(timed, self.body_bound)
+
+    def _body(
+        self, whole: Timed, marks: tuple[tuple[str, int], ...], values: Array, rates: Array
+    ) -> BodyMotion:
+        limb, scene = self.limb, self.world.scene
+        n = len(limb.lower)
+        q = limb.q(whole.x[:, :n])
+        v = whole.v[:, :n] @ limb.expansion.T
+        q[:, self.fingers], v[:, self.fingers] = whole.x[:, n:], whole.v[:, n:]
+        q, v = scene.coupling.positions(q), scene.coupling.rates(v)
+        listed = np.flatnonzero(np.abs(limb.expansion[:, 3:]).any(axis=1)).tolist()
+        listed = sorted({*listed, *self.fingers})
+        mechanics = self.problem.mechanics
+        return BodyMotion(
+            self.robot,
+            limb.gripper.name,
+            tuple(local_name(scene.names[k]) for k in listed),
+            whole.times,
+            whole.x[:, BASE],
+            q[:, listed],
+            v[:, listed],
+            whole.v[:, BASE],
+            mechanics.parts,
+            mechanics.positions(values),
+            mechanics.rates(rates),
+            marks,
+        )
+
+
+def _chained(phases: list[tuple[str, Timed]]) -> tuple[Timed, tuple[tuple[str, int], ...]]:
+    """The phases joined, and the first sample of each."""
+    marks, count = [], 0
+    for name, part in phases:
+        marks.append((name, count))
+        count += len(part.times) - 1
+    return timing.joined([part for _, part in phases]), tuple(marks)

@@ -1,0 +1,221 @@
+"""Holdings: robot paths which keep a grasped handle in hand while the container moves.
+
+A holding is searched at one value of the container (the pivot) from many seeds with the base free,
+then led along the whole motion: with the arm still where the base alone can follow (a drawer, an
+upright hinge, an omnidirectional drive), else by the whole body.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.annotation import Drive
+from services.embodiment import ik
+from services.embodiment.grasp import Grasp
+from services.embodiment.handle import Mechanics
+from services.embodiment.limb import BASE, Limb
+from services.embodiment.world import Contact, Rules, World
+
+Array = NDArray[np.float64]
+
+WAYPOINTS = 61  # values of the container at which a path is solved and checked
+COARSE = 8  # every how many of them first
+SEEDS = 48  # in one batch
+STEPS = 60  # of the solver, for one seed
+EXACT = 1e-7  # [m, and rad · ik.ARM] tool error of a solution
+JUMP = 0.35  # [rad or m] largest change of a variable between coarse waypoints
+NEAR, FAR = 0.3, 1.1  # [m] from base to handle, horizontally, of seeds
+LEVEL = 1e-6  # [1, m] how far from planar a handle's motion may be for the base alone to follow it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Problem:
+    """One grasped handle's motion.
+
+    Attributes:
+        values: Of the container's joint at the waypoints, shape (K,).
+        handle_r, handle_p: World poses of the handle's joint frame there.
+        outward: World direction away from the front at the first waypoint.
+    """
+
+    mechanics: Mechanics
+    values: Array
+    handle_r: Array
+    handle_p: Array
+    outward: Array
+
+    def planar(self) -> bool:
+        """Whether the handle moves in a horizontal plane and turns about the vertical only."""
+        turn = self.handle_r @ self.handle_r[0].T
+        return bool(np.abs(turn[:, 2, 2] - 1).max() < LEVEL and np.ptp(self.handle_p[:, 2]) < LEVEL)
+
+    def carried(self, x: Array, pivot: int) -> Array:
+        """x (n,) at the pivot as the base alone carries it along, shape (K, n)."""
+        turn = self.handle_r @ self.handle_r[pivot].T
+        xs = np.repeat(x[None], len(self.values), axis=0)
+        base = np.array([x[0], x[1], 0.0]) - self.handle_p[pivot]
+        xs[:, :2] = (turn @ base + self.handle_p)[:, :2]
+        yaw = np.unwrap(np.arctan2(turn[:, 1, 0], turn[:, 0, 0]))
+        xs[:, 2] = x[2] + yaw - yaw[pivot]
+        return xs
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Holding:
+    """A path of a limb along the handle's motion, free of contact but for fingers and handle.
+
+    Attributes:
+        xs: Shape (K, n).
+        rest: Scene configuration at x = 0 with the fingers closed on the bar.
+        style: How the path came about: carried or followed.
+    """
+
+    limb: Limb
+    grasp: Grasp
+    xs: Array
+    rest: Array
+    style: str
+
+
+@dataclass(slots=True)
+class Tally:
+    """What a search has tried, and the contacts and failures it met."""
+
+    grasps: int = 0
+    seeds: int = 0
+    solved: int = 0
+    posed: int = 0
+    paths: int = 0
+    broken: int = 0
+    contacts: dict[tuple[str, int, int], int] | None = None
+
+    def met(self, stage: str, contact: Contact) -> None:
+        """One more contact at a stage."""
+        self.contacts = self.contacts if self.contacts is not None else {}
+        key = (stage, *contact.shapes)
+        self.contacts[key] = self.contacts.get(key, 0) + 1
+
+
+class Searcher:
+    """Search of holdings for one limb and drive."""
+
+    def __init__(self, world: World, limb: Limb, problem: Problem, rules: Rules, drive: Drive) -> None:
+        self.world, self.limb, self.problem, self.rules, self.drive = world, limb, problem, rules, drive
+        self.planar = problem.planar()
+        self.weight = mobility(limb)
+        self.tally = Tally()
+        self._standing: Array | None = None
+
+    def stand(self, base: Array) -> None:
+        """The base stays at this pose (3,)."""
+        self.weight[BASE] = 0.0
+        self._standing = base
+
+    def batch(
+        self,
+        grasps: list[tuple[Grasp, Array]],
+        pivot: int,
+        rng: np.random.Generator,
+        near: Array | None = None,
+    ) -> Iterator[Holding]:
+        """Holdings of grasps (each with its closed scene rest) that one batch of seeds leads to."""
+        chosen = [grasps[i % len(grasps)] for i in range(SEEDS)]
+        seeds = self._seeds(pivot, rng)
+        poses = [one.tool(self.problem.handle_r[pivot], self.problem.handle_p[pivot]) for one, _ in chosen]
+        target_r, target_p = np.stack([r for r, _ in poses]), np.stack([p for _, p in poses])
+        limb = self.limb
+        met = ik.solve_many(
+            seeds, target_r, target_p, limb.chain, self.weight, limb.lower, limb.upper, STEPS, EXACT
+        )
+        self.tally.seeds += SEEDS
+        self.tally.solved += int(met.sum())
+        for s in np.flatnonzero(met):
+            grasp, rest = chosen[s]
+            if self._stands(seeds[s], rest, pivot):
+                yield from self._led(seeds[s], grasp, rest, pivot)
+
+    def _seeds(self, pivot: int, rng: np.random.Generator) -> Array:
+        limb = self.limb
+        low = np.where(np.isfinite(limb.lower), limb.lower, -np.pi)
+        high = np.where(np.isfinite(limb.upper), limb.upper, np.pi)
+        seeds = rng.uniform(low, high, (SEEDS, len(low)))
+        out = self.problem.outward
+        side = np.arctan2(out[1], out[0]) + rng.uniform(-1.2, 1.2, SEEDS)
+        away = rng.uniform(NEAR, FAR, SEEDS)
+        seeds[:, 0] = self.problem.handle_p[pivot, 0] + away * np.cos(side)
+        seeds[:, 1] = self.problem.handle_p[pivot, 1] + away * np.sin(side)
+        seeds[:, 2] = side + np.pi + rng.uniform(-np.pi, np.pi, SEEDS)
+        if self._standing is not None:
+            seeds[:, BASE] = self._standing
+        return seeds
+
+    def _stands(self, x: Array, rest: Array, index: int) -> bool:
+        q = self.problem.mechanics.put(self.limb.q(x, rest), self.problem.values[[index]])
+        contact = self.world.contact(q, self.rules)
+        if contact is None:
+            self.tally.posed += 1
+            return True
+        self.tally.met("pose", contact)
+        return False
+
+    def _led(self, x: Array, grasp: Grasp, rest: Array, pivot: int) -> Iterator[Holding]:
+        if self.drive is Drive.OMNI and self.planar:
+            xs = self.problem.carried(x, pivot)
+            if self.free(xs, rest):
+                yield Holding(self.limb, grasp, xs, rest, "carried")
+                return
+        for weight in self._weights():
+            xs = self._followed(x, grasp, pivot, weight)
+            if xs is None:
+                self.tally.broken += 1
+            elif self.free(xs, rest):
+                yield Holding(self.limb, grasp, xs, rest, "followed")
+                return
+
+    def _weights(self) -> list[Array]:
+        still = self.weight.copy()
+        still[BASE] = 0.0
+        return [still, self.weight] if self.drive is Drive.OMNI else [still]
+
+    def _followed(self, x: Array, grasp: Grasp, pivot: int, weight: Array) -> Array | None:
+        """Path through all waypoints from the pivot both ways, shape (K, n)."""
+        count = len(self.problem.values)
+        xs = np.empty((count, len(x)))
+        xs[pivot] = x
+        tool_r, tool_p = grasp.tool(self.problem.handle_r, self.problem.handle_p)
+        for way in (np.arange(pivot + 1, count), np.arange(pivot - 1, -1, -1)):
+            path = np.empty((len(way), len(x)))
+            done = ik.follow(
+                x,
+                np.ascontiguousarray(tool_r[way]),
+                np.ascontiguousarray(tool_p[way]),
+                self.limb.chain,
+                weight,
+                self.limb.lower,
+                self.limb.upper,
+                JUMP,
+                path,
+            )
+            if done < len(way):
+                return None
+            xs[way] = path
+        return xs
+
+    def free(self, xs: Array, rest: Array) -> bool:
+        """Whether the path touches nothing that it may not, coarse waypoints first."""
+        self.tally.paths += 1
+        q = self.problem.mechanics.put_each(self.limb.q(xs, rest), self.problem.values)
+        for part in (q[::COARSE], q):
+            contact = self.world.contact(part, self.rules)
+            if contact is not None:
+                self.tally.met("path", contact)
+                return False
+        return True
+
+
+def mobility(limb: Limb) -> Array:
+    """How willingly each variable moves: its speed against that of the fastest arm joint, shape (n,)."""
+    speed = np.minimum(limb.velocity, 2.0)
+    return np.sqrt(speed / speed[3:].max())

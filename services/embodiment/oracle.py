@@ -1,0 +1,207 @@
+"""CanPerform (Eq. 7), in process: search of a body motion, and its certificate."""
+
+import hashlib
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from importlib.metadata import version
+
+import numpy as np
+from numpy.typing import NDArray
+
+from predicates.case import Answer, Case, Diagnosis, Search
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import OracleRejectedError
+from sdt_kg.iri import Iri
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.task import UNKNOWN
+from sdt_kg.twin import Container, Twin
+from services.embodiment.certify.check import Certified, certify
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.grasp import grasp_settings
+from services.embodiment.limb import Margins
+from services.embodiment.plan import Planner, Planned, Setting
+from services.embodiment.report import refusal
+from services.embodiment.world import World
+from services.physics.model import Scene
+from services.physics.oracle import Kinematics
+
+Array = NDArray[np.float64]
+Start = tuple[float, float, float]
+
+EMBODIMENT_VERSION = "1"
+"""Raised whenever an answer of this oracle may change."""
+
+SCENES_KEPT = 4
+"""[1] Scenes (kitchen, robot and state) that are kept between questions."""
+
+
+@dataclass(slots=True)
+class Clock:
+    """Seconds by name of a step."""
+
+    seconds: dict[str, float] = field(default_factory=dict[str, float])
+
+    def spent(self, step: str, since: float) -> None:
+        """The time since `since` was spent in this step."""
+        self.seconds[step] = self.seconds.get(step, 0.0) + time.perf_counter() - since
+
+
+class WholeBody:
+    """The Embodiment protocol: base, torso, one arm and its gripper; every gripper is tried.
+
+    Args:
+        drive: How the base moves; None takes the robot's own.
+        start: Base pose x, y [m], yaw [rad]; None takes the kitchen's, turned to the handle.
+        budget: Seconds of search for one case.
+        seed: Of the search: the same seed gives the same answer, but for the budget.
+    """
+
+    def __init__(
+        self, drive: Drive | None = None, start: Start | None = None, budget: float = 20.0, seed: int = 0
+    ) -> None:
+        self.drive, self.start, self.budget, self.seed = drive, start, budget, seed
+        self.tolerances, self.margins = Tolerances(), Margins()
+        self._worlds: list[tuple[tuple[object, ...], World]] = []
+
+    @property
+    def version(self) -> str:
+        return f"whole body {EMBODIMENT_VERSION}, pin {version('pin')}, coal {version('coal')}"
+
+    def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
+        start = self.start or twin.kitchen().start
+        turned = "" if self.start else ", turned to the handle"
+        grasps = hashlib.sha256(grasp_settings().encode()).hexdigest()[:16]
+        return (
+            ("drive", self._drive(twin, robot).value),
+            ("start", "{:g}, {:g}, {:g}".format(*start) + turned),
+            ("tolerances", repr(self.tolerances)),
+            ("margins", repr(self.margins)),
+            ("grasp set", grasps),
+            ("budget", f"{self.budget:g} s"),
+            ("seed", str(self.seed)),
+        )
+
+    def perform(self, case: Case) -> Answer:
+        clock, began = Clock(), time.perf_counter()
+        if case.robot is UNKNOWN:
+            raise OracleRejectedError("CanPerform was asked without a robot")
+        twin, container = case.twin, container_of(case)
+        world = self._world(twin, case.robot)
+        clock.spent("model", began)
+        start = self._start(twin, world, container)
+        if isinstance(case.body_motion, BodyMotion):
+            return self._verified(case, world, container, clock)
+        if not isinstance(case.motion, Motion):
+            raise OracleRejectedError("CanPerform was asked without a motion")
+        motion = case.motion
+        if motion.is_poses:
+            motion = Kinematics().replay(twin, motion).motion
+        drive = self._drive(twin, case.robot)
+        setting = Setting(world, container, motion, drive, start, self.margins, case.robot)
+        return self._searched(case, setting, clock, began)
+
+    def _searched(self, case: Case, setting: Setting, clock: Clock, began: float) -> Answer:
+        planner = Planner(setting, began + self.budget, self.seed, clock.spent)
+        rejected: list[tuple[Diagnosis, ...]] = []
+        for planned in planner.plans():
+            at = time.perf_counter()
+            outcome = self._certificate(case.twin, setting, planned.body, setting.start)
+            clock.spent("certify", at)
+            if isinstance(outcome, Certified):
+                found = replace(case, body_motion=planned.body, motion=planned.motion)
+                return Answer(found, True, (), self._notes(setting, planned), clock.seconds, outcome.figures)
+            rejected.append(outcome.diagnoses)
+        search = planner.searched(time.perf_counter() - began)
+        return Answer(
+            case, False, refusal(planner, rejected, search), self._notes(setting, None), clock.seconds
+        )
+
+    def _verified(self, case: Case, world: World, container: Container, clock: Clock) -> Answer:
+        at = time.perf_counter()
+        assert isinstance(case.body_motion, BodyMotion)
+        assert case.robot is not UNKNOWN
+        drive = self._drive(case.twin, case.robot)
+        outcome = certify(
+            case.twin,
+            case.robot,
+            case.body_motion,
+            container,
+            self.tolerances,
+            drive=drive,
+            start=self._start(case.twin, world, container),
+            scene=world.scene,
+        )
+        clock.spent("certify", at)
+        notes = (f"drive: {drive.value}", "the body motion was given; it was only checked")
+        if isinstance(outcome, Certified):
+            return Answer(case, True, (), notes, clock.seconds, outcome.figures)
+        return Answer(case, False, outcome.diagnoses, notes, clock.seconds)
+
+    def _certificate(self, twin: Twin, setting: Setting, body: BodyMotion, start: Array):  # noqa: ANN202
+        return certify(
+            twin,
+            setting.robot,
+            body,
+            setting.container,
+            self.tolerances,
+            drive=setting.drive,
+            start=(float(start[0]), float(start[1]), float(start[2])),
+            scene=setting.world.scene,
+        )
+
+    def _notes(self, setting: Setting, planned: Planned | None) -> tuple[str, ...]:
+        x, y, yaw = setting.start
+        notes = [
+            f"drive: {setting.drive.value}",
+            f"start: x {x:.3f} m, y {y:.3f} m, yaw {yaw:.3f} rad, parked",
+        ]
+        if planned is not None:
+            notes.append(f"grasp {planned.grasp} by gripper {planned.body.gripper}, {planned.style}")
+        return (*notes, *setting.world.scene.annotation.notes)
+
+    def _drive(self, twin: Twin, robot: Iri) -> Drive:
+        return self.drive or twin.robot(robot).drive
+
+    def _start(self, twin: Twin, world: World, container: Container) -> Start:
+        """Where the robot starts: as told, else at the kitchen's start pose, turned to the handle."""
+        if self.start is not None:
+            return self.start
+        x, y, _ = twin.kitchen().start
+        scene = world.scene
+        handle = scene.placement(scene.q((0.0, 0.0, 0.0), {}), container.handle).translation
+        return x, y, float(np.arctan2(handle[1] - y, handle[0] - x))
+
+    def _world(self, twin: Twin, robot: Iri) -> World:
+        key = (twin.mechanism(twin.environment), twin.mechanism(robot), twin.robot(robot), twin.kitchen())
+        state = twin.state
+        for (*known, at), world in self._worlds:
+            if at == state and all(one is other for one, other in zip(known, key, strict=True)):
+                return world
+        world = World(Scene(twin, robot))
+        self._worlds = [((*key, state), world), *self._worlds[: SCENES_KEPT - 1]]
+        return world
+
+
+def container_of(case: Case) -> Container:
+    """The container which the case is about: the task's, else the one that its motion moves.
+
+    Raises:
+        OracleRejectedError: Neither names one.
+    """
+    if case.task is not UNKNOWN and case.task.container is not UNKNOWN:
+        return case.twin.container(case.task.container)
+    return next(_moved(case))
+
+
+def _moved(case: Case) -> Iterator[Container]:
+    named: set[Iri] = set()
+    if isinstance(case.motion, Motion):
+        named.add(case.motion.of)
+    if isinstance(case.body_motion, BodyMotion):
+        span = np.ptp(case.body_motion.kitchen_q, axis=0) if len(case.body_motion.kitchen_joints) else ()
+        named.update(j for j, moved in zip(case.body_motion.kitchen_joints, span, strict=True) if moved > 0)
+    for one in case.twin.containers():
+        if named & {one.joint, one.active_joint, one.handle, one.iri}:
+            yield one
+    raise OracleRejectedError(f"none of {sorted(named) or 'nothing'} is a container or its joint")

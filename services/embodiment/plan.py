@@ -1,0 +1,185 @@
+"""The search: grippers, grasps, holdings, approaches, in rounds until a budget is spent."""
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from predicates.case import Search
+from sdt_kg.annotation import Drive
+from sdt_kg.iri import Iri
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.twin import Container
+from services.embodiment.approach import Approacher, Blocked
+from services.embodiment.assemble import Assembler
+from services.embodiment.fit import fitting
+from services.embodiment.grasp import Grasp, Hand
+from services.embodiment.handle import Bar, Mechanics, find_bar
+from services.embodiment.holding import WAYPOINTS, Holding, Problem, Searcher
+from services.embodiment.limb import Limb, Margins, make_limb, rules
+from services.embodiment.world import World
+
+Array = NDArray[np.float64]
+
+GRASPS = 36  # grasps of one gripper that are searched
+ROUNDS = 24  # batches of seeds for one gripper before the search gives up
+TRIES = 4  # holdings of one batch that are approached
+WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Setting:
+    """What is asked, and under which policy."""
+
+    world: World
+    container: Container
+    motion: Motion
+    drive: Drive
+    start: tuple[float, float, float]
+    margins: Margins
+    robot: Iri
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Planned:
+    """A body motion that the planner believes in."""
+
+    body: BodyMotion
+    motion: Motion
+    grasp: int
+    style: str
+
+
+@dataclass(slots=True, eq=False)
+class Attempt:
+    """The search with one gripper."""
+
+    limb: Limb
+    grasps: list[tuple[Grasp, Array]]
+    searcher: Searcher
+    approacher: Approacher
+    assembler: Assembler
+    rng: np.random.Generator
+
+
+class Planner:
+    """Plans for one setting.
+
+    Attributes:
+        attempts: One for each gripper that has a grasp.
+        blocked: Stage at which an approach failed → how often.
+        too_fast: Largest ratios to the limits of a motion whose times are required.
+    """
+
+    def __init__(
+        self, setting: Setting, deadline: float, seed: int, spent: Callable[[str, float], None]
+    ) -> None:
+        self.setting, self.deadline, self.seed, self._spent = setting, deadline, seed, spent
+        self.mechanics = Mechanics(setting.world, setting.container)
+        self.attempts: list[Attempt] = []
+        self.blocked: list[Blocked] = []
+        self.too_fast: list[tuple[float, float]] = []
+        self.placements = 0
+        self.bar: Bar | None = None
+        self.holdings = 0
+
+    def late(self) -> bool:
+        """Whether the budget is spent."""
+        return time.perf_counter() > self.deadline
+
+    def plans(self) -> Iterator[Planned]:
+        """Body motions, one after the other, until the search gives up."""
+        at = time.perf_counter()
+        self.attempts = [one for one in map(self._attempt, self._limbs()) if one is not None]
+        self._spent("grasp", at)
+        for number in range(ROUNDS):
+            for attempt in self.attempts:
+                if self.late():
+                    return
+                yield from self._round(attempt, number)
+
+    def searched(self, seconds: float) -> Search:
+        """What was tried so far."""
+        tallies = [attempt.searcher.tally for attempt in self.attempts]
+        return Search(
+            seeds=sum(tally.seeds for tally in tallies),
+            branches=sum(tally.paths + tally.broken for tally in tallies),
+            placements=self.placements,
+            seconds=seconds,
+        )
+
+    def _limbs(self) -> list[Limb]:
+        grippers = self.setting.world.scene.annotation.grippers
+        return [make_limb(self.setting.world, gripper) for gripper in grippers]
+
+    def _attempt(self, limb: Limb) -> Attempt | None:
+        setting, world = self.setting, self.setting.world
+        q = limb.q(limb.parked)
+        self.bar = find_bar(world, self.mechanics, q)
+        if self.bar is None:
+            return None
+        problem = self._problem(self.bar, q)
+        handle = setting.container.handle
+        holding, opened = rules(world, limb, setting.margins, (handle,)), rules(world, limb, setting.margins)
+        grasps = list(
+            _spread(
+                fitting(Hand(world, limb), problem, self.bar, (holding, opened), world.shapes_of((handle,)))
+            )
+        )
+        searcher = Searcher(world, limb, problem, holding, setting.drive)
+        start = np.array(setting.start)
+        if setting.drive is Drive.FIXED:
+            searcher.stand(start)
+        searcher.tally.grasps = len(grasps)
+        approacher = Approacher(world, limb, opened, setting.drive, start, self.late)
+        assembler = Assembler(world, limb, setting.robot, problem, setting.motion)
+        return Attempt(limb, grasps, searcher, approacher, assembler, np.random.default_rng(self.seed))
+
+    def _problem(self, bar: Bar, q: Array) -> Problem:
+        values = np.linspace(self.mechanics.start, float(self.setting.motion.values[-1, 0]), WAYPOINTS)
+        handle_r, handle_p = self.mechanics.handle_poses(q, bar.joint, values)
+        return Problem(self.mechanics, values, handle_r, handle_p, handle_r[0] @ bar.outward)
+
+    def _round(self, attempt: Attempt, number: int) -> Iterator[Planned]:
+        """Plans from one batch of seeds."""
+        if not attempt.grasps:
+            return
+        pivot = (WAYPOINTS // 2, WAYPOINTS - 1, 0)[number % 3]
+        at, tries = time.perf_counter(), 0
+        for holding in attempt.searcher.batch(attempt.grasps, pivot, attempt.rng):
+            self._spent("holding", at)
+            self.holdings += 1
+            planned = self._approached(attempt, holding)
+            if planned is not None:
+                yield planned
+            tries += 1
+            if tries == TRIES or self.late():
+                return
+            at = time.perf_counter()
+        self._spent("holding", at)
+
+    def _approached(self, attempt: Attempt, holding: Holding) -> Planned | None:
+        at = time.perf_counter()
+        self.placements += 1
+        approach = attempt.approacher.approach(holding, attempt.searcher.problem, attempt.rng)
+        self._spent("approach", at)
+        if isinstance(approach, Blocked):
+            self.blocked.append(approach)
+            return None
+        at = time.perf_counter()
+        assembled = attempt.assembler.assemble(approach, holding)
+        self._spent("timing", at)
+        if max(assembled.excess) > WITHIN:
+            self.too_fast.append(assembled.excess)
+            return None
+        return Planned(assembled.body, assembled.motion, holding.grasp.index, holding.style)
+
+
+def _spread(grasps: Iterator[tuple[Grasp, Array]]) -> Iterator[tuple[Grasp, Array]]:
+    """The first GRASPS of them."""
+    for count, grasp in enumerate(grasps, 1):
+        yield grasp
+        if count == GRASPS:
+            return
