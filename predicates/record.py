@@ -5,27 +5,17 @@ from dataclasses import dataclass
 
 import pyoxigraph as ox
 
-from predicates.case import Diagnosis, Evidence, Kind, Outcome, Verdict
+from predicates.case import Diagnosis, Evidence, Verdict
 from predicates.report import answers, diagnosis_json, drive, figures, gripper, notes, to_json
 from predicates.scope import verb_iri
+from predicates.stored import DIAGNOSIS_CLASS, OUTCOME_TERM, read_verdicts
 from sdt_kg.iri import LAW, PROV, RDF, Iri, graph_iri, local_name, part_iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.store import Term, Triple
 from sdt_kg.task import Task
 
-__all__ = ["Record", "diagnosis_json", "to_json", "to_record", "write"]
+__all__ = ["Record", "diagnosis_json", "read_verdicts", "to_json", "to_record", "write"]
 
-DIAGNOSIS_CLASS = {
-    Kind.SEMANTIC: "SemanticFailure",
-    Kind.CAUSAL: "CausalFailure",
-    Kind.EMBODIMENT: "EmbodimentFailure",
-    Kind.OUT_OF_SCOPE: "OutOfScope",
-}
-OUTCOME_TERM = {
-    Outcome.CERTIFIED: "Certified",
-    Outcome.NOT_CERTIFIED: "NotCertified",
-    Outcome.ABSTAINED: "Abstained",
-}
 SECONDS = {ox.NamedNode(LAW + "seconds"), ox.NamedNode(LAW + "searchedSeconds")}
 
 
