@@ -1,0 +1,356 @@
+"""The certifier accepts a good motion and refuses each way of spoiling it, for the right reason."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from predicates.case import Diagnosis, Kind, Quantity
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import MotionError, UnknownEntityError
+from sdt_kg.iri import body_iri, joint_iri
+from sdt_kg.motion import BodyMotion
+from sdt_kg.twin import Twin
+from services.embodiment.certify import Certified, Refused, Tolerances, certify
+from tests.services.embodiment.gantry import DRAWER, RESTS, START, gantry_twin, opening
+
+pytestmark = pytest.mark.oracle
+
+WALL = """<link name="wall"><collision><geometry><box size="0.001 0.5 0.3"/></geometry></collision></link>
+<joint name="wall_joint" type="fixed"><parent link="world"/><child link="wall"/>
+<origin xyz="{x} 0 {z}"/></joint>"""
+
+
+@pytest.fixture(scope="module")
+def twin(tmp_path_factory: pytest.TempPathFactory) -> Twin:
+    return gantry_twin(tmp_path_factory.mktemp("gantry"))
+
+
+def judge(
+    twin: Twin,
+    motion: BodyMotion,
+    drive: Drive = Drive.OMNI,
+    start: tuple[float, float, float] | None = START,
+    tolerances: Tolerances | None = None,
+) -> Certified | Refused:
+    container = twin.container("drawer_main")
+    return certify(
+        twin, twin.robots[0], motion, container, tolerances or Tolerances(), drive=drive, start=start
+    )
+
+
+def refusal(
+    twin: Twin,
+    motion: BodyMotion,
+    quantity: Quantity,
+    drive: Drive = Drive.OMNI,
+    start: tuple[float, float, float] | None = START,
+) -> list[Diagnosis]:
+    """The diagnoses of that quantity; there is at least one, and none claims a proof."""
+    verdict = judge(twin, motion, drive, start)
+    assert isinstance(verdict, Refused)
+    assert all(one.kind is Kind.EMBODIMENT and not one.proof for one in verdict.diagnoses)
+    found = [one for one in verdict.diagnoses if one.evidence and one.evidence.quantity is quantity]
+    assert found, [one.reason for one in verdict.diagnoses]
+    return found
+
+
+def only(twin: Twin, motion: BodyMotion, quantity: Quantity, drive: Drive = Drive.OMNI) -> list[Diagnosis]:
+    """As `refusal`, and there is no reason but that one."""
+    verdict = judge(twin, motion, drive)
+    found = refusal(twin, motion, quantity, drive)
+    assert isinstance(verdict, Refused)
+    assert list(verdict.diagnoses) == found, [one.reason for one in verdict.diagnoses]
+    return found
+
+
+def with_rests(**columns: tuple[int, float]) -> np.ndarray:
+    """RESTS with values replaced: name of a column → (row, value)."""
+    names = ("time", "x", "y", "yaw", "lift", "arm", "wrist", "finger", "drawer")
+    rests = RESTS.copy()
+    for name, (row, value) in columns.items():
+        rests[row, names.index(name)] = value
+    return rests
+
+
+@pytest.mark.parametrize("step", [0.05, 0.5, 100.0])
+def test_a_good_motion_is_certified_however_coarse_its_samples(twin: Twin, step: float) -> None:
+    verdict = judge(twin, opening(step))
+    assert isinstance(verdict, Certified), verdict.diagnoses
+    figures = verdict.figures
+    assert figures["container at the end"] == (pytest.approx(0.46), "m")
+    assert figures["smallest distance, self"] == (pytest.approx(0.01, abs=1e-6), "m")  # finger to finger
+    assert figures["finger to handle"][0] == pytest.approx(0, abs=1e-6)
+    assert figures["tool slip"][0] < 0.0005
+    assert figures["largest base velocity ratio"][0] == pytest.approx(
+        0.6, abs=0.001
+    )  # 1.5 · 0.4 m / 5 s / 0.2 m/s
+
+
+def test_nothing_of_the_verdict_depends_on_the_phases_that_a_planner_names(twin: Twin) -> None:
+    motion = replace(opening(), phases=(("follow", 0),))
+    assert judge(twin, motion) == judge(twin, opening())
+
+
+def test_a_shifted_waypoint_slips_off_the_handle(twin: Twin) -> None:
+    motion = opening()
+    q = motion.q.copy()
+    q[150, 1] += 0.004  # arm at 15 s
+    found = refusal(twin, replace(motion, q=q), Quantity.TOOL_ERROR)
+    assert found[-1].evidence is not None
+    assert found[-1].evidence.value == pytest.approx(0.004, abs=0.0003)
+    assert found[-1].evidence.time == pytest.approx(15.0, abs=0.1)
+
+
+def test_a_slip_between_samples_is_seen(twin: Twin) -> None:
+    motion = opening(step=1.0)
+    v = motion.v.copy()
+    v[14, 1] += 0.05  # the samples are right, the spline between them is not
+    found = refusal(twin, replace(motion, v=v), Quantity.TOOL_ERROR)
+    assert found[-1].evidence is not None
+    assert found[-1].evidence.value == pytest.approx(0.05 * 4 / 27, rel=0.05)  # Hermite's bump, h = 1 s
+
+
+def test_a_turn_of_the_wrist_on_the_handle_is_seen(twin: Twin) -> None:
+    rests = with_rests(wrist=(4, 0.03))
+    found = refusal(twin, opening(rests=rests), Quantity.ORIENTATION_ERROR)
+    assert found[-1].evidence is not None
+    assert found[-1].evidence.value == pytest.approx(0.03, abs=0.001)
+
+
+def test_a_wall_of_1_mm_between_two_samples_is_seen(tmp_path: Path) -> None:
+    # Crossed by the palm at 0.1 to 0.2 m/s: with samples 2 s apart no sample is near it.
+    twin = gantry_twin(tmp_path, WALL.format(x=0.85, z=0.6))
+    motion = opening(step=100.0)
+    found = refusal(twin, motion, Quantity.DISTANCE)
+    evidence = [one.evidence for one in found if one.evidence]
+    assert all(one.value < 0 and one.scope == "environment" for one in evidence)
+    assert {one.links[1] for one in evidence if one.links} == {body_iri("cell", "wall")}
+    first = evidence[0]
+    assert first.time is not None
+    # Worst: the 60 mm of a finger beyond the wall, or the 0.15 m of its height, whichever is less.
+    assert 5.0 < first.time < 9.0
+
+
+def test_the_depth_of_a_penetration_is_right_to_1_mm(twin: Twin) -> None:
+    # The arm goes 20 mm too far before the fingers close: their tips, 45 mm from the front, do not
+    # touch; 60 mm too far they are 15 mm deep in it.
+    rests = RESTS.copy()
+    rests[2:4, 5] += 0.06
+    verdict = judge(twin, opening(rests=rests))
+    assert isinstance(verdict, Refused)
+    front = [
+        one.evidence.value
+        for one in verdict.diagnoses
+        if one.evidence and one.evidence.links and one.evidence.links[1] == body_iri("cell", "drawer_main")
+    ]
+    # A plate of 20 mm: the tip is 25 mm beyond its surface, so the nearest way out is through it.
+    assert min(front) == pytest.approx(-0.025, abs=0.001)
+
+
+def test_a_thin_gap_is_kept_or_not_by_the_margin(tmp_path: Path) -> None:
+    # The underside of the arm is at z = 0.48 m, the wall's top 2 mm below.
+    twin = gantry_twin(tmp_path, WALL.format(x=0.7, z=0.328))
+    assert isinstance(judge(twin, opening()), Refused)  # the palm and fingers are lower
+    clear = gantry_twin(tmp_path, WALL.format(x=0.7, z=0.288))  # palm's underside 0.44, wall's top 0.438
+    verdict = judge(clear, opening())
+    assert isinstance(verdict, Certified), verdict.diagnoses
+    assert verdict.figures["smallest distance, environment"] == (pytest.approx(0.002, abs=1e-6), "m")
+    assert isinstance(judge(clear, opening(), tolerances=Tolerances(margin=0.003)), Refused)
+
+
+def test_faster_than_the_limits(twin: Twin) -> None:
+    motion = opening()
+    slow = replace(motion, times=motion.times / 2, v=motion.v * 2, base_v=motion.base_v * 2)
+    found = refusal(twin, replace(slow, kitchen_v=motion.kitchen_v * 2), Quantity.VELOCITY)
+    assert "the base" in found[0].reason
+    assert found[-1].evidence is not None
+    assert found[-1].evidence.value == pytest.approx(0.24, abs=0.001)  # 1.5 · 0.4 m / 2.5 s
+    assert found[-1].evidence.bound == 0.2
+
+
+def test_the_base_keeps_its_speed_along_diagonals_too(twin: Twin) -> None:
+    rests = RESTS.copy()
+    rests[1:, 2] = 0.5  # sideways at once: 0.12 m/s and 0.15 m/s are 0.192 m/s; 0.16 and 0.15 are more
+    rests[1, 0], rests[2:, 0] = 4.4, RESTS[2:, 0]
+    found = refusal(twin, opening(rests=rests), Quantity.VELOCITY)
+    assert found[-1].evidence is not None
+    assert found[-1].evidence.value == pytest.approx(1.5 * np.hypot(0.4, 0.5) / 4.4, abs=0.001)
+
+
+def test_acceleration_between_samples_is_that_of_the_spline(twin: Twin) -> None:
+    rests = with_rests(time=(3, 9.2))  # fingers close in 0.2 s: 6 · 0.035 m / 0.04 s² = 5.25 m/s²
+    found = refusal(twin, opening(rests=rests), Quantity.ACCELERATION)
+    assert max(one.evidence.value for one in found if one.evidence) == pytest.approx(5.25)
+
+
+def test_a_jump_is_an_excess_of_velocity(twin: Twin) -> None:
+    motion = opening()
+    base = motion.base.copy()
+    base[30:, 1] += 0.3
+    refusal(twin, replace(motion, base=base), Quantity.VELOCITY)
+
+
+@pytest.mark.parametrize("beyond", [1e-3, 1e-4])
+def test_a_joint_out_of_limits_by_little(twin: Twin, beyond: float) -> None:
+    rests = with_rests(lift=(0, 0.0))
+    rests[0:, 4] = 0.2
+    motion = opening(rests=rests)
+    q = motion.q.copy()
+    q[:20, 3] = 0.04 + beyond  # fingers open too far
+    verdict = judge(twin, replace(motion, q=q), start=None)
+    assert isinstance(verdict, Refused)
+    found = [
+        one.evidence
+        for one in verdict.diagnoses
+        if one.evidence and one.evidence.quantity is Quantity.POSITION
+    ]
+    assert {one.entity for one in found} <= {
+        joint_iri("gantry", "up_joint"),
+        joint_iri("gantry", "down_joint"),
+    }
+    # Between the last sample beyond and the next one the spline overshoots a little.
+    assert max(one.value for one in found) == pytest.approx(0.04 + beyond, abs=beyond / 5)
+
+
+def test_sideways_motion_needs_an_omnidirectional_drive(twin: Twin) -> None:
+    assert isinstance(judge(twin, opening(), Drive.DIFFERENTIAL), Certified)  # straight ahead and back
+    rests = with_rests(y=(1, 0.02))
+    rests[2:, 2] = 0.02
+    assert isinstance(judge(twin, opening(rests=rests)), Certified)
+    found = refusal(twin, opening(rests=rests), Quantity.SIDEWAYS_VELOCITY, Drive.DIFFERENTIAL)
+    assert found[-1].evidence is not None
+    assert found[-1].evidence.value == pytest.approx(1.5 * 0.02 / 5, abs=0.0006)
+
+
+def test_sideways_drift_below_the_velocity_is_summed_up(twin: Twin) -> None:
+    rests = RESTS.copy()
+    rests[1:, 0] += 15.0
+    rests[1:, 2] = 0.015  # in 20 s: 1.1 mm/s at most
+    verdict = judge(twin, opening(rests=rests), Drive.DIFFERENTIAL)
+    assert isinstance(verdict, Refused)
+    assert [one.reason for one in verdict.diagnoses] == [
+        "the base drifts 0.015 m sideways in all, and its drive is differential"
+    ]
+
+
+def test_a_fixed_base_never_moves(twin: Twin) -> None:
+    found = only(twin, opening(), Quantity.POSITION, Drive.FIXED)
+    assert "fixed" in found[0].reason
+
+
+def test_a_container_does_not_move_before_it_is_held(twin: Twin) -> None:
+    motion = opening()
+    kitchen_q = motion.kitchen_q.copy()
+    kitchen_q[60:100] += 0.003  # it creeps open by 3 mm and back while the arm comes
+    found = refusal(twin, replace(motion, kitchen_q=kitchen_q), Quantity.DISTANCE)
+    assert "moves before it is held" in found[0].reason
+
+
+def test_a_container_does_not_move_by_itself(twin: Twin) -> None:
+    rests = RESTS.copy()
+    rests[2:, 5] = 0.5  # the arm stays away
+    found = refusal(twin, opening(rests=rests), Quantity.DISTANCE)
+    assert "moves before it is held" in found[0].reason
+
+
+def test_one_finger_on_the_handle_is_no_grasp(twin: Twin) -> None:
+    rests = RESTS.copy()
+    rests[3:, 7] = 0.009  # 4 mm from the bar on both sides
+    found = refusal(twin, opening(rests=rests), Quantity.DISTANCE)
+    assert found[0].evidence is not None
+    assert found[0].evidence.value == pytest.approx(0.004, abs=1e-6)
+    rests[1:, 4] -= 0.004  # the upper finger touches, the lower one is 8 mm away
+    found = refusal(twin, opening(rests=rests), Quantity.DISTANCE)
+    assert found[0].evidence is not None
+    assert found[0].evidence.value == pytest.approx(0.008, abs=1e-6)
+
+
+def test_fingers_that_open_while_they_pull_let_go(twin: Twin) -> None:
+    found = refusal(twin, opening(rests=with_rests(finger=(4, 0.02))), Quantity.TOOL_ERROR)
+    assert "while it holds the handle" in found[0].reason
+
+
+def test_fingers_do_not_sink_into_the_handle(twin: Twin) -> None:
+    rests = RESTS.copy()
+    rests[3:, 7] = 0.001
+    found = only(twin, opening(rests=rests), Quantity.DISTANCE)
+    assert found[-1].evidence is not None
+    assert found[-1].evidence.value == pytest.approx(-0.004, abs=0.001)
+
+
+def test_the_wrong_gripper_does_not_hold(twin: Twin) -> None:
+    found = refusal(twin, replace(opening(), gripper="other"), Quantity.DISTANCE)
+    assert "moves before it is held" in found[0].reason
+    assert isinstance(judge(twin, replace(opening(), gripper="")), Certified)  # the one that does is found
+    with pytest.raises(UnknownEntityError):
+        judge(twin, replace(opening(), gripper="hnd"))
+
+
+def test_a_kitchen_that_stands_still_is_not_opened(twin: Twin) -> None:
+    motion = replace(opening(), kitchen_joints=(), kitchen_q=np.zeros((0, 0)), kitchen_v=np.zeros((0, 0)))
+    verdict = judge(twin, motion)
+    assert isinstance(verdict, Refused)
+    assert verdict.diagnoses[0].reason == "drawer_main does not move"
+
+
+def test_a_motion_starts_where_and_as_it_is_told(twin: Twin) -> None:
+    assert isinstance(judge(twin, opening(), start=None), Certified)
+    found = refusal(twin, opening(), Quantity.POSITION, start=(0.0, 0.1, 0.0))
+    assert "base_y" in found[0].reason
+    assert isinstance(judge(twin, opening(), start=(0.0, 0.0, 2 * np.pi)), Certified)  # the same yaw
+    rests = with_rests(arm=(0, 0.1))
+    found = refusal(twin, opening(rests=rests), Quantity.POSITION)
+    assert "parked" in found[0].reason
+    assert isinstance(judge(twin, opening(rests=with_rests(finger=(0, 0.03)))), Certified)
+
+
+def test_a_motion_starts_in_the_twins_state(twin: Twin) -> None:
+    found = refusal(twin.at({DRAWER: 0.1}), opening(), Quantity.POSITION)
+    assert "the kitchen's state" in found[0].reason
+
+
+def test_other_containers_stand_still(tmp_path: Path) -> None:
+    other = """<link name="lid"/><joint name="lid_joint" type="revolute"><parent link="cabinet"/>
+    <child link="lid"/><axis xyz="0 0 1"/><limit lower="0" upper="1" velocity="1" effort="1"/></joint>"""
+    twin, motion = gantry_twin(tmp_path, other), opening()
+    lid = joint_iri("cell", "lid_joint")
+    two = replace(
+        motion,
+        kitchen_joints=(DRAWER, lid),
+        kitchen_q=np.repeat(motion.kitchen_q, 2, axis=1),
+        kitchen_v=np.repeat(motion.kitchen_v, 2, axis=1),
+    )
+    assert isinstance(judge(twin, motion), Certified)
+    found = only(twin, two, Quantity.POSITION)
+    assert {one.evidence.entity for one in found if one.evidence} == {lid}
+
+
+def test_a_mimicking_finger_follows(twin: Twin) -> None:
+    motion = opening()
+    both = replace(
+        motion,
+        joints=(*motion.joints, "down_joint"),
+        q=np.hstack((motion.q, motion.q[:, 3:])),
+        v=np.hstack((motion.v, motion.v[:, 3:])),
+    )
+    assert isinstance(judge(twin, both), Certified)
+    q = both.q.copy()
+    q[:, 4] = 0.04
+    found = refusal(twin, replace(both, q=q), Quantity.POSITION)
+    assert "does not follow" in found[0].reason
+
+
+def test_what_is_no_motion_is_an_error(twin: Twin) -> None:
+    motion = opening()
+    times = motion.times.copy()
+    times[5] = times[4]
+    q = motion.q.copy()
+    q[3, 2] = np.nan
+    spoiled = (replace(motion, times=times), replace(motion, q=q), replace(motion, v=motion.v[1:]))
+    for one in spoiled:
+        with pytest.raises(MotionError):
+            judge(twin, one)
+    with pytest.raises(UnknownEntityError, match="lift_joint"):
+        judge(twin, replace(motion, joints=("lift_jiont", *motion.joints[1:])))
