@@ -1,0 +1,178 @@
+"""Motion files: round trips, and every wrong file is told what is wrong with it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sdt_kg.errors import InputError, MotionError, UnknownEntityError
+from sdt_kg.motion import BodyMotion, Motion
+from services.motion_files import read_motion, write_motion
+from tests.small import small_twin
+
+TWIN = small_twin("a", ("pr2", "stretch"))
+PR2 = TWIN.robots[0]
+DRAWER = TWIN.container("low_drawer")
+TIMES = np.linspace(0.0, 4.0, 9)
+SMOOTH = (1 - np.cos(np.linspace(0, np.pi, 9))) / 2
+
+Arrays = dict[str, np.ndarray]
+
+
+def container_motion(**other: object) -> Arrays:
+    arrays = {"joint": "low_drawer_joint", "times": TIMES, "values": 0.46 * SMOOTH}
+    return {name: np.asarray(value) for name, value in (arrays | other).items() if value is not None}
+
+
+def body_motion(**other: object) -> Arrays:
+    arrays = {
+        "times": TIMES,
+        "base": np.column_stack([SMOOTH, SMOOTH, np.zeros(9)]),
+        "robot_joint_names": ["lift_joint"],
+        "robot_positions": (0.5 + 0.5 * SMOOTH)[:, None],
+    }
+    return {name: np.asarray(value) for name, value in (arrays | other).items() if value is not None}
+
+
+def saved(folder: Path, arrays: Arrays) -> Path:
+    path = folder / "motion.npz"
+    np.savez(path, **arrays)  # type: ignore[arg-type]
+    return path
+
+
+def read(folder: Path, arrays: Arrays) -> Motion | BodyMotion:
+    return read_motion(saved(folder, arrays), TWIN, PR2)
+
+
+def test_a_containers_motion_is_values_of_its_joint(tmp_path: Path) -> None:
+    motion = read(tmp_path, container_motion())
+    assert isinstance(motion, Motion)
+    assert (motion.of, motion.values.shape, motion.timed) == (DRAWER.joint, (9, 1), True)
+    assert motion.velocities is None
+
+
+def test_values_may_be_a_column(tmp_path: Path) -> None:
+    motion = read(tmp_path, container_motion(values=0.46 * SMOOTH[:, None]))
+    assert isinstance(motion, Motion)
+    assert motion.values.shape == (9, 1)
+
+
+def test_a_frames_motion_is_poses(tmp_path: Path) -> None:
+    poses = np.tile([1.0, 0, 0.4, 0, 0, 0, 1], (9, 1))
+    motion = read(tmp_path, {"frame": np.asarray("low_drawer_handle"), "times": TIMES, "poses": poses})
+    assert isinstance(motion, Motion)
+    assert motion.is_poses
+    assert motion.of == DRAWER.handle
+
+
+def test_a_body_motion_without_velocities_gets_those_of_the_spline_at_rest(tmp_path: Path) -> None:
+    motion = read(tmp_path, body_motion())
+    assert isinstance(motion, BodyMotion)
+    assert motion.v[[0, -1], 0] == pytest.approx([0, 0], abs=1e-12)
+    middle = 0.25 * np.pi / 4  # d/dt of 0.5 + 0.5 · (1 - cos(π t / 4)) / 2 at t = 2
+    assert motion.v[4, 0] == pytest.approx(middle, rel=1e-3)
+    assert motion.kitchen_q.shape == (9, 0)
+
+
+def test_a_body_motion_may_say_how_the_kitchen_moves(tmp_path: Path) -> None:
+    kitchen = {"kitchen_joint_names": ["low_drawer_joint"], "kitchen_positions": 0.46 * SMOOTH[:, None]}
+    motion = read(tmp_path, body_motion(**kitchen))
+    assert isinstance(motion, BodyMotion)
+    assert motion.kitchen_joints == (DRAWER.joint,)
+    assert motion.kitchen_q[-1, 0] == 0.46
+
+
+@pytest.mark.parametrize("arrays", [container_motion(), body_motion()])
+def test_what_is_written_is_read_back(tmp_path: Path, arrays: Arrays) -> None:
+    motion = read(tmp_path, arrays)
+    again = tmp_path / "again.npz"
+    write_motion(again, motion)
+    back = read_motion(again, TWIN)
+    assert type(back) is type(motion)
+    for name in motion.__dataclass_fields__:
+        np.testing.assert_array_equal(getattr(back, name), getattr(motion, name), err_msg=name)
+
+
+def test_a_file_written_by_us_names_its_robot(tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    motion = read(tmp_path, body_motion())
+    write_motion(path, motion)
+    with pytest.raises(MotionError, match="the motion is of the robot 'pr2'"):
+        read_motion(path, TWIN, TWIN.robots[1])
+
+
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        (container_motion(times=TIMES[::-1]), "index 0 is 4 s, index 1 is 3.5 s"),
+        (container_motion(times=TIMES[:1], values=SMOOTH[:1]), "1 samples"),
+        (container_motion(values=np.where(TIMES == 2, np.nan, SMOOTH)), r"not a number at index \[4\]"),
+        (container_motion(values=SMOOTH[:-1]), r"'values' has the shape \(8,\); allowed: \(9\)"),
+        (container_motion(values=SMOOTH * 460), "low_drawer_joint at index 1 .* probably in millimetres"),
+        (container_motion(joint="side_door_joint", values=SMOOTH * 80), "at index 2 .* probably in degrees"),
+        (container_motion(times=TIMES * 1000), "probably milliseconds"),
+        (container_motion(values=None), "no 'values'"),
+        (container_motion(values=["a"] * 9), "'values' holds"),
+        (body_motion(base=np.zeros((9, 2))), r"'base' has the shape \(9, 2\)"),
+        (body_motion(base=np.full((9, 3), 1500.0)), "x of 'base' at index 0 .* probably in millimetres"),
+        (body_motion(robot_positions=None), "no 'robot_positions'"),
+        (body_motion(robot_positions=np.zeros((9, 2))), r"'robot_positions' has the shape \(9, 2\)"),
+        (body_motion(robot_positions=700 * SMOOTH[:, None]), "lift_joint at index 1 .* millimetres"),
+        (body_motion(times=TIMES * 1000), "lift_joint, the fastest joint, .* milliseconds"),
+        (
+            body_motion(robot_joint_names=["lift_joint"] * 2, robot_positions=np.zeros((9, 2))),
+            "lift_joint twice",
+        ),
+        (body_motion(phase_names=["follow"], phase_starts=[99]), r"phases start at \[99\]"),
+        ({"times": TIMES}, "allowed: times, base"),
+    ],
+)
+def test_a_wrong_file_is_told_what_is_wrong(tmp_path: Path, arrays: Arrays, message: str) -> None:
+    with pytest.raises(MotionError, match=message):
+        read(tmp_path, arrays)
+
+
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        (container_motion(joint="low_drawer"), "no joint named 'low_drawer'; .*low_drawer_joint"),
+        (container_motion(joint="wall_joint"), "no joint named 'wall_joint'"),
+        (
+            {"frame": np.asarray("handle"), "times": TIMES, "poses": np.zeros((9, 7))},
+            "no frame named 'handle'",
+        ),
+        (body_motion(robot_joint_names=["lift"]), "no joint named 'lift'; .*lift_joint"),
+        (
+            body_motion(kitchen_joint_names=["low_joint"], kitchen_positions=np.zeros((9, 1))),
+            "no joint named 'low_joint'",
+        ),
+    ],
+)
+def test_unknown_names_are_told_the_nearest(tmp_path: Path, arrays: Arrays, message: str) -> None:
+    with pytest.raises(UnknownEntityError, match=message):
+        read(tmp_path, arrays)
+
+
+@pytest.mark.parametrize("content", [b"", b"not a zip", b"PK\x03\x04 broken"])
+def test_what_is_no_npz_is_told_so(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "motion.npz"
+    path.write_bytes(content)
+    with pytest.raises(MotionError, match=r"is no \.npz"):
+        read_motion(path, TWIN)
+
+
+def test_pickled_objects_are_not_loaded(tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    np.savez(path, times=np.array([object()], dtype=object))
+    with pytest.raises(MotionError, match=r"is no \.npz of plain arrays"):
+        read_motion(path, TWIN)
+
+
+def test_a_missing_file_is_told_so(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no file at"):
+        read_motion(tmp_path / "none.npz", TWIN)
+
+
+def test_slow_waypoints_are_not_taken_for_milliseconds(tmp_path: Path) -> None:
+    motion = read(tmp_path, container_motion(times=TIMES * 3))  # 1.5 s apart, a tenth of the drawer's speed
+    assert motion.times[-1] == 12
