@@ -15,7 +15,8 @@ from services.embodiment import ik
 from services.embodiment.holding import JUMP, Holding, Problem
 from services.embodiment.limb import BASE, Limb
 from services.embodiment.paths import between, connect
-from services.embodiment.spaces import ARM_STEP, ArmSpace, DriveSpace, reaches
+from services.embodiment.roads import Roads
+from services.embodiment.spaces import ARM_STEP, ArmSpace, reaches
 from services.embodiment.world import Contact, Rules, World
 
 Array = NDArray[np.float64]
@@ -24,8 +25,6 @@ LEAVE = 0.1  # [m] the open hand backs off from the bar along its approach axis
 PULLS = 11  # waypoints of that
 BACK_OFFS = (0.0, 0.3, 0.6, 0.9)  # [m] the base drives back before the arm folds
 ARM_ITERATIONS = 120
-DRIVE_ITERATIONS = 400
-CORNER = 0.5  # [m] beyond the kitchen's and the robot's own places that it may drive
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,10 +60,10 @@ class Approacher:
     """Ways to holdings of one limb."""
 
     def __init__(
-        self, world: World, limb: Limb, rules: Rules, drive: Drive, start: Array, late: Callable[[], bool]
+        self, world: World, limb: Limb, rules: Rules, roads: Roads, start: Array, late: Callable[[], bool]
     ) -> None:
-        self.world, self.limb, self.rules, self.drive = world, limb, rules, drive
-        self.start, self.late = start, late
+        self.world, self.limb, self.rules, self.roads = world, limb, rules, roads
+        self.drive, self.start, self.late = roads.space.drive, start, late
         self.weight = reaches(limb)
 
     def approach(self, holding: Holding, problem: Problem, rng: np.random.Generator) -> Approach | Blocked:
@@ -136,7 +135,7 @@ class Approacher:
             contact = self._contact(np.stack([back, left[-1]]))
         if contact is not None:
             return Blocked("park", contact)
-        road = self.road(back[BASE], rng)
+        road = self.road(back[BASE])
         if road is None:
             return Blocked("drive")
         turns = road[-1, 2] - back[2]
@@ -157,17 +156,10 @@ class Approacher:
             parts.append(between(one, other, pieces))
         return self.world.contact(self.limb.q(np.concatenate(parts)), self.rules)
 
-    def road(self, goal: Array, rng: np.random.Generator) -> Array | None:
+    def road(self, goal: Array) -> Array | None:
         """Corners of the drive from the start to a base pose (its yaw up to whole turns), shape (K, 3)."""
         turned = goal.copy()
         turned[2] += 2 * np.pi * np.round((self.start[2] - goal[2]) / (2 * np.pi))
         if np.allclose(turned, self.start, atol=1e-9):
             return np.stack([self.start, self.start])
-        if self.drive is Drive.FIXED:
-            return None
-        box = np.stack([np.minimum(self.start, turned)[:2], np.maximum(self.start, turned)[:2]])
-        box += np.array([[-1], [1]]) * (CORNER + 1.5)
-        space = DriveSpace(
-            self.world, self.limb, self.rules, self.limb.rest, self.limb.parked.copy(), box, self.drive
-        )
-        return connect(space, (self.start, turned), rng, DRIVE_ITERATIONS, self.late)
+        return None if self.drive is Drive.FIXED else self.roads.road(self.start, turned, self.late)

@@ -29,11 +29,13 @@ class Assembled:
 
     Attributes:
         excess: Largest ratios of velocity and acceleration to their limits while following.
+        outside: How far a variable leaves its position limits on the way [rad or m].
     """
 
     body: BodyMotion
     motion: Motion
     excess: tuple[float, float]
+    outside: float
 
 
 class Assembler:
@@ -73,9 +75,10 @@ class Assembler:
         xs[:, 2] += turns
         closed = np.array([value for _, value in holding.grasp.fingers])
         follow, values, rates, excess = self._follow(xs)
+        reach = self._reach(approach)
         phases = [
             ("drive", self._drive(approach)),
-            ("approach", self._approach(approach)),
+            ("approach", self._with_fingers(timing.joined([self._raised(approach), reach]), self.opened)),
             ("grasp", self._grasp(xs[0], closed)),
             ("follow", self._with_fingers(follow, closed)),
         ]
@@ -85,7 +88,8 @@ class Assembler:
         speed = np.concatenate([np.zeros(still), rates])
         body = self._body(whole, marks, container, speed)
         executed = Motion(self.motion.of, follow.times, values[:, None], timed=self.motion.timed)
-        return Assembled(body, executed, excess)
+        outside = max(timing.outside(one, self.limb.lower, self.limb.upper) for one in (reach, follow))
+        return Assembled(body, executed, excess, outside)
 
     def _with_fingers(self, timed: Timed, fingers: Array) -> Timed:
         count = len(timed.times)
@@ -100,12 +104,13 @@ class Assembler:
         corners[:, BASE] = approach.drive
         return timing.along(np.concatenate([opening, corners]), self.bound, self.reach, SPACING)
 
-    def _approach(self, approach: Approach) -> Timed:
+    def _raised(self, approach: Approach) -> Timed:
         corners = np.concatenate([approach.raise_arm, approach.drive_in])
-        raised = timing.along(corners, self.body_bound, self.reach[: corners.shape[1]], SPACING)
+        return timing.along(corners, self.body_bound, self.reach[: corners.shape[1]], SPACING)
+
+    def _reach(self, approach: Approach) -> Timed:
         path = Followed.through(np.linspace(0.0, 1.0, len(approach.reach)), approach.reach)
-        near, _, _ = timing.slowed(path, self.body_bound, (np.inf, np.inf), REACH_SAMPLES)
-        return self._with_fingers(timing.joined([raised, near]), self.opened)
+        return timing.slowed(path, self.body_bound, (np.inf, np.inf), REACH_SAMPLES)[0]
 
     def _grasp(self, x: Array, closed: Array) -> Timed:
         corners = np.stack([np.append(x, self.opened), np.append(x, closed)])

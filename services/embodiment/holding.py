@@ -27,6 +27,7 @@ STEPS = 60  # of the solver, for one seed
 EXACT = 1e-7  # [m, and rad · ik.ARM] tool error of a solution
 JUMP = 0.35  # [rad or m] largest change of a variable between coarse waypoints
 NEAR, FAR = 0.3, 1.1  # [m] from base to handle, horizontally, of seeds
+INSIDE = 0.004  # [rad or m] kept from joint limits, for the spline through the waypoints
 LEVEL = 1e-6  # [1, m] how far from planar a handle's motion may be for the base alone to follow it
 
 
@@ -105,6 +106,8 @@ class Searcher:
         self.world, self.limb, self.problem, self.rules, self.drive = world, limb, problem, rules, drive
         self.planar = problem.planar()
         self.weight = mobility(limb)
+        inside = np.minimum(INSIDE, (limb.upper - limb.lower) / 4)
+        self.lower, self.upper = limb.lower + inside, limb.upper - inside
         self.tally = Tally()
         self._standing: Array | None = None
 
@@ -127,7 +130,7 @@ class Searcher:
         target_r, target_p = np.stack([r for r, _ in poses]), np.stack([p for _, p in poses])
         limb = self.limb
         met = ik.solve_many(
-            seeds, target_r, target_p, limb.chain, self.weight, limb.lower, limb.upper, STEPS, EXACT
+            seeds, target_r, target_p, limb.chain, self.weight, self.lower, self.upper, STEPS, EXACT
         )
         self.tally.seeds += SEEDS
         self.tally.solved += int(met.sum())
@@ -137,9 +140,8 @@ class Searcher:
                 yield from self._led(seeds[s], grasp, rest, pivot)
 
     def _seeds(self, pivot: int, rng: np.random.Generator) -> Array:
-        limb = self.limb
-        low = np.where(np.isfinite(limb.lower), limb.lower, -np.pi)
-        high = np.where(np.isfinite(limb.upper), limb.upper, np.pi)
+        low = np.where(np.isfinite(self.lower), self.lower, -np.pi)
+        high = np.where(np.isfinite(self.upper), self.upper, np.pi)
         seeds = rng.uniform(low, high, (SEEDS, len(low)))
         out = self.problem.outward
         side = np.arctan2(out[1], out[0]) + rng.uniform(-1.2, 1.2, SEEDS)
@@ -193,8 +195,8 @@ class Searcher:
                 np.ascontiguousarray(tool_p[way]),
                 self.limb.chain,
                 weight,
-                self.limb.lower,
-                self.limb.upper,
+                self.lower,
+                self.upper,
                 JUMP,
                 path,
             )

@@ -22,6 +22,7 @@ from services.embodiment.grasp import grasp_settings
 from services.embodiment.limb import Margins
 from services.embodiment.plan import Planner, Planned, Setting
 from services.embodiment.report import refusal
+from services.embodiment.roads import Roads
 from services.embodiment.world import World
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics
@@ -62,7 +63,7 @@ class WholeBody:
     ) -> None:
         self.drive, self.start, self.budget, self.seed = drive, start, budget, seed
         self.tolerances, self.margins = Tolerances(), Margins()
-        self._worlds: list[tuple[tuple[object, ...], World]] = []
+        self._worlds: list[tuple[tuple[object, ...], World, dict[str, Roads]]] = []
 
     @property
     def version(self) -> str:
@@ -87,7 +88,7 @@ class WholeBody:
         if case.robot is UNKNOWN:
             raise OracleRejectedError("CanPerform was asked without a robot")
         twin, container = case.twin, container_of(case)
-        world = self._world(twin, case.robot)
+        world, roads = self._world(twin, case.robot)
         clock.spent("model", began)
         start = self._start(twin, world, container)
         if isinstance(case.body_motion, BodyMotion):
@@ -98,7 +99,7 @@ class WholeBody:
         if motion.is_poses:
             motion = Kinematics().replay(twin, motion).motion
         drive = self._drive(twin, case.robot)
-        setting = Setting(world, container, motion, drive, start, self.margins, case.robot)
+        setting = Setting(world, container, motion, drive, start, self.margins, case.robot, roads)
         return self._searched(case, setting, clock, began)
 
     def _searched(self, case: Case, setting: Setting, clock: Clock, began: float) -> Answer:
@@ -172,15 +173,15 @@ class WholeBody:
         handle = scene.placement(scene.q((0.0, 0.0, 0.0), {}), container.handle).translation
         return x, y, float(np.arctan2(handle[1] - y, handle[0] - x))
 
-    def _world(self, twin: Twin, robot: Iri) -> World:
+    def _world(self, twin: Twin, robot: Iri) -> tuple[World, dict[str, Roads]]:
         key = (twin.mechanism(twin.environment), twin.mechanism(robot), twin.robot(robot), twin.kitchen())
         state = twin.state
-        for (*known, at), world in self._worlds:
+        for (*known, at), world, roads in self._worlds:
             if at == state and all(one is other for one, other in zip(known, key, strict=True)):
-                return world
-        world = World(Scene(twin, robot))
-        self._worlds = [((*key, state), world), *self._worlds[: SCENES_KEPT - 1]]
-        return world
+                return world, roads
+        world, roads = World(Scene(twin, robot)), dict[str, Roads]()
+        self._worlds = [((*key, state), world, roads), *self._worlds[: SCENES_KEPT - 1]]
+        return world, roads
 
 
 def container_of(case: Case) -> Container:

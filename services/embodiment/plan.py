@@ -13,12 +13,13 @@ from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container
 from services.embodiment.approach import Approacher, Blocked
-from services.embodiment.assemble import Assembler
+from services.embodiment.assemble import Assembled, Assembler
 from services.embodiment.fit import fitting
 from services.embodiment.grasp import Grasp, Hand
 from services.embodiment.handle import Bar, Mechanics, find_bar
 from services.embodiment.holding import WAYPOINTS, Holding, Problem, Searcher
 from services.embodiment.limb import Limb, Margins, make_limb, rules
+from services.embodiment.roads import Roads, make_roads
 from services.embodiment.world import World
 
 Array = NDArray[np.float64]
@@ -40,6 +41,7 @@ class Setting:
     start: tuple[float, float, float]
     margins: Margins
     robot: Iri
+    roads: dict[str, Roads]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,7 +72,7 @@ class Planner:
     Attributes:
         attempts: One for each gripper that has a grasp.
         blocked: Stage at which an approach failed → how often.
-        too_fast: Largest ratios to the limits of a motion whose times are required.
+        rough: Motions that leave limits: too fast where times are required, or beyond a joint's end.
     """
 
     def __init__(
@@ -80,7 +82,7 @@ class Planner:
         self.mechanics = Mechanics(setting.world, setting.container)
         self.attempts: list[Attempt] = []
         self.blocked: list[Blocked] = []
-        self.too_fast: list[tuple[float, float]] = []
+        self.rough: list[Assembled] = []
         self.placements = 0
         self.bar: Bar | None = None
         self.holdings = 0
@@ -133,7 +135,10 @@ class Planner:
         if setting.drive is Drive.FIXED:
             searcher.stand(start)
         searcher.tally.grasps = len(grasps)
-        approacher = Approacher(world, limb, opened, setting.drive, start, self.late)
+        roads = setting.roads.setdefault(
+            limb.gripper.name, make_roads(world, limb, opened, setting.drive, self.seed)
+        )
+        approacher = Approacher(world, limb, opened, roads, start, self.late)
         assembler = Assembler(world, limb, setting.robot, problem, setting.motion)
         return Attempt(limb, grasps, searcher, approacher, assembler, np.random.default_rng(self.seed))
 
@@ -171,8 +176,8 @@ class Planner:
         at = time.perf_counter()
         assembled = attempt.assembler.assemble(approach, holding)
         self._spent("timing", at)
-        if max(assembled.excess) > WITHIN:
-            self.too_fast.append(assembled.excess)
+        if max(assembled.excess) > WITHIN or assembled.outside > 0:
+            self.rough.append(assembled)
             return None
         return Planned(assembled.body, assembled.motion, holding.grasp.index, holding.style)
 

@@ -17,7 +17,6 @@ ARM_STEP = 0.025  # [m] farthest that any point of the arm moves between two che
 ARM_EXTENSION = 1.2  # [m] that one extension of a tree moves the arm at most
 CONTINUOUS = np.pi  # [rad] samples of joints without limits lie within ± this
 DRIVE_STEP = 0.03  # [m] between two checks of a driving robot
-DRIVE_EXTENSION = 1.5  # [m]
 TURN_REACH = 0.6  # [m] what one radian of base rotation counts as
 
 
@@ -81,7 +80,6 @@ class DriveSpace:
 
     Attributes:
         x: The limb's variables but for the base.
-        box: Lower and upper corner of where it may drive, shape (2, 2).
     """
 
     world: World
@@ -89,19 +87,15 @@ class DriveSpace:
     rules: Rules
     rest: Array
     x: Array
-    box: Array
     drive: Drive
 
-    def sample(self, rng: np.random.Generator) -> Array:
-        return np.append(rng.uniform(self.box[0], self.box[1]), rng.uniform(-np.pi, np.pi))
+    def stands(self, pose: Array) -> bool:
+        """Whether the parked robot touches nothing at a base pose."""
+        return self._straight(pose, pose)
 
     def distance(self, one: Array, others: Array) -> Array:
         away = others - one
         return np.linalg.norm(away[:, :2], axis=1) + TURN_REACH * np.abs(away[:, 2])
-
-    def towards(self, start: Array, end: Array) -> Array:
-        length = float(self.distance(start, end[None])[0])
-        return end if length <= DRIVE_EXTENSION else start + DRIVE_EXTENSION / length * (end - start)
 
     def edge(self, start: Array, end: Array) -> Array:
         """Straight for an omnidirectional base, else turn, drive (forwards or backwards), turn."""
