@@ -2,11 +2,12 @@
 
 from pathlib import Path
 
-import ontology
 import pytest
 import rdflib
 from rdflib.namespace import RDF, SH
 from rdflib.term import Node, URIRef
+
+import ontology
 from sdt_kg.scope import D_ARTIC, Violation, check
 
 PAIRS = Path(__file__).parent
