@@ -1,0 +1,79 @@
+"""Competency questions: `ontology/queries/cqNN_….rq` and `cqNN_….expected.csv` here; the pair is the test.
+
+They are asked of verdicts that `law` really gave, about small kitchens named a and b and lifts named
+pr2 and stretch (tests/small). A new answer is written by `UPDATE_EXPECTED=1 pytest tests/competency`
+and read before it is committed.
+"""
+
+import csv
+import io
+import os
+from pathlib import Path
+
+import pyoxigraph as ox
+import pytest
+
+import ontology
+from predicates.case import Case
+from predicates.law import law
+from predicates.record import to_record, write
+from sdt_kg.iri import local_name
+from sdt_kg.store import checked_query, rows_of
+from sdt_kg.task import Task, Verb
+from services.physics.oracle import Kinematics
+from tests.small import small_twin
+from tests.small.lift import Lift
+
+QUERIES = sorted(Path(str(ontology.path("queries"))).glob("cq*.rq"))
+
+
+@pytest.fixture(scope="module")
+def verdicts() -> ox.Store:
+    """Twins and verdicts: open() in kitchens a and b, close() in b with its drawer half open."""
+    store = ox.Store()
+    for kitchen in ("a", "b"):
+        twin = small_twin(kitchen, ("pr2", "stretch"))
+        store.extend(twin.entities.store.dump(twin.graphs()))
+        for verdict in law(Case(twin, task=Task(Verb.OPEN)), Kinematics(), Lift()):
+            write(store, to_record(verdict))
+    twin = small_twin("b", ("pr2", "stretch"))
+    half_open = twin.at({twin.container("top_drawer").joint: 0.25})
+    for verdict in law(Case(half_open, task=Task(Verb.CLOSE)), Kinematics(), Lift()):
+        write(store, to_record(verdict))
+    return store
+
+
+def answer(store: ox.Store, query: Path) -> str:
+    """The rows as CSV, IRIs as the names of what they name."""
+    columns, rows = rows_of(store.query(checked_query(query.read_text()), use_default_graph_as_union=True))
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([_cell(row[column]) for column in columns] for row in rows)
+    return text.getvalue()
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    text = str(value)
+    return local_name(text) if text.startswith("https://") else text
+
+
+def test_there_are_competency_questions() -> None:
+    assert len(QUERIES) >= 9
+
+
+@pytest.mark.parametrize("query", QUERIES, ids=lambda path: path.stem)
+def test_competency(verdicts: ox.Store, query: Path) -> None:
+    expected = Path(__file__).with_name(f"{query.stem}.expected.csv")
+    found = answer(verdicts, query)
+    if os.environ.get("UPDATE_EXPECTED"):
+        expected.write_text(found)
+    assert len(found.splitlines()) > 1, "a question without an answer tests nothing"
+    assert found == expected.read_text()
+
+
+def test_every_expected_answer_has_its_question() -> None:
+    answers = {path.name.removesuffix(".expected.csv") for path in Path(__file__).parent.glob("*.expected.csv")}
+    assert answers == {path.stem for path in QUERIES}
