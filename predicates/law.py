@@ -8,10 +8,10 @@ from typing import TypeGuard, TypeVar
 from predicates.can_perform import can_perform
 from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Verdict
 from predicates.causes import causes
-from predicates.inputs import inputs_of, verdict_iri
 from predicates.meant import moved_by
 from predicates.oracle import Embodiment, Physics
 from predicates.questions import Question, questions, with_carried
+from predicates.record.inputs import inputs_of, verdict_iri
 from predicates.satisfies_request import satisfies_request
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.motion import BodyMotion, Motion

@@ -10,8 +10,7 @@ from functools import lru_cache, partial
 from pathlib import Path
 
 from predicates.case import Outcome
-from predicates.record import Record, to_record
-from predicates.report import to_json
+from predicates.record import Record, to_json, to_record
 from sdt_kg.errors import InputError
 from sdt_kg.load import load_twin, model_name
 from sdt_kg.motion import BodyMotion

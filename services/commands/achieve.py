@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from predicates.case import Outcome, Verdict
-from predicates.report import to_json
+from predicates.record import to_json
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.motion import BodyMotion

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from predicates.case import Answer
-from predicates.report import diagnosis_json
+from predicates.record import diagnosis_json
 from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from sdt_kg.motion import Motion

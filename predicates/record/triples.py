@@ -1,4 +1,4 @@
-"""Verdicts as triples and as JSON: what was asked, what was answered, from which inputs."""
+"""Verdicts → triples: PROV-O and law:, in a named graph for each verdict."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -6,15 +6,13 @@ from dataclasses import dataclass
 import pyoxigraph as ox
 
 from predicates.case import Diagnosis, Evidence, Verdict
-from predicates.report import answers, diagnosis_json, drive, figures, gripper, notes, to_json
+from predicates.record.report import answers, drive, figures, gripper, notes
+from predicates.record.stored import DIAGNOSIS_CLASS, OUTCOME_TERM
 from predicates.scope import verb_iri
-from predicates.stored import DIAGNOSIS_CLASS, OUTCOME_TERM, read_verdicts
 from sdt_kg.iri import LAW, PROV, RDF, Iri, graph_iri, local_name, part_iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.store import Term, Triple
 from sdt_kg.task import Task
-
-__all__ = ["Record", "diagnosis_json", "read_verdicts", "to_json", "to_record", "write"]
 
 SECONDS = {ox.NamedNode(LAW + "seconds"), ox.NamedNode(LAW + "searchedSeconds")}
 
