@@ -216,6 +216,16 @@ class Margins:
     close: float = 0.0003
 
 
+def eased(world: World, demands: Rules, q: Array, least: float) -> Rules:
+    """The same distances, but for self pairs that are nearer at q: half of what is there, not under `least` [m]."""
+    r, p = world.frames(q)
+    own = demands.own.copy()
+    for k, (a, b) in enumerate(demands.pairs):
+        if world.near((int(a), int(b)), r, p, own[k]):
+            own[k] = max(world.distance((int(a), int(b)), r, p) / 2, least)
+    return Rules(demands.environment, demands.pairs, own)
+
+
 NEIGHBOURS = 2  # moving joints between two bodies which count as close
 
 

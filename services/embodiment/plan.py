@@ -18,7 +18,7 @@ from services.embodiment.fit import fitting
 from services.embodiment.grasp import Grasp, Hand
 from services.embodiment.handle import Bar, Mechanics, find_bar
 from services.embodiment.holding import WAYPOINTS, Holding, Problem, Searcher
-from services.embodiment.limb import Limb, Margins, make_limb, rules
+from services.embodiment.limb import Limb, Margins, eased, make_limb, rules
 from services.embodiment.roads import Roads, make_roads
 from services.embodiment.world import World
 
@@ -125,6 +125,8 @@ class Planner:
         problem = self._problem(self.bar, q)
         handle = setting.container.handle
         holding, opened = rules(world, limb, setting.margins, (handle,)), rules(world, limb, setting.margins)
+        least = setting.margins.close + world.scene.annotation.overhang
+        opened = eased(world, opened, q, least)
         grasps = list(
             _spread(
                 fitting(Hand(world, limb), problem, self.bar, (holding, opened), world.shapes_of((handle,)))
