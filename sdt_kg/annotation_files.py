@@ -68,6 +68,27 @@ def chosen_kitchen(mechanism: Mechanism, urdf: Path, explicit: Path | None) -> C
     return _without_annotation(mechanism)
 
 
+def described(file: Path) -> tuple[str, str]:
+    """What an annotation describes: `Robot` or `Environment`, and the name of its model.
+
+    Raises:
+        AnnotationError: Neither or several, or not Turtle.
+    """
+    found = [
+        (kind, local_name(quad.subject.value))
+        for quad in _quads(file)
+        for kind in ("Robot", "Environment")
+        if isinstance(quad.subject, ox.NamedNode) and _is_type(quad, kind)
+    ]
+    if len(found) != 1:
+        raise AnnotationError(
+            f"{file} describes {len(found)} models",
+            allowed="one sdt:Robot or one sdt:Environment for each file",
+            remedy="add '<https://example.org/id/NAME> a sdt:Robot .'",
+        )
+    return found[0]
+
+
 def _given(mechanism: Mechanism, urdf: Path, explicit: Path | None, kind: str) -> Chosen | None:
     """The explicit annotation if it is of this kind, else the one beside the URDF, else None."""
     for file in (explicit, urdf.with_name(f"{mechanism.name}.ttl")):
@@ -112,24 +133,26 @@ def _read(file: Path, mechanism: Mechanism, kind: str) -> Chosen | None:
     Raises:
         AnnotationError: Not there, not Turtle, or blank nodes.
     """
+    quads = _quads(file)
+    models = [quad.subject for quad in quads if _is_type(quad, kind)]
+    if not models:
+        return None
+    if len(models) > 1 or not isinstance(models[0], ox.NamedNode):
+        raise AnnotationError(f"{file} describes {len(models)} of sdt:{kind}", allowed="one for each file")
+    return Chosen(tuple(_renamed(quads, models[0].value, model_iri(mechanism.name), file)))
+
+
+def _quads(file: Path) -> list[ox.Quad]:
     if not file.is_file():
         raise AnnotationError(f"no annotation file at {file}", allowed="a Turtle file")
     try:
-        quads = list(ox.parse(file.read_bytes(), format=ox.RdfFormat.TURTLE))
+        return list(ox.parse(file.read_bytes(), format=ox.RdfFormat.TURTLE))
     except SyntaxError as error:
         raise AnnotationError(f"{file} is not Turtle: {error}") from None
-    described = [
-        quad.subject.value
-        for quad in quads
-        if quad.predicate.value == TYPE
-        and quad.object == ox.NamedNode(SDT + kind)
-        and isinstance(quad.subject, ox.NamedNode)
-    ]
-    if not described:
-        return None
-    if len(described) > 1:
-        raise AnnotationError(f"{file} describes {len(described)} of sdt:{kind}", allowed="one for each file")
-    return Chosen(tuple(_renamed(quads, described[0], model_iri(mechanism.name), file)))
+
+
+def _is_type(quad: ox.Quad, kind: str) -> bool:
+    return quad.predicate.value == TYPE and quad.object == ox.NamedNode(SDT + kind)
 
 
 def _renamed(quads: Iterable[ox.Quad], old: Iri, new: Iri, file: Path) -> Iterator[Triple]:

@@ -2,22 +2,29 @@
 
 import hashlib
 import math
+from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import chain
+from threading import Lock
 from typing import Final
 
 import pyoxigraph as ox
 
 import ontology
 from sdt_kg.annotate import TEE_GRAPH, annotate, declared_properties
+from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.coupling import Coupling
 from sdt_kg.errors import UnknownEntityError
-from sdt_kg.iri import SDT, Iri, local_name
+from sdt_kg.iri import SDT, Iri, graph_iri, local_name
 from sdt_kg.mechanism import Mechanism
-from sdt_kg.store import MemoryStore, Row, Store, Triple, Value, rows_of, term_of
+from sdt_kg.state import State
+from sdt_kg.store import MemoryStore, Row, Store, Triple, Value, double, rows_of, term_of
 from sdt_kg.triples import Facts, read_mechanism_of
+
+KEPT_STATES: Final = 256
+"""State graphs that a store keeps at a time; a dropped one is written again when asked for."""
 
 _PLACE_ONLY: Final = {SDT + "meshFile"}
 """Properties that say where something lies, not what it is: not hashed."""
@@ -112,6 +119,34 @@ class Entities:
     def mechanisms(self) -> dict[Iri, Mechanism]:
         """Mechanisms read back so far."""
         return {}
+
+    @cached_property
+    def annotations(self) -> dict[Iri, RobotAnnotation]:
+        """Annotations of robots read back so far."""
+        return {}
+
+    @cached_property
+    def _states(self) -> "OrderedDict[State, Iri]":
+        return OrderedDict()
+
+    @cached_property
+    def _lock(self) -> Lock:
+        return Lock()
+
+    def state_graph(self, state: State) -> Iri:
+        """Named graph of a state, written when first asked for; the oldest of many are dropped."""
+        with self._lock:
+            if state in self._states:
+                self._states.move_to_end(state)
+                return self._states[state]
+            digest = hashlib.sha256(repr(state.positions).encode()).hexdigest()
+            graph = graph_iri("state", f"{local_name(self.environment)}/{digest[:16]}")
+            positions = ((joint, SDT + "position", double(value)) for joint, value in state.positions)
+            self.store.add(graph, positions)
+            self._states[state] = graph
+            if len(self._states) > KEPT_STATES:
+                self.store.drop(self._states.popitem(last=False)[1])
+            return graph
 
     @cached_property
     def containers(self) -> tuple["Container", ...]:

@@ -8,9 +8,9 @@ from typing import Final
 import kitchens
 import robots as bundled_robots
 from sdt_kg.annotate import TEE_GRAPH, annotate, tee_triples
-from sdt_kg.annotation_files import Chosen, chosen_kitchen, chosen_robot
+from sdt_kg.annotation_files import Chosen, chosen_kitchen, chosen_robot, described
 from sdt_kg.entities import Entities
-from sdt_kg.errors import AnnotationError, UnknownEntityError
+from sdt_kg.errors import AnnotationError, InputError, UnknownEntityError
 from sdt_kg.iri import Iri, graph_iri, model_iri
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.store import MemoryStore
@@ -39,18 +39,18 @@ def load_twin(
         UrdfError: A file that is not a valid URDF tree.
         AnnotationError: A robot's annotation is missing or contradicts its URDF.
     """
-    explicit = None if annotation is None else Path(annotation)
+    kitchen_file, robot_files = _explicit(annotation, robots)
     store = MemoryStore()
     store.add(TEE_GRAPH, tee_triples())
     asserted: dict[Iri, Iri] = {}
     inferred: dict[Iri, tuple[Iri, ...]] = {}
     notes: list[str] = []
-    parts = [_kitchen(kitchen, explicit)]
-    parts += [_robot(robot, explicit) for robot in robots]
+    parts = [_kitchen(kitchen, kitchen_file)]
+    parts += [_robot(robot, file) for robot, file in zip(robots, robot_files, strict=True)]
     for mechanism, kind, chosen in parts:
         model = model_iri(mechanism.name)
         if model in asserted:
-            raise AnnotationError(f"two models are named '{mechanism.name}'", allowed="each name once")
+            raise InputError(f"two models are named '{mechanism.name}'", allowed="each name once")
         asserted[model] = graph_iri("asserted", mechanism.name)
         store.add(asserted[model], mechanism_triples(mechanism, kind))
         store.add(asserted[model], chosen.triples)
@@ -58,6 +58,28 @@ def load_twin(
         notes += _notes(mechanism, chosen)
     environment, *others = asserted
     return Twin(Entities(store, environment, tuple(others), asserted, inferred, tuple(notes)))
+
+
+def _explicit(
+    annotation: str | Path | None, robots: Sequence[str | Path]
+) -> tuple[Path | None, list[Path | None]]:
+    """The annotation file for the kitchen, and for each robot, as far as one was given."""
+    nobody: list[Path | None] = [None] * len(robots)
+    if annotation is None:
+        return None, nobody
+    file = Path(annotation)
+    kind, name = described(file)
+    if kind == "Environment":
+        return file, nobody
+    if len(robots) == 1:
+        return None, [file]
+    meant = [file if model_name(robot) == name else None for robot in robots]
+    if file not in meant:
+        raise AnnotationError(
+            f"{file} describes robot '{name}', which is not loaded",
+            allowed=", ".join(map(model_name, robots)) or "no robot is loaded",
+        )
+    return None, meant
 
 
 def model_name(name_or_path: str | Path) -> str:

@@ -1,6 +1,5 @@
 """Twin (G): a kitchen and robots as a graph, in one state."""
 
-import hashlib
 from collections.abc import Mapping
 
 import pyoxigraph as ox
@@ -9,10 +8,10 @@ import rdflib
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
 from sdt_kg.entities import Container, Entities, LeftOut, query_text
 from sdt_kg.errors import UnknownEntityError
-from sdt_kg.iri import PREFIXES, SDT, Iri, graph_iri, local_name
+from sdt_kg.iri import PREFIXES, Iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.state import State
-from sdt_kg.store import Row, Value, checked_query, double, rows_of, term_of
+from sdt_kg.store import Row, Value, checked_query, rows_of, term_of
 from sdt_kg.triples import read_kitchen, read_mechanism_of, read_robot
 
 __all__ = ["Container", "LeftOut", "Twin"]
@@ -28,7 +27,6 @@ class Twin:
     def __init__(self, entities: Entities, state: State | None = None) -> None:
         self.entities = entities
         self.state = entities.coupling.start() if state is None else state
-        self._state_graph: Iri | None = None
 
     @property
     def environment(self) -> Iri:
@@ -52,18 +50,7 @@ class Twin:
 
     def graphs(self) -> tuple[Iri, ...]:
         """Named graphs of this twin: entities, then the present state."""
-        if self._state_graph is None:
-            self._state_graph = self._write_state()
-        return (*self.entities.graphs, self._state_graph)
-
-    def _write_state(self) -> Iri:
-        text = repr(self.state.positions).encode()
-        key = f"{local_name(self.environment)}/{hashlib.sha256(text).hexdigest()[:16]}"
-        graph = graph_iri("state", key)
-        self.entities.store.add(
-            graph, ((joint, SDT + "position", double(value)) for joint, value in self.state.positions)
-        )
-        return graph
+        return (*self.entities.graphs, self.entities.state_graph(self.state))
 
     def select(self, query: str, **known: Value) -> list[Row]:
         """Rows of a query of `ontology/queries` (by file stem), over [entities, state].
@@ -115,8 +102,11 @@ class Twin:
         return cached[model]
 
     def robot(self, robot: Iri) -> RobotAnnotation:
-        """Annotation of a robot, read back from the graph alone."""
-        return read_robot(self.entities.facts, self._known(robot))
+        """Annotation of a robot, read back from the graph alone (cached)."""
+        cached = self.entities.annotations
+        if robot not in cached:
+            cached[robot] = read_robot(self.entities.facts, self._known(robot))
+        return cached[robot]
 
     def kitchen(self) -> KitchenAnnotation:
         """Annotation of the kitchen, read back from the graph alone."""

@@ -149,9 +149,8 @@ def _link(joint: ET.Element, tag: str) -> str:
 
 def _check_numbers(owner: ET.Element, source: Path) -> None:
     where = f"{source}: {owner.tag} '{owner.get('name')}'"
-    for element in owner.iter():
-        if element.tag == "visual":
-            continue
+    seen = (element for part in owner if part.tag != "visual" for element in part.iter())
+    for element in seen:
         for attribute, count in NUMBERS.get(element.tag, {}).items():
             text = element.get(attribute)
             if text is not None:

@@ -78,7 +78,7 @@ def _resolved(joint: Joint, by_name: dict[str, Joint], source: Path) -> Joint:
 
 
 def with_fixed(joints: Iterable[Joint]) -> list[Joint]:
-    """The joints, those that cannot move made fixed: equal limits, or a mimic of a joint that is fixed."""
+    """The joints, those that cannot move made fixed: equal limits, or a mimic of what does not move."""
     frozen: dict[str, float] = {}
     done: list[Joint] = []
     listed = list(joints)
@@ -94,9 +94,10 @@ def with_fixed(joints: Iterable[Joint]) -> list[Joint]:
             at = frozen[joint.name]
             note = f"{joint.type.value} joint with equal limits {at:g}..{at:g}: imported as fixed"
             done.append(_fixed(joint, at, note))
-        elif joint.mimic is not None and joint.mimic.joint in frozen:
-            at = joint.mimic.multiplier * frozen[joint.mimic.joint] + joint.mimic.offset
-            note = f"mimics '{joint.mimic.joint}', which cannot move: imported as fixed at {at:g}"
+        elif joint.mimic is not None and (joint.mimic.joint in frozen or joint.mimic.multiplier == 0):
+            at = joint.mimic.multiplier * frozen.get(joint.mimic.joint, 0.0) + joint.mimic.offset
+            why = "which cannot move" if joint.mimic.joint in frozen else "with multiplier 0"
+            note = f"mimics '{joint.mimic.joint}', {why}: imported as fixed at {at:g}"
             done.append(_fixed(joint, at, note))
         else:
             done.append(joint)
