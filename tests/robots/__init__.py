@@ -1,0 +1,1 @@
+"""Tests of the bundled robots: shapes against the reference, annotation against the model."""
