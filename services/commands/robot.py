@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import click
-from sdt_kg.describe import describe as describe_robot
 
+from sdt_kg.describe import describe as describe_robot
 from sdt_kg.errors import InputError
 
 
