@@ -68,12 +68,27 @@ def outside(shapes, points):
     return np.min([shape.distance(points) for shape in shapes], axis=0)
 
 
+def with_handle(kitchen, link):
+    """Shapes of a link and of its handle, in the link's frame."""
+    frames = kitchen.frames({})
+    moved = [
+        replace(shape, pose=np.linalg.inv(frames[link]) @ frames[handle] @ shape.pose)
+        for handle in kitchen.handles(link)
+        for shape in kitchen.shapes(handle)
+    ]
+    return kitchen.shapes(link) + moved
+
+
 def test_shapes_enclose_the_reference(kitchen, theirs):
-    """At least 99 % of each link's surface is inside, the rest at most 1 cm outside."""
+    """At least 99 % of each link's surface is inside, the rest at most 1 cm outside.
+
+    The source has the bar of `dishwasher_drawer_middle` twice, in the drawer and as its handle;
+    ours has it as handle, so that touching it is touching the handle.
+    """
     for link in kitchen.links:
         if (mesh := theirs.mesh(link)) is not None:
             points, _ = trimesh.sample.sample_surface(mesh, SAMPLES, seed=0)
-            distance = outside(kitchen.shapes(link), np.asarray(points))
+            distance = outside(with_handle(kitchen, link), np.asarray(points))
             assert (distance > 1e-4).mean() < 0.01, link
             assert distance.max() < 0.01, link
 

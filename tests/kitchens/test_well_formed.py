@@ -1,6 +1,7 @@
 """Holds without the reference: trees, counted containers, handles that can be grasped, annotations."""
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import rdflib
@@ -11,7 +12,7 @@ from sdt_kg import iri
 SDT = rdflib.Namespace(iri.SDT)
 START = {"a": (1.5, 2.0), "b": (0.0, 0.0)}
 GAP = 0.013  # [m] least free width behind a bar: cabinet11_drawer_middle, as in the reference
-EMBEDDED = {"dishwasher_drawer_middle"}  # its bar lies inside its front, in the reference too
+MIDDLE = 0.8  # share of a bar, without its ends, where a gripper takes it
 
 
 def test_kitchen_is_a_tree(kitchen):
@@ -47,14 +48,16 @@ def gap_behind_bar(kitchen, link):
     frames = kitchen.frames({})
     (handle,) = kitchen.handles(link)
     bar = max(kitchen.shapes(handle), key=lambda shape: shape.size.prod())
+    bar = replace(bar, size=np.where(bar.size == bar.size.max(), MIDDLE, 1.0) * bar.size)
     link_T_handle = np.linalg.inv(frames[link]) @ frames[handle]
     points = grid(bar) @ link_T_handle[:3, :3].T + link_T_handle[:3, 3]
     return min(shape.distance(points).min() for shape in kitchen.shapes(link))
 
 
-def test_fingers_fit_behind_every_bar_but_one(kitchen, doors, drawers):
-    closed = {link for link in doors + drawers if gap_behind_bar(kitchen, link) < GAP}
-    assert closed == EMBEDDED & set(drawers)
+def test_fingers_fit_behind_every_bar(kitchen, doors, drawers):
+    for link in doors + drawers:
+        gap = gap_behind_bar(kitchen, link)
+        assert gap > GAP, f"{link}: {gap:.4f} m between bar and container"
 
 
 def test_shapes_have_extent(kitchen):
