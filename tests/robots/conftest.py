@@ -32,7 +32,9 @@ def touch(one: tuple[coal.CollisionGeometry, Array], two: tuple[coal.CollisionGe
     """Whether two placed shapes overlap; request and result are new at each call (cached guesses lie)."""
     (shape, pose), (other, place) = one, two
     poses = [coal.Transform3s(matrix[:3, :3], matrix[:3, 3]) for matrix in (pose, place)]
-    return bool(coal.collide(shape, poses[0], other, poses[1], coal.CollisionRequest(), coal.CollisionResult()))
+    return bool(
+        coal.collide(shape, poses[0], other, poses[1], coal.CollisionRequest(), coal.CollisionResult())
+    )
 
 
 @dataclass
@@ -61,26 +63,40 @@ class Robot:
 
     def named(self, term: str) -> list[tuple[str, str]]:
         """Subject and object names of a property."""
-        return [(iri.local_name(str(s)), iri.local_name(str(o))) for s, o in self.graph.subject_objects(SDT[term])]
+        return [
+            (iri.local_name(str(s)), iri.local_name(str(o))) for s, o in self.graph.subject_objects(SDT[term])
+        ]
+
+    @cached_property
+    def mimics(self) -> dict[str, tuple[str, float]]:
+        """Mimicking joint → mimicked joint and multiplier."""
+        found = [(name, joint.find("mimic")) for name, joint in self.links.joints.items()]
+        return {n: (str(m.get("joint")), float(m.get("multiplier", "1"))) for n, m in found if m is not None}
+
+    @cached_property
+    def places(self) -> dict[str, tuple[int, int]]:
+        """Joint → where it stands in q, and how many numbers it has there."""
+        joints = {name: self.model.joints[self.model.getJointId(name)] for name in self.model.names[1:]}
+        return {name: (joint.idx_q, joint.nq) for name, joint in joints.items()}
+
+    @cached_property
+    def data(self) -> pin.Data:
+        return self.model.createData()
 
     def configuration(self, positions: dict[str, float]) -> Array:
         """Pinocchio's q for joint positions; mimicking joints follow, all others stay at 0."""
-        full = dict(positions)
-        for name, joint in self.links.joints.items():
-            mimic = joint.find("mimic")
-            if mimic is not None and mimic.get("joint") in positions:
-                full[name] = float(mimic.get("multiplier", "1")) * positions[str(mimic.get("joint"))]
+        follow = {n: k * positions[joint] for n, (joint, k) in self.mimics.items() if joint in positions}
         q = pin.neutral(self.model)
-        for name, value in full.items():
-            joint = self.model.joints[self.model.getJointId(name)]
-            q[joint.idx_q : joint.idx_q + joint.nq] = [np.cos(value), np.sin(value)] if joint.nq == 2 else [value]
+        for name, value in (positions | follow).items():
+            place, count = self.places[name]
+            q[place : place + count] = [np.cos(value), np.sin(value)] if count == 2 else [value]
         return q
 
-    def frames(self, positions: dict[str, float]) -> dict[str, Array]:
-        """World pose of every link."""
-        data = self.model.createData()
-        pin.framesForwardKinematics(self.model, data, self.configuration(positions))
-        return {link: data.oMf[self.model.getFrameId(link)].homogeneous for link in self.links.links}
+    def frames(self, positions: dict[str, float], links: list[str] | None = None) -> dict[str, Array]:
+        """World pose of links, by default of all."""
+        pin.framesForwardKinematics(self.model, self.data, self.configuration(positions))
+        wanted = self.links.links if links is None else links
+        return {link: self.data.oMf[self.model.getFrameId(link)].homogeneous for link in wanted}
 
     def placed(self, frames: dict[str, Array], link: str) -> list[tuple[coal.CollisionGeometry, Array]]:
         return [(solid(shape), frames[link] @ shape.pose) for shape in self.links.shapes(link)]
@@ -96,7 +112,9 @@ class Robot:
             if joint.get("type") == "fixed":
                 old, new = rigid[child], rigid[parent]
                 rigid = {link: new if group == old else group for link, group in rigid.items()}
-        return pairs | {frozenset(pair) for pair in combinations(rigid, 2) if rigid[pair[0]] == rigid[pair[1]]}
+        return pairs | {
+            frozenset(pair) for pair in combinations(rigid, 2) if rigid[pair[0]] == rigid[pair[1]]
+        }
 
     def self_collisions(self, positions: dict[str, float]) -> set[frozenset[str]]:
         """Pairs of links whose shapes overlap although that is not allowed."""

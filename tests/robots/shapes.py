@@ -44,15 +44,14 @@ class Shape:
         if self.kind == "sphere":
             return np.maximum(np.linalg.norm(local, axis=1) - self.size[0], 0)
         if self.kind == "cylinder":
-            over = np.stack([np.hypot(local[:, 0], local[:, 1]) - self.size[0], np.abs(local[:, 2]) - self.size[1] / 2])
+            over = np.stack(
+                [np.hypot(local[:, 0], local[:, 1]) - self.size[0], np.abs(local[:, 2]) - self.size[1] / 2]
+            )
             return np.linalg.norm(np.maximum(over, 0), axis=0)
         return np.linalg.norm(np.maximum(np.abs(local) - self.size / 2, 0), axis=1)
 
     def bounds(self) -> Array:
-        if self.kind == "sphere":
-            reach = self.half
-        else:
-            reach = np.abs(self.pose[:3, :3]) @ self.half
+        reach = self.half if self.kind == "sphere" else np.abs(self.pose[:3, :3]) @ self.half
         return np.stack([self.pose[:3, 3] - reach, self.pose[:3, 3] + reach])
 
 

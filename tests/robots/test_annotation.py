@@ -2,6 +2,7 @@
 
 from collections import Counter
 
+import coal
 import numpy as np
 import pytest
 from rdflib import RDF, RDFS, BNode
@@ -11,6 +12,7 @@ from tests.robots.conftest import SDT, Robot, touch
 from tests.robots.shapes import Array
 
 BAR = 0.015  # [m] thickness of the handles in both kitchens
+POSE = ["x", "y", "z", "qx", "qy", "qz", "qw"]
 OPENING_TOLERANCE = 0.002  # [m] between annotated and measured opening
 
 
@@ -69,18 +71,24 @@ def test_parked_robot_does_not_touch_itself(robot: Robot, fingers: str) -> None:
 
 def test_self_collision_is_seen(robot: Robot) -> None:
     inwards = {
-        "pr2": {"l_shoulder_pan_joint": -0.6, "r_shoulder_pan_joint": 0.6, "l_forearm_roll_joint": 0.0},
-        "tiago_dual": {"arm_left_1_joint": -1.0, "arm_left_2_joint": 1.5, "arm_left_4_joint": 2.3},
-        "stretch": {"joint_lift": 0.0, "joint_wrist_yaw": 3.14, "joint_wrist_pitch": -1.0},
+        "pr2": {"l_shoulder_pan_joint": -0.2, "l_shoulder_lift_joint": 1.3, "l_elbow_flex_joint": -0.5},
+        "tiago_dual": {
+            "arm_left_1_joint": 1.3,
+            "arm_left_2_joint": 1.5,
+            "arm_left_3_joint": 2.1,
+            "arm_left_4_joint": 1.0,
+        },
+        "stretch": {"joint_lift": 0.1, "joint_wrist_yaw": -1.7, "joint_wrist_pitch": -0.9},
     }
-    assert robot.self_collisions(inwards[robot.name])
+    forearm = {"pr2": "l_forearm_link", "tiago_dual": "arm_left_5_link", "stretch": "link_straight_gripper"}
+    assert frozenset(("base_link", forearm[robot.name])) in robot.self_collisions(inwards[robot.name])
 
 
 def tool(robot: Robot, gripper: str, frames: dict[str, Array]) -> Array:
     """World pose of a tool frame."""
     node = next(s for s in robot.graph.subjects(RDF.type, SDT.Gripper) if iri.local_name(str(s)) == gripper)
     pose = robot.graph.value(node, SDT.toolFrame)
-    x, y, z, qx, qy, qz, qw = (float(robot.graph.value(pose, SDT[k]).toPython()) for k in "x y z qx qy qz qw".split())
+    x, y, z, qx, qy, qz, qw = (float(robot.graph.value(pose, SDT[k]).toPython()) for k in POSE)
     assert (qx, qy, qz, qw) == (0, 0, 0, 1)
     body_T_tool = np.eye(4)
     body_T_tool[:3, 3] = x, y, z
@@ -89,8 +97,6 @@ def tool(robot: Robot, gripper: str, frames: dict[str, Array]) -> Array:
 
 def fits(robot: Robot, gripper: str, width: float) -> bool:
     """Whether a bar of that width across the fingers is free between them."""
-    import coal
-
     frames = robot.frames(robot.values("openPosition"))
     bar = (coal.Box(BAR, width, BAR), tool(robot, gripper, frames))
     fingers = [finger for owner, finger in robot.named("hasFinger") if owner == gripper]
