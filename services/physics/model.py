@@ -10,9 +10,10 @@ import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found throug
 from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.errors import AnnotationError, UnknownEntityError
 from sdt_kg.iri import Iri, body_iri
-from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism
+from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, ShapeType
 from sdt_kg.twin import Twin
-from services.physics.shapes import solid, surface
+from services.physics.hulls import COARSE, FINE
+from services.physics.shapes import solids, surface
 from services.physics.tree import UNIVERSE, Array, Bounds, Indices, Part, add, coupling, se3
 
 BASE_COORDINATES = ("base_x", "base_y", "base_yaw")
@@ -86,8 +87,39 @@ class Scene:
         self.names = self._names()
         self.coordinate = {name: k for k, name in enumerate(self.names)}
         self.bounds = self._bounds()
-        self.solids = (*_solids(self.kitchen, surface), *_solids(self.robot, solid))
+        self._set_solids(fine=frozenset())
+        if fine := self._meshes_touching_when_parked():
+            self._set_solids(fine)
+
+    def _set_solids(self, fine: frozenset[Iri]) -> None:
+        def pieces(body: Iri, geometry: Geometry) -> tuple[coal.CollisionGeometry, ...]:
+            return solids(geometry, FINE if body in fine else COARSE)
+
+        kitchen = _solids(self.kitchen, lambda _, geometry: surface(geometry))
+        self.solids = (*kitchen, *_solids(self.robot, pieces))
         self.self_pairs, self.environment_pairs = self._pairs()
+
+    def _meshes_touching_when_parked(self) -> frozenset[Iri]:
+        """Bodies with meshes whose coarse pieces fill a gap between links that do not touch."""
+        part = self.robot
+        meshed = {
+            body_iri(part.mechanism.name, body.name)
+            for body in part.mechanism.bodies
+            if any(geometry.shape is ShapeType.MESH for geometry in body.collision)
+        }
+        if not meshed:
+            return frozenset()
+        pin.forwardKinematics(self.model, self.data, self.q((0.0, 0.0, 0.0), {}))
+        frames = [self.data.oMi[one.joint] * one.joint_T_shape for one in self.solids]
+        placed = [coal.Transform3s(frame.rotation, frame.translation) for frame in frames]
+        touching: set[Iri] = set()
+        for i, j in self.self_pairs.tolist():
+            request, result = coal.CollisionRequest(), coal.CollisionResult()
+            if coal.collide(
+                self.solids[i].shape, placed[i], self.solids[j].shape, placed[j], request, result
+            ):
+                touching |= {self.solids[i].body, self.solids[j].body}
+        return frozenset(touching & meshed)
 
     def _add_base(self, model: pin.Model) -> int:
         up = pin.SE3(np.eye(3), np.array([0.0, 0.0, self.annotation.base_height]))
@@ -201,11 +233,13 @@ def _base_T_root(mechanism: Mechanism, annotation: RobotAnnotation) -> pin.SE3:
     return root_T_body[annotation.base_body].inverse()
 
 
-def _solids(part: Part, shape: Callable[[Geometry], coal.CollisionGeometry]) -> list[Solid]:
+def _solids(part: Part, shapes: Callable[[Iri, Geometry], tuple[coal.CollisionGeometry, ...]]) -> list[Solid]:
     return [
-        _solid(body_iri(part.mechanism.name, body.name), geometry, *part.attached[body.name], shape(geometry))
+        _solid(iri, geometry, *part.attached[body.name], shape)
         for body in part.mechanism.bodies
+        for iri in (body_iri(part.mechanism.name, body.name),)
         for geometry in body.collision
+        for shape in shapes(iri, geometry)
     ]
 
 

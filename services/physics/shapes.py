@@ -8,22 +8,23 @@ from numpy.typing import NDArray
 
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, ShapeType
+from services.physics.hulls import COARSE, Fineness, convex_pieces
 
 FLAT = 1e-6  # [m] a mesh thinner than this has no volume: qhull crashes on it
 PADDING = 1e-4  # [m] how far the hull of a flat mesh stands out on both sides
 
 
-def solid(geometry: Geometry) -> coal.CollisionGeometry:
-    """Shape that contains the geometry: primitives as they are, a mesh as its convex hull.
+def solids(geometry: Geometry, fineness: Fineness = COARSE) -> tuple[coal.CollisionGeometry, ...]:
+    """Shapes that contain the geometry's surface: a primitive as it is, a mesh as convex pieces.
 
-    For robot links: what is certified free with the hull is free with the mesh.
+    For robot links: what is certified free with the pieces is free with the mesh.
     """
     if geometry.shape is ShapeType.MESH:
-        return _hull(geometry.mesh_file, geometry.mesh_hash, geometry.size)
-    return _primitive(geometry)
+        return _hulls(geometry.mesh_file, geometry.mesh_hash, geometry.size, fineness)
+    return (_primitive(geometry),)
 
 
-def surface(geometry: Geometry) -> coal.CollisionGeometry:
+def surface(geometry: Geometry) -> tuple[coal.CollisionGeometry, ...]:
     """Shape with the geometry's surface: primitives as they are, a mesh as its triangles.
 
     For kitchens, whose cabinets and drawers are hollow: a hull would fill them. A body that lies
@@ -32,8 +33,8 @@ def surface(geometry: Geometry) -> coal.CollisionGeometry:
     depth of a penetration is that into single triangles, at least that of the crossing.
     """
     if geometry.shape is ShapeType.MESH:
-        return _triangles(geometry.mesh_file, geometry.mesh_hash, geometry.size)
-    return _primitive(geometry)
+        return (_triangles(geometry.mesh_file, geometry.mesh_hash, geometry.size),)
+    return (_primitive(geometry),)
 
 
 def _primitive(geometry: Geometry) -> coal.CollisionGeometry:
@@ -61,9 +62,17 @@ def _triangles(mesh_file: str, mesh_hash: str, scale: tuple[float, ...]) -> coal
 
 
 @lru_cache(maxsize=1024)
-def _hull(mesh_file: str, mesh_hash: str, scale: tuple[float, ...]) -> coal.ConvexBase:
-    vertices = np.array(_triangles(mesh_file, mesh_hash, scale).vertices())
-    points = _with_volume(vertices)
+def _hulls(
+    mesh_file: str, mesh_hash: str, scale: tuple[float, ...], fineness: Fineness
+) -> tuple[coal.ConvexBase, ...]:
+    mesh = _triangles(mesh_file, mesh_hash, scale)
+    faces = [mesh.tri_indices(i) for i in range(mesh.num_tris)]
+    corners = np.array(mesh.vertices())[[[face[0], face[1], face[2]] for face in faces]]
+    return tuple(_hull(points) for points in convex_pieces(corners, fineness))
+
+
+def _hull(points: NDArray[np.float64]) -> coal.ConvexBase:
+    points = _with_volume(points)
     mesh = coal.BVHModelOBBRSS()
     mesh.beginModel(0, len(points))
     mesh.addVertices(points)

@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import pytest
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from sdt_kg.errors import UnknownEntityError, UrdfError
@@ -15,8 +16,9 @@ from sdt_kg.load import load_twin
 from sdt_kg.mechanism import Body, Geometry, Joint, JointType, Mechanism, Mimic, Pose, ShapeType
 from sdt_kg.twin import Twin
 from sdt_kg.urdf import read_mechanism
+from services.physics.hulls import COARSE, FINE, Fineness, convex_pieces
 from services.physics.model import Scene, exempt_pairs
-from services.physics.shapes import solid, surface
+from services.physics.shapes import solids, surface
 from services.physics.tree import Model, build
 
 pytestmark = pytest.mark.oracle
@@ -219,6 +221,11 @@ def mesh(path: Path, text: str, size: tuple[float, float, float] = (1.0, 1.0, 1.
     return Geometry(ShapeType.MESH, Pose(), size, str(path), str(path))
 
 
+def one(shapes: tuple[coal.CollisionGeometry, ...]) -> coal.CollisionGeometry:
+    (shape,) = shapes
+    return shape
+
+
 def distance_to_ball(
     shape: coal.CollisionGeometry, centre: tuple[float, float, float], radius: float
 ) -> float:
@@ -233,19 +240,44 @@ def test_a_robots_mesh_is_filled_and_a_kitchens_is_its_surface(tmp_path: Path) -
     # A tetrahedron without its slanted face: hollow for a kitchen, filled for a robot.
     hollow = mesh(tmp_path / "hollow.stl", TETRAHEDRON.format(more=""))
     inside, radius = (0.2, 0.2, 0.2), 0.01
-    assert distance_to_ball(surface(hollow), inside, radius) == pytest.approx(0.19, abs=1e-6)
-    assert distance_to_ball(solid(hollow), inside, radius) < 0
+    assert distance_to_ball(surface(hollow)[0], inside, radius) == pytest.approx(0.19, abs=1e-6)
+    assert distance_to_ball(one(solids(hollow)), inside, radius) < 0
     closed = mesh(tmp_path / "closed.stl", TETRAHEDRON.format(more=SLOPE), (2.0, 2.0, 2.0))
-    assert distance_to_ball(solid(closed), (1.0, 1.0, 1.0), 0.1) == pytest.approx(
+    assert distance_to_ball(one(solids(closed)), (1.0, 1.0, 1.0), 0.1) == pytest.approx(
         1 / np.sqrt(3) - 0.1, abs=1e-6
     )
 
 
 def test_a_flat_mesh_is_a_thin_solid(tmp_path: Path) -> None:
-    flat = solid(mesh(tmp_path / "flat.stl", SQUARE))
+    flat = one(solids(mesh(tmp_path / "flat.stl", SQUARE)))
     assert distance_to_ball(flat, (0.5, 0.5, 0.5), 0.1) == pytest.approx(0.4, abs=2e-4)
 
 
 def test_a_mesh_that_cannot_be_read_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(UrdfError, match="cannot be read"):
-        solid(mesh(tmp_path / "broken.stl", "no mesh"))
+        solids(mesh(tmp_path / "broken.stl", "no mesh"))
+
+
+def box_triangles(size: tuple[float, float, float], centre: tuple[float, float, float]) -> Array:
+    corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * np.array(size) / 2
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    halves = [(a, b, c) for a, b, c, _ in faces] + [(a, c, d) for a, _, c, d in faces]
+    return corners[np.array(halves)] + np.array(centre)
+
+
+@pytest.mark.parametrize("fineness", [COARSE, FINE])
+def test_convex_pieces_contain_every_triangle_and_leave_the_notch_free(fineness: Fineness) -> None:
+    # An L of two bars 0.2 m thick: its one hull would fill the notch at (0.8, 0, 0.8).
+    bars = [box_triangles((0.2, 0.2, 1), (0.1, 0, 0.5)), box_triangles((1, 0.2, 0.2), (0.5, 0, 0.1))]
+    triangles = np.concatenate(bars)
+    pieces = [ConvexHull(points) for points in convex_pieces(triangles, fineness)]
+    weights = np.random.default_rng(0).dirichlet(np.ones(3), (len(triangles), 50))
+    points = np.einsum("mkc,mcx->mkx", weights, triangles).reshape(-1, 3)
+    outside = [points @ piece.equations[:, :3].T + piece.equations[:, 3] for piece in pieces]
+    assert (np.min([depth.max(axis=1) for depth in outside], axis=0) <= DIRECT).all()
+    notch = np.array((0.45, 0.0, 0.45))
+    assert all((piece.equations[:, :3] @ notch + piece.equations[:, 3]).max() > 0 for piece in pieces)
+
+
+def test_one_convex_body_is_one_piece() -> None:
+    assert len(convex_pieces(box_triangles((1, 2, 3), (0, 0, 0)), FINE)) == 1
