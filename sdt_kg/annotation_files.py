@@ -37,7 +37,7 @@ def chosen_robot(mechanism: Mechanism, urdf: Path, explicit: Path | None) -> Cho
     given = _given(mechanism, urdf, explicit, "Robot")
     if given is not None:
         return given
-    for file in sorted(Path(str(robots.__file__)).parent.glob("*/*.ttl")):
+    for file in sorted(robots.path("").glob("*/*.ttl")):
         chosen = _read(file, mechanism, "Robot")
         if chosen is not None and not _unknown_names(chosen, mechanism):
             return _bundled(file, chosen, mechanism)
@@ -60,7 +60,7 @@ def chosen_kitchen(mechanism: Mechanism, urdf: Path, explicit: Path | None) -> C
     if given is not None:
         return given
     joints = {joint.name for joint in mechanism.joints}
-    for file in sorted(Path(str(kitchens.__file__)).parent.glob("*/*.ttl")):
+    for file in sorted(kitchens.path("").glob("*/*.ttl")):
         if _movable_joints(file.with_suffix(".urdf")) <= joints:
             chosen = _read(file, mechanism, "Environment")
             if chosen is not None and not _unknown_names(chosen, mechanism):

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from types import ModuleType
 from typing import Final
 
 import kitchens
@@ -19,6 +18,7 @@ from sdt_kg.twin import Twin
 from sdt_kg.urdf import model_stem, read_mechanism
 
 MODEL_SUFFIXES: Final = (".urdf", ".xacro")
+_FOLDERS: Final = {"kitchen": kitchens.path, "robot": bundled_robots.path}
 
 
 def load_twin(
@@ -88,31 +88,37 @@ def model_name(name_or_path: str | Path) -> str:
 
 
 def _kitchen(name: str | Path, explicit: Path | None) -> tuple[Mechanism, str, Chosen]:
-    path = model_path("kitchen", name, kitchens)
+    path = model_path("kitchen", name)
     mechanism = read_mechanism(path, turn_axes=True)
     return mechanism, "Environment", chosen_kitchen(mechanism, path, explicit)
 
 
 def _robot(name: str | Path, explicit: Path | None) -> tuple[Mechanism, str, Chosen]:
-    path = model_path("robot", name, bundled_robots)
+    path = model_path("robot", name)
     mechanism = read_mechanism(path)
     return mechanism, "Robot", chosen_robot(mechanism, path, explicit)
 
 
-def model_path(kind: str, name_or_path: str | Path, package: ModuleType) -> Path:
-    """URDF file of a bundled name, or the path as given."""
+def bundled(kind: str, name: str) -> Path:
+    """Where the URDF of a bundled `kitchen` or `robot` lies, or would lie."""
+    return _FOLDERS[kind](name) / f"{name}.urdf"
+
+
+def model_path(kind: str, name_or_path: str | Path) -> Path:
+    """URDF file of a bundled name, or the path as given.
+
+    Raises:
+        UnknownEntityError: Neither.
+    """
     text = str(name_or_path)
-    folder = Path(str(package.__file__)).parent
-    bundled = folder / text / f"{text}.urdf"
-    if "/" not in text and bundled.is_file():
-        return bundled
+    if "/" not in text and bundled(kind, text).is_file():
+        return bundled(kind, text)
     path = Path(name_or_path)
     if path.suffix in MODEL_SUFFIXES and path.is_file():
         return path
-    names = sorted(each.parent.name for each in folder.glob("*/*.urdf"))
-    raise UnknownEntityError(
-        kind, text, names, f"or the path of a .urdf or .xacro file; bundled: {', '.join(names)}"
-    )
+    names = sorted(each.parent.name for each in _FOLDERS[kind]("").glob("*/*.urdf"))
+    remedy = f"or the path of a .urdf or .xacro file; bundled: {', '.join(names)}"
+    raise UnknownEntityError(kind, text, names, remedy)
 
 
 def _notes(mechanism: Mechanism, chosen: Chosen) -> list[str]:

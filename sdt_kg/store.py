@@ -94,7 +94,7 @@ class MemoryStore:
                 prefixes=PREFIXES,
                 substitutions=bound,
             )
-        except (SyntaxError, ValueError) as error:
+        except (SyntaxError, ValueError, RuntimeError) as error:
             raise QueryError(f"the query is not SPARQL: {error}", allowed="SELECT, ASK, CONSTRUCT") from None
 
     def dump(self, graphs: Sequence[Iri]) -> ox.Store:

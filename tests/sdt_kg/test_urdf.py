@@ -1,0 +1,263 @@
+"""URDF → Mechanism: what is kept, what is changed and noted, and what is refused."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from sdt_kg.errors import UrdfError
+from sdt_kg.mechanism import Geometry, JointType, Limits, Mimic, Pose, ShapeType
+from sdt_kg.urdf import model_stem, read_mechanism
+from tests.sdt_kg.conftest import DRAWER, Write, joint, limit, link
+
+TWO = (link("world"), link("door"))
+
+
+def hinge(inside: str, kind: str = "revolute") -> tuple[str, ...]:
+    return (*TWO, joint("hinge", kind, "world", "door", inside))
+
+
+def test_a_drawer_is_read_as_it_is_written(drawer: Path) -> None:
+    model = read_mechanism(drawer)
+    assert (model.name, model.root) == ("k", "world")
+    assert [body.name for body in model.bodies] == ["world", "cupboard_drawer", "cupboard_handle"]
+    assert model.bodies[1].collision == (Geometry(ShapeType.BOX, Pose(), (0.4, 0.5, 0.2)),)
+    slide = model.joint("slide")
+    assert slide.type is JointType.PRISMATIC
+    assert slide.axis == (1.0, 0.0, 0.0)
+    assert slide.limits == Limits(lower=0.0, upper=0.5, velocity=1.0, effort=10.0)
+    assert slide.limits.acceleration == math.inf
+    assert slide.notes == ()
+    assert model.joint("mount").origin == Pose((0.22, 0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("rpy", "quaternion"),
+    [
+        ("0 0 0", (0, 0, 0, 1)),
+        ("3.141592653589793 0 0", (1, 0, 0, 0)),
+        ("0 3.141592653589793 0", (0, 1, 0, 0)),
+        ("0 0 3.141592653589793", (0, 0, 1, 0)),
+        ("0 0 1.5707963267948966", (0, 0, math.sqrt(0.5), math.sqrt(0.5))),
+        ("1.5707963267948966 0 1.5707963267948966", (0.5, 0.5, 0.5, 0.5)),
+    ],
+)
+def test_roll_pitch_yaw_becomes_a_quaternion(write: Write, rpy: str, quaternion: tuple[float, ...]) -> None:
+    model = read_mechanism(write(*hinge(f'<origin rpy="{rpy}"/>{limit(0, 1)}')))
+    assert model.joint("hinge").origin.orientation == pytest.approx(quaternion, abs=1e-15)
+
+
+def test_joints_come_parents_before_children(write: Write) -> None:
+    late = joint("b", "fixed", "door", "knob")
+    model = read_mechanism(write(link("knob"), *TWO, late, joint("a", "fixed", "world", "door")))
+    assert [each.name for each in model.joints] == ["a", "b"]
+
+
+def test_equal_limits_are_a_fixed_joint_and_a_note(write: Write) -> None:
+    model = read_mechanism(write(*hinge(limit(0, 0))))
+    assert model.joint("hinge").type is JointType.FIXED
+    assert model.joint("hinge").notes == ("revolute joint with equal limits 0..0: imported as fixed",)
+
+
+def test_equal_limits_elsewhere_than_0_move_the_child_there(write: Write) -> None:
+    model = read_mechanism(write(*hinge(f'<axis xyz="0 1 0"/>{limit(0.3, 0.3)}', "prismatic")))
+    assert model.joint("hinge").origin.position == (0.0, 0.3, 0.0)
+    turned = read_mechanism(write(*hinge(f'<axis xyz="0 0 1"/>{limit(math.pi / 2, math.pi / 2)}')))
+    assert turned.joint("hinge").origin.orientation == pytest.approx((0, 0, math.sqrt(0.5), math.sqrt(0.5)))
+
+
+def test_limits_that_are_not_written_are_0_as_urdf_says(write: Write) -> None:
+    model = read_mechanism(write(*hinge('<limit velocity="1" effort="1"/>')))
+    assert model.joint("hinge").type is JointType.FIXED
+
+
+def test_an_axis_is_normalised_and_noted(write: Write) -> None:
+    slide = read_mechanism(write(*hinge(f'<axis xyz="0 3 4"/>{limit(0, 1)}', "prismatic"))).joint("hinge")
+    assert slide.axis == (0.0, 0.6, 0.8)
+    assert slide.notes == ("axis (0, 3, 4) had length 5 and was normalised",)
+
+
+def test_kitchens_have_backward_limits_turned_and_mimics_with_them(write: Write) -> None:
+    flap = joint("flap", "revolute", "door", "knob", f'<mimic joint="hinge" multiplier="2"/>{limit(-2, 2)}')
+    path = write(*hinge(f'<axis xyz="0 0 1"/>{limit(-math.pi / 2, 0)}'), link("knob"), flap)
+    model = read_mechanism(path, turn_axes=True)
+    turned = model.joint("hinge")
+    assert turned.axis == (0.0, 0.0, -1.0)
+    assert (turned.limits.lower, turned.limits.upper) == (0.0, math.pi / 2)
+    assert "axis turned" in turned.notes[0]
+    assert model.joint("flap").mimic == Mimic("hinge", -2.0)
+    robot = read_mechanism(path).joint("hinge")
+    assert (robot.limits.lower, robot.axis, robot.notes) == (-math.pi / 2, (0.0, 0.0, 1.0), ())
+
+
+def test_limits_on_both_sides_of_0_are_left_as_they_are(write: Write) -> None:
+    model = read_mechanism(write(*hinge(limit(-1, 1))), turn_axes=True)
+    assert model.joint("hinge").limits.lower == -1.0
+
+
+def test_a_chain_of_mimics_becomes_one_step(write: Write) -> None:
+    second = joint(
+        "b", "revolute", "door", "l2", f'<mimic joint="hinge" multiplier="2" offset="1"/>{limit(0, 9)}'
+    )
+    third = joint("c", "revolute", "l2", "l3", f'<mimic joint="b" multiplier="3" offset="5"/>{limit(0, 99)}')
+    model = read_mechanism(write(*hinge(limit(0, 1)), link("l2"), link("l3"), second, third))
+    assert model.joint("c").mimic == Mimic("hinge", 6.0, 8.0)
+    assert model.joint("c").notes == ("mimics 'b', which mimics 'hinge': joined",)
+
+
+@pytest.mark.parametrize(
+    "mimic", ['<mimic joint="hinge" offset="0.25"/>', '<mimic joint="x" multiplier="0"/>']
+)
+def test_what_mimics_a_joint_that_cannot_move_is_fixed(write: Write, mimic: str) -> None:
+    moving = joint("x", "prismatic", "door", "l2", limit(0, 1))
+    path = write(
+        *hinge(limit(0, 0)), link("l2"), link("l3"), moving,
+        joint("b", "prismatic", "l2", "l3", f"{mimic}{limit(0, 1)}"),
+    )  # fmt: skip
+    follower = read_mechanism(path).joint("b")
+    assert follower.type is JointType.FIXED
+    assert follower.mimic is None
+    assert follower.origin.position == ((0.25, 0.0, 0.0) if "offset" in mimic else (0.0, 0.0, 0.0))
+
+
+def test_visual_geometry_is_not_read_but_noted(write: Write) -> None:
+    wheel = '<link name="wheel"><visual><geometry><mesh filename="nowhere.dae"/></geometry></visual></link>'
+    model = read_mechanism(write(link("world"), wheel, joint("j", "fixed", "world", "wheel")))
+    assert model.bodies[1].collision == ()
+    assert model.notes == (
+        "links with a visual but no collision geometry, which nothing can collide with: wheel",
+    )
+
+
+def test_meshes_are_found_beside_the_urdf_and_hashed_by_content(write: Write, tmp_path: Path) -> None:
+    folder = tmp_path / "pkg" / "meshes"
+    folder.mkdir(parents=True)
+    (folder / "a.stl").write_bytes(b"solid")
+    (folder / "b.stl").write_bytes(b"solid")
+    meshes = [
+        '<mesh filename="package://pkg/meshes/a.stl" scale="1 2 3"/>',
+        '<mesh filename="pkg/meshes/b.stl"/>',
+    ]
+    one, other = read_mechanism(write(link("world", *meshes))).bodies[0].collision
+    assert one.size == (1.0, 2.0, 3.0)
+    assert other.size == (1.0, 1.0, 1.0)
+    assert one.mesh_file == str(folder / "a.stl")
+    assert one.mesh_hash == other.mesh_hash
+    assert len(one.mesh_hash) == 64
+
+
+def test_a_urdf_inside_its_package_finds_the_package(tmp_path: Path) -> None:
+    (tmp_path / "pkg" / "urdf").mkdir(parents=True)
+    (tmp_path / "pkg" / "a.stl").write_bytes(b"solid")
+    path = tmp_path / "pkg" / "urdf" / "k.urdf"
+    path.write_text(
+        f'<robot name="k">{link("w", MESH.format("package://pkg/a.stl"))}</robot>', encoding="utf-8"
+    )
+    assert read_mechanism(path).bodies[0].collision[0].mesh_file == str(tmp_path / "pkg" / "a.stl")
+
+
+MESH = '<mesh filename="{}"/>'
+
+
+def test_xacro_is_expanded(tmp_path: Path) -> None:
+    path = tmp_path / "my.urdf.xacro"
+    body = (
+        f'<xacro:property name="n" value="0.5"/>{"".join(DRAWER).replace("0.4 0.5 0.2", "0.4 ${n} ${n/2}")}'
+    )
+    path.write_text(
+        f'<robot name="k" xmlns:xacro="http://www.ros.org/wiki/xacro">{body}</robot>', encoding="utf-8"
+    )
+    model = read_mechanism(path)
+    assert model.name == "my" == model_stem(path)
+    assert model.bodies[1].collision[0].size == (0.4, 0.5, 0.25)
+
+
+BOMB = '<!DOCTYPE lolz [<!ENTITY lol "lol"><!ENTITY lol2 "&lol;&lol;&lol;&lol;">]>'
+
+BAD: dict[str, tuple[tuple[str, ...], str]] = {
+    "joint of an unknown type": (hinge("", "planar"), "allowed: fixed, prismatic, revolute, continuous"),
+    "floating joint": (hinge("", "floating"), "has type 'floating'"),
+    "hinge without limits": (hinge(""), "has no limits"),
+    "inverted limits": (hinge(limit(1, 0)), "lower limit 1 above upper limit 0"),
+    "zero axis": (hinge(f'<axis xyz="0 0 0"/>{limit(0, 1)}'), "axis 0 0 0"),
+    "not a number": (hinge(f'<origin xyz="nan 0 0"/>{limit(0, 1)}'), "is not finite"),
+    "infinite limit": (hinge('<limit lower="0" upper="inf" velocity="1" effort="1"/>'), "is not finite"),
+    "no number": (hinge(f'<origin xyz="a b c"/>{limit(0, 1)}'), "is not 3 number"),
+    "two numbers for three": (hinge(f'<origin xyz="0 0"/>{limit(0, 1)}'), "holds 2 number"),
+    "negative speed": (hinge(limit(0, 1, -1)), "negative velocity"),
+    "duplicate link": (
+        (*TWO, link("door"), joint("j", "fixed", "world", "door")),
+        "link named twice: 'door'",
+    ),
+    "duplicate joint": (
+        (*hinge(limit(0, 1)), link("x"), joint("hinge", "fixed", "door", "x")),
+        "joint named twice",
+    ),
+    "two parents": (
+        (*hinge(limit(0, 1)), link("x"), joint("a", "fixed", "world", "x"), joint("b", "fixed", "door", "x")),
+        "more than one parent (a loop): 'x'",
+    ),
+    "loop without root": (
+        (link("a"), link("b"), joint("j", "fixed", "a", "b"), joint("k", "fixed", "b", "a")),
+        "every link has a parent (a loop)",
+    ),
+    "loop beside the tree": (
+        (link("w"), link("a"), link("b"), joint("j", "fixed", "a", "b"), joint("k", "fixed", "b", "a")),
+        "a loop that is not joined to the root: 'a', 'b'",
+    ),
+    "two roots": (TWO, "2 links without parent"),
+    "unknown link": ((link("world"), joint("j", "fixed", "world", "door")), "do not exist: 'door'"),
+    "no child": (
+        (link("world"), '<joint name="j" type="fixed"><parent link="world"/></joint>'),
+        "no child link",
+    ),
+    "mimic of nothing": (hinge(f'<mimic joint="nix"/>{limit(0, 1)}'), "mimics 'nix', which does not exist"),
+    "mimic of itself": (hinge(f'<mimic joint="hinge"/>{limit(0, 1)}'), "which mimics it in turn"),
+    "flat box": ((link("world", '<box size="1 0 1"/>'),), "above 0 m"),
+    "cone": ((link("world", '<cone radius="1"/>'),), "collision geometry is <cone>; allowed: one of box"),
+    "missing mesh": ((link("world", MESH.format("a.stl")),), "no mesh file"),
+    "mesh outside": ((link("world", MESH.format("../../a.stl")),), "lies outside of"),
+    "mesh outside of its package": (
+        (link("world", MESH.format("package://p/../../../a.stl")),),
+        "outside of",
+    ),
+    "absolute mesh": ((link("world", MESH.format("file:///etc/passwd")),), "outside of"),
+    "empty": ((), "has no link"),
+    "nameless link": (("<link/>",), "a link has no name"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_bad_urdf_is_refused_with_its_reason(write: Write, case: str) -> None:
+    parts, reason = BAD[case]
+    with pytest.raises(UrdfError) as caught:
+        read_mechanism(write(*parts))
+    assert reason in str(caught.value)
+    assert "k.urdf" in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["k.urdf", "k.urdf.xacro"])
+def test_a_dtd_is_refused_before_it_is_expanded(write: Write, name: str) -> None:
+    with pytest.raises(UrdfError, match="has a DTD"):
+        read_mechanism(write(link("&lol2;"), head=BOMB, name=name))
+
+
+@pytest.mark.parametrize("text", ["", "<robot", "not xml", "<sdf/>"])
+def test_what_is_no_urdf_is_refused(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "k.urdf"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(UrdfError):
+        read_mechanism(path)
+
+
+def test_a_link_out_of_the_folder_is_refused(write: Write, tmp_path: Path) -> None:
+    secret = tmp_path.parent / "secret.stl"
+    secret.write_bytes(b"solid")
+    (tmp_path / "mesh.stl").symlink_to(secret)
+    with pytest.raises(UrdfError, match="lies outside of"):
+        read_mechanism(write(link("world", MESH.format("mesh.stl"))))
+
+
+def test_nothing_is_printed(drawer: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    read_mechanism(drawer)
+    assert capfd.readouterr() == ("", "")
