@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 LIMIT_PLAY = 0.002
 """[rad or m] How far beyond a stop a dragged joint may seem to be: the tool's tolerance on the handle."""
 
+STOP_STEP = 1e-5
+"""[rad or m] Differences beyond a stop which count when the moment of the grasp is looked for."""
+
 INSTANT = 1e-4
 """[s] Half of the interval over which the velocity of a dragged joint is taken."""
 
@@ -118,7 +121,7 @@ def _longest_hold(  # noqa: PLR0913, PLR0917 - two paths, what joins them, and w
     gripper: Gripper,
     container: Container,
 ) -> _Hold | None:
-    """The hold that lasts longest, then the one that moves the joint most; None if no tool comes near.
+    """The hold that explains the motion best; None if no tool comes near.
 
     A gripper that comes along the joint's own direction is held to the right moment by the joint's
     limits: taken too early, it would push a closed drawer through the cabinet.
@@ -132,9 +135,15 @@ def _longest_hold(  # noqa: PLR0913, PLR0917 - two paths, what joins them, and w
         fits = (gaps <= POSE_TOLERANCE) & (angles <= ANGLE_TOLERANCE) & inside
         length = len(fits) if fits.all() else int(np.argmin(fits))
         hold = _Hold(begin, begin + length - 1, values[:length])
-        if best is None or (hold.end, np.ptp(hold.values)) > (best.end, np.ptp(best.values)):
+        if best is None or _rank(hold, bounds) > _rank(best, bounds):
             best = hold
     return best
+
+
+def _rank(hold: _Hold, bounds: Bounds) -> tuple[int, int, float]:
+    """How well a hold explains the motion: until when, how far inside the stops, how far it moves."""
+    beyond = max(bounds.lower - float(hold.values.min()), float(hold.values.max()) - bounds.upper, 0.0)
+    return hold.end, -round(beyond / STOP_STEP), float(np.ptp(hold.values))
 
 
 def _tool_T_handle(handle: Chain, twin: Twin, world_T_tool: Array) -> Array:
