@@ -13,7 +13,7 @@ from typing import Final
 import pyoxigraph as ox
 
 import ontology
-from sdt_kg.iri import ID, OWL, RDF, SDT, TEE, Iri, graph_iri, local_name
+from sdt_kg.iri import ID, RDF, SDT, TEE, Iri, graph_iri, local_name
 from sdt_kg.panels import panel_triples
 from sdt_kg.store import Store, Triple
 
@@ -44,20 +44,6 @@ def tee_triples() -> tuple[Triple, ...]:
         (quad.subject.value, quad.predicate.value, quad.object)
         for quad in quads
         if isinstance(quad.subject, ox.NamedNode) and isinstance(quad.object, ox.NamedNode | ox.Literal)
-    )
-
-
-@cache
-def declared_properties() -> frozenset[str]:
-    """Local names of the properties of `sdt.ttl`."""
-    quads = ox.parse(ontology.path("sdt.ttl").read_bytes(), format=ox.RdfFormat.TURTLE)
-    kinds = {OWL + "DatatypeProperty", OWL + "ObjectProperty"}
-    return frozenset(
-        local_name(quad.subject.value)
-        for quad in quads
-        if isinstance(quad.subject, ox.NamedNode)
-        and isinstance(quad.object, ox.NamedNode)
-        and quad.object.value in kinds
     )
 
 

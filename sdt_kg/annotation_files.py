@@ -18,6 +18,7 @@ from sdt_kg.triples.annotation import GRIPPER_NEEDS, ROBOT_NEEDS
 from sdt_kg.triples.facts import TYPE
 from sdt_kg.triples.from_mechanism import pose_triples
 from sdt_kg.urdf import parse_xml
+from sdt_kg.vocabulary import DRIVES, fits, properties
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,6 +200,7 @@ def _check(chosen: Chosen, mechanism: Mechanism, file: Path, kind: str) -> None:
             f"{file} names {part} '{name}', which '{mechanism.name}' does not have{more}",
             allowed=f"did you mean {hint}?" if hint else f"names of its URDF's {part}s",
         )
+    _check_terms(chosen, file)
     facts = Facts(chosen.triples)
     model = model_iri(mechanism.name)
     needed = [(model, name) for name in (ROBOT_NEEDS if kind == "Robot" else ("startPose",))]
@@ -212,6 +214,25 @@ def _check(chosen: Chosen, mechanism: Mechanism, file: Path, kind: str) -> None:
     if missing:
         raise AnnotationError(f"{file} lacks: {', '.join(missing)}", allowed="see robots/README.md")
     _check_positions(facts, mechanism, file)
+
+
+def _check_terms(chosen: Chosen, file: Path) -> None:
+    """Every sdt: property is one of `sdt.ttl` and has a value of its kind."""
+    for subject, predicate, term in chosen.triples:
+        if not predicate.startswith(SDT):
+            continue
+        name = local_name(predicate)
+        where = f"{file}: sdt:{name} of '{local_name(subject)}'"
+        if name not in properties():
+            near = get_close_matches(name, properties(), n=3, cutoff=0.5)
+            hint = " or ".join(f"sdt:{each}" for each in near)
+            raise AnnotationError(
+                f"{where}: no such property", allowed=f"did you mean {hint}?" if hint else "those of sdt.ttl"
+            )
+        if not fits(properties()[name], term):
+            raise AnnotationError(f"{where} is {term}", allowed=properties()[name].value)
+        if name == "drive" and term.value not in DRIVES:
+            raise AnnotationError(f"{where} is {term}", allowed="sdt:Omni, sdt:Differential, sdt:Fixed")
 
 
 def _check_positions(facts: Facts, mechanism: Mechanism, file: Path) -> None:

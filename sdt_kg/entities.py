@@ -13,15 +13,16 @@ from typing import Final
 import pyoxigraph as ox
 
 import ontology
-from sdt_kg.annotate import TEE_GRAPH, annotate, declared_properties
+from sdt_kg.annotate import TEE_GRAPH, annotate
 from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.coupling import Coupling
-from sdt_kg.errors import UnknownEntityError
+from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import SDT, Iri, graph_iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.state import State
 from sdt_kg.store import MemoryStore, Row, Store, Triple, Value, double, rows_of, term_of
 from sdt_kg.triples import Facts, read_mechanism_of
+from sdt_kg.vocabulary import fits, properties
 
 KEPT_STATES: Final = 256
 """State graphs that a store keeps at a time; a dropped one is written again when asked for."""
@@ -184,10 +185,13 @@ class Entities:
 
         Raises:
             UnknownEntityError: No such subject, or no such property in `sdt.ttl`.
+            InputError: A value of the wrong kind.
         """
-        for name in changes:
-            if name not in declared_properties():
-                raise UnknownEntityError("property of sdt.ttl", name, declared_properties())
+        for name, value in changes.items():
+            if name not in properties():
+                raise UnknownEntityError("property of sdt.ttl", name, properties())
+            if value is not None and not fits(properties()[name], term_of(value)):
+                raise InputError(f"sdt:{name} cannot be {value!r}", allowed=properties()[name].value)
         model = self._model_of(subject)
         replaced = {SDT + name for name in changes}
         kept = (

@@ -1,0 +1,106 @@
+"""D_artic: what is in scope, what is not, with focus node, path, value and bound."""
+
+import math
+from pathlib import Path
+
+import pytest
+import rdflib
+
+from sdt_kg.iri import LAW, SDT, joint_iri, local_name
+from sdt_kg.load import load_twin
+from sdt_kg.scope import D_ARTIC, Violation, report_turtle, violations
+from sdt_kg.twin import Twin
+from tests.sdt_kg.conftest import Write, joint, limit, link
+from tests.sdt_kg.test_twin import SLIDE, door
+
+
+def found(twin: Twin) -> list[Violation]:
+    (container,) = twin.containers()
+    return violations(twin, container, verb=LAW + "Open")
+
+
+def summary(twin: Twin) -> set[tuple[str, str, object, object]]:
+    return {(local_name(v.focus), local_name(v.path or ""), v.value, v.bound) for v in found(twin)}
+
+
+@pytest.mark.parametrize("robot", ["pr2", "tiago_dual", "stretch"])
+@pytest.mark.parametrize("kitchen", ["a", "b"])
+def test_the_paper_is_in_scope(kitchen: str, robot: str) -> None:
+    twin = load_twin(kitchen, [robot])
+    for container in twin.containers()[::4]:
+        assert violations(twin, container, twin.robots[0], LAW + "Close") == []
+
+
+def test_a_drawer_is_in_scope(drawer: Path) -> None:
+    assert found(load_twin(drawer)) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"velocityLimit": 0.0}, {("slide", "velocityLimit", 0.0, 0)}),
+        ({"velocityLimit": None}, {("slide", "velocityLimit", None, 1)}),
+        ({"accelerationLimit": 1000.0}, {("slide", "accelerationLimit", 1000.0, 100)}),
+        (
+            {"upperLimit": 4.0},
+            {("slide", "upperLimit", 4.0, 3.15), ("slide", "effectiveUpperLimit", 4.0, 3.15)},
+        ),
+        ({"upperLimit": 0.01}, {("slide", "closedTo", 0.01, 0.009000000000000001)}),
+    ],
+)
+def test_a_limit_outside_its_interval_is_told_with_value_and_bound(
+    drawer: Path, change: dict[str, float | None], expected: set[tuple[str, str, object, object]]
+) -> None:
+    assert summary(load_twin(drawer).with_edit(SLIDE, **change)) == expected
+
+
+def test_a_lower_limit_below_0_is_out_of_scope_where_turning_does_not_help(write: Write) -> None:
+    twin = load_twin(write(*door(limit(-1.0, 1.0))))
+    assert ("hinge", "lowerLimit", -1.0, 0) in summary(twin)
+
+
+def test_a_continuous_hinge_is_out_of_scope(write: Write) -> None:
+    twin = load_twin(write(*door('<limit velocity="1" effort="1"/>', "continuous")))
+    messages = {v.message for v in found(twin)}
+    assert "a container's joint slides or turns between limits: make it prismatic or revolute" in messages
+
+
+def test_a_handle_without_shape_is_out_of_scope(write: Write) -> None:
+    parts = tuple(link("handle") if 'name="handle"' in part else part for part in door(limit(0.0, 1.5)))
+    assert ("handle", "hasCollisionGeometry", None, 1) in summary(load_twin(write(*parts)))
+
+
+def test_a_verb_of_another_class_is_out_of_scope(drawer: Path) -> None:
+    twin = load_twin(drawer)
+    (violation,) = violations(twin, twin.containers()[0], verb=LAW + "Pour")
+    assert (violation.value, local_name(violation.path or "")) == (LAW + "Pour", "verb")
+
+
+def test_a_robot_outside_r_is_out_of_scope() -> None:
+    twin = load_twin("b", ["stretch"])
+    (robot,) = twin.robots
+    twin = twin.with_edit(robot, baseLinearVelocity=0.0)
+    (violation,) = violations(twin, twin.containers()[0], robot)
+    assert (violation.focus, violation.path, violation.value) == (robot, SDT + "baseLinearVelocity", 0.0)
+    assert violations(twin, twin.containers()[0]) == []
+
+
+def test_only_the_containers_own_joint_is_bound(write: Write) -> None:
+    extra = (link("knob"), joint("turn", "revolute", "world", "knob", limit(-math.pi, math.pi)))
+    assert found(load_twin(write(*door(limit(0.0, 1.5)), *extra))) == []
+
+
+def test_constants_are_those_of_the_paper() -> None:
+    assert D_ARTIC.number("openFraction") == 0.9
+    assert D_ARTIC.number("closedTolerance") == 0.01
+    assert len(D_ARTIC.content_hash()) == 64
+
+
+def test_the_report_is_shacl(drawer: Path) -> None:
+    twin = load_twin(drawer)
+    conforms = rdflib.URIRef("http://www.w3.org/ns/shacl#conforms")
+    inside = rdflib.Graph().parse(data=report_turtle(twin))
+    assert [value.toPython() for value in inside.objects(None, conforms)] == [True]  # type: ignore[attr-defined]
+    outside = rdflib.Graph().parse(data=report_turtle(twin.with_edit(SLIDE, velocityLimit=0.0)))
+    focus = rdflib.URIRef("http://www.w3.org/ns/shacl#focusNode")
+    assert list(outside.objects(None, focus)) == [rdflib.URIRef(joint_iri("k", "slide"))]
