@@ -1,5 +1,6 @@
 """Annotation files: which `.ttl` belongs to a model, read and checked against it."""
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -11,7 +12,7 @@ import kitchens
 import robots
 from sdt_kg.errors import AnnotationError
 from sdt_kg.iri import SDT, Iri, joint_iri, local_name, model_iri
-from sdt_kg.mechanism import Mechanism, Pose
+from sdt_kg.mechanism import JointType, Mechanism, Pose
 from sdt_kg.store import Triple
 from sdt_kg.triples import Facts
 from sdt_kg.triples.annotation import GRIPPER_NEEDS, ROBOT_NEEDS
@@ -214,6 +215,8 @@ def _check(chosen: Chosen, mechanism: Mechanism, file: Path, kind: str) -> None:
     if missing:
         raise AnnotationError(f"{file} lacks: {', '.join(missing)}", allowed="see robots/README.md")
     _check_positions(facts, mechanism, file)
+    if kind == "Robot":
+        _check_speeds(facts, mechanism, file)
 
 
 def _check_terms(chosen: Chosen, file: Path) -> None:
@@ -246,3 +249,24 @@ def _check_positions(facts: Facts, mechanism: Mechanism, file: Path) -> None:
                     f"{file}: sdt:{name} {value:g} of joint '{joint.name}' is outside its limits",
                     allowed=f"{limits.lower:g} to {limits.upper:g}",
                 )
+
+
+def _check_speeds(facts: Facts, mechanism: Mechanism, file: Path) -> None:
+    """Every joint that planning may move has limits of velocity and acceleration: a check needs both."""
+    for joint in mechanism.joints:
+        iri = joint_iri(mechanism.name, joint.name)
+        planned = (
+            joint.type is not JointType.FIXED and joint.mimic is None and facts.one(iri, "held") is not True
+        )
+        if planned and facts.one(iri, "accelerationLimit") is None:
+            raise AnnotationError(
+                f"{file} has no sdt:accelerationLimit for joint '{joint.name}'",
+                allowed="one for each joint that is not held",
+                remedy="give it, or 'sdt:held true' if planning shall never move the joint",
+            )
+        if planned and not math.isfinite(joint.limits.velocity):
+            raise AnnotationError(
+                f"joint '{joint.name}' of '{mechanism.name}' has no velocity limit",
+                allowed="one for each joint that is not held",
+                remedy="add it to the URDF, or 'sdt:held true' to the annotation",
+            )

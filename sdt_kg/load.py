@@ -117,7 +117,7 @@ def model_path(kind: str, name_or_path: str | Path) -> Path:
     if path.suffix in MODEL_SUFFIXES and path.is_file():
         return path
     names = sorted(each.parent.name for each in _FOLDERS[kind]("").glob("*/*.urdf"))
-    remedy = f"or the path of a .urdf or .xacro file; bundled: {', '.join(names)}"
+    remedy = "a bundled name, or the path of a .urdf or .xacro file that is there"
     raise UnknownEntityError(kind, text, names, remedy)
 
 

@@ -20,8 +20,9 @@ class Interval:
 
 @dataclass(frozen=True, slots=True)
 class State(Mapping[Iri, float]):
-    """s: joint IRI → position [rad or m]. Joints that are not listed are at their lower limit,
-    or at 0 where 0 lies inside the limits.
+    """s: joint IRI → position [rad or m].
+
+    Joints that are not listed are at 0 where that lies inside their limits, else at the lower one.
     """
 
     positions: tuple[tuple[Iri, float], ...] = ()

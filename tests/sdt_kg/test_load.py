@@ -158,6 +158,11 @@ WRONG: dict[str, tuple[str, str, str]] = {
         "allowed: sdt:Omni, sdt:Differential, sdt:Fixed",
     ),
     "parked outside": (r"sdt:parkedPosition [\d.]+", "sdt:parkedPosition 55", "outside its limits"),
+    "no acceleration": (
+        r"joint_lift> sdt:accelerationLimit [\d.]+ \.",
+        'joint_lift> rdfs:comment "x" .',
+        "has no sdt:accelerationLimit for joint 'joint_lift'",
+    ),
     "no robot": (r"a sdt:Robot", "a sdt:Toaster", "describes no sdt:Robot"),
     "blank node": (r"sdt:hasGripper <", "sdt:hasGripper _:b , <", "blank node"),
     "syntax": (r"a sdt:Robot ;", "a sdt:Robot", "is not Turtle"),

@@ -3,12 +3,13 @@
 import math
 from pathlib import Path
 
+import ontology
 import pytest
 import rdflib
 
 from sdt_kg.iri import LAW, SDT, joint_iri, local_name
 from sdt_kg.load import load_twin
-from sdt_kg.scope import D_ARTIC, Violation, report_turtle, violations
+from sdt_kg.scope import D_ARTIC, Violation, check, report_turtle, violations
 from sdt_kg.twin import Twin
 from tests.sdt_kg.conftest import Write, joint, limit, link
 from tests.sdt_kg.test_twin import SLIDE, door
@@ -104,3 +105,13 @@ def test_the_report_is_shacl(drawer: Path) -> None:
     outside = rdflib.Graph().parse(data=report_turtle(twin.with_edit(SLIDE, velocityLimit=0.0)))
     focus = rdflib.URIRef("http://www.w3.org/ns/shacl#focusNode")
     assert list(outside.objects(None, focus)) == [rdflib.URIRef(joint_iri("k", "slide"))]
+
+
+@pytest.mark.parametrize("robot", ["pr2", "tiago_dual", "stretch"])
+def test_what_import_writes_conforms_to_the_shapes_of_every_twin(robot: str) -> None:
+    shapes = rdflib.Graph().parse(ontology.path("shapes/sdt.shapes.ttl"))
+    data = rdflib.Graph()
+    for s, p, o, _ in load_twin("b", [robot]).to_rdflib().quads():
+        data.add((s, p, o))
+    joints = ("ActiveJointShape", "BodyShape", "FixedJointShape", "PoseShape", "PrismaticJointShape")
+    assert check(data, shapes, [f"https://example.org/sdt/shapes#{name}" for name in joints]) == []
