@@ -3,10 +3,10 @@
 import math
 from pathlib import Path
 
-import ontology
 import pytest
 import rdflib
 
+import ontology
 from sdt_kg.iri import LAW, SDT, joint_iri, local_name
 from sdt_kg.load import load_twin
 from sdt_kg.scope import D_ARTIC, Violation, check, report_turtle, violations
