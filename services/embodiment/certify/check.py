@@ -79,6 +79,9 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
         UnknownEntityError: The motion names a joint or gripper that is not there.
     """
     scene = Scene(twin, robot) if scene is None else scene
+    assert scene.twin.state == twin.state, "the scene is of another state"
+    assert scene.robot.mechanism == twin.mechanism(robot), "the scene is of another robot"
+    assert scene.kitchen.mechanism == twin.mechanism(twin.environment), "the scene is of another kitchen"
     pieces, findings = whole_motion(scene, motion, tolerances)
     findings.add(starts(scene, pieces, start, tolerances))
     findings.add(joint_limits(scene, pieces, tolerances))

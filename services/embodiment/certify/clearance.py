@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from sdt_kg.errors import OracleRejectedError
 from services.embodiment.certify.kinematics import WORLD, Kinematics, Of, Placed
 from services.embodiment.certify.pieces import Spans, Timeline
 from services.embodiment.certify.shapes import Shapes
@@ -23,7 +24,7 @@ PROMPT = 0.02  # [s] precision of the first time of a violation
 SHORTEST = 1e-5  # [s] an interval that is not halved any more
 HOPELESS = 0.01  # [m] above this shift, pairs whose centres are nearer are halved without a query
 CHUNK = 20_000  # items that are looked at together, for memory
-MOST_ITEMS = 400_000  # pairs × intervals of one level: more means a motion too wild to be checked
+MOST_ITEMS = 2_000_000  # pairs × intervals of one level: more means a motion too wild to be checked
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -144,20 +145,29 @@ class Sweep:
         intervals = np.flatnonzero(end > start)
         spans = self.timeline.spans(level, intervals)
         placed = self.kinematics.place(spans.q, spans.v)
-        used = np.unique(self.pairs.shapes)
-        span, shape = (x.ravel() for x in np.meshgrid(np.arange(len(intervals)), used, indexing="ij"))
+        ones, others = np.unique(self.pairs.shapes[:, 0]), np.unique(self.pairs.shapes[:, 1])
+        least = float(self.pairs.least.max())
+        near = _overlapping(
+            self._swept(spans, placed, ones), self._swept(spans, placed, others), least + NEAR
+        )
+        one, other = (
+            np.searchsorted(ones, self.pairs.shapes[:, 0]),
+            np.searchsorted(others, self.pairs.shapes[:, 1]),
+        )
+        which, pair = np.nonzero(near[:, one, other])
+        return Items(pair, intervals[which])
+
+    def _swept(self, spans: Spans, placed: Placed, shapes: Indices) -> tuple[Array, Array]:
+        """Lowest and highest corners of boxes that contain shapes all through the spans, shape (U, S, 3)."""
+        count = len(spans.start)
+        span, shape = np.repeat(np.arange(count), len(shapes)), np.tile(shapes, count)
         centre = self.shapes.centres(placed, span, shape)
         carrier, radius = self.shapes.carrier[shape], self.shapes.radius[shape]
         ball = Of(span, carrier, np.full_like(carrier, WORLD), centre, radius)
-        swept, _ = self.kinematics.bounds(spans, placed, ball)
-        half = self.shapes.extents(placed, span, shape) + swept[:, None]
-        size = (len(intervals), len(used), 3)
-        near = _overlapping(
-            (centre - half).reshape(size), (centre + half).reshape(size), self.pairs.least.max()
-        )
-        one, other = np.searchsorted(used, self.pairs.shapes).T
-        which, pair = np.nonzero(near[:, one, other])
-        return Items(pair, intervals[which])
+        moved, _ = self.kinematics.bounds(spans, placed, ball)
+        half = self.shapes.extents(placed, span, shape) + moved[:, None]
+        size = (count, len(shapes), 3)
+        return (centre - half).reshape(size), (centre + half).reshape(size)
 
     def _step(self, level: int, items: Items, resolution: float) -> Items:
         """Those items which have to be halved; what the others say is in `found`."""
@@ -176,6 +186,9 @@ class Sweep:
         distance = floor.copy()
         distance[ask] = self.shapes.distances(placed, span[ask], self.pairs.shapes[items.pair[ask]])
         self.found.queries += int(ask.sum())
+        most = between + self.shapes.radius[one] + self.shapes.radius[other]
+        if not (distance <= most + PRECISION).all():  # also true of what is not a number
+            raise OracleRejectedError("a distance between two bodies came out larger than it can be")
         low = distance - approach - least
         last = ask & ((approach <= resolution) | (width <= SHORTEST))
         unresolved = last & (low <= 0) & (distance >= now)
@@ -214,10 +227,13 @@ class Sweep:
         return whole, np.where(spans.middle[span] >= self.pairs.held_from, held, least)
 
 
-def _overlapping(low: Array, high: Array, least: float) -> NDArray[np.bool_]:
-    """Which boxes come nearer to each other than `NEAR` beyond what they must keep, shape (U, S, S)."""
-    near = np.ones((len(low), low.shape[1], low.shape[1]), dtype=bool)
+def _overlapping(ones: tuple[Array, Array], others: tuple[Array, Array], least: float) -> NDArray[np.bool_]:
+    """Which boxes come nearer to each other than `least` along every axis, shape (U, S, S')."""
+    near = np.ones((*ones[0].shape[:2], others[0].shape[1]), dtype=bool)
     for axis in range(3):
-        below = low[:, :, None, axis] - (least + NEAR) <= high[:, None, :, axis]
-        near &= below & np.swapaxes(below, 1, 2)
+        (low, high), (other_low, other_high) = (
+            [corner[:, :, axis] for corner in box] for box in (ones, others)
+        )
+        near &= low[:, :, None] - least <= other_high[:, None]
+        near &= other_low[:, None] <= high[:, :, None] + least
     return near
