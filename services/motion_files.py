@@ -30,6 +30,9 @@ ALLOWED = (
     "joint, times, values or frame, times, poses (a container's)"
 )
 
+STILL = 1e-3
+"""[rad or m] A fixed joint whose position differs from 0 by less stands still."""
+
 Arrays = Mapping[str, np.ndarray]
 
 
@@ -164,17 +167,14 @@ def _body_motion(arrays: Arrays, twin: Twin, robot: Iri | None) -> BodyMotion:
             raise MotionError(f"the file has no '{key}'", allowed=", ".join(BODY_KEYS))
     times, names = _times(arrays), _names(arrays, "robot_joint_names")
     body, kitchen = twin.mechanism(robot), twin.mechanism(twin.environment)
-    for name in names:
-        _known("joint", name, {joint.name for joint in body.joints})
-    base, q = (
-        _numbers(arrays, "base", (len(times), 3)),
-        _numbers(arrays, "robot_positions", (len(times), len(names))),
-    )
+    base = _numbers(arrays, "base", (len(times), 3))
+    q = _numbers(arrays, "robot_positions", (len(times), len(names)))
     check_base(base, "base")
-    check_joints(names, q, body, "robot_positions")
     v = _velocities(arrays, "robot_velocities", times, q)
+    moving = _moving(names, q, body, "robot_positions")
+    names, q, v = tuple(names[k] for k in moving), q[:, moving], v[:, moving]
     check_times(times, names, v, body)
-    joints, kitchen_q = _kitchen(arrays, kitchen, len(times))
+    joints, kitchen_q, kitchen_v = _kitchen(arrays, kitchen, times)
     return BodyMotion(
         robot=robot,
         gripper=str(arrays["gripper"]) if "gripper" in arrays else "",
@@ -186,7 +186,7 @@ def _body_motion(arrays: Arrays, twin: Twin, robot: Iri | None) -> BodyMotion:
         base_v=_velocities(arrays, "base_velocities", times, base),
         kitchen_joints=tuple(joint_iri(kitchen.name, name) for name in joints),
         kitchen_q=kitchen_q,
-        kitchen_v=_velocities(arrays, "kitchen_velocities", times, kitchen_q),
+        kitchen_v=kitchen_v,
         phases=_phases(arrays, len(times)),
     )
 
@@ -207,15 +207,38 @@ def _robot(arrays: Arrays, twin: Twin, robot: Iri | None) -> Iri:
     return robot
 
 
-def _kitchen(arrays: Arrays, kitchen: Mechanism, samples: int) -> tuple[tuple[str, ...], Array]:
+def _kitchen(arrays: Arrays, kitchen: Mechanism, times: Array) -> tuple[tuple[str, ...], Array, Array]:
+    """Names, positions and velocities of the kitchen's movable joints, if the file has any."""
     if "kitchen_joint_names" not in arrays:
-        return (), np.zeros((samples, 0))
+        return (), np.zeros((len(times), 0)), np.zeros((len(times), 0))
     names = _names(arrays, "kitchen_joint_names")
-    positions = _numbers(arrays, "kitchen_positions", (samples, len(names)))
+    q = _numbers(arrays, "kitchen_positions", (len(times), len(names)))
+    v = _velocities(arrays, "kitchen_velocities", times, q)
+    moving = _moving(names, q, kitchen, "kitchen_positions")
+    return tuple(names[k] for k in moving), q[:, moving], v[:, moving]
+
+
+def _moving(names: tuple[str, ...], values: Array, mechanism: Mechanism, array: str) -> list[int]:
+    """Columns of joints that can move; a joint that is fixed in our model may be listed, standing still.
+
+    Raises:
+        UnknownEntityError: No such joint.
+        MotionError: A fixed joint that moves, or a value in another unit.
+    """
     for name in names:
-        _known("joint", name, {joint.name for joint in kitchen.joints})
-    check_joints(names, positions, kitchen, "kitchen_positions")
-    return names, positions
+        _known("joint", name, {joint.name for joint in mechanism.joints})
+    movable = _movable(mechanism)
+    for k in (k for k, name in enumerate(names) if name not in movable):
+        away = np.flatnonzero(np.abs(values[:, k]) > STILL)
+        if away.size:
+            at = int(away[0])
+            raise MotionError(
+                f"'{array}' of {names[k]} at index {at} is {values[at, k]:.4g}, but the joint is fixed",
+                allowed="0, or leave the joint out",
+            )
+    moving = [k for k, name in enumerate(names) if name in movable]
+    check_joints(tuple(names[k] for k in moving), values[:, moving], mechanism, array)
+    return moving
 
 
 def _velocities(arrays: Arrays, name: str, times: Array, positions: Array) -> Array:

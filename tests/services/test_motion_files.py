@@ -173,6 +173,16 @@ def test_a_missing_file_is_told_so(tmp_path: Path) -> None:
         read_motion(tmp_path / "none.npz", TWIN)
 
 
+def test_a_fixed_joint_may_be_listed_if_it_stands_still(tmp_path: Path) -> None:
+    names = ["wall_joint", "low_drawer_joint"]
+    still = np.column_stack([np.zeros(9), 0.46 * SMOOTH])
+    motion = read(tmp_path, body_motion(kitchen_joint_names=names, kitchen_positions=still))
+    assert isinstance(motion, BodyMotion)
+    assert motion.kitchen_joints == (DRAWER.joint,)
+    with pytest.raises(MotionError, match=r"wall_joint at index 1 .* fixed"):
+        read(tmp_path, body_motion(kitchen_joint_names=names, kitchen_positions=still[:, ::-1]))
+
+
 def test_slow_waypoints_are_not_taken_for_milliseconds(tmp_path: Path) -> None:
     motion = read(tmp_path, container_motion(times=TIMES * 3))  # 1.5 s apart, a tenth of the drawer's speed
     assert motion.times[-1] == 12
