@@ -84,8 +84,11 @@ def _text(path: Path) -> bytes:
     refuse_dtd(path.read_bytes(), path)
     try:
         document = xacro.process_file(str(path))
+    except RecursionError:
+        raise UrdfError(f"{path}: a xacro macro calls itself without end") from None
     except (xacro.XacroException, ET.ParseError, SyntaxError, OSError, ValueError, KeyError) as error:
-        raise UrdfError(f"{path}: xacro says: {error}", remedy="run xacro on it by hand") from None
+        said = " ".join(str(error).split())
+        raise UrdfError(f"{path}: xacro says: {said}", remedy="run xacro on it by hand") from None
     return str(document.toxml()).encode()
 
 
@@ -104,7 +107,7 @@ def _parsed(root: ET.Element, source: Path) -> Parsed:
             load_meshes=False,
             load_collision_meshes=False,
         )
-    except (ValueError, KeyError, AttributeError, IndexError, TypeError) as error:
+    except (ValueError, KeyError, AttributeError, IndexError, TypeError, RecursionError) as error:
         raise UrdfError(f"{source}: yourdfpy cannot read it: {error}") from None
     return model.robot
 

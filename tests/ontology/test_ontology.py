@@ -126,6 +126,15 @@ def test_every_term_in_rules_queries_and_shapes_is_declared() -> None:
             assert spaces[prefix] + name in declared, f"{path.name}: {prefix}:{name}"
 
 
+def test_every_term_that_records_write_is_declared() -> None:
+    declared = {str(term) for term in ours(core())}
+    sources = sorted((Path(__file__).parents[2] / "predicates").rglob("*.py"))
+    text = "\n".join(source.read_text(encoding="utf-8") for source in sources)
+    written = set(re.findall(r'LAW \+ "(\w+)"', text))
+    assert len(written) > 20
+    assert {name for name in written if LAW + name not in declared} == set()
+
+
 def _files(pattern: str) -> list[Path]:
     return sorted(ontology.path("").glob(pattern))
 

@@ -172,6 +172,30 @@ def test_xacro_is_expanded(tmp_path: Path) -> None:
     assert model.bodies[1].collision[0].size == (0.4, 0.5, 0.25)
 
 
+@pytest.mark.parametrize(
+    ("body", "reason"),
+    [
+        ('<link name="${nope}"/>', "name 'nope' is not defined"),
+        ('<xacro:include filename="nowhere.xacro"/>', "No such file"),
+        ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "without end"),
+        ('<link name="${__import__(1)}"/>', "invalid name"),
+    ],
+)
+def test_a_bad_xacro_is_refused_with_its_reason(tmp_path: Path, body: str, reason: str) -> None:
+    path = tmp_path / "my.xacro"
+    head = '<robot name="k" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    path.write_text(f"{head}{body}</robot>", encoding="utf-8")
+    with pytest.raises(UrdfError) as caught:
+        read_mechanism(path)
+    assert reason in str(caught.value)
+
+
+def test_endless_nesting_is_refused(write: Write) -> None:
+    deep = "<a>" * 50_000 + "</a>" * 50_000
+    with pytest.raises(UrdfError):
+        read_mechanism(write(f'<link name="w">{deep}</link>'))
+
+
 BOMB = '<!DOCTYPE lolz [<!ENTITY lol "lol"><!ENTITY lol2 "&lol;&lol;&lol;&lol;">]>'
 
 BAD: dict[str, tuple[tuple[str, ...], str]] = {
