@@ -1,6 +1,6 @@
 """τ of a container under a body motion: as that says, or as a gripper drags the handle along."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,12 +44,25 @@ class _Hold:
     values: Array
 
 
-def carried(model: Model, twin: Twin, body_motion: BodyMotion, container: Container) -> Motion:
+def carried(
+    model: Model,
+    scene: Callable[[], Scene],
+    twin: Twin,
+    body_motion: BodyMotion,
+    container: Container,
+) -> Motion:
     """Motion of the container's own joint under the body motion.
 
     If the body motion says how the kitchen moves, as it says; what it does not name stands still. If it
     says nothing, the handle moves rigidly with a gripper that is at it, for as long as the joint can
     follow; before and after, the container stands still.
+
+    Args:
+        model: Built from the twin's environment.
+        scene: Kitchen and robot together; asked for only where a gripper has to be followed.
+        twin: The kitchen in the state in which the motion begins.
+        body_motion: Of the robot.
+        container: Whose motion is wanted.
 
     Raises:
         UnknownEntityError: The robot has no gripper of the motion's name.
@@ -65,13 +78,15 @@ def carried(model: Model, twin: Twin, body_motion: BodyMotion, container: Contai
         i = columns[container.joint]
         values, velocities = body_motion.kitchen_q[:, [i]], body_motion.kitchen_v[:, [i]]
     elif not columns:
-        values, velocities = _dragged(model, twin, body_motion, container)
+        values, velocities = _dragged(model, scene(), twin, body_motion, container)
     return Motion(container.joint, times, values, velocities=velocities)
 
 
-def _dragged(model: Model, twin: Twin, body_motion: BodyMotion, container: Container) -> tuple[Array, Array]:
+def _dragged(
+    model: Model, scene: Scene, twin: Twin, body_motion: BodyMotion, container: Container
+) -> tuple[Array, Array]:
     """Positions and velocities of the own joint, shape (T, 1), as the gripper that moves it most does."""
-    scene, handle = Scene(twin, body_motion.robot), chain(model, container.handle, twin.state)
+    handle = chain(model, container.handle, twin.state)
     bounds, samples = effective_bounds(model, twin, handle.follower), len(body_motion.times)
     values, velocities = np.full(samples, twin.state[container.joint]), np.zeros(samples)
     most = 0.0

@@ -4,12 +4,14 @@ from collections.abc import Iterator
 from importlib.metadata import version
 
 from predicates.oracle import Replayed
+from sdt_kg.iri import Iri
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.state import Region
 from sdt_kg.twin import Container, Twin
 from services.physics.carry import carried
 from services.physics.generate import generate
+from services.physics.model import Scene
 from services.physics.replay import replay
 from services.physics.tree import Model, build
 
@@ -25,6 +27,7 @@ class Kinematics:
 
     def __init__(self) -> None:
         self._models: list[tuple[Mechanism, Model]] = []
+        self._scene: tuple[Twin, Iri, Scene] | None = None
 
     @property
     def version(self) -> str:
@@ -39,7 +42,15 @@ class Kinematics:
             yield generate(model, twin, joint, interval)
 
     def carried(self, twin: Twin, body_motion: BodyMotion, container: Container) -> Motion:
-        return carried(self._of(twin), twin, body_motion, container)
+        return carried(
+            self._of(twin), lambda: self._scene_of(twin, body_motion.robot), twin, body_motion, container
+        )
+
+    def _scene_of(self, twin: Twin, robot: Iri) -> Scene:
+        """Scene of this twin and robot; the last one is kept, for the other containers of a question."""
+        if self._scene is None or self._scene[0] is not twin or self._scene[1] != robot:
+            self._scene = (twin, robot, Scene(twin, robot))
+        return self._scene[2]
 
     def _of(self, twin: Twin) -> Model:
         """Model of the twin's environment; twins that differ in their state share one."""

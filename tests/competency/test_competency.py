@@ -75,5 +75,7 @@ def test_competency(verdicts: ox.Store, query: Path) -> None:
 
 
 def test_every_expected_answer_has_its_question() -> None:
-    answers = {path.name.removesuffix(".expected.csv") for path in Path(__file__).parent.glob("*.expected.csv")}
+    answers = {
+        path.name.removesuffix(".expected.csv") for path in Path(__file__).parent.glob("*.expected.csv")
+    }
     assert answers == {path.stem for path in QUERIES}

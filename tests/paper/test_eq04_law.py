@@ -7,6 +7,7 @@ import pytest
 
 from predicates.case import Case, Kind, Outcome, Verdict
 from predicates.law import law
+from predicates.satisfies_request import demanded
 from sdt_kg.errors import NoModeError
 from sdt_kg.iri import local_name
 from sdt_kg.motion import BodyMotion, Motion
@@ -54,18 +55,12 @@ def test_certification_solves_for_motion_final_state_and_body_motion() -> None:
 
 
 def test_the_motion_of_the_verdict_is_the_one_that_the_robot_makes() -> None:
-    proposed = next(PHYSICS.generate(TWIN, _region()))
+    proposed = next(PHYSICS.generate(TWIN, demanded(LOW, Verb.OPEN)))
     case = only(opening()).case
     assert isinstance(case.motion, Motion)
     assert (
         case.motion.times[-1] > 1.1 * proposed.times[-1]
     )  # a base at 0.2 m/s cannot follow a drawer at 0.5 m/s
-
-
-def _region():  # noqa: ANN202 - of the drawer, as Causes asks for it
-    from predicates.satisfies_request import demanded  # noqa: PLC0415
-
-    return demanded(LOW, Verb.OPEN)
 
 
 def test_a_body_that_cannot_follow_refuses_and_leaves_the_other_two_holding() -> None:
