@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 
 from predicates.case import Diagnosis, Evidence, Kind
 
+ROUNDING = 1e-6  # relative: what is worse by less is as bad as the first
+
 
 @dataclass(frozen=True, slots=True)
 class Violation:
@@ -57,4 +59,4 @@ class Findings:
 def _first_and_worst(group: list[Violation]) -> Iterable[Violation]:
     first = min(group, key=lambda violation: (violation.time, -violation.excess))
     worst = max(group, key=lambda violation: (violation.excess, -violation.time))
-    return (first,) if first is worst else (first, worst)
+    return (first,) if worst.excess <= first.excess + ROUNDING * abs(first.excess) else (first, worst)

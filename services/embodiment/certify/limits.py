@@ -14,6 +14,7 @@ from services.embodiment.certify.kinematics import joint_axes
 from services.embodiment.certify.pieces import Pieces, accelerations, positions, velocities
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
+from services.physics.tree import Bounds
 
 Array = NDArray[np.float64]
 
@@ -21,9 +22,9 @@ SUBSAMPLES = 32  # of the base's speed on each piece; what lies between is bound
 MOST_SUBSAMPLES = 20_000  # of the sideways velocity on one piece
 
 
-def joint_limits(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
+def joint_limits(scene: Scene, pieces: Pieces, container: Container, tolerances: Tolerances) -> Findings:
     """Every coordinate keeps its limits; the base's linear ones hold for the length of the vector."""
-    findings, bounds = Findings(), scene.bounds
+    findings, bounds = Findings(), _bounds(scene, container)
     values, s = positions(pieces)
     excess = np.maximum(bounds.lower - values, values - bounds.upper)
     for k, i, n in _first_and_worst(excess > tolerances.position, excess):
@@ -50,6 +51,15 @@ def joint_limits(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findin
     return findings
 
 
+def _bounds(scene: Scene, container: Container) -> Bounds:
+    """The scene's limits, and for the container's joint also those that are in effect for a container."""
+    k, bounds = scene.coordinate[container.joint], scene.bounds
+    velocity, acceleration = bounds.velocity.copy(), bounds.acceleration.copy()
+    velocity[k] = min(velocity[k], container.velocity)
+    acceleration[k] = min(acceleration[k], container.acceleration)
+    return Bounds(bounds.lower, bounds.upper, velocity, acceleration)
+
+
 def _ratio(value: Array, most: Array) -> Array:
     """Ratio to the limit, where nothing of a limit of nothing is no violation."""
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -73,7 +83,8 @@ def _limit(  # noqa: PLR0913, PLR0917  # the parts of one sentence
     name = "the base" if k == scene.base[0] else local_name(scene.names[k])
     reason = f"{name} reaches {quantity.value} {value:.4g} {unit}, its limit is {bound:.4g} {unit}"
     evidence = Evidence(quantity, float(value), float(bound), unit, entity=scene.names[k], time=float(time))
-    return Violation(f"limit of {quantity.value}", reason, evidence, float(excess))
+    part = "kitchen" if k < scene.base[0] else "base" if k <= scene.base[2] else "robot"
+    return Violation(f"limit of {quantity.value}: {part}", reason, evidence, float(excess))
 
 
 _PER = {Quantity.POSITION: "", Quantity.VELOCITY: "/s", Quantity.ACCELERATION: "/s2"}

@@ -185,6 +185,14 @@ def test_acceleration_between_samples_is_that_of_the_spline(twin: Twin) -> None:
     assert max(one.evidence.value for one in found if one.evidence) == pytest.approx(5.25)
 
 
+def test_a_container_keeps_the_acceleration_that_is_assumed_for_it(twin: Twin) -> None:
+    rests = with_rests(time=(4, 12.5))  # the drawer opens in 1.5 s: 6 · 0.46 m / 2.25 s²; 1 m/s² is D_artic's
+    found = refusal(twin, opening(rests=rests), Quantity.ACCELERATION)
+    drawer = [one.evidence for one in found if one.evidence and one.evidence.entity == DRAWER]
+    assert [one.bound for one in drawer] == [1.0]
+    assert drawer[0].value == pytest.approx(6 * 0.46 / 2.25)
+
+
 def test_a_jump_is_an_excess_of_velocity(twin: Twin) -> None:
     motion = opening()
     base = motion.base.copy()
