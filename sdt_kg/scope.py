@@ -85,6 +85,12 @@ class TeeClass:
         """The shapes file."""
         return rdflib.Graph().parse(data=self._shapes_text(), format="turtle")
 
+    @cached_property
+    def mentioned(self) -> frozenset[Iri]:
+        """Every IRI that the shapes speak of, and rdf:type."""
+        named = {str(node) for node in self.shapes.objects() if isinstance(node, rdflib.URIRef)}
+        return frozenset({RDF + "type", *named})
+
     def shapes_of(self, part: str) -> list[Iri]:
         """Shapes of a part of D: Task, Environment, Robot or Physics."""
         return self._facts.iris(self.iri, f"{TEE}has{part}Shape")
@@ -188,7 +194,7 @@ def _value(node: Node | None) -> Value:
 def request_graph(
     twin: Twin, container: Container, robot: Iri | None = None, verb: Iri | None = None
 ) -> rdflib.Graph:
-    """What the graph says of the individuals that the request is about, and no more."""
+    """What the graph says of the individuals that the request is about, as far as D_artic asks."""
     facts = twin.entities.facts
     subjects = [twin.environment, container.iri, *facts.iris(container.iri, "hasHandle")]
     subjects += facts.iris(container.iri, "hasJoint")
@@ -197,7 +203,8 @@ def request_graph(
     graph = rdflib.Graph()
     for subject in subjects:
         for name, term in facts.about(subject):
-            graph.add((rdflib.URIRef(subject), rdflib.URIRef(name), _node(term)))
+            if name in D_ARTIC.mentioned:
+                graph.add((rdflib.URIRef(subject), rdflib.URIRef(name), _node(term)))
     if verb is not None:
         task = rdflib.URIRef(_TASK)
         graph.add((task, RDF_NS.type, rdflib.URIRef(LAW + "Task")))
