@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
 from services.embodiment import ik
+from services.embodiment.grasp import Hand
 from services.embodiment.holding import JUMP, Holding, Problem
 from services.embodiment.limb import BASE, Limb
 from services.embodiment.paths import between, connect
 from services.embodiment.roads import Roads
-from services.embodiment.spaces import ARM_STEP, ArmSpace, reaches
+from services.embodiment.spaces import ArmSpace, reaches
 from services.embodiment.world import Contact, Rules, World
 
 Array = NDArray[np.float64]
@@ -24,7 +25,9 @@ Array = NDArray[np.float64]
 LEAVE = 0.1  # [m] the open hand backs off from the bar along its approach axis
 PULLS = 11  # waypoints of that
 BACK_OFFS = (0.0, 0.3, 0.6, 0.9)  # [m] the base drives back before the arm folds
-ARM_ITERATIONS = 120
+ARM_ITERATIONS = 60
+GROWTHS = 1  # of the roadmap for one place; the next place finds it larger
+FINE_STEP = 0.006  # [m] that any point moves between two checks of a path that is to be used
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,19 +68,26 @@ class Approacher:
         self.world, self.limb, self.rules, self.roads = world, limb, rules, roads
         self.drive, self.start, self.late = roads.space.drive, start, late
         self.weight = reaches(limb)
+        self.hand = Hand(world, limb)
+        self.rest = limb.rest
 
     def approach(self, holding: Holding, problem: Problem, rng: np.random.Generator) -> Approach | Blocked:
         """The way to a holding, or the stage that failed last."""
+        self.rest = self.hand.configuration(dict(holding.grasp.opened))
         left = self._leave(holding, problem)
         if isinstance(left, Blocked):
             return left
         failed = Blocked("back off")
-        for back in self._back_offs(left[-1], problem):
-            outcome = self._from(back, left, rng)
-            if isinstance(outcome, Approach):
-                return outcome
-            failed = outcome
-            if self.late():
+        places = list(self._back_offs(left[-1], problem))
+        for growths in (0, GROWTHS):
+            for back in places:
+                outcome = self._from(back, left, growths, rng)
+                if isinstance(outcome, Approach):
+                    return outcome
+                failed = outcome
+                if self.late():
+                    return failed
+            if failed.stage != "drive":
                 break
         return failed
 
@@ -126,23 +136,26 @@ class Approacher:
                 back[:2] += distance * way
                 yield back
 
-    def _from(self, back: Array, left: Array, rng: np.random.Generator) -> Approach | Blocked:
+    def _from(self, back: Array, left: Array, growths: int, rng: np.random.Generator) -> Approach | Blocked:
         """The rest of the way where the arm folds at `back`."""
         parked = self.limb.parked.copy()
         parked[BASE] = back[BASE]
-        contact = self.world.contact(self.limb.q(np.stack([back, parked])), self.rules)
+        contact = self.world.contact(self.limb.q(np.stack([back, parked]), self.rest), self.rules)
         if contact is None:
             contact = self._contact(np.stack([back, left[-1]]))
         if contact is not None:
             return Blocked("park", contact)
-        road = self.road(back[BASE])
+        road = self.road(back[BASE], growths)
         if road is None:
             return Blocked("drive")
         turns = road[-1, 2] - back[2]
-        space = ArmSpace(self.world, self.limb, self.rules, self.limb.rest, self.weight, back[BASE])
+        space = ArmSpace(self.world, self.limb, self.rules, self.rest, self.weight, back[BASE])
         corners = connect(space, (parked, back), rng, ARM_ITERATIONS, self.late)
         if corners is None:
             return Blocked("fold")
+        contact = self._contact(corners)
+        if contact is not None:
+            return Blocked("fold", contact)
         whole = [corners.copy(), np.stack([back, left[-1]]), left[::-1].copy()]
         for part in whole:
             part[:, 2] += turns
@@ -152,14 +165,14 @@ class Approacher:
         """A contact along straight segments through xs."""
         parts = [xs[:1]]
         for one, other in zip(xs, xs[1:], strict=False):
-            pieces = int(np.ceil(float(np.abs(other - one) @ self.weight) / (ARM_STEP / 2))) + 1
+            pieces = int(np.ceil(float(np.abs(other - one) @ self.weight) / FINE_STEP)) + 1
             parts.append(between(one, other, pieces))
-        return self.world.contact(self.limb.q(np.concatenate(parts)), self.rules)
+        return self.world.contact(self.limb.q(np.concatenate(parts), self.rest), self.rules)
 
-    def road(self, goal: Array) -> Array | None:
+    def road(self, goal: Array, growths: int) -> Array | None:
         """Corners of the drive from the start to a base pose (its yaw up to whole turns), shape (K, 3)."""
         turned = goal.copy()
         turned[2] += 2 * np.pi * np.round((self.start[2] - goal[2]) / (2 * np.pi))
         if np.allclose(turned, self.start, atol=1e-9):
             return np.stack([self.start, self.start])
-        return None if self.drive is Drive.FIXED else self.roads.road(self.start, turned, self.late)
+        return None if self.drive is Drive.FIXED else self.roads.road(self.start, turned, growths, self.late)

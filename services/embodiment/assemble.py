@@ -47,7 +47,7 @@ class Assembler:
         name = scene.robot.mechanism.name
         fingers = limb.gripper.finger_joints
         self.fingers = [scene.coordinate[joint_iri(name, one.joint)] for one in fingers]
-        self.opened = np.array([one.open for one in fingers])
+        self.open = np.array([one.open for one in fingers])
         parked = scene.q((0.0, 0.0, 0.0), {})
         self.parked = parked[self.fingers]
         bound = self._finger_bound()
@@ -74,12 +74,13 @@ class Assembler:
         xs = holding.xs.copy()
         xs[:, 2] += turns
         closed = np.array([value for _, value in holding.grasp.fingers])
+        opened = np.array([value for _, value in holding.grasp.opened])
         follow, values, rates, excess = self._follow(xs)
         reach = self._reach(approach)
         phases = [
-            ("drive", self._drive(approach)),
-            ("approach", self._with_fingers(timing.joined([self._raised(approach), reach]), self.opened)),
-            ("grasp", self._grasp(xs[0], closed)),
+            ("drive", self._drive(approach, opened)),
+            ("approach", self._with_fingers(timing.joined([self._raised(approach), reach]), opened)),
+            ("grasp", self._grasp(xs[0], opened, closed)),
             ("follow", self._with_fingers(follow, closed)),
         ]
         whole, marks = _chained(phases)
@@ -96,13 +97,14 @@ class Assembler:
         x = np.hstack([timed.x, np.repeat(fingers[None], count, axis=0)])
         return Timed(timed.times, x, np.hstack([timed.v, np.zeros((count, len(fingers)))]))
 
-    def _drive(self, approach: Approach) -> Timed:
+    def _drive(self, approach: Approach, opened: Array) -> Timed:
         parked = self.limb.parked.copy()
         parked[BASE] = approach.drive[0]
-        opening = np.stack([np.append(parked, self.parked), np.append(parked, self.opened)])
-        corners = np.repeat(np.append(parked, self.opened)[None], len(approach.drive), axis=0)
+        opening = np.stack([np.append(parked, self.parked), np.append(parked, self.open)])
+        corners = np.repeat(np.append(parked, self.open)[None], len(approach.drive), axis=0)
         corners[:, BASE] = approach.drive
-        return timing.along(np.concatenate([opening, corners]), self.bound, self.reach, SPACING)
+        narrowed = np.append(corners[-1, : len(parked)], opened)[None]
+        return timing.along(np.concatenate([opening, corners, narrowed]), self.bound, self.reach, SPACING)
 
     def _raised(self, approach: Approach) -> Timed:
         corners = np.concatenate([approach.raise_arm, approach.drive_in])
@@ -112,8 +114,8 @@ class Assembler:
         path = Followed.through(np.linspace(0.0, 1.0, len(approach.reach)), approach.reach)
         return timing.slowed(path, self.body_bound, (np.inf, np.inf), REACH_SAMPLES)[0]
 
-    def _grasp(self, x: Array, closed: Array) -> Timed:
-        corners = np.stack([np.append(x, self.opened), np.append(x, closed)])
+    def _grasp(self, x: Array, opened: Array, closed: Array) -> Timed:
+        corners = np.stack([np.append(x, opened), np.append(x, closed)])
         return timing.along(corners, self.bound, self.reach, SPACING)
 
     def _follow(self, xs: Array) -> tuple[Timed, Array, Array, tuple[float, float]]:

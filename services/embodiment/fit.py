@@ -1,6 +1,8 @@
 """Which grasps the kitchen leaves room for, by the hand alone."""
 
+from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +15,9 @@ from services.embodiment.world import Contact, Rules, World
 
 Array = NDArray[np.float64]
 
+OPENINGS = (0.0, 0.55, 0.75)  # [1] shares by which the fingers are closed when the hand comes near
+SWING = 6  # steps at which closing fingers are checked
+ENOUGH = 6  # grasps with which no narrower opening is tried
 CHECKED = 7  # values of the container at which the hand alone is checked
 
 
@@ -90,22 +95,50 @@ class Room:
 
 
 def fitting(
-    hand: Hand, problem: Problem, bar: Bar, demands: tuple[Rules, Rules], handle: NDArray[np.int64]
+    hand: Hand,
+    problem: Problem,
+    bar: Bar,
+    demands: tuple[Rules, Rules],
+    unfit: Counter[tuple[int, int]],
 ) -> Iterator[tuple[Grasp, Array]]:
     """Grasps that the hand alone can take and keep, each with the scene at x = 0 and fingers closed.
 
     Args:
         demands: Distances demanded while it holds, and of the open hand.
+        unfit: Counts the pairs of shapes whose contact rules a grasp out.
     """
-    holding, of_open = demands
     room = Room(hand, problem)
-    opened = hand.configuration(0.0)
-    for grasp in grasp_set(bar):
-        if room.contact(grasp, opened, of_open, 0, 1) is not None:
-            continue
-        closed = hand.closed_on(grasp, handle, problem.handle_r[0], problem.handle_p[0])
-        if closed is None:
-            continue
-        q = hand.configuration(dict(closed.fingers))
-        if room.contact(closed, q, holding, 0, len(room.at)) is None:
-            yield closed, q
+    handle = room.world.shapes_of((problem.mechanics.container.handle,))
+    found = 0
+    for share in OPENINGS:
+        opened = hand.configuration(share)
+        for grasp in grasp_set(bar):
+            contact = room.contact(grasp, opened, demands[1], 0, 1)
+            if contact is not None:
+                unfit[contact.shapes] += 1
+                continue
+            closed = hand.closed_on(grasp, handle, problem.handle_r[0], problem.handle_p[0])
+            if closed is None:
+                continue
+            closed = replace(closed, opened=hand.opening(share))
+            contact = room.contact(
+                closed, hand.configuration(dict(closed.fingers)), demands[0], 0, len(room.at)
+            )
+            if contact is not None:
+                unfit[contact.shapes] += 1
+            elif _closes(room, closed, demands):
+                found += 1
+                yield closed, hand.configuration(dict(closed.fingers))
+        if found >= ENOUGH:
+            return
+
+
+def _closes(room: Room, grasp: Grasp, demands: tuple[Rules, Rules]) -> bool:
+    """Whether the hand, open, stands free where it grasps, and its fingers swing free of all but the handle."""
+    start, end = dict(grasp.opened), dict(grasp.fingers)
+    for step in range(SWING + 1):
+        fingers = {joint: start[joint] + step / SWING * (end[joint] - start[joint]) for joint in start}
+        q = room.hand.configuration(fingers)
+        if room.contact(grasp, q, demands[1 if step == 0 else 0], 0, 1) is not None:
+            return False
+    return True

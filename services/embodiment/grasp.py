@@ -35,6 +35,7 @@ class Grasp:
     Attributes:
         rotation, translation: Tool pose in the frame of the bar's joint.
         fingers: Positions of the gripper's finger joints when closed on the bar, by joint name.
+        opened: Their positions while the hand comes near.
         index: Its number in the grasp set, for reports.
     """
 
@@ -42,6 +43,7 @@ class Grasp:
     translation: Array
     index: int
     fingers: tuple[tuple[str, float], ...] = ()
+    opened: tuple[tuple[str, float], ...] = ()
 
     def tool(self, handle_r: Array, handle_p: Array) -> tuple[Array, Array]:
         """World tool poses for handle poses (T, 3, 3), (T, 3)."""
@@ -115,6 +117,10 @@ class Hand:
         r[own] = turn @ r[own]
         p[own] = (p[own] - self._tool[1]) @ turn.T + tool_p
         return r, p
+
+    def opening(self, share: float) -> tuple[tuple[str, float], ...]:
+        """Positions of the finger joints, closed by a share."""
+        return tuple((one.joint, _between(one, share)) for one in self.limb.gripper.finger_joints)
 
     def closed_on(
         self, grasp: Grasp, handle: NDArray[np.int64], handle_r: Array, handle_p: Array

@@ -6,7 +6,8 @@ upright hinge, an omnidirectional drive), else by the whole body.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,13 +91,11 @@ class Tally:
     posed: int = 0
     paths: int = 0
     broken: int = 0
-    contacts: dict[tuple[str, int, int], int] | None = None
+    contacts: Counter[tuple[str, int, int]] = field(default_factory=Counter[tuple[str, int, int]])
 
     def met(self, stage: str, contact: Contact) -> None:
         """One more contact at a stage."""
-        self.contacts = self.contacts if self.contacts is not None else {}
-        key = (stage, *contact.shapes)
-        self.contacts[key] = self.contacts.get(key, 0) + 1
+        self.contacts[stage, *contact.shapes] += 1
 
 
 class Searcher:

@@ -19,10 +19,11 @@ from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.check import Certified, certify
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.grasp import grasp_settings
-from services.embodiment.limb import Margins
+from services.embodiment.limb import Margins, make_limb
 from services.embodiment.plan import Planner, Planned, Setting
 from services.embodiment.report import refusal
 from services.embodiment.roads import Roads
+from services.embodiment.warm import warm
 from services.embodiment.world import World
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics
@@ -63,6 +64,7 @@ class WholeBody:
     ) -> None:
         self.drive, self.start, self.budget, self.seed = drive, start, budget, seed
         self.tolerances, self.margins = Tolerances(), Margins()
+        self._compiled = False
         self._worlds: list[tuple[tuple[object, ...], World, dict[str, Roads]]] = []
 
     @property
@@ -90,6 +92,10 @@ class WholeBody:
         twin, container = case.twin, container_of(case)
         world, roads = self._world(twin, case.robot)
         clock.spent("model", began)
+        began = time.perf_counter()
+        self._warm(world)
+        clock.spent("compile", began)
+        began = time.perf_counter()
         start = self._start(twin, world, container)
         if isinstance(case.body_motion, BodyMotion):
             return self._verified(case, world, container, clock)
@@ -172,6 +178,12 @@ class WholeBody:
         scene = world.scene
         handle = scene.placement(scene.q((0.0, 0.0, 0.0), {}), container.handle).translation
         return x, y, float(np.arctan2(handle[1] - y, handle[0] - x))
+
+    def _warm(self, world: World) -> None:
+        """Compilation costs no budget."""
+        if not self._compiled:
+            warm(world, make_limb(world, world.scene.annotation.grippers[0]))
+            self._compiled = True
 
     def _world(self, twin: Twin, robot: Iri) -> tuple[World, dict[str, Roads]]:
         key = (twin.mechanism(twin.environment), twin.mechanism(robot), twin.robot(robot), twin.kitchen())

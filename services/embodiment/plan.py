@@ -1,8 +1,10 @@
 """The search: grippers, grasps, holdings, approaches, in rounds until a budget is spent."""
 
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,6 +74,8 @@ class Planner:
     Attributes:
         attempts: One for each gripper that has a grasp.
         blocked: Stage at which an approach failed → how often.
+        holdings: How many were found.
+        unfit: Pairs of shapes in contact that ruled grasps out → how often.
         rough: Motions that leave limits: too fast where times are required, or beyond a joint's end.
     """
 
@@ -86,6 +90,7 @@ class Planner:
         self.placements = 0
         self.bar: Bar | None = None
         self.holdings = 0
+        self.unfit: Counter[tuple[int, int]] = Counter()
 
     def late(self) -> bool:
         """Whether the budget is spent."""
@@ -127,11 +132,8 @@ class Planner:
         holding, opened = rules(world, limb, setting.margins, (handle,)), rules(world, limb, setting.margins)
         least = setting.margins.close + world.scene.annotation.overhang
         opened = eased(world, opened, q, least)
-        grasps = list(
-            _spread(
-                fitting(Hand(world, limb), problem, self.bar, (holding, opened), world.shapes_of((handle,)))
-            )
-        )
+        fitted = fitting(Hand(world, limb), problem, self.bar, (holding, opened), self.unfit)
+        grasps = list(islice(fitted, GRASPS))
         searcher = Searcher(world, limb, problem, holding, setting.drive)
         start = np.array(setting.start)
         if setting.drive is Drive.FIXED:
@@ -182,11 +184,3 @@ class Planner:
             self.rough.append(assembled)
             return None
         return Planned(assembled.body, assembled.motion, holding.grasp.index, holding.style)
-
-
-def _spread(grasps: Iterator[tuple[Grasp, Array]]) -> Iterator[tuple[Grasp, Array]]:
-    """The first GRASPS of them."""
-    for count, grasp in enumerate(grasps, 1):
-        yield grasp
-        if count == GRASPS:
-            return

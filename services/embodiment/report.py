@@ -1,11 +1,99 @@
-"""A search that gave up, in words and figures."""
+"""A search that gave up, in words and figures: the stage that nothing passed, and what stood in the way."""
 
 from collections import Counter
+
+import numpy as np
+
+from predicates.case import Diagnosis, Evidence, Kind, Quantity, Search
 from sdt_kg.iri import local_name
-from predicates.case import Diagnosis, Kind, Search
 from services.embodiment.plan import Planner
+from services.embodiment.world import World
+
+Pair = tuple[int, int]
 
 
 def refusal(planner: Planner, rejected: list[tuple[Diagnosis, ...]], search: Search) -> tuple[Diagnosis, ...]:
-    """Why no body motion was found."""
-    return (Diagnosis(Kind.EMBODIMENT, f"search gave up; {len(rejected)} rejected; holdings {planner.holdings}; {Counter((b.stage, tuple(local_name(planner.setting.world.body[i]) for i in b.contact.shapes) if b.contact else '') for b in planner.blocked).most_common(5)}", search=search), *(d for r in rejected[:2] for d in r))
+    """Why no body motion was found: the stage that was reached last, with the pair most often in contact."""
+    stage, counts = _stage(planner, bool(rejected))
+    evidence = _evidence(planner.setting.world, counts)
+    reason = f"no body motion found for {planner.setting.container.name}: {stage}"
+    if evidence is not None and evidence.links is not None:
+        one, other = evidence.links
+        reason += f", most often because {local_name(one)} is too near to {local_name(other)}"
+    found = [Diagnosis(Kind.EMBODIMENT, reason, evidence, search=search)]
+    if planner.late():
+        reason = f"the search was stopped after {search.seconds:.1f} s, its budget"
+        found.append(Diagnosis(Kind.EMBODIMENT, reason, search=search))
+    return (*found, *(rejected[-1] if rejected else ()))
+
+
+def _stage(planner: Planner, rejected: bool) -> tuple[str, Counter[Pair]]:
+    """In words, and which pairs of shapes were in contact there."""
+    if rejected:
+        return "certification refused every motion that was found", Counter()
+    if planner.bar is None:
+        return "its handle has no collision geometry to hold", Counter()
+    if not any(attempt.grasps for attempt in planner.attempts):
+        return "no gripper fits around the handle and keeps clear as the container moves", planner.unfit
+    tallies = [attempt.searcher.tally for attempt in planner.attempts]
+    if planner.rough:
+        return _rough(planner), Counter()
+    if planner.holdings:
+        return _blocked(planner)
+    contacts: Counter[tuple[str, int, int]] = Counter()
+    for tally in tallies:
+        contacts.update(tally.contacts)
+    for name, words, reached in (
+        ("path", "no way to hold the handle all along its motion", sum(tally.paths for tally in tallies)),
+        (
+            "pose",
+            "no posture that reaches the handle is free of contact",
+            sum(tally.solved for tally in tallies),
+        ),
+    ):
+        if reached:
+            return words, Counter({(a, b): n for (stage, a, b), n in contacts.items() if stage == name})
+    return "the tool reaches no grasp of the handle within the joint limits", Counter()
+
+
+def _rough(planner: Planner) -> str:
+    speed, acceleration = min(one.excess for one in planner.rough)
+    if planner.setting.motion.timed and max(speed, acceleration) > 1:
+        return (
+            "the required times are too short: at best "
+            f"{speed:.2f} times the velocity and {acceleration:.2f} times the acceleration that the joints allow"
+        )
+    return "the smoothed motion leaves the joint limits"
+
+
+def _blocked(planner: Planner) -> tuple[str, Counter[Pair]]:
+    stages = Counter(one.stage for one in planner.blocked)
+    words = {
+        "leave": "the open hand cannot come straight to the handle",
+        "back off": "the base cannot stand back from the handle",
+        "park": "there is no room to fold the arm near the handle",
+        "fold": "no path of the arm from its parked posture to the handle was found",
+        "drive": "no drive from the start pose to the handle was found",
+    }
+    stage = stages.most_common(1)[0][0]
+    pairs = Counter(one.contact.shapes for one in planner.blocked if one.stage == stage and one.contact)
+    return words[stage], pairs
+
+
+def _evidence(world: World, counts: Counter[Pair]) -> Evidence | None:
+    """The pair of bodies most often in contact; how near they came was not measured."""
+    if not counts:
+        return None
+    bodies: Counter[tuple[str, str]] = Counter()
+    for (a, b), count in counts.items():
+        bodies[world.body[a], world.body[b]] += count
+    links, _ = bodies.most_common(1)[0]
+    own = all(body.startswith(world.scene.robot_iri) for body in links)
+    return Evidence(
+        Quantity.COUNT,
+        float(np.sum(list(bodies.values()))),
+        0.0,
+        "1",
+        links=links,
+        scope="self" if own else "environment",
+    )

@@ -20,7 +20,7 @@ from services.embodiment.world import Rules, World
 Array = NDArray[np.float64]
 
 NEIGHBOURS = 7  # nodes that a new node is joined to, if it can be
-BATCH = 24  # nodes by which a roadmap grows at once
+BATCH = 16  # nodes by which a roadmap grows at once
 LARGEST = 240  # nodes in all
 SHORTCUTS = 30
 DETOUR = 2.0  # [m] beyond start and goal that nodes are drawn
@@ -41,55 +41,58 @@ class Roads:
     nodes: list[Array] = field(default_factory=list[Array])
     edges: list[tuple[int, int, float]] = field(default_factory=list[tuple[int, int, float]])
 
-    def road(self, start: Array, goal: Array, late: Callable[[], bool]) -> Array | None:
-        """Corners of a free drive, shape (K, 3), or None when the roadmap is as large as it may be."""
+    def road(self, start: Array, goal: Array, growths: int, late: Callable[[], bool]) -> Array | None:
+        """Corners of a free drive, shape (K, 3), or None if it needs a larger roadmap.
+
+        Args:
+            growths: How often the roadmap may grow for this question.
+            late: Whether to stop growing.
+        """
         if self.space.free(start, goal):
             return self.space.edge(start, goal)
-        mine = [self._add(start), self._add(goal)]
-        ends = np.stack([start, goal])[:, :2]
-        box = (ends.min(axis=0) - DETOUR, ends.max(axis=0) + DETOUR)
-        while True:
-            path = self._path(*mine)
+        ends = np.stack([start, goal])
+        box = ends[:, :2].min(axis=0) - DETOUR, ends[:, :2].max(axis=0) + DETOUR
+        for growth in range(growths + 1):
+            path = self._path(self._ways(start), self._ways(goal))
             if path is not None:
-                return self._shortened(path)
-            if len(self.nodes) > LARGEST or late():
-                return None
+                return self._shortened([start, *path, goal])
+            if growth == growths or len(self.nodes) > LARGEST or late():
+                break
             self._grow(box)
+        return None
 
     def _grow(self, box: tuple[Array, Array]) -> None:
         grown = 0
         for _ in range(20 * BATCH):
             pose = np.append(self.rng.uniform(*box), self.rng.uniform(-np.pi, np.pi))
             if self.space.stands(pose):
-                self._add(pose)
+                self.edges.extend((k, len(self.nodes), length) for k, length in self._ways(pose))
+                self.nodes.append(pose)
                 grown += 1
                 if grown == BATCH:
                     return
 
-    def _add(self, pose: Array) -> int:
-        """Index of a pose, joined to those near it."""
-        for known, other in enumerate(self.nodes):
-            if np.array_equal(other, pose):
-                return known
-        index = len(self.nodes)
-        if self.nodes:
-            apart = self.space.distance(pose, np.array(self.nodes))
-            for other in np.argsort(apart, kind="stable")[:NEIGHBOURS]:
-                if self.space.free(self.nodes[other], pose):
-                    self.edges.append((int(other), index, float(apart[other])))
-        self.nodes.append(pose)
-        return index
+    def _ways(self, pose: Array) -> list[tuple[int, float]]:
+        """Nodes near a pose that a free straight piece joins to it, each with its length."""
+        if not self.nodes:
+            return []
+        apart = self.space.distance(pose, np.array(self.nodes))
+        near = np.argsort(apart, kind="stable")[:NEIGHBOURS]
+        return [(int(k), float(apart[k])) for k in near if self.space.free(self.nodes[k], pose)]
 
-    def _path(self, start: int, goal: int) -> list[Array] | None:
-        if not self.edges:
+    def _path(self, first: list[tuple[int, float]], last: list[tuple[int, float]]) -> list[Array] | None:
+        """Shortest way over nodes from one of the first to one of the last."""
+        if not first or not last:
             return None
-        one, other, length = (np.array(column) for column in zip(*self.edges, strict=True))
-        graph = coo_matrix((length, (one, other)), shape=(len(self.nodes),) * 2)
-        far, before = dijkstra(graph, directed=False, indices=start, return_predecessors=True)
-        if not np.isfinite(far[goal]):
+        count = len(self.nodes)
+        links = [*self.edges, *((k, count, d) for k, d in first), *((k, count + 1, d) for k, d in last)]
+        one, other, length = (np.array(column) for column in zip(*links, strict=True))
+        graph = coo_matrix((length, (one, other)), shape=(count + 2, count + 2))
+        far, before = dijkstra(graph, directed=False, indices=count, return_predecessors=True)
+        if not np.isfinite(far[count + 1]):
             return None
-        path = [goal]
-        while path[-1] != start:
+        path = [int(before[count + 1])]
+        while before[path[-1]] != count:
             path.append(int(before[path[-1]]))
         return [self.nodes[k] for k in path[::-1]]
 
