@@ -15,8 +15,8 @@ from services.embodiment.certify.findings import Findings
 from services.embodiment.certify.hold import Hold, begin
 from services.embodiment.certify.kinematics import joint_axes
 from services.embodiment.certify.limits import drive_limits, joint_limits, kitchen_keeps
+from services.embodiment.certify.motion import rests, whole_motion
 from services.embodiment.certify.motion import start as starts
-from services.embodiment.certify.motion import whole_motion
 from services.embodiment.certify.pieces import Pieces
 from services.embodiment.certify.subject import Subject, subject
 from services.embodiment.certify.tolerances import Tolerances
@@ -85,6 +85,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     assert scene.kitchen.mechanism == twin.mechanism(twin.environment), "the scene is of another kitchen"
     pieces, findings = whole_motion(scene, motion, tolerances)
     findings.add(starts(scene, pieces, start, tolerances))
+    findings.add(rests(scene, pieces, tolerances))
     findings.add(joint_limits(scene, pieces, container, tolerances))
     findings.add(drive_limits(scene, pieces, drive, tolerances))
     findings.add(kitchen_keeps(scene, pieces, container, tolerances))

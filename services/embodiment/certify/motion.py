@@ -111,7 +111,7 @@ def start(
 ) -> Findings:
     """The kitchen begins in the twin's state and, where a start pose is given, the robot parked there.
 
-    Finger joints may be anywhere. Velocities at both ends are only held to their limits.
+    Finger joints may be anywhere.
     """
     findings, q = Findings(), pieces.c[0, 0]
     parked = scene.q(q[scene.base] if base is None else base, {})
@@ -135,4 +135,22 @@ def start(
                 Quantity.POSITION, float(q[k]), float(parked[k]), unit, scene.names[k], time=time
             )
             findings.violations.append(Violation(f"start: {whose}", reason, evidence, abs(float(off[k]))))
+    return findings
+
+
+def rests(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
+    """Everything stands still at the first and the last sample, so that the final state is one that stays."""
+    findings = Findings()
+    ends = np.array([0, len(pieces.start) - 1])
+    times = np.array([0.0, pieces.duration[-1]])
+    _, speeds, _ = pieces.at(ends, times)
+    for n, when in enumerate(("begins", "ends")):
+        k = int(np.argmax(np.abs(speeds[n])))
+        speed = float(abs(speeds[n, k]))
+        if speed > tolerances.rest:
+            unit = "rad/s" if joint_axes(scene)[1][k] else "m/s"
+            reason = f"the motion {when} while {local_name(scene.names[k])} moves at {speed:.4g} {unit}"
+            time = float(pieces.start[ends[n]] + times[n])
+            evidence = Evidence(Quantity.VELOCITY, speed, tolerances.rest, unit, scene.names[k], time=time)
+            findings.violations.append(Violation(f"rest: {when}", reason, evidence, speed))
     return findings

@@ -18,6 +18,7 @@ class Tolerances:
         rate: Beyond limits of velocity and acceleration, as a fraction of them.
         start_position: Of the base and of prismatic joints at the start [m].
         start_angle: Of the base and of other joints at the start [rad].
+        rest: Speed at the first and the last sample [rad/s or m/s].
         coupling: Between joints that must move together, and between a joint that must stand
             still and its place [rad or m].
         sideways: Sideways velocity of a differential drive [m/s].
@@ -33,6 +34,7 @@ class Tolerances:
     rate: float = 1e-3
     start_position: float = 1e-3
     start_angle: float = 1e-3
+    rest: float = 1e-3
     coupling: float = 1e-3
     sideways: float = 0.002
     drift: float = 0.01

@@ -65,6 +65,15 @@ def only(twin: Twin, motion: BodyMotion, quantity: Quantity, drive: Drive = Driv
     return found
 
 
+@pytest.mark.parametrize(("sample", "when"), [(0, "begins"), (-1, "ends")])
+def test_a_motion_begins_and_ends_at_rest(twin: Twin, sample: int, when: str) -> None:
+    motion = opening()
+    moving = motion.v.copy()
+    moving[sample, 0] = 0.01
+    (found,) = only(twin, replace(motion, v=moving), Quantity.VELOCITY)
+    assert found.reason.startswith(f"the motion {when} while")
+
+
 def with_rests(**columns: tuple[int, float]) -> np.ndarray:
     """RESTS with values replaced: name of a column → (row, value)."""
     names = ("time", "x", "y", "yaw", "lift", "arm", "wrist", "finger", "drawer")
