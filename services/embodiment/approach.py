@@ -6,6 +6,7 @@ folds to its parked posture, and from there the robot drives home.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +15,11 @@ from sdt_kg.annotation import Drive
 from services.embodiment import ik
 from services.embodiment.grasp import Hand
 from services.embodiment.holding import JUMP, Holding, Problem
-from services.embodiment.limb import BASE, Limb
+from services.embodiment.limb import BASE
 from services.embodiment.paths import between, connect
 from services.embodiment.roads import Roads
 from services.embodiment.spaces import ArmSpace, reaches
-from services.embodiment.world import Contact, Rules, World
+from services.embodiment.world import Contact, Rules
 
 Array = NDArray[np.float64]
 
@@ -62,11 +63,10 @@ class Blocked:
 class Approacher:
     """Ways to holdings of one limb."""
 
-    def __init__(
-        self, world: World, limb: Limb, rules: Rules, roads: Roads, start: Array, late: Callable[[], bool]
-    ) -> None:
-        self.world, self.limb, self.rules, self.roads = world, limb, rules, roads
-        self.drive, self.start, self.late = roads.space.drive, start, late
+    def __init__(self, roads: Roads, rules: Rules, start: Array, late: Callable[[], bool]) -> None:
+        self.roads, self.rules, self.start, self.late = roads, rules, start, late
+        world, limb = roads.space.world, roads.space.limb
+        self.world, self.limb, self.drive = world, limb, roads.space.drive
         self.weight = reaches(limb)
         self.hand = Hand(world, limb)
         self.rest = limb.rest
@@ -164,7 +164,7 @@ class Approacher:
     def _contact(self, xs: Array) -> Contact | None:
         """A contact along straight segments through xs."""
         parts = [xs[:1]]
-        for one, other in zip(xs, xs[1:], strict=False):
+        for one, other in pairwise(xs):
             pieces = int(np.ceil(float(np.abs(other - one) @ self.weight) / FINE_STEP)) + 1
             parts.append(between(one, other, pieces))
         return self.world.contact(self.limb.q(np.concatenate(parts), self.rest), self.rules)

@@ -50,25 +50,21 @@ class Room:
         """A contact of the hand with fingers as in q at the checked values first … last − 1."""
         tool_r, tool_p = grasp.tool(self.problem.handle_r[self.at[0]], self.problem.handle_p[self.at[0]])
         r, p = self.hand.placed(q, tool_r, tool_p)
-        placed_r, placed_c = self._place(r, p)
         base_r, base_p = self.problem.handle_r[self.at[0]], self.problem.handle_p[self.at[0]]
         for k in range(first, last):
             turn = self.problem.handle_r[self.at[k]] @ base_r.T
             shift = self.problem.handle_p[self.at[k]] - turn @ base_p
-            shapes = self._touching(turn, shift, (placed_r, placed_c), (r, p), k, rules)
+            shapes = self._touching(k, (turn, shift), (r, p), rules)
             if shapes is not None:
                 return Contact(int(self.at[k]), shapes)
         return None
 
     def _touching(
-        self,
-        turn: Array,
-        shift: Array,
-        boxes: tuple[Array, Array],
-        frames: tuple[Array, Array],
-        k: int,
-        rules: Rules,
+        self, k: int, moved: tuple[Array, Array], frames: tuple[Array, Array], rules: Rules
     ) -> tuple[int, int] | None:
+        """Shapes in contact at checked value k, the hand of the frames moved by (turn, shift)."""
+        turn, shift = moved
+        boxes = self._place(*frames)
         world, split, shapes = self.world, self.world.split, self.hand.shapes
         kitchen_r, kitchen_c = self._boxes[k]
         pose = (
@@ -103,9 +99,8 @@ def fitting(
 ) -> Iterator[tuple[Grasp, Array]]:
     """Grasps that the hand alone can take and keep, each with the scene at x = 0 and fingers closed.
 
-    Args:
-        demands: Distances demanded while it holds, and of the open hand.
-        unfit: Counts the pairs of shapes whose contact rules a grasp out.
+    `demands` are the distances demanded while it holds, and of the open hand; `unfit` counts the pairs
+    of shapes whose contact rules a grasp out.
     """
     room = Room(hand, problem)
     handle = room.world.shapes_of((problem.mechanics.container.handle,))
@@ -121,20 +116,19 @@ def fitting(
             if closed is None:
                 continue
             closed = replace(closed, opened=hand.opening(share))
-            contact = room.contact(
-                closed, hand.configuration(dict(closed.fingers)), demands[0], 0, len(room.at)
-            )
+            q = hand.configuration(dict(closed.fingers))
+            contact = room.contact(closed, q, demands[0], 0, len(room.at))
             if contact is not None:
                 unfit[contact.shapes] += 1
             elif _closes(room, closed, demands):
                 found += 1
-                yield closed, hand.configuration(dict(closed.fingers))
+                yield closed, q
         if found >= ENOUGH:
             return
 
 
 def _closes(room: Room, grasp: Grasp, demands: tuple[Rules, Rules]) -> bool:
-    """Whether the hand, open, stands free where it grasps, and its fingers swing free of all but the handle."""
+    """Whether the open hand stands free at the grasp, and its fingers swing free of all but the handle."""
     start, end = dict(grasp.opened), dict(grasp.fingers)
     for step in range(SWING + 1):
         fingers = {joint: start[joint] + step / SWING * (end[joint] - start[joint]) for joint in start}

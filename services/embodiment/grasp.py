@@ -181,7 +181,7 @@ class Hand:
 
 
 def root(gap: Callable[[float], float]) -> float | None:
-    """Share in [0, 1] at which the gap has fallen to TOUCH, by regula falsi (Illinois); None if it does not."""
+    """Share in [0, 1] at which the gap has fallen to TOUCH (regula falsi, Illinois); None if it does not."""
     low, high = 0.0, 1.0
     at_low, at_high = gap(low) - TOUCH, gap(high) - TOUCH
     if at_low <= 0 or at_high > 0:

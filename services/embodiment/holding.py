@@ -5,8 +5,8 @@ then led along the whole motion: with the arm still where the base alone can fol
 upright hinge, an omnidirectional drive), else by the whole body.
 """
 
-from collections.abc import Iterator
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -54,7 +54,7 @@ class Problem:
         return bool(np.abs(turn[:, 2, 2] - 1).max() < LEVEL and np.ptp(self.handle_p[:, 2]) < LEVEL)
 
     def carried(self, x: Array, pivot: int) -> Array:
-        """x (n,) at the pivot as the base alone carries it along, shape (K, n)."""
+        """The x (n,) at the pivot as the base alone carries it along, shape (K, n)."""
         turn = self.handle_r @ self.handle_r[pivot].T
         xs = np.repeat(x[None], len(self.values), axis=0)
         base = np.array([x[0], x[1], 0.0]) - self.handle_p[pivot]

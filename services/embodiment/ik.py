@@ -21,7 +21,7 @@ _compiled = njit(cache=True, fastmath=False)
 
 
 @_compiled
-def tool_pose(x, chain, r, p, z, o):  # noqa: ANN001, ANN201
+def tool_pose(x, chain, r, p, z, o):
     """Tool pose is in r (3, 3), p (3,); each joint's world axis and origin in z, o (C, 3)."""
     place_r, place_p, axis, kind, var, mult, offset, end_r, end_p = chain
     turn, tmp = np.empty((3, 3)), np.empty((3, 3))
@@ -52,7 +52,7 @@ def tool_pose(x, chain, r, p, z, o):  # noqa: ANN001, ANN201
 
 
 @_compiled
-def jacobian(chain, p, z, o, out):  # noqa: ANN001, ANN201
+def jacobian(chain, p, z, o, out):
     """World Jacobian of the tool (linear over angular) is in out (6, n)."""
     kind, var, mult = chain[3], chain[4], chain[5]
     out[:, :] = 0.0
@@ -73,7 +73,7 @@ def jacobian(chain, p, z, o, out):  # noqa: ANN001, ANN201
 
 
 @_compiled
-def pose_error(r, p, target_r, target_p, e):  # noqa: ANN001, ANN201
+def pose_error(r, p, target_r, target_p, e):
     """Error twist that leads from (r, p) to the target is in e (6,), in the world frame."""
     w = np.zeros(3)
     trace = -1.0
@@ -96,7 +96,7 @@ def pose_error(r, p, target_r, target_p, e):  # noqa: ANN001, ANN201
 
 
 @_compiled
-def solve6(a, b):  # noqa: ANN001, ANN201
+def solve6(a, b):
     """b becomes the solution of a · y = b; a (6, 6) symmetric positive definite, is overwritten."""
     for i in range(6):
         for j in range(i + 1):
@@ -115,7 +115,7 @@ def solve6(a, b):  # noqa: ANN001, ANN201
 
 
 @_compiled
-def step(x, jac, e, error, weight, lower, upper):  # noqa: ANN001, ANN201
+def step(x, jac, e, error, weight, lower, upper):
     """x has made one damped step; False if nothing may move."""
     n = x.shape[0]
     a, y = np.empty((6, 6)), np.empty(6)
@@ -155,7 +155,7 @@ def step(x, jac, e, error, weight, lower, upper):  # noqa: ANN001, ANN201
 
 
 @_compiled
-def solve(x, target_r, target_p, chain, weight, lower, upper, steps, tolerance):  # noqa: ANN001, ANN201
+def solve(x, target_r, target_p, chain, weight, lower, upper, steps, tolerance):
     """Whether x has been moved to where the tool meets the target within `tolerance` [m, and rad · ARM]."""
     joints, n = chain[3].shape[0], x.shape[0]
     r, p = np.empty((3, 3)), np.empty(3)
@@ -180,7 +180,7 @@ def solve(x, target_r, target_p, chain, weight, lower, upper, steps, tolerance):
 
 
 @_compiled
-def solve_many(seeds, target_r, target_p, chain, weight, lower, upper, steps, tolerance):  # noqa: ANN001, ANN201
+def solve_many(seeds, target_r, target_p, chain, weight, lower, upper, steps, tolerance):
     """Which seeds (S, n) reached their target (S, 3, 3), (S, 3); the seeds become the solutions."""
     met = np.zeros(seeds.shape[0], np.bool_)
     for s in range(seeds.shape[0]):
@@ -189,8 +189,8 @@ def solve_many(seeds, target_r, target_p, chain, weight, lower, upper, steps, to
 
 
 @_compiled
-def follow(x0, target_r, target_p, chain, weight, lower, upper, jump, path):  # noqa: ANN001, ANN201
-    """How many targets in a row could be followed from x0, with no variable jumping; path (K, n) holds them."""
+def follow(x0, target_r, target_p, chain, weight, lower, upper, jump, path):
+    """How many targets in a row could be followed from x0 with no variable jumping; path (K, n) has them."""
     x = x0.copy()
     for k in range(target_r.shape[0]):
         before = x.copy()

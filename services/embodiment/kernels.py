@@ -22,7 +22,7 @@ _compiled = njit(cache=True, fastmath=False)
 
 
 @_compiled
-def rotation(axis, angle, out):  # noqa: ANN001, ANN201
+def rotation(axis, angle, out):
     """Rotation matrix about a unit axis is in `out`."""
     c, s = math.cos(angle), math.sin(angle)
     t = 1.0 - c
@@ -33,7 +33,7 @@ def rotation(axis, angle, out):  # noqa: ANN001, ANN201
 
 
 @_compiled
-def matmul(a, b, out):  # noqa: ANN001, ANN201
+def matmul(a, b, out):
     """Product of two (3, 3) matrices is in `out`, which is neither of them."""
     for i in range(3):
         for j in range(3):
@@ -41,7 +41,7 @@ def matmul(a, b, out):  # noqa: ANN001, ANN201
 
 
 @_compiled
-def joint_pose(j, q, tree, turn, carried, r, p):  # noqa: ANN001, ANN201
+def joint_pose(j, q, tree, turn, carried, r, p):
     """World pose of joint j's frame is in r[j], p[j]; its parent's is there already."""
     parent, place_r, place_p, axis, kind = tree
     up = parent[j]
@@ -61,7 +61,7 @@ def joint_pose(j, q, tree, turn, carried, r, p):  # noqa: ANN001, ANN201
 
 
 @_compiled
-def forward(q, tree, r, p):  # noqa: ANN001, ANN201
+def forward(q, tree, r, p):
     """World poses of all joint frames are in r (J, 3, 3), p (J, 3); joint 0 is the world."""
     turn, carried = np.empty((3, 3)), np.empty((3, 3))
     r[0] = np.eye(3)
@@ -71,7 +71,7 @@ def forward(q, tree, r, p):  # noqa: ANN001, ANN201
 
 
 @_compiled
-def place_boxes(r, p, boxes, first, last, box_r, box_c):  # noqa: ANN001, ANN201
+def place_boxes(r, p, boxes, first, last, box_r, box_c):
     """World poses of boxes first … last − 1 are in box_r, box_c."""
     joint, local_r, local_c = boxes
     for k in range(first, last):
@@ -84,7 +84,7 @@ def place_boxes(r, p, boxes, first, last, box_r, box_c):  # noqa: ANN001, ANN201
 
 
 @_compiled
-def point_to_box(point, centre, r, half):  # noqa: ANN001, ANN201
+def point_to_box(point, centre, r, half):
     """Squared distance of a point from a box."""
     total = 0.0
     for i in range(3):
@@ -98,7 +98,7 @@ def point_to_box(point, centre, r, half):  # noqa: ANN001, ANN201
 
 
 @_compiled
-def apart(ca, ra, ha, cb, rb, hb, margin):  # noqa: ANN001, ANN201
+def apart(ca, ra, ha, cb, rb, hb, margin):
     """Whether some axis shows the two boxes more than `margin` apart: sound, exact at margin 0."""
     m, am = np.empty((3, 3)), np.empty((3, 3))
     t = np.empty(3)
@@ -131,14 +131,14 @@ def apart(ca, ra, ha, cb, rb, hb, margin):  # noqa: ANN001, ANN201
 
 
 @_compiled
-def _note(found, count, a, b):  # noqa: ANN001, ANN202
+def _note(found, count, a, b):
     if count < found.shape[0]:
         found[count, 0], found[count, 1] = a, b
     return count + 1
 
 
 @_compiled
-def check_environment(split, pose, half, radius, exact, margins, found):  # noqa: ANN001, ANN201
+def check_environment(split, pose, half, radius, exact, margins, found):
     """(FREE | HIT | UNSURE, number of pairs noted in `found`) of robot against kitchen boxes.
 
     Boxes before `split` are the kitchen's. margins[robot box, kitchen box] is the distance
@@ -176,7 +176,7 @@ def check_environment(split, pose, half, radius, exact, margins, found):  # noqa
 
 
 @_compiled
-def check_self(pairs, pose, half, radius, exact, margins, found, count):  # noqa: ANN001, ANN201
+def check_self(pairs, pose, half, radius, exact, margins, found, count):
     """(FREE | HIT | UNSURE, pairs noted) of the robot's own pairs; `count` pairs are there already."""
     box_r, box_c = pose
     for k in range(pairs.shape[0]):
@@ -195,7 +195,7 @@ def check_self(pairs, pose, half, radius, exact, margins, found, count):  # noqa
 
 
 @_compiled
-def check(q, tree, boxes, split, half, radius, exact, own, margins, found):  # noqa: ANN001, ANN201
+def check(q, tree, boxes, split, half, radius, exact, own, margins, found):
     """(FREE | HIT | UNSURE, pairs noted) of one configuration; `own` is (pairs, their margins)."""
     joints, n = tree[0].shape[0], half.shape[0]
     r, p = np.empty((joints, 3, 3)), np.empty((joints, 3))
@@ -210,7 +210,7 @@ def check(q, tree, boxes, split, half, radius, exact, own, margins, found):  # n
 
 
 @_compiled
-def check_many(configurations, tree, boxes, split, half, radius, exact, own, margins, found, owner):  # noqa: ANN001, ANN201
+def check_many(configurations, tree, boxes, split, half, radius, exact, own, margins, found, owner):
     """(index of the first configuration with a HIT or −1, number of unsure pairs).
 
     Unsure pairs are in `found`, the configuration of each in `owner`; after a HIT found[0] is its pair.

@@ -217,7 +217,7 @@ class Margins:
 
 
 def eased(world: World, demands: Rules, q: Array, least: float) -> Rules:
-    """The same distances, but for self pairs that are nearer at q: half of what is there, not under `least` [m]."""
+    """The same distances, but half of what is there for self pairs nearer at q; at least `least` [m]."""
     r, p = world.frames(q)
     own = demands.own.copy()
     for k, (a, b) in enumerate(demands.pairs):
@@ -246,7 +246,7 @@ def rules(world: World, limb: Limb, margins: Margins, touching: tuple[str, ...] 
 def _moving_pairs(world: World, limb: Limb) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Self pairs whose relative pose depends on the limb's arm or fingers, and how many joints part them."""
     scene = world.scene
-    moves = np.abs(limb.expansion[:, 3:]).any(axis=1)
+    moves = np.array(np.abs(limb.expansion[:, 3:]).any(axis=1))
     fingers = {joint_iri(scene.robot.mechanism.name, one.joint) for one in limb.gripper.finger_joints}
     for k, source in enumerate(scene.coupling.source):
         moves[k] |= scene.names[source] in fingers

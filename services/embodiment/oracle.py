@@ -9,18 +9,18 @@ from importlib.metadata import version
 import numpy as np
 from numpy.typing import NDArray
 
-from predicates.case import Answer, Case, Diagnosis, Search
+from predicates.case import Answer, Case, Diagnosis
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import UNKNOWN
 from sdt_kg.twin import Container, Twin
-from services.embodiment.certify.check import Certified, certify
+from services.embodiment.certify.check import Certified, Refused, certify
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.grasp import grasp_settings
 from services.embodiment.limb import Margins, make_limb
-from services.embodiment.plan import Planner, Planned, Setting
+from services.embodiment.plan import Planned, Planner, Setting
 from services.embodiment.report import refusal
 from services.embodiment.roads import Roads
 from services.embodiment.warm import warm
@@ -113,7 +113,7 @@ class WholeBody:
         rejected: list[tuple[Diagnosis, ...]] = []
         for planned in planner.plans():
             at = time.perf_counter()
-            outcome = self._certificate(case.twin, setting, planned.body, setting.start)
+            outcome = self._certificate(case.twin, setting, planned.body)
             clock.spent("certify", at)
             if isinstance(outcome, Certified):
                 found = replace(case, body_motion=planned.body, motion=planned.motion)
@@ -145,7 +145,7 @@ class WholeBody:
             return Answer(case, True, (), notes, clock.seconds, outcome.figures)
         return Answer(case, False, outcome.diagnoses, notes, clock.seconds)
 
-    def _certificate(self, twin: Twin, setting: Setting, body: BodyMotion, start: Array):  # noqa: ANN202
+    def _certificate(self, twin: Twin, setting: Setting, body: BodyMotion) -> Certified | Refused:
         return certify(
             twin,
             setting.robot,
@@ -153,7 +153,7 @@ class WholeBody:
             setting.container,
             self.tolerances,
             drive=setting.drive,
-            start=(float(start[0]), float(start[1]), float(start[2])),
+            start=setting.start,
             scene=setting.world.scene,
         )
 

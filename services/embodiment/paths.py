@@ -6,6 +6,7 @@ is free; arms and bases differ only there.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -121,7 +122,7 @@ def _shortcut(space: Space, nodes: list[Array], rng: np.random.Generator) -> lis
 
 def _corners(space: Space, nodes: list[Array]) -> Array:
     corners = [nodes[0][None]]
-    corners.extend(space.edge(one, other)[1:] for one, other in zip(nodes, nodes[1:], strict=False))
+    corners.extend(space.edge(one, other)[1:] for one, other in pairwise(nodes))
     return np.concatenate(corners)
 
 

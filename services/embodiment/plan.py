@@ -142,7 +142,7 @@ class Planner:
         roads = setting.roads.setdefault(
             limb.gripper.name, make_roads(world, limb, opened, setting.drive, self.seed)
         )
-        approacher = Approacher(world, limb, opened, roads, start, self.late)
+        approacher = Approacher(roads, opened, start, self.late)
         assembler = Assembler(world, limb, setting.robot, problem, setting.motion)
         return Attempt(limb, grasps, searcher, approacher, assembler, np.random.default_rng(self.seed))
 
@@ -156,15 +156,15 @@ class Planner:
         if not attempt.grasps:
             return
         pivot = (WAYPOINTS // 2, WAYPOINTS - 1, 0)[number % 3]
-        at, tries = time.perf_counter(), 0
-        for holding in attempt.searcher.batch(attempt.grasps, pivot, attempt.rng):
+        at = time.perf_counter()
+        holdings = attempt.searcher.batch(attempt.grasps, pivot, attempt.rng)
+        for holding in islice(holdings, TRIES):
             self._spent("holding", at)
             self.holdings += 1
             planned = self._approached(attempt, holding)
             if planned is not None:
                 yield planned
-            tries += 1
-            if tries == TRIES or self.late():
+            if self.late():
                 return
             at = time.perf_counter()
         self._spent("holding", at)

@@ -29,39 +29,42 @@ def refusal(planner: Planner, rejected: list[tuple[Diagnosis, ...]], search: Sea
 
 def _stage(planner: Planner, rejected: bool) -> tuple[str, Counter[Pair]]:
     """In words, and which pairs of shapes were in contact there."""
+    nothing: Counter[Pair] = Counter()
     if rejected:
-        return "certification refused every motion that was found", Counter()
+        return "certification refused every motion that was found", nothing
     if planner.bar is None:
-        return "its handle has no collision geometry to hold", Counter()
+        return "its handle has no collision geometry to hold", nothing
     if not any(attempt.grasps for attempt in planner.attempts):
         return "no gripper fits around the handle and keeps clear as the container moves", planner.unfit
-    tallies = [attempt.searcher.tally for attempt in planner.attempts]
     if planner.rough:
-        return _rough(planner), Counter()
-    if planner.holdings:
-        return _blocked(planner)
+        return _rough(planner), nothing
+    return _blocked(planner) if planner.holdings else _unheld(planner)
+
+
+def _unheld(planner: Planner) -> tuple[str, Counter[Pair]]:
+    tallies = [attempt.searcher.tally for attempt in planner.attempts]
     contacts: Counter[tuple[str, int, int]] = Counter()
     for tally in tallies:
         contacts.update(tally.contacts)
-    for name, words, reached in (
-        ("path", "no way to hold the handle all along its motion", sum(tally.paths for tally in tallies)),
-        (
-            "pose",
-            "no posture that reaches the handle is free of contact",
-            sum(tally.solved for tally in tallies),
-        ),
-    ):
-        if reached:
-            return words, Counter({(a, b): n for (stage, a, b), n in contacts.items() if stage == name})
+    if any(tally.paths for tally in tallies):
+        return "no way to hold the handle all along its motion", _pairs(contacts, "path")
+    if any(tally.broken for tally in tallies):
+        return "the tool can reach the handle, but not follow it within the joint limits", Counter()
+    if any(tally.solved for tally in tallies):
+        return "no posture that reaches the handle is free of contact", _pairs(contacts, "pose")
     return "the tool reaches no grasp of the handle within the joint limits", Counter()
+
+
+def _pairs(contacts: Counter[tuple[str, int, int]], stage: str) -> Counter[Pair]:
+    return Counter({(a, b): count for (name, a, b), count in contacts.items() if name == stage})
 
 
 def _rough(planner: Planner) -> str:
     speed, acceleration = min(one.excess for one in planner.rough)
     if planner.setting.motion.timed and max(speed, acceleration) > 1:
         return (
-            "the required times are too short: at best "
-            f"{speed:.2f} times the velocity and {acceleration:.2f} times the acceleration that the joints allow"
+            f"the required times are too short: at best {speed:.2f} times the velocity and "
+            f"{acceleration:.2f} times the acceleration that the joints allow"
         )
     return "the smoothed motion leaves the joint limits"
 

@@ -6,6 +6,7 @@ and kept for the next question: containers of one kitchen share their roads.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,9 +45,7 @@ class Roads:
     def road(self, start: Array, goal: Array, growths: int, late: Callable[[], bool]) -> Array | None:
         """Corners of a free drive, shape (K, 3), or None if it needs a larger roadmap.
 
-        Args:
-            growths: How often the roadmap may grow for this question.
-            late: Whether to stop growing.
+        The roadmap may grow `growths` times for this question, unless it is `late`.
         """
         if self.space.free(start, goal):
             return self.space.edge(start, goal)
@@ -104,7 +103,7 @@ class Roads:
             if j - i > 1 and self.space.free(path[i], path[j]):
                 path = path[: i + 1] + path[j:]
         corners = [path[0][None]]
-        corners.extend(self.space.edge(one, other)[1:] for one, other in zip(path, path[1:], strict=False))
+        corners.extend(self.space.edge(one, other)[1:] for one, other in pairwise(path))
         return np.concatenate(corners)
 
 

@@ -1,6 +1,7 @@
 """Spaces for `paths`: an arm over a standing base, and a parked robot that drives."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,7 +110,7 @@ class DriveSpace:
 
     def free(self, start: Array, end: Array) -> bool:
         corners = self.edge(start, end)
-        return all(self._straight(one, other) for one, other in zip(corners, corners[1:], strict=False))
+        return all(self._straight(one, other) for one, other in pairwise(corners))
 
     def _straight(self, start: Array, end: Array) -> bool:
         pieces = int(np.ceil(float(self.distance(start, end[None])[0]) / DRIVE_STEP)) + 1

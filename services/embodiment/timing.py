@@ -5,6 +5,7 @@ law is a trapezoid with knots at its switches, where the spline is exact.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,8 +58,7 @@ def _slowest(rate: Array, limit: Array) -> float:
 def straight(start: Array, end: Array, bound: Bound, spacing: float) -> Timed | None:
     """Rest-to-rest trapezoid from start to end; None where they are equal.
 
-    Args:
-        spacing: Largest share of the way between two samples [1].
+    At most the share `spacing` of the way lies between two samples [1].
     """
     way = end - start
     if not np.any(np.abs(way) > 1e-12):
@@ -99,12 +99,11 @@ def _trapezoid(times: Array, switches: Array, speed: float, ramp: float) -> tupl
 def along(corners: Array, bound: Bound, reach: Array, spacing: float) -> Timed:
     """Rest-to-rest motion along straight segments through the corners (K, n).
 
-    Args:
-        reach: What a unit of each variable moves [m], shape (n,).
-        spacing: Largest way between two samples [m].
+    `reach` says what a unit of each variable moves [m], shape (n,); at most `spacing` [m] lies between
+    two samples.
     """
     parts = []
-    for start, end in zip(corners, corners[1:], strict=False):
+    for start, end in pairwise(corners):
         length = max(float(np.abs(end - start) @ reach), 1e-9)
         part = straight(start, end, bound, min(spacing / length, 0.5))
         if part is not None:
@@ -160,8 +159,7 @@ def slowed(
 ) -> tuple[Timed, Array, Array]:
     """The path as fast as all limits allow with the law `smooth`, and the container's values and rates.
 
-    Args:
-        container: Velocity and acceleration limit of the container's joint.
+    `container` holds the velocity and acceleration limit of the container's joint.
     """
     u = np.linspace(0.0, 1.0, samples)
     law = smooth(u)

@@ -129,11 +129,12 @@ class World:
             return None
         own = {(int(a), int(b)): m for (a, b), m in zip(rules.pairs, rules.own, strict=True)}
         found, owner = self._found[:unsure].tolist(), self._owner[:unsure].tolist()
-        at, r, p = -1, None, None
+        at = owner[0]
+        r, p = self.frames(configurations[at])
         for (a, b), index in zip(found, owner, strict=True):
             if index != at:
                 at, (r, p) = index, self.frames(configurations[index])
-            margin = own[a, b] if b >= self.split else rules.environment[a - self.split, b]
+            margin = float(own[a, b] if b >= self.split else rules.environment[a - self.split, b])
             if self.near((a, b), r, p, margin):
                 return Contact(index, (a, b))
         return None
