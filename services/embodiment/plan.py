@@ -9,7 +9,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from predicates.case import Search
+from predicates.case import Diagnosis, Search
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
@@ -21,6 +21,7 @@ from services.embodiment.grasp import Grasp, Hand
 from services.embodiment.handle import Bar, Mechanics, find_bar
 from services.embodiment.holding import WAYPOINTS, Holding, Problem, Searcher
 from services.embodiment.limb import Limb, Margins, eased, make_limb, rules
+from services.embodiment.prove import out_of_reach
 from services.embodiment.roads import Roads, make_roads
 from services.embodiment.world import World
 
@@ -76,6 +77,7 @@ class Planner:
         blocked: Stage at which an approach failed → how often.
         holdings: How many were found.
         unfit: Pairs of shapes in contact that ruled grasps out → how often.
+        proof: That the handle is out of reach, if it was found.
         rough: Motions that leave limits: too fast where times are required, or beyond a joint's end.
     """
 
@@ -90,6 +92,7 @@ class Planner:
         self.placements = 0
         self.bar: Bar | None = None
         self.holdings = 0
+        self.proof: Diagnosis | None = None
         self.unfit: Counter[tuple[int, int]] = Counter()
 
     def late(self) -> bool:
@@ -99,7 +102,11 @@ class Planner:
     def plans(self) -> Iterator[Planned]:
         """Body motions, one after the other, until the search gives up."""
         at = time.perf_counter()
-        self.attempts = [one for one in map(self._attempt, self._limbs()) if one is not None]
+        limbs = self._limbs()
+        self.proof = out_of_reach(self.setting.world, self.mechanics, limbs, self.setting.motion.values[:, 0])
+        if self.proof is not None:
+            return
+        self.attempts = [one for one in map(self._attempt, limbs) if one is not None]
         self._spent("grasp", at)
         for number in range(ROUNDS):
             for attempt in self.attempts:

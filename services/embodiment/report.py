@@ -14,6 +14,8 @@ Pair = tuple[int, int]
 
 def refusal(planner: Planner, rejected: list[tuple[Diagnosis, ...]], search: Search) -> tuple[Diagnosis, ...]:
     """Why no body motion was found: the stage that was reached last, with the pair most often in contact."""
+    if planner.proof is not None:
+        return (planner.proof,)
     stage, counts = _stage(planner, bool(rejected))
     evidence = _evidence(planner.setting.world, counts)
     reason = f"no body motion found for {planner.setting.container.name}: {stage}"

@@ -83,7 +83,7 @@ class World:
     def frames(self, q: Array) -> tuple[Array, Array]:
         """World poses of all joint frames: rotations (J, 3, 3) and translations (J, 3)."""
         r, p = np.empty((len(self.tree[0]), 3, 3)), np.empty((len(self.tree[0]), 3))
-        kernels.forward(q, self.tree, r, p)
+        kernels.forward(np.ascontiguousarray(q), self.tree, r, p)
         return r, p
 
     def contact(self, configurations: Array, rules: Rules) -> Contact | None:
@@ -91,6 +91,7 @@ class World:
 
         Not always that of the first such configuration: compiled checks come before exact ones.
         """
+        configurations = np.ascontiguousarray(configurations)  # one memory layout, one compilation
         hit, unsure = kernels.check_many(
             configurations,
             self.tree,

@@ -1,0 +1,131 @@
+"""Proof that no hand can be as high, or as low, as a handle: a sound bound, not a search.
+
+Heights along a chain are intervals. As long as only prismatic joints and upright hinges were passed,
+the frame is known but for a turn about the vertical, and heights add up exactly; behind any other
+hinge a link may point anywhere, so it adds its whole length up and down.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from predicates.case import Diagnosis, Evidence, Kind, Quantity
+from sdt_kg.iri import local_name
+from services.embodiment.handle import Mechanics
+from services.embodiment.limb import Limb
+from services.embodiment.world import World
+
+Array = NDArray[np.float64]
+
+SLACK = 0.005  # [m] beyond what certification tolerates: contact 2 mm, overhang, rounding
+UPRIGHT = 1e-9  # [1] deviation of a hinge's axis from the vertical that counts as none
+CHECKED = 9  # values of the container at which heights are compared
+
+
+@dataclass(slots=True)
+class Heights:
+    """Where a frame of the chain can be.
+
+    Attributes:
+        low, high: Of its origin [m].
+        frame: Its rotation but for a turn about the vertical, shape (3, 3); None if it may be any.
+    """
+
+    low: float = 0.0
+    high: float = 0.0
+    frame: Array | None = None
+
+    def along(self, offset: Array) -> None:
+        """The origin goes on by an offset in the frame [m], shape (3,)."""
+        if self.frame is None:
+            length = float(np.linalg.norm(offset))
+            self.low, self.high = self.low - length, self.high + length
+        else:
+            up = float(self.frame[2] @ offset)
+            self.low, self.high = self.low + up, self.high + up
+
+    def slide(self, axis: Array, lower: float, upper: float) -> None:
+        """A prismatic joint anywhere between its limits."""
+        if self.frame is None:
+            length = max(abs(lower), abs(upper)) * float(np.linalg.norm(axis))
+            self.low, self.high = self.low - length, self.high + length
+        else:
+            up = float(self.frame[2] @ axis)
+            self.low += min(lower * up, upper * up)
+            self.high += max(lower * up, upper * up)
+
+    def turn(self, axis: Array) -> None:
+        """A hinge at any angle."""
+        if self.frame is not None and abs(abs(self.frame[2] @ axis) - 1) > UPRIGHT:
+            self.frame = None
+
+
+def heights(world: World, joint: int) -> Heights:
+    """Where the origin of a model joint's frame can be, for all base poses and joint positions."""
+    parents, place_r, place_p, axes, kinds = world.tree
+    scene, chain = world.scene, []
+    while joint > 0:
+        chain.append(joint)
+        joint = int(parents[joint])
+    at = Heights(frame=np.eye(3))
+    for j in reversed(chain):
+        at.along(place_p[j])
+        at.frame = None if at.frame is None else at.frame @ place_r[j]
+        if kinds[j]:
+            at.turn(axes[j])
+        elif j - 1 not in scene.base:
+            source = int(scene.coupling.source[j - 1])
+            ends = np.array([scene.bounds.lower[source], scene.bounds.upper[source]])
+            ends = ends * scene.coupling.multiplier[j - 1] + scene.coupling.offset[j - 1]
+            at.slide(axes[j], float(ends.min()), float(ends.max()))
+    return at
+
+
+def span(world: World, limb: Limb) -> tuple[float, float]:
+    """Heights that no point of the limb's fingers can go below and above [m]."""
+    lows, highs = [], []
+    for shape in world.shapes_of(limb.fingers):
+        at = heights(world, int(world.boxes[0][shape]))
+        at.along(world.boxes[2][shape])
+        radius = float(np.linalg.norm(world.half[shape]))
+        lows.append(at.low - radius)
+        highs.append(at.high + radius)
+    return min(lows), max(highs)
+
+
+def handle_span(world: World, mechanics: Mechanics, value: float) -> tuple[float, float]:
+    """Heights of a box around the handle with the container at a value [m]."""
+    q = mechanics.put(world.scene.q((0.0, 0.0, 0.0), {}), np.array([value]))[0]
+    r, p = world.frames(q)
+    joint, local_r, centre = world.boxes
+    lows, highs = [], []
+    for shape in world.shapes_of((mechanics.container.handle,)):
+        j = joint[shape]
+        height = float(r[j, 2] @ centre[shape] + p[j, 2])
+        reach = float(np.abs(r[j, 2] @ local_r[shape]) @ world.half[shape])
+        lows.append(height - reach)
+        highs.append(height + reach)
+    return min(lows), max(highs)
+
+
+def out_of_reach(world: World, mechanics: Mechanics, limbs: list[Limb], values: Array) -> Diagnosis | None:
+    """Proof that no finger of any gripper can touch the handle somewhere on its way, if there is one."""
+    handle = mechanics.container.handle
+    if not limbs or not len(world.shapes_of((handle,))):
+        return None
+    spans = [span(world, limb) for limb in limbs]
+    lowest, highest = min(low for low, _ in spans), max(high for _, high in spans)
+    for value in np.linspace(values[0], values[-1], CHECKED):
+        low, high = handle_span(world, mechanics, float(value))
+        for beyond, reach, word in ((low - highest, highest, "higher"), (lowest - high, lowest, "lower")):
+            if beyond > SLACK + world.scene.annotation.overhang:
+                where = low if word == "higher" else high
+                robot = world.scene.robot.mechanism.name
+                reason = (
+                    f"{local_name(handle)} is at a height of {where:.3f} m, {beyond:.3f} m {word} than any "
+                    f"finger of {robot} can be ({reach:.3f} m)"
+                )
+                evidence = Evidence(Quantity.POSITION, reach, where, "m", entity=handle)
+                return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=True)
+    return None
