@@ -238,6 +238,7 @@ def rules(world: World, limb: Limb, margins: Margins, touching: tuple[str, ...] 
     environment[hand - world.split] = margins.fine + overhang
     fingers, handle = world.shapes_of(limb.fingers) - world.split, world.shapes_of(touching)
     environment[np.ix_(fingers, handle)] = MAY_TOUCH
+    environment[world.shapes_of(world.scene.standing) - world.split, world.scene.floor] = MAY_TOUCH
     pairs, parted = _moving_pairs(world, limb)
     within = (parted <= NEIGHBOURS) | np.isin(pairs, hand).all(axis=1)
     return Rules(environment, pairs, np.where(within, margins.close, margins.free) + overhang)

@@ -10,8 +10,9 @@ import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found throug
 from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.errors import AnnotationError, UnknownEntityError
 from sdt_kg.iri import Iri, body_iri
-from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, ShapeType
+from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, Pose, ShapeType
 from sdt_kg.twin import Twin
+from services.physics.floor import BELOW, floor_box, floor_iri, standing
 from services.physics.hulls import COARSE, FINE
 from services.physics.shapes import solids, surface
 from services.physics.tree import UNIVERSE, Array, Bounds, Indices, Part, add, coupling, se3
@@ -41,10 +42,8 @@ class Solid:
     radius: float
 
 
-def _solid(
-    body: Iri, geometry: Geometry, joint: int, joint_T_body: pin.SE3, shape: coal.CollisionGeometry
-) -> Solid:
-    joint_T_shape = joint_T_body * se3(geometry.pose)
+def _solid(body: Iri, pose: Pose, joint: int, joint_T_body: pin.SE3, shape: coal.CollisionGeometry) -> Solid:
+    joint_T_shape = joint_T_body * se3(pose)
     box = shape.aabb_local
     centre = (box.min_ + box.max_) / 2
     half = (box.max_ - box.min_) / 2
@@ -68,9 +67,12 @@ class Scene:
         base: Coordinates of the base, shape (3,).
         coupling: How mimic joints follow.
         bounds: Limits of each coordinate.
-        solids: All collision shapes, the kitchen's first.
+        solids: All collision shapes: the kitchen's, the floor, the robot's.
         self_pairs: Pairs of robot shapes that must not touch, shape (P, 2), indices of `solids`.
-        environment_pairs: Every robot shape with every kitchen shape, shape (P, 2), robot first.
+        floor: Index of the floor among `solids`, after the kitchen's own.
+        standing: Bodies that may stand on it.
+        environment_pairs: Every robot shape with every kitchen shape and, unless it stands there, with
+            the floor, shape (P, 2), robot first.
     """
 
     def __init__(self, twin: Twin, robot: Iri) -> None:
@@ -87,6 +89,7 @@ class Scene:
         self.names = self._names()
         self.coordinate = {name: k for k, name in enumerate(self.names)}
         self.bounds = self._bounds()
+        self.standing = standing(machine, self.annotation)
         self._set_solids(fine=frozenset())
         if fine := self._meshes_touching_when_parked():
             self._set_solids(fine)
@@ -96,7 +99,9 @@ class Scene:
             return solids(geometry, FINE if body in fine else COARSE)
 
         kitchen = _solids(self.kitchen, lambda _, geometry: surface(geometry))
-        self.solids = (*kitchen, *_solids(self.robot, pieces))
+        self.floor = len(kitchen)
+        floor = _solid(floor_iri(self.twin.environment), BELOW, UNIVERSE, pin.SE3.Identity(), floor_box())
+        self.solids = (*kitchen, floor, *_solids(self.robot, pieces))
         self.self_pairs, self.environment_pairs = self._pairs()
 
     def _meshes_touching_when_parked(self) -> frozenset[Iri]:
@@ -171,7 +176,9 @@ class Scene:
             for j in range(i + 1, len(self.solids))
             if frozenset((self.solids[i].body, self.solids[j].body)) not in exempt
         ]
-        return np.array(own, dtype=np.intp).reshape(-1, 2), environment
+        on_floor = [i for i in robot if self.solids[i].body in self.standing]
+        stands = np.isin(environment[:, 0], on_floor) & (environment[:, 1] == self.floor)
+        return np.array(own, dtype=np.intp).reshape(-1, 2), environment[~stands]
 
     def _is_robot(self, one: Solid) -> bool:
         return one.joint > self.base[-1]
@@ -235,7 +242,7 @@ def _base_T_root(mechanism: Mechanism, annotation: RobotAnnotation) -> pin.SE3:
 
 def _solids(part: Part, shapes: Callable[[Iri, Geometry], tuple[coal.CollisionGeometry, ...]]) -> list[Solid]:
     return [
-        _solid(iri, geometry, *part.attached[body.name], shape)
+        _solid(iri, geometry.pose, *part.attached[body.name], shape)
         for body in part.mechanism.bodies
         for iri in (body_iri(part.mechanism.name, body.name),)
         for geometry in body.collision

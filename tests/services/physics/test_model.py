@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from sdt_kg.errors import UnknownEntityError, UrdfError
-from sdt_kg.iri import body_iri, joint_iri
+from sdt_kg.iri import body_iri, joint_iri, local_name
 from sdt_kg.load import load_twin
 from sdt_kg.mechanism import Body, Geometry, Joint, JointType, Mechanism, Mimic, Pose, ShapeType
 from sdt_kg.twin import Twin
@@ -190,7 +190,8 @@ def test_pairs_are_all_but_neighbours_and_annotated_ones(scene: Scene) -> None:
     exempt = exempt_pairs(scene.robot.mechanism, scene.annotation)
     robot = [i for i, one in enumerate(scene.solids) if one.joint > scene.base[-1]]
     kitchen = [i for i in range(len(scene.solids)) if i not in robot]
-    assert len(scene.environment_pairs) == len(robot) * len(kitchen)
+    standing = [i for i in robot if scene.solids[i].body in scene.standing]
+    assert len(scene.environment_pairs) == len(robot) * len(kitchen) - len(standing)
     own = {frozenset(pair) for pair in scene.self_pairs.tolist()}
     for i in robot:
         for j in robot:
@@ -281,3 +282,12 @@ def test_convex_pieces_contain_every_triangle_and_leave_the_notch_free(fineness:
 
 def test_one_convex_body_is_one_piece() -> None:
     assert len(convex_pieces(box_triangles((1, 2, 3), (0, 0, 0)), FINE)) == 1
+
+
+def test_wheels_stand_on_the_floor_and_hands_may_not(scene: Scene) -> None:
+    pairs = {tuple(pair) for pair in scene.environment_pairs.tolist()}
+    on_floor = {local_name(scene.solids[i].body) for i, j in pairs if j == scene.floor}
+    assert "fl_caster_l_wheel_link" not in on_floor
+    assert {"l_gripper_palm_link", "r_gripper_l_finger_tip_link", "torso_lift_link"} <= on_floor
+    floor = scene.solids[scene.floor]
+    assert floor.joint_T_shape.translation[2] + floor.half[2] == 0.0
