@@ -27,7 +27,7 @@ bench: .venv
 
 ## soak: the tests marked slow as well
 soak: .venv
-	$(BIN)/pytest -p no:benchmark --ignore=tests/benchmarks --soak
+	$(BIN)/pytest -p no:benchmark --ignore=tests/benchmarks --soak tests/soak
 
 .venv: pyproject.toml constraints.txt
 ifdef UV
@@ -37,6 +37,8 @@ else
 	$(PYTHON) -m venv --clear .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
 endif
+	@# The inner loops are compiled once, here, so that no question waits for it.
+	$(BIN)/sdt achieve --kitchen b --robot pr2 --task open:sink_area_left_middle_drawer_main >/dev/null
 	@touch .venv
 
 clean:
