@@ -10,6 +10,7 @@ from sdt_kg.annotation import Gripper
 from sdt_kg.iri import Iri, body_iri, local_name
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
+from services.embodiment.certify.grip import NOTHING, Grip, Pinch
 from services.embodiment.certify.kinematics import Of, Placed
 from services.embodiment.certify.pieces import Pieces, positions
 from services.embodiment.certify.subject import Subject
@@ -93,23 +94,18 @@ class Hold:
         return float(self.pieces.start[away[-1] + 1 if len(away) else 0])
 
     def contact(self) -> Findings:
-        """At the grasp the handle is between the fingers, which touch it from both sides."""
+        """At the grasp two fingers have the handle between them: they reach over it and touch it."""
         placed = self._at_grasp()
         tool_R, _ = self.tool.world(placed)
-        across = tool_R[0, :, 1]
-        nearest = {}
-        for finger in self.fingers:
-            for bar in self.bar:
-                gap, on_finger, on_bar = self.shapes.nearest_points(placed, (finger, bar))
-                centre = self.shapes.centres(placed, FIRST, np.array([finger]))[0]
-                side = 1 if (centre - on_bar) @ across > 0 else -1
-                if side not in nearest or gap < nearest[side][0]:
-                    nearest[side] = gap, float(on_finger @ across), finger
-        if len(nearest) == 2 and nearest[1][1] >= nearest[-1][1] - self.tolerances.contact:
-            gap, _, finger = max(nearest.values())
-            if gap <= self.tolerances.contact:
-                return Findings(figures={"finger to handle": (gap, "m")})
-        return self._not_held(placed)
+        fingers = {
+            body: [i for i in self.fingers if self.scene.solids[i].body == body]
+            for body in sorted({self.scene.solids[i].body for i in self.fingers})
+        }
+        grip = Grip(self.shapes, placed, tool_R[0], fingers, self.bar, self.tolerances)
+        pinch = grip.pinch()
+        if pinch is None or pinch.over < self.tolerances.engaged:
+            return self._not_held(grip, pinch)
+        return Findings(figures={"finger to handle": (pinch.gap, "m")})
 
     def later(self) -> "Hold | None":
         """The first sample after the container began to move at which it is held, if there is one."""
@@ -128,27 +124,24 @@ class Hold:
                 return late
         return None
 
-    def _not_held(self, placed: Placed) -> Findings:
-        gaps = {
-            finger: min(self.shapes.nearest_points(placed, (finger, bar))[0] for bar in self.bar)
-            for finger in self.fingers
-        }
-        finger = (
-            min(gaps, key=lambda one: gaps[one])
-            if min(gaps.values()) > self.tolerances.contact
-            else max(gaps, key=lambda one: gaps[one])
-        )
-        links = (self.scene.solids[finger].body, self.container.handle)
-        name = local_name(self.container.handle)
-        if gaps[finger] > self.tolerances.contact:
-            what = f"{local_name(links[0])} is {gaps[finger] * 1000:.1f} mm away from {name}"
+    def _not_held(self, grip: Grip, pinch: Pinch | None) -> Findings:
+        handle, tolerances = local_name(self.container.handle), self.tolerances
+        if pinch is not None:
+            finger, value, bound = pinch.finger, pinch.over, tolerances.engaged
+            what = f"{local_name(finger)} reaches {value * 1000:.1f} mm over {handle}"
+            excess = bound - value
         else:
-            what = f"{name} is not between the fingers of {self.gripper.name}"
+            finger = grip.lacking()
+            value, bound = grip.gaps[finger], tolerances.contact
+            what = f"{local_name(finger)} is {value * 1000:.1f} mm away from {handle}"
+            excess = value
+            if value <= bound:
+                what = f"{handle} is not between the fingers of {self.gripper.name}"
+                value, bound = NOTHING, tolerances.engaged
         reason = f"{self.container.name} moves before it is held: {what}"
-        evidence = Evidence(
-            Quantity.DISTANCE, gaps[finger], self.tolerances.contact, "m", links=links, time=self.time
-        )
-        return Findings([Violation("held", reason, evidence, gaps[finger])])
+        links = (finger, self.container.handle)
+        evidence = Evidence(Quantity.DISTANCE, value, bound, "m", links=links, time=self.time)
+        return Findings([Violation("held", reason, evidence, excess)])
 
     def follows(self) -> Findings:
         """From the grasp on the tool neither slips nor turns on the handle, between samples too."""

@@ -12,7 +12,7 @@ from services.physics.model import Scene
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-
+STILL = np.zeros(3)
 SPHERE, CYLINDER = 1, 2
 _KINDS = {coal.Sphere: SPHERE, coal.Cylinder: CYLINDER}
 
@@ -58,12 +58,29 @@ class Shapes:
         one, other = self._frames(placed, span, pairs[:, 0]), self._frames(placed, span, pairs[:, 1])
         return np.array([self._distance(*item) for item in zip(pairs.tolist(), *one, *other, strict=True)])
 
-    def nearest_points(self, placed: Placed, pair: tuple[int, int]) -> tuple[float, Array, Array]:
-        """Signed distance of two shapes at the first configuration, and the points that have it."""
+    def nearest_points(
+        self, placed: Placed, pair: tuple[int, int], shift: Array = STILL
+    ) -> tuple[float, Array, Array]:
+        """Signed distance of two shapes at the first configuration, and the points that have it.
+
+        The first shape is moved by `shift` in the world.
+        """
+        distance = self._coal(pair, *self._pair(placed, pair, shift))
+        return distance, np.array(self._result.getNearestPoint1()), np.array(self._result.getNearestPoint2())
+
+    def touch(self, placed: Placed, pair: tuple[int, int], shift: Array) -> bool:
+        """Whether two shapes touch at the first configuration; the first one is moved as above."""
+        one_R, one_p, other_R, other_p = self._pair(placed, pair, shift)
+        one, other = (self._shapes[i] for i in pair)
+        one_T, other_T = coal.Transform3s(one_R, one_p), coal.Transform3s(other_R, other_p)
+        request, result = coal.CollisionRequest(), coal.CollisionResult()
+        return bool(coal.collide(one, one_T, other, other_T, request, result))
+
+    def _pair(self, placed: Placed, pair: tuple[int, int], shift: Array) -> tuple[Array, ...]:
+        """Rotation and origin of both shapes at the first configuration, the first one moved."""
         span = np.zeros(1, dtype=np.intp)
         one, other = (self._frames(placed, span, np.array([shape])) for shape in pair)
-        distance = self._coal(pair, one[0][0], one[1][0], other[0][0], other[1][0])
-        return distance, np.array(self._result.getNearestPoint1()), np.array(self._result.getNearestPoint2())
+        return one[0][0], one[1][0] + shift, other[0][0], other[1][0]
 
     def _frames(self, placed: Placed, span: Indices, shape: Indices) -> tuple[Array, Array]:
         """Rotations and origins of shapes in the world, shapes (M, 3, 3) and (M, 3)."""
