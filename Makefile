@@ -12,7 +12,7 @@ demo: .venv
 
 ## test: lint, types, import contracts, then all tests
 test: .venv lint
-	$(BIN)/pytest -p no:benchmark --ignore=tests/benchmarks
+	$(BIN)/pytest -p no:benchmark --ignore=tests/benchmarks --ignore=tests/soak
 
 ## lint: format, rules, types and import contracts
 lint: .venv
@@ -25,9 +25,9 @@ lint: .venv
 bench: .venv
 	$(BIN)/pytest tests/benchmarks --benchmark-json=benchmark.json
 
-## soak: the tests marked slow as well
+## soak: whole tables with reference models, other tasks, states and drives
 soak: .venv
-	$(BIN)/pytest -p no:benchmark --ignore=tests/benchmarks --soak tests/soak
+	$(BIN)/pytest -p no:benchmark tests/soak
 
 .venv: pyproject.toml constraints.txt
 ifdef UV

@@ -1,0 +1,59 @@
+"""Whole tables beyond Table 1's own set-up: reference models, `close`, other states, real drives. `make soak`."""
+
+from pathlib import Path
+
+import pytest
+
+from sdt_kg.annotation import Drive
+from services.app import Policy
+from services.table import TableResult, cells, run
+
+PAPER = {"a": (22, 22, 19), "b": (16, 16, 15)}
+ROBOTS = ("pr2", "tiago_dual", "stretch")
+REFERENCE_KITCHENS = {
+    "a": "kitchen_a_apartment/apartment_local.urdf",
+    "b": "kitchen_b_iai_kitchen/kitchen.urdf",
+}
+REFERENCE_ROBOTS = (
+    "robot_pr2/pr2_with_ft2_cableguide.urdf",
+    "robot_tiago_dual/tiago_dual.urdf",
+    "robot_stretch/stretch_description.urdf",
+)
+
+pytestmark = [pytest.mark.oracle, pytest.mark.slow]
+
+
+def table(
+    kitchen: str, robots: tuple[str, ...], verb: str, states: tuple[str, ...], policy: Policy
+) -> TableResult:
+    return run(cells((kitchen,), robots, verb, states, policy), 2, lambda result: None)
+
+
+def unexplained(result: TableResult) -> list[object]:
+    """Containers of refusals that name no reason."""
+    refused = (each.verdict for each in result.results if each.verdict["outcome"] != "certified")
+    return [each["container"] for each in refused if not each["diagnoses"]]
+
+
+@pytest.mark.reference
+@pytest.mark.parametrize("kitchen", PAPER)
+def test_reference_models_give_the_papers_table(reference: Path, kitchen: str) -> None:
+    robots = tuple(str(reference / robot) for robot in REFERENCE_ROBOTS)
+    result = table(str(reference / REFERENCE_KITCHENS[kitchen]), robots, "open", (), Policy(drive=Drive.OMNI))
+    (row,) = result.cells().values()
+    assert [one for one, least in zip(row.values(), PAPER[kitchen], strict=True) if one[0] < least] == []
+    assert unexplained(result) == []
+
+
+@pytest.mark.parametrize("drive", [Drive.OMNI, None])
+@pytest.mark.parametrize("state", ["all=open", "all=half-open:7"])
+@pytest.mark.parametrize("kitchen", PAPER)
+def test_every_refusal_to_close_is_explained(kitchen: str, state: str, drive: Drive | None) -> None:
+    result = table(kitchen, ROBOTS, "close", (state,), Policy(drive=drive))
+    assert len(result.results) == len(ROBOTS) * {"a": 27, "b": 17}[kitchen]
+    assert unexplained(result) == []
+
+
+@pytest.mark.parametrize("kitchen", PAPER)
+def test_every_refusal_with_the_real_drives_is_explained(kitchen: str) -> None:
+    assert unexplained(table(kitchen, ROBOTS, "open", (), Policy())) == []
