@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
-from services.embodiment import ik
 from services.embodiment.grasp import Hand
-from services.embodiment.holding import JUMP, Holding, Problem
+from services.embodiment.holding import Holding, Problem
 from services.embodiment.limb import BASE
 from services.embodiment.paths import between, connect
 from services.embodiment.roads import Roads
 from services.embodiment.spaces import ArmSpace, reaches
+from services.embodiment.track import bases, track
 from services.embodiment.world import Contact, Rules
 
 Array = NDArray[np.float64]
@@ -108,18 +108,11 @@ class Approacher:
             end = x0.copy()
             end[:2] += LEAVE * away[:2]
             yield np.concatenate([x0[None], between(x0, end, PULLS)])
-        still = np.sqrt(np.minimum(self.limb.velocity, 2.0) / 2.0)
-        still[BASE] = 0.0
-        free = still.copy()
-        free[BASE] = 0.3
         target_p = p + LEAVE * np.arange(1, PULLS + 1)[:, None] / PULLS * away
-        target_r = np.repeat(r[None], PULLS, axis=0)
-        for weight in (still, free) if self.drive is Drive.OMNI else (still,):
-            path = np.empty((PULLS, len(x0)))
-            done = ik.follow(
-                x0, target_r, target_p, self.limb.chain, weight, self.limb.lower, self.limb.upper, JUMP, path
-            )
-            if done == PULLS:
+        target = np.repeat(r[None], PULLS, axis=0), target_p
+        for base in bases(self.drive):
+            path = track(self.limb, x0, target, base, (self.limb.lower, self.limb.upper))
+            if path is not None:
                 yield np.concatenate([x0[None], path])
 
     def _back_offs(self, x: Array, problem: Problem):  # noqa: ANN202 - iterator of arrays

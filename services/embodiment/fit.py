@@ -43,7 +43,7 @@ class Room:
     def _place(self, r: Array, p: Array) -> tuple[Array, Array]:
         n = len(self.world.body)
         box_r, box_c = np.empty((n, 3, 3)), np.empty((n, 3))
-        kernels.place_boxes(r, p, self.world.boxes, 0, n, box_r, box_c)
+        kernels.place_boxes(r, p, self.world.boxes, box_r, box_c)
         return box_r, box_c
 
     def contact(self, grasp: Grasp, q: Array, rules: Rules, first: int, last: int) -> Contact | None:

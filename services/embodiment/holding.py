@@ -17,6 +17,7 @@ from services.embodiment import ik
 from services.embodiment.grasp import Grasp
 from services.embodiment.handle import Mechanics
 from services.embodiment.limb import BASE, Limb
+from services.embodiment.track import EXACT, Base, bases, mobility, track
 from services.embodiment.world import Contact, Rules, World
 
 Array = NDArray[np.float64]
@@ -25,8 +26,6 @@ WAYPOINTS = 61  # values of the container at which a path is solved and checked
 COARSE = 8  # every how many of them first
 SEEDS = 48  # in one batch
 STEPS = 60  # of the solver, for one seed
-EXACT = 1e-7  # [m, and rad · ik.ARM] tool error of a solution
-JUMP = 0.35  # [rad or m] largest change of a variable between coarse waypoints
 NEAR, FAR = 0.3, 1.1  # [m] from base to handle, horizontally, of seeds
 INSIDE = 0.004  # [rad or m] kept from joint limits, for the spline through the waypoints
 LEVEL = 1e-6  # [1, m] how far from planar a handle's motion may be for the base alone to follow it
@@ -165,44 +164,25 @@ class Searcher:
         if self.drive is Drive.OMNI and self.planar:
             xs = self.problem.carried(x, pivot)
             if self.free(xs, rest):
-                yield Holding(self.limb, grasp, xs, rest, "carried")
+                yield Holding(self.limb, grasp, xs, rest, "carried, the arm still")
                 return
-        for weight in self._weights():
-            xs = self._followed(x, grasp, pivot, weight)
+        for base in bases(self.drive):
+            xs = self._followed(x, grasp, pivot, base)
             if xs is None:
                 self.tally.broken += 1
             elif self.free(xs, rest):
-                yield Holding(self.limb, grasp, xs, rest, "followed")
+                yield Holding(self.limb, grasp, xs, rest, f"followed, {base.value}")
                 return
 
-    def _weights(self) -> list[Array]:
-        still = self.weight.copy()
-        still[BASE] = 0.0
-        return [still, self.weight] if self.drive is Drive.OMNI else [still]
-
-    def _followed(self, x: Array, grasp: Grasp, pivot: int, weight: Array) -> Array | None:
+    def _followed(self, x: Array, grasp: Grasp, pivot: int, base: Base) -> Array | None:
         """Path through all waypoints from the pivot both ways, shape (K, n)."""
-        count = len(self.problem.values)
-        xs = np.empty((count, len(x)))
-        xs[pivot] = x
         tool_r, tool_p = grasp.tool(self.problem.handle_r, self.problem.handle_p)
-        for way in (np.arange(pivot + 1, count), np.arange(pivot - 1, -1, -1)):
-            path = np.empty((len(way), len(x)))
-            done = ik.follow(
-                x,
-                np.ascontiguousarray(tool_r[way]),
-                np.ascontiguousarray(tool_p[way]),
-                self.limb.chain,
-                weight,
-                self.lower,
-                self.upper,
-                JUMP,
-                path,
-            )
-            if done < len(way):
-                return None
-            xs[way] = path
-        return xs
+        limits = self.lower, self.upper
+        on = track(self.limb, x, (tool_r[pivot:], tool_p[pivot:]), base, limits)
+        if on is None:
+            return None
+        back = track(self.limb, x, (tool_r[pivot::-1], tool_p[pivot::-1]), base, limits)
+        return None if back is None else np.concatenate([back[:0:-1], on])
 
     def free(self, xs: Array, rest: Array) -> bool:
         """Whether the path touches nothing that it may not, coarse waypoints first."""
@@ -214,9 +194,3 @@ class Searcher:
                 self.tally.met("path", contact)
                 return False
         return True
-
-
-def mobility(limb: Limb) -> Array:
-    """How willingly each variable moves: its speed against that of the fastest arm joint, shape (n,)."""
-    speed = np.minimum(limb.velocity, 2.0)
-    return np.sqrt(speed / speed[3:].max())

@@ -189,12 +189,12 @@ def solve_many(seeds, target_r, target_p, chain, weight, lower, upper, steps, to
 
 
 @_compiled
-def follow(x0, target_r, target_p, chain, weight, lower, upper, jump, path):
+def follow(x0, target_r, target_p, chain, weight, lower, upper, steps, tolerance, jump, path):
     """How many targets in a row could be followed from x0 with no variable jumping; path (K, n) has them."""
     x = x0.copy()
     for k in range(target_r.shape[0]):
         before = x.copy()
-        if not solve(x, target_r[k], target_p[k], chain, weight, lower, upper, 40, 1e-7):
+        if not solve(x, target_r[k], target_p[k], chain, weight, lower, upper, steps, tolerance):
             return k
         for i in range(x.shape[0]):
             if abs(x[i] - before[i]) > jump:

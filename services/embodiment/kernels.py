@@ -22,6 +22,12 @@ _compiled = njit(cache=True, fastmath=False)
 
 
 @_compiled
+def squared(v):
+    """Squared length of v (3,)."""
+    return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+
+
+@_compiled
 def rotation(axis, angle, out):
     """Rotation matrix about a unit axis is in `out`."""
     c, s = math.cos(angle), math.sin(angle)
@@ -71,10 +77,10 @@ def forward(q, tree, r, p):
 
 
 @_compiled
-def place_boxes(r, p, boxes, first, last, box_r, box_c):
-    """World poses of boxes first … last − 1 are in box_r, box_c."""
+def place_boxes(r, p, boxes, box_r, box_c):
+    """World poses of all boxes are in box_r, box_c."""
     joint, local_r, local_c = boxes
-    for k in range(first, last):
+    for k in range(joint.shape[0]):
         j = joint[k]
         matmul(r[j], local_r[k], box_r[k])
         for i in range(3):
@@ -119,13 +125,13 @@ def apart(ca, ra, ha, cb, rb, hb, margin):
     for i in range(3):
         i1, i2 = (i + 1) % 3, (i + 2) % 3
         for j in range(3):
-            squared = 1.0 - m[i, j] * m[i, j]
-            if squared < PARALLEL:
+            sine2 = 1.0 - m[i, j] * m[i, j]
+            if sine2 < PARALLEL:
                 continue
             j1, j2 = (j + 1) % 3, (j + 2) % 3
             along = abs(t[i2] * m[i1, j] - t[i1] * m[i2, j])
             reach = ha[i1] * am[i2, j] + ha[i2] * am[i1, j] + hb[j1] * am[i, j2] + hb[j2] * am[i, j1]
-            if along > reach + margin * math.sqrt(squared):
+            if along > reach + margin * math.sqrt(sine2):
                 return True
     return False
 
@@ -153,7 +159,7 @@ def check_environment(split, pose, half, radius, exact, margins, found):
     reach = 0.0
     for k in range(split, n):
         away = box_c[k] - middle
-        reach = max(reach, math.sqrt(away @ away) + radius[k])
+        reach = max(reach, math.sqrt(squared(away)) + radius[k])
     largest = margins.max()
     count = 0
     for e in range(split):
@@ -182,7 +188,7 @@ def check_self(pairs, pose, half, radius, exact, margins, found, count):
     for k in range(pairs.shape[0]):
         a, b = pairs[k, 0], pairs[k, 1]
         away = box_c[a] - box_c[b]
-        if away @ away > (radius[a] + radius[b] + margins[k]) ** 2:
+        if squared(away) > (radius[a] + radius[b] + margins[k]) ** 2:
             continue
         balls = exact[a] == BALL and exact[b] == BALL
         if not balls and apart(box_c[a], box_r[a], half[a], box_c[b], box_r[b], half[b], margins[k]):
@@ -201,7 +207,7 @@ def check(q, tree, boxes, split, half, radius, exact, own, margins, found):
     r, p = np.empty((joints, 3, 3)), np.empty((joints, 3))
     box_r, box_c = np.empty((n, 3, 3)), np.empty((n, 3))
     forward(q, tree, r, p)
-    place_boxes(r, p, boxes, 0, n, box_r, box_c)
+    place_boxes(r, p, boxes, box_r, box_c)
     pose = (box_r, box_c)
     state, count = check_environment(split, pose, half, radius, exact, margins, found)
     if state == HIT:

@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 
 GRASPS = 36  # grasps of one gripper that are searched
 ROUNDS = 24  # batches of seeds for one gripper before the search gives up
+MORE_ROUNDS = 96  # the same, where postures were found but no way on from them
 TRIES = 4  # holdings of one batch that are approached
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
 
@@ -108,8 +109,10 @@ class Planner:
             return
         self.attempts = [one for one in map(self._attempt, limbs) if one is not None]
         self._spent("grasp", at)
-        for number in range(ROUNDS):
+        for number in range(MORE_ROUNDS):
             for attempt in self.attempts:
+                if number >= ROUNDS and not attempt.searcher.tally.paths:
+                    continue
                 if self.late():
                     return
                 yield from self._round(attempt, number)

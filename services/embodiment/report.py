@@ -17,7 +17,7 @@ def refusal(planner: Planner, rejected: list[tuple[Diagnosis, ...]], search: Sea
     if planner.proof is not None:
         return (planner.proof,)
     stage, counts = _stage(planner, bool(rejected))
-    evidence = _evidence(planner.setting.world, counts)
+    evidence = _too_fast(planner) or _evidence(planner.setting.world, counts)
     reason = f"no body motion found for {planner.setting.container.name}: {stage}"
     if evidence is not None and evidence.links is not None:
         one, other = evidence.links
@@ -62,13 +62,21 @@ def _pairs(contacts: Counter[tuple[str, int, int]], stage: str) -> Counter[Pair]
 
 
 def _rough(planner: Planner) -> str:
-    speed, acceleration = min(one.excess for one in planner.rough)
-    if planner.setting.motion.timed and max(speed, acceleration) > 1:
-        return (
-            f"the required times are too short: at best {speed:.2f} times the velocity and "
-            f"{acceleration:.2f} times the acceleration that the joints allow"
-        )
-    return "the smoothed motion leaves the joint limits"
+    evidence = _too_fast(planner)
+    if evidence is None:
+        return "the smoothed motion leaves the joint limits"
+    return f"the required times are too short: at best {evidence.value:.2f} times what the joints allow"
+
+
+def _too_fast(planner: Planner) -> Evidence | None:
+    """The least ratio of a required velocity or acceleration to its limit, over all motions found."""
+    if not planner.rough or not planner.setting.motion.timed:
+        return None
+    speed, acceleration = min((one.excess for one in planner.rough), key=max)
+    if max(speed, acceleration) <= 1:
+        return None
+    quantity = Quantity.VELOCITY if speed > acceleration else Quantity.ACCELERATION
+    return Evidence(quantity, max(speed, acceleration), 1.0, "1", entity=planner.setting.robot)
 
 
 def _blocked(planner: Planner) -> tuple[str, Counter[Pair]]:

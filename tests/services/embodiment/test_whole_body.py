@@ -1,0 +1,192 @@
+"""CanPerform on the bundled kitchens and robots: what is found, certified, refused and why."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from predicates.case import Answer, Case, Kind, Quantity
+from sdt_kg.annotation import Drive
+from sdt_kg.load import load_twin
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.state import Interval, Region
+from sdt_kg.task import Task, Verb
+from sdt_kg.twin import Container, Twin
+from services.embodiment.certify.check import Certified, certify
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.oracle import WholeBody
+from services.physics.model import Scene
+from services.physics.oracle import Kinematics
+
+pytestmark = pytest.mark.oracle
+
+DRAWER = "sink_area_left_middle_drawer_main"
+STAND = (-0.8, 0.0, 0.0)  # [m, rad] base from the handle of that drawer
+
+
+def motion_of(twin: Twin, container: Container, verb: Verb = Verb.OPEN) -> Motion:
+    goal = (
+        Interval(container.open_from, container.upper)
+        if verb is Verb.OPEN
+        else Interval(container.lower, container.closed_to)
+    )
+    return next(Kinematics().generate(twin, Region(((container.joint, goal),))))
+
+
+def ask(body: WholeBody, twin: Twin, name: str, verb: Verb = Verb.OPEN) -> Answer:
+    container = twin.container(name)
+    task = Task(verb, container.iri)
+    return body.perform(Case(twin, twin.robots[0], task, motion_of(twin, container, verb)))
+
+
+def performed(answer: Answer) -> BodyMotion:
+    assert answer.holds, [diagnosis.reason for diagnosis in answer.diagnoses]
+    assert isinstance(answer.case.body_motion, BodyMotion)
+    return answer.case.body_motion
+
+
+def certified(answer: Answer, name: str, drive: Drive) -> bool:
+    """Whether the certifier accepts the motion on a scene of its own."""
+    twin, robot = answer.case.twin, answer.case.twin.robots[0]
+    body = performed(answer)
+    found = certify(twin, robot, body, twin.container(name), Tolerances(), drive=drive)
+    return isinstance(found, Certified)
+
+
+def test_pr2_opens_an_easy_drawer_from_its_start_pose_parked() -> None:
+    twin = load_twin("b", ["pr2"])
+    answer = ask(WholeBody(drive=Drive.OMNI), twin, DRAWER)
+    body = performed(answer)
+    assert certified(answer, DRAWER, Drive.OMNI)
+    assert body.base[0, :2].tolist() == [0.0, 0.0]
+    assert [name for name, _ in body.phases] == ["drive", "approach", "grasp", "follow"]
+    assert body.kitchen_q[-1, 0] >= twin.container(DRAWER).open_from
+    assert not body.base_v[-1].any()
+
+
+def test_the_answer_carries_the_container_motion_as_it_is_executed() -> None:
+    twin = load_twin("b", ["tiago_dual"])
+    answer = ask(WholeBody(drive=Drive.OMNI), twin, DRAWER)
+    body, executed = performed(answer), answer.case.motion
+    assert isinstance(executed, Motion)
+    assert executed.of == twin.container(DRAWER).joint
+    assert not executed.timed
+    follow = dict(body.phases)["follow"]
+    np.testing.assert_allclose(executed.times, body.times[follow:] - body.times[follow], atol=1e-9)
+    np.testing.assert_allclose(executed.values[:, 0], body.kitchen_q[follow:, 0], atol=1e-12)
+
+
+def test_stretch_opens_an_upright_door() -> None:
+    twin = load_twin("b", ["stretch"])
+    assert certified(ask(WholeBody(drive=Drive.OMNI), twin, "iai_fridge_door"), "iai_fridge_door", Drive.OMNI)
+
+
+def test_tiago_opens_the_oven_whose_hinge_lies() -> None:
+    twin = load_twin("b", ["tiago_dual"])
+    answer = ask(WholeBody(drive=Drive.OMNI), twin, "oven_area_oven_door")
+    assert certified(answer, "oven_area_oven_door", Drive.OMNI)
+
+
+def test_an_open_drawer_is_closed() -> None:
+    twin = load_twin("b", ["tiago_dual"])
+    container = twin.container(DRAWER)
+    answer = ask(WholeBody(drive=Drive.OMNI), twin.at({container.joint: container.upper}), DRAWER, Verb.CLOSE)
+    assert performed(answer).kitchen_q[-1, 0] <= container.closed_to
+
+
+def test_a_differential_base_never_moves_sideways() -> None:
+    twin = load_twin("b", ["tiago_dual"])
+    answer = ask(WholeBody(drive=Drive.DIFFERENTIAL), twin, DRAWER)
+    body = performed(answer)
+    assert certified(answer, DRAWER, Drive.DIFFERENTIAL)
+    yaw = body.base[:, 2]
+    sideways = -np.sin(yaw) * body.base_v[:, 0] + np.cos(yaw) * body.base_v[:, 1]
+    assert np.abs(sideways).max() < 1e-9
+
+
+def standing(twin: Twin) -> tuple[float, float, float]:
+    """A base pose before the drawer, some way off, from which the arm reaches it."""
+    handle = twin.container(DRAWER).handle
+    scene = Scene(twin, twin.robots[0])
+    x, y, _ = scene.placement(scene.q((0.0, 0.0, 0.0), {}), handle).translation
+    return float(x) + STAND[0], float(y) + STAND[1], STAND[2]
+
+
+def test_a_fixed_base_opens_what_it_stands_before_and_nothing_else() -> None:
+    twin = load_twin("b", ["tiago_dual"])
+    far = ask(WholeBody(drive=Drive.FIXED), twin, DRAWER)
+    assert not far.holds
+    assert not any(diagnosis.proof for diagnosis in far.diagnoses)
+    near = ask(WholeBody(drive=Drive.FIXED, start=standing(twin)), twin, DRAWER)
+    assert np.ptp(performed(near).base, axis=0).max() == 0.0
+
+
+def test_a_handle_higher_than_any_finger_is_proved_out_of_reach() -> None:
+    twin = load_twin("a", ["stretch"])
+    answer = ask(WholeBody(drive=Drive.OMNI), twin, "cabinet4_door_bottom")
+    assert not answer.holds
+    (diagnosis,) = answer.diagnoses
+    assert diagnosis.kind is Kind.EMBODIMENT
+    assert diagnosis.proof
+    assert diagnosis.evidence is not None
+    assert diagnosis.evidence.value < diagnosis.evidence.bound
+
+
+def test_a_search_that_gave_up_says_so_and_proves_nothing() -> None:
+    twin = load_twin("b", ["stretch"])
+    answer = ask(WholeBody(drive=Drive.OMNI), twin, "sink_area_dish_washer_door")
+    assert not answer.holds
+    first = answer.diagnoses[0]
+    assert not first.proof
+    assert first.search is not None
+    assert first.search.seeds > 1000
+
+
+def test_a_required_time_that_joints_cannot_keep_is_refused() -> None:
+    twin = load_twin("b", ["tiago_dual"])
+    container = twin.container(DRAWER)
+    slow = motion_of(twin, container)
+    fast = replace(slow, times=slow.times / slow.times[-1] * 0.3, timed=True)
+    case = Case(twin, twin.robots[0], Task(Verb.OPEN, container.iri), fast)
+    answer = WholeBody(drive=Drive.FIXED, start=standing(twin), budget=4.0).perform(case)
+    assert not answer.holds
+    assert "required times are too short" in answer.diagnoses[0].reason
+    evidence = answer.diagnoses[0].evidence
+    assert evidence is not None
+    assert evidence.quantity in {Quantity.VELOCITY, Quantity.ACCELERATION}
+    assert evidence.value > evidence.bound
+
+
+def test_a_required_time_that_is_kept_is_kept_exactly() -> None:
+    twin = load_twin("b", ["tiago_dual"])
+    container = twin.container(DRAWER)
+    asked = motion_of(twin, container)
+    calm = replace(asked, times=asked.times / asked.times[-1] * 40.0, timed=True)
+    case = Case(twin, twin.robots[0], Task(Verb.OPEN, container.iri), calm)
+    answer = WholeBody(drive=Drive.OMNI).perform(case)
+    body = performed(answer)
+    follow = dict(body.phases)["follow"]
+    at = np.interp(calm.times, body.times[follow:] - body.times[follow], body.kitchen_q[follow:, 0])
+    np.testing.assert_allclose(at, calm.values[:, 0], atol=1e-9)
+    assert body.times[-1] - body.times[follow] == pytest.approx(40.0)
+
+
+def test_the_same_seed_gives_the_same_motion() -> None:
+    twin = load_twin("b", ["tiago_dual"])
+    one = performed(ask(WholeBody(drive=Drive.OMNI, seed=3), twin, DRAWER))
+    other = performed(ask(WholeBody(drive=Drive.OMNI, seed=3), twin, DRAWER))
+    np.testing.assert_array_equal(one.q, other.q)
+    np.testing.assert_array_equal(one.times, other.times)
+
+
+def test_a_given_body_motion_is_only_verified() -> None:
+    twin = load_twin("b", ["tiago_dual"])
+    found = ask(WholeBody(drive=Drive.OMNI), twin, DRAWER)
+    again = WholeBody(drive=Drive.OMNI).perform(found.case)
+    assert again.holds
+    assert set(again.seconds) <= {"model", "compile", "certify"}
+    body = performed(found)
+    wrong = replace(body, q=body.q + np.linspace(0, 0.05, len(body.times))[:, None])
+    refused = WholeBody(drive=Drive.OMNI).perform(replace(found.case, body_motion=wrong))
+    assert not refused.holds
+    assert refused.diagnoses[0].evidence is not None
