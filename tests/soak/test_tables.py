@@ -1,4 +1,4 @@
-"""Whole tables beyond Table 1's own set-up: reference models, `close`, other states, real drives. `make soak`."""
+"""Whole tables beyond Table 1: reference models, `close`, other states, real drives. `make soak`."""
 
 from pathlib import Path
 
