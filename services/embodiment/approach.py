@@ -4,7 +4,7 @@ Built backwards: the hand leaves the bar along its approach axis, the base backs
 folds to its parked posture, and from there the robot drives home.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 LEAVE = 0.1  # [m] the open hand backs off from the bar along its approach axis
 PULLS = 11  # waypoints of that
-BACK_OFFS = (0.0, 0.3, 0.6, 0.9)  # [m] the base drives back before the arm folds
+BACK_OFFS = (0.25, 0.5, 0.8, 1.2)  # [m] the base drives back before the arm folds
 ARM_ITERATIONS = 60
 GROWTHS = 1  # of the roadmap for one place; the next place finds it larger
 FINE_STEP = 0.006  # [m] that any point moves between two checks of a path that is to be used
@@ -53,7 +53,7 @@ class Blocked:
     """Why a holding could not be approached.
 
     Attributes:
-        stage: leave, back off, park, fold or drive.
+        stage: leave, park, fold or drive.
     """
 
     stage: str
@@ -70,6 +70,7 @@ class Approacher:
         self.weight = reaches(limb)
         self.hand = Hand(world, limb)
         self.rest = limb.rest
+        self._contact_there: Contact | None = None
 
     def approach(self, holding: Holding, problem: Problem, rng: np.random.Generator) -> Approach | Blocked:
         """The way to a holding, or the stage that failed last."""
@@ -77,19 +78,19 @@ class Approacher:
         left = self._leave(holding, problem)
         if isinstance(left, Blocked):
             return left
-        failed = Blocked("back off")
-        places = list(self._back_offs(left[-1], problem))
-        for growths in (0, GROWTHS):
-            for back in places:
-                outcome = self._from(back, left, growths, rng)
-                if isinstance(outcome, Approach):
-                    return outcome
-                failed = outcome
-                if self.late():
-                    return failed
-            if failed.stage != "drive":
-                break
-        return failed
+        self._contact_there, failed = None, Blocked("park")
+        places: list[Array] = []
+        for back in self._places(left[-1], problem):
+            places.append(back)
+            outcome = self._from(back, left, 0, rng)
+            if isinstance(outcome, Approach) or self.late():
+                return outcome
+            failed = outcome
+        for back in places if failed.stage == "drive" else ():
+            outcome = self._from(back, left, GROWTHS, rng)
+            if isinstance(outcome, Approach) or self.late():
+                return outcome
+        return failed if places else Blocked("park", self._contact_there)
 
     def _leave(self, holding: Holding, problem: Problem) -> Array | Blocked:
         """Waypoints from the grasp backwards, shape (PULLS + 1, n)."""
@@ -115,29 +116,45 @@ class Approacher:
             if path is not None:
                 yield np.concatenate([x0[None], path])
 
-    def _back_offs(self, x: Array, problem: Problem):  # noqa: ANN202 - iterator of arrays
-        """Configurations with the base backed off, the arm still."""
-        if self.drive is Drive.FIXED:
+    def _places(self, x: Array, problem: Problem) -> Iterator[Array]:
+        """Configurations with the base backed off, the arm still, where there is room to fold the arm."""
+        if self._parks(x):
             yield x
-            return
-        heading = np.array([np.cos(x[2]), np.sin(x[2])])
-        out = problem.outward[:2] / max(float(np.linalg.norm(problem.outward[:2])), 1e-9)
-        ways = [out, -heading] if self.drive is Drive.OMNI else [-heading, heading]
-        for distance in BACK_OFFS:
-            for way in ways if distance else ways[:1]:
+        for way in self._ways(x, problem):
+            last = x
+            for distance in BACK_OFFS:
                 back = x.copy()
                 back[:2] += distance * way
-                yield back
+                contact = self._contact(np.stack([last, back]))
+                if contact is not None:
+                    self._contact_there = contact
+                    break
+                if self._parks(back):
+                    yield back
+                last = back
+
+    def _parks(self, x: Array) -> bool:
+        parked = self.limb.parked.copy()
+        parked[BASE] = x[BASE]
+        contact = self.world.contact(self.limb.q(parked, self.rest)[None], self.rules)
+        self._contact_there = contact or self._contact_there
+        return contact is None
+
+    def _ways(self, x: Array, problem: Problem) -> list[Array]:
+        """Directions in which the base may back off, unit vectors (2,), the likeliest first."""
+        heading = np.array([np.cos(x[2]), np.sin(x[2])])
+        if self.drive is Drive.FIXED:
+            return []
+        if self.drive is Drive.DIFFERENTIAL:
+            return [-heading, heading]
+        out = np.arctan2(problem.outward[1], problem.outward[0])
+        turns = out + np.radians([0, 45, -45, 90, -90, 135, -135, 180])
+        return [-heading, *np.stack([np.cos(turns), np.sin(turns)], axis=1)]
 
     def _from(self, back: Array, left: Array, growths: int, rng: np.random.Generator) -> Approach | Blocked:
         """The rest of the way where the arm folds at `back`."""
         parked = self.limb.parked.copy()
         parked[BASE] = back[BASE]
-        contact = self.world.contact(self.limb.q(np.stack([back, parked]), self.rest), self.rules)
-        if contact is None:
-            contact = self._contact(np.stack([back, left[-1]]))
-        if contact is not None:
-            return Blocked("park", contact)
         road = self.road(back[BASE], growths)
         if road is None:
             return Blocked("drive")

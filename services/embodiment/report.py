@@ -83,7 +83,6 @@ def _blocked(planner: Planner) -> tuple[str, Counter[Pair]]:
     stages = Counter(one.stage for one in planner.blocked)
     words = {
         "leave": "the open hand cannot come straight to the handle",
-        "back off": "the base cannot stand back from the handle",
         "park": "there is no room to fold the arm near the handle",
         "fold": "no path of the arm from its parked posture to the handle was found",
         "drive": "no drive from the start pose to the handle was found",
