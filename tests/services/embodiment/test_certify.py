@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from predicates.case import Diagnosis, Kind, Quantity
+from predicates.case import Quantity
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import MotionError, UnknownEntityError
 from sdt_kg.iri import body_iri, joint_iri
-from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Twin
-from services.embodiment.certify import Certified, Refused, Tolerances, certify
-from tests.services.embodiment.gantry import DRAWER, RESTS, START, gantry_twin, opening
+from services.embodiment.certify import Certified, Refused, Tolerances
+from tests.services.embodiment.gantry import DRAWER, RESTS, gantry_twin, opening
+from tests.services.embodiment.judging import judge, only, refusal, with_rests
 
 pytestmark = pytest.mark.oracle
 
@@ -27,44 +27,6 @@ def twin(tmp_path_factory: pytest.TempPathFactory) -> Twin:
     return gantry_twin(tmp_path_factory.mktemp("gantry"))
 
 
-def judge(
-    twin: Twin,
-    motion: BodyMotion,
-    drive: Drive = Drive.OMNI,
-    start: tuple[float, float, float] | None = START,
-    tolerances: Tolerances | None = None,
-) -> Certified | Refused:
-    container = twin.container("drawer_main")
-    return certify(
-        twin, twin.robots[0], motion, container, tolerances or Tolerances(), drive=drive, start=start
-    )
-
-
-def refusal(
-    twin: Twin,
-    motion: BodyMotion,
-    quantity: Quantity,
-    drive: Drive = Drive.OMNI,
-    start: tuple[float, float, float] | None = START,
-) -> list[Diagnosis]:
-    """The diagnoses of that quantity; there is at least one, and none claims a proof."""
-    verdict = judge(twin, motion, drive, start)
-    assert isinstance(verdict, Refused)
-    assert all(one.kind is Kind.EMBODIMENT and not one.proof for one in verdict.diagnoses)
-    found = [one for one in verdict.diagnoses if one.evidence and one.evidence.quantity is quantity]
-    assert found, [one.reason for one in verdict.diagnoses]
-    return found
-
-
-def only(twin: Twin, motion: BodyMotion, quantity: Quantity, drive: Drive = Drive.OMNI) -> list[Diagnosis]:
-    """As `refusal`, and there is no reason but that one."""
-    verdict = judge(twin, motion, drive)
-    found = refusal(twin, motion, quantity, drive)
-    assert isinstance(verdict, Refused)
-    assert list(verdict.diagnoses) == found, [one.reason for one in verdict.diagnoses]
-    return found
-
-
 @pytest.mark.parametrize(("sample", "when"), [(0, "begins"), (-1, "ends")])
 def test_a_motion_begins_and_ends_at_rest(twin: Twin, sample: int, when: str) -> None:
     motion = opening()
@@ -72,15 +34,6 @@ def test_a_motion_begins_and_ends_at_rest(twin: Twin, sample: int, when: str) ->
     moving[sample, 0] = 0.01
     (found,) = only(twin, replace(motion, v=moving), Quantity.VELOCITY)
     assert found.reason.startswith(f"the motion {when} while")
-
-
-def with_rests(**columns: tuple[int, float]) -> np.ndarray:
-    """RESTS with values replaced: name of a column → (row, value)."""
-    names = ("time", "x", "y", "yaw", "lift", "arm", "wrist", "finger", "drawer")
-    rests = RESTS.copy()
-    for name, (row, value) in columns.items():
-        rests[row, names.index(name)] = value
-    return rests
 
 
 @pytest.mark.parametrize("step", [0.05, 0.5, 100.0])
@@ -100,32 +53,6 @@ def test_a_good_motion_is_certified_however_coarse_its_samples(twin: Twin, step:
 def test_nothing_of_the_verdict_depends_on_the_phases_that_a_planner_names(twin: Twin) -> None:
     motion = replace(opening(), phases=(("follow", 0),))
     assert judge(twin, motion) == judge(twin, opening())
-
-
-def test_a_shifted_waypoint_slips_off_the_handle(twin: Twin) -> None:
-    motion = opening()
-    q = motion.q.copy()
-    q[150, 1] += 0.004  # arm at 15 s
-    found = refusal(twin, replace(motion, q=q), Quantity.TOOL_ERROR)
-    assert found[-1].evidence is not None
-    assert found[-1].evidence.value == pytest.approx(0.004, abs=0.0003)
-    assert found[-1].evidence.time == pytest.approx(15.0, abs=0.1)
-
-
-def test_a_slip_between_samples_is_seen(twin: Twin) -> None:
-    motion = opening(step=1.0)
-    v = motion.v.copy()
-    v[14, 1] += 0.05  # the samples are right, the spline between them is not
-    found = refusal(twin, replace(motion, v=v), Quantity.TOOL_ERROR)
-    assert found[-1].evidence is not None
-    assert found[-1].evidence.value == pytest.approx(0.05 * 4 / 27, rel=0.05)  # Hermite's bump, h = 1 s
-
-
-def test_a_turn_of_the_wrist_on_the_handle_is_seen(twin: Twin) -> None:
-    rests = with_rests(wrist=(4, 0.03))
-    found = refusal(twin, opening(rests=rests), Quantity.ORIENTATION_ERROR)
-    assert found[-1].evidence is not None
-    assert found[-1].evidence.value == pytest.approx(0.03, abs=0.001)
 
 
 def test_a_wall_of_1_mm_between_two_samples_is_seen(tmp_path: Path) -> None:
@@ -255,54 +182,6 @@ def test_sideways_drift_below_the_velocity_is_summed_up(twin: Twin) -> None:
 def test_a_fixed_base_never_moves(twin: Twin) -> None:
     found = only(twin, opening(), Quantity.POSITION, Drive.FIXED)
     assert "fixed" in found[0].reason
-
-
-def test_a_container_does_not_move_before_it_is_held(twin: Twin) -> None:
-    motion = opening()
-    kitchen_q = motion.kitchen_q.copy()
-    kitchen_q[60:100] += 0.003  # it creeps open by 3 mm and back while the arm comes
-    found = refusal(twin, replace(motion, kitchen_q=kitchen_q), Quantity.DISTANCE)
-    assert "moves before it is held" in found[0].reason
-
-
-def test_a_container_does_not_move_by_itself(twin: Twin) -> None:
-    rests = RESTS.copy()
-    rests[2:, 5] = 0.5  # the arm stays away
-    found = refusal(twin, opening(rests=rests), Quantity.DISTANCE)
-    assert "moves before it is held" in found[0].reason
-
-
-def test_one_finger_on_the_handle_is_no_grasp(twin: Twin) -> None:
-    rests = RESTS.copy()
-    rests[3:, 7] = 0.009  # 4 mm from the bar on both sides
-    found = refusal(twin, opening(rests=rests), Quantity.DISTANCE)
-    assert found[0].evidence is not None
-    assert found[0].evidence.value == pytest.approx(0.004, abs=1e-6)
-    rests[1:, 4] -= 0.004  # the upper finger touches, the lower one is 8 mm away
-    found = refusal(twin, opening(rests=rests), Quantity.DISTANCE)
-    assert found[0].evidence is not None
-    assert found[0].evidence.value == pytest.approx(0.008, abs=1e-6)
-
-
-def test_fingers_that_open_while_they_pull_let_go(twin: Twin) -> None:
-    found = refusal(twin, opening(rests=with_rests(finger=(4, 0.02))), Quantity.TOOL_ERROR)
-    assert "while it holds the handle" in found[0].reason
-
-
-def test_fingers_do_not_sink_into_the_handle(twin: Twin) -> None:
-    rests = RESTS.copy()
-    rests[3:, 7] = 0.001
-    found = only(twin, opening(rests=rests), Quantity.DISTANCE)
-    assert found[-1].evidence is not None
-    assert found[-1].evidence.value == pytest.approx(-0.004, abs=0.001)
-
-
-def test_the_wrong_gripper_does_not_hold(twin: Twin) -> None:
-    found = refusal(twin, replace(opening(), gripper="other"), Quantity.DISTANCE)
-    assert "moves before it is held" in found[0].reason
-    assert isinstance(judge(twin, replace(opening(), gripper="")), Certified)  # the one that does is found
-    with pytest.raises(UnknownEntityError):
-        judge(twin, replace(opening(), gripper="hnd"))
 
 
 def test_a_kitchen_that_stands_still_is_not_opened(twin: Twin) -> None:

@@ -223,7 +223,7 @@ def signed_distance(separation: Callable[[Array], Array], rng: np.random.Generat
 def test_coals_distance_is_never_too_large(seed: int) -> None:
     rng = np.random.default_rng(seed)
     one_scale, other_scale = 10 ** rng.uniform(-1.5, 0, 2)
-    one_R, other_R = Rotation.random(2, random_state=seed).as_matrix()
+    one_R, other_R = Rotation.random(2, rng=seed).as_matrix()
     between = rng.normal(size=3) * (one_scale + other_scale) * 0.5
     frames = coal.Transform3s(one_R, np.zeros(3)), coal.Transform3s(other_R, between)
     for one, one_h in supports(rng, one_scale):
