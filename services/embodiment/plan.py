@@ -23,7 +23,7 @@ from services.embodiment.holding import WAYPOINTS, Holding, Problem, Searcher
 from services.embodiment.limb import Limb, Margins, eased, make_limb, rules
 from services.embodiment.prove import out_of_reach
 from services.embodiment.roads import Roads, make_roads
-from services.embodiment.world import World
+from services.embodiment.world import Rules, World
 
 Array = NDArray[np.float64]
 
@@ -79,6 +79,7 @@ class Planner:
         holdings: How many were found.
         unfit: Pairs of shapes in contact that ruled grasps out → how often.
         proof: That the handle is out of reach, if it was found.
+        start_contact: Shapes of robot and kitchen in contact at the start, and their distance [m].
         rough: Motions that leave limits: too fast where times are required, or beyond a joint's end.
     """
 
@@ -94,6 +95,7 @@ class Planner:
         self.bar: Bar | None = None
         self.holdings = 0
         self.proof: Diagnosis | None = None
+        self.start_contact: tuple[tuple[int, int], float] | None = None
         self.unfit: Counter[tuple[int, int]] = Counter()
 
     def late(self) -> bool:
@@ -105,7 +107,8 @@ class Planner:
         at = time.perf_counter()
         limbs = self._limbs()
         self.proof = out_of_reach(self.setting.world, self.mechanics, limbs, self.setting.motion.values[:, 0])
-        if self.proof is not None:
+        self.start_contact = self._start_contact(limbs)
+        if self.proof is not None or self.start_contact is not None:
             return
         self.attempts = [one for one in map(self._attempt, limbs) if one is not None]
         self._spent("grasp", at)
@@ -130,6 +133,17 @@ class Planner:
     def _limbs(self) -> list[Limb]:
         grippers = self.setting.world.scene.annotation.grippers
         return [make_limb(self.setting.world, gripper) for gripper in grippers]
+
+    def _start_contact(self, limbs: list[Limb]) -> tuple[tuple[int, int], float] | None:
+        """A pair of shapes nearer than certification allows where the robot starts, parked."""
+        world = self.setting.world
+        q = world.scene.q(self.setting.start, {})
+        for limb in limbs[:1]:
+            demands = rules(world, limb, Margins(0.0, 0.0, 0.0))
+            contact = world.contact(q[None], Rules(demands.environment, demands.pairs[:0], demands.own[:0]))
+            if contact is not None:
+                return contact.shapes, world.distance(contact.shapes, *world.frames(q))
+        return None
 
     def _attempt(self, limb: Limb) -> Attempt | None:
         setting, world = self.setting, self.setting.world

@@ -16,6 +16,8 @@ def refusal(planner: Planner, rejected: list[tuple[Diagnosis, ...]], search: Sea
     """Why no body motion was found: the stage that was reached last, with the pair most often in contact."""
     if planner.proof is not None:
         return (planner.proof,)
+    if planner.start_contact is not None:
+        return (_at_start(planner, *planner.start_contact),)
     stage, counts = _stage(planner, bool(rejected))
     evidence = _too_fast(planner) or _evidence(planner.setting.world, counts)
     reason = f"no body motion found for {planner.setting.container.name}: {stage}"
@@ -27,6 +29,21 @@ def refusal(planner: Planner, rejected: list[tuple[Diagnosis, ...]], search: Sea
         reason = f"the search was stopped after {search.seconds:.1f} s, its budget"
         found.append(Diagnosis(Kind.EMBODIMENT, reason, search=search))
     return (*found, *(rejected[-1] if rejected else ()))
+
+
+def _at_start(planner: Planner, pair: Pair, distance: float) -> Diagnosis:
+    world = planner.setting.world
+    one, other = (world.body[k] for k in pair)
+    x, y, yaw = planner.setting.start
+    reason = (
+        f"parked at its start pose ({x:.2f} m, {y:.2f} m, {yaw:.2f} rad) the robot's {local_name(one)} "
+        f"is in contact with {local_name(other)}"
+    )
+    bound = world.scene.annotation.overhang
+    evidence = Evidence(
+        Quantity.DISTANCE, distance, bound, "m", links=(one, other), time=0.0, scope="environment"
+    )
+    return Diagnosis(Kind.EMBODIMENT, reason, evidence)
 
 
 def _stage(planner: Planner, rejected: bool) -> tuple[str, Counter[Pair]]:

@@ -132,6 +132,18 @@ def test_a_handle_higher_than_any_finger_is_proved_out_of_reach() -> None:
     assert diagnosis.evidence.value < diagnosis.evidence.bound
 
 
+def test_a_start_pose_inside_the_furniture_is_refused_at_once() -> None:
+    twin = load_twin("b", ["tiago_dual"])
+    x, y, yaw = standing(twin)
+    answer = ask(WholeBody(drive=Drive.OMNI, start=(x + 0.8, y, yaw)), twin, DRAWER)
+    (diagnosis,) = answer.diagnoses
+    assert not diagnosis.proof
+    assert diagnosis.evidence is not None
+    assert diagnosis.evidence.quantity is Quantity.DISTANCE
+    assert diagnosis.evidence.value < 0
+    assert diagnosis.evidence.scope == "environment"
+
+
 def test_a_search_that_gave_up_says_so_and_proves_nothing() -> None:
     twin = load_twin("b", ["stretch"])
     answer = ask(WholeBody(drive=Drive.OMNI), twin, "sink_area_dish_washer_door")

@@ -1,0 +1,143 @@
+"""Parts of the planner against what they stand for: coal, Pinocchio, the limits."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from sdt_kg.load import load_twin
+from services.embodiment import ik, timing
+from services.embodiment.handle import Mechanics, find_bar
+from services.embodiment.limb import Limb, Margins, make_limb, rules
+from services.embodiment.prove import span
+from services.embodiment.timing import Bound
+from services.embodiment.track import Base, track
+from services.embodiment.world import World
+from services.physics.model import Scene
+
+pytestmark = pytest.mark.oracle
+
+
+@pytest.fixture(scope="module", params=["pr2", "tiago_dual", "stretch"])
+def limb_world(request: pytest.FixtureRequest) -> tuple[World, Limb]:
+    twin = load_twin("b", [request.param])
+    world = World(Scene(twin, twin.robots[0]))
+    return world, make_limb(world, world.scene.annotation.grippers[0])
+
+
+def draw(limb: Limb, count: int, seed: int) -> np.ndarray:
+    low = np.where(np.isfinite(limb.lower), limb.lower, -3.0)
+    high = np.where(np.isfinite(limb.upper), limb.upper, 3.0)
+    return np.random.default_rng(seed).uniform(low, high, (count, len(low)))
+
+
+def test_frames_are_those_of_pinocchio(limb_world: tuple[World, Limb]) -> None:
+    world, limb = limb_world
+    for x in draw(limb, 20, 0):
+        q = limb.q(x)
+        r, p = world.frames(q)
+        pin.forwardKinematics(world.scene.model, world.scene.data, q)
+        for j in range(1, world.scene.model.njoints):
+            np.testing.assert_allclose(r[j], world.scene.data.oMi[j].rotation, atol=1e-12)
+            np.testing.assert_allclose(p[j], world.scene.data.oMi[j].translation, atol=1e-12)
+        tool = world.scene.placement(q, world.scene.tool_frame(limb.gripper.name))
+        np.testing.assert_allclose(limb.tool(x)[1], tool.translation, atol=1e-12)
+
+
+def test_free_means_that_every_pair_keeps_its_margin(limb_world: tuple[World, Limb]) -> None:
+    world, limb = limb_world
+    demands = rules(world, limb, Margins())
+    found = {True: 0, False: 0}
+    for x in draw(limb, 60, 1):
+        q = limb.q(x)
+        r, p = world.frames(q)
+        contact = world.contact(q[None], demands)
+        found[contact is None] += 1
+        if contact is not None:
+            a, b = contact.shapes
+            # Boxes err towards "too near" by no more than their margin at an edge.
+            assert world.distance((a, b), r, p) < 2 * Margins().free + world.scene.annotation.overhang
+            continue
+        for (a, b), margin in zip(demands.pairs, demands.own, strict=True):
+            assert world.distance((int(a), int(b)), r, p) >= margin - 1e-9
+        for k, row in enumerate(demands.environment):
+            for e in np.flatnonzero(row >= 0):
+                assert world.distance((world.split + k, int(e)), r, p) >= row[e] - 1e-9
+    assert found[True]
+    assert found[False]
+
+
+def test_a_reachable_pose_is_reached_from_a_near_seed(limb_world: tuple[World, Limb]) -> None:
+    _, limb = limb_world
+    goals = draw(limb, 50, 2)
+    poses = [limb.tool(x) for x in goals]
+    seeds = np.clip(goals + 0.05, limb.lower, limb.upper)
+    target_r, target_p = np.stack([r for r, _ in poses]), np.stack([p for _, p in poses])
+    weight = np.ones(len(limb.lower))
+    met = ik.solve_many(seeds, target_r, target_p, limb.chain, weight, limb.lower, limb.upper, 60, 1e-7)
+    assert met.mean() > 0.9
+    for x, r, p in zip(seeds[met], target_r[met], target_p[met], strict=True):
+        np.testing.assert_allclose(limb.tool(x)[0], r, atol=1e-6)
+        np.testing.assert_allclose(limb.tool(x)[1], p, atol=1e-6)
+        assert (x >= limb.lower).all()
+        assert (x <= limb.upper).all()
+
+
+def test_a_base_that_drives_straight_on_keeps_its_line(limb_world: tuple[World, Limb]) -> None:
+    _, limb = limb_world
+    x = (np.clip(limb.lower, -1, 1) + np.clip(limb.upper, -1, 1)) / 2
+    x[:3] = 0.3, -0.2, 0.7
+    r, p = limb.tool(x)
+    heading = np.array([np.cos(0.7), np.sin(0.7), 0.0])
+    target = np.repeat(r[None], 11, axis=0), p + np.linspace(0, 0.3, 11)[:, None] * heading
+    path = track(limb, x, target, Base.STRAIGHT, (limb.lower, limb.upper))
+    assert path is not None
+    side = -np.sin(0.7) * (path[:, 0] - 0.3) + np.cos(0.7) * (path[:, 1] + 0.2)
+    assert np.abs(side).max() < 1e-12
+    np.testing.assert_allclose(limb.tool(path[-1])[1], target[1][-1], atol=1e-6)
+
+
+def test_no_finger_is_ever_outside_its_bound_of_height(limb_world: tuple[World, Limb]) -> None:
+    world, limb = limb_world
+    low, high = span(world, limb)
+    joint, _, centre = world.boxes
+    for x in draw(limb, 300, 3):
+        r, p = world.frames(limb.q(x))
+        for k in world.shapes_of(limb.fingers):
+            height = r[joint[k], 2] @ centre[k] + p[joint[k], 2]
+            assert low <= height <= high
+
+
+def test_the_bar_of_a_handle_is_found_with_its_axis_and_thickness() -> None:
+    twin = load_twin("b", ["stretch"])
+    world = World(Scene(twin, twin.robots[0]))
+    mechanics = Mechanics(world, twin.container("sink_area_left_middle_drawer_main"))
+    bar = find_bar(world, mechanics, world.scene.q((0.0, 0.0, 0.0), {}))
+    assert bar is not None
+    assert bar.length == pytest.approx(0.706, abs=0.01)
+    assert bar.depth == pytest.approx(0.016, abs=0.002)
+    assert bar.width == pytest.approx(0.016, abs=0.002)
+    np.testing.assert_allclose(np.abs(bar.along), [0, 1, 0], atol=1e-3)
+    np.testing.assert_allclose(bar.outward, [1, 0, 0], atol=1e-3)
+
+
+def test_a_straight_segment_uses_its_limits_and_keeps_them() -> None:
+    bound = Bound(np.array([0.2, 0.2, 0.5]), np.array([0.4, 0.4, 1.0]))
+    timed = timing.straight(np.zeros(3), np.array([3.0, 4.0, 0.1]), bound, 0.05)
+    assert timed is not None
+    speed, acceleration = timing.excess(timed, bound)
+    assert speed == pytest.approx(timing.SLACK)
+    assert acceleration == pytest.approx(timing.SLACK)
+    # 5 m at 0.196 m/s, and half a second each to speed up and slow down at 0.392 m/s².
+    assert timed.times[-1] == pytest.approx(5 / 0.196 + 0.196 / 0.392)
+    np.testing.assert_allclose(timed.x[-1], [3.0, 4.0, 0.1], atol=1e-12)
+    assert not timed.v[[0, -1]].any()
+
+
+def test_the_law_of_following_starts_and_ends_at_rest_without_a_jump_of_acceleration() -> None:
+    u = np.linspace(0, 1, 2001)
+    way, speed, acceleration = timing.smooth(u)
+    assert way[[0, -1]] == pytest.approx([0.0, 1.0])
+    assert speed[[0, -1]] == pytest.approx([0.0, 0.0])
+    assert acceleration[[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert np.abs(np.diff(acceleration)).max() < 0.05
+    np.testing.assert_allclose(np.gradient(way, u)[1:-1], speed[1:-1], atol=1e-4)
