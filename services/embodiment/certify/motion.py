@@ -1,6 +1,8 @@
 """A body motion as cubic pieces of all the scene's coordinates, and whether it is one of that scene."""
 
 from collections.abc import Iterable
+from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +13,7 @@ from sdt_kg.iri import joint_iri, local_name
 from sdt_kg.motion import BodyMotion
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.kinematics import joint_axes
-from services.embodiment.certify.pieces import Pieces, hermite
+from services.embodiment.certify.pieces import Pieces, hermite, positions
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
 
@@ -47,8 +49,9 @@ def whole_motion(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> tu
     findings = Findings()
     for k in own:
         findings.add(_same(scene, int(k), motion.times, np.abs(whole[:, k] - q[:, k]), tolerances))
-    findings.add(_together(scene, whole, motion.times, tolerances))
-    return hermite(motion.times, whole, coupling.rates(v)), findings
+    pieces = hermite(motion.times, whole, coupling.rates(v))
+    findings.add(_together(scene, pieces, tolerances))
+    return pieces, findings
 
 
 def _check_arrays(motion: BodyMotion) -> None:
@@ -84,12 +87,19 @@ def _same(scene: Scene, k: int, times: Array, off: Array, tolerances: Tolerances
     return _apart(scene, k, reason, times, off, tolerances)
 
 
-def _together(scene: Scene, q: Array, times: Array, tolerances: Tolerances) -> Findings:
+def _together(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
+    """Joints that share one motor move equally, between samples too."""
     findings = Findings()
     for group in scene.annotation.coupled:
         own = [scene.coordinate[joint_iri(scene.robot.mechanism.name, name)] for name in group]
-        reason = f"{group[0]} and {group[-1]} share one motor and do not move equally"
-        findings.add(_apart(scene, own[0], reason, times, np.ptp(q[:, own], axis=1), tolerances))
+        for one, other in combinations(own, 2):
+            between = replace(pieces, c=pieces.c[:, :, [one]] - pieces.c[:, :, [other]])
+            off, s = positions(between)
+            names = f"{local_name(scene.names[one])} and {local_name(scene.names[other])}"
+            reason = f"{names} share one motor and do not move equally"
+            times = (pieces.start[None, :, None] + s).ravel()
+            order = np.argsort(times, kind="stable")
+            findings.add(_apart(scene, one, reason, times[order], np.abs(off).ravel()[order], tolerances))
     return findings
 
 

@@ -11,9 +11,11 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
 from sdt_kg.load import load_twin
+from sdt_kg.motion import BodyMotion
 from services.embodiment.certify import Tolerances
 from services.embodiment.certify.clearance import NEAR, PRECISION, Pairs, Sweep
 from services.embodiment.certify.kinematics import Of
+from services.embodiment.certify.motion import whole_motion
 from services.embodiment.certify.pieces import (
     Pieces,
     Timeline,
@@ -223,7 +225,7 @@ def signed_distance(separation: Callable[[Array], Array], rng: np.random.Generat
 def test_coals_distance_is_never_too_large(seed: int) -> None:
     rng = np.random.default_rng(seed)
     one_scale, other_scale = 10 ** rng.uniform(-1.5, 0, 2)
-    one_R, other_R = Rotation.random(2, rng=seed).as_matrix()
+    one_R, other_R = Rotation.from_quat(rng.normal(size=(2, 4))).as_matrix()
     between = rng.normal(size=3) * (one_scale + other_scale) * 0.5
     frames = coal.Transform3s(one_R, np.zeros(3)), coal.Transform3s(other_R, between)
     for one, one_h in supports(rng, one_scale):
@@ -238,3 +240,20 @@ def test_coals_distance_is_never_too_large(seed: int) -> None:
             assert measured <= exact + 2e-4 * max(one_scale, other_scale)  # the search is a lower bound
             if {type(one), type(other)} != {coal.Sphere, coal.Cylinder} or exact > 0:
                 assert measured == pytest.approx(exact, abs=2e-4)
+
+
+@pytest.mark.parametrize(("speed", "equal"), [(0.0, True), (0.05, False)])
+def test_joints_of_one_motor_move_equally_between_samples_too(speed: float, equal: bool) -> None:
+    twin = load_twin("b", ["stretch"])
+    scene = Scene(twin, twin.robots[0])
+    joints, still = scene.annotation.coupled[0], np.zeros((3, 3))
+    q, v = np.full((3, len(joints)), 0.06), np.zeros((3, len(joints)))
+    v[1, 0], v[1, -1] = speed, -speed
+    motion = BodyMotion(twin.robots[0], "", joints, np.array([0.0, 2.0, 4.0]), still, q, v, still)
+    _, findings = whole_motion(scene, motion, Tolerances())
+    assert bool(findings.violations) is not equal
+    if not equal:
+        worst = max(findings.violations, key=lambda each: each.excess)
+        assert "share one motor" in worst.reason
+        assert worst.excess == pytest.approx(2 * speed * 2.0 * 4 / 27)  # Hermite's bump, h = 2 s
+        assert worst.time == pytest.approx(2.0 * 2 / 3)
