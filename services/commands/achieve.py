@@ -22,7 +22,8 @@ from services.commands.options import (
     seed_option,
     states_option,
 )
-from services.commands.show import console, print_json
+from services.commands.show import print_json
+from services.commands.verdicts import print_verdict
 from services.motion_files import read_motion, write_motion
 from services.requests import parse_base
 from services.store.files import SavedVerdicts
@@ -97,7 +98,7 @@ def achieve(
         print_json(objects)
     else:
         for each in objects:
-            _print_verdict(each)
+            print_verdict(each)
     raise SystemExit(_exit_code(verdicts))
 
 
@@ -118,24 +119,3 @@ def _write_motion(verdicts: Sequence[Verdict], path: Path) -> None:
         write_motion(path, motions[0])
     else:
         click.echo(f"{path} is not written: no certified motion", err=True)
-
-
-def _print_verdict(verdict: dict[str, object]) -> None:
-    """A verdict for people: outcome, the three predicates, the reasons, the figures."""
-    out = console()
-    out.print("{outcome}  {task}({container})  {robot} in kitchen {kitchen}".format_map(verdict))
-    for name in ("satisfies_request", "causes", "can_perform"):
-        answer = {True: "yes", False: "no", None: "not asked"}[verdict[name]]  # type: ignore[index]
-        out.print(f"  {name:18} {answer}")
-    for diagnosis in list(verdict["diagnoses"]):  # type: ignore[call-overload]
-        claim = "proved" if diagnosis["proof"] else "not proved impossible"
-        out.print(f"  {diagnosis['kind']}: {diagnosis['reason']} ({claim})")
-    details = {"gripper": verdict["gripper"], "drive": verdict["drive"], **dict(verdict["figures"])}  # type: ignore[call-overload]
-    for name, value in details.items():
-        if value is not None:
-            out.print(
-                f"  {name:18} {' '.join(map(str, value)) if isinstance(value, list | tuple) else value}"
-            )
-    for note in list(verdict["notes"]):  # type: ignore[call-overload]
-        out.print(f"  note: {note}")
-    out.print(f"  {verdict['seconds']} s   {verdict['iri']}")

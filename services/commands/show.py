@@ -11,6 +11,7 @@ import click
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
+from rich.text import Text
 
 PIPE_WIDTH = 400
 """[characters] Wide enough that nothing is cut on a pipe, where no terminal tells its width."""
@@ -52,7 +53,8 @@ def _table(rows: Sequence[Row], columns: Sequence[str]) -> Table:
     for column in columns:
         table.add_column(column, overflow="fold")
     for row in rows:
-        table.add_row(*(_cell(row.get(column)) for column in columns))
+        # As Text, since a name or reason may hold what rich takes for markup.
+        table.add_row(*(Text(_cell(row.get(column))) for column in columns))
     return table
 
 

@@ -20,6 +20,7 @@ from services.commands.options import (
     states_option,
 )
 from services.commands.show import csv_text, print_json, print_rows, progress
+from services.commands.verdicts import diagnosis_text
 from services.store.files import SavedVerdicts
 from services.table import CellResult, TableResult, cells, run
 
@@ -96,8 +97,9 @@ def table(
     cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)
     with ExitStack() as stack:
         saved = stack.enter_context(SavedVerdicts(Path(save))) if save else None
-        for kitchen in kitchens.split(",") if saved else ():
-            saved.add_twin(load_twin(kitchen, robots.split(",")))
+        if saved:
+            for kitchen in kitchens.split(","):
+                saved.add_twin(load_twin(kitchen, robots.split(",")))
         bar = stack.enter_context(progress(f"{verb}()", len(cases)))
 
         def report(result: CellResult) -> None:
@@ -140,5 +142,5 @@ def _print_table(result: TableResult, objects: Sequence[dict[str, object]]) -> N
 def _row(verdict: dict[str, object]) -> dict[str, object]:
     """A verdict's JSON object on one line."""
     diagnoses = list(verdict["diagnoses"])  # type: ignore[call-overload]
-    why = "; ".join(f"{each['kind']}: {each['reason']}" for each in diagnoses)
+    why = "; ".join(diagnosis_text(each) for each in diagnoses)
     return verdict | {"why": why, "proof": any(each["proof"] for each in diagnoses)}

@@ -1,0 +1,54 @@
+"""A verdict's JSON object in words."""
+
+from typing import Any
+
+import click
+
+Json = dict[str, Any]  # what `predicates.record.to_json` gives
+
+PREDICATES = ("satisfies_request", "causes", "can_perform")
+
+
+def print_verdict(verdict: Json) -> None:
+    """Outcome, the three predicates, every reason with its evidence, the figures, the notes."""
+    click.echo("{outcome}  {task}({container})  {robot} in kitchen {kitchen}".format_map(verdict))
+    for name in PREDICATES:
+        _line(name, {True: "yes", False: "no", None: "not asked"}[verdict[name]])
+    for diagnosis in verdict["diagnoses"]:
+        click.echo(f"  {diagnosis_text(diagnosis)}")
+        if diagnosis["evidence"]:
+            click.echo(f"    {_evidence_text(diagnosis['evidence'])}")
+    _line("gripper", verdict["gripper"])
+    _line("drive", verdict["drive"])
+    for name, (value, unit) in verdict["figures"].items():
+        _line(name, f"{value:g}" + ("" if unit == "1" else f" {unit}"))
+    for note in verdict["notes"]:
+        click.echo(f"  note: {note}")
+    times = ", ".join(f"{name} {seconds:.2f}" for name, seconds in verdict["times"].items())
+    click.echo(f"  {verdict['seconds']:.2f} s ({times})")
+    click.echo(f"  {verdict['iri']}")
+
+
+def diagnosis_text(diagnosis: Json) -> str:
+    """Kind, reason, and whether it is proved, or what was searched."""
+    text = f"{diagnosis['kind']}: {diagnosis['reason']}"
+    if diagnosis["proof"]:
+        return f"{text} (proved)"
+    search = diagnosis["search"]
+    if search is None:
+        return text
+    tried = ", ".join(f"{search[name]} {name}" for name in ("seeds", "branches", "placements"))
+    return f"{text} (not proved; searched {tried}, {search['seconds']:.1f} s)"
+
+
+def _evidence_text(evidence: Json) -> str:
+    unit = "" if evidence["unit"] == "1" else f" {evidence['unit']}"
+    who = " and ".join(evidence.get("links", [])) or evidence.get("entity", "")
+    when = "" if evidence["time"] is None else f" at {evidence['time']:g} s"
+    bound = "" if evidence["bound"] is None else f", bound {evidence['bound']:g}{unit}"
+    return f"{evidence['quantity']} of {who}: {evidence['value']:g}{unit}{bound}{when}"
+
+
+def _line(name: str, value: object) -> None:
+    if value is not None:
+        click.echo(f"  {name:32} {value}")
