@@ -1,0 +1,72 @@
+"""`sdt achieve` and `sdt table`: outcomes, exit codes, files, JSON."""
+
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.oracle
+
+DRAWER = "sink_area_left_middle_drawer_main"
+KEYS = {
+    "kitchen", "robot", "task", "container", "outcome", "satisfies_request", "causes", "can_perform",
+    "gripper", "diagnoses", "seconds", "iri",
+}  # fmt: skip
+
+
+def achieve(sdt, *arguments: str, robot: str = "pr2", task: str = f"open:{DRAWER}"):
+    return sdt("achieve", "--kitchen", "b", "--robot", robot, "--task", task, "--drive", "omni", *arguments)
+
+
+def test_a_drawer_is_certified_kept_and_verified(sdt, tmp_path: Path) -> None:
+    motion, store = str(tmp_path / "drawer.npz"), str(tmp_path / "verdicts.trig")
+    made = achieve(sdt, "--json", "--motion-out", motion, "--save", store)
+    assert made.code == 0, made.err
+    (verdict,) = made.json
+    assert verdict.keys() >= KEYS
+    assert (verdict["kitchen"], verdict["robot"], verdict["container"]) == ("b", "pr2", DRAWER)
+    assert {verdict[name] for name in ("satisfies_request", "causes", "can_perform")} == {True}
+
+    judged = achieve(sdt, "--json", "--motion", motion, "--save", store)
+    assert judged.code == 0, judged.err
+    assert judged.json[0]["iri"] != verdict["iri"], "a given motion is another input"
+
+    asked = "SELECT ?v ?name WHERE { ?v law:outcome law:Certified ; law:container/rdfs:label ?name }"
+    rows = sdt("query", store, "--json", asked).json
+    assert {row["v"] for row in rows} == {verdict["iri"], judged.json[0]["iri"]}
+    assert {row["name"] for row in rows} == {DRAWER}
+
+
+def test_the_same_question_has_the_same_iri(sdt) -> None:
+    first, second = (achieve(sdt, "--json").json[0] for _ in range(2))
+    assert first["iri"] == second["iri"]
+
+
+def test_the_motion_of_another_robot_is_refused(sdt, tmp_path: Path) -> None:
+    motion = str(tmp_path / "drawer.npz")
+    assert achieve(sdt, "--motion-out", motion).code == 0
+    done = achieve(sdt, "--motion", motion, "--json", robot="stretch")
+    assert done.code in {1, 2}
+    assert "Traceback" not in done.err
+
+
+def test_what_is_open_already_is_not_certified(sdt) -> None:
+    done = achieve(sdt, "--state", f"{DRAWER}=open", "--json")
+    assert done.code == 1
+    (diagnosis,) = done.json[0]["diagnoses"]
+    assert (diagnosis["kind"], diagnosis["proof"]) == ("causal", True)
+
+
+def test_people_read_what_was_certified(sdt) -> None:
+    done = achieve(sdt)
+    assert done.out.startswith(f"certified  open({DRAWER})  pr2 in kitchen b")
+    assert "smallest distance, self" in done.out
+
+
+@pytest.mark.parametrize("content", ["nothing", "<a:a> <a:b>"])
+def test_a_broken_store_is_named(sdt, tmp_path: Path, content: str) -> None:
+    store = tmp_path / "broken.trig"
+    store.write_text(content)
+    done = achieve(sdt, "--save", str(store))
+    assert done.code == 2
+    assert "broken.trig" in done.err
+    assert store.read_text() == content, "what was there is not lost"
