@@ -174,9 +174,10 @@ def test_sideways_drift_below_the_velocity_is_summed_up(twin: Twin) -> None:
     rests[1:, 2] = 0.015  # in 20 s: 1.1 mm/s at most
     verdict = judge(twin, opening(rests=rests), Drive.DIFFERENTIAL)
     assert isinstance(verdict, Refused)
-    assert [one.reason for one in verdict.diagnoses] == [
-        "the base drifts 0.015 m sideways in all, and its drive is differential"
-    ]
+    (found,) = verdict.diagnoses
+    assert "sideways in all" in found.reason
+    assert found.evidence is not None
+    assert 0.015 <= found.evidence.value <= 0.016  # a bound, from above
 
 
 def test_a_fixed_base_never_moves(twin: Twin) -> None:
