@@ -97,10 +97,9 @@ class Hold:
         """At the grasp two fingers have the handle between them: they reach over it and touch it."""
         placed = self._at_grasp()
         tool_R, _ = self.tool.world(placed)
-        fingers = {
-            body: [i for i in self.fingers if self.scene.solids[i].body == body]
-            for body in sorted({self.scene.solids[i].body for i in self.fingers})
-        }
+        robot = self.scene.robot.mechanism.name
+        bodies = [body_iri(robot, name) for name in self.gripper.fingers]
+        fingers = {body: _shapes_of(self.scene, [body]) for body in bodies}
         grip = Grip(self.shapes, placed, tool_R[0], fingers, self.bar, self.tolerances)
         pinch = grip.pinch()
         if pinch is None or pinch.over < self.tolerances.engaged:
@@ -135,7 +134,10 @@ class Hold:
             value, bound = grip.gaps[finger], tolerances.contact
             what = f"{local_name(finger)} is {value * 1000:.1f} mm away from {handle}"
             excess = value
-            if value <= bound:
+            if not np.isfinite(value):
+                what = f"no finger of {self.gripper.name}, or not {handle}, has a shape to touch with"
+                value, bound = NOTHING, tolerances.engaged
+            elif value <= bound:
                 what = f"{handle} is not between the fingers of {self.gripper.name}"
                 value, bound = NOTHING, tolerances.engaged
         reason = f"{self.container.name} moves before it is held: {what}"

@@ -116,12 +116,23 @@ def test_knobs_and_boxes_are_held_between_the_fingers(tmp_path: Path, handle: st
     assert "before it is held" in reason(twin, gripping(short=0.024, finger=finger))
 
 
+def test_a_handle_without_a_shape_cannot_be_held(tmp_path: Path) -> None:
+    twin = with_handle(tmp_path, "")
+    verdict = judge(twin, gripping())
+    assert isinstance(verdict, Refused)
+    (found,) = (one for one in verdict.diagnoses if "before it is held" in one.reason)
+    assert "has a shape to touch with" in found.reason
+    assert found.evidence is not None
+    assert found.evidence.value == 0.0
+
+
 def with_handle(folder: Path, handle: str) -> Twin:
     """The cell with a handle of that geometry, without posts."""
     cell = (FOLDER / "cell.urdf").read_text()
     start = cell.index('<link name="drawer_handle">')
     end = cell.index("</link>", start)
-    body = f'<link name="drawer_handle"><collision><geometry>{handle}</geometry></collision>'
+    shape = f"<collision><geometry>{handle}</geometry></collision>" if handle else ""
+    body = f'<link name="drawer_handle">{shape}'
     (folder / "cell.urdf").write_text(cell[:start] + body + cell[end:])
     return load_twin(folder / "cell.urdf", [FOLDER / "gantry.urdf"])
 
