@@ -27,8 +27,11 @@ LEAVE = 0.1  # [m] the open hand backs off from the bar along its approach axis
 PULLS = 11  # waypoints of that
 BACK_OFFS = (0.25, 0.5, 0.8, 1.2)  # [m] the base drives back before the arm folds
 ARM_ITERATIONS = 60
+PLACES = 4  # for which the roadmap grows
 GROWTHS = 1  # of the roadmap for one place; the next place finds it larger
-FINE_STEP = 0.006  # [m] that any point moves between two checks of a path that is to be used
+FINE_STEP = (
+    0.015  # [m] between two checks of a path to be used; bounds the way of any point, two to three-fold
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +89,7 @@ class Approacher:
             if isinstance(outcome, Approach) or self.late():
                 return outcome
             failed = outcome
-        for back in places if failed.stage == "drive" else ():
+        for back in places[:PLACES] if failed.stage == "drive" else ():
             outcome = self._from(back, left, GROWTHS, rng)
             if isinstance(outcome, Approach) or self.late():
                 return outcome
