@@ -13,9 +13,11 @@ from services.physics.carry import carried
 from services.physics.generate import generate
 from services.physics.model import Scene
 from services.physics.replay import replay
+from services.physics.stop import stopped
+from services.physics.sweep import Sweep
 from services.physics.tree import Model, build
 
-KINEMATICS_VERSION = "1"
+KINEMATICS_VERSION = "2"
 """Raised whenever an answer of this oracle may change."""
 
 MODELS_KEPT = 4
@@ -27,6 +29,7 @@ class Kinematics:
 
     def __init__(self) -> None:
         self._models: list[tuple[Mechanism, Model]] = []
+        self._sweeps: list[tuple[Model, Sweep]] = []
         self._scene: tuple[Twin, Iri, Scene] | None = None
 
     @property
@@ -34,7 +37,8 @@ class Kinematics:
         return f"kinematics {KINEMATICS_VERSION}, pin {version('pin')}"
 
     def replay(self, twin: Twin, motion: Motion) -> Replayed:
-        return replay(self._of(twin), twin, motion)
+        model = self._of(twin)
+        return stopped(self._sweep_of(model), model, twin, replay(model, twin, motion))
 
     def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:
         model = self._of(twin)
@@ -51,6 +55,13 @@ class Kinematics:
         if self._scene is None or self._scene[0] is not twin or self._scene[1] != robot:
             self._scene = (twin, robot, Scene(twin, robot))
         return self._scene[2]
+
+    def _sweep_of(self, model: Model) -> Sweep:
+        for known, sweep in self._sweeps:
+            if known is model:
+                return sweep
+        self._sweeps = [(model, Sweep(model)), *self._sweeps[: MODELS_KEPT - 1]]
+        return self._sweeps[0][1]
 
     def _of(self, twin: Twin) -> Model:
         """Model of the twin's environment; twins that differ in their state share one."""

@@ -78,16 +78,28 @@ def replay(model: Model, twin: Twin, motion: Motion) -> Replayed:
         followed = follower(model, motion.of)
     bounds = effective_bounds(model, twin, followed)
     values = motion.values[:, 0]
-    final = dict(twin.state.positions)
-    began = followed.multiplier * final.get(followed.active, 0.0) + followed.offset
+    began = followed.multiplier * twin.state.get(followed.active, 0.0) + followed.offset
     violations += _start(motion, began, bounds)
     violations += _limits(motion, bounds)
     end = min(max(float(values[-1]), bounds.lower), bounds.upper)
-    final[followed.active] = (end - followed.offset) / followed.multiplier
-    for joint in _mimics(model, followed.active):
-        if joint.own in final:
-            final[joint.own] = joint.multiplier * final[followed.active] + joint.offset
-    return Replayed(State.of(final), motion, tuple(violations))
+    active = (end - followed.offset) / followed.multiplier
+    return Replayed(state_with(model, twin, followed.active, active), motion, tuple(violations))
+
+
+def state_with(model: Model, twin: Twin, active: Iri, position: float) -> State:
+    """The twin's state with an actuated joint, and all that follow it, elsewhere."""
+    state = {**dict(twin.state.positions), active: position}
+    for joint in _mimics(model, active):
+        if joint.own in state:
+            state[joint.own] = joint.multiplier * position + joint.offset
+    return State.of(state)
+
+
+def spline_of(motion: Motion) -> Hermite:
+    """The motion between its samples, at rest at its ends unless it brings its own velocities."""
+    times, values = motion.times, motion.values
+    velocities = at_rest_velocities(times, values) if motion.velocities is None else motion.velocities
+    return Hermite(times, values[:, 0], velocities[:, 0])
 
 
 def check_samples(motion: Motion) -> None:
@@ -224,9 +236,7 @@ def _start(motion: Motion, began: float, bounds: Bounds) -> Iterator[Diagnosis]:
 
 def _limits(motion: Motion, bounds: Bounds) -> Iterator[Diagnosis]:
     """Limits of position, velocity and acceleration, between samples too."""
-    times, values = motion.times, motion.values
-    velocities = at_rest_velocities(times, values) if motion.velocities is None else motion.velocities
-    spline = Hermite(times, values[:, 0], velocities[:, 0])
+    spline = spline_of(motion)
     unit, v, a = bounds.unit, bounds.velocity, bounds.acceleration
     for quantity, of_unit, samples, lower, upper, slack in (
         (Quantity.POSITION, unit, spline.position(), bounds.lower, bounds.upper, POSITION_SLACK),

@@ -68,10 +68,11 @@ def _hulls(
     mesh = _triangles(mesh_file, mesh_hash, scale)
     faces = [mesh.tri_indices(i) for i in range(mesh.num_tris)]
     corners = np.array(mesh.vertices())[[[face[0], face[1], face[2]] for face in faces]]
-    return tuple(_hull(points) for points in convex_pieces(corners, fineness))
+    return tuple(hull(points) for points in convex_pieces(corners, fineness))
 
 
-def _hull(points: NDArray[np.float64]) -> coal.ConvexBase:
+def hull(points: NDArray[np.float64]) -> coal.ConvexBase:
+    """Convex hull of points, shape (K, 3); what is flat gets a thickness of 2 · PADDING."""
     points = _with_volume(points)
     mesh = coal.BVHModelOBBRSS()
     mesh.beginModel(0, len(points))

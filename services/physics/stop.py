@@ -1,0 +1,62 @@
+"""Φ stops a container where it meets another body of the kitchen."""
+
+import math
+
+import numpy as np
+
+from predicates.case import Diagnosis, Evidence, Kind, Quantity
+from predicates.oracle import Replayed
+from sdt_kg.iri import local_name
+from sdt_kg.twin import Twin
+from services.physics.chain import follower
+from services.physics.replay import POSITION_SLACK, effective_bounds, spline_of, state_with
+from services.physics.sweep import Block, Sweep
+from services.physics.tree import Model
+
+
+def stopped(sweep: Sweep, model: Model, twin: Twin, replayed: Replayed) -> Replayed:
+    """The replay as it is, or stopped where the motion runs into the rest of the kitchen.
+
+    The shapes are outer shapes and have an allowance, so a stop is no proof.
+    """
+    motion = replayed.motion
+    followed = follower(model, motion.of)
+    bounds = effective_bounds(model, twin, followed)
+    times, values = spline_of(motion).position()
+    active = (values - followed.offset) / followed.multiplier
+    began = twin.state.get(followed.active, 0.0)
+    stops: list[tuple[float, Block]] = []
+    for limit in (bounds.lower, bounds.upper):
+        toward = (limit - followed.offset) / followed.multiplier
+        sign = np.sign(toward - began)
+        past = (active - began) * sign
+        if past.max() <= POSITION_SLACK:
+            continue
+        end = toward if math.isfinite(toward) else float(active[np.argmax(past)])
+        block = sweep.first_block(twin.state, followed.active, end)
+        if block is not None and past.max() >= abs(block.position - began):
+            stops.append((float(times[np.argmax(past >= abs(block.position - began))]), block))
+    if not stops:
+        return replayed
+    time, block = min(stops, key=lambda stop: stop[0])
+    final = state_with(model, twin, followed.active, block.position)
+    return Replayed(final, motion, (*replayed.violations, _violation(block, time)))
+
+
+def _violation(block: Block, time: float) -> Diagnosis:
+    moved, other = local_name(block.moved), local_name(block.other)
+    reason = (
+        f"{moved} runs into {other}: {1e3 * block.depth:.1f} mm deep at {time:.3f} s, "
+        f"{1e3 * block.allowed:.1f} mm allowed"
+    )
+    evidence = Evidence(
+        Quantity.DISTANCE,
+        -block.depth,
+        -block.allowed,
+        "m",
+        entity=block.moved,
+        links=(block.moved, block.other),
+        time=time,
+        scope="environment",
+    )
+    return Diagnosis(Kind.CAUSAL, reason, evidence)

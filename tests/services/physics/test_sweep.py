@@ -1,0 +1,108 @@
+"""Φ stops a container where it meets another body, and lets everything else move."""
+
+from pathlib import Path
+
+import pytest
+
+from predicates.case import Answer, Case, Kind, Quantity
+from predicates.causes import causes
+from sdt_kg.iri import SDT
+from sdt_kg.load import load_twin
+from sdt_kg.state import State
+from sdt_kg.task import Task, Verb
+from sdt_kg.twin import Twin
+from services.physics.oracle import Kinematics
+
+PHYSICS = Kinematics()
+A, B = load_twin("a"), load_twin("b")
+
+DRAWER = """<robot name="post"><link name="world"/>
+<link name="drawer"><collision><geometry><box size="0.018 0.5 0.2"/></geometry></collision></link>
+<link name="drawer_handle"><collision><origin xyz="0.05 0 0"/>
+<geometry><box size="0.01 0.2 0.01"/></geometry></collision></link>
+<link name="post"><collision><geometry><box size="{thickness} {thickness} 1"/></geometry></collision></link>
+<joint name="post_joint" type="fixed"><origin xyz="{at} 0.2 0"/>
+<parent link="world"/><child link="post"/></joint>
+<joint name="drawer_joint" type="prismatic"><parent link="world"/><child link="drawer"/><axis xyz="1 0 0"/>
+<limit lower="0" upper="0.5" velocity="0.5" effort="10"/></joint>
+<joint name="handle_joint" type="fixed"><parent link="drawer"/>
+<child link="drawer_handle"/></joint></robot>"""
+
+
+def asked(twin: Twin, name: str, verb: Verb = Verb.OPEN) -> Answer:
+    (answer,) = causes(Case(twin, task=Task(verb, twin.container(name).iri)), PHYSICS)
+    return answer
+
+
+def all_open(twin: Twin) -> Twin:
+    return twin.at({each.joint: each.upper for each in twin.containers()})
+
+
+def stopped(twin: Twin, verb: Verb) -> set[str]:
+    return {each.name for each in twin.containers() if not asked(twin, each.name, verb).holds}
+
+
+def with_post(folder: Path, at: float, thickness: float) -> Twin:
+    (folder / "post.urdf").write_text(DRAWER.format(at=at, thickness=thickness))
+    return load_twin(folder / "post.urdf")
+
+
+def test_a_drawer_behind_a_closed_door_is_stopped_by_it() -> None:
+    answer = asked(A, "dishwasher_drawer_middle")
+    assert not answer.holds
+    evidence = answer.diagnoses[0].evidence
+    assert evidence is not None
+    assert evidence.links is not None
+    assert answer.diagnoses[0].kind is Kind.CAUSAL
+    assert not answer.diagnoses[0].proof
+    assert evidence.quantity is Quantity.DISTANCE
+    assert evidence.value < evidence.bound < 0
+    assert [each.rsplit("/", 1)[-1] for each in evidence.links] == [
+        "dishwasher_drawer_middle",
+        "cabinet7_door_bottom_left",
+    ]
+    assert isinstance(answer.case.final, State)
+    joint = A.container("dishwasher_drawer_middle").joint
+    assert answer.case.final[joint] == pytest.approx(0.113, abs=0.003)
+
+
+def test_with_the_door_open_the_drawer_is_free() -> None:
+    door = A.container("cabinet7_door_bottom_left")
+    assert asked(A.at({door.joint: door.upper}), "dishwasher_drawer_middle").holds
+
+
+def test_a_door_does_not_close_through_a_drawer_that_stands_out() -> None:
+    small = {f"{A.environment}/joint/cabinet2_drawer_big_joint": 0.42}
+    door = A.container("cabinet2_door_left")
+    assert not asked(A.at({door.joint: 1.4, **small}), door.name, Verb.CLOSE).holds
+    assert asked(A.at({door.joint: 1.4}), door.name, Verb.CLOSE).holds
+
+
+@pytest.mark.parametrize(
+    ("twin", "verb", "expected"),
+    [
+        (A, Verb.OPEN, {"dishwasher_drawer_middle"}),
+        (B, Verb.OPEN, set[str]()),
+        (all_open(A), Verb.CLOSE, {"cabinet7_door_bottom_left"}),
+        (all_open(B), Verb.CLOSE, set[str]()),
+    ],
+)
+def test_of_the_bundled_containers_only_the_blocked_ones_are_stopped(
+    twin: Twin, verb: Verb, expected: set[str]
+) -> None:
+    assert stopped(twin, verb) == expected
+
+
+@pytest.mark.parametrize("thickness", [0.005, 0.02, 0.1])
+def test_a_post_before_a_drawer_stops_it_however_thin(tmp_path: Path, thickness: float) -> None:
+    assert not asked(with_post(tmp_path, 0.3, thickness), "drawer").holds
+    assert asked(with_post(tmp_path, 0.8, thickness), "drawer").holds
+
+
+def test_an_obstacle_of_an_edited_twin_is_seen(tmp_path: Path) -> None:
+    twin = with_post(tmp_path, 0.8, 0.1)
+    (row,) = twin.query(
+        f"SELECT ?shape {{ <{twin.environment}/body/post> <{SDT}hasCollisionGeometry> ?shape }}"
+    )[1]
+    assert asked(twin, "drawer").holds
+    assert not asked(twin.with_edit(str(row["shape"]), sizeX=0.9), "drawer").holds
