@@ -12,7 +12,10 @@ from sdt_kg.motion import Array, BodyMotion, Motion
 from sdt_kg.state import Region, State
 from sdt_kg.task import Task, Unknown
 
-NOT_HASHED = frozenset({"embodiment.budget"})
+BUDGET_INPUT = "embodiment.budget"
+"""Seconds of search that the embodiment oracle was allowed."""
+
+NOT_HASHED = frozenset({BUDGET_INPUT})
 """Inputs which bound how long is searched: a longer search answers the same question."""
 
 UNKNOWN_INPUT = "unknown"

@@ -1,11 +1,13 @@
 """Verdicts → triples: PROV-O and law:, in a named graph for each verdict."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import pyoxigraph as ox
 
 from predicates.case import Diagnosis, Evidence, Verdict
+from predicates.record.inputs import BUDGET_INPUT
 from predicates.record.report import answers, drive, figures, gripper, notes
 from predicates.record.stored import DIAGNOSIS_CLASS, OUTCOME_TERM
 from predicates.scope import verb_iri
@@ -48,12 +50,15 @@ def to_record(verdict: Verdict) -> Record:
 def write(store: ox.Store, record: Record) -> bool:
     """Whether the store has changed: a verdict that is there already stays as it is.
 
-    Except a refusal without proof, which gives way to the same question's later answer: it was
-    searched, and a longer search may find what a shorter one did not.
+    Except a refusal without proof, which gives way to a later answer of a search that was allowed at
+    least as long, or that found more: it was searched, and a longer search may find what a shorter
+    one did not.
     """
     graph = ox.NamedNode(record.graph)
     if store.contains_named_graph(graph):
-        if not _searched(store, graph) or _same_claims(store, record):
+        stored, fresh = list(store.quads_for_pattern(None, None, None, graph)), list(record.quads())
+        shorter = _searched(fresh) and _budget(fresh) < _budget(stored)
+        if not _searched(stored) or shorter or _same_claims(stored, fresh):
             return False
         store.remove_graph(graph)
     store.extend(record.quads())
@@ -169,19 +174,31 @@ def _provenance(verdict: Verdict) -> Iterator[Triple]:
         yield of, LAW + "inputHash", _literal(value)
 
 
-def _searched(store: ox.Store, graph: ox.NamedNode) -> bool:
-    """Whether the stored verdict is a refusal that rests on a search alone."""
-    refused = (None, ox.NamedNode(LAW + "outcome"), ox.NamedNode(LAW + "NotCertified"), graph)
-    proved = (None, ox.NamedNode(LAW + "proof"), ox.Literal(True), graph)
-    return any(store.quads_for_pattern(*refused)) and not any(store.quads_for_pattern(*proved))
+def _searched(quads: list[ox.Quad]) -> bool:
+    """Whether the verdict is a refusal that rests on a search alone."""
+    claims = {(quad.predicate, quad.object) for quad in quads}
+    refused = (ox.NamedNode(LAW + "outcome"), ox.NamedNode(LAW + "NotCertified")) in claims
+    return refused and (ox.NamedNode(LAW + "proof"), ox.Literal(True)) not in claims
 
 
-def _same_claims(store: ox.Store, record: Record) -> bool:
-    """Whether the stored verdict differs from the record in nothing but seconds."""
-    graph = ox.NamedNode(record.graph)
-    stored = {(q.subject, q.predicate, q.object) for q in store.quads_for_pattern(None, None, None, graph)}
-    fresh = {(q.subject, q.predicate, q.object) for q in record.quads()}
-    return all(predicate in SECONDS for _, predicate, _ in stored ^ fresh)
+def _budget(quads: list[ox.Quad]) -> float:
+    """Seconds that the search was allowed; infinite where it had no bound."""
+    named = (ox.NamedNode(LAW + "name"), ox.Literal(BUDGET_INPUT))
+    inputs = {quad.subject for quad in quads if (quad.predicate, quad.object) == named}
+    values = (
+        quad.object.value
+        for quad in quads
+        if quad.subject in inputs and quad.predicate == ox.NamedNode(LAW + "inputHash")
+        if isinstance(quad.object, ox.Literal)
+    )
+    return min((float(value.removesuffix(" s")) for value in values), default=math.inf)
+
+
+def _same_claims(stored: list[ox.Quad], fresh: list[ox.Quad]) -> bool:
+    """Whether two records of a verdict differ in nothing but seconds."""
+    before = {(quad.subject, quad.predicate, quad.object) for quad in stored}
+    after = {(quad.subject, quad.predicate, quad.object) for quad in fresh}
+    return all(predicate in SECONDS for _, predicate, _ in before ^ after)
 
 
 def _node(iri: Iri) -> Term:

@@ -118,6 +118,18 @@ def test_a_searched_refusal_gives_way_to_a_later_answer() -> None:
     assert read.outcome is Outcome.CERTIFIED
 
 
+def test_a_searched_refusal_stays_where_the_later_search_was_shorter() -> None:
+    made = verdict()
+    longer, shorter = (
+        replace(searched(made, seconds), inputs=(*made.inputs, ("embodiment.budget", f"{seconds:g} s")))
+        for seconds in (20.0, 5.0)
+    )
+    store = stored(longer)
+    assert not write(store, to_record(shorter))
+    store = stored(shorter)
+    assert write(store, to_record(longer))
+
+
 def test_a_proved_refusal_stays() -> None:
     refused = verdict("high_drawer", 1)
     store = stored(refused)
