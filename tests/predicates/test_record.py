@@ -56,6 +56,10 @@ def verdict(container: str = "low_drawer", robot: int = 0, oracle: Lift | None =
     return made
 
 
+def budget(seconds: float) -> dict[str, str]:
+    return {"embodiment.budget": f"{seconds:g} s"}
+
+
 def searched(of: Verdict, seconds: float) -> Verdict:
     diagnosis = Diagnosis(Kind.EMBODIMENT, "no placement found", search=Search(5, 2, 3, seconds))
     return replace(of, outcome=Outcome.NOT_CERTIFIED, diagnoses=(diagnosis,))
@@ -121,7 +125,7 @@ def test_a_searched_refusal_gives_way_to_a_later_answer() -> None:
 def test_a_searched_refusal_stays_where_the_later_search_was_shorter() -> None:
     made = verdict()
     longer, shorter = (
-        replace(searched(made, seconds), inputs=(*made.inputs, ("embodiment.budget", f"{seconds:g} s")))
+        replace(searched(made, seconds), inputs=tuple((dict(made.inputs) | budget(seconds)).items()))
         for seconds in (20.0, 5.0)
     )
     store = stored(longer)
