@@ -114,7 +114,7 @@ class Approacher:
             yield np.concatenate([x0[None], between(x0, end, PULLS)])
         target_p = p + LEAVE * np.arange(1, PULLS + 1)[:, None] / PULLS * away
         target = np.repeat(r[None], PULLS, axis=0), target_p
-        for base in bases(self.drive):
+        for base in bases(self.drive, turning=False):
             path = track(self.limb, x0, target, base, (self.limb.lower, self.limb.upper))
             if path is not None:
                 yield np.concatenate([x0[None], path])

@@ -17,6 +17,7 @@ from services.embodiment import ik
 from services.embodiment.grasp import Grasp
 from services.embodiment.handle import Mechanics
 from services.embodiment.limb import BASE, Limb
+from services.embodiment.rolling import telescope
 from services.embodiment.track import EXACT, Base, bases, mobility, track
 from services.embodiment.world import Contact, Rules, World
 
@@ -51,6 +52,16 @@ class Problem:
         """Whether the handle moves in a horizontal plane and turns about the vertical only."""
         turn = self.handle_r @ self.handle_r[0].T
         return bool(np.abs(turn[:, 2, 2] - 1).max() < LEVEL and np.ptp(self.handle_p[:, 2]) < LEVEL)
+
+    def turning(self) -> bool:
+        """Whether the handle moves in a horizontal plane along an arc."""
+        return self.planar() and float(np.abs(self.handle_r[-1] - self.handle_r[0]).max()) > LEVEL
+
+    def along(self, index: int) -> float:
+        """World direction of the handle's level motion at a waypoint [rad]."""
+        ends = max(index - 1, 0), min(index + 1, len(self.values) - 1)
+        way = self.handle_p[ends[1]] - self.handle_p[ends[0]]
+        return float(np.arctan2(way[1], way[0]))
 
     def carried(self, x: Array, pivot: int) -> Array:
         """The x (n,) at the pivot as the base alone carries it along, shape (K, n)."""
@@ -103,6 +114,9 @@ class Searcher:
     def __init__(self, world: World, limb: Limb, problem: Problem, rules: Rules, drive: Drive) -> None:
         self.world, self.limb, self.problem, self.rules, self.drive = world, limb, problem, rules, drive
         self.planar = problem.planar()
+        self.bases = bases(drive, problem.turning())
+        self.telescope = telescope(limb) if drive is Drive.DIFFERENTIAL else None
+        self._batches = 0
         self.weight = mobility(limb)
         inside = np.minimum(INSIDE, (limb.upper - limb.lower) / 4)
         self.lower, self.upper = limb.lower + inside, limb.upper - inside
@@ -126,9 +140,13 @@ class Searcher:
         seeds = self._seeds(pivot, rng)
         poses = [one.tool(self.problem.handle_r[pivot], self.problem.handle_p[pivot]) for one, _ in chosen]
         target_r, target_p = np.stack([r for r, _ in poses]), np.stack([p for _, p in poses])
-        limb = self.limb
+        limb, weight = self.limb, self.weight.copy()
+        if self.telescope is not None and self._batches % 2 == 0:
+            self._aim(seeds, pivot, rng)
+            weight[2] = 0.0
+        self._batches += 1
         met = ik.solve_many(
-            seeds, target_r, target_p, limb.chain, self.weight, self.lower, self.upper, STEPS, EXACT
+            seeds, target_r, target_p, limb.chain, weight, self.lower, self.upper, STEPS, EXACT
         )
         self.tally.seeds += SEEDS
         self.tally.solved += int(met.sum())
@@ -151,6 +169,12 @@ class Searcher:
             seeds[:, BASE] = self._standing
         return seeds
 
+    def _aim(self, seeds: Array, pivot: int, rng: np.random.Generator) -> None:
+        """Turn the seeds so that the telescope lies along the handle's motion, one way or the other."""
+        assert self.telescope is not None
+        yaw = self.problem.along(pivot) - self.telescope
+        seeds[:, 2] = yaw + np.pi * rng.integers(0, 2, SEEDS)
+
     def _stands(self, x: Array, rest: Array, index: int) -> bool:
         q = self.problem.mechanics.put(self.limb.q(x, rest), self.problem.values[[index]])
         contact = self.world.contact(q, self.rules)
@@ -166,7 +190,7 @@ class Searcher:
             if self.free(xs, rest):
                 yield Holding(self.limb, grasp, xs, rest, "carried, the arm still")
                 return
-        for base in bases(self.drive):
+        for base in self.bases:
             xs = self._followed(x, grasp, pivot, base)
             if xs is None:
                 self.tally.broken += 1

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from sdt_kg.annotation import Drive
 from services.embodiment import ik
 from services.embodiment.limb import BASE, Limb
+from services.embodiment.rolling import roll
 
 Array = NDArray[np.float64]
 
@@ -22,17 +23,19 @@ class Base(Enum):
 
     STANDS = "the base stands"
     STRAIGHT = "the base drives straight on or back"
+    ROLLS = "the base drives and turns"
     FREE = "the base moves freely"
 
 
-def bases(drive: Drive) -> tuple[Base, ...]:
+def bases(drive: Drive, turning: bool) -> tuple[Base, ...]:
     """What a base may do while the tool follows, simplest first.
 
-    A differential drive that turns while the tool follows is not planned.
+    A differential drive turns only where the tool's way is `turning` about the vertical: on other
+    ways telescope and heading, or the arm alone, go wherever a turn would lead.
     """
     return {
         Drive.OMNI: (Base.STANDS, Base.FREE),
-        Drive.DIFFERENTIAL: (Base.STANDS, Base.STRAIGHT),
+        Drive.DIFFERENTIAL: (Base.STANDS, Base.STRAIGHT, *((Base.ROLLS,) if turning else ())),
         Drive.FIXED: (Base.STANDS,),
     }[drive]
 
@@ -48,6 +51,8 @@ def track(
 ) -> Array | None:
     """Variables at each of the tool poses (K, 3, 3), (K, 3), from x near the first, shape (K, n)."""
     weight = mobility(limb)
+    if base is Base.ROLLS:
+        return roll(limb, x, target, weight, limits)
     chain, start = limb.chain, x
     if base is Base.STANDS:
         weight[BASE] = 0.0
