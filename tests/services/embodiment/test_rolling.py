@@ -150,9 +150,9 @@ def test_the_telescope_of_stretch_points_to_its_right(stretch: Limb) -> None:
     assert telescope(make_limb(world, world.scene.annotation.grippers[0])) is None
 
 
-@pytest.mark.parametrize("name", ["sink_area_left_middle_drawer_main", "iai_fridge_door"])
-def test_stretch_opens_a_drawer_and_a_door_on_its_real_wheels(name: str) -> None:
-    twin = load_twin("b", ["stretch"])
+def certified(robot: str, name: str) -> tuple[BodyMotion, Certified]:
+    """The robot's motion on its real wheels and its certificate."""
+    twin = load_twin("b", [robot])
     container = twin.container(name)
     goal = Interval(container.open_from, container.upper)
     motion = next(Kinematics().generate(twin, Region(((container.joint, goal),))))
@@ -164,3 +164,21 @@ def test_stretch_opens_a_drawer_and_a_door_on_its_real_wheels(name: str) -> None
     assert isinstance(body, BodyMotion)
     found = certify(twin, twin.robots[0], body, container, Tolerances(), drive=Drive.DIFFERENTIAL)
     assert isinstance(found, Certified)
+    return body, found
+
+
+@pytest.mark.parametrize("name", ["sink_area_left_middle_drawer_main", "iai_fridge_door"])
+def test_stretch_opens_a_drawer_and_a_door_on_its_real_wheels(name: str) -> None:
+    body, _ = certified("stretch", name)
+    assert body.kitchen_q[-1, 0] > body.kitchen_q[0, 0]
+
+
+@pytest.mark.parametrize("robot", ["tiago_dual", "stretch"])
+def test_a_door_opened_while_the_base_drives_and_turns_is_certified(
+    robot: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("services.embodiment.holding.bases", lambda drive, turning: (Base.ROLLS,))
+    body, found = certified(robot, "iai_fridge_door")
+    follow = body.base[dict(body.phases)["follow"] :]
+    assert np.ptp(follow[:, 2]) > 0.01
+    assert found.figures["sideways velocity"][0] < Tolerances().sideways / 10
