@@ -25,7 +25,7 @@ def robot() -> None:
 @click.option("--force", is_flag=True, help="Overwrite the file if it is there.")
 def describe(urdf: Path, output: Path | None, force: bool) -> None:
     """Write a first annotation of URDF: grippers guessed, pairs sampled, what to check marked."""
-    from services.physics.contacts import sampled_contacts  # noqa: PLC0415 - the only physics here
+    from services.physics.geometry.contacts import sampled_contacts  # noqa: PLC0415 - the only physics here
 
     path = output or urdf.with_suffix(".ttl")
     if path.exists() and not force:

@@ -98,8 +98,7 @@ def table(
     with ExitStack() as stack:
         saved = stack.enter_context(SavedVerdicts(Path(save))) if save else None
         if saved:
-            for kitchen in kitchens.split(","):
-                saved.add_twin(load_twin(kitchen, robots.split(",")))
+            _add_twins(saved, kitchens.split(","), robots.split(","))
         bar = stack.enter_context(progress(f"{verb}()", len(cases)))
 
         def report(result: CellResult) -> None:
@@ -120,6 +119,11 @@ def table(
         _print_table(result, objects)
         if save:
             click.echo(f"verdicts as triples: {save}")
+
+
+def _add_twins(saved: SavedVerdicts, kitchens: Sequence[str], robots: Sequence[str]) -> None:
+    for kitchen in kitchens:
+        saved.add_twin(load_twin(kitchen, robots))
 
 
 def _print_table(result: TableResult, objects: Sequence[dict[str, object]]) -> None:

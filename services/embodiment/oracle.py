@@ -16,15 +16,15 @@ from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import UNKNOWN
 from sdt_kg.twin import Container, Twin
+from services.embodiment.body.limb import Margins, make_limb
+from services.embodiment.body.warm import warm
+from services.embodiment.body.world import World
 from services.embodiment.certify.check import Certified, Refused, certify
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.grasp import grasp_settings
-from services.embodiment.limb import Margins, make_limb
+from services.embodiment.hold.grasp import grasp_settings
 from services.embodiment.plan import Planned, Planner, Setting
 from services.embodiment.report import refusal
-from services.embodiment.roads import Roads
-from services.embodiment.warm import warm
-from services.embodiment.world import World
+from services.embodiment.ways.roads import Roads
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics
 

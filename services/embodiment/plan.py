@@ -14,16 +14,16 @@ from sdt_kg.annotation import Drive
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container
-from services.embodiment.approach import Approacher, Blocked
-from services.embodiment.assemble import Assembled, Assembler
-from services.embodiment.fit import fitting
-from services.embodiment.grasp import Grasp, Hand
-from services.embodiment.handle import Bar, Mechanics, find_bar
-from services.embodiment.holding import WAYPOINTS, Holding, Problem, Searcher
-from services.embodiment.limb import Limb, Margins, eased, make_limb, rules
+from services.embodiment.body.limb import Limb, Margins, eased, make_limb, rules
+from services.embodiment.body.world import Rules, World
+from services.embodiment.hold.fit import fitting
+from services.embodiment.hold.grasp import Grasp, Hand
+from services.embodiment.hold.handle import Bar, Mechanics, find_bar
+from services.embodiment.hold.holding import WAYPOINTS, Holding, Problem, Searcher
 from services.embodiment.prove import out_of_reach
-from services.embodiment.roads import Roads, make_roads
-from services.embodiment.world import Rules, World
+from services.embodiment.ways.approach import Approacher, Blocked
+from services.embodiment.ways.assemble import Assembled, Assembler
+from services.embodiment.ways.roads import Roads, make_roads
 
 Array = NDArray[np.float64]
 

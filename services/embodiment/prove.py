@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from predicates.case import Diagnosis, Evidence, Kind, Quantity
 from sdt_kg.iri import local_name
-from services.embodiment.handle import Mechanics
-from services.embodiment.limb import Limb
-from services.embodiment.world import World
+from services.embodiment.body.limb import Limb
+from services.embodiment.body.world import World
+from services.embodiment.hold.handle import Mechanics
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from predicates.case import Diagnosis, Evidence, Kind, Quantity, Search
 from sdt_kg.iri import local_name
+from services.embodiment.body.world import World
 from services.embodiment.plan import Planner
-from services.embodiment.world import World
 
 Pair = tuple[int, int]
 

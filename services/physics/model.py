@@ -12,9 +12,9 @@ from sdt_kg.errors import AnnotationError, UnknownEntityError
 from sdt_kg.iri import Iri, body_iri
 from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, Pose, ShapeType
 from sdt_kg.twin import Twin
-from services.physics.floor import BELOW, floor_box, floor_iri, standing
-from services.physics.hulls import COARSE, FINE
-from services.physics.shapes import solids, surface
+from services.physics.geometry.floor import BELOW, floor_box, floor_iri, standing
+from services.physics.geometry.hulls import COARSE, FINE
+from services.physics.geometry.shapes import solids, surface
 from services.physics.tree import UNIVERSE, Array, Bounds, Indices, Part, add, coupling, se3
 
 BASE_COORDINATES = ("base_x", "base_y", "base_yaw")

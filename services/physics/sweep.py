@@ -16,7 +16,7 @@ import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found throug
 from sdt_kg.iri import Iri, body_iri
 from sdt_kg.mechanism import JointType, Limits, Mechanism
 from sdt_kg.state import State
-from services.physics.pieces import pieces
+from services.physics.geometry.pieces import pieces
 from services.physics.tree import Array, Model, se3
 
 ALLOWANCE = 0.01

@@ -5,13 +5,14 @@ import pinocchio as pin
 import pytest
 
 from sdt_kg.load import load_twin
-from services.embodiment import ik, timing
-from services.embodiment.handle import Mechanics, find_bar
-from services.embodiment.limb import Limb, Margins, make_limb, rules
+from services.embodiment.body import ik
+from services.embodiment.body.limb import Limb, Margins, make_limb, rules
+from services.embodiment.body.track import Base, track
+from services.embodiment.body.world import World
+from services.embodiment.hold.handle import Mechanics, find_bar
 from services.embodiment.prove import span
-from services.embodiment.timing import Bound
-from services.embodiment.track import Base, track
-from services.embodiment.world import World
+from services.embodiment.ways import timing
+from services.embodiment.ways.timing import Bound
 from services.physics.model import Scene
 
 pytestmark = pytest.mark.oracle

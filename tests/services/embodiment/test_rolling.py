@@ -9,14 +9,14 @@ from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.state import Interval, Region
 from sdt_kg.task import Task, Verb
-from services.embodiment import ik
+from services.embodiment.body import ik
+from services.embodiment.body.limb import BASE, Limb, make_limb
+from services.embodiment.body.rolling import EXACT, LONGEST, arc, arc_jacobian, roll, telescope
+from services.embodiment.body.track import Base, bases, mobility, track
+from services.embodiment.body.world import World
 from services.embodiment.certify.check import Certified, certify
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.limb import BASE, Limb, make_limb
 from services.embodiment.oracle import WholeBody
-from services.embodiment.rolling import EXACT, LONGEST, arc, arc_jacobian, roll, telescope
-from services.embodiment.track import Base, bases, mobility, track
-from services.embodiment.world import World
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics
 
@@ -177,7 +177,7 @@ def test_stretch_opens_a_drawer_and_a_door_on_its_real_wheels(name: str) -> None
 def test_a_door_opened_while_the_base_drives_and_turns_is_certified(
     robot: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("services.embodiment.holding.bases", lambda drive, turning: (Base.ROLLS,))
+    monkeypatch.setattr("services.embodiment.hold.holding.bases", lambda drive, turning: (Base.ROLLS,))
     body, found = certified(robot, "iai_fridge_door")
     follow = body.base[dict(body.phases)["follow"] :]
     assert np.ptp(follow[:, 2]) > 0.01

@@ -16,9 +16,9 @@ from sdt_kg.load import load_twin
 from sdt_kg.mechanism import Body, Geometry, Joint, JointType, Mechanism, Mimic, Pose, ShapeType
 from sdt_kg.twin import Twin
 from sdt_kg.urdf import read_mechanism
-from services.physics.hulls import COARSE, FINE, Fineness, convex_pieces
+from services.physics.geometry.hulls import COARSE, FINE, Fineness, convex_pieces
+from services.physics.geometry.shapes import solids, surface
 from services.physics.model import Scene, exempt_pairs
-from services.physics.shapes import solids, surface
 from services.physics.tree import Model, build
 
 pytestmark = pytest.mark.oracle

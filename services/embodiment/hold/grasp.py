@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.iri import joint_iri
-from services.embodiment.handle import Bar
-from services.embodiment.limb import Limb
-from services.embodiment.world import World
+from services.embodiment.body.limb import Limb
+from services.embodiment.body.world import World
+from services.embodiment.hold.handle import Bar
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]

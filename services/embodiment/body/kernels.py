@@ -1,6 +1,6 @@
 """Compiled inner loops: forward kinematics of the scene and separation of oriented boxes.
 
-Plain arrays in and out; `services.embodiment.world` gives them meaning. Poses are a rotation
+Plain arrays in and out; `services.embodiment.body.world` gives them meaning. Poses are a rotation
 (3, 3) and a translation (3,) in the world frame. Box separation is exact for boxes but for the
 margin, where it errs towards "too near".
 """

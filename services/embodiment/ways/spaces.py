@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
-from services.embodiment.limb import BASE, Limb
-from services.embodiment.paths import between
-from services.embodiment.world import Rules, World
+from services.embodiment.body.limb import BASE, Limb
+from services.embodiment.body.world import Rules, World
+from services.embodiment.ways.paths import between
 
 Array = NDArray[np.float64]
 

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
-from services.embodiment.grasp import Hand
-from services.embodiment.holding import Holding, Problem
-from services.embodiment.limb import BASE
-from services.embodiment.paths import between, connect
-from services.embodiment.roads import Roads
-from services.embodiment.spaces import ArmSpace, reaches
-from services.embodiment.track import bases, track
-from services.embodiment.world import Contact, Rules
+from services.embodiment.body.limb import BASE
+from services.embodiment.body.track import bases, track
+from services.embodiment.body.world import Contact, Rules
+from services.embodiment.hold.grasp import Hand
+from services.embodiment.hold.holding import Holding, Problem
+from services.embodiment.ways.paths import between, connect
+from services.embodiment.ways.roads import Roads
+from services.embodiment.ways.spaces import ArmSpace, reaches
 
 Array = NDArray[np.float64]
 

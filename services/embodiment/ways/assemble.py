@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
-from services.embodiment import timing
-from services.embodiment.approach import Approach
-from services.embodiment.holding import Holding, Problem
-from services.embodiment.limb import BASE, Limb
-from services.embodiment.spaces import reaches
-from services.embodiment.timing import Bound, Followed, Timed
-from services.embodiment.world import World
+from services.embodiment.body.limb import BASE, Limb
+from services.embodiment.body.world import World
+from services.embodiment.hold.holding import Holding, Problem
+from services.embodiment.ways import timing
+from services.embodiment.ways.approach import Approach
+from services.embodiment.ways.spaces import reaches
+from services.embodiment.ways.timing import Bound, Followed, Timed
 
 Array = NDArray[np.float64]
 

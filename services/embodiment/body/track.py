@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
-from services.embodiment import ik
-from services.embodiment.limb import BASE, Limb
-from services.embodiment.rolling import roll
+from services.embodiment.body import ik
+from services.embodiment.body.limb import BASE, Limb
+from services.embodiment.body.rolling import roll
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
 from sdt_kg.mechanism import Joint, JointType, Mechanism
-from services.physics.shapes import solids
+from services.physics.geometry.shapes import solids
 from services.physics.tree import Array, Model, build, se3
 
 SAMPLES = 200

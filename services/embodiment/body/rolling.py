@@ -10,9 +10,9 @@ import numpy as np
 import piqp
 from numpy.typing import NDArray
 
-from services.embodiment import ik
-from services.embodiment.kernels import REVOLUTE
-from services.embodiment.limb import BASE, Limb
+from services.embodiment.body import ik
+from services.embodiment.body.kernels import REVOLUTE
+from services.embodiment.body.limb import BASE, Limb
 
 Array = NDArray[np.float64]
 

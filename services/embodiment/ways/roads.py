@@ -14,9 +14,9 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from sdt_kg.annotation import Drive
-from services.embodiment.limb import Limb
-from services.embodiment.spaces import DriveSpace
-from services.embodiment.world import Rules, World
+from services.embodiment.body.limb import Limb
+from services.embodiment.body.world import Rules, World
+from services.embodiment.ways.spaces import DriveSpace
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.twin import Container
-from services.embodiment.world import World
+from services.embodiment.body.world import World
 
 Array = NDArray[np.float64]
 

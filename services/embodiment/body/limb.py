@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from sdt_kg.annotation import Gripper
 from sdt_kg.iri import body_iri, joint_iri
-from services.embodiment import ik
-from services.embodiment.world import MAY_TOUCH, Rules, World
+from services.embodiment.body import ik
+from services.embodiment.body.world import MAY_TOUCH, Rules, World
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]

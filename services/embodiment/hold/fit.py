@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment import kernels
-from services.embodiment.grasp import Grasp, Hand, grasp_set
-from services.embodiment.handle import Bar
-from services.embodiment.holding import Problem
-from services.embodiment.world import Contact, Rules, World
+from services.embodiment.body import kernels
+from services.embodiment.body.world import Contact, Rules, World
+from services.embodiment.hold.grasp import Grasp, Hand, grasp_set
+from services.embodiment.hold.handle import Bar
+from services.embodiment.hold.holding import Problem
 
 Array = NDArray[np.float64]
 

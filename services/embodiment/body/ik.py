@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
-from services.embodiment.kernels import REVOLUTE, matmul, rotation
+from services.embodiment.body.kernels import REVOLUTE, matmul, rotation
 
 ARM = 0.2  # [m] what one radian of orientation error counts as
 DAMPING = 1e-3  # [1] of the squared error, floor below

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from services.embodiment import ik, kernels
-from services.embodiment.limb import Limb, Margins, rules
-from services.embodiment.world import World
+from services.embodiment.body import ik, kernels
+from services.embodiment.body.limb import Limb, Margins, rules
+from services.embodiment.body.world import World
 
 
 def warm(world: World, limb: Limb) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.iri import Iri
 from sdt_kg.mechanism import JointType
-from services.embodiment import kernels
+from services.embodiment.body import kernels
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, ShapeType
-from services.physics.hulls import COARSE, Fineness, convex_pieces
+from services.physics.geometry.hulls import COARSE, Fineness, convex_pieces
 
 FLAT = 1e-6  # [m] a mesh thinner than this has no volume: qhull crashes on it
 PADDING = 1e-4  # [m] how far the hull of a flat mesh stands out on both sides

@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
 from sdt_kg.mechanism import Geometry, ShapeType
-from services.physics.shapes import hull, surface
+from services.physics.geometry.shapes import hull, surface
 
 Array = NDArray[np.float64]
 

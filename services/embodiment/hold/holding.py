@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
-from services.embodiment import ik
-from services.embodiment.grasp import Grasp
-from services.embodiment.handle import Mechanics
-from services.embodiment.limb import BASE, Limb
-from services.embodiment.rolling import telescope
-from services.embodiment.track import EXACT, Base, bases, mobility, track
-from services.embodiment.world import Contact, Rules, World
+from services.embodiment.body import ik
+from services.embodiment.body.limb import BASE, Limb
+from services.embodiment.body.rolling import telescope
+from services.embodiment.body.track import EXACT, Base, bases, mobility, track
+from services.embodiment.body.world import Contact, Rules, World
+from services.embodiment.hold.grasp import Grasp
+from services.embodiment.hold.handle import Mechanics
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,1 @@
+"""A robot as planning moves it: limbs, inverse kinematics, collision checks."""
