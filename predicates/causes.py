@@ -53,7 +53,8 @@ def _verified(case: Case, motion: Motion, physics: Physics) -> Answer:
     if isinstance(case.task, Task):
         for task, container in tasks_meant(case):
             diagnoses += _nothing_to_cause(case, task, container)
-    diagnoses += _missed(case.final, replayed.final)
+    certain = all(each.proof for each in replayed.violations)
+    diagnoses += _missed(case.final, replayed.final, proof=certain)
     solved = replace(case, motion=replayed.motion, final=replayed.final)
     return Answer(solved, holds=not diagnoses, diagnoses=tuple(diagnoses))
 
@@ -89,7 +90,7 @@ def _generated(case: Case, goal: Region, physics: Physics) -> Answer:
     """The best motion into the goal, which replay must confirm."""
     for motion in physics.generate(case.twin, goal):
         replayed = physics.replay(case.twin, motion)
-        diagnoses = replayed.violations + _missed(goal, replayed.final)
+        diagnoses = replayed.violations + _missed(goal, replayed.final, proof=False)
         solved = replace(case, motion=replayed.motion, final=replayed.final)
         return Answer(solved, holds=not diagnoses, diagnoses=diagnoses)
     reason = "the physics found no motion into the goal"
@@ -108,8 +109,8 @@ def _nothing_to_cause(case: Case, task: Task, container: Container) -> Iterator[
     yield Diagnosis(Kind.CAUSAL, reason, evidence, proof=True)
 
 
-def _missed(goal: object, final: State) -> tuple[Diagnosis, ...]:
-    """Where the final state lies outside the goal, if a goal is known."""
+def _missed(goal: object, final: State, *, proof: bool) -> tuple[Diagnosis, ...]:
+    """Where the final state lies outside the goal, if one is known; proved only if that state is certain."""
     if isinstance(goal, State):
         near = {joint: Interval(p - STATE_TOLERANCE, p + STATE_TOLERANCE) for joint, p in goal.items()}
         goal = Region(tuple(near.items()))
@@ -120,7 +121,7 @@ def _missed(goal: object, final: State) -> tuple[Diagnosis, ...]:
         Diagnosis(
             Kind.CAUSAL,
             f"{local_name(joint)} ends at {final[joint]:.4g}, not in {_text(interval)}",
-            proof=True,
+            proof=proof,
         )
         for joint, interval in missed
     )

@@ -58,6 +58,7 @@ def _judged(question: Question, physics: Physics, embodiment: Embodiment | None)
         if _is_new(performed, case):
             caused = _executed(performed, physics)
             satisfied = _satisfied(caused.case, container)
+        satisfied = _as_sure_as(caused, satisfied)
     inputs = inputs_of(question.asked, physics, embodiment)
     return _verdict(case, (satisfied, caused, performed), began, inputs)
 
@@ -82,6 +83,14 @@ def _satisfied(case: Case, container: Container | None) -> Answer | None:
     else:
         reason = "the motion meets no request that was not met before"
     return Answer(case, holds=False, diagnoses=(Diagnosis(Kind.SEMANTIC, reason, proof=True),))
+
+
+def _as_sure_as(caused: Answer | None, satisfied: Answer | None) -> Answer | None:
+    """SatisfiesRequest about a state that Φ is not sure of (stopped by outer shapes) proves nothing."""
+    if satisfied is None or caused is None or all(each.proof for each in caused.diagnoses):
+        return satisfied
+    unsure = tuple(replace(each, proof=False) for each in satisfied.diagnoses)
+    return replace(satisfied, diagnoses=unsure)
 
 
 def _performed(case: Case, embodiment: Embodiment | None) -> Answer | None:

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from predicates.case import Answer, Case, Kind, Quantity
+from predicates.case import Answer, Case, Kind, Outcome, Quantity
 from predicates.causes import causes
+from predicates.law import law
 from sdt_kg.iri import SDT
 from sdt_kg.load import load_twin
 from sdt_kg.state import State
@@ -106,3 +107,13 @@ def test_an_obstacle_of_an_edited_twin_is_seen(tmp_path: Path) -> None:
     )[1]
     assert asked(twin, "drawer").holds
     assert not asked(twin.with_edit(str(row["shape"]), sizeX=0.9), "drawer").holds
+
+
+def test_a_stop_found_with_outer_shapes_proves_nothing() -> None:
+    twin = load_twin("a")
+    task = Task(Verb.OPEN, twin.container("dishwasher_drawer_middle").iri)
+    (verdict,) = law(Case(twin, task=task), Kinematics())
+    assert verdict.outcome is Outcome.NOT_CERTIFIED
+    kinds = {(each.kind, each.proof) for each in verdict.diagnoses}
+    assert {(Kind.SEMANTIC, False), (Kind.CAUSAL, False)} <= kinds
+    assert True not in {proof for _, proof in kinds}
