@@ -9,7 +9,7 @@ from predicates.oracle import Physics
 from predicates.satisfies_request import demanded, met_requests, threshold
 from predicates.scope import out_of_scope
 from sdt_kg.errors import NoModeError
-from sdt_kg.iri import local_name
+from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import Motion
 from sdt_kg.state import Interval, Region, State
 from sdt_kg.task import Task
@@ -54,7 +54,7 @@ def _verified(case: Case, motion: Motion, physics: Physics) -> Answer:
         for task, container in tasks_meant(case):
             diagnoses += _nothing_to_cause(case, task, container)
     certain = all(each.proof for each in replayed.violations)
-    diagnoses += _missed(case.final, replayed.final, proof=certain)
+    diagnoses += _missed(case, case.final, replayed.final, proof=certain)
     solved = replace(case, motion=replayed.motion, final=replayed.final)
     return Answer(solved, holds=not diagnoses, diagnoses=tuple(diagnoses))
 
@@ -90,7 +90,7 @@ def _generated(case: Case, goal: Region, physics: Physics) -> Answer:
     """The best motion into the goal, which replay must confirm."""
     for motion in physics.generate(case.twin, goal):
         replayed = physics.replay(case.twin, motion)
-        diagnoses = replayed.violations + _missed(goal, replayed.final, proof=False)
+        diagnoses = replayed.violations + _missed(case, goal, replayed.final, proof=False)
         solved = replace(case, motion=replayed.motion, final=replayed.final)
         return Answer(solved, holds=not diagnoses, diagnoses=diagnoses)
     reason = "the physics found no motion into the goal"
@@ -109,7 +109,7 @@ def _nothing_to_cause(case: Case, task: Task, container: Container) -> Iterator[
     yield Diagnosis(Kind.CAUSAL, reason, evidence, proof=True)
 
 
-def _missed(goal: object, final: State, *, proof: bool) -> tuple[Diagnosis, ...]:
+def _missed(case: Case, goal: object, final: State, *, proof: bool) -> tuple[Diagnosis, ...]:
     """Where the final state lies outside the goal, if one is known; proved only if that state is certain."""
     if isinstance(goal, State):
         near = {joint: Interval(p - STATE_TOLERANCE, p + STATE_TOLERANCE) for joint, p in goal.items()}
@@ -117,14 +117,16 @@ def _missed(goal: object, final: State, *, proof: bool) -> tuple[Diagnosis, ...]
     if not isinstance(goal, Region):
         return ()
     missed = [(joint, interval) for joint, interval in goal.intervals if final[joint] not in interval]
-    return tuple(
-        Diagnosis(
-            Kind.CAUSAL,
-            f"{local_name(joint)} ends at {final[joint]:.4g}, not in {_text(interval)}",
-            proof=proof,
-        )
-        for joint, interval in missed
-    )
+    return tuple(_outside_goal(case, joint, final[joint], interval, proof) for joint, interval in missed)
+
+
+def _outside_goal(case: Case, joint: Iri, position: float, interval: Interval, proof: bool) -> Diagnosis:
+    moved = moved_by(case.twin, joint)
+    unit = unit_of(case.twin, moved[0]) if moved else "1"
+    bound = interval.lower if position < interval.lower else interval.upper
+    evidence = Evidence(Quantity.POSITION, position, bound, unit, entity=joint)
+    reason = f"{local_name(joint)} ends at {position:.4g}, not in {_text(interval)}"
+    return Diagnosis(Kind.CAUSAL, reason, evidence, proof)
 
 
 def _text(interval: Interval) -> str:

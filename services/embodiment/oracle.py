@@ -120,9 +120,8 @@ class WholeBody:
                 return Answer(found, True, (), self._notes(setting, planned), clock.seconds, outcome.figures)
             rejected.append(outcome.diagnoses)
         search = planner.searched(time.perf_counter() - began)
-        return Answer(
-            case, False, refusal(planner, rejected, search), self._notes(setting, None), clock.seconds
-        )
+        reasons = refusal(planner, rejected, search, self.budget)
+        return Answer(case, False, reasons, self._notes(setting, None), clock.seconds)
 
     def _verified(self, case: Case, world: World, container: Container, clock: Clock) -> Answer:
         at = time.perf_counter()

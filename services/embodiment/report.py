@@ -12,22 +12,29 @@ from services.embodiment.plan import Planner
 Pair = tuple[int, int]
 
 
-def refusal(planner: Planner, rejected: list[tuple[Diagnosis, ...]], search: Search) -> tuple[Diagnosis, ...]:
-    """Why no body motion was found: the stage that was reached last, with the pair most often in contact."""
+def refusal(
+    planner: Planner, rejected: list[tuple[Diagnosis, ...]], search: Search, budget: float
+) -> tuple[Diagnosis, ...]:
+    """Why no body motion was found: the stage that was reached last, with the pair most often in contact.
+
+    Where nothing but the search itself was measured, the evidence is its time against its budget [s].
+    """
     if planner.proof is not None:
         return (planner.proof,)
     if planner.start_contact is not None:
         return (_at_start(planner, *planner.start_contact),)
     stage, counts = _stage(planner, bool(rejected))
-    evidence = _too_fast(planner) or _evidence(planner.setting.world, counts)
+    handle = planner.setting.container.handle
+    spent = Evidence(Quantity.TIME, search.seconds, budget, "s", entity=handle)
+    evidence = _too_fast(planner) or _evidence(planner.setting.world, counts) or spent
     reason = f"no body motion found for {planner.setting.container.name}: {stage}"
-    if evidence is not None and evidence.links is not None:
+    if evidence.links is not None:
         one, other = evidence.links
         reason += f", most often because {local_name(one)} is too near to {local_name(other)}"
     found = [Diagnosis(Kind.EMBODIMENT, reason, evidence, search=search)]
     if planner.late():
         reason = f"the search was stopped after {search.seconds:.1f} s, its budget"
-        found.append(Diagnosis(Kind.EMBODIMENT, reason, search=search))
+        found.append(Diagnosis(Kind.EMBODIMENT, reason, spent, search=search))
     return (*found, *(rejected[-1] if rejected else ()))
 
 

@@ -27,5 +27,7 @@ def test_table1_each_cell_is_at_least_the_papers(table1, kitchen, robot) -> None
 def test_table1_every_refusal_says_why(table1) -> None:
     refused = [each.verdict for each in table1.result.results if each.verdict["outcome"] != "certified"]
     assert [each["container"] for each in refused if not each["diagnoses"]] == []
+    reasons = [each for one in refused for each in one["diagnoses"]]
+    assert [each["reason"] for each in reasons if not each["evidence"]] == []
     searched = [each for one in refused for each in one["diagnoses"] if not each["proof"]]
     assert [each["reason"] for each in searched if each["kind"] == "embodiment" and not each["search"]] == []
