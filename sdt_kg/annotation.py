@@ -97,7 +97,6 @@ class KitchenAnnotation:
     Attributes:
         start: Base pose x, y [m], yaw [rad] in the root frame; robots are then turned to the handle.
         acceleration: Joint name → acceleration limit [rad/s² or m/s²].
-        container_names: Containers it counts, as bodies; empty if the rules alone decide.
     """
 
     kitchen: str

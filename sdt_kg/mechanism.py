@@ -155,7 +155,3 @@ class Mechanism:
     def joint(self, name: str) -> Joint:
         """Joint of that name; KeyError is a bug of ours, input is checked where it enters."""
         return next(joint for joint in self.joints if joint.name == name)
-
-    def parent_joint(self, body: str) -> Joint | None:
-        """Joint which moves the body, or None for the root."""
-        return next((joint for joint in self.joints if joint.child == body), None)

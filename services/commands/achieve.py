@@ -13,6 +13,7 @@ from sdt_kg.errors import InputError
 from sdt_kg.motion import BodyMotion
 from services.app import Policy, load
 from services.commands.options import (
+    KITCHEN_HELP,
     ROBOT_HELP,
     annotation_option,
     budget_option,
@@ -32,7 +33,7 @@ SOME_NOT_EXIT, ABSTAINED_EXIT = 1, 3
 
 
 @click.command()
-@click.option("--kitchen", required=True, help="Bundled kitchen (a, b) or path of a URDF or xacro.")
+@click.option("--kitchen", required=True, help=KITCHEN_HELP)
 @click.option("--robot", required=True, help=ROBOT_HELP)
 @click.option("--task", required=True, metavar="TASK", help="open, close, open:CONTAINER, close:CONTAINER.")
 @click.option(

@@ -13,6 +13,7 @@ from sdt_kg.task import Task
 from services.app import load
 from services.commands.options import json_flag, kitchen_argument, states_option
 from services.commands.show import console, print_json, print_rows
+from services.commands.verdicts import Json
 from services.motion_files import read_motion, write_motion
 from services.store.files import is_saved_graph, query_saved
 
@@ -95,7 +96,7 @@ def causes(
         print_json(rows)
     else:
         for row in rows:
-            row["why"] = "; ".join(str(each["reason"]) for each in row["diagnoses"])  # type: ignore[union-attr]
+            row["why"] = "; ".join(each["reason"] for each in row["diagnoses"])
         print_rows(rows, ("task", "container", "outcome", "start", "end", "duration", "why"), "table")
     _exit(rows)
 
@@ -121,9 +122,9 @@ def _task_row(task: Task) -> dict[str, object]:
     return {"task": task.verb.value, "container": local_name(container)}
 
 
-def _answer_row(answer: Answer) -> dict[str, object]:
+def _answer_row(answer: Answer) -> Json:
     case = answer.case
-    row: dict[str, object] = _task_row(case.task) if isinstance(case.task, Task) else {}
+    row: Json = _task_row(case.task) if isinstance(case.task, Task) else {}
     kinds = {diagnosis.kind.value for diagnosis in answer.diagnoses}
     row["outcome"] = (
         "causes" if answer.holds else ("out_of_scope" if "out_of_scope" in kinds else "does_not_cause")

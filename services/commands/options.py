@@ -1,11 +1,6 @@
 """Options that several subcommands share, each spelled once."""
 
-from collections.abc import Callable
-from typing import Any
-
 import click
-
-Command = Callable[..., Any]  # click's own decorators are typed so
 
 KITCHEN_HELP = "Bundled kitchen (a, b) or path of a URDF or xacro."
 ROBOT_HELP = "Bundled robot (pr2, tiago_dual, stretch) or path of a URDF or xacro."

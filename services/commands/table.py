@@ -20,7 +20,7 @@ from services.commands.options import (
     states_option,
 )
 from services.commands.show import csv_text, print_json, print_rows, progress
-from services.commands.verdicts import diagnosis_text
+from services.commands.verdicts import Json, diagnosis_text
 from services.store.files import SavedVerdicts
 from services.table import CellResult, TableResult, cells, run
 
@@ -143,8 +143,8 @@ def _print_table(result: TableResult, objects: Sequence[dict[str, object]]) -> N
     click.echo(f"\n{len(objects)} verdicts in {result.seconds:.0f} s ({result.cpu_seconds:.0f} s of CPU)")
 
 
-def _row(verdict: dict[str, object]) -> dict[str, object]:
+def _row(verdict: Json) -> Json:
     """A verdict's JSON object on one line."""
-    diagnoses = list(verdict["diagnoses"])  # type: ignore[call-overload]
+    diagnoses = verdict["diagnoses"]
     why = "; ".join(diagnosis_text(each) for each in diagnoses)
     return verdict | {"why": why, "proof": any(each["proof"] for each in diagnoses)}

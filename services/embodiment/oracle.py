@@ -64,6 +64,7 @@ class WholeBody:
     ) -> None:
         self.drive, self.start, self.budget, self.seed = drive, start, budget, seed
         self.tolerances, self.margins = Tolerances(), Margins()
+        self._physics = Kinematics()
         self._compiled = False
         self._worlds: list[tuple[tuple[object, ...], World, dict[str, Roads]]] = []
 
@@ -103,7 +104,7 @@ class WholeBody:
             raise OracleRejectedError("CanPerform was asked without a motion")
         motion = case.motion
         if motion.is_poses:
-            motion = Kinematics().replay(twin, motion).motion
+            motion = self._physics.replay(twin, motion).motion
         drive = self._drive(twin, case.robot)
         setting = Setting(world, container, motion, drive, start, self.margins, case.robot, roads)
         return self._searched(case, setting, clock, began)

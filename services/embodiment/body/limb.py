@@ -18,7 +18,6 @@ from services.physics.model import Scene
 Array = NDArray[np.float64]
 
 BASE = slice(0, 3)
-TURN = np.pi  # [rad] seeds of continuous joints are drawn from −TURN … TURN
 
 
 @dataclass(frozen=True, slots=True, eq=False)

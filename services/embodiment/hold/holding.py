@@ -98,7 +98,6 @@ class Tally:
     grasps: int = 0
     seeds: int = 0
     solved: int = 0
-    posed: int = 0
     paths: int = 0
     broken: int = 0
     contacts: Counter[tuple[str, int, int]] = field(default_factory=Counter[tuple[str, int, int]])
@@ -179,7 +178,6 @@ class Searcher:
         q = self.problem.mechanics.put(self.limb.q(x, rest), self.problem.values[[index]])
         contact = self.world.contact(q, self.rules)
         if contact is None:
-            self.tally.posed += 1
             return True
         self.tally.met("pose", contact)
         return False
