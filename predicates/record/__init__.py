@@ -1,13 +1,16 @@
 """Verdicts as triples and as JSON: what was asked, what was answered, from which inputs."""
 
+from predicates.record.artefacts import read_artefact
 from predicates.record.report import diagnosis_json, to_json
-from predicates.record.stored import StoredVerdict, read_verdicts
+from predicates.record.stored import StoredVerdict, read_verdict, read_verdicts
 from predicates.record.triples import Record, to_record, write
 
 __all__ = [
     "Record",
     "StoredVerdict",
     "diagnosis_json",
+    "read_artefact",
+    "read_verdict",
     "read_verdicts",
     "to_json",
     "to_record",

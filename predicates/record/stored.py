@@ -1,6 +1,6 @@
 """Verdicts as a store holds them: triples → values."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import pyoxigraph as ox
@@ -27,7 +27,16 @@ _OUTCOME = {name: outcome for outcome, name in OUTCOME_TERM.items()}
 
 @dataclass(frozen=True, slots=True)
 class StoredVerdict:
-    """What a store says of one verdict; a collision's two links come in alphabetical order."""
+    """What a store says of one verdict.
+
+    Attributes:
+        satisfies_request: The predicate's answer; None where it was not run.
+        causes: None where it was not run.
+        can_perform: None where it was not run.
+        diagnoses: A collision's two links come in alphabetical order.
+        notes: In alphabetical order.
+        figures: Certified margins: name → (value, unit).
+    """
 
     iri: Iri
     outcome: Outcome
@@ -35,7 +44,12 @@ class StoredVerdict:
     robot: Iri | None
     verb: Verb | None
     container: Iri | None
+    satisfies_request: bool | None
+    causes: bool | None
+    can_perform: bool | None
     diagnoses: tuple[Diagnosis, ...]
+    notes: tuple[str, ...]
+    figures: dict[str, tuple[float, str]]
     inputs: tuple[tuple[str, str], ...]
     seconds: float
 
@@ -49,15 +63,20 @@ def read_verdicts(store: ox.Store) -> Iterator[StoredVerdict]:
         if isinstance(quad.subject, ox.NamedNode)
     }
     for iri, graph in sorted(found.items()):
-        yield _verdict(_Facts(store, graph), iri)
+        yield read_verdict(store.quads_for_pattern(None, None, None, graph), iri)
+
+
+def read_verdict(quads: Iterable[ox.Quad], iri: Iri) -> StoredVerdict:
+    """The verdict of this IRI, whose graph these quads are."""
+    return _verdict(_Facts(quads), iri)
 
 
 class _Facts:
     """Values of the properties of one verdict's graph."""
 
-    def __init__(self, store: ox.Store, graph: ox.NamedNode | ox.BlankNode | ox.DefaultGraph) -> None:
+    def __init__(self, quads: Iterable[ox.Quad]) -> None:
         self._values: dict[tuple[str, str], list[Value]] = {}
-        for quad in store.quads_for_pattern(None, None, None, graph):
+        for quad in quads:
             assert isinstance(quad.subject, ox.NamedNode), "no blank nodes in data"
             key = (quad.subject.value, quad.predicate.value)
             self._values.setdefault(key, []).append(value_of(quad.object))
@@ -68,6 +87,10 @@ class _Facts:
 
     def text(self, subject: Iri, name: Iri) -> str | None:
         return next(iter(self.all(subject, name)), None)
+
+    def truth(self, subject: Iri, name: Iri) -> bool | None:
+        value = next(iter(self._values.get((subject, name), [])), None)
+        return value if isinstance(value, bool) else None
 
     def number(self, subject: Iri, name: Iri) -> float | None:
         value = next(iter(self._values.get((subject, name), [])), None)
@@ -95,10 +118,21 @@ def _verdict(facts: _Facts, iri: Iri) -> StoredVerdict:
         robot=facts.text(iri, LAW + "robot"),
         verb=Verb(local_name(verb).lower()) if verb else None,
         container=facts.text(iri, LAW + "container"),
+        satisfies_request=facts.truth(iri, LAW + "satisfiesRequest"),
+        causes=facts.truth(iri, LAW + "causes"),
+        can_perform=facts.truth(iri, LAW + "canPerform"),
         diagnoses=tuple(_diagnosis(facts, each) for each in facts.all(iri, LAW + "diagnosis")),
+        notes=tuple(facts.all(iri, LAW + "note")),
+        figures=dict(_figure(facts, each) for each in facts.all(iri, LAW + "figure")),
         inputs=tuple((facts.needed(of, LAW + "name"), facts.needed(of, LAW + "inputHash")) for of in used),
         seconds=facts.number(iri, LAW + "seconds") or 0.0,
     )
+
+
+def _figure(facts: _Facts, of: Iri) -> tuple[str, tuple[float, str]]:
+    value = facts.number(of, LAW + "value")
+    assert value is not None, "a figure without value"
+    return facts.needed(of, LAW + "name"), (value, facts.needed(of, LAW + "unit"))
 
 
 def _diagnosis(facts: _Facts, of: Iri) -> Diagnosis:
@@ -106,7 +140,7 @@ def _diagnosis(facts: _Facts, of: Iri) -> Diagnosis:
         kind=_KIND[local_name(facts.needed(of, RDF + "type"))],
         reason=facts.needed(of, LAW + "reason"),
         evidence=_evidence(facts, of) if facts.text(of, LAW + "quantity") else None,
-        proof=facts.text(of, LAW + "proof") == "True",
+        proof=facts.truth(of, LAW + "proof") is True,
         search=_search(facts, of),
     )
 
