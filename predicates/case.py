@@ -112,6 +112,25 @@ class Diagnosis:
     search: Search | None = None
 
 
+class ArtefactKind(Enum):
+    """What an artefact lets others re-verify."""
+
+    CERTIFICATE = "certificate"
+    PROOF = "proof"
+
+
+@dataclass(frozen=True, slots=True)
+class Artefact:
+    """What an oracle hands over so that its answer can be re-verified without it.
+
+    Attributes:
+        content: Describes itself: JSON with its `schema`, or such a JSON compressed by zlib.
+    """
+
+    kind: ArtefactKind
+    content: bytes
+
+
 @dataclass(frozen=True, slots=True)
 class Answer:
     """One answer of a relation: a case with more known, or a refusal.
@@ -123,6 +142,7 @@ class Answer:
         notes: What a reader should know of how it was found (base policy, margins, time split).
         seconds: Name of a step → seconds spent in it.
         figures: Certified margins: name → (value, unit); empty where nothing was certified.
+        artefact: What re-verifies the answer, where the oracle gives one.
     """
 
     case: Case
@@ -131,6 +151,7 @@ class Answer:
     notes: tuple[str, ...] = ()
     seconds: dict[str, float] = field(default_factory=dict[str, float])
     figures: dict[str, tuple[float, str]] = field(default_factory=dict[str, tuple[float, str]])
+    artefact: Artefact | None = None
 
 
 class Outcome(Enum):

@@ -1,13 +1,13 @@
 """Verdicts → triples: PROV-O and law:, in a named graph for each verdict."""
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import pyoxigraph as ox
 
 from predicates.case import Diagnosis, Evidence, Verdict
-from predicates.record.inputs import BUDGET_INPUT
+from predicates.record.artefacts import artefact_triples
+from predicates.record.recall import budget_of
 from predicates.record.report import answers, drive, figures, gripper, notes
 from predicates.record.stored import DIAGNOSIS_CLASS, OUTCOME_TERM
 from predicates.scope import verb_iri
@@ -43,7 +43,7 @@ class Record:
 def to_record(verdict: Verdict) -> Record:
     """The verdict as PROV-O and law: triples, no blank nodes."""
     key = local_name(verdict.iri)
-    triples = (*_verdict(verdict), *_case(verdict), *_provenance(verdict))
+    triples = (*_verdict(verdict), *_case(verdict), *_provenance(verdict), *artefact_triples(verdict))
     return Record(verdict.iri, graph_iri("verdict", key), triples)
 
 
@@ -182,16 +182,13 @@ def _searched(quads: list[ox.Quad]) -> bool:
 
 
 def _budget(quads: list[ox.Quad]) -> float:
-    """Seconds that the search was allowed; infinite where it had no bound."""
-    named = (ox.NamedNode(LAW + "name"), ox.Literal(BUDGET_INPUT))
-    inputs = {quad.subject for quad in quads if (quad.predicate, quad.object) == named}
-    values = (
-        quad.object.value
-        for quad in quads
-        if quad.subject in inputs and quad.predicate == ox.NamedNode(LAW + "inputHash")
-        if isinstance(quad.object, ox.Literal)
-    )
-    return min((float(value.removesuffix(" s")) for value in values), default=math.inf)
+    """[s] Seconds that the search was allowed; infinite where it had no bound."""
+    texts: dict[str, dict[str, str]] = {}
+    for quad in quads:
+        if isinstance(quad.subject, ox.NamedNode) and isinstance(quad.object, ox.Literal):
+            texts.setdefault(quad.subject.value, {})[quad.predicate.value] = quad.object.value
+    inputs = [each for each in texts.values() if LAW + "inputHash" in each]
+    return budget_of(tuple((each[LAW + "name"], each[LAW + "inputHash"]) for each in inputs))
 
 
 def _same_claims(stored: list[ox.Quad], fresh: list[ox.Quad]) -> bool:
