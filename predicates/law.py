@@ -11,7 +11,8 @@ from predicates.causes import causes
 from predicates.meant import moved_by
 from predicates.oracle import Embodiment, Physics
 from predicates.questions import Question, questions, with_carried
-from predicates.record.inputs import inputs_of, verdict_iri
+from predicates.record.inputs import Inputs, inputs_of, verdict_iri
+from predicates.record.recall import Recall, answers_again, nothing_stored, recalled
 from predicates.satisfies_request import satisfies_request
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.motion import BodyMotion, Motion
@@ -25,7 +26,9 @@ Answers = tuple[Answer | None, Answer | None, Answer | None]
 NOT_ASKED = Diagnosis(Kind.EMBODIMENT, "no robot was asked, so CanPerform is open")
 
 
-def law(case: Case, physics: Physics, embodiment: Embodiment | None = None) -> Iterator[Verdict]:
+def law(
+    case: Case, physics: Physics, embodiment: Embodiment | None = None, recall: Recall = nothing_stored
+) -> Iterator[Verdict]:
     r"""Eq. (4): :math:`SatisfiesRequest \wedge Causes \wedge CanPerform \Rightarrow CanAchieve`.
 
     Modes: (+task, -motion) generation; (+task, +motion) or (+task, +body_motion) verification, in
@@ -35,7 +38,8 @@ def law(case: Case, physics: Physics, embodiment: Embodiment | None = None) -> I
     Robot unknown: one verdict for each robot of the twin, if there is an embodiment to ask.
 
     Whatever can run, runs, also after a refusal: a verdict names every reason. Outside the scope
-    of D nothing runs and the Law abstains.
+    of D nothing runs and the Law abstains. What `recall` has under the verdict's IRI is not judged
+    again, but for a refusal that a longer search may overturn.
 
     Raises:
         NoModeError: Task and motion are both unknown.
@@ -43,10 +47,15 @@ def law(case: Case, physics: Physics, embodiment: Embodiment | None = None) -> I
         OracleUnavailableError: An oracle did not answer: there is no verdict.
     """
     for question in questions(case, physics, embodiment):
-        yield _judged(question, physics, embodiment)
+        inputs = inputs_of(question.asked, physics, embodiment)
+        stored = recall(verdict_iri(inputs))
+        if stored is not None and answers_again(stored, inputs):
+            yield recalled(stored, question.asked, inputs)
+        else:
+            yield _judged(question, physics, embodiment, inputs)
 
 
-def _judged(question: Question, physics: Physics, embodiment: Embodiment | None) -> Verdict:
+def _judged(question: Question, physics: Physics, embodiment: Embodiment | None, inputs: Inputs) -> Verdict:
     """Three answers about one question, and what follows from them."""
     began = time.perf_counter()
     case, container = question.case, question.container
@@ -59,7 +68,6 @@ def _judged(question: Question, physics: Physics, embodiment: Embodiment | None)
             caused = _executed(performed, physics)
             satisfied = _satisfied(caused.case, container)
         satisfied = _as_sure_as(caused, satisfied)
-    inputs = inputs_of(question.asked, physics, embodiment)
     return _verdict(case, (satisfied, caused, performed), began, inputs)
 
 
@@ -127,7 +135,7 @@ def _executed(performed: Answer, physics: Physics) -> Answer:
     return next(causes(case, physics))
 
 
-def _verdict(asked: Case, answers: Answers, began: float, inputs: tuple[tuple[str, str], ...]) -> Verdict:
+def _verdict(asked: Case, answers: Answers, began: float, inputs: Inputs) -> Verdict:
     """What the answers add up to."""
     satisfied, caused, performed = answers
     diagnoses = [each for answer in answers if answer is not None for each in answer.diagnoses]
