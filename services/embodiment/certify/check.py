@@ -12,13 +12,13 @@ from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.collisions import collisions
 from services.embodiment.certify.findings import Findings
-from services.embodiment.certify.hold import Hold, begin
-from services.embodiment.certify.kinematics import joint_axes
+from services.embodiment.certify.held.hold import Hold, begin
 from services.embodiment.certify.limits import drive_limits, joint_limits, kitchen_keeps
 from services.embodiment.certify.motion import rests, whole_motion
 from services.embodiment.certify.motion import start as starts
-from services.embodiment.certify.pieces import Pieces
-from services.embodiment.certify.subject import Subject, subject
+from services.embodiment.certify.sweep.kinematics import joint_axes
+from services.embodiment.certify.sweep.pieces import Pieces
+from services.embodiment.certify.sweep.subject import Subject, subject
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
 

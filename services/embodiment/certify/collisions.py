@@ -5,10 +5,10 @@ from numpy.typing import NDArray
 
 from predicates.case import Evidence, Quantity
 from sdt_kg.iri import local_name
-from services.embodiment.certify.clearance import NEAR, Distance, Pairs, Sweep
 from services.embodiment.certify.findings import Findings, Violation
-from services.embodiment.certify.hold import Hold
-from services.embodiment.certify.subject import Subject
+from services.embodiment.certify.held.hold import Hold
+from services.embodiment.certify.sweep.clearance import NEAR, Distance, Pairs, Sweep
+from services.embodiment.certify.sweep.subject import Subject
 from services.physics.model import Scene
 
 Indices = NDArray[np.intp]

@@ -10,8 +10,8 @@ from sdt_kg.annotation import Drive
 from sdt_kg.iri import local_name
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
-from services.embodiment.certify.kinematics import joint_axes
-from services.embodiment.certify.pieces import Pieces, accelerations, positions, velocities
+from services.embodiment.certify.sweep.kinematics import joint_axes
+from services.embodiment.certify.sweep.pieces import Pieces, accelerations, positions, velocities
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
 from services.physics.tree import Bounds

@@ -12,8 +12,8 @@ from sdt_kg.errors import MotionError, UnknownEntityError
 from sdt_kg.iri import joint_iri, local_name
 from sdt_kg.motion import BodyMotion
 from services.embodiment.certify.findings import Findings, Violation
-from services.embodiment.certify.kinematics import joint_axes
-from services.embodiment.certify.pieces import Pieces, hermite, positions
+from services.embodiment.certify.sweep.kinematics import joint_axes
+from services.embodiment.certify.sweep.pieces import Pieces, hermite, positions
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
 

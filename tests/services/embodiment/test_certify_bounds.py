@@ -13,10 +13,10 @@ from scipy.spatial.transform import Rotation
 from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from services.embodiment.certify import Tolerances
-from services.embodiment.certify.clearance import NEAR, PRECISION, Pairs, Sweep
-from services.embodiment.certify.kinematics import Of
 from services.embodiment.certify.motion import whole_motion
-from services.embodiment.certify.pieces import (
+from services.embodiment.certify.sweep.clearance import NEAR, PRECISION, Pairs, Sweep
+from services.embodiment.certify.sweep.kinematics import Of
+from services.embodiment.certify.sweep.pieces import (
     Pieces,
     Timeline,
     accelerations,
@@ -24,7 +24,7 @@ from services.embodiment.certify.pieces import (
     positions,
     velocities,
 )
-from services.embodiment.certify.subject import Subject, subject
+from services.embodiment.certify.sweep.subject import Subject, subject
 from services.physics.model import Scene
 
 pytestmark = pytest.mark.oracle

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from services.embodiment.certify.kinematics import Kinematics
-from services.embodiment.certify.pieces import Pieces, Timeline
-from services.embodiment.certify.shapes import Shapes
+from services.embodiment.certify.sweep.kinematics import Kinematics
+from services.embodiment.certify.sweep.pieces import Pieces, Timeline
+from services.embodiment.certify.sweep.shapes import Shapes
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
 

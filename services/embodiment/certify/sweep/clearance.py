@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.errors import OracleRejectedError
-from services.embodiment.certify.kinematics import WORLD, Kinematics, Of, Placed
-from services.embodiment.certify.pieces import Spans, Timeline
-from services.embodiment.certify.shapes import Shapes
+from services.embodiment.certify.sweep.kinematics import WORLD, Kinematics, Of, Placed
+from services.embodiment.certify.sweep.pieces import Spans, Timeline
+from services.embodiment.certify.sweep.shapes import Shapes
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

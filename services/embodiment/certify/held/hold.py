@@ -10,10 +10,10 @@ from sdt_kg.annotation import Gripper
 from sdt_kg.iri import Iri, body_iri, local_name
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
-from services.embodiment.certify.grip import NOTHING, Grip, Pinch
-from services.embodiment.certify.kinematics import Of, Placed
-from services.embodiment.certify.pieces import Pieces, positions
-from services.embodiment.certify.subject import Subject
+from services.embodiment.certify.held.grip import NOTHING, Grip, Pinch
+from services.embodiment.certify.sweep.kinematics import Of, Placed
+from services.embodiment.certify.sweep.pieces import Pieces, positions
+from services.embodiment.certify.sweep.subject import Subject
 from services.physics.model import Scene
 from services.physics.tree import se3
 

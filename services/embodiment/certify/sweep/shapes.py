@@ -6,7 +6,7 @@ import coal  # pyright: ignore[reportMissingImports]  # found through a .pth fil
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment.certify.kinematics import Kinematics, Placed
+from services.embodiment.certify.sweep.kinematics import Kinematics, Placed
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.iri import Iri
-from services.embodiment.certify.kinematics import Placed
-from services.embodiment.certify.shapes import Shapes
+from services.embodiment.certify.sweep.kinematics import Placed
+from services.embodiment.certify.sweep.shapes import Shapes
 from services.embodiment.certify.tolerances import Tolerances
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.mechanism import JointType
-from services.embodiment.certify.pieces import Spans
+from services.embodiment.certify.sweep.pieces import Spans
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]

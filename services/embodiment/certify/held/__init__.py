@@ -1,0 +1,1 @@
+"""Whether a gripper has the handle between its fingers, and keeps it."""

@@ -1,0 +1,1 @@
+"""Bodies along the motion, between samples too: pieces, kinematics, shapes, distances."""
