@@ -5,6 +5,7 @@ from enum import Enum
 
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.scope import Violation
 from sdt_kg.state import Region, State
 from sdt_kg.task import UNKNOWN, Task, Unknown
 from sdt_kg.twin import Twin
@@ -103,6 +104,7 @@ class Diagnosis:
         proof: True only where infeasibility is shown by a sound bound; a search that gave up
             is no proof.
         search: What was tried, for a search that gave up.
+        violation: The SHACL result, for a case out of scope.
     """
 
     kind: Kind
@@ -110,6 +112,7 @@ class Diagnosis:
     evidence: Evidence | None = None
     proof: bool = False
     search: Search | None = None
+    violation: Violation | None = None
 
 
 class ArtefactKind(Enum):

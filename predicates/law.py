@@ -75,7 +75,14 @@ def _caused(case: Case, physics: Physics) -> Answer | None:
     """The answer of Causes; None for a body motion which moves no container."""
     if case.motion is UNKNOWN and case.body_motion is not UNKNOWN:
         return None
-    return next(causes(case, physics))
+    return _timed("causes", causes(case, physics))
+
+
+def _timed(step: str, answers: Iterator[Answer]) -> Answer:
+    """The first answer, with the seconds that it took, unless it divides them into steps itself."""
+    began = time.perf_counter()
+    answer = next(answers)
+    return replace(answer, seconds=answer.seconds or {step: time.perf_counter() - began})
 
 
 def _outside(answer: Answer) -> bool:
@@ -85,7 +92,8 @@ def _outside(answer: Answer) -> bool:
 def _satisfied(case: Case, container: Container | None) -> Answer | None:
     """The answer of SatisfiesRequest about the final state, so far as there is one."""
     if container is not None:
-        return next(satisfies_request(case)) if isinstance(case.final, State | Region) else None
+        known = isinstance(case.final, State | Region)
+        return _timed("satisfies request", satisfies_request(case)) if known else None
     if isinstance(case.task, Task):
         reason = f"the motion moves no container, so nothing is {case.task.verb.value} that was not before"
     else:
@@ -113,7 +121,8 @@ def _performed(case: Case, embodiment: Embodiment | None) -> Answer | None:
     if not moved:
         return None
     about = isinstance(case.task, Task) and case.task.container in {each.iri for each in moved}
-    answer = next(can_perform(case if about else replace(case, task=UNKNOWN), embodiment))
+    answers = can_perform(case if about else replace(case, task=UNKNOWN), embodiment)
+    answer = _timed("can perform", answers)
     return replace(answer, case=replace(answer.case, task=case.task))
 
 
@@ -132,7 +141,7 @@ def _executed(performed: Answer, physics: Physics) -> Answer:
         raise OracleRejectedError("CanPerform holds, but the embodiment oracle gave no body motion")
     container = moved_by(performed.case.twin, motion.of)[0]
     case = with_carried(replace(performed.case, final=UNKNOWN), body_motion, container, physics)
-    return next(causes(case, physics))
+    return _timed("causes", causes(case, physics))
 
 
 def _verdict(asked: Case, answers: Answers, began: float, inputs: Inputs) -> Verdict:

@@ -35,7 +35,7 @@ def _diagnosis(violation: Violation) -> Diagnosis:
     evidence = Evidence(
         Quantity.LIMIT, value, bound, "1", entity=violation.focus, scope=D_ARTIC.name, path=violation.path
     )
-    return Diagnosis(Kind.OUT_OF_SCOPE, reason, evidence)
+    return Diagnosis(Kind.OUT_OF_SCOPE, reason, evidence, violation=violation)
 
 
 def _number(value: object) -> float:

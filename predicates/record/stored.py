@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import pyoxigraph as ox
 
 from predicates.case import Diagnosis, Evidence, Kind, Outcome, Quantity, Search
-from sdt_kg.iri import LAW, PROV, RDF, Iri, local_name
+from sdt_kg.iri import LAW, PROV, RDF, SH, Iri, local_name
+from sdt_kg.scope import Violation
 from sdt_kg.store import Value, value_of
 from sdt_kg.task import Verb
 
@@ -88,12 +89,15 @@ class _Facts:
     def text(self, subject: Iri, name: Iri) -> str | None:
         return next(iter(self.all(subject, name)), None)
 
+    def value(self, subject: Iri, name: Iri) -> Value:
+        return next(iter(self._values.get((subject, name), [])), None)
+
     def truth(self, subject: Iri, name: Iri) -> bool | None:
-        value = next(iter(self._values.get((subject, name), [])), None)
+        value = self.value(subject, name)
         return value if isinstance(value, bool) else None
 
     def number(self, subject: Iri, name: Iri) -> float | None:
-        value = next(iter(self._values.get((subject, name), [])), None)
+        value = self.value(subject, name)
         return float(value) if isinstance(value, int | float) else None
 
     def needed(self, subject: Iri, name: Iri) -> str:
@@ -142,6 +146,23 @@ def _diagnosis(facts: _Facts, of: Iri) -> Diagnosis:
         evidence=_evidence(facts, of) if facts.text(of, LAW + "quantity") else None,
         proof=facts.truth(of, LAW + "proof") is True,
         search=_search(facts, of),
+        violation=_violation(facts, of),
+    )
+
+
+def _violation(facts: _Facts, of: Iri) -> Violation | None:
+    """The SHACL result from which the diagnosis is derived."""
+    result = facts.text(of, PROV + "wasDerivedFrom")
+    if result is None:
+        return None
+    return Violation(
+        focus=facts.needed(result, SH + "focusNode"),
+        path=facts.text(result, SH + "resultPath"),
+        value=facts.value(result, SH + "value"),
+        bound=facts.value(result, LAW + "demanded"),
+        message=facts.needed(result, SH + "resultMessage"),
+        shape=facts.needed(result, SH + "sourceShape"),
+        component=facts.text(result, SH + "sourceConstraintComponent"),
     )
 
 

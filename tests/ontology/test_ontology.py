@@ -37,7 +37,7 @@ def with_alignments() -> rdflib.Graph:
 
 
 def ours(graph: rdflib.Graph) -> list[URIRef]:
-    kinds = (*DOCUMENTED, OWL.NamedIndividual)
+    kinds = (*DOCUMENTED, OWL.AnnotationProperty, OWL.NamedIndividual)
     terms = {term for kind in kinds for term in graph.subjects(RDF.type, kind)}
     return sorted(term for term in terms if isinstance(term, URIRef) and str(term).startswith(OUR))
 
