@@ -15,7 +15,7 @@ from sdt_kg.iri import SDT, Iri, joint_iri, local_name, model_iri
 from sdt_kg.mechanism import JointType, Mechanism, Pose
 from sdt_kg.store import Triple
 from sdt_kg.triples import Facts
-from sdt_kg.triples.annotation import GRIPPER_NEEDS, ROBOT_NEEDS
+from sdt_kg.triples.annotation import missing_of
 from sdt_kg.triples.facts import TYPE
 from sdt_kg.triples.from_mechanism import pose_triples
 from sdt_kg.urdf import parse_xml
@@ -203,15 +203,7 @@ def _check(chosen: Chosen, mechanism: Mechanism, file: Path, kind: str) -> None:
         )
     _check_terms(chosen, file)
     facts = Facts(chosen.triples)
-    model = model_iri(mechanism.name)
-    needed = [(model, name) for name in (ROBOT_NEEDS if kind == "Robot" else ("startPose",))]
-    for gripper in facts.iris(model, "hasGripper"):
-        needed += [(gripper, name) for name in GRIPPER_NEEDS]
-        for joint in facts.iris(gripper, "hasFingerJoint"):
-            needed += [(joint, "openPosition"), (joint, "closedPosition")]
-    missing = [
-        f"{local_name(iri)} sdt:{local_name(name)}" for iri, name in needed if facts.one(iri, name) is None
-    ]
+    missing = missing_of(facts, model_iri(mechanism.name), kind)
     if missing:
         raise AnnotationError(f"{file} lacks: {', '.join(missing)}", allowed="see robots/README.md")
     _check_positions(facts, mechanism, file)

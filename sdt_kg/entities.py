@@ -21,7 +21,7 @@ from sdt_kg.iri import SDT, Iri, graph_iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.state import State
 from sdt_kg.store import MemoryStore, Row, Store, Triple, Value, double, rows_of, term_of
-from sdt_kg.triples import Facts, read_mechanism_of
+from sdt_kg.triples import Facts, checked_model, read_mechanism_of
 from sdt_kg.vocabulary import fits, properties
 
 KEPT_STATES: Final = 256
@@ -140,8 +140,7 @@ class Entities:
             if state in self._states:
                 self._states.move_to_end(state)
                 return self._states[state]
-            digest = hashlib.sha256(repr(state.positions).encode()).hexdigest()
-            graph = graph_iri("state", f"{local_name(self.environment)}/{digest[:16]}")
+            graph = state_iri(self.environment, state)
             positions = ((joint, SDT + "position", double(value)) for joint, value in state.positions)
             self.store.add(graph, positions)
             self._states[state] = graph
@@ -186,6 +185,7 @@ class Entities:
         Raises:
             UnknownEntityError: No such subject, or no such property in `sdt.ttl`.
             InputError: A value of the wrong kind.
+            GraphError: The model is not whole without what was removed.
         """
         for name, value in changes.items():
             if name not in properties():
@@ -206,7 +206,9 @@ class Entities:
         for graph in self.graphs:
             if graph not in self.graphs_of(model):
                 store.add(graph, self.store.triples(graph))
-        store.add(self.asserted[model], chain(kept, added))
+        changed = [*kept, *added]
+        checked_model(changed, model, "Environment" if model == self.environment else "Robot")
+        store.add(self.asserted[model], changed)
         inferred = {**self.inferred, model: tuple(annotate(store, model, self.asserted[model]))}
         shown = ", ".join(f"{name} = {value}" for name, value in changes.items())
         note = f"{local_name(model)}: edited: {local_name(subject)}: {shown}"
@@ -219,6 +221,12 @@ class Entities:
                 return model
         known = [iri for iri in self.facts.subjects() if iri.startswith(self.environment)]
         raise UnknownEntityError("individual", subject, known)
+
+
+def state_iri(environment: Iri, state: State) -> Iri:
+    """Named graph of a state: the hash of its positions."""
+    digest = hashlib.sha256(repr(state.positions).encode()).hexdigest()
+    return graph_iri("state", f"{local_name(environment)}/{digest[:16]}")
 
 
 @cache

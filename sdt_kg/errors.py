@@ -8,6 +8,7 @@ SdtError
 │   ├── StateError              a joint value outside its limits, or not a number
 │   ├── MotionError             a motion that is not one: units, times, frames, joints
 │   │   └── DisconnectedFrameError   poses of a frame which no joint moves
+│   ├── GraphError              graphs that are not those of one twin, whole and unchanged
 │   └── QueryError              SPARQL that does not parse or asks for more than it may
 ├── NoModeError                 the case has too many unknowns for every predicate
 └── OracleError                 the world's
@@ -56,6 +57,10 @@ class MotionError(InputError):
 
 class DisconnectedFrameError(MotionError):
     """A motion is of a frame or joint that nothing moves."""
+
+
+class GraphError(InputError):
+    """Graphs are not those of one twin, whole and unchanged."""
 
 
 class QueryError(InputError):

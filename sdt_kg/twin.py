@@ -1,6 +1,8 @@
 """Twin (G): a kitchen and robots as a graph, in one state."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Final
 
 import pyoxigraph as ox
 import rdflib
@@ -10,11 +12,14 @@ from sdt_kg.entities import Container, Entities, LeftOut, query_text
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import PREFIXES, Iri, local_name
 from sdt_kg.mechanism import Mechanism
+from sdt_kg.rebuild import Quads, quads_of, rebuilt
 from sdt_kg.state import State
 from sdt_kg.store import Row, Value, checked_query, rows_of, term_of
 from sdt_kg.triples import read_kitchen, read_mechanism_of, read_robot
 
 __all__ = ["Container", "LeftOut", "Twin"]
+
+NO_HASHES: Final[Mapping[Iri, str]] = MappingProxyType({})
 
 
 class Twin:
@@ -27,6 +32,45 @@ class Twin:
     def __init__(self, entities: Entities, state: State | None = None) -> None:
         self.entities = entities
         self.state = entities.coupling.start() if state is None else state
+
+    @staticmethod
+    def from_quads(
+        quads: Quads,
+        environment: Iri | None = None,
+        robots: Sequence[Iri] | None = None,
+        *,
+        state: Iri | None = None,
+        hashes: Mapping[Iri, str] = NO_HASHES,
+    ) -> "Twin":
+        """The twin whose named graphs these are, as `serialize("nquads")` or `"trig"` wrote them.
+
+        Rules run again and must find what the graphs say was inferred; mesh files must be where
+        they were, with the same content. Other graphs (verdicts, say) are not looked at.
+
+        Args:
+            quads: A store, or quads with named graphs.
+            environment: The kitchen that is meant; may be left out where there is one.
+            robots: The robots that are meant; by default all, by IRI.
+            state: Graph of the state that is meant; may be left out where the kitchen has one.
+            hashes: Model IRI → content hash that it must have: that alone shows a changed figure.
+
+        Raises:
+            GraphError: Something is missing, was changed, or a mesh file is gone.
+            UnknownEntityError: No such kitchen, robot or state in these graphs.
+        """
+        return Twin(*rebuilt(quads, environment, robots, state, hashes))
+
+    @staticmethod
+    def from_rdflib(
+        dataset: rdflib.Dataset,
+        environment: Iri | None = None,
+        robots: Sequence[Iri] | None = None,
+        *,
+        state: Iri | None = None,
+        hashes: Mapping[Iri, str] = NO_HASHES,
+    ) -> "Twin":
+        """The twin of an rdflib dataset with a twin's named graphs; see `from_quads`."""
+        return Twin.from_quads(quads_of(dataset), environment, robots, state=state, hashes=hashes)
 
     @property
     def environment(self) -> Iri:

@@ -97,3 +97,15 @@ ROBOT_NEEDS = (
 
 GRIPPER_NEEDS = (RDFS + "label", "toolBody", "toolFrame", "hasFinger", "hasFingerJoint", "opening")
 """Properties without which a gripper is of no use."""
+
+
+def missing_of(facts: Facts, model: Iri, kind: str) -> list[str]:
+    """What the annotation of an `Environment` or `Robot` needs and lacks: subject and property, by name."""
+    needed = [(model, name) for name in (ROBOT_NEEDS if kind == "Robot" else ("startPose",))]
+    for gripper in facts.iris(model, "hasGripper"):
+        needed += [(gripper, name) for name in GRIPPER_NEEDS]
+        for joint in facts.iris(gripper, "hasFingerJoint"):
+            needed += [(joint, "openPosition"), (joint, "closedPosition")]
+    return [
+        f"{local_name(iri)} sdt:{local_name(name)}" for iri, name in needed if facts.one(iri, name) is None
+    ]

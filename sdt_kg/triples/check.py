@@ -1,0 +1,82 @@
+"""Asserted triples of one model → its mechanism, if they are whole; a GraphError says what is not."""
+
+from collections.abc import Iterable, Sequence
+
+from sdt_kg.errors import GraphError
+from sdt_kg.iri import SDT, Iri, local_name
+from sdt_kg.mechanism import Mechanism
+from sdt_kg.store import Triple, Value, value_of
+from sdt_kg.triples.annotation import missing_of, read_kitchen, read_robot
+from sdt_kg.triples.facts import Facts
+from sdt_kg.triples.from_mechanism import mechanism_triples
+from sdt_kg.triples.to_mechanism import read_mechanism_of
+from sdt_kg.vocabulary import fits, properties
+
+
+def checked_model(triples: Sequence[Triple], model: Iri, kind: str) -> Mechanism:
+    """The mechanism, if writing it again gives nothing that is not there, and its bodies form a tree.
+
+    Args:
+        triples: The model's asserted graph.
+        model: Its IRI.
+        kind: `Environment` or `Robot`.
+
+    Raises:
+        GraphError: A needed triple is missing, or a property is unknown, doubled or has no such value.
+    """
+    name = local_name(model)
+    _check_terms(triples, name)
+    facts = Facts(triples)
+    try:
+        mechanism = read_mechanism_of(facts, model)
+        written = _values(mechanism_triples(mechanism, kind))
+        missing = missing_of(facts, model, kind)
+        if not missing:
+            read_robot(facts, model) if kind == "Robot" else read_kitchen(facts, model)
+    except (KeyError, ValueError, StopIteration) as error:
+        raise GraphError(f"'{name}' is not whole: {error} cannot be read") from None
+    lost = sorted(f"'{local_name(s)} {local_name(p)}'" for s, p, _ in written - _values(triples))
+    lost += [f"'{each}'" for each in missing]
+    if lost:
+        raise GraphError(f"'{name}' is not whole: it lacks {lost[0]}" + _more(lost))
+    _check_tree(mechanism)
+    return mechanism
+
+
+def _values(triples: Iterable[Triple]) -> set[tuple[Iri, Iri, Value]]:
+    """The triples, numbers by value: annotations may say 1 or 1.0 where a mechanism says 1.0e0."""
+    return {(subject, predicate, value_of(term)) for subject, predicate, term in triples}
+
+
+def _check_terms(triples: Iterable[Triple], name: str) -> None:
+    """Every sdt: property is one of `sdt.ttl`, with a value of its kind, once if it has a number."""
+    numbers: set[tuple[Iri, Iri]] = set()
+    for subject, predicate, term in triples:
+        if not predicate.startswith(SDT):
+            continue
+        where = f"sdt:{local_name(predicate)} of '{local_name(subject)}' in '{name}'"
+        known = properties().get(local_name(predicate))
+        if known is None:
+            raise GraphError(f"{where}: no such property", allowed="those of sdt.ttl")
+        if not fits(known, term):
+            raise GraphError(f"{where} is {term}", allowed=known.value)
+        if known.name == "NUMBER" and (subject, predicate) in numbers:
+            raise GraphError(f"{where} has several values", allowed="one")
+        numbers.add((subject, predicate))
+
+
+def _check_tree(mechanism: Mechanism) -> None:
+    """The joints come parents before children, and every body but the root is one joint's child."""
+    seen = {mechanism.root}
+    for joint in mechanism.joints:
+        if joint.parent not in seen or joint.child in seen:
+            ends = f"joint '{joint.name}' from '{joint.parent}' to '{joint.child}'"
+            raise GraphError(f"'{mechanism.name}' is no tree: {ends}")
+        seen.add(joint.child)
+    odd = sorted(seen ^ {body.name for body in mechanism.bodies})
+    if odd:
+        raise GraphError(f"'{mechanism.name}' is no tree: body '{odd[0]}'" + _more(odd))
+
+
+def _more(found: Sequence[str]) -> str:
+    return f" (and {len(found) - 1} more)" if len(found) > 1 else ""
