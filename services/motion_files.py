@@ -49,21 +49,29 @@ def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | Bo
             not numbers or are probably in another unit; with the index and the joint.
         UnknownEntityError: A joint or frame which the models lack; the nearest names are told.
     """
-    arrays = _load(path)
+    return motion_of(_load(path), twin, robot)
+
+
+def motion_of(arrays: Arrays, twin: Twin, robot: Iri | None = None) -> Motion | BodyMotion:
+    """The motion that these arrays are, as in a file; the same errors."""
     if "robot_positions" in arrays or "base" in arrays:
         return _body_motion(arrays, twin, robot)
     if "joint" in arrays:
         return _joint_motion(arrays, twin)
     if "frame" in arrays:
         return _frame_motion(arrays, twin)
-    raise MotionError(f"{path.name} has {', '.join(arrays) or 'nothing'}", allowed=ALLOWED)
+    raise MotionError(f"the motion has {', '.join(arrays) or 'nothing'}", allowed=ALLOWED)
 
 
 def write_motion(path: Path, motion: Motion | BodyMotion) -> None:
     """The motion is in the file, and `read_motion` gives it back exactly."""
-    arrays = _body_arrays(motion) if isinstance(motion, BodyMotion) else _arrays(motion)
     with path.open("wb") as out:
-        np.savez_compressed(out, **arrays)  # pyright: ignore[reportArgumentType]  # numpy's stub takes **kwds for allow_pickle
+        np.savez_compressed(out, **arrays_of(motion))  # pyright: ignore[reportArgumentType]  # numpy's stub takes **kwds for allow_pickle
+
+
+def arrays_of(motion: Motion | BodyMotion) -> dict[str, np.ndarray]:
+    """The motion as the arrays of a file: `motion_of` gives it back exactly."""
+    return _body_arrays(motion) if isinstance(motion, BodyMotion) else _arrays(motion)
 
 
 def _load(path: Path) -> dict[str, np.ndarray]:
