@@ -78,6 +78,19 @@ def _settings(verdict: Verdict, predicate: str) -> Iterator[str]:
         yield from (name for name, _ in verdict.inputs if name.startswith("embodiment."))
 
 
+def state_triples(verdict: Verdict) -> Iterator[Triple]:
+    """Joints that are not where the kitchen starts, and where they are: the state s in which was asked."""
+    twin = verdict.case.twin
+    start = twin.entities.coupling.start()
+    moved = [(joint, at) for joint, at in sorted(twin.state.items()) if at != start[joint]]
+    for index, (joint, position) in enumerate(moved, 1):
+        of = part_iri(verdict.iri, "joint_position", index)
+        yield verdict.iri, LAW + "jointPosition", ox.NamedNode(of)
+        yield of, RDF + "type", ox.NamedNode(LAW + "JointPosition")
+        yield of, LAW + "entity", ox.NamedNode(joint)
+        yield of, LAW + "value", ox.Literal(float(position))
+
+
 def scope_triples(verdict: Verdict) -> Iterator[Triple]:
     """The SHACL validation report of an abstention; each diagnosis is derived from a result of it."""
     found = [

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import pyoxigraph as ox
 
 from predicates.case import Diagnosis, Evidence, Kind, Outcome, Quantity, Search
-from sdt_kg.iri import LAW, PROV, RDF, SH, Iri, local_name
+from predicates.record.facts import Facts, term
+from sdt_kg.iri import LAW, PROV, RDF, SH, Iri
 from sdt_kg.scope import Violation
-from sdt_kg.store import Value, value_of
 from sdt_kg.task import Verb
 
 DIAGNOSIS_CLASS = {
@@ -23,6 +23,8 @@ OUTCOME_TERM = {
     Outcome.ABSTAINED: "Abstained",
 }
 _KIND = {name: kind for kind, name in DIAGNOSIS_CLASS.items()}
+_VERB = {verb.value.capitalize(): verb for verb in Verb}
+_QUANTITY = {quantity.value: quantity for quantity in Quantity}
 _OUTCOME = {name: outcome for outcome, name in OUTCOME_TERM.items()}
 
 
@@ -69,58 +71,19 @@ def read_verdicts(store: ox.Store) -> Iterator[StoredVerdict]:
 
 def read_verdict(quads: Iterable[ox.Quad], iri: Iri) -> StoredVerdict:
     """The verdict of this IRI, whose graph these quads are."""
-    return _verdict(_Facts(quads), iri)
+    return _verdict(Facts(quads), iri)
 
 
-class _Facts:
-    """Values of the properties of one verdict's graph."""
-
-    def __init__(self, quads: Iterable[ox.Quad]) -> None:
-        self._values: dict[tuple[str, str], list[Value]] = {}
-        for quad in quads:
-            assert isinstance(quad.subject, ox.NamedNode), "no blank nodes in data"
-            key = (quad.subject.value, quad.predicate.value)
-            self._values.setdefault(key, []).append(value_of(quad.object))
-
-    def all(self, subject: Iri, name: Iri) -> list[str]:
-        """IRIs or texts, numbered parts in the order of their numbers."""
-        return sorted((str(each) for each in self._values.get((subject, name), [])), key=_numbered)
-
-    def text(self, subject: Iri, name: Iri) -> str | None:
-        return next(iter(self.all(subject, name)), None)
-
-    def value(self, subject: Iri, name: Iri) -> Value:
-        return next(iter(self._values.get((subject, name), [])), None)
-
-    def truth(self, subject: Iri, name: Iri) -> bool | None:
-        value = self.value(subject, name)
-        return value if isinstance(value, bool) else None
-
-    def number(self, subject: Iri, name: Iri) -> float | None:
-        value = self.value(subject, name)
-        return float(value) if isinstance(value, int | float) else None
-
-    def needed(self, subject: Iri, name: Iri) -> str:
-        text = self.text(subject, name)
-        assert text is not None, f"a verdict without {name}"
-        return text
-
-
-def _numbered(iri: str) -> tuple[int, str]:
-    number = iri.rsplit("/", 1)[-1]
-    return (int(number) if number.isdecimal() else 0), iri
-
-
-def _verdict(facts: _Facts, iri: Iri) -> StoredVerdict:
+def _verdict(facts: Facts, iri: Iri) -> StoredVerdict:
     task = facts.text(iri, LAW + "task")
     verb = facts.text(task, LAW + "verb") if task else None
     used = facts.all(facts.needed(iri, PROV + "wasGeneratedBy"), PROV + "used")
     return StoredVerdict(
         iri=iri,
-        outcome=_OUTCOME[local_name(facts.needed(iri, LAW + "outcome"))],
+        outcome=term(_OUTCOME, facts.needed(iri, LAW + "outcome")),
         environment=facts.needed(iri, LAW + "environment"),
         robot=facts.text(iri, LAW + "robot"),
-        verb=Verb(local_name(verb).lower()) if verb else None,
+        verb=term(_VERB, verb) if verb else None,
         container=facts.text(iri, LAW + "container"),
         satisfies_request=facts.truth(iri, LAW + "satisfiesRequest"),
         causes=facts.truth(iri, LAW + "causes"),
@@ -133,15 +96,14 @@ def _verdict(facts: _Facts, iri: Iri) -> StoredVerdict:
     )
 
 
-def _figure(facts: _Facts, of: Iri) -> tuple[str, tuple[float, str]]:
-    value = facts.number(of, LAW + "value")
-    assert value is not None, "a figure without value"
+def _figure(facts: Facts, of: Iri) -> tuple[str, tuple[float, str]]:
+    value = facts.measured(of, LAW + "value")
     return facts.needed(of, LAW + "name"), (value, facts.needed(of, LAW + "unit"))
 
 
-def _diagnosis(facts: _Facts, of: Iri) -> Diagnosis:
+def _diagnosis(facts: Facts, of: Iri) -> Diagnosis:
     return Diagnosis(
-        kind=_KIND[local_name(facts.needed(of, RDF + "type"))],
+        kind=term(_KIND, facts.needed(of, RDF + "type")),
         reason=facts.needed(of, LAW + "reason"),
         evidence=_evidence(facts, of) if facts.text(of, LAW + "quantity") else None,
         proof=facts.truth(of, LAW + "proof") is True,
@@ -150,7 +112,7 @@ def _diagnosis(facts: _Facts, of: Iri) -> Diagnosis:
     )
 
 
-def _violation(facts: _Facts, of: Iri) -> Violation | None:
+def _violation(facts: Facts, of: Iri) -> Violation | None:
     """The SHACL result from which the diagnosis is derived."""
     result = facts.text(of, PROV + "wasDerivedFrom")
     if result is None:
@@ -166,15 +128,12 @@ def _violation(facts: _Facts, of: Iri) -> Violation | None:
     )
 
 
-def _evidence(facts: _Facts, of: Iri) -> Evidence:
+def _evidence(facts: Facts, of: Iri) -> Evidence:
     links = facts.all(of, LAW + "link")
-    value, bound = facts.number(of, LAW + "value"), facts.number(of, LAW + "bound")
-    assert value is not None
-    assert bound is not None
     return Evidence(
-        quantity=Quantity(facts.needed(of, LAW + "quantity")),
-        value=value,
-        bound=bound,
+        quantity=term(_QUANTITY, facts.needed(of, LAW + "quantity")),
+        value=facts.measured(of, LAW + "value"),
+        bound=facts.measured(of, LAW + "bound"),
         unit=facts.needed(of, LAW + "unit"),
         entity=facts.text(of, LAW + "entity"),
         links=(links[0], links[1]) if links else None,
@@ -184,7 +143,7 @@ def _evidence(facts: _Facts, of: Iri) -> Evidence:
     )
 
 
-def _search(facts: _Facts, of: Iri) -> Search | None:
+def _search(facts: Facts, of: Iri) -> Search | None:
     seeds = facts.number(of, LAW + "searchedSeeds")
     if seeds is None:
         return None

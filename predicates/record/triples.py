@@ -7,7 +7,7 @@ import pyoxigraph as ox
 
 from predicates.case import Diagnosis, Evidence, Verdict
 from predicates.record.artefacts import artefact_triples
-from predicates.record.explained import answer_triples, scope_triples
+from predicates.record.explained import answer_triples, scope_triples, state_triples
 from predicates.record.recall import budget_of
 from predicates.record.report import answers, drive, figures, gripper, notes
 from predicates.record.stored import DIAGNOSIS_CLASS, OUTCOME_TERM
@@ -44,7 +44,8 @@ class Record:
 def to_record(verdict: Verdict) -> Record:
     """The verdict as PROV-O and law: triples, no blank nodes."""
     key = local_name(verdict.iri)
-    explained = (*answer_triples(verdict), *scope_triples(verdict), *artefact_triples(verdict))
+    explained = (*answer_triples(verdict), *scope_triples(verdict), *state_triples(verdict))
+    explained = (*explained, *artefact_triples(verdict))
     triples = (*_verdict(verdict), *_case(verdict), *_provenance(verdict), *explained)
     return Record(verdict.iri, graph_iri("verdict", key), triples)
 

@@ -6,7 +6,8 @@ import pytest
 from predicates.case import Case, Verdict
 from predicates.law import law
 from predicates.record import read_verdicts, to_record, write
-from sdt_kg.iri import PREFIXES, local_name
+from sdt_kg.errors import InputError
+from sdt_kg.iri import LAW, PREFIXES, local_name
 from sdt_kg.store import rows_of
 from sdt_kg.task import Task, Verb
 from services.physics.oracle import Kinematics
@@ -76,6 +77,25 @@ def test_a_refusal_without_a_robot_has_no_answer_of_can_perform() -> None:
     (made,) = law(Case(TWIN, task=task), Kinematics())
     found = rows(made, "?v law:answer/law:predicate ?p")
     assert {local_name(str(row["p"])) for row in found} == {"SatisfiesRequest", "Causes"}
+
+
+def test_joints_elsewhere_than_at_the_start_are_recorded() -> None:
+    joint = TWIN.container("side_door").joint
+    task = Task(Verb.OPEN, TWIN.container("low_drawer").iri)
+    (made,) = law(Case(TWIN.at({joint: 0.25}), task=task), Kinematics())
+    (row,) = rows(made, "?v law:jointPosition ?p . ?p law:entity ?joint ; law:value ?at")
+    assert (row["joint"], row["at"]) == (joint, 0.25)
+    assert rows(verdict("low_drawer"), "?v law:jointPosition ?p") == []
+
+
+@pytest.mark.parametrize("lost", ["outcome", "environment", "reason", "bound"])
+def test_a_damaged_record_is_refused_with_what_is_missing(lost: str) -> None:
+    store = ox.Store()
+    write(store, to_record(verdict("high_drawer", 1)))
+    for quad in list(store.quads_for_pattern(None, ox.NamedNode(LAW + lost), None, None)):
+        store.remove(quad)
+    with pytest.raises(InputError, match=f"damaged: .*{lost}"):
+        list(read_verdicts(store))
 
 
 def test_an_abstention_carries_its_shacl_report() -> None:
