@@ -6,7 +6,7 @@ from importlib.metadata import version
 import click
 
 from sdt_kg.errors import InputError, SdtError
-from services.commands import achieve, ask, kitchens, robot, table
+from services.commands import achieve, ask, kitchens, recheck, robot, table
 
 BAD_INPUT_EXIT = 2
 NO_ORACLE_EXIT = 4
@@ -37,6 +37,7 @@ for command in (
     ask.satisfies,
     ask.causes,
     achieve.achieve,
+    recheck.recheck,
     table.table,
     robot.robot,
 ):

@@ -118,7 +118,7 @@ class WholeBody:
             clock.spent("certify", at)
             if isinstance(outcome, Certified):
                 found = replace(case, body_motion=planned.body, motion=planned.motion)
-                return Answer(found, True, (), self._notes(setting, planned), clock.seconds, outcome.figures)
+                return _certified(found, self._notes(setting, planned), clock, outcome)
             rejected.append(outcome.diagnoses)
         search = planner.searched(time.perf_counter() - began)
         reasons = refusal(planner, rejected, search, self.budget)
@@ -142,7 +142,7 @@ class WholeBody:
         clock.spent("certify", at)
         notes = (f"drive: {drive.value}", "the body motion was given; it was only checked")
         if isinstance(outcome, Certified):
-            return Answer(case, True, (), notes, clock.seconds, outcome.figures)
+            return _certified(case, notes, clock, outcome)
         return Answer(case, False, outcome.diagnoses, notes, clock.seconds)
 
     def _certificate(self, twin: Twin, setting: Setting, body: BodyMotion) -> Certified | Refused:
@@ -194,6 +194,12 @@ class WholeBody:
         world, roads = World(Scene(twin, robot)), dict[str, Roads]()
         self._worlds = [((*key, state), world, roads), *self._worlds[: SCENES_KEPT - 1]]
         return world, roads
+
+
+def _certified(case: Case, notes: tuple[str, ...], clock: Clock, outcome: Certified) -> Answer:
+    """CanPerform holds, with what re-verifies it."""
+    said = (*notes, *outcome.nearest)
+    return Answer(case, True, (), said, clock.seconds, outcome.figures, outcome.artefact())
 
 
 def container_of(case: Case) -> Container:

@@ -4,12 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from predicates.case import Diagnosis
+from predicates.case import Artefact, ArtefactKind, Diagnosis
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Container, Twin
+from services.embodiment.certify.certificate import Certificate, models_of
 from services.embodiment.certify.collisions import collisions
 from services.embodiment.certify.findings import Findings
 from services.embodiment.certify.held.hold import Hold, begin
@@ -30,9 +31,20 @@ class Certified:
     Attributes:
         figures: What was kept, and by how much: name → (value, unit). Smallest distances are those
             to within 1 mm, or 0.02 m where nothing comes nearer.
+        certificate: What re-verifies it.
     """
 
     figures: dict[str, tuple[float, str]]
+    certificate: Certificate
+
+    @property
+    def nearest(self) -> tuple[str, ...]:
+        """What comes nearest, in words."""
+        return self.certificate.nearest
+
+    def artefact(self) -> Artefact:
+        """The certificate, to be stored with the verdict."""
+        return Artefact(ArtefactKind.CERTIFICATE, self.certificate.content())
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +108,18 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     findings.add(_end(scene, pieces, container))
     if findings.violations:
         return Refused(findings.diagnoses(), findings.figures)
-    return Certified(findings.figures)
+    certificate = Certificate(
+        models=models_of(twin, robot),
+        state=dict(twin.state),
+        container=container.iri,
+        drive=drive,
+        start=start,
+        tolerances=tolerances,
+        motion=motion,
+        figures=findings.figures,
+        nearest=tuple(findings.nearest),
+    )
+    return Certified(findings.figures, certificate)
 
 
 def _hold(checked: Subject, container: Container, name: str) -> tuple[Hold | None, Findings]:

@@ -73,8 +73,15 @@ def _findings(scene: Scene, sweep: Sweep, scope: str, name: str) -> Findings:
     elif found.gave_up is None:
         nearest = NEAR if found.worst is None else found.worst.value
         findings.figures[f"smallest distance, {name}"] = (nearest, "m")
+        if found.worst is not None:
+            findings.nearest.append(_nearest(scene, found.worst, name))
     findings.figures[f"distance queries, {name}"] = (float(found.queries), "1")
     return findings
+
+
+def _nearest(scene: Scene, distance: Distance, name: str) -> str:
+    one, other = (local_name(scene.solids[i].body) for i in distance.pair)
+    return f"nearest ({name}): {one} and {other}, {distance.value * 1000:.1f} mm at {distance.time:.2f} s"
 
 
 def _violation(scene: Scene, distance: Distance, scope: str) -> Violation:

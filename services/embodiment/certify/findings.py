@@ -34,15 +34,18 @@ class Findings:
 
     Attributes:
         figures: Name → (value, unit).
+        nearest: What comes nearest, one sentence for each kind of pair.
     """
 
     violations: list[Violation] = field(default_factory=list)
     figures: dict[str, tuple[float, str]] = field(default_factory=dict)
+    nearest: list[str] = field(default_factory=list)
 
     def add(self, found: "Findings") -> None:
         """All that another check found as well."""
         self.violations.extend(found.violations)
         self.figures.update(found.figures)
+        self.nearest.extend(found.nearest)
 
     def diagnoses(self) -> tuple[Diagnosis, ...]:
         """The first and the worst violation of each rule, rules in the order of their checks."""

@@ -1,0 +1,131 @@
+"""`sdt recheck`: are stored verdicts what their certificates and proofs show?"""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import click
+
+from predicates.case import Artefact
+from sdt_kg.errors import InputError
+from sdt_kg.iri import Iri
+from sdt_kg.load import load_twin
+from sdt_kg.state import State
+from sdt_kg.twin import Twin
+from services.commands.options import json_flag
+from services.commands.show import print_json
+from services.embodiment.recheck import Rechecked, Saved, recheck_artefact, recheck_verdict
+from services.embodiment.recheck.check import TwinOf
+from services.embodiment.recheck.saved import FORMATS, Entry, by_name
+
+DOES_NOT_HOLD_EXIT = 1
+
+
+@click.command()
+@click.argument("source", metavar="IRI|FILE")
+@click.option(
+    "--store",
+    type=click.Path(exists=True, path_type=Path),
+    help="Where the verdict of that IRI is saved: a .trig or .nq file, or a store directory.",
+)
+@click.option(
+    "--kitchen", help="Take the kitchen from here, not from the saved graphs; its content must agree."
+)
+@click.option("--robot", help="Take the robot from here; its content must agree.")
+@click.option("--annotation", type=click.Path(exists=True, dir_okay=False), help="Annotation of that robot.")
+@json_flag
+def recheck(
+    *,
+    source: str,
+    store: Path | None,
+    kitchen: str | None,
+    robot: str | None,
+    annotation: str | None,
+    as_json: bool,
+) -> None:
+    """Re-verify stored verdicts without the code that planned or proved them.
+
+    IRI is a verdict in --store; FILE is a .trig or .nq file or a store directory, all of whose verdicts
+    are meant, or a certificate that `sdt achieve --certificate` wrote. A verdict without certificate or
+    proof shows nothing and is only counted.
+
+    Exit 0 everything holds, 1 something does not, 2 bad input.
+    """
+    given = _given(kitchen, robot, annotation)
+    results, without = _results(source, store, given)
+    if not results:
+        raise InputError(
+            f"nothing to recheck: {without} verdict(s) without certificate or proof",
+            allowed="a certified or proved verdict",
+        )
+    if as_json:
+        print_json([_json(each) for each in results])
+    else:
+        _print(results, without)
+    raise SystemExit(0 if all(each.holds for each in results) else DOES_NOT_HOLD_EXIT)
+
+
+def _given(kitchen: str | None, robot: str | None, annotation: str | None) -> TwinOf | None:
+    """The twin of the models on the command line, if there are any."""
+    if kitchen is None and robot is None:
+        return None
+    if kitchen is None or robot is None:
+        raise InputError("one model alone", allowed="--kitchen and --robot together")
+
+    def twin_of(environment: Iri, machine: Iri, state: State) -> tuple[Twin, str]:
+        del environment, machine
+        return load_twin(kitchen, [robot], annotation=annotation).at(
+            dict(state)
+        ), f"models {kitchen}, {robot}"
+
+    return twin_of
+
+
+def _results(source: str, store: Path | None, given: TwinOf | None) -> tuple[list[Rechecked], int]:
+    """What each recheck found, and how many verdicts have nothing to check."""
+    path = Path(source)
+    if store is not None:
+        saved = Saved(store)
+        entries: Iterator[Entry] = iter([saved.entry(source)])
+    elif path.is_dir() or path.suffix in FORMATS:
+        saved = Saved(path)
+        entries = saved.entries()
+    elif path.is_file():
+        return [recheck_artefact(path.name, path.read_bytes(), given or by_name)], 0
+    else:
+        raise InputError(
+            f"no file at {source}",
+            allowed="a file, or the IRI of a verdict with --store FILE|DIRECTORY",
+        )
+    results, without = [], 0
+    for stored, artefact in entries:
+        if artefact is None:
+            without += 1
+        elif isinstance(artefact, Artefact):
+            results.append(recheck_verdict(stored, artefact, given or saved.twin))
+        else:
+            results.append(Rechecked(stored.iri, "", None, (str(artefact),), (), 0.0))
+    return results, without
+
+
+def _print(results: Sequence[Rechecked], without: int) -> None:
+    for each in results:
+        kind = "unreadable" if each.kind is None else each.kind.value
+        verdict = "holds" if each.holds else "DOES NOT HOLD"
+        click.echo(f"{verdict}: {kind}, {each.about or 'verdict'} ({each.seconds:.1f} s)")
+        click.echo(f"  {each.of}")
+        for line in (*each.reasons, *each.notes):
+            click.echo(f"  {line}")
+    held = sum(each.holds for each in results)
+    click.echo(f"{held} of {len(results)} hold; {without} verdict(s) without certificate or proof")
+
+
+def _json(each: Rechecked) -> dict[str, object]:
+    return {
+        "of": each.of,
+        "about": each.about,
+        "kind": None if each.kind is None else each.kind.value,
+        "holds": each.holds,
+        "reasons": list(each.reasons),
+        "notes": list(each.notes),
+        "seconds": round(each.seconds, 3),
+    }

@@ -1,0 +1,183 @@
+"""A certificate as bytes: the motion, what it was judged by, and what was found; all that re-verifies it.
+
+The bytes are JSON, compressed by zlib. Arrays are their doubles, little endian, in base 64, so that
+what is read is what was judged, to the last bit.
+"""
+
+import base64
+import json
+import zlib
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError
+from sdt_kg.iri import Iri
+from sdt_kg.motion import Array, BodyMotion
+from sdt_kg.twin import Twin
+from services.embodiment.certify.tolerances import Tolerances
+
+SCHEMA = "sdt certificate 1"
+MOST_BYTES = 200_000_000
+"""[bytes] More than any motion's; a small file cannot claim a memory of its choice."""
+
+Figures = dict[str, tuple[float, str]]
+Start = tuple[float, float, float]
+
+_ARRAYS = ("times", "base", "base_v", "q", "v", "kitchen_q", "kitchen_v")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Certificate:
+    """What was certified.
+
+    Attributes:
+        models: Environment, then robot: IRI → content hash.
+        state: Joint IRI → position [rad or m] in which the motion begins.
+        container: What is moved.
+        drive: What the base can do.
+        start: Base pose x, y [m], yaw [rad] at which the robot had to start, parked; None if any would do.
+        motion: As executed: between samples it is the cubic Hermite spline.
+        figures: What was kept, and by how much: name → (value, unit).
+        nearest: What comes nearest, one sentence for each scope.
+    """
+
+    models: tuple[tuple[Iri, str], tuple[Iri, str]]
+    state: dict[Iri, float]
+    container: Iri
+    drive: Drive
+    start: Start | None
+    tolerances: Tolerances
+    motion: BodyMotion
+    figures: Figures
+    nearest: tuple[str, ...] = ()
+
+    @property
+    def environment(self) -> Iri:
+        """IRI of the kitchen."""
+        return self.models[0][0]
+
+    @property
+    def robot(self) -> Iri:
+        """IRI of the robot."""
+        return self.models[1][0]
+
+    def content(self) -> bytes:
+        """The bytes from which `read_certificate` makes it again."""
+        motion: dict[str, object] = {name: _packed(getattr(self.motion, name)) for name in _ARRAYS}
+        motion |= {
+            "gripper": self.motion.gripper,
+            "joints": list(self.motion.joints),
+            "kitchen_joints": list(self.motion.kitchen_joints),
+            "phases": [list(phase) for phase in self.motion.phases],
+        }
+        said = {
+            "schema": SCHEMA,
+            "environment": list(self.models[0]),
+            "robot": list(self.models[1]),
+            "state": self.state,
+            "container": self.container,
+            "drive": self.drive.value,
+            "start": self.start,
+            "tolerances": asdict(self.tolerances),
+            "motion": motion,
+            "figures": {name: list(figure) for name, figure in self.figures.items()},
+            "nearest": list(self.nearest),
+        }
+        return zlib.compress(json.dumps(said).encode("utf-8"), level=1)
+
+
+def models_of(twin: Twin, robot: Iri) -> tuple[tuple[Iri, str], tuple[Iri, str]]:
+    """Environment and robot with their content hashes."""
+    environment = twin.environment
+    return (environment, twin.content_hash(environment)), (robot, twin.content_hash(robot))
+
+
+def said_in(content: bytes) -> dict[str, Any]:
+    """The JSON object in the bytes of an artefact; Any, since anybody may have written it.
+
+    Raises:
+        InputError: They are no object in JSON, compressed or not.
+    """
+    try:
+        plain = content if content[:1] == b"{" else _decompressed(content)
+        said = json.loads(plain)
+    except (zlib.error, UnicodeDecodeError, ValueError, RecursionError) as error:
+        raise InputError(f"the artefact is damaged: {error}", allowed="JSON, compressed by zlib") from None
+    if not isinstance(said, dict):
+        raise InputError("the artefact is no JSON object", allowed=f"one with the schema '{SCHEMA}'")
+    return said
+
+
+def read_certificate(content: bytes) -> Certificate:
+    """The certificate in these bytes.
+
+    Raises:
+        InputError: They are none, or a part is missing or of the wrong kind.
+    """
+    said = said_in(content)
+    if said.get("schema") != SCHEMA:
+        raise InputError(f"an artefact of the schema '{said.get('schema')}'", allowed=f"'{SCHEMA}'")
+    try:
+        return _certificate(said)
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"the certificate lacks a part, or has one of the wrong kind: {type(error).__name__} {error}",
+            remedy="certify the motion again",
+        ) from None
+
+
+def _certificate(said: Mapping[str, Any]) -> Certificate:
+    motion, (robot, robot_hash) = said["motion"], said["robot"]
+    environment, environment_hash = said["environment"]
+    known = {field.name for field in fields(Tolerances)}
+    if set(said["tolerances"]) != known:
+        raise ValueError(f"tolerances {sorted(set(said['tolerances']) ^ known)}")
+    return Certificate(
+        models=((str(environment), str(environment_hash)), (str(robot), str(robot_hash))),
+        state={str(joint): float(position) for joint, position in said["state"].items()},
+        container=str(said["container"]),
+        drive=Drive(said["drive"]),
+        start=_start(said["start"]),
+        tolerances=Tolerances(**{name: float(value) for name, value in said["tolerances"].items()}),
+        motion=BodyMotion(
+            robot=str(robot),
+            gripper=str(motion["gripper"]),
+            joints=tuple(map(str, motion["joints"])),
+            kitchen_joints=tuple(map(str, motion["kitchen_joints"])),
+            phases=tuple((str(name), int(first)) for name, first in motion["phases"]),
+            **{name: _unpacked(motion[name]) for name in _ARRAYS},
+        ),
+        figures={str(name): (float(value), str(unit)) for name, (value, unit) in said["figures"].items()},
+        nearest=tuple(map(str, said["nearest"])),
+    )
+
+
+def _start(said: list[float] | None) -> Start | None:
+    if said is None:
+        return None
+    x, y, yaw = map(float, said)
+    return x, y, yaw
+
+
+def _packed(array: Array) -> dict[str, object]:
+    doubles = np.ascontiguousarray(array, dtype="<f8")
+    return {"shape": list(array.shape), "f8": base64.b64encode(doubles.tobytes()).decode("ascii")}
+
+
+def _unpacked(said: Mapping[str, Any]) -> Array:
+    flat = np.frombuffer(base64.b64decode(said["f8"], validate=True), dtype="<f8")
+    return flat.astype(np.float64).reshape([int(size) for size in said["shape"]])
+
+
+def _decompressed(content: bytes) -> bytes:
+    reader = zlib.decompressobj()
+    plain = reader.decompress(content, MOST_BYTES)
+    if not reader.eof:
+        raise ValueError("it ends too early, or is larger than any motion")
+    if reader.unused_data:
+        raise ValueError("something follows its end")
+    return plain

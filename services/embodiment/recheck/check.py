@@ -1,0 +1,163 @@
+"""Artefact and twin → whether what was claimed holds."""
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+
+from predicates.case import Artefact, ArtefactKind, Case, Outcome, Verdict
+from predicates.law import law
+from predicates.record.stored import StoredVerdict
+from sdt_kg.errors import InputError
+from sdt_kg.iri import Iri, local_name
+from sdt_kg.state import State
+from sdt_kg.task import UNKNOWN, Task, Unknown
+from sdt_kg.twin import Twin
+from services.embodiment.certify.certificate import SCHEMA, Certificate, read_certificate, said_in
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.recheck.claim import claim_differs, figures_differ, inputs_differ, twin_differs
+from services.embodiment.recheck.embodiment import Certifier
+from services.physics.oracle import Kinematics
+
+TwinOf = Callable[[Iri, Iri, State], tuple[Twin, str]]
+"""Environment, robot and state → their twin, and in words where it is from."""
+
+NOT_GIVEN = "unknown"
+"""What a verdict's input says of a motion that was not given."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rechecked:
+    """What a recheck found.
+
+    Attributes:
+        of: IRI of the verdict, or name of the file.
+        about: In words.
+        kind: None where the artefact cannot even be read.
+        reasons: Why it does not hold; empty if it does.
+        notes: What was checked how, and what was not.
+        seconds: Of checking.
+    """
+
+    of: str
+    about: str
+    kind: ArtefactKind | None
+    reasons: tuple[str, ...]
+    notes: tuple[str, ...]
+    seconds: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing speaks against it."""
+        return not self.reasons
+
+
+@dataclass(slots=True)
+class _Trial:
+    """What is found on the way."""
+
+    of: str
+    about: str = ""
+    kind: ArtefactKind | None = None
+    reasons: list[str] = field(default_factory=list[str])
+    notes: list[str] = field(default_factory=list[str])
+    began: float = field(default_factory=time.perf_counter)
+
+    def found(self, differences: Iterable[str]) -> bool:
+        """Whether there are any; they are noted."""
+        before = len(self.reasons)
+        self.reasons += differences
+        return len(self.reasons) > before
+
+    def ended(self) -> Rechecked:
+        seconds = time.perf_counter() - self.began
+        return Rechecked(self.of, self.about, self.kind, tuple(self.reasons), tuple(self.notes), seconds)
+
+
+def recheck_verdict(stored: StoredVerdict, artefact: Artefact, twin_of: TwinOf) -> Rechecked:
+    """Whether a stored verdict says what its artefact shows, and the artefact holds.
+
+    A part that cannot be read, and models that are gone or changed, are reasons why it does not.
+    """
+    trial = _Trial(stored.iri, kind=artefact.kind)
+    verb = "motion of" if stored.verb is None else stored.verb.value
+    trial.about = (
+        f"{verb} {_name(stored.container)}, {_name(stored.robot)} in {local_name(stored.environment)}"
+    )
+    try:
+        certificate = read_certificate(artefact.content)
+        if not trial.found(claim_differs(stored, certificate)):
+            task = UNKNOWN if stored.verb is None else Task(stored.verb, certificate.container)
+            _certify_again(trial, certificate, task, twin_of, stored)
+    except InputError as error:
+        trial.reasons.append(str(error))
+    return trial.ended()
+
+
+def recheck_artefact(name: str, content: bytes, twin_of: TwinOf) -> Rechecked:
+    """Whether an artefact holds that comes without its verdict."""
+    trial = _Trial(name)
+    try:
+        if said_in(content).get("schema") == SCHEMA:
+            trial.kind = ArtefactKind.CERTIFICATE
+        certificate = read_certificate(content)
+        robot, kitchen = local_name(certificate.robot), local_name(certificate.environment)
+        trial.about = f"motion of {local_name(certificate.container)}, {robot} in {kitchen}"
+        _certify_again(trial, certificate, UNKNOWN, twin_of, None)
+    except InputError as error:
+        trial.reasons.append(str(error))
+    return trial.ended()
+
+
+def _certify_again(
+    trial: _Trial,
+    certificate: Certificate,
+    task: Task | Unknown,
+    twin_of: TwinOf,
+    stored: StoredVerdict | None,
+) -> None:
+    """The Law about the stored motion, by the certifier alone; and the same figures as before."""
+    twin, source = twin_of(certificate.environment, certificate.robot, State.of(certificate.state))
+    trial.notes.append(source)
+    checker = Certifier(twin, certificate)
+    if trial.found(twin_differs(checker)):
+        return
+    if stored is not None and trial.found(inputs_differ(stored, checker)):
+        return
+    case = Case(twin, certificate.robot, task, body_motion=certificate.motion)
+    verdicts = [each for each in law(case, Kinematics(), checker) if _is_about(each, certificate.container)]
+    if not verdicts:
+        trial.reasons.append(f"the motion meets no request about {local_name(certificate.container)}")
+        return
+    verdict = verdicts[0]
+    if verdict.outcome is not Outcome.CERTIFIED or verdict.can_perform is None:
+        trial.reasons += [each.reason for each in verdict.diagnoses] or ["it is not certified again"]
+        return
+    again = verdict.can_perform.figures
+    trial.found(figures_differ(certificate.figures, again, "the certificate", "the recheck"))
+    trial.notes += _notes(certificate, stored)
+
+
+def _is_about(verdict: Verdict, container: Iri) -> bool:
+    task = verdict.case.task
+    return isinstance(task, Task) and task.container == container
+
+
+def _notes(certificate: Certificate, stored: StoredVerdict | None) -> list[str]:
+    """What was not checked, or is not as this version would have it."""
+    notes: list[str] = []
+    if certificate.tolerances != Tolerances():
+        notes.append(f"held to its own tolerances, not to this version's: {certificate.tolerances}")
+    if stored is None:
+        return [*notes, "there is no verdict with it: what its inputs claimed was not compared"]
+    said = dict(stored.inputs)
+    if said.get("physics") != Kinematics().version:
+        notes.append(f"judged with {said.get('physics')}, rechecked with {Kinematics().version}")
+    if said.get("motion", NOT_GIVEN) != NOT_GIVEN:
+        notes.append(
+            "a motion of the container was asked for; that the body motion keeps its times was not compared"
+        )
+    return notes
+
+
+def _name(iri: Iri | None) -> str:
+    return "nothing" if iri is None else local_name(iri)

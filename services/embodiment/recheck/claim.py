@@ -1,0 +1,84 @@
+"""Whether a stored verdict, its certificate and the twin say the same."""
+
+import math
+from collections.abc import Iterator
+
+from predicates.case import Case, Outcome
+from predicates.record.inputs import inputs_of, verdict_iri
+from predicates.record.stored import StoredVerdict
+from sdt_kg.iri import local_name
+from sdt_kg.task import UNKNOWN, Task
+from services.embodiment.certify.certificate import Certificate, Figures, models_of
+from services.embodiment.recheck.embodiment import Certifier
+from services.physics.oracle import Kinematics
+
+SAME_FIGURE = 1e-6
+"""Relative, or absolute below 1: what may differ by the last bits of another processor."""
+
+COUNTED = "distance queries"
+"""How a figure's name begins that says how much was computed, not what was found."""
+
+OF_THE_CASE = ("environment", "state", "robot", "task", "tee_class")
+"""Inputs of a verdict that the twin and the task give."""
+
+
+def twin_differs(checker: Certifier) -> Iterator[str]:
+    """In what the twin is not the one that the certificate is about."""
+    twin, certificate = checker.twin, checker.certificate
+    for (model, stated), (_, found) in zip(
+        certificate.models, models_of(twin, certificate.robot), strict=True
+    ):
+        if stated != found:
+            yield f"{local_name(model)} is another: its content hash is {found[:16]}…, not {stated[:16]}…"
+    if dict(twin.state) != certificate.state:
+        yield "the twin is in another state than the one in which the certified motion begins"
+
+
+def claim_differs(stored: StoredVerdict, certificate: Certificate) -> Iterator[str]:
+    """In what a stored verdict contradicts itself or its certificate."""
+    if verdict_iri(stored.inputs) != stored.iri:
+        yield "the verdict's IRI is not the hash of its inputs: one of them was changed"
+    if stored.outcome is not Outcome.CERTIFIED or stored.diagnoses:
+        yield f"the verdict says {stored.outcome.value}, and has a certificate"
+    if not (stored.satisfies_request and stored.causes and stored.can_perform):
+        yield "the verdict does not say that all three predicates hold"
+    for name, said, certified in (
+        ("environment", stored.environment, certificate.environment),
+        ("robot", stored.robot, certificate.robot),
+        ("container", stored.container, certificate.container),
+    ):
+        if said != certified:
+            yield f"the verdict's {name} is {_name(said)}, its certificate's {_name(certified)}"
+    held = {name: stored.figures[name] for name in certificate.figures if name in stored.figures}
+    yield from figures_differ(certificate.figures, held, "the certificate", "the verdict")
+
+
+def inputs_differ(stored: StoredVerdict, checker: Certifier) -> Iterator[str]:
+    """Which inputs of the verdict are not those that the twin and the certificate give."""
+    said, certificate = dict(stored.inputs), checker.certificate
+    task = Task(stored.verb, certificate.container) if stored.verb is not None else UNKNOWN
+    case = Case(checker.twin, robot=certificate.robot, task=task)
+    found = dict(inputs_of(case, Kinematics(), checker))
+    names = (*OF_THE_CASE, "embodiment.drive", "embodiment.tolerances")
+    for name in names:
+        if said.get(name) != found[name]:
+            yield f"the verdict's input '{name}' is {said.get(name)}, and rechecked is {found[name]}"
+    if not checker.starts_as(said.get("embodiment.start")):
+        yield f"the verdict's start is {said.get('embodiment.start')}, its certificate's {certificate.start}"
+
+
+def figures_differ(one: Figures, other: Figures, whose: str, others: str) -> Iterator[str]:
+    """Which figures differ by more than rounding; counts of computations are no claims."""
+    for name in sorted(name for name in {*one, *other} if not name.startswith(COUNTED)):
+        if name not in one or name not in other:
+            has, lacks = (whose, others) if name in one else (others, whose)
+            yield f"{has} has the figure '{name}', {lacks} has none"
+            continue
+        (value, unit), (value_2, unit_2) = one[name], other[name]
+        close = math.isclose(value, value_2, rel_tol=SAME_FIGURE, abs_tol=SAME_FIGURE)
+        if unit != unit_2 or not close:
+            yield f"'{name}' is {value:.9g} {unit} in {whose}, {value_2:.9g} {unit_2} in {others}"
+
+
+def _name(iri: str | None) -> str:
+    return "nothing" if iri is None else local_name(iri)

@@ -1,0 +1,74 @@
+"""CanPerform of one body motion, under the conditions of its certificate: only checked, never searched."""
+
+from functools import cached_property
+
+import numpy as np
+
+from predicates.case import Answer, Case
+from sdt_kg.errors import OracleRejectedError
+from sdt_kg.iri import Iri
+from sdt_kg.motion import BodyMotion
+from sdt_kg.twin import Twin
+from services.embodiment.certify.certificate import Certificate
+from services.embodiment.certify.check import Certified, certify
+from services.physics.model import Scene
+
+TURNED = ", turned to the handle"
+"""How a verdict's input says that the start's yaw is not given, but follows from the handle."""
+
+
+class Certifier:
+    """The Embodiment protocol for the motion of a certificate.
+
+    Args:
+        twin: The kitchen in the state in which the motion begins, and its robot.
+        certificate: Drive, start pose and tolerances are its own.
+    """
+
+    version = "recheck"
+
+    def __init__(self, twin: Twin, certificate: Certificate) -> None:
+        self.twin, self.certificate = twin, certificate
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Shapes and kinematics of the twin."""
+        return Scene(self.twin, self.certificate.robot)
+
+    def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
+        del twin, robot
+        one = self.certificate
+        return (("drive", one.drive.value), ("tolerances", repr(one.tolerances)))
+
+    def starts_as(self, text: str | None) -> bool:
+        """Whether the certificate's start pose is what a verdict's input `start` says."""
+        start = self.certificate.start
+        if start is None or text is None:
+            return start is None and text is None
+        x, y, yaw = start
+        if not text.endswith(TURNED):
+            return text == f"{x:g}, {y:g}, {yaw:g}"
+        handle = self.twin.container(self.certificate.container).handle
+        at = self.scene.placement(self.scene.q((0.0, 0.0, 0.0), {}), handle).translation
+        turned = float(np.arctan2(at[1] - y, at[0] - x))
+        return (
+            text.startswith(f"{x:g}, {y:g}, ") and abs(turned - yaw) < self.certificate.tolerances.start_angle
+        )
+
+    def perform(self, case: Case) -> Answer:
+        if not isinstance(case.body_motion, BodyMotion) or not isinstance(case.robot, str):
+            raise OracleRejectedError("a certificate is rechecked by its body motion, and there is none")
+        one = self.certificate
+        outcome = certify(
+            self.twin,
+            one.robot,
+            case.body_motion,
+            self.twin.container(one.container),
+            one.tolerances,
+            drive=one.drive,
+            start=one.start,
+            scene=self.scene,
+        )
+        if isinstance(outcome, Certified):
+            return Answer(case, True, figures=outcome.figures)
+        return Answer(case, False, outcome.diagnoses, figures=outcome.figures)

@@ -1,0 +1,95 @@
+"""Saved verdicts, artefacts and twins, as files hold them."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pyoxigraph as ox
+
+from predicates.case import Artefact
+from predicates.record import StoredVerdict, read_artefact, read_verdicts
+from sdt_kg.entities import state_iri
+from sdt_kg.errors import InputError
+from sdt_kg.iri import Iri, graph_iri, local_name
+from sdt_kg.load import load_twin
+from sdt_kg.state import State
+from sdt_kg.twin import Twin
+
+FORMATS = {".trig": ox.RdfFormat.TRIG, ".nq": ox.RdfFormat.N_QUADS}
+
+Entry = tuple[StoredVerdict, Artefact | InputError | None]
+"""A verdict with its artefact: with why that cannot be read, or with none."""
+
+
+class Saved:
+    """A store of verdicts, with the twins that they are about where those were saved too.
+
+    Args:
+        path: A .trig or .nq file, or a store directory.
+
+    Raises:
+        InputError: It is none of these, or no RDF.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.store = _opened(path)
+
+    def entries(self) -> Iterator[Entry]:
+        """Every verdict, with its artefact."""
+        for stored in read_verdicts(self.store):
+            yield stored, self._artefact(stored.iri)
+
+    def entry(self, iri: Iri) -> Entry:
+        """The verdict of this IRI, or whose IRI ends like this.
+
+        Raises:
+            InputError: There is none, or more than one.
+        """
+        found = [each for each in self.entries() if iri in (each[0].iri, local_name(each[0].iri))]
+        if len(found) != 1:
+            known = sum(1 for _ in read_verdicts(self.store))
+            raise InputError(f"no verdict {iri} in this store", allowed=f"one of its {known} verdicts")
+        return found[0]
+
+    def twin(self, environment: Iri, robot: Iri, state: State) -> tuple[Twin, str]:
+        """The twin, of the saved graphs if they have both models, else of the bundled ones of their names.
+
+        Raises:
+            InputError: The graphs were changed, or nothing has that name.
+        """
+        for model in (environment, robot):
+            graph = ox.NamedNode(graph_iri("asserted", local_name(model)))
+            if not self.store.contains_named_graph(graph):
+                return by_name(environment, robot, state)
+        twin = Twin.from_quads(self.store, environment, [robot], state=self._state(environment, state))
+        return twin.at(dict(state)), "models of the saved graphs"
+
+    def _state(self, environment: Iri, state: State) -> Iri | None:
+        graph = state_iri(environment, state)
+        return graph if self.store.contains_named_graph(ox.NamedNode(graph)) else None
+
+    def _artefact(self, iri: Iri) -> Artefact | InputError | None:
+        try:
+            return read_artefact(self.store, iri)
+        except InputError as error:
+            return error
+
+
+def by_name(environment: Iri, robot: Iri, state: State) -> tuple[Twin, str]:
+    """The twin of the bundled models of these names."""
+    kitchen, machine = local_name(environment), local_name(robot)
+    return load_twin(kitchen, [machine]).at(dict(state)), "models loaded by name: only names were saved"
+
+
+def _opened(path: Path) -> ox.Store:
+    if path.is_dir():
+        if not (path / "CURRENT").exists():
+            raise InputError(f"{path} is no store", allowed="a directory that --save made")
+        return ox.Store.read_only(str(path))
+    if path.suffix not in FORMATS or not path.is_file():
+        raise InputError(f"no saved verdicts at {path}", allowed="a .trig or .nq file, or a store directory")
+    store = ox.Store()
+    try:
+        store.load(path=str(path), format=FORMATS[path.suffix])
+    except SyntaxError as error:
+        raise InputError(f"{path} is not valid RDF: {error}", allowed="TriG or N-Quads") from None
+    return store
