@@ -12,6 +12,7 @@ from predicates.case import Answer, Case, Verdict
 from predicates.causes import causes
 from predicates.law import law
 from predicates.oracle import Embodiment, Physics
+from predicates.record.recall import Recall, nothing_stored
 from predicates.satisfies_request import satisfies_request
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
@@ -50,10 +51,12 @@ class Service:
     Attributes:
         twin: The kitchen in its present state, with the robots that were loaded.
         policy: What decides CanPerform beyond the case.
+        recall: What is stored under a verdict's IRI, so that nothing is judged twice.
     """
 
     twin: Twin
     policy: Policy = Policy()
+    recall: Recall = nothing_stored
 
     def at(self, *states: str) -> "Service":
         """The same kitchen with these joints elsewhere: `JOINT=VALUE`, `all=open`, and so on."""
@@ -83,7 +86,7 @@ class Service:
             case = replace(case, body_motion=motion)
         elif motion is not None:
             case = replace(case, motion=motion)
-        return law(case, self.physics, self.embodiment)
+        return law(case, self.physics, self.embodiment, self.recall)
 
     def query(self, sparql: str) -> tuple[list[str], list[dict[str, object]]]:
         """Columns and rows of a SPARQL query over entities and present state."""
