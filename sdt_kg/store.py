@@ -43,8 +43,20 @@ class Store(Protocol):
         """All triples of a named graph."""
         ...
 
-    def query(self, sparql: str, graphs: Sequence[Iri], known: Mapping[str, Term] | None = None) -> Solutions:
+    def query(
+        self,
+        sparql: str,
+        graphs: Sequence[Iri],
+        known: Mapping[str, Term] | None = None,
+        named: Sequence[Iri] = (),
+    ) -> Solutions:
         """Evaluate a query whose default graph is the union of these graphs.
+
+        Args:
+            sparql: The query.
+            graphs: In the default graph, and named.
+            known: Values for variables that the query selects.
+            named: Only named: `GRAPH` finds them, the default graph does not hold them.
 
         Raises:
             QueryError: It does not parse, or binds a variable that it does not select.
@@ -82,7 +94,13 @@ class MemoryStore:
             assert isinstance(value, ox.NamedNode | ox.Literal), "no blank nodes in data"
             yield subject.value, quad.predicate.value, value
 
-    def query(self, sparql: str, graphs: Sequence[Iri], known: Mapping[str, Term] | None = None) -> Solutions:
+    def query(
+        self,
+        sparql: str,
+        graphs: Sequence[Iri],
+        known: Mapping[str, Term] | None = None,
+        named: Sequence[Iri] = (),
+    ) -> Solutions:
         """Evaluate a query whose default graph is the union of these graphs."""
         names = [ox.NamedNode(graph) for graph in graphs]
         bound: dict[ox.Variable, AnyTerm] = {ox.Variable(name): term for name, term in (known or {}).items()}
@@ -90,7 +108,7 @@ class MemoryStore:
             return self._store.query(
                 sparql,
                 default_graph=list(names),
-                named_graphs=list(names),
+                named_graphs=[*names, *map(ox.NamedNode, named)],
                 prefixes=PREFIXES,
                 substitutions=bound,
             )
