@@ -1,0 +1,33 @@
+"""Queries in processes that can be killed: no network, bounded time, memory and answers."""
+
+from services.store.workers.deltas import DEFAULT_GRAPH, Delta, bulk, drop, hide, put, show
+from services.store.workers.errors import (
+    BusyError,
+    CrashedQueryError,
+    Limit,
+    LimitError,
+    NotAcceptableError,
+    WorkersGoneError,
+)
+from services.store.workers.evaluate import Answered, Asked
+from services.store.workers.pool import Limits, Workers
+
+__all__ = [
+    "DEFAULT_GRAPH",
+    "Answered",
+    "Asked",
+    "BusyError",
+    "CrashedQueryError",
+    "Delta",
+    "Limit",
+    "LimitError",
+    "Limits",
+    "NotAcceptableError",
+    "Workers",
+    "WorkersGoneError",
+    "bulk",
+    "drop",
+    "hide",
+    "put",
+    "show",
+]

@@ -1,0 +1,123 @@
+"""Changes of what is served, applied alike where the data is held and in every worker.
+
+The default graph is kept as the merge of those named graphs that hold now: entities, present states,
+verdicts, observations. Graphs of other states and branches are there only by name. Merged once when
+written, it costs memory and makes a query over thousands of graphs as fast as over one.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Final
+
+import pyoxigraph as ox
+
+from sdt_kg.iri import Iri
+from services.store.workers.frames import Head
+
+DEFAULT_GRAPH: Final = ""
+"""Stands for the default graph where the IRI of a graph is asked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Delta:
+    """One change.
+
+    Attributes:
+        head: What to do, as JSON.
+        body: Triples or quads.
+    """
+
+    head: Head
+    body: bytes = field(default=b"", repr=False)
+
+
+def put(graph: Iri, triples: bytes, *, shown: bool = True) -> Delta:
+    """Add N-Triples to a graph; `shown` in the default graph too. An empty graph then exists."""
+    return Delta({"do": "put", "graph": graph, "shown": shown}, triples)
+
+
+def bulk(quads: bytes, apart: Iterable[Iri] = ()) -> Delta:
+    """Add N-Quads; all but the graphs `apart` are in the default graph too."""
+    return Delta({"do": "bulk", "apart": list(apart)}, quads)
+
+
+def drop(graph: Iri) -> Delta:
+    """Remove a graph, from the default graph too."""
+    return Delta({"do": "drop", "graph": graph})
+
+
+def show(graph: Iri) -> Delta:
+    """Have a graph in the default graph."""
+    return Delta({"do": "show", "graph": graph})
+
+
+def hide(graph: Iri) -> Delta:
+    """Have a graph only by name."""
+    return Delta({"do": "hide", "graph": graph})
+
+
+class Held:
+    """A store with its merged default graph."""
+
+    def __init__(self) -> None:
+        self.store = ox.Store()
+        self._shown: set[Iri] = set()
+
+    def apply(self, delta: Delta) -> None:
+        """The change is made.
+
+        Raises:
+            SyntaxError: The body is not RDF.
+        """
+        getattr(self, f"_{delta.head['do']}")(delta)
+
+    def is_graph(self, graph: Iri) -> bool:
+        """Whether there is such a named graph."""
+        return self.store.contains_named_graph(ox.NamedNode(graph))
+
+    def _put(self, delta: Delta) -> None:
+        graph = delta.head["graph"]
+        if graph == DEFAULT_GRAPH:
+            self._load(delta.body, None)
+            return
+        node = ox.NamedNode(graph)
+        self._load(delta.body, node)
+        self.store.add_graph(node)
+        if delta.head["shown"]:
+            self._shown.add(graph)
+            self._load(delta.body, None)
+
+    def _load(self, triples: bytes, graph: ox.NamedNode | None) -> None:
+        self.store.load(triples, format=ox.RdfFormat.N_TRIPLES, to_graph=graph)
+
+    def _bulk(self, delta: Delta) -> None:
+        apart = set(delta.head["apart"])
+        before = {graph.value for graph in self.store.named_graphs() if isinstance(graph, ox.NamedNode)}
+        self.store.bulk_load(delta.body, format=ox.RdfFormat.N_QUADS)
+        for graph in self.store.named_graphs():
+            if isinstance(graph, ox.NamedNode) and graph.value not in before | apart:
+                self._merge(graph)
+
+    def _drop(self, delta: Delta) -> None:
+        self._hide(delta)
+        self.store.remove_graph(ox.NamedNode(delta.head["graph"]))
+
+    def _show(self, delta: Delta) -> None:
+        self._merge(ox.NamedNode(delta.head["graph"]))
+
+    def _merge(self, graph: ox.NamedNode) -> None:
+        self._shown.add(graph.value)
+        self.store.bulk_extend(
+            ox.Quad(quad.subject, quad.predicate, quad.object)
+            for quad in self.store.quads_for_pattern(None, None, None, graph)
+        )
+
+    def _hide(self, delta: Delta) -> None:
+        """Take its triples out of the default graph, but for those which another shown graph has."""
+        self._shown.discard(delta.head["graph"])
+        graph = ox.NamedNode(delta.head["graph"])
+        for quad in list(self.store.quads_for_pattern(None, None, None, graph)):
+            held = self.store.quads_for_pattern(quad.subject, quad.predicate, quad.object, None)
+            names = (each.graph_name for each in held)
+            if not any(isinstance(name, ox.NamedNode) and name.value in self._shown for name in names):
+                self.store.remove(ox.Quad(quad.subject, quad.predicate, quad.object))
