@@ -176,6 +176,7 @@ class Verdict:
         causes: None where the relation was not run.
         can_perform: None where the relation was not run.
         inputs: Name → value or hash of each input, in the order in which they are hashed.
+        stored: Whether it was judged before, and answers again because it was kept.
     """
 
     iri: Iri
@@ -187,3 +188,4 @@ class Verdict:
     diagnoses: tuple[Diagnosis, ...]
     inputs: tuple[tuple[str, str], ...]
     seconds: float
+    stored: bool = False

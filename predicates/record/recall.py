@@ -48,6 +48,7 @@ def recalled(stored: StoredVerdict, asked: Case, inputs: Inputs) -> Verdict:
         diagnoses=stored.diagnoses,
         inputs=inputs,
         seconds=stored.seconds,
+        stored=True,
     )
 
 
@@ -62,7 +63,6 @@ def _answer(stored: StoredVerdict, asked: Case, predicate: str, holds: bool | No
     if holds is None:
         return None
     diagnoses = tuple(each for each in stored.diagnoses if each.kind in _KINDS[predicate])
-    last = predicate == ("can_perform" if stored.can_perform is not None else "causes")
-    return Answer(
-        asked, holds, diagnoses, stored.notes if last else (), figures=stored.figures if last else {}
-    )
+    if predicate != ("can_perform" if stored.can_perform is not None else "causes"):
+        return Answer(asked, holds, diagnoses)
+    return Answer(asked, holds, diagnoses, stored.notes, figures=stored.figures, artefact=stored.artefact)

@@ -73,6 +73,7 @@ def to_json(verdict: Verdict) -> dict[str, object]:
         "notes": list(notes(verdict)),
         "times": {name: round(seconds, 4) for name, seconds in times(verdict).items()},
         "seconds": round(verdict.seconds, 4),
+        "stored": verdict.stored,
         "iri": verdict.iri,
     }
 

@@ -1,11 +1,12 @@
 """Verdicts as a store holds them: triples → values."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import pyoxigraph as ox
 
-from predicates.case import Diagnosis, Evidence, Kind, Outcome, Quantity, Search
+from predicates.case import Artefact, Diagnosis, Evidence, Kind, Outcome, Quantity, Search
+from predicates.record.artefacts import read_artefact
 from predicates.record.facts import Facts, term
 from sdt_kg.iri import LAW, PROV, RDF, SH, Iri
 from sdt_kg.scope import Violation
@@ -39,6 +40,7 @@ class StoredVerdict:
         diagnoses: A collision's two links come in alphabetical order.
         notes: In alphabetical order.
         figures: Certified margins: name → (value, unit).
+        artefact: What re-verifies it, if it has one.
     """
 
     iri: Iri
@@ -55,6 +57,7 @@ class StoredVerdict:
     figures: dict[str, tuple[float, str]]
     inputs: tuple[tuple[str, str], ...]
     seconds: float
+    artefact: Artefact | None = None
 
 
 def read_verdicts(store: ox.Store) -> Iterator[StoredVerdict]:
@@ -70,8 +73,14 @@ def read_verdicts(store: ox.Store) -> Iterator[StoredVerdict]:
 
 
 def read_verdict(quads: Iterable[ox.Quad], iri: Iri) -> StoredVerdict:
-    """The verdict of this IRI, whose graph these quads are."""
-    return _verdict(Facts(quads), iri)
+    """The verdict of this IRI, whose graph these quads are.
+
+    Raises:
+        InputError: The record is damaged.
+    """
+    store = ox.Store()
+    store.extend(quads)
+    return replace(_verdict(Facts(store), iri), artefact=read_artefact(store, iri))
 
 
 def _verdict(facts: Facts, iri: Iri) -> StoredVerdict:

@@ -16,7 +16,7 @@ from tests.small import small_twin
 from tests.small.lift import Lift
 
 TWIN = small_twin("a", ("pr2", "stretch"))
-AS_FOUND = ("notes", "times", "gripper")
+AS_FOUND = ("notes", "times", "gripper", "stored")
 """Of the JSON object: notes have no order in RDF, steps and motions are not among the triples."""
 
 
@@ -63,6 +63,7 @@ def test_a_repeat_is_answered_from_the_store_and_says_the_same(
     again = judged(store, oracle, container, robot)
     assert oracle.asked == asked
     before, after = to_json(first), to_json(again)
+    assert (before["stored"], after["stored"]) == (False, True)
     assert before["outcome"] == outcome
     assert sorted(before["notes"]) == after["notes"]
     assert {k: v for k, v in before.items() if k not in AS_FOUND} == {

@@ -32,6 +32,7 @@ KEYS = [
     "notes",
     "times",
     "seconds",
+    "stored",
     "iri",
 ]
 
