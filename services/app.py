@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from predicates.case import Answer, Case, Verdict
+from predicates.case import Answer, ArtefactKind, Case, Verdict
 from predicates.causes import causes
 from predicates.law import law
 from predicates.oracle import Embodiment, Physics
@@ -76,6 +76,8 @@ class Service:
     ) -> Iterator[Verdict]:
         """CanAchieve: one verdict for each container that the task is about.
 
+        A verdict that was stored comes with the body motion of its certificate.
+
         Args:
             task: `open`, `open:CONTAINER`, `close` …
             robot: Name or IRI of a loaded robot; may be left out where only one is loaded.
@@ -86,7 +88,7 @@ class Service:
             case = replace(case, body_motion=motion)
         elif motion is not None:
             case = replace(case, motion=motion)
-        return law(case, self.physics, self.embodiment, self.recall)
+        return map(_with_motion, law(case, self.physics, self.embodiment, self.recall))
 
     def query(self, sparql: str) -> tuple[list[str], list[dict[str, object]]]:
         """Columns and rows of a SPARQL query over entities and present state."""
@@ -124,6 +126,19 @@ class Service:
 
     def _task(self, task: str | Task) -> Task:
         return task if isinstance(task, Task) else parse_task(self.twin, task)
+
+
+def _with_motion(verdict: Verdict) -> Verdict:
+    """A stored verdict with the body motion that its certificate holds."""
+    performed = verdict.can_perform
+    if not verdict.stored or performed is None or performed.artefact is None:
+        return verdict
+    if performed.artefact.kind is not ArtefactKind.CERTIFICATE:
+        return verdict
+    from services.embodiment.certify.certificate import read_certificate  # noqa: PLC0415 - only for stored verdicts
+
+    motion = read_certificate(performed.artefact.content).motion
+    return replace(verdict, case=replace(verdict.case, body_motion=motion))
 
 
 def load(
