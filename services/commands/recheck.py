@@ -5,7 +5,6 @@ from pathlib import Path
 
 import click
 
-from predicates.case import Artefact
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
 from sdt_kg.load import load_twin
@@ -97,13 +96,13 @@ def _results(source: str, store: Path | None, given: TwinOf | None) -> tuple[lis
             allowed="a file, or the IRI of a verdict with --store FILE|DIRECTORY",
         )
     results, without = [], 0
-    for stored, artefact in entries:
-        if artefact is None:
+    for entry in entries:
+        if entry.stored is None:
+            results.append(Rechecked(entry.iri, "", None, (entry.damage,), (), 0.0))
+        elif entry.artefact is None:
             without += 1
-        elif isinstance(artefact, Artefact):
-            results.append(recheck_verdict(stored, artefact, given or saved.twin))
         else:
-            results.append(Rechecked(stored.iri, "", None, (str(artefact),), (), 0.0))
+            results.append(recheck_verdict(entry.stored, entry.artefact, given or saved.twin))
     return results, without
 
 

@@ -1,10 +1,12 @@
 """A certificate as bytes: the motion, what it was judged by, and what was found; all that re-verifies it.
 
-The bytes are JSON, compressed by zlib. Arrays are their doubles, little endian, in base 64, so that
-what is read is what was judged, to the last bit.
+The bytes are two lines, the schema and the SHA-256 of what follows, and then JSON compressed by zlib.
+Arrays are their doubles, little endian, in base 64, so that what is read is what was judged, to the
+last bit.
 """
 
 import base64
+import hashlib
 import json
 import zlib
 from collections.abc import Mapping
@@ -75,7 +77,6 @@ class Certificate:
             "phases": [list(phase) for phase in self.motion.phases],
         }
         said = {
-            "schema": SCHEMA,
             "environment": list(self.models[0]),
             "robot": list(self.models[1]),
             "state": self.state,
@@ -87,7 +88,13 @@ class Certificate:
             "figures": {name: list(figure) for name, figure in self.figures.items()},
             "nearest": list(self.nearest),
         }
-        return zlib.compress(json.dumps(said).encode("utf-8"), level=1)
+        return sealed(json.dumps(said).encode("utf-8"))
+
+
+def sealed(plain: bytes) -> bytes:
+    """The bytes of an artefact around its JSON."""
+    packed = zlib.compress(plain, level=1)
+    return b"\n".join((SCHEMA.encode("ascii"), _digest(packed), packed))
 
 
 def models_of(twin: Twin, robot: Iri) -> tuple[tuple[Iri, str], tuple[Iri, str]]:
@@ -97,18 +104,25 @@ def models_of(twin: Twin, robot: Iri) -> tuple[tuple[Iri, str], tuple[Iri, str]]
 
 
 def said_in(content: bytes) -> dict[str, Any]:
-    """The JSON object in the bytes of an artefact; Any, since anybody may have written it.
+    """The JSON object in the bytes of a certificate; Any, since anybody may have written it.
 
     Raises:
-        InputError: They are no object in JSON, compressed or not.
+        InputError: They are no certificate, or not one byte for byte.
     """
+    schema, _, rest = content.partition(b"\n")
+    digest, _, packed = rest.partition(b"\n")
+    if schema != SCHEMA.encode("ascii"):
+        raise InputError(f"an artefact that begins with {schema[:40]!r}", allowed=f"'{SCHEMA}'")
+    if digest != _digest(packed):
+        raise InputError("the certificate is damaged: its hash is not that of its bytes")
     try:
-        plain = content if content[:1] == b"{" else _decompressed(content)
-        said = json.loads(plain)
+        said = json.loads(_decompressed(packed))
     except (zlib.error, UnicodeDecodeError, ValueError, RecursionError) as error:
-        raise InputError(f"the artefact is damaged: {error}", allowed="JSON, compressed by zlib") from None
+        raise InputError(
+            f"the certificate cannot be read: {error}", allowed="JSON, compressed by zlib"
+        ) from None
     if not isinstance(said, dict):
-        raise InputError("the artefact is no JSON object", allowed=f"one with the schema '{SCHEMA}'")
+        raise InputError("the certificate is no JSON object")
     return said
 
 
@@ -119,8 +133,6 @@ def read_certificate(content: bytes) -> Certificate:
         InputError: They are none, or a part is missing or of the wrong kind.
     """
     said = said_in(content)
-    if said.get("schema") != SCHEMA:
-        raise InputError(f"an artefact of the schema '{said.get('schema')}'", allowed=f"'{SCHEMA}'")
     try:
         return _certificate(said)
     except (KeyError, TypeError, ValueError) as error:
@@ -171,6 +183,10 @@ def _packed(array: Array) -> dict[str, object]:
 def _unpacked(said: Mapping[str, Any]) -> Array:
     flat = np.frombuffer(base64.b64decode(said["f8"], validate=True), dtype="<f8")
     return flat.astype(np.float64).reshape([int(size) for size in said["shape"]])
+
+
+def _digest(packed: bytes) -> bytes:
+    return hashlib.sha256(packed).hexdigest().encode("ascii")
 
 
 def _decompressed(content: bytes) -> bytes:

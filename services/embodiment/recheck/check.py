@@ -12,7 +12,7 @@ from sdt_kg.iri import Iri, local_name
 from sdt_kg.state import State
 from sdt_kg.task import UNKNOWN, Task, Unknown
 from sdt_kg.twin import Twin
-from services.embodiment.certify.certificate import SCHEMA, Certificate, read_certificate, said_in
+from services.embodiment.certify.certificate import Certificate, read_certificate
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.recheck.claim import claim_differs, figures_differ, inputs_differ, twin_differs
 from services.embodiment.recheck.embodiment import Certifier
@@ -97,9 +97,8 @@ def recheck_artefact(name: str, content: bytes, twin_of: TwinOf) -> Rechecked:
     """Whether an artefact holds that comes without its verdict."""
     trial = _Trial(name)
     try:
-        if said_in(content).get("schema") == SCHEMA:
-            trial.kind = ArtefactKind.CERTIFICATE
         certificate = read_certificate(content)
+        trial.kind = ArtefactKind.CERTIFICATE
         robot, kitchen = local_name(certificate.robot), local_name(certificate.environment)
         trial.about = f"motion of {local_name(certificate.container)}, {robot} in {kitchen}"
         _certify_again(trial, certificate, UNKNOWN, twin_of, None)

@@ -1,23 +1,37 @@
 """Saved verdicts, artefacts and twins, as files hold them."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import pyoxigraph as ox
 
 from predicates.case import Artefact
-from predicates.record import StoredVerdict, read_artefact, read_verdicts
+from predicates.record import StoredVerdict, read_artefact, read_verdict
 from sdt_kg.entities import state_iri
 from sdt_kg.errors import InputError
-from sdt_kg.iri import Iri, graph_iri, local_name
+from sdt_kg.iri import LAW, RDF, Iri, graph_iri, local_name, verdict_iri
 from sdt_kg.load import load_twin
 from sdt_kg.state import State
 from sdt_kg.twin import Twin
 
 FORMATS = {".trig": ox.RdfFormat.TRIG, ".nq": ox.RdfFormat.N_QUADS}
 
-Entry = tuple[StoredVerdict, Artefact | InputError | None]
-"""A verdict with its artefact: with why that cannot be read, or with none."""
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A verdict with its artefact.
+
+    Attributes:
+        stored: None where the record is damaged.
+        artefact: None where there is none.
+        damage: Why the record cannot be read; empty if it can.
+    """
+
+    iri: Iri
+    stored: StoredVerdict | None
+    artefact: Artefact | None
+    damage: str = ""
 
 
 class Saved:
@@ -34,21 +48,39 @@ class Saved:
         self.store = _opened(path)
 
     def entries(self) -> Iterator[Entry]:
-        """Every verdict, with its artefact."""
-        for stored in read_verdicts(self.store):
-            yield stored, self._artefact(stored.iri)
+        """Every verdict, with its artefact; by IRI."""
+        kind, verdict = ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + "Verdict")
+        found = {
+            quad.subject.value for quad in self._of(kind, verdict) if isinstance(quad.subject, ox.NamedNode)
+        }
+        for iri in sorted(found):
+            yield self._entry(iri)
 
     def entry(self, iri: Iri) -> Entry:
-        """The verdict of this IRI, or whose IRI ends like this.
+        """The verdict of this IRI, or of this hash.
 
         Raises:
-            InputError: There is none, or more than one.
+            InputError: There is none.
         """
-        found = [each for each in self.entries() if iri in (each[0].iri, local_name(each[0].iri))]
-        if len(found) != 1:
-            known = sum(1 for _ in read_verdicts(self.store))
-            raise InputError(f"no verdict {iri} in this store", allowed=f"one of its {known} verdicts")
-        return found[0]
+        known = verdict_iri(local_name(iri))
+        if not any(self._of(ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + "Verdict"), ox.NamedNode(known))):
+            raise InputError(
+                f"no verdict {iri} in this store", allowed="the IRI of a verdict that is saved in it"
+            )
+        return self._entry(known)
+
+    def _of(
+        self, predicate: ox.NamedNode, value: ox.NamedNode, subject: ox.NamedNode | None = None
+    ) -> Iterator[ox.Quad]:
+        return self.store.quads_for_pattern(subject, predicate, value, None)
+
+    def _entry(self, iri: Iri) -> Entry:
+        graph = ox.NamedNode(graph_iri("verdict", local_name(iri)))
+        try:
+            stored = read_verdict(self.store.quads_for_pattern(None, None, None, graph), iri)
+            return Entry(iri, stored, read_artefact(self.store, iri))
+        except InputError as error:
+            return Entry(iri, None, None, str(error))
 
     def twin(self, environment: Iri, robot: Iri, state: State) -> tuple[Twin, str]:
         """The twin, of the saved graphs if they have both models, else of the bundled ones of their names.
@@ -66,12 +98,6 @@ class Saved:
     def _state(self, environment: Iri, state: State) -> Iri | None:
         graph = state_iri(environment, state)
         return graph if self.store.contains_named_graph(ox.NamedNode(graph)) else None
-
-    def _artefact(self, iri: Iri) -> Artefact | InputError | None:
-        try:
-            return read_artefact(self.store, iri)
-        except InputError as error:
-            return error
 
 
 def by_name(environment: Iri, robot: Iri, state: State) -> tuple[Twin, str]:
