@@ -6,7 +6,7 @@ from importlib.metadata import version
 import click
 
 from sdt_kg.errors import InputError, SdtError
-from services.commands import achieve, ask, kitchens, recheck, robot, table
+from services.commands import achieve, ask, kitchens, recheck, robot, table, why
 
 BAD_INPUT_EXIT = 2
 NO_ORACLE_EXIT = 4
@@ -40,6 +40,7 @@ for command in (
     recheck.recheck,
     table.table,
     robot.robot,
+    why.why_command,
 ):
     sdt.add_command(command)
 

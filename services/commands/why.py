@@ -1,0 +1,67 @@
+"""`sdt why`: a stored verdict in plain words."""
+
+from pathlib import Path
+
+import click
+import pyoxigraph as ox
+
+from predicates.record import read_verdicts
+from sdt_kg.errors import InputError
+from sdt_kg.iri import local_name
+from services.commands.options import json_flag
+from services.commands.show import print_json, print_rows
+from services.store.files import FORMATS, is_saved_graph
+from services.why import SHORT_KEY, outcome, question, sections, verdicts_of, why
+
+
+@click.command(name="why")
+@click.argument("verdict", metavar="IRI|FILE|STORE")
+@click.option("--store", metavar="FILE|STORE", help="Where the verdict of that IRI is saved.")
+@json_flag
+def why_command(verdict: str, store: str | None, as_json: bool) -> None:
+    """Tell a stored verdict in plain words: what was asked, each answer, the reasons, how to check again.
+
+    IRI may be the beginning of the verdict's hash. A FILE (.trig, .nq) or STORE with one verdict tells it;
+    with several it lists them.
+    """
+    source, iri = (verdict, None) if store is None else (store, verdict)
+    if not is_saved_graph(source):
+        raise InputError(
+            f"'{source}' is no file or store of verdicts",
+            allowed="FILE.trig, FILE.nq or a store directory, as --save writes them",
+            remedy="for one verdict of a store: sdt why IRI --store STORE",
+        )
+    saved = _opened(Path(source))
+    known = verdicts_of(saved)
+    if iri is None and len(known) != 1:
+        _list(saved, as_json)
+        return
+    iri = known[0] if iri is None else iri
+    if as_json:
+        print_json([{"title": each.title, "lines": list(each.lines)} for each in sections(saved, iri)])
+    else:
+        click.echo(why(saved, iri))
+
+
+def _list(saved: ox.Store, as_json: bool) -> None:
+    """Every verdict of the store, a row each."""
+    rows = [
+        {"verdict": local_name(each.iri)[:SHORT_KEY], "question": question(each), "outcome": outcome(each)}
+        for each in read_verdicts(saved)
+    ]
+    if not rows:
+        raise InputError("there is no verdict in it", remedy="sdt achieve … --save FILE keeps one")
+    print_rows(rows, ("verdict", "question", "outcome"), "json" if as_json else "table")
+
+
+def _opened(path: Path) -> ox.Store:
+    if not path.exists():
+        raise InputError(f"no file or store at {path}")
+    if path.is_dir():
+        return ox.Store.read_only(str(path))
+    store = ox.Store()
+    try:
+        store.load(path=str(path), format=FORMATS[path.suffix])
+    except SyntaxError as error:
+        raise InputError(f"{path} is not valid RDF: {error}", allowed="TriG, N-Quads") from None
+    return store

@@ -1,0 +1,81 @@
+"""`sdt why` on saved verdicts."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.services.commands.conftest import Done
+
+SMALL = Path(__file__).resolve().parents[2] / "small"
+
+
+@pytest.fixture
+def saved(sdt: Callable[..., Done], tmp_path: Path) -> Path:
+    """An abstention and a table of nothing else."""
+    file = tmp_path / "saved.trig"
+    done = sdt(
+        "achieve",
+        "--kitchen",
+        str(SMALL / "a.urdf"),
+        "--robot",
+        str(SMALL / "stretch.urdf"),
+        "--task",
+        "open:swing_door",
+        "--save",
+        str(file),
+    )
+    assert done.code == 3
+    return file
+
+
+def test_one_saved_verdict_is_told(sdt: Callable[..., Done], saved: Path) -> None:
+    done = sdt("why", str(saved))
+    assert done.code == 0
+    assert done.out.startswith("Can stretch open swing_door in kitchen a? ABSTAINED")
+    iri = done.out.strip().splitlines()[-1]
+    assert sdt("why", iri, "--store", str(saved)).out == done.out
+    assert [part["title"] for part in sdt("why", str(saved), "--json").json][1:3] == ["Asked", "Answers"]
+
+
+def test_several_are_listed(sdt: Callable[..., Done], saved: Path) -> None:
+    small = [str(SMALL / name) for name in ("a.urdf", "stretch.urdf")]
+    sdt(
+        "achieve",
+        "--kitchen",
+        small[0],
+        "--robot",
+        small[1],
+        "--task",
+        "close:swing_door",
+        "--save",
+        str(saved),
+    )
+    rows = sdt("why", str(saved), "--json").json
+    assert {row["question"] for row in rows} == {
+        "Can stretch open swing_door in kitchen a?",
+        "Can stretch close swing_door in kitchen a?",
+    }
+    assert sdt("why", rows[0]["verdict"], "--store", str(saved)).code == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("b",), "no file or store of verdicts"),
+        (("{folder}/none.trig",), "no file or store at"),
+        (("{folder}/broken.trig",), "not valid RDF"),
+        (("{folder}/empty.trig",), "no verdict in it"),
+        (("0000", "--store", "{folder}/saved.trig"), "no verdict named"),
+    ],
+)
+def test_nonsense_is_refused(
+    sdt: Callable[..., Done], saved: Path, arguments: tuple[str, ...], said: str
+) -> None:
+    folder = saved.parent
+    (folder / "broken.trig").write_text("{")
+    (folder / "empty.trig").write_text("")
+    done = sdt("why", *(each.format(folder=folder) for each in arguments))
+    assert done.code == 2
+    assert said in done.err
+    assert "Traceback" not in done.err

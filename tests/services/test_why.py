@@ -1,0 +1,113 @@
+"""`sdt why`: a stored verdict in plain words that say neither more nor less than the verdict."""
+
+from dataclasses import replace
+
+import numpy as np
+import pyoxigraph as ox
+import pytest
+
+from predicates.case import Case, Diagnosis, Kind, Outcome, Search, Verdict
+from predicates.law import law
+from predicates.record import to_record, write
+from sdt_kg.errors import UnknownEntityError
+from sdt_kg.iri import local_name
+from sdt_kg.motion import Motion
+from sdt_kg.task import Task, Verb
+from services.physics.oracle import Kinematics
+from services.why import why
+from tests.small import small_twin
+from tests.small.lift import Lift
+
+TWIN = small_twin("a", ("pr2", "stretch"))
+
+
+def verdict(container: str, robot: int = 0, **known: object) -> Verdict:
+    task = Task(Verb.OPEN, TWIN.container(container).iri)
+    case = replace(Case(TWIN, robot=TWIN.robots[robot], task=task), **known)  # type: ignore[arg-type]
+    (made,) = law(case, Kinematics(), Lift())
+    return made
+
+
+def stored(*verdicts: Verdict) -> ox.Store:
+    store = ox.Store()
+    for each in verdicts:
+        write(store, to_record(each))
+    return store
+
+
+def told(of: Verdict) -> str:
+    return why(stored(of), of.iri)
+
+
+def test_a_certificate_is_told_with_drive_start_answers_and_margins() -> None:
+    text = told(verdict("low_drawer"))
+    assert text.startswith("Can pr2 open low_drawer in kitchen a? CERTIFIED\nAll three predicates hold;")
+    assert "Relative to D_artic" in text
+    assert "robot: pr2, its base moves: omni" in text
+    assert "kitchen: everything at its start" in text
+    assert "motion: to be found" in text
+    for name in ("SatisfiesRequest", "Causes", "CanPerform"):
+        assert f"\n{name}: yes" in text
+    assert "answered by lift 1" in text
+    assert "margin: 0 m" in text
+    assert "Reasons" not in text
+
+
+def test_a_proof_is_told_as_a_proof_with_its_measurement() -> None:
+    text = told(verdict("high_drawer", 1))
+    assert "NOT CERTIFIED" in text.splitlines()[0]
+    assert "excludes every motion of the class D_artic" in text
+    assert "1. embodiment: the handle of high_drawer needs the lift at 1.3 m" in text
+    assert "measured: position of lift_joint 1.3 m, where the bound is 1 m" in text
+    assert "\n  proved" in text
+
+
+def test_a_search_that_gave_up_is_never_told_as_a_proof() -> None:
+    gave_up = Diagnosis(Kind.EMBODIMENT, "no placement found", search=Search(5, 2, 3, 1.25))
+    text = told(replace(verdict("low_drawer"), outcome=Outcome.NOT_CERTIFIED, diagnoses=(gave_up,)))
+    assert "Nothing is proved: the search gave up" in text
+    assert "not proved: searched 5 seeds, 2 branches, 3 placements in 1.2 s, then gave up" in text
+    assert "\n  proved" not in text
+
+
+def test_a_proof_about_a_given_motion_says_nothing_of_other_motions() -> None:
+    joint = TWIN.container("low_drawer").joint
+    ajar = Motion(joint, np.array([0.0, 2.0]), np.array([[0.0], [0.1]]))
+    text = told(verdict("low_drawer", motion=ajar))
+    assert "motion: the container's motion was given, to be verified" in text
+    assert "Proved of the motion that was given; another motion may still do it." in text
+    assert "every motion" not in text
+    assert "--motion FILE" in text
+
+
+def test_an_abstention_is_told_with_the_shacl_result_and_claims_nothing() -> None:
+    text = told(verdict("swing_door"))
+    assert "nothing is claimed: neither that it can be done nor that it cannot" in text
+    assert "SHACL result: swing_door_joint, property lowerLimit, shape JointShape-lowerLimit" in text
+    assert "value -1.0, demanded 0" in text
+    assert "not proved" not in text
+    assert "CanPerform: not asked" in text
+
+
+def test_joints_elsewhere_are_told_and_go_into_the_command() -> None:
+    text = told(verdict("low_drawer", twin=TWIN.at({TWIN.container("side_door").joint: 0.25})))
+    assert "kitchen: side_door_joint at 0.25, all else at its start" in text
+    assert "--state side_door_joint=0.25 --drive omni" in text
+
+
+def test_versions_and_inputs_are_all_told() -> None:
+    made = verdict("low_drawer")
+    text = told(made)
+    assert all(
+        value.replace("https://example.org/id/", "") in text for _, value in made.inputs if value != "unknown"
+    )
+
+
+def test_a_verdict_is_found_by_the_beginning_of_its_hash_if_that_is_one() -> None:
+    one, other = verdict("low_drawer"), verdict("side_door")
+    store = stored(one, other)
+    assert why(store, local_name(one.iri)[:10]) == why(store, one.iri)
+    assert why(list(store), one.iri) == why(store, one.iri)
+    for unknown in ("", "zzz", "https://example.org/id/verdict/0"):
+        with pytest.raises(UnknownEntityError, match="no verdict named"):
+            why(store, unknown)
