@@ -1,9 +1,8 @@
 """Entities: what a twin says whatever its state, shared by all its branches."""
 
 import hashlib
-import math
 from collections import OrderedDict
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import chain
@@ -15,12 +14,13 @@ import pyoxigraph as ox
 import ontology
 from sdt_kg.annotate import TEE_GRAPH, annotate
 from sdt_kg.annotation import RobotAnnotation
+from sdt_kg.container import Container, container_of
 from sdt_kg.coupling import Coupling
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import SDT, Iri, graph_iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.state import State
-from sdt_kg.store import MemoryStore, Row, Store, Triple, Value, double, rows_of, term_of
+from sdt_kg.store import MemoryStore, Store, Triple, Value, double, rows_of, term_of
 from sdt_kg.triples import Facts, checked_model, read_mechanism_of
 from sdt_kg.vocabulary import fits, properties
 
@@ -29,56 +29,6 @@ KEPT_STATES: Final = 256
 
 _PLACE_ONLY: Final = {SDT + "meshFile"}
 """Properties that say where something lies, not what it is: not hashed."""
-
-
-@dataclass(frozen=True, slots=True)
-class Container:
-    """A counted container of a kitchen.
-
-    Attributes:
-        iri: IRI of its body.
-        name: Name of its body.
-        kind: `door` or `drawer`.
-        joint: IRI of its own joint p_c.
-        active_joint: IRI of the joint that is actuated: the mimicked one for a mimic door.
-        multiplier: p_c = multiplier · p_active + offset.
-        offset: See multiplier.
-        handle: IRI of its handle's body.
-        lower, upper: Effective limits of p_c [rad or m], over the coupling; infinite if there are none.
-        open_from: Threshold of open(c): 0.9 · upper.
-        closed_to: Threshold of closed(c): lower + epsilon.
-        velocity, acceleration: Effective limits of p_c; infinite if there are none.
-    """
-
-    iri: Iri
-    name: str
-    kind: str
-    joint: Iri
-    active_joint: Iri
-    multiplier: float
-    offset: float
-    handle: Iri
-    lower: float
-    upper: float
-    open_from: float
-    closed_to: float
-    velocity: float
-    acceleration: float
-
-
-@dataclass(frozen=True, slots=True)
-class LeftOut:
-    """A joint with a handle, or a door or drawer by name, that is not counted.
-
-    Attributes:
-        joint: IRI of the joint.
-        body: IRI of the body which it moves.
-        reason: One sentence.
-    """
-
-    joint: Iri
-    body: Iri
-    reason: str
 
 
 @dataclass(frozen=True)
@@ -154,7 +104,7 @@ class Entities:
         _, rows = rows_of(self.store.query(query_text("containers"), self.graphs))
         found: dict[Iri, Container] = {}
         for row in rows:
-            container = _container(row)
+            container = container_of(row)
             found.setdefault(container.iri, container)
         return tuple(sorted(found.values(), key=lambda container: container.name))
 
@@ -192,29 +142,79 @@ class Entities:
                 raise UnknownEntityError("property of sdt.ttl", name, properties())
             if value is not None and not fits(properties()[name], term_of(value)):
                 raise InputError(f"sdt:{name} cannot be {value!r}", allowed=properties()[name].value)
-        model = self._model_of(subject)
+        model = self.model_of(subject)
         replaced = {SDT + name for name in changes}
-        kept = (
+        removed = [
             triple
             for triple in self.store.triples(self.asserted[model])
-            if triple[0] != subject or triple[1] not in replaced
-        )
+            if triple[0] == subject and triple[1] in replaced
+        ]
         added: list[Triple] = [
             (subject, SDT + name, term_of(value)) for name, value in changes.items() if value is not None
         ]
-        store = MemoryStore()
-        for graph in self.graphs:
-            if graph not in self.graphs_of(model):
-                store.add(graph, self.store.triples(graph))
-        changed = [*kept, *added]
+        shown = ", ".join(f"{name} = {value}" for name, value in changes.items())
+        return self.rewritten(model, removed, added, f"edited: {local_name(subject)}: {shown}")
+
+    def rewritten(
+        self, model: Iri, removed: Iterable[Triple], added: Iterable[Triple], note: str
+    ) -> "Entities":
+        """The same entities, with asserted triples of one model replaced and its rules run again.
+
+        Raises:
+            GraphError: The model is then not whole, or is no tree.
+        """
+        gone = set(removed)
+        changed = [triple for triple in self.store.triples(self.asserted[model]) if triple not in gone]
+        changed += added
         checked_model(changed, model, "Environment" if model == self.environment else "Robot")
+        store = self._copy(self.graphs_of(model))
         store.add(self.asserted[model], changed)
         inferred = {**self.inferred, model: tuple(annotate(store, model, self.asserted[model]))}
-        shown = ", ".join(f"{name} = {value}" for name, value in changes.items())
-        note = f"{local_name(model)}: edited: {local_name(subject)}: {shown}"
-        return replace(self, store=store, inferred=inferred, notes=(*self.notes, note))
+        notes = (*self.notes, f"{local_name(model)}: {note}")
+        return replace(self, store=store, inferred=inferred, notes=notes)
 
-    def _model_of(self, subject: Iri) -> Iri:
+    def with_robot(self, robot: Iri, triples: Sequence[Triple], notes: Sequence[str] = ()) -> "Entities":
+        """The same entities and a robot, of which these triples are asserted.
+
+        Raises:
+            InputError: There is a model of that name.
+            GraphError: The robot is not whole.
+        """
+        if robot in self.asserted:
+            name = local_name(robot)
+            raise InputError(f"there is a model named '{name}' already", allowed="each name once")
+        checked_model(triples, robot, "Robot")
+        store, graph = self._copy(()), graph_iri("asserted", local_name(robot))
+        store.add(graph, triples)
+        asserted, inferred = {**self.asserted, robot: graph}, dict(self.inferred)
+        inferred[robot] = tuple(annotate(store, robot, graph))
+        return Entities(
+            store, self.environment, (*self.robots, robot), asserted, inferred, (*self.notes, *notes)
+        )
+
+    def without_robot(self, robot: Iri) -> "Entities":
+        """The same entities but for one robot; UnknownEntityError if it is not there."""
+        if robot not in self.robots:
+            raise UnknownEntityError("robot", local_name(robot), map(local_name, self.robots))
+        return Entities(
+            self._copy(self.graphs_of(robot)),
+            self.environment,
+            tuple(each for each in self.robots if each != robot),
+            {model: graph for model, graph in self.asserted.items() if model != robot},
+            {model: graphs for model, graphs in self.inferred.items() if model != robot},
+            (*self.notes, f"{local_name(robot)}: taken away"),
+        )
+
+    def _copy(self, left_out: Sequence[Iri]) -> MemoryStore:
+        """A store of its own with the same entity graphs, but for these."""
+        store = MemoryStore()
+        for graph in self.graphs:
+            if graph not in left_out:
+                store.add(graph, self.store.triples(graph))
+        return store
+
+    def model_of(self, subject: Iri) -> Iri:
+        """The kitchen or robot which an individual is asserted of; UnknownEntityError if none is."""
         node = ox.NamedNode(subject)
         for model, graph in self.asserted.items():
             if any(triple[0] == node.value for triple in self.store.triples(graph)):
@@ -233,27 +233,3 @@ def state_iri(environment: Iri, state: State) -> Iri:
 def query_text(name: str) -> str:
     """Text of a query of `ontology/queries`."""
     return ontology.path(f"queries/{name}.rq").read_text(encoding="utf-8")
-
-
-def _container(row: Row) -> Container:
-    def number(name: str, missing: float = math.inf) -> float:
-        value = row[name]
-        return float(value) if isinstance(value, int | float) else missing
-
-    iri = str(row["container"])
-    return Container(
-        iri=iri,
-        name=local_name(iri),
-        kind=local_name(str(row["kind"])).lower(),
-        joint=str(row["joint"]),
-        active_joint=str(row["active"]),
-        multiplier=number("multiplier"),
-        offset=number("offset"),
-        handle=str(row["handle"]),
-        lower=number("lower", -math.inf),
-        upper=number("upper"),
-        open_from=number("openFrom"),
-        closed_to=number("closedTo", -math.inf),
-        velocity=number("velocity"),
-        acceleration=number("acceleration"),
-    )

@@ -58,13 +58,23 @@ def local_name(iri: Iri) -> str:
 
 
 def graph_iri(kind: str, key: str) -> Iri:
-    """Named graph: kind is asserted, inferred, state, observed or verdict."""
+    """Named graph: kind is asserted, inferred, state, branch, observed or verdict."""
     return f"{ID}graph/{kind}/{quote(key, safe='')}"
 
 
 def verdict_iri(key: str) -> Iri:
     """Verdict whose inputs have this hash."""
     return f"{ID}verdict/{quote(key, safe='')}"
+
+
+def branch_iri(key: str) -> Iri:
+    """Branch whose parent and edit have this hash."""
+    return f"{ID}branch/{quote(key, safe='')}"
+
+
+def trajectory_iri(key: str) -> Iri:
+    """Trajectory whose samples have this hash."""
+    return f"{ID}trajectory/{quote(key, safe='')}"
 
 
 def part_iri(whole: Iri, kind: str, index: int) -> Iri:

@@ -1,6 +1,6 @@
 """Twin (G): a kitchen and robots as a graph, in one state."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Final
 
@@ -8,13 +8,14 @@ import pyoxigraph as ox
 import rdflib
 
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
-from sdt_kg.entities import Container, Entities, LeftOut, query_text
+from sdt_kg.container import Container, LeftOut
+from sdt_kg.entities import Entities, query_text
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import PREFIXES, Iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.rebuild import Quads, quads_of, rebuilt
 from sdt_kg.state import State
-from sdt_kg.store import Row, Value, checked_query, rows_of, term_of
+from sdt_kg.store import Row, Triple, Value, checked_query, rows_of, term_of
 from sdt_kg.triples import read_kitchen, read_mechanism_of, read_robot
 
 __all__ = ["Container", "LeftOut", "Twin"]
@@ -185,9 +186,25 @@ class Twin:
             UnknownEntityError: No such individual, or no such property in `sdt.ttl`.
             StateError: The present state is outside the new limits.
         """
-        entities = self.entities.edited(subject, changes)
+        return self._with(self.entities.edited(subject, changes))
+
+    def rewritten(self, model: Iri, removed: Iterable[Triple], added: Iterable[Triple], note: str) -> "Twin":
+        """The same twin in the same state, with asserted triples of one model replaced; see `Entities`."""
+        return self._with(self.entities.rewritten(model, removed, added, note))
+
+    def with_robot(self, robot: Iri, triples: Sequence[Triple], notes: Sequence[str] = ()) -> "Twin":
+        """The same twin in the same state, with a robot of which these triples are asserted."""
+        return Twin(self.entities.with_robot(robot, triples, notes), self.state)
+
+    def without_robot(self, robot: Iri) -> "Twin":
+        """The same twin in the same state, without one robot."""
+        return Twin(self.entities.without_robot(robot), self.state)
+
+    def _with(self, entities: Entities) -> "Twin":
+        """Other entities, whose joints are where they were as far as they still are joints."""
         start = entities.coupling.start()
-        return Twin(entities, entities.coupling.moved(start, dict(self.state)))
+        kept = {joint: at for joint, at in self.state.items() if joint in start}
+        return Twin(entities, entities.coupling.moved(start, kept))
 
     def serialize(self, form: str) -> bytes:
         """The twin as RDF: `turtle` (all graphs merged), `trig` or `nquads` (named graphs)."""

@@ -1,6 +1,7 @@
 """Asserted triples of one model → its mechanism, if they are whole; a GraphError says what is not."""
 
 from collections.abc import Iterable, Sequence
+from typing import Final
 
 from sdt_kg.errors import GraphError
 from sdt_kg.iri import SDT, Iri, local_name
@@ -11,6 +12,8 @@ from sdt_kg.triples.facts import Facts
 from sdt_kg.triples.from_mechanism import mechanism_triples
 from sdt_kg.triples.to_mechanism import read_mechanism_of
 from sdt_kg.vocabulary import fits, properties
+
+_INDEX: Final = SDT + "index"
 
 
 def checked_model(triples: Sequence[Triple], model: Iri, kind: str) -> Mechanism:
@@ -44,8 +47,13 @@ def checked_model(triples: Sequence[Triple], model: Iri, kind: str) -> Mechanism
 
 
 def _values(triples: Iterable[Triple]) -> set[tuple[Iri, Iri, Value]]:
-    """The triples, numbers by value: annotations may say 1 or 1.0 where a mechanism says 1.0e0."""
-    return {(subject, predicate, value_of(term)) for subject, predicate, term in triples}
+    """The triples, numbers by value: annotations may say 1 or 1.0 where a mechanism says 1.0e0.
+
+    An index only orders, so that what is put into a scene need not number everything anew.
+    """
+    return {
+        (subject, predicate, value_of(term)) for subject, predicate, term in triples if predicate != _INDEX
+    }
 
 
 def _check_terms(triples: Iterable[Triple], name: str) -> None:

@@ -35,7 +35,7 @@ def notes_of(facts: Facts, subject: Iri) -> tuple[str, ...]:
 
 
 def _ordered(facts: Facts, subjects: list[Iri]) -> list[Iri]:
-    return sorted(subjects, key=lambda subject: facts.number(subject, "index"))
+    return sorted(subjects, key=lambda subject: (facts.number(subject, "index"), subject))
 
 
 def _body(facts: Facts, iri: Iri) -> Body:

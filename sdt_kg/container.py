@@ -1,0 +1,83 @@
+"""Containers as a query tells them, and what is left out."""
+
+import math
+from dataclasses import dataclass
+
+from sdt_kg.iri import Iri, local_name
+from sdt_kg.store import Row
+
+
+@dataclass(frozen=True, slots=True)
+class Container:
+    """A counted container of a kitchen.
+
+    Attributes:
+        iri: IRI of its body.
+        name: Name of its body.
+        kind: `door` or `drawer`.
+        joint: IRI of its own joint p_c.
+        active_joint: IRI of the joint that is actuated: the mimicked one for a mimic door.
+        multiplier: p_c = multiplier · p_active + offset.
+        offset: See multiplier.
+        handle: IRI of its handle's body.
+        lower, upper: Effective limits of p_c [rad or m], over the coupling; infinite if there are none.
+        open_from: Threshold of open(c): 0.9 · upper.
+        closed_to: Threshold of closed(c): lower + epsilon.
+        velocity, acceleration: Effective limits of p_c; infinite if there are none.
+    """
+
+    iri: Iri
+    name: str
+    kind: str
+    joint: Iri
+    active_joint: Iri
+    multiplier: float
+    offset: float
+    handle: Iri
+    lower: float
+    upper: float
+    open_from: float
+    closed_to: float
+    velocity: float
+    acceleration: float
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """A joint with a handle, or a door or drawer by name, that is not counted.
+
+    Attributes:
+        joint: IRI of the joint.
+        body: IRI of the body which it moves.
+        reason: One sentence.
+    """
+
+    joint: Iri
+    body: Iri
+    reason: str
+
+
+def container_of(row: Row) -> Container:
+    """The container of a row of `containers.rq`."""
+
+    def number(name: str, missing: float = math.inf) -> float:
+        value = row[name]
+        return float(value) if isinstance(value, int | float) else missing
+
+    iri = str(row["container"])
+    return Container(
+        iri=iri,
+        name=local_name(iri),
+        kind=local_name(str(row["kind"])).lower(),
+        joint=str(row["joint"]),
+        active_joint=str(row["active"]),
+        multiplier=number("multiplier"),
+        offset=number("offset"),
+        handle=str(row["handle"]),
+        lower=number("lower", -math.inf),
+        upper=number("upper"),
+        open_from=number("openFrom"),
+        closed_to=number("closedTo", -math.inf),
+        velocity=number("velocity"),
+        acceleration=number("acceleration"),
+    )
