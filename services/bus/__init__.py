@@ -1,0 +1,1 @@
+"""The Law over Zenoh: keys, messages, server, client."""

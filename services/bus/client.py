@@ -1,0 +1,238 @@
+"""The client: typed replies, typed errors; silence is never taken for an answer."""
+
+import time
+import uuid
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+import pyoxigraph as ox
+import zenoh
+from pydantic import ValidationError
+
+from predicates.record import StoredVerdict, read_verdicts
+from sdt_kg.store import Row, rows_of
+from services.bus import keys
+from services.bus.keys import Meta, Verb
+from services.bus.messages import (
+    CBOR,
+    JSON,
+    AchieveRequest,
+    CausesReply,
+    CausesRequest,
+    Header,
+    Message,
+    MetRequest,
+    QueryRequest,
+    Reply,
+    SatisfiesReply,
+    SatisfiesRequest,
+    VerdictsReply,
+    decode,
+    encode,
+    encode_cbor,
+)
+from services.bus.problems import BusUnavailableError, Problem, ProblemType, error_of, problem
+from services.bus.sessions import open_session
+
+R = TypeVar("R", bound=Reply)
+
+RETRIES = 3
+"""How often a question is asked again that got no reply although a server is there."""
+RETRY_AFTER = 0.1
+"""[s] Before the first repeat; doubled each time."""
+LIVE_TIMEOUT = 1.0
+"""[s] For the question whether a server is there."""
+MARGIN = 0.5
+"""[s] The client waits so much longer than the deadline that it tells the server."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verdicts:
+    """What canachieve said.
+
+    Attributes:
+        objects: As `sdt achieve --json` prints them.
+        stored: The same as values, read from the triples.
+        instance: The server that answered.
+    """
+
+    objects: tuple[dict[str, Any], ...]
+    stored: tuple[StoredVerdict, ...]
+    instance: str
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """A twin on the bus, asked with names as people type them.
+
+    Attributes:
+        session: Closed by whoever opened it.
+        twin: Name of the kitchen.
+        deadline: [s] For each question.
+    """
+
+    session: zenoh.Session
+    twin: str
+    deadline: float = 60.0
+
+    def select(self, query: str) -> tuple[list[str], list[Row]]:
+        """Columns and rows of a SELECT."""
+        payload, _ = self._asked(Verb.SELECT, QueryRequest(query=query))
+        solutions = ox.parse_query_results(payload, format=ox.QueryResultsFormat.JSON)
+        return rows_of(solutions)
+
+    def ask(self, query: str) -> bool:
+        """Whether the pattern of an ASK is there."""
+        payload, _ = self._asked(Verb.ASK, QueryRequest(query=query))
+        return bool(ox.parse_query_results(payload, format=ox.QueryResultsFormat.JSON))
+
+    def construct(self, query: str) -> list[ox.Triple]:
+        """Triples of a CONSTRUCT or DESCRIBE."""
+        payload, _ = self._asked(Verb.CONSTRUCT, QueryRequest(query=query))
+        quads = ox.parse(payload, format=ox.RdfFormat.N_TRIPLES)
+        return [ox.Triple(quad.subject, quad.predicate, quad.object) for quad in quads]
+
+    def satisfies(self, *state: str) -> tuple[MetRequest, ...]:
+        """Every request that the state meets."""
+        request = SatisfiesRequest(state=list(state))
+        return tuple(self._typed(Verb.SATISFIES, request, SatisfiesReply)[0].requests)
+
+    def causes(self, task: str, *state: str, motion: Mapping[str, object] | None = None) -> CausesReply:
+        """Motions that would cause the task, or whether the given one does; no robot."""
+        request = CausesRequest(task=task, state=list(state), motion=_arrays(motion))
+        return self._typed(Verb.CAUSES, request, CausesReply, CBOR)[0]
+
+    def achieve(
+        self,
+        task: str,
+        robot: str | None = None,
+        *state: str,
+        motion: Mapping[str, object] | None = None,
+        **policy: Any,  # noqa: ANN401 - fields of AchieveRequest, checked there
+    ) -> Verdicts:
+        """CanAchieve: one verdict for each container that the task is about.
+
+        Args:
+            task: `open:CONTAINER` and so on.
+            robot: Name; may be left out where the server has one.
+            state: `JOINT=VALUE` texts.
+            motion: Arrays as in a motion file, to be verified; made where it is None.
+            policy: drive, base, budget, seed.
+        """
+        request = AchieveRequest(
+            task=task, robot=robot, state=list(state), motion=_arrays(motion), quads=True, **policy
+        )
+        reply, instance = self._typed(Verb.CANACHIEVE, request, VerdictsReply, CBOR)
+        store = ox.Store()
+        store.load((reply.quads or "").encode(), format=ox.RdfFormat.N_QUADS)
+        return Verdicts(tuple(reply.verdicts), tuple(read_verdicts(store)), instance)
+
+    def health(self) -> list[dict[str, Any]]:
+        """What each server of the twin says of itself."""
+        replies = self.session.get(
+            keys.meta(self.twin, Meta.HEALTH),
+            timeout=LIVE_TIMEOUT,
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,
+        )
+        return [
+            decode(_Anything, reply.ok.payload.to_bytes()).model_extra or {} for reply in replies if reply.ok
+        ]
+
+    def servers(self) -> list[str]:
+        """Instances that are there now."""
+        tokens = self.session.liveliness().get(keys.any_live(self.twin), timeout=LIVE_TIMEOUT)
+        return sorted(keys.instance_of(str(each.ok.key_expr)) for each in tokens if each.ok)
+
+    def _typed(self, verb: Verb, request: Message, kind: type[R], encoding: str = JSON) -> tuple[R, str]:
+        payload, instance = self._asked(verb, request, encoding)
+        return decode(kind, payload, encoding), instance
+
+    def _asked(self, verb: Verb, request: Message, encoding: str = JSON) -> tuple[bytes, str]:
+        """Payload of the reply, and who answered.
+
+        Raises:
+            BusUnavailableError: No server is there, or it stays silent.
+            BusError, InputError: What the server says.
+        """
+        until = time.monotonic() + self.deadline
+        pause, said = RETRY_AFTER, "nobody is there"
+        for _ in range(RETRIES + 1):
+            left = until - time.monotonic()
+            if left <= 0:
+                break
+            reply = self._once(verb, request, encoding, left)
+            if isinstance(reply, tuple):
+                return reply
+            if reply is not None and not (reply.kind is ProblemType.UNAVAILABLE and reply.retry_after):
+                raise error_of(reply)
+            if reply is None and not self.servers():
+                said = f"no server of '{self.twin}' is on the bus"
+            else:
+                said = "no reply" if reply is None else reply.detail
+            time.sleep(min(pause if reply is None else reply.retry_after or pause, max(0.0, left)))
+            pause *= 2
+        raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, said))
+
+    def _once(
+        self, verb: Verb, request: Message, encoding: str, left: float
+    ) -> tuple[bytes, str] | Problem | None:
+        """One question: reply and responder, what went wrong, or None for silence."""
+        header = Header(id=uuid.uuid4().hex, deadline_ms=max(1, int(left * 1000)))
+        replies = self.session.get(
+            keys.rpc(self.twin, verb),
+            payload=encode_cbor(request) if encoding == CBOR else encode(request),
+            encoding=encoding,
+            attachment=encode(header),
+            timeout=left + MARGIN,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            accept_replies=zenoh.ReplyKeyExpr.ANY,
+        )
+        for reply in replies:
+            if reply.ok is not None:
+                return reply.ok.payload.to_bytes(), keys.instance_of(str(reply.ok.key_expr))
+            if reply.err is not None:
+                return _problem(reply.err)
+        return None
+
+
+class _Anything(Message, extra="allow"):
+    """Whatever a server says of itself."""
+
+
+def _problem(error: zenoh.ReplyError) -> Problem | None:
+    """What the server says; None where Zenoh itself says that time is up."""
+    if not str(error.encoding).startswith(JSON):
+        return None
+    try:
+        return Problem.model_validate_json(error.payload.to_bytes())
+    except ValidationError:
+        return problem(ProblemType.INTERNAL, "the server's error is not readable")
+
+
+def _arrays(motion: Mapping[str, object] | None) -> dict[str, Any] | None:
+    """Numbers as float64 arrays, names as lists: what CBOR carries."""
+    if motion is None:
+        return None
+    arrays = {name: np.asarray(value) for name, value in motion.items()}
+    return {name: each if each.dtype.kind == "f" else each.tolist() for name, each in arrays.items()}
+
+
+@contextmanager
+def connect(
+    twin: str, endpoint: str = "tcp/127.0.0.1:7447", *, deadline: float = 60.0, config: Path | None = None
+) -> Iterator[Connection]:
+    """A twin on the bus at an endpoint.
+
+    Raises:
+        BusUnavailableError: Nobody listens there.
+    """
+    session = open_session(connect=endpoint, mode="client", config=config)
+    try:
+        yield Connection(session, twin, deadline)
+    finally:
+        session.close()

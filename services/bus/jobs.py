@@ -1,0 +1,123 @@
+"""A question on its way to a worker process, and who waits for its answer."""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from services.bus.problems import Problem
+
+Kept = tuple[str, bytes]
+"""IRI of a verdict, and its graph as N-Quads."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What a worker is sent.
+
+    Attributes:
+        seconds: That are left until the deadline.
+    """
+
+    twin: str
+    verb: str
+    payload: bytes
+    encoding: str
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """What a worker sends back at the end: the reply's payload, and what is to be stored."""
+
+    payload: bytes
+    encoding: str
+    records: tuple[Kept, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What a worker asks on the way: the quads stored under a verdict's IRI."""
+
+    iri: str
+
+
+class Handler(Protocol):
+    """What a worker does with a task; made once in the worker's process."""
+
+    def __call__(self, task: Task, recall: Callable[[str], bytes | None]) -> Done | Problem:
+        """Answer the task; `recall` asks the parent for a verdict's stored N-Quads."""
+        ...
+
+
+@dataclass(slots=True, eq=False)
+class Waiter:
+    """Somebody who waits for a job.
+
+    Attributes:
+        deadline: On the monotonic clock [s].
+        answered: Called exactly once, from a thread of the pool.
+    """
+
+    deadline: float
+    answered: Callable[[Done | Problem], None]
+    _claimed: threading.Lock = field(default_factory=threading.Lock)
+    _over: bool = False
+
+    def answer(self, outcome: Done | Problem) -> None:
+        """Give the answer, unless one was given."""
+        with self._claimed:
+            if self._over:
+                return
+            self._over = True
+        self.answered(outcome)
+
+    @property
+    def over(self) -> bool:
+        """Whether it was answered."""
+        return self._over
+
+
+@dataclass(slots=True, eq=False)
+class Job:
+    """A task on its way through the pool, for one waiter or for several that ask the same."""
+
+    task: Task
+    waiters: list[Waiter]
+    cancelled: threading.Event = field(default_factory=threading.Event)
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+    _finished: bool = False
+
+    def join(self, waiter: Waiter) -> bool:
+        """Whether the waiter came in time to wait for this job too."""
+        with self._lock:
+            if self._finished or self.over:
+                return False
+            self.waiters.append(waiter)
+            return True
+
+    def answer(self, outcome: Done | Problem) -> None:
+        """Answer whoever still waits; nobody joins any more."""
+        with self._lock:
+            self._finished = True
+        for waiter in self.waiters:
+            waiter.answer(outcome)
+
+    @property
+    def deadline(self) -> float:
+        """[s] When the last waiter has gone."""
+        return max(waiter.deadline for waiter in tuple(self.waiters))
+
+    @property
+    def over(self) -> bool:
+        """Whether nobody waits any more."""
+        return all(waiter.over for waiter in tuple(self.waiters))
+
+
+@dataclass(slots=True)
+class Counts:
+    """What the pool has done so far."""
+
+    answered: int = 0
+    crashed: int = 0
+    refused: int = 0

@@ -1,0 +1,113 @@
+"""Key space of the bus: `sdt/v1/{twin}/…`. Nothing else spells a key.
+
+```
+sdt/v1/{twin}/rpc/{verb}               a question; any one server answers
+sdt/v1/{twin}/rpc/{verb}/{instance}    the same question to one server; the key of its replies
+sdt/v1/{twin}/jobs/{id}/{progress|result|cancel}
+sdt/v1/{twin}/events/{state|verdict}/{sequence}
+sdt/v1/{twin}/@meta/{schema|version|health}
+sdt/v1/{twin}/@live/{instance}         liveliness token: the server is there
+```
+
+`sdt/**` does not match chunks that begin with `@`, so listening to everything does not list servers.
+"""
+
+import re
+from enum import Enum
+
+from sdt_kg.errors import InputError
+
+ROOT = "sdt/v1"
+_CHUNK = re.compile(r"[A-Za-z0-9_.-]+")
+
+
+class Verb(Enum):
+    """What can be asked."""
+
+    SELECT = "select"
+    ASK = "ask"
+    CONSTRUCT = "construct"
+    DESCRIBE = "describe"
+    SATISFIES = "satisfies"
+    CAUSES = "causes"
+    CANPERFORM = "canperform"
+    CANACHIEVE = "canachieve"
+    WHY = "why"
+    SWEEP = "sweep"
+
+
+class Meta(Enum):
+    """What a server says of itself."""
+
+    SCHEMA = "schema"
+    VERSION = "version"
+    HEALTH = "health"
+
+
+class Part(Enum):
+    """What a job can be asked for."""
+
+    PROGRESS = "progress"
+    RESULT = "result"
+    CANCEL = "cancel"
+
+
+def chunk(text: str) -> str:
+    """The text, if it can be one chunk of a key.
+
+    Raises:
+        InputError: It has characters that mean something in a key expression.
+    """
+    if not _CHUNK.fullmatch(text):
+        raise InputError(f"'{text}' cannot be part of a key", allowed="letters, digits, '_', '.', '-'")
+    return text
+
+
+def rpc(twin: str, verb: Verb, instance: str = "") -> str:
+    """Key of a question, to any server or to one."""
+    key = f"{ROOT}/{chunk(twin)}/rpc/{verb.value}"
+    return f"{key}/{chunk(instance)}" if instance else key
+
+
+def job(twin: str, job_id: str, part: Part) -> str:
+    """Key of a part of a job."""
+    return f"{ROOT}/{chunk(twin)}/jobs/{chunk(job_id)}/{part.value}"
+
+
+def event(twin: str, kind: str, sequence: int) -> str:
+    """Key under which an event is published; sequences sort as text."""
+    return f"{ROOT}/{chunk(twin)}/events/{chunk(kind)}/{sequence:012d}"
+
+
+def meta(twin: str, part: Meta) -> str:
+    """Key of what a server says of itself."""
+    return f"{ROOT}/{chunk(twin)}/@meta/{part.value}"
+
+
+def live(twin: str, instance: str) -> str:
+    """Key of a server's liveliness token."""
+    return f"{ROOT}/{chunk(twin)}/@live/{chunk(instance)}"
+
+
+def any_live(twin: str) -> str:
+    """Key expression of all servers of a twin."""
+    return f"{ROOT}/{chunk(twin)}/@live/*"
+
+
+def instance_of(key: str) -> str:
+    """The server that a liveliness token or a reply's key names."""
+    return key.rsplit("/", 1)[-1]
+
+
+def twin_of(key: str) -> str:
+    """The twin that a key is about."""
+    return key.split("/")[2]
+
+
+def asked(key: str) -> Verb | None:
+    """The verb of a question's key; None where it names none that is known."""
+    parts = key.split("/")
+    try:
+        return Verb(parts[4]) if len(parts) in {5, 6} and parts[3] == "rpc" else None
+    except ValueError:
+        return None

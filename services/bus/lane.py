@@ -1,0 +1,154 @@
+"""One worker process and the thread that feeds it."""
+
+import logging
+import multiprocessing as mp
+import queue
+import threading
+import time
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+
+from services.bus.jobs import Counts, Done, Handler, Job, Task, Wanted
+from services.bus.memory import Memory
+from services.bus.problems import Problem, ProblemType, problem
+
+log = logging.getLogger(__name__)
+
+GRACE = 1.0
+"""[s] How long a worker may go on after its job's deadline before it is killed."""
+START_TIME = 120.0
+"""[s] How long a worker may take to load its kitchens."""
+TICK = 0.02
+"""[s] How often a lane looks whether a running job was cancelled or is late."""
+TRIES = 2
+"""A job whose worker dies is tried once more."""
+
+
+class Lane(threading.Thread):
+    """One worker process and the thread that feeds it."""
+
+    def __init__(
+        self,
+        make_handler: Callable[[], Handler],
+        jobs: "queue.Queue[Job | None]",
+        memory: Memory,
+        counts: Counts,
+    ) -> None:
+        super().__init__(name="lane", daemon=True)
+        self._make_handler, self._jobs = make_handler, jobs
+        self._memory, self._counts = memory, counts
+        self._process: BaseProcess | None = None
+        self._pipe: Connection | None = None
+        self.ready, self.stopping = threading.Event(), threading.Event()
+
+    @property
+    def pid(self) -> int | None:
+        """Process id of the worker."""
+        return None if self._process is None else self._process.pid
+
+    def run(self) -> None:
+        """Feed the worker until told to stop."""
+        self._start()
+        self.ready.set()
+        while not self.stopping.is_set():
+            try:
+                job = self._jobs.get(timeout=0.1)
+            except queue.Empty:
+                continue
+            if job is not None:
+                self._serve(job)
+        self._kill()
+
+    def _serve(self, job: Job) -> None:
+        for _ in range(TRIES):
+            if job.cancelled.is_set() or job.over:
+                job.answer(problem(ProblemType.CONFLICT, "cancelled"))
+                return
+            if self._tried(job, max(0.0, job.deadline - time.monotonic())):
+                return
+            self._counts.crashed += 1
+            log.warning("a worker died while it answered %s", job.task.verb)
+            self._start()
+        job.answer(problem(ProblemType.INTERNAL, "the worker died twice while it answered this"))
+
+    def _tried(self, job: Job, left: float) -> bool:
+        """Whether the job is over; False: the worker died."""
+        pipe = self._pipe
+        if pipe is None:
+            return False
+        task = job.task
+        try:
+            pipe.send(Task(task.twin, task.verb, task.payload, task.encoding, left))
+            while True:
+                if not pipe.poll(TICK):
+                    if self._given_up(job):
+                        return True
+                    continue
+                said = pipe.recv()
+                if isinstance(said, Wanted):
+                    pipe.send(self._memory.recall(said.iri))
+                    continue
+                self._finish(job, said)
+                return True
+        except (EOFError, OSError):
+            return False
+
+    def _given_up(self, job: Job) -> bool:
+        """Whether the worker was killed, because nobody waits for the job any more."""
+        late = time.monotonic() > job.deadline + GRACE
+        if late or job.cancelled.is_set() or self.stopping.is_set():
+            job.answer(problem(ProblemType.CONFLICT, "cancelled"))
+            self._start()
+            return True
+        return False
+
+    def _finish(self, job: Job, said: Done | Problem) -> None:
+        if isinstance(said, Done) and said.records:
+            self._memory.keep(said.records)
+        self._counts.answered += 1
+        job.answer(said)
+
+    def _start(self) -> None:
+        """A new worker in place of the old one, ready to answer."""
+        self._kill()
+        if self.stopping.is_set():
+            return
+        context = mp.get_context("spawn")
+        ours, theirs = context.Pipe()
+        process = context.Process(target=work, args=(theirs, self._make_handler), daemon=True)
+        process.start()
+        theirs.close()
+        self._process, self._pipe = process, ours
+        try:
+            if not ours.poll(START_TIME):
+                log.error("a worker was not ready after %s s", START_TIME)
+                return
+            ours.recv()
+        except (EOFError, OSError):
+            log.exception("a worker did not start")
+
+    def _kill(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+            self._process.join(GRACE)
+        if self._pipe is not None:
+            self._pipe.close()
+        self._process = self._pipe = None
+
+
+def work(pipe: Connection, make_handler: Callable[[], Handler]) -> None:
+    """Main of a worker's process: load, say ready, answer until the parent is gone."""
+    handler = make_handler()
+    pipe.send("ready")
+
+    def recall(iri: str) -> bytes | None:
+        pipe.send(Wanted(iri))
+        return pipe.recv()
+
+    while True:
+        try:
+            task = pipe.recv()
+        except (EOFError, KeyboardInterrupt):
+            return
+        pipe.send(handler(task, recall))

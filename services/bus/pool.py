@@ -1,0 +1,100 @@
+"""Worker processes that hold loaded kitchens; each lane of the pool is a thread with one process.
+
+A waiter is answered exactly once: by the worker, at its deadline, by being cancelled, or as a failure
+after the worker has died twice. A worker that is busy with what nobody waits for is killed and
+replaced.
+"""
+
+import queue
+import threading
+from collections.abc import Callable
+
+from services.bus.deadlines import Deadlines
+from services.bus.jobs import Counts, Handler, Job, Task, Waiter
+from services.bus.lane import GRACE, START_TIME, Lane
+from services.bus.memory import Memory
+from services.bus.problems import ProblemType, problem
+
+Key = tuple[str, str, bytes, str]
+
+
+class Pool:
+    """Lanes that share a bounded queue.
+
+    Attributes:
+        counts: For health reports.
+    """
+
+    def __init__(
+        self,
+        make_handler: Callable[[], Handler],
+        size: int,
+        waiting: int,
+        deadlines: Deadlines,
+        memory: Memory,
+    ) -> None:
+        """Start the workers; returns when all are ready.
+
+        Args:
+            make_handler: Called in each worker's process; has to be picklable.
+            size: Worker processes.
+            waiting: Jobs that may wait; one more is refused.
+            deadlines: Answers a waiter whose time is up.
+            memory: Keeps verdicts; a reply is sent when its verdicts are kept.
+        """
+        self._jobs: queue.Queue[Job | None] = queue.Queue(maxsize=waiting)
+        self.counts = Counts()
+        self._lanes = [Lane(make_handler, self._jobs, memory, self.counts) for _ in range(size)]
+        self._lock = threading.Lock()
+        self._shared: dict[Key, Job] = {}
+        self._deadlines = deadlines
+        for lane in self._lanes:
+            lane.start()
+        for lane in self._lanes:
+            lane.ready.wait(START_TIME)
+
+    @property
+    def queued(self) -> int:
+        """Jobs that wait."""
+        return self._jobs.qsize()
+
+    def submit(self, task: Task, waiter: Waiter, *, share: bool = False) -> Job:
+        """The job that answers the waiter: a new one, or with `share` one that does the same already.
+
+        Where too many jobs wait, the waiter is told so at once.
+        """
+        key = (task.twin, task.verb, task.payload, task.encoding)
+        self._deadlines.watch(waiter)
+        with self._lock:
+            running = self._shared.get(key) if share else None
+            if running is not None and running.join(waiter):
+                return running
+            job = Job(task, [waiter])
+            if share:
+                self._shared = {key: each for key, each in self._shared.items() if not each.over} | {key: job}
+        try:
+            self._jobs.put_nowait(job)
+        except queue.Full:
+            self.counts.refused += 1
+            job.answer(
+                problem(ProblemType.UNAVAILABLE, f"{self.queued} requests wait already", retry_after=1.0)
+            )
+        return job
+
+    def pids(self) -> list[int]:
+        """Process ids of the workers, for tests and health reports."""
+        return [pid for pid in (lane.pid for lane in self._lanes) if pid is not None]
+
+    def close(self) -> None:
+        """Stop the lanes and their processes; jobs that wait are answered Unavailable."""
+        for lane in self._lanes:
+            lane.stopping.set()
+        while True:
+            try:
+                job = self._jobs.get_nowait()
+            except queue.Empty:
+                break
+            if job is not None:
+                job.answer(problem(ProblemType.UNAVAILABLE, "the server is stopping"))
+        for lane in self._lanes:
+            lane.join(GRACE + 2.0)

@@ -1,0 +1,202 @@
+"""The bus server: Zenoh queries in, replies out. Callbacks only enqueue."""
+
+import json
+import logging
+import threading
+import time
+import uuid
+from collections.abc import Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Self
+
+import zenoh
+
+from sdt_kg.errors import SdtError
+from services.bus import keys
+from services.bus.deadlines import Deadlines
+from services.bus.jobs import Done, Kept, Task, Waiter
+from services.bus.keys import Meta, Verb
+from services.bus.memory import Memory
+from services.bus.messages import (
+    CBOR,
+    JSON,
+    MAX_REPLY,
+    MAX_REQUEST,
+    SCHEMA,
+    Header,
+    QueryRequest,
+    decode,
+)
+from services.bus.pool import Pool
+from services.bus.problems import Problem, ProblemType, problem, problem_of
+from services.store.workers import Answered, Asked, Limit, LimitError
+
+log = logging.getLogger(__name__)
+
+ACCEPTED = {
+    Verb.SELECT: ("application/sparql-results+json",),
+    Verb.ASK: ("application/sparql-results+json",),
+    Verb.CONSTRUCT: ("application/n-triples",),
+    Verb.DESCRIBE: ("application/n-triples",),
+}
+"""Media types of the replies to queries."""
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """A Zenoh query that is to be answered once."""
+
+    query: zenoh.Query
+    twin: str
+    verb: Verb
+    header: Header
+    reply_key: str
+
+    def answer(self, outcome: Done | Problem) -> None:
+        """Reply, and let the asker know that this was all."""
+        if isinstance(outcome, Done) and len(outcome.payload) > MAX_REPLY:
+            outcome = problem(ProblemType.TOO_LARGE, f"the answer has {len(outcome.payload)} bytes")
+        with self.query:
+            try:
+                if isinstance(outcome, Done):
+                    self.query.reply(self.reply_key, outcome.payload, encoding=outcome.encoding)
+                else:
+                    log.info("%s %s %s: %s", self.header.id, self.twin, self.verb.value, outcome.detail)
+                    self.query.reply_err(outcome.model_dump_json().encode(), encoding=JSON)
+            except zenoh.ZError as error:  # the asker has gone
+                log.info("%s %s: nobody took the reply: %s", self.header.id, self.verb.value, error)
+
+
+class Server:
+    """One instance that answers for some twins until it is closed.
+
+    Attributes:
+        instance: Its name in keys of replies and liveliness tokens.
+    """
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        twins: Sequence[str],
+        pool: Pool,
+        deadlines: Deadlines,
+        memory: Memory,
+    ) -> None:
+        self.instance = uuid.uuid4().hex[:12]
+        self._session, self._twins = session, tuple(twins)
+        self._pool, self._deadlines = pool, deadlines
+        self._memory = memory
+        self._declared: list[zenoh.Queryable[None] | zenoh.LivelinessToken] = []
+        self._sequence = 0
+        self._lock = threading.Lock()
+        self._began = time.monotonic()
+
+    def start(self) -> Self:
+        """Questions are answered from now on; the liveliness tokens come last."""
+        self._memory.listen(self._publish)
+        for twin in self._twins:
+            for tail in ("*", f"*/{self.instance}"):
+                key = f"{keys.ROOT}/{twin}/rpc/{tail}"
+                self._declared.append(self._session.declare_queryable(key, self._asked, complete=True))
+            for part in Meta:
+                self._declared.append(self._session.declare_queryable(keys.meta(twin, part), self._told))
+        for twin in self._twins:
+            token = self._session.liveliness().declare_token(keys.live(twin, self.instance))
+            self._declared.append(token)
+        return self
+
+    def close(self) -> None:
+        """Nothing is answered any more."""
+        for each in reversed(self._declared):
+            each.undeclare()
+        self._declared.clear()
+
+    def _publish(self, kept: Kept) -> None:
+        """A verdict as an event."""
+        with self._lock:
+            self._sequence += 1
+            sequence = self._sequence
+        for twin in self._twins:
+            self._session.put(keys.event(twin, "verdict", sequence), kept[1], encoding="application/n-quads")
+
+    def _asked(self, query: zenoh.Query) -> None:
+        """A question: enqueued, or refused at once."""
+        key = str(query.key_expr)
+        verb, twin = keys.asked(key), keys.twin_of(key)
+        header = Header()
+        try:
+            if query.attachment is not None:
+                header = decode(Header, query.attachment.to_bytes())
+            question = Question(query, twin, verb or Verb.ASK, header, self._reply_key(query, key))
+            if verb is None:
+                question.answer(problem(ProblemType.INVALID_REQUEST, f"'{key}' asks for no known verb"))
+                return
+            self._enqueue(question, b"" if query.payload is None else query.payload.to_bytes())
+        except SdtError as error:
+            Question(query, twin, verb or Verb.ASK, header, key).answer(problem_of(error))
+
+    def _reply_key(self, query: zenoh.Query, key: str) -> str:
+        """With the responder's name in it, where the asker takes such a key."""
+        named = query.accepts_replies() == zenoh.ReplyKeyExpr.ANY and not key.endswith(self.instance)
+        return f"{key}/{self.instance}" if named else key
+
+    def _enqueue(self, question: Question, payload: bytes) -> None:
+        if len(payload) > MAX_REQUEST:
+            question.answer(
+                problem(ProblemType.TOO_LARGE, f"the request has {len(payload)} bytes; at most {MAX_REQUEST}")
+            )
+            return
+        encoding = CBOR if str(question.query.encoding or JSON).startswith(CBOR) else JSON
+        deadline = time.monotonic() + question.header.deadline_ms / 1000
+        waiter = Waiter(deadline, question.answer)
+        if question.verb in ACCEPTED:
+            self._query(question.verb, decode(QueryRequest, payload, encoding), waiter)
+            return
+        task = Task(question.twin, question.verb.value, payload, encoding, question.header.deadline_ms / 1000)
+        self._pool.submit(task, waiter, share=True)
+
+    def _query(self, verb: Verb, request: QueryRequest, waiter: Waiter) -> None:
+        def done(future: "Future[Answered]") -> None:
+            waiter.answer(_answered(future))
+
+        self._deadlines.watch(waiter)
+        self._memory.queries.ask(Asked("query", request.query, ACCEPTED[verb]), done)
+
+    def _told(self, query: zenoh.Query) -> None:
+        """What the server says of itself; answered at once, it costs nothing."""
+        part = Meta(str(query.key_expr).rsplit("/", 1)[-1])
+        with query:
+            query.reply(query.key_expr, json.dumps(self._meta(part)).encode(), encoding=JSON)
+
+    def _meta(self, part: Meta) -> dict[str, object]:
+        if part is Meta.VERSION:
+            return {"instance": self.instance, "schema": SCHEMA, "version": version("sdt-kg")}
+        if part is Meta.HEALTH:
+            counts = self._pool.counts
+            return {
+                "instance": self.instance,
+                "seconds": round(time.monotonic() - self._began, 3),
+                "queued": self._pool.queued,
+                "answered": counts.answered,
+                "late": self._deadlines.missed,
+                "crashed": counts.crashed,
+                "refused": counts.refused,
+                "workers": len(self._pool.pids()),
+            }
+        from services.bus.schema import asyncapi  # noqa: PLC0415 - seldom asked for
+
+        return asyncapi()
+
+
+def _answered(future: "Future[Answered]") -> Done | Problem:
+    """A query's answer in SPARQL's own formats, or what is wrong."""
+    try:
+        answered = future.result()
+    except LimitError as error:
+        kind = ProblemType.DEADLINE if error.limit is Limit.TIME else ProblemType.TOO_LARGE
+        return problem(kind, str(error))
+    except SdtError as error:
+        return problem_of(error)
+    return Done(answered.body, answered.media)
