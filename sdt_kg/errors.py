@@ -11,9 +11,12 @@ SdtError
 │   ├── GraphError              graphs that are not those of one twin, whole and unchanged
 │   └── QueryError              SPARQL that does not parse or asks for more than it may
 ├── NoModeError                 the case has too many unknowns for every predicate
-└── OracleError                 the world's
-├── OracleUnavailableError  nobody answered: there is no verdict
-└── OracleRejectedError     the oracle answered that it cannot judge this input
+├── OracleError                 the world's
+│   ├── OracleUnavailableError  nobody answered: there is no verdict
+│   └── OracleRejectedError     the oracle answered that it cannot judge this input
+└── StoreError                  the world's, too: what it had acknowledged is kept, this was not
+    ├── StoreUnavailableError   a server that is gone, a directory or file that another process holds
+    └── StoreRejectedError      the store answered, but not with what was asked
 """
 
 from collections.abc import Iterable
@@ -102,3 +105,25 @@ class OracleUnavailableError(OracleError):
 
 class OracleRejectedError(OracleError):
     """The oracle answered that it cannot judge this input."""
+
+
+class StoreError(SdtError):
+    """A store did not do what was asked of it; what it acknowledged before is kept.
+
+    Attributes:
+        place: Its address or path, without a password.
+        what: What went wrong.
+        remedy: What to do.
+    """
+
+    def __init__(self, place: str, what: str, *, remedy: str = "") -> None:
+        self.place, self.what, self.remedy = place, what, remedy
+        super().__init__("; ".join(part for part in (f"the store {place} {what}", remedy) if part))
+
+
+class StoreUnavailableError(StoreError):
+    """A server that does not answer, or a directory or file that another process holds."""
+
+
+class StoreRejectedError(StoreError):
+    """The store answered, but not with what was asked."""

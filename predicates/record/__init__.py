@@ -3,12 +3,13 @@
 from predicates.record.artefacts import read_artefact
 from predicates.record.report import diagnosis_json, to_json
 from predicates.record.stored import StoredVerdict, read_verdict, read_verdicts
-from predicates.record.triples import Record, to_record, write
+from predicates.record.triples import Record, gives_way, to_record, write
 
 __all__ = [
     "Record",
     "StoredVerdict",
     "diagnosis_json",
+    "gives_way",
     "read_artefact",
     "read_verdict",
     "read_verdicts",

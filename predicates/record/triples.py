@@ -51,21 +51,25 @@ def to_record(verdict: Verdict) -> Record:
 
 
 def write(store: ox.Store, record: Record) -> bool:
-    """Whether the store has changed: a verdict that is there already stays as it is.
-
-    Except a refusal without proof, which gives way to a later answer of a search that was allowed at
-    least as long, or that found more: it was searched, and a longer search may find what a shorter
-    one did not.
-    """
+    """Whether the store has changed: a verdict that is there already stays, unless it gives way."""
     graph = ox.NamedNode(record.graph)
     if store.contains_named_graph(graph):
-        stored, fresh = list(store.quads_for_pattern(None, None, None, graph)), list(record.quads())
-        shorter = _searched(fresh) and _budget(fresh) < _budget(stored)
-        if not _searched(stored) or shorter or _same_claims(stored, fresh):
+        if not gives_way(list(store.quads_for_pattern(None, None, None, graph)), list(record.quads())):
             return False
         store.remove_graph(graph)
     store.extend(record.quads())
     return True
+
+
+def gives_way(stored: list[ox.Quad], fresh: list[ox.Quad]) -> bool:
+    """Whether the stored record of a verdict is to be replaced by this one.
+
+    It is only if it is a refusal without proof, and then by a later answer of a search that was allowed
+    at least as long, or that found more: it was searched, and a longer search may find what a shorter
+    one did not.
+    """
+    shorter = _searched(fresh) and _budget(fresh) < _budget(stored)
+    return _searched(stored) and not shorter and not _same_claims(stored, fresh)
 
 
 def _verdict(verdict: Verdict) -> Iterator[Triple]:

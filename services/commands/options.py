@@ -30,9 +30,11 @@ budget_option = click.option(
 seed_option = click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
 save_option = click.option(
     "--save",
-    type=click.Path(),
+    "--store",
+    "save",
     metavar="STORE",
-    help="Keep verdicts as triples: a .trig or .nq file, or a store directory.",
+    help="Keep verdicts as triples: FILE.trig, FILE.nq, a directory, http://HOST of an Oxigraph, or "
+    "http://HOST/QUERY,http://HOST/UPDATE of any SPARQL server.",
 )
 annotation_option = click.option(
     "--annotation",

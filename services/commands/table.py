@@ -96,7 +96,7 @@ def table(
     policy = Policy(Drive(drive) if drive else None, None, budget, seed)
     cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)
     with ExitStack() as stack:
-        saved = stack.enter_context(SavedVerdicts(Path(save))) if save else None
+        saved = stack.enter_context(SavedVerdicts(save)) if save else None
         if saved:
             _add_twins(saved, kitchens.split(","), robots.split(","))
         bar = stack.enter_context(progress(f"{verb}()", len(cases)))

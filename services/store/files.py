@@ -1,6 +1,5 @@
-"""Verdicts kept in a file (.trig, .nq) or a store directory, and asked again later."""
+"""Verdicts kept in a file (.trig, .nq), a store directory or on a server, and asked again later."""
 
-import os
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -8,36 +7,53 @@ from typing import Self
 import pyoxigraph as ox
 
 from predicates.case import Verdict
-from predicates.record import Record, to_record, write
+from predicates.record import Record, StoredVerdict, gives_way, read_verdict, to_record
 from sdt_kg.errors import InputError
-from sdt_kg.iri import PREFIXES
-from sdt_kg.store import checked_query, rows_of
+from sdt_kg.iri import Iri, graph_iri, local_name
+from sdt_kg.store import Row, checked_query, rows_of
 from sdt_kg.twin import Twin
+from services.store.embedded import EmbeddedStore
+from services.store.on_disk import FORMATS, in_file, in_folder, is_store_folder, read_file
+from services.store.quads import QuadStore
+from services.store.remote import Addresses, RemoteStore, is_url
 
-FORMATS = {".trig": ox.RdfFormat.TRIG, ".nq": ox.RdfFormat.N_QUADS, ".ttl": ox.RdfFormat.TURTLE}
+__all__ = ["FORMATS", "SavedVerdicts", "is_saved_graph", "opened", "query_saved"]
 
 
 def is_saved_graph(source: str) -> bool:
-    """Whether the text names an RDF file or a store directory, rather than a kitchen."""
-    path = Path(source)
-    return path.suffix in FORMATS or (path.is_dir() and (path / "CURRENT").exists())
+    """Whether the text names an RDF file, a store directory or a server, rather than a kitchen."""
+    return is_url(source) or Path(source).suffix in FORMATS or is_store_folder(Path(source))
+
+
+def opened(place: str | Path) -> QuadStore:
+    """The store at a place to which verdicts can be saved; close it after use.
+
+    Args:
+        place: `FILE.trig`, `FILE.nq`, a directory, `http://HOST` of an Oxigraph, or
+            `http://HOST/QUERY,http://HOST/UPDATE` of any SPARQL 1.1 server.
+
+    Raises:
+        InputError: It is no such place, or holds something else.
+        StoreUnavailableError: Another process has it.
+    """
+    if isinstance(place, str) and is_url(place):
+        return RemoteStore(Addresses.of(place))
+    path = Path(place)
+    is_folder = path.is_dir() or not path.suffix
+    return in_folder(path) if is_folder else in_file(path)
 
 
 class SavedVerdicts:
-    """A context in which verdicts are added; on leaving it they are on disk, whatever happened.
+    """A context in which verdicts are added; on leaving it they are kept, whatever happened.
 
-    A file is written anew and put in place in one step; a directory is a RocksDB of pyoxigraph.
     Writing a verdict twice changes nothing, since its IRI is a hash of its inputs.
+
+    Args:
+        place: As `opened` takes it.
     """
 
-    def __init__(self, path: Path) -> None:
-        if path.suffix and path.suffix not in {".trig", ".nq"}:
-            raise InputError(
-                f"cannot save verdicts to '{path.name}'", allowed="FILE.trig, FILE.nq or a directory"
-            )
-        self.path = path
-        self._is_file = bool(path.suffix)
-        self._store = _read(path) if path.exists() or self._is_file else ox.Store(str(path))
+    def __init__(self, place: str | Path) -> None:
+        self.store = opened(place)
 
     def __enter__(self) -> Self:
         return self
@@ -45,47 +61,80 @@ class SavedVerdicts:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if not self._is_file:
-            self._store.flush()
-            return
-        partial = self.path.with_name(self.path.name + ".partial")
-        with partial.open("wb") as out:
-            self._store.dump(out, FORMATS[self.path.suffix], prefixes=PREFIXES)
-        os.replace(partial, self.path)  # noqa: PTH105 - one step, also over an existing file
+        self.store.close()
+
+    def __contains__(self, verdict: Iri) -> bool:
+        """Whether the verdict of this IRI is kept."""
+        return graph_of(verdict) in self.store
+
+    def stored(self, verdict: Iri) -> StoredVerdict | None:
+        """What is kept of the verdict of this IRI.
+
+        Raises:
+            InputError: The record is damaged.
+        """
+        quads = self.store.graph(graph_of(verdict))
+        return read_verdict(quads, verdict) if quads else None
 
     def add_twin(self, twin: Twin) -> None:
-        """Add the twin's named graphs, so that verdicts can be asked together with what they are about."""
-        self._store.load(twin.serialize("nquads"), format=ox.RdfFormat.N_QUADS)
+        """Keep the twin's named graphs, so that verdicts can be asked together with what they are about.
+
+        A graph of that name with other content, of an earlier version of the model, is replaced.
+        """
+        dumped = twin.entities.store.dump(twin.graphs())
+        for graph in twin.graphs():
+            fresh = list(dumped.quads_for_pattern(None, None, None, ox.NamedNode(graph)))
+            if set(self.store.graph(graph)) != set(fresh):
+                self.store.replace(graph, fresh)
 
     def add(self, verdict: Verdict) -> None:
         """Add the verdict's triples to its own named graph."""
         self.add_record(to_record(verdict))
 
-    def add_record(self, record: Record) -> None:
-        """Add triples that a worker process made."""
-        write(self._store, record)
+    def add_record(self, record: Record) -> bool:
+        """Whether the store has changed; the record may come from a worker process."""
+        stored, fresh = self.store.graph(record.graph), list(record.quads())
+        if not stored:
+            self.store.add(fresh)
+            return True
+        if not gives_way(stored, fresh):
+            return False
+        self.store.replace(record.graph, fresh)
+        return True
 
 
-def query_saved(path: Path, sparql: str) -> tuple[list[str], list[dict[str, object]]]:
+def graph_of(verdict: Iri) -> Iri:
+    """Named graph of a verdict."""
+    return graph_iri("verdict", local_name(verdict))
+
+
+def query_saved(place: str | Path, sparql: str) -> tuple[list[str], list[Row]]:
     """Columns and rows of a query over everything that was saved, all graphs together.
 
+    Args:
+        place: As `opened` takes it, or a `.ttl` file.
+        sparql: SELECT, ASK, CONSTRUCT or DESCRIBE.
+
     Raises:
-        InputError: There is no such file.
+        InputError: There is nothing at that place.
         QueryError: The query does not parse, or would write or fetch.
+        StoreError: The store is held by another process, gone or damaged.
     """
+    text = checked_query(sparql)
+    store = _readable(place)
+    try:
+        return rows_of(store.query(text))
+    finally:
+        store.close()
+
+
+def _readable(place: str | Path) -> QuadStore:
+    """The store at a place where something is; a file is left as it is."""
+    if isinstance(place, str) and is_url(place):
+        return opened(place)
+    path = Path(place)
     if not path.exists():
         raise InputError(f"no file or store at {path}")
-    solutions = _read(path).query(checked_query(sparql), use_default_graph_as_union=True, prefixes=PREFIXES)
-    return rows_of(solutions)
-
-
-def _read(path: Path) -> ox.Store:
     if path.is_dir():
-        return ox.Store(str(path))
-    store = ox.Store()
-    if path.exists():
-        try:
-            store.load(path=str(path), format=FORMATS[path.suffix])
-        except SyntaxError as error:
-            raise InputError(f"{path} is not valid RDF: {error}", allowed="TriG, N-Quads or Turtle") from None
-    return store
+        return in_folder(path)
+    return EmbeddedStore(read_file(path), lambda store: None)

@@ -1,0 +1,142 @@
+"""Where an embedded store lies: in a directory, or in a file which one process at a time may change."""
+
+import fcntl
+import os
+import time
+from pathlib import Path
+from typing import IO
+
+import pyoxigraph as ox
+
+from sdt_kg.errors import InputError, StoreRejectedError, StoreUnavailableError
+from sdt_kg.iri import PREFIXES
+from services.store.embedded import EmbeddedStore
+
+FORMATS = {".trig": ox.RdfFormat.TRIG, ".nq": ox.RdfFormat.N_QUADS, ".ttl": ox.RdfFormat.TURTLE}
+WRITTEN = (".trig", ".nq")
+
+ATTEMPTS = 5
+WAIT = 0.2
+"""[s] Between attempts to get what another process holds: a query is soon done."""
+
+HELD = ("No locks available", "Resource temporarily unavailable")
+"""RocksDB's words for a directory that this process, or another one, has open."""
+
+
+def in_folder(folder: Path) -> EmbeddedStore:
+    """A store of RocksDB in a directory, which is made if it is not there.
+
+    What was written is in the directory's log when a method returns, so that killing this process loses
+    none of it. Losing power may: RocksDB syncs its log when it is flushed, which `close` does.
+
+    Raises:
+        InputError: The directory holds something else.
+        StoreUnavailableError: Another process has it open.
+        StoreRejectedError: It is damaged.
+    """
+    if folder.exists() and not is_store_folder(folder) and (not folder.is_dir() or any(folder.iterdir())):
+        raise InputError(
+            f"{folder} holds something else than a store",
+            allowed="a new or empty directory, or one that --save made",
+        )
+    for attempt in range(ATTEMPTS):
+        if attempt:
+            time.sleep(WAIT)
+        try:
+            return EmbeddedStore(ox.Store(str(folder)), ox.Store.flush)
+        except RuntimeError as error:
+            raise StoreRejectedError(
+                str(folder), f"is damaged: {error}", remedy="take a backup, or save to another place"
+            ) from None
+        except OSError as error:
+            if not any(reason in str(error) for reason in HELD):
+                raise InputError(f"cannot open the store {folder}: {error}") from None
+    raise StoreUnavailableError(
+        str(folder),
+        "is open in another process",
+        remedy="wait until that is done, or share it between processes: oxigraph serve -l DIRECTORY",
+    )
+
+
+def is_store_folder(folder: Path) -> bool:
+    """Whether a directory is a store."""
+    return (folder / "CURRENT").is_file()
+
+
+def in_file(path: Path) -> EmbeddedStore:
+    """A `.trig` or `.nq` file in memory, put in place in one step when it is closed.
+
+    A process that is killed leaves the file as it was.
+
+    Args:
+        path: Need not be there yet.
+
+    Raises:
+        InputError: It is not RDF, or cannot be written.
+        StoreUnavailableError: Another process is saving to it.
+    """
+    if path.suffix not in WRITTEN:
+        raise InputError(
+            f"cannot save verdicts to '{path.name}'", allowed="FILE.trig, FILE.nq or a directory"
+        )
+    partial = _claimed(path)
+    try:
+        store = read_file(path) if path.exists() else ox.Store()
+    except InputError:
+        Path(partial.name).unlink()
+        partial.close()
+        raise
+
+    def finish(store: ox.Store) -> None:
+        with partial:
+            partial.truncate(0)
+            store.dump(partial, FORMATS[path.suffix], prefixes=PREFIXES)
+            partial.flush()
+            os.fsync(partial.fileno())
+            Path(partial.name).replace(path)
+
+    return EmbeddedStore(store, finish)
+
+
+def read_file(path: Path) -> ox.Store:
+    """The quads of a file, in memory.
+
+    Raises:
+        InputError: There is no such file, or it is not RDF.
+    """
+    store = ox.Store()
+    try:
+        store.bulk_load(path=str(path), format=FORMATS[path.suffix])
+    except SyntaxError as error:
+        raise InputError(f"{path} is not valid RDF: {error}", allowed="TriG, N-Quads or Turtle") from None
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error}") from None
+    return store
+
+
+def _claimed(path: Path) -> IO[bytes]:
+    """The file beside it that will take its place, which this process alone may write.
+
+    The lock goes with the process that holds it; a file that a killed one left behind is used again.
+    """
+    partial = path.with_name(path.name + ".partial")
+    for attempt in range(ATTEMPTS):
+        if attempt:
+            time.sleep(WAIT)
+        try:
+            claimed = partial.open("ab")
+        except OSError as error:
+            raise InputError(f"cannot write {path}: {error.strerror}") from None
+        try:
+            fcntl.flock(claimed, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            claimed.close()
+            continue
+        if partial.exists() and partial.stat().st_ino == os.fstat(claimed.fileno()).st_ino:
+            return claimed
+        claimed.close()  # its holder has just put it in place
+    raise StoreUnavailableError(
+        str(path),
+        "is being written by another process",
+        remedy="wait until that is done, or save to another file, or to a server",
+    )
