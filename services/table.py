@@ -15,7 +15,7 @@ from sdt_kg.errors import InputError
 from sdt_kg.load import load_twin, model_name
 from sdt_kg.motion import BodyMotion
 from services.app import Policy, Service, load
-from services.motion_files import write_motion
+from services.motions import write_motion
 from services.requests import state_joints
 
 

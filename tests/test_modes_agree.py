@@ -6,7 +6,7 @@ from predicates.case import Case, Outcome
 from predicates.law import law
 from sdt_kg.task import Verb
 from services import load
-from services.motion_files import read_motion
+from services.motions import read_motion
 
 ROBOTS = ("pr2", "tiago_dual", "stretch")
 

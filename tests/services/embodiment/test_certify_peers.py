@@ -10,7 +10,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from services.embodiment.certify import Refused, Tolerances, certify
-from services.motion_files import read_motion
+from services.motions import read_motion
 from services.physics.model import Scene
 
 pytestmark = [pytest.mark.oracle, pytest.mark.reference]

@@ -1,16 +1,19 @@
-"""Units that a motion file probably got wrong: degrees, millimetres, milliseconds.
+"""Values that a motion file probably got wrong: degrees, millimetres, milliseconds, jumps.
 
 A value outside its limits is a matter for the verdict. Here only those are refused that would be
-plausible in another unit and are absurd in the stated one.
+plausible in another unit and are absurd in the stated one, and leaps from one sample to the next that no
+motion makes.
 """
 
 import math
 
 import numpy as np
 
+from sdt_kg.annotation import BaseLimits
 from sdt_kg.errors import MotionError
 from sdt_kg.mechanism import Joint, JointType, Mechanism
 from sdt_kg.motion import Array
+from services.motions.given import Given
 
 FULL_TURN = 2 * math.pi
 """[rad] A joint with limits that is asked to go further than this is probably given in degrees."""
@@ -33,12 +36,20 @@ MANY_SAMPLES = 5
 MILLI = 1000.0
 """[1] Millimetres in a metre, milliseconds in a second."""
 
+LEAP = 20.0
+"""[1] Times its velocity limit: a joint that goes so fast from one sample to the next has jumped."""
 
-def check_joints(names: tuple[str, ...], values: Array, mechanism: Mechanism, array: str) -> None:
+LEAST_LEAP = 0.1
+"""[rad or m] Less is a matter for the verdict, however fast."""
+
+
+def check_joints(
+    names: tuple[str, ...], values: Array, mechanism: Mechanism, array: str, given: Given
+) -> None:
     """Positions are not in degrees or millimetres.
 
     Raises:
-        MotionError: With the first index and the joint.
+        MotionError: With the first sample and the joint.
     """
     joints = {joint.name: joint for joint in mechanism.joints}
     for column, name in enumerate(names):
@@ -46,8 +57,9 @@ def check_joints(names: tuple[str, ...], values: Array, mechanism: Mechanism, ar
         beyond = np.flatnonzero(np.abs(values[:, column]) > bound)
         if beyond.size:
             k = int(beyond[0])
+            where = f"'{array}' of {name} at {given.at(k)}"
             raise MotionError(
-                f"'{array}' of {name} at index {k} is {values[k, column]:.6g} {unit}, probably in {other}",
+                f"{where} is {values[k, column]:.6g} {unit}, probably in {other}",
                 allowed=f"{unit}, up to {bound:.4g}",
                 remedy=f"convert to {unit}",
             )
@@ -61,11 +73,11 @@ def _absurd(joint: Joint) -> tuple[float, str, str]:
     return (MANY_TURNS if math.isinf(largest) else max(FULL_TURN, 1.5 * largest)), "rad", "degrees"
 
 
-def check_base(poses: Array, array: str) -> None:
+def check_base(poses: Array, array: str, given: Given) -> None:
     """x, y and, where there is one, yaw are not in millimetres or degrees.
 
     Raises:
-        MotionError: With the first index and the coordinate.
+        MotionError: With the first sample and the coordinate.
     """
     named = (
         ("x", ROOM, "m", "millimetres"),
@@ -77,7 +89,7 @@ def check_base(poses: Array, array: str) -> None:
         if beyond.size:
             k = int(beyond[0])
             raise MotionError(
-                f"{name} of '{array}' at index {k} is {poses[k, column]:.6g} {unit}, probably in {other}",
+                f"{name} of '{array}' at {given.at(k)} is {poses[k, column]:.6g} {unit}, probably in {other}",
                 allowed=f"{unit}, up to {bound:.4g}",
                 remedy=f"convert to {unit}",
             )
@@ -102,4 +114,43 @@ def check_times(times: Array, names: tuple[str, ...], velocities: Array, mechani
             f" {shares[fastest]:.2%} of its speed: probably milliseconds",
             allowed="seconds",
             remedy=f"divide times by {MILLI:.0f}",
+        )
+
+
+def check_leaps(
+    names: tuple[str, ...], times: Array, values: Array, mechanism: Mechanism, given: Given
+) -> None:
+    """No joint jumps from one sample to the next.
+
+    Raises:
+        MotionError: With both samples and the joint.
+    """
+    limits = {joint.name: joint.limits.velocity for joint in mechanism.joints}
+    _check_leaps(names, [limits[name] for name in names], times, values, given)
+
+
+def check_base_leaps(times: Array, poses: Array, limits: BaseLimits, given: Given) -> None:
+    """The base does not jump from one sample to the next.
+
+    Raises:
+        MotionError: With both samples and the coordinate.
+    """
+    fastest = [limits.linear_velocity, limits.linear_velocity, limits.angular_velocity]
+    _check_leaps(("x of the base", "y of the base", "yaw of the base"), fastest, times, poses, given)
+
+
+def _check_leaps(
+    names: tuple[str, ...], fastest: list[float], times: Array, values: Array, given: Given
+) -> None:
+    if not names:
+        return
+    steps, spacing = np.abs(np.diff(values, axis=0)), np.diff(times)
+    leaps = (steps > LEAST_LEAP) & (steps > LEAP * np.array(fastest) * spacing[:, None])
+    if leaps.any():
+        k, column = (int(each) for each in np.argwhere(leaps)[0])
+        raise MotionError(
+            f"{names[column]} jumps by {steps[k, column]:.4g} from {given.at(k)} to {given.at(k + 1)},"
+            f" in {spacing[k]:.4g} s",
+            allowed="a motion without jumps",
+            remedy="unwrap angles, and sample more finely where joints move fast",
         )

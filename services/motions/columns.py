@@ -1,0 +1,176 @@
+"""Motions as CSV: a line for each sample, a column for each coordinate."""
+
+import csv
+import io
+from collections.abc import Iterator, Sequence
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+
+from sdt_kg.errors import MotionError
+from services.motions.given import Given
+
+BASE = ("base_x", "base_y", "base_yaw")
+POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
+KITCHEN, VELOCITY = "kitchen/", "velocity/"
+HEADS = ("robot", "gripper", "base_frame", "joint", "frame", "timed", "phases")
+ALLOWED = (
+    f"time, {', '.join(BASE)}, the robot's joints, {KITCHEN}JOINT, {VELOCITY}… (a robot's motion); "
+    "or '# joint: NAME' and time, value; or '# frame: NAME' and time, " + ", ".join(POSE)
+)
+
+
+def read_csv(path: Path) -> Given:
+    """The arrays in the file; samples are at lines.
+
+    Raises:
+        MotionError: No head, a line of another length, or a cell that is no number: with the line.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise MotionError(f"{path.name} is no text: {error}", allowed=ALLOWED) from None
+    heads, columns, lines, rows = _parsed(text)
+    if not rows:
+        raise MotionError(f"{path.name} has no samples", allowed=ALLOWED)
+    values = dict(zip(columns, np.array(rows).T, strict=True))
+    if "time" not in values:
+        raise MotionError(f"{path.name} has the columns {', '.join(columns[:8])}", allowed=ALLOWED)
+    return Given(_arrays(heads, columns, values), lambda sample: f"line {lines[min(sample, len(lines) - 1)]}")
+
+
+def _parsed(text: str) -> tuple[dict[str, str], list[str], list[int], list[list[float]]]:
+    """Heads, names of the columns, and for each sample its line and values."""
+    heads: dict[str, str] = {}
+    columns: list[str] = []
+    lines: list[int] = []
+    rows: list[list[float]] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.startswith("#"):
+            name, colon, value = line[1:].partition(":")
+            if colon and name.strip() in HEADS:
+                heads[name.strip()] = value.strip()
+        elif line.strip():
+            (cells,) = csv.reader([line])
+            cells = [cell.strip() for cell in cells]
+            if not columns:
+                columns = _names(cells, number)
+            else:
+                lines.append(number)
+                rows.append(_row(cells, columns, number))
+    return heads, columns, lines, rows
+
+
+def _names(cells: list[str], number: int) -> list[str]:
+    repeated = sorted({cell for cell in cells if cells.count(cell) > 1})
+    if repeated:
+        raise MotionError(f"line {number} names '{repeated[0]}' twice", allowed="every column once")
+    return cells
+
+
+def _row(cells: list[str], columns: list[str], number: int) -> list[float]:
+    if len(cells) != len(columns):
+        raise MotionError(f"line {number} has {len(cells)} values", allowed=f"{len(columns)}, one a column")
+    row: list[float] = []
+    for cell, column in zip(cells, columns, strict=True):
+        try:
+            row.append(float(cell))
+        except ValueError:
+            raise MotionError(
+                f"'{cell[:40]}' in the column {column} of line {number} is no number", allowed="numbers"
+            ) from None
+    return row
+
+
+def _arrays(
+    heads: dict[str, str], columns: list[str], values: dict[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    arrays = {name: np.array(value) for name, value in heads.items() if name not in {"timed", "phases"}}
+    arrays["times"] = values["time"]
+    if "timed" in heads:
+        arrays["timed"] = np.array(heads["timed"].lower() != "false")
+    if "joint" in heads:
+        return arrays | {
+            array: values[column]
+            for array, column in (("values", "value"), ("velocities", VELOCITY + "value"))
+            if column in values
+        }
+    if "frame" in heads:
+        return arrays | {"poses": _columns(values, POSE)}
+    if "phases" in heads:
+        phases = [each.rsplit(" ", 1) for each in heads["phases"].split(", ") if " " in each]
+        arrays["phase_names"] = np.array([name for name, _ in phases], dtype=np.str_)
+        arrays["phase_starts"] = np.array([start for _, start in phases]).astype(np.str_)
+    own = [
+        name
+        for name in columns
+        if name != "time" and not name.startswith((VELOCITY, KITCHEN)) and name not in BASE
+    ]
+    kitchen = [name for name in columns if name.startswith(KITCHEN)]
+    for group, names in (("base", BASE), ("robot", own), ("kitchen", kitchen)):
+        arrays |= dict(_group(group, names, values))
+    return arrays
+
+
+def _group(
+    group: str, names: Sequence[str], values: dict[str, np.ndarray]
+) -> Iterator[tuple[str, np.ndarray]]:
+    """Names, positions and velocities of the base, the robot's joints or the kitchen's."""
+    positions, velocities = (
+        ("base", "base_velocities")
+        if group == "base"
+        else (
+            f"{group}_positions",
+            f"{group}_velocities",
+        )
+    )
+    if not names and group == "kitchen":
+        return
+    if group != "base":
+        yield f"{group}_joint_names", np.array([name.removeprefix(KITCHEN) for name in names], dtype=np.str_)
+    yield positions, _columns(values, names)
+    if names and all(VELOCITY + name in values for name in names):
+        yield velocities, _columns(values, [VELOCITY + name for name in names])
+
+
+def _columns(values: dict[str, np.ndarray], names: Sequence[str]) -> np.ndarray:
+    for name in names:
+        if name not in values:
+            raise MotionError(f"there is no column '{name}'", allowed=ALLOWED)
+    return np.array([values[name] for name in names]).T.reshape(len(values["time"]), len(names))
+
+
+def write_csv(path: Path, arrays: dict[str, np.ndarray]) -> None:
+    """The arrays are in the file, with as many digits as give them back exactly."""
+    if "values" in arrays:
+        table: dict[str, np.ndarray] = {"value": arrays["values"]}
+        table |= {VELOCITY + "value": arrays["velocities"]} if "velocities" in arrays else {}
+    elif "poses" in arrays:
+        table = dict(zip(POSE, arrays["poses"].T, strict=True))
+    else:
+        table = _body_table(arrays)
+    table = {"time": arrays["times"], **table}
+    out = io.StringIO()
+    out.writelines(f"# {name}: {arrays[name]}\n" for name in HEADS if name in arrays)
+    if arrays.get("phase_names", np.zeros(0)).size:
+        phases = zip(arrays["phase_names"], arrays["phase_starts"], strict=True)
+        out.write("# phases: " + ", ".join(f"{name} {start}" for name, start in phases) + "\n")
+    rows = ([repr(float(cell)) for cell in row] for row in zip(*table.values(), strict=True))
+    csv.writer(out, lineterminator="\n").writerows(chain([table.keys()], rows))
+    path.write_text(out.getvalue(), encoding="utf-8")
+
+
+def _body_table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Columns of a body motion: all positions, then all velocities."""
+    groups = {"base": list(BASE), "robot": arrays["robot_joint_names"].tolist()}
+    if "kitchen_joint_names" in arrays:
+        groups["kitchen"] = [KITCHEN + name for name in arrays["kitchen_joint_names"].tolist()]
+    table: dict[str, np.ndarray] = {}
+    for group, names in groups.items():
+        positions = arrays["base" if group == "base" else f"{group}_positions"]
+        table |= dict(zip(names, positions.T, strict=True))
+    for group, names in groups.items():
+        speeds = arrays[f"{group}_velocities"]
+        table |= dict(zip([VELOCITY + name for name in names], speeds.T, strict=True))
+    return table

@@ -1,0 +1,125 @@
+"""Files of motions: which format by the suffix, the same arrays in all of them."""
+
+import json
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from sdt_kg.errors import InputError, MotionError
+from sdt_kg.iri import Iri
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.twin import Twin
+from services.motions.body import body_arrays, body_motion
+from services.motions.columns import read_csv, write_csv
+from services.motions.container import container_arrays, frame_motion, joint_motion
+from services.motions.given import ALLOWED, Arrays, Given
+
+SUFFIXES = (".npz", ".json", ".csv", ".mcap")
+
+
+def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | BodyMotion:
+    """The motion in a file, checked against the twin.
+
+    Args:
+        path: A .npz, .json, .csv or .mcap file, or a ROS 2 bag directory; README.md has the schemas.
+        twin: The kitchen and its robots, whose joints the file names.
+        robot: Whose body motion is asked about; a file that names its robot may leave it out. A motion
+            of another robot is given back as such: to refuse it is for CanPerform.
+
+    Raises:
+        InputError: No such file, or of no known format.
+        MotionError: No readable file of its format, wrong or missing arrays, times that do not increase,
+            values that jump, are not numbers or are probably in another unit; with the line or index
+            and the joint.
+        UnknownEntityError: A joint or frame which the models lack; the nearest names are told.
+    """
+    if not path.exists():
+        raise InputError(f"no file at {path}")
+    if path.is_dir() or path.suffix == ".mcap":
+        from services.motions.ros import read_bag  # noqa: PLC0415 - its library is an extra
+
+        return _motion(read_bag(path, twin, robot), twin, robot)
+    if path.suffix not in _READERS:
+        raise InputError(f"a motion in '{path.name}'", allowed=", ".join(SUFFIXES) + " or a bag directory")
+    return _motion(_READERS[path.suffix](path), twin, robot)
+
+
+def motion_of(arrays: Arrays, twin: Twin, robot: Iri | None = None) -> Motion | BodyMotion:
+    """The motion that these arrays are, as in a file; the same errors."""
+    return _motion(Given(arrays), twin, robot)
+
+
+def _motion(given: Given, twin: Twin, robot: Iri | None) -> Motion | BodyMotion:
+    if "robot_positions" in given or "base" in given:
+        return body_motion(given, twin, robot)
+    if "joint" in given:
+        return joint_motion(given, twin)
+    if "frame" in given:
+        return frame_motion(given, twin)
+    raise MotionError(f"the motion has {', '.join(given.arrays) or 'nothing'}", allowed=ALLOWED)
+
+
+def write_motion(path: Path, motion: Motion | BodyMotion) -> None:
+    """The motion is in the file, and `read_motion` gives it back exactly.
+
+    Raises:
+        InputError: The suffix is none of .npz, .json and .csv.
+    """
+    if path.suffix not in _WRITERS:
+        raise InputError(f"a motion in '{path.name}'", allowed=", ".join(_WRITERS))
+    _WRITERS[path.suffix](path, arrays_of(motion))
+
+
+def arrays_of(motion: Motion | BodyMotion) -> dict[str, np.ndarray]:
+    """The motion as the arrays of a file: `motion_of` gives it back exactly."""
+    return body_arrays(motion) if isinstance(motion, BodyMotion) else container_arrays(motion)
+
+
+def _read_npz(path: Path) -> Given:
+    try:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
+            return Given({name: file[name] for name in file.files})
+    except (ValueError, OSError, EOFError, zipfile.BadZipFile, AttributeError) as error:
+        raise MotionError(f"{path.name} is no .npz of plain arrays: {error}", allowed=ALLOWED) from None
+
+
+def _write_npz(path: Path, arrays: dict[str, np.ndarray]) -> None:
+    with path.open("wb") as out:
+        np.savez_compressed(out, **arrays)  # pyright: ignore[reportArgumentType]  # numpy's stub takes **kwds for allow_pickle
+
+
+def _read_json(path: Path) -> Given:
+    try:
+        said = json.loads(path.read_text(encoding="utf-8"))
+    except (UnicodeDecodeError, ValueError, RecursionError) as error:
+        raise MotionError(f"{path.name} is no JSON: {error}", allowed=ALLOWED) from None
+    if not isinstance(said, dict):
+        raise MotionError(f"{path.name} holds a {type(said).__name__}", allowed=f"an object with {ALLOWED}")
+    return Given({str(name): _array(str(name), value) for name, value in said.items()})
+
+
+def _array(name: str, value: object) -> np.ndarray:
+    try:
+        return np.asarray(value)
+    except ValueError:
+        lengths = (
+            [len(row) if isinstance(row, list) else 1 for row in value] if isinstance(value, list) else []
+        )
+        odd = next((k for k, length in enumerate(lengths) if length != lengths[0]), 0)
+        raise MotionError(
+            f"'{name}' at index {odd} has {lengths[odd]} values", allowed=f"{lengths[0]}, as at index 0"
+        ) from None
+
+
+def _write_json(path: Path, arrays: dict[str, np.ndarray]) -> None:
+    path.write_text(json.dumps({name: array.tolist() for name, array in arrays.items()}), encoding="utf-8")
+
+
+_READERS: dict[str, Callable[[Path], Given]] = {".npz": _read_npz, ".json": _read_json, ".csv": read_csv}
+_WRITERS: dict[str, Callable[[Path, dict[str, np.ndarray]], None]] = {
+    ".npz": _write_npz,
+    ".json": _write_json,
+    ".csv": write_csv,
+}

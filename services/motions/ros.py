@@ -1,0 +1,164 @@
+"""Motions as ROS 2 bags (MCAP): JointTrajectory messages, and where they say the base is.
+
+Joints of a `trajectory_msgs/JointTrajectory` are the robot's or, where the robot has none of that
+name, the kitchen's. The base comes either from a `trajectory_msgs/MultiDOFJointTrajectory` of one
+joint, whose transforms are world_T_base, or from three joints named `base_x`, `base_y`, `base_yaw`.
+The last message of each topic counts; all of them must have the same times from start.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sdt_kg.errors import InputError, MotionError
+from sdt_kg.iri import Iri
+from sdt_kg.motion import Array
+from sdt_kg.twin import Twin
+from services.motions.given import Given
+
+JOINTS, POSES = "trajectory_msgs/msg/JointTrajectory", "trajectory_msgs/msg/MultiDOFJointTrajectory"
+BASE_JOINTS = ("base_x", "base_y", "base_yaw")
+NANO = 1e-9
+UPRIGHT = 1e-3
+"""[1] How far x and y of a base's quaternion, and its norm, may be from those of a turn about z."""
+
+SAME_TIME = 1e-6  # [s]
+ALLOWED = f"messages of {JOINTS}, with the base as {POSES} or as joints {', '.join(BASE_JOINTS)}"
+
+Message = Any  # types of rosbags' messages are made at run time
+
+
+def read_bag(path: Path, twin: Twin, robot: Iri | None) -> Given:
+    """The arrays in a bag; samples are at points.
+
+    Raises:
+        InputError: The library for bags is not installed.
+        MotionError: No bag, no trajectory, no base, or parts that do not fit together.
+    """
+    joints, poses = _messages(path)
+    if not joints:
+        raise MotionError(f"{path.name} has no trajectory of joints", allowed=ALLOWED)
+    times = _times(joints[0][1].points, joints[0][0])
+    columns: dict[str, Array] = {}
+    speeds: dict[str, Array] = {}
+    for topic, message in joints:
+        _check_times(times, _times(message.points, topic), topic)
+        for name, q, v in _columns(topic, message):
+            if name in columns:
+                raise MotionError(f"two trajectories have the joint '{name}'", allowed="each joint once")
+            columns[name] = q
+            if v is not None:
+                speeds[name] = v
+    arrays = {"times": times}
+    arrays |= _base(columns, poses, times, joints[0][1].header.frame_id)
+    return Given(arrays | _split(columns, speeds, twin, robot), lambda sample: f"point {sample}")
+
+
+def _messages(path: Path) -> tuple[list[tuple[str, Message]], list[tuple[str, Message]]]:
+    """The last message of each topic, of joints and of poses."""
+    try:
+        from rosbags.highlevel import AnyReader  # noqa: PLC0415 - an extra
+        from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - an extra
+    except ImportError:
+        raise InputError(
+            "a ROS 2 bag needs the library rosbags", remedy="pip install 'sdt-kg[ros]'"
+        ) from None
+    found: dict[str, tuple[str, Message]] = {}
+    try:
+        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+            wanted = [each for each in reader.connections if each.msgtype in {JOINTS, POSES}]
+            for connection, _, raw in reader.messages(wanted) if wanted else ():
+                message = reader.deserialize(raw, connection.msgtype)
+                found[connection.topic] = connection.msgtype, message
+    except Exception as error:  # noqa: BLE001 - whatever a foreign, damaged file makes the library raise
+        raise MotionError(f"{path.name} is no readable ROS 2 bag: {error}", allowed=ALLOWED) from None
+    of_kind = {
+        kind: [(topic, message) for topic, (each, message) in sorted(found.items()) if each == kind]
+        for kind in (JOINTS, POSES)
+    }
+    return of_kind[JOINTS], of_kind[POSES]
+
+
+def _times(points: list[Message], topic: str) -> Array:
+    if not points:
+        raise MotionError(f"the trajectory of {topic} has no points", allowed="two or more")
+    stamps = [each.time_from_start for each in points]
+    return np.array([stamp.sec + NANO * stamp.nanosec for stamp in stamps])
+
+
+def _check_times(times: Array, others: Array, topic: str) -> None:
+    if len(times) != len(others):
+        raise MotionError(
+            f"{topic} has {len(others)} points", allowed=f"{len(times)}, as the first trajectory"
+        )
+    apart = np.flatnonzero(np.abs(times - others) > SAME_TIME)
+    if apart.size:
+        k = int(apart[0])
+        raise MotionError(
+            f"point {k} of {topic} is at {others[k]:.6g} s", allowed=f"{times[k]:.6g} s, as in the first"
+        )
+
+
+def _columns(topic: str, message: Message) -> Iterator[tuple[str, Array, Array | None]]:
+    """Name, positions and, if all points have them, velocities of each joint."""
+    names, points = list(message.joint_names), message.points
+    for k, point in enumerate(points):
+        if len(point.positions) != len(names):
+            raise MotionError(
+                f"point {k} of {topic} has {len(point.positions)} positions",
+                allowed=f"{len(names)}, one for each joint",
+            )
+    moving = all(len(point.velocities) == len(names) for point in points)
+    for i, name in enumerate(names):
+        q = np.array([point.positions[i] for point in points])
+        yield name, q, np.array([point.velocities[i] for point in points]) if moving else None
+
+
+def _base(
+    columns: dict[str, Array], poses: list[tuple[str, Message]], times: Array, frame: str
+) -> dict[str, np.ndarray]:
+    """Base and its frame; joints of the base are taken out of the columns."""
+    own = [columns.pop(name) for name in BASE_JOINTS if name in columns]
+    if len(own) == len(BASE_JOINTS) and not poses:
+        return {"base": np.array(own).T} | ({"base_frame": np.array(frame)} if frame else {})
+    if own or len(poses) != 1 or len(poses[0][1].joint_names) != 1:
+        raise MotionError("the bag does not say where the base is, or says it twice", allowed=ALLOWED)
+    topic, message = poses[0]
+    _check_times(times, _times(message.points, topic), topic)
+    base = np.array([_planar(k, point.transforms[0]) for k, point in enumerate(message.points)])
+    base[:, 2] = np.unwrap(base[:, 2])
+    frame = message.header.frame_id
+    return {"base": base} | ({"base_frame": np.array(frame)} if frame else {})
+
+
+def _planar(k: int, transform: Message) -> tuple[float, float, float]:
+    """x, y, yaw of a transform that only moves in the plane and turns about z."""
+    at, turn = transform.translation, transform.rotation
+    norm = float(np.linalg.norm((turn.x, turn.y, turn.z, turn.w)))
+    if abs(norm - 1) > UPRIGHT or max(abs(turn.x), abs(turn.y)) > UPRIGHT:
+        raise MotionError(f"the base is tilted at point {k}", allowed="a unit quaternion about z")
+    return at.x, at.y, 2 * float(np.arctan2(turn.z, turn.w))
+
+
+def _split(
+    columns: dict[str, Array], speeds: dict[str, Array], twin: Twin, robot: Iri | None
+) -> dict[str, np.ndarray]:
+    """Joints of the robot and of the kitchen, by their names."""
+    robot = twin.robots[0] if robot is None and len(twin.robots) == 1 else robot
+    own = set() if robot is None else {joint.name for joint in twin.mechanism(robot).joints}
+    kitchen = {joint.name for joint in twin.mechanism(twin.environment).joints} - own
+    groups = {
+        "robot": [name for name in columns if name not in kitchen],
+        "kitchen": [name for name in columns if name in kitchen],
+    }
+    arrays: dict[str, np.ndarray] = {}
+    for group, names in groups.items():
+        if group == "robot" or names:
+            samples = len(next(iter(columns.values()), ()))
+            arrays[f"{group}_joint_names"] = np.array(names, dtype=np.str_)
+            arrays[f"{group}_positions"] = np.array([columns[name] for name in names]).T.reshape(samples, -1)
+            if names and all(name in speeds for name in names):
+                arrays[f"{group}_velocities"] = np.array([speeds[name] for name in names]).T
+    return arrays

@@ -1,0 +1,228 @@
+"""The same motion in every format, and every damaged file is told where."""
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sdt_kg.errors import InputError, MotionError
+from sdt_kg.iri import model_iri
+from sdt_kg.motion import BodyMotion, Motion
+from services.motions import motion_of, read_motion, write_motion
+from tests.small import small_twin
+
+rosbag2 = pytest.importorskip("rosbags.rosbag2")
+typesys = pytest.importorskip("rosbags.typesys")
+
+TWIN = small_twin("a", ("pr2", "stretch"))
+PR2 = TWIN.robots[0]
+TIMES = np.linspace(0.0, 4.0, 9)
+SMOOTH = (1 - np.cos(np.linspace(0, np.pi, 9))) / 2
+ARRAYS = {
+    "times": TIMES,
+    "base": np.column_stack([SMOOTH, SMOOTH / 3, 0.5 * SMOOTH]),
+    "robot_joint_names": np.array(["lift_joint"]),
+    "robot_positions": (0.5 + 0.5 * SMOOTH)[:, None],
+    "kitchen_joint_names": np.array(["low_drawer_joint"]),
+    "kitchen_positions": 0.46 * SMOOTH[:, None],
+}
+TS = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
+
+
+def same(one: BodyMotion | Motion, other: BodyMotion | Motion, tolerance: float = 0.0) -> None:
+    assert type(one) is type(other)
+    for name in one.__dataclass_fields__:
+        value = getattr(one, name)
+        if isinstance(value, np.ndarray):
+            np.testing.assert_allclose(getattr(other, name), value, rtol=0, atol=tolerance, err_msg=name)
+        elif name != "phases":
+            assert getattr(other, name) == value, name
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".json", ".csv"])
+def test_a_body_motion_is_read_back_exactly_from_every_format(tmp_path: Path, suffix: str) -> None:
+    motion = motion_of(
+        {**ARRAYS, "phase_names": np.array(["drive", "follow"]), "phase_starts": np.array([0, 4])}, TWIN, PR2
+    )
+    write_motion(tmp_path / f"motion{suffix}", motion)
+    back = read_motion(tmp_path / f"motion{suffix}", TWIN)
+    same(motion, back)
+    assert isinstance(back, BodyMotion)
+    assert back.phases == (("drive", 0), ("follow", 4))
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".json", ".csv"])
+@pytest.mark.parametrize(
+    "arrays",
+    [
+        {"joint": "low_drawer_joint", "times": TIMES, "values": 0.46 * SMOOTH, "timed": False},
+        {"joint": "low_drawer_joint", "times": TIMES, "values": SMOOTH / 3, "velocities": SMOOTH / 9},
+        {"frame": "low_drawer_handle", "times": TIMES, "poses": np.tile([1.0, 0, 0.4, 0, 0, 0, 1], (9, 1))},
+    ],
+    ids=["values", "values and velocities", "poses"],
+)
+def test_a_containers_motion_too(tmp_path: Path, suffix: str, arrays: dict[str, object]) -> None:
+    motion = motion_of({name: np.asarray(value) for name, value in arrays.items()}, TWIN)
+    write_motion(tmp_path / f"motion{suffix}", motion)
+    same(motion, read_motion(tmp_path / f"motion{suffix}", TWIN))
+
+
+def bag(folder: Path, base: str = "joints", frame: str = "world", points: int = 9, tilt: float = 0.0) -> Path:
+    """ARRAYS as a bag, without velocities."""
+    kinds = {
+        name: TS.types[f"{package}/msg/{name}"]
+        for package, name in (
+            ("std_msgs", "Header"),
+            ("builtin_interfaces", "Time"),
+            ("builtin_interfaces", "Duration"),
+            ("trajectory_msgs", "JointTrajectory"),
+            ("trajectory_msgs", "JointTrajectoryPoint"),
+            ("trajectory_msgs", "MultiDOFJointTrajectory"),
+            ("trajectory_msgs", "MultiDOFJointTrajectoryPoint"),
+            ("geometry_msgs", "Transform"),
+            ("geometry_msgs", "Vector3"),
+            ("geometry_msgs", "Quaternion"),
+        )
+    }
+    none, header = np.zeros(0), kinds["Header"](kinds["Time"](0, 0), frame)
+
+    def since(time: float) -> object:
+        return kinds["Duration"](int(time), round((time % 1) * 1e9))
+
+    names = ["lift_joint", "low_drawer_joint"]
+    values = np.hstack([ARRAYS["robot_positions"], ARRAYS["kitchen_positions"]])
+    if base == "joints":
+        names, values = [*names, "base_x", "base_y", "base_yaw"], np.hstack([values, ARRAYS["base"]])
+    way = [
+        kinds["JointTrajectoryPoint"](row, none, none, none, since(t))
+        for t, row in zip(TIMES, values, strict=True)
+    ]
+    messages = [("/arm", kinds["JointTrajectory"](header, names, way))]
+    if base == "transforms":
+        poses = [
+            kinds["MultiDOFJointTrajectoryPoint"](
+                [
+                    kinds["Transform"](
+                        kinds["Vector3"](x, y, 0.0),
+                        kinds["Quaternion"](tilt, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)),
+                    )
+                ],
+                [],
+                [],
+                since(t),
+            )
+            for t, (x, y, yaw) in zip(TIMES[:points], ARRAYS["base"], strict=False)
+        ]
+        messages.append(("/base", kinds["MultiDOFJointTrajectory"](header, ["world_joint"], poses)))
+    with rosbag2.Writer(folder / "bag", version=9, storage_plugin=rosbag2.StoragePlugin.MCAP) as writer:
+        for topic, message in messages:
+            connection = writer.add_connection(topic, message.__msgtype__, typestore=TS)
+            writer.write(connection, 0, TS.serialize_cdr(message, message.__msgtype__))
+    return folder / "bag"
+
+
+@pytest.mark.parametrize("base", ["joints", "transforms"])
+def test_a_bag_says_the_same(tmp_path: Path, base: str) -> None:
+    folder = bag(tmp_path, base)
+    for path in (folder, folder / "bag.mcap"):
+        same(motion_of(ARRAYS, TWIN, PR2), read_motion(path, TWIN, PR2), tolerance=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"base": "nowhere"}, "does not say where the base is"),
+        ({"base": "transforms", "points": 8}, "/base has 8 points; allowed: 9"),
+        ({"base": "transforms", "tilt": 0.1}, "tilted at point 0"),
+        ({"frame": "odom"}, "frame 'odom'; allowed: .*world"),
+    ],
+)
+def test_a_wrong_bag_is_told_so(tmp_path: Path, options: dict[str, object], message: str) -> None:
+    with pytest.raises(MotionError, match=message):
+        read_motion(bag(tmp_path, **options), TWIN, PR2)  # type: ignore[arg-type]
+
+
+def test_a_damaged_bag_is_told_so(tmp_path: Path) -> None:
+    file = bag(tmp_path) / "bag.mcap"
+    file.write_bytes(file.read_bytes()[:200])
+    with pytest.raises(MotionError, match="no readable ROS 2 bag"):
+        read_motion(file, TWIN, PR2)
+
+
+def edited(line: int, text: Callable[[str], str]) -> Callable[[list[str]], None]:
+    def edit(lines: list[str]) -> None:
+        lines[line - 1] = text(lines[line - 1])
+
+    return edit
+
+
+def cell(column: int, value: str) -> Callable[[str], str]:
+    def change(line: str) -> str:
+        cells = line.split(",")
+        cells[column] = value
+        return ",".join(cells)
+
+    return change
+
+
+# Lines 1 and 2 name robot and gripper, line 3 the columns: time, base_x, base_y, base_yaw, lift_joint, …
+@pytest.mark.parametrize(
+    ("edit", "message"),
+    [
+        (edited(7, cell(4, "nan")), "'robot_positions' of lift_joint is not a number at line 7"),
+        (edited(7, cell(4, "high")), "'high' in the column lift_joint of line 7 is no number"),
+        (edited(8, cell(0, "0.1")), "times do not increase: line 7 is 1.5 s, line 8 is 0.1 s"),
+        (edited(8, lambda line: line + ",1"), "line 8 has 12 values; allowed: 11"),
+        (edited(8, cell(1, "900")), "x of 'base' at line 8 is 900 m, probably in millimetres"),
+        (edited(8, cell(4, "700")), "lift_joint at line 8 .* millimetres"),
+        (edited(8, cell(1, "90")), "x of the base jumps by .* from line 7 to line 8"),
+        (edited(9, cell(3, "40")), "yaw of the base jumps by 3.* from line 8 to line 9"),
+        (edited(3, lambda line: line.replace("base_yaw", "yaw", 1)), "there is no column 'base_yaw'"),
+        (edited(3, lambda line: line.replace("base_x", "base_y", 1)), "line 3 names 'base_y' twice"),
+        (edited(2, lambda _: "# base_frame: base_link"), "in the frame 'base_link'"),
+        (lambda lines: lines.__delitem__(slice(3, None)), "has no samples"),
+    ],
+)
+def test_a_wrong_line_is_named(tmp_path: Path, edit: Callable[[list[str]], None], message: str) -> None:
+    file = tmp_path / "motion.csv"
+    write_motion(file, motion_of(ARRAYS, TWIN, PR2))
+    lines = file.read_text().splitlines()
+    edit(lines)
+    file.write_text("\n".join(lines))
+    with pytest.raises(MotionError, match=message):
+        read_motion(file, TWIN, PR2)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", r"is no JSON: .*line 1 column 2"),
+        ("[1, 2]", "holds a list"),
+        (
+            json.dumps({"times": [0, 1], "base": [[0, 0, 0], [0, 0]]}),
+            "'base' at index 1 has 2 values; allowed: 3",
+        ),
+        (json.dumps({"times": [0, None]}), "the motion has times"),
+    ],
+)
+def test_wrong_json_is_told_where(tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "motion.json").write_text(text)
+    with pytest.raises(MotionError, match=message):
+        read_motion(tmp_path / "motion.json", TWIN, PR2)
+
+
+def test_another_format_is_told_which_there_are(tmp_path: Path) -> None:
+    (tmp_path / "motion.yaml").write_text("times: []")
+    with pytest.raises(InputError, match=r"\.npz, \.json, \.csv, \.mcap"):
+        read_motion(tmp_path / "motion.yaml", TWIN, PR2)
+
+
+def test_a_motion_of_another_robot_is_read_as_one() -> None:
+    names = np.array(["shoulder", "elbow", "wrist"])
+    other = motion_of({**ARRAYS, "robot_joint_names": names, "robot_positions": np.zeros((9, 3))}, TWIN, PR2)
+    assert isinstance(other, BodyMotion)
+    assert other.robot == model_iri("another robot")
+    assert other.joints == ("shoulder", "elbow", "wrist")
