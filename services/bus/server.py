@@ -15,10 +15,7 @@ import zenoh
 
 from sdt_kg.errors import SdtError
 from services.bus import keys
-from services.bus.deadlines import Deadlines
-from services.bus.jobs import Done, Kept, Task, Waiter
 from services.bus.keys import Meta, Verb
-from services.bus.memory import Memory
 from services.bus.messages import (
     CBOR,
     JSON,
@@ -29,8 +26,11 @@ from services.bus.messages import (
     QueryRequest,
     decode,
 )
-from services.bus.pool import Pool
 from services.bus.problems import Problem, ProblemType, problem, problem_of
+from services.bus.work.deadlines import Deadlines
+from services.bus.work.jobs import Done, Kept, Task, Waiter
+from services.bus.work.memory import Memory
+from services.bus.work.pool import Pool
 from services.store.workers import Answered, Asked, Limit, LimitError
 
 log = logging.getLogger(__name__)

@@ -7,11 +7,11 @@ import pyoxigraph as ox
 import zenoh
 
 from sdt_kg.load import load_twin, model_name
-from services.bus.deadlines import Deadlines
-from services.bus.memory import Memory, Queries
-from services.bus.pool import Pool
 from services.bus.server import Server
-from services.bus.verbs import Setup
+from services.bus.work.deadlines import Deadlines
+from services.bus.work.memory import Memory, Queries
+from services.bus.work.pool import Pool
+from services.bus.work.verbs import Setup
 from services.store.workers import Delta, bulk
 
 WORKERS = 2

@@ -9,9 +9,9 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 
-from services.bus.jobs import Counts, Done, Handler, Job, Task, Wanted
-from services.bus.memory import Memory
 from services.bus.problems import Problem, ProblemType, problem
+from services.bus.work.jobs import Counts, Done, Handler, Job, Task, Wanted
+from services.bus.work.memory import Memory
 
 log = logging.getLogger(__name__)
 

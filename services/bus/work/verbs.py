@@ -19,8 +19,6 @@ from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task
 from services.app import Policy, Service, load
 from services.bus import messages
-from services.bus.jobs import Done, Handler
-from services.bus.jobs import Task as Asked
 from services.bus.keys import Verb
 from services.bus.messages import (
     CBOR,
@@ -35,6 +33,8 @@ from services.bus.messages import (
     VerdictsReply,
 )
 from services.bus.problems import Problem, ProblemType, problem, problem_of
+from services.bus.work.jobs import Done, Handler
+from services.bus.work.jobs import Task as Asked
 from services.motion_files import arrays_of, motion_of
 
 log = logging.getLogger(__name__)

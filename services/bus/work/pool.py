@@ -9,11 +9,11 @@ import queue
 import threading
 from collections.abc import Callable
 
-from services.bus.deadlines import Deadlines
-from services.bus.jobs import Counts, Handler, Job, Task, Waiter
-from services.bus.lane import GRACE, START_TIME, Lane
-from services.bus.memory import Memory
 from services.bus.problems import ProblemType, problem
+from services.bus.work.deadlines import Deadlines
+from services.bus.work.jobs import Counts, Handler, Job, Task, Waiter
+from services.bus.work.lane import GRACE, START_TIME, Lane
+from services.bus.work.memory import Memory
 
 Key = tuple[str, str, bytes, str]
 

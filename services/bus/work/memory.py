@@ -10,7 +10,7 @@ import pyoxigraph as ox
 
 from predicates.record import Record, write
 from sdt_kg.iri import graph_iri, local_name
-from services.bus.jobs import Kept
+from services.bus.work.jobs import Kept
 from services.store.workers import Answered, Asked, Delta, Workers, bulk, drop
 
 

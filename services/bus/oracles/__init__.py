@@ -1,0 +1,1 @@
+"""Φ and CanPerform as services of their own on the bus."""
