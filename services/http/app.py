@@ -1,0 +1,80 @@
+"""The web application: routes, gate and life of the workers."""
+
+import platform
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from importlib.metadata import version
+
+from fastapi import FastAPI
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from services.http import problems
+from services.http.gate import Gate
+from services.http.graphs import graphs
+from services.http.pages import home
+from services.http.resources import identified
+from services.http.settings import Settings
+from services.http.sparql import sparql
+from services.http.world import World
+
+
+def create_app(world: World, settings: Settings) -> FastAPI:
+    """The application over a world; its workers live as long as it runs."""
+
+    @asynccontextmanager
+    async def life(app: FastAPI) -> AsyncIterator[None]:
+        await world.start()
+        try:
+            yield
+        finally:
+            await world.close()
+
+    app = FastAPI(
+        title="sdt",
+        description="Semantic digital twins in SPARQL, and verdicts about body motions.",
+        version=version("sdt-kg"),
+        docs_url=None,
+        redoc_url=None,
+        lifespan=life,
+    )
+    app.state.world, app.state.settings = world, settings
+    problems.install(app)
+    app.router.routes += [
+        Route("/", _home),
+        Route("/sparql", sparql, methods=["GET", "POST"]),
+        Route("/sparql/", sparql, methods=["GET", "POST"]),
+        Route("/graphs", graphs),
+        Route("/graphs/{name:path}", graphs),
+        Route("/id/{name:path}", identified),
+        Route("/healthz", _health),
+        Route("/readyz", _ready),
+        Route("/version", _version),
+    ]
+    app.add_middleware(Gate, settings=settings)
+    return app
+
+
+async def _home(request: Request) -> Response:
+    return home(request)
+
+
+async def _health(request: Request) -> Response:
+    """The process answers."""
+    return JSONResponse({"status": "alive"})
+
+
+async def _ready(request: Request) -> Response:
+    """Queries are answered."""
+    workers = request.app.state.world.workers
+    if not workers.running:
+        return problems.problem(
+            503, "Not ready", "the process that holds the data has ended: restart the service"
+        )
+    return JSONResponse({"status": "ready", "workers": workers.count, "network_namespace": workers.namespace})
+
+
+async def _version(request: Request) -> Response:
+    names = ("sdt-kg", "pyoxigraph", "rdflib", "fastapi", "uvicorn")
+    return JSONResponse({name: version(name) for name in names} | {"python": platform.python_version()})

@@ -1,0 +1,75 @@
+"""Reading requests strictly and answering them: shared by the two protocols."""
+
+from collections.abc import Iterable, Mapping
+from urllib.parse import parse_qsl
+
+import pyoxigraph as ox
+from starlette.requests import Request
+from starlette.responses import Response
+
+from services.http.negotiate import accepted, called
+from services.http.problems import RefusedError
+from services.store.workers import Answered
+from services.store.workers.evaluate import GRAPHS
+
+Pairs = list[tuple[str, str]]
+
+
+def pairs(text: str | bytes) -> Pairs:
+    """Name and value of each parameter, percent-decoded once, as UTF-8.
+
+    Raises:
+        RefusedError: It is not UTF-8.
+    """
+    try:
+        decoded = text if isinstance(text, str) else text.decode("utf-8")
+        return parse_qsl(decoded, keep_blank_values=True, errors="strict")
+    except UnicodeDecodeError:
+        raise RefusedError(400, "the parameters are not UTF-8", allowed="percent-encoded UTF-8") from None
+
+
+def query_string(request: Request) -> Pairs:
+    """The parameters of the URL."""
+    return pairs(request.scope["query_string"])
+
+
+def single(parameters: Pairs, name: str) -> str | None:
+    """The value of a parameter that may be there once."""
+    values = [value for key, value in parameters if key == name]
+    if len(values) > 1:
+        raise RefusedError(400, f"there are {len(values)} parameters '{name}'", allowed="one")
+    return values[0] if values else None
+
+
+def own_url(request: Request) -> str:
+    """The URL of the request without its query: what a relative IRI is resolved against."""
+    return f"{request.url.scheme}://{request.headers['host']}{request.scope['path']}"
+
+
+def check_acceptable(request: Request, offers: tuple[str, ...]) -> tuple[str, ...]:
+    """Media types that the client takes, best first.
+
+    Raises:
+        RefusedError: None of the offers.
+    """
+    taken = accepted(request.headers.get("accept"), offers)
+    if not taken:
+        raise RefusedError(406, "none of the accepted media types is offered", allowed=", ".join(offers))
+    return taken
+
+
+def serialized(triples: Iterable[ox.Triple], media: str, prefixes: Mapping[str, str]) -> Answered:
+    """Triples in one of our formats."""
+    used = None if media == "application/n-triples" else dict(prefixes)
+    body = ox.serialize(triples, format=GRAPHS[media], prefixes=used)
+    assert body is not None, "without an output, the bytes are returned"
+    return Answered(media, body)
+
+
+def respond(request: Request, answered: Answered) -> Response:
+    """The answer; for HEAD its headers alone."""
+    headers = {"Content-Type": called(answered.media, request.headers.get("accept")), "Vary": "Accept"}
+    if request.method == "HEAD":
+        headers["Content-Length"] = str(len(answered.body))
+        return Response(b"", 200, headers)
+    return Response(answered.body, 200, headers)

@@ -1,0 +1,152 @@
+"""What every request passes before anything reads it: Host, Origin, size, token; and CORS.
+
+The Host header defends against DNS rebinding: a page of another site whose name was made to point here
+sends that name. The Origin header defends against pages of other sites which ask from this machine's
+browser. Both hold on loopback too, where there may be no token.
+"""
+
+import hmac
+from collections.abc import Awaitable, Callable
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from services.http.problems import RefusedError, of_error, unexpected
+from services.http.settings import Settings
+
+READING = frozenset({"GET", "HEAD", "OPTIONS"})
+GUARDED = "/api/"
+"""Below it every other method writes or computes, and needs the token if there is one."""
+SECURITY_HEADERS = {
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; form-action 'self'; "
+    "frame-ancestors 'none'; base-uri 'none'",
+}
+
+
+class Gate:
+    """The middleware."""
+
+    def __init__(self, app: ASGIApp, settings: Settings) -> None:
+        self._app, self._settings = app, settings
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        headers = Headers(scope=scope)
+        answer = self._finished(send, headers)
+        started = False
+
+        async def once(message: Message) -> None:
+            nonlocal started
+            started = True
+            await answer(message)
+
+        try:
+            self._check(scope, headers)
+            if scope["method"] == "OPTIONS" and "access-control-request-method" in headers:
+                await _preflight(once)
+            else:
+                await self._app(scope, self._bounded(receive, headers, scope["path"]), once)
+        except RefusedError as error:
+            await of_error(error)(scope, receive, once)
+        except Exception as error:
+            if started:
+                raise
+            await unexpected(scope["method"], scope["path"], error)(scope, receive, once)
+
+    def _check(self, scope: Scope, headers: Headers) -> None:
+        settings = self._settings
+        hosts = headers.getlist("host")
+        if len(hosts) != 1 or not hosts[0]:
+            raise RefusedError(400, "there is no Host header, or there are several", allowed="one")
+        if _name(hosts[0]) not in settings.hosts:
+            raise RefusedError(
+                421,
+                f"this service is not '{hosts[0][:100]}'",
+                allowed=", ".join(sorted(settings.hosts)),
+                remedy="sdt serve --allow-host NAME",
+            )
+        origin = headers.get("origin")
+        if origin is not None and origin not in settings.origins and not _same(origin, hosts[0], scope):
+            raise RefusedError(
+                403, f"pages of '{origin[:100]}' may not ask", remedy="sdt serve --allow-origin ORIGIN"
+            )
+        if scope["path"].startswith(GUARDED) and scope["method"] not in READING:
+            self._check_token(headers)
+
+    def _check_token(self, headers: Headers) -> None:
+        token = self._settings.token
+        if token is None:
+            return
+        scheme, _, given = headers.get("authorization", "").partition(" ")
+        right = hmac.compare_digest(given.strip().encode(), token.encode())
+        if scheme.lower() != "bearer" or not right:
+            raise RefusedError(
+                401,
+                "this needs the token",
+                allowed="Authorization: Bearer TOKEN",
+                headers={"WWW-Authenticate": 'Bearer realm="sdt"'},
+            )
+
+    def _bounded(self, receive: Receive, headers: Headers, path: str) -> Receive:
+        """The same body, refused as soon as it is too long."""
+        most = self._settings.upload if path.startswith(GUARDED) else self._settings.body
+        too_long = RefusedError(413, f"the request is longer than {most} bytes", allowed=f"{most} bytes")
+        declared = headers.get("content-length", "0")
+        if not declared.isdecimal() or int(declared) > most:
+            raise too_long
+        length = 0
+
+        async def bounded() -> Message:
+            nonlocal length
+            message = await receive()
+            length += len(message.get("body", b""))
+            if length > most:
+                raise too_long
+            return message
+
+        return bounded
+
+    def _finished(self, send: Send, headers: Headers) -> Callable[[Message], Awaitable[None]]:
+        """Security headers on every answer; CORS headers for the origins that are named."""
+        origin = headers.get("origin")
+
+        async def finished(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                out = MutableHeaders(scope=message)
+                for name, value in SECURITY_HEADERS.items():
+                    out.setdefault(name, value)
+                if origin is not None and origin in self._settings.origins:
+                    out["Access-Control-Allow-Origin"] = origin
+                    out["Cross-Origin-Resource-Policy"] = "cross-origin"
+                    out.add_vary_header("Origin")
+            await send(message)
+
+        return finished
+
+
+async def _preflight(send: Callable[[Message], Awaitable[None]]) -> None:
+    allow = [
+        (b"access-control-allow-methods", b"GET, HEAD, POST"),
+        (b"access-control-allow-headers", b"Accept, Authorization, Content-Type"),
+        (b"access-control-max-age", b"600"),
+    ]
+    await send({"type": "http.response.start", "status": 204, "headers": allow})
+    await send({"type": "http.response.body", "body": b""})
+
+
+def _name(host: str) -> str:
+    """Host without port, lower case; an IPv6 address keeps its brackets."""
+    end = host.rfind("]") + 1
+    colon = host.find(":", end)
+    return (host if colon < 0 else host[:colon]).lower().rstrip(".")
+
+
+def _same(origin: str, host: str, scope: Scope) -> bool:
+    parts = urlsplit(origin)
+    return parts.scheme == scope["scheme"] and parts.netloc.lower() == host.lower()

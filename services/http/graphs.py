@@ -1,0 +1,40 @@
+"""`/graphs`: SPARQL 1.1 Graph Store HTTP Protocol, GET and HEAD.
+
+Indirect: `/graphs?graph=IRI` and `/graphs?default`. Direct: `/graphs/NAME`, where the URL itself is the
+IRI of the graph.
+"""
+
+from starlette.requests import Request
+from starlette.responses import Response
+
+from services.http.describe import description
+from services.http.exchange import check_acceptable, own_url, query_string, respond, single
+from services.http.problems import RefusedError
+from services.store.workers import DEFAULT_GRAPH, Asked, Workers
+from services.store.workers.evaluate import GRAPHS
+
+
+async def graphs(request: Request) -> Response:
+    """One whole graph; without parameters, what there is."""
+    parameters = query_string(request)
+    names = {name for name, _ in parameters}
+    if "default" in names and "graph" in names:
+        raise RefusedError(400, "'graph' and 'default' are both there", allowed="one of them")
+    if "default" in names:
+        return await graph_response(request, DEFAULT_GRAPH)
+    graph = single(parameters, "graph")
+    if graph is not None:
+        return await graph_response(request, graph)
+    if request.scope["path"].rstrip("/") == "/graphs":
+        return await description(request)
+    return await graph_response(request, own_url(request))
+
+
+async def graph_response(request: Request, graph: str) -> Response:
+    """A graph in the format that the client likes best."""
+    workers: Workers = request.app.state.world.workers
+    taken = check_acceptable(request, tuple(GRAPHS))
+    answered = await workers.ask(Asked("graph", graph, accepted=taken))
+    if not answered.found:
+        raise RefusedError(404, f"there is no graph <{graph}>", remedy="/graphs describes what there is")
+    return respond(request, answered)

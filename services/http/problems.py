@@ -1,0 +1,109 @@
+"""Errors as problem documents (RFC 9457): what, what is allowed, what to do, and never a traceback."""
+
+import logging
+import secrets
+from collections.abc import Mapping
+
+from fastapi import FastAPI
+from fastapi.exceptions import RequestValidationError
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+
+from sdt_kg.errors import InputError, OracleUnavailableError, SdtError, UnknownEntityError
+from services.store.guard import RefusedQueryError
+from services.store.workers import BusyError, Limit, LimitError, NotAcceptableError
+
+MEDIA = "application/problem+json"
+LIMIT_STATUS = {Limit.TIME: 408, Limit.ROWS: 413, Limit.BYTES: 413, Limit.MEMORY: 507}
+"""A limit reached is never a shorter answer."""
+ERROR_STATUS: tuple[tuple[type[SdtError], int], ...] = (
+    (RefusedQueryError, 403),
+    (NotAcceptableError, 406),
+    (UnknownEntityError, 404),
+    (InputError, 400),
+    (OracleUnavailableError, 503),
+    (SdtError, 422),
+)
+
+_log = logging.getLogger("sdt.http")
+
+
+class RefusedError(InputError):
+    """A request that this service does not do, with the status that says so.
+
+    Attributes:
+        status: HTTP status.
+        headers: Headers that belong to the status, Allow say.
+    """
+
+    def __init__(
+        self,
+        status: int,
+        what: str,
+        *,
+        allowed: str = "",
+        remedy: str = "",
+        headers: Mapping[str, str] | None = None,
+    ) -> None:
+        self.status, self.headers = status, dict(headers or {})
+        super().__init__(what, allowed=allowed, remedy=remedy)
+
+
+def problem(
+    status: int, title: str, detail: str, headers: Mapping[str, str] | None = None, **more: object
+) -> Response:
+    """One problem document."""
+    document = {"type": "about:blank", "title": title, "status": status, "detail": detail}
+    body = document | {name: value for name, value in more.items() if value}
+    return JSONResponse(body, status, dict(headers or {}), MEDIA)
+
+
+def of_error(error: SdtError) -> Response:
+    """A typed error as a problem."""
+    headers: dict[str, str] = {}
+    if isinstance(error, RefusedError):
+        status, headers = error.status, error.headers
+    elif isinstance(error, LimitError):
+        status = LIMIT_STATUS[error.limit]
+    else:
+        status = next(status for kind, status in ERROR_STATUS if isinstance(error, kind))
+    if isinstance(error, BusyError):
+        headers = {"Retry-After": "1"}
+    title = type(error).__name__.removesuffix("Error")
+    if not isinstance(error, InputError):
+        return problem(status, title, str(error), headers)
+    limit = error.limit.value if isinstance(error, LimitError) else ""
+    return problem(
+        status, title, error.what, headers, allowed=error.allowed, remedy=error.remedy, limit=limit
+    )
+
+
+def install(app: FastAPI) -> None:
+    """Every error of the app is answered as a problem."""
+
+    @app.exception_handler(SdtError)
+    async def typed(request: Request, error: SdtError) -> Response:  # pyright: ignore[reportUnusedFunction]
+        return of_error(error)
+
+    @app.exception_handler(RequestValidationError)
+    async def invalid(request: Request, error: RequestValidationError) -> Response:  # pyright: ignore[reportUnusedFunction]
+        faults = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in error.errors()]
+        return problem(422, "Invalid", "; ".join(faults))
+
+    @app.exception_handler(HTTPException)
+    async def plain(request: Request, error: HTTPException) -> Response:  # pyright: ignore[reportUnusedFunction]
+        return problem(
+            error.status_code, str(error.detail), f"{request.method} {request.url.path}", error.headers
+        )
+
+    @app.exception_handler(Exception)
+    async def unforeseen(request: Request, error: Exception) -> Response:  # pyright: ignore[reportUnusedFunction]
+        return unexpected(request.method, request.url.path, error)
+
+
+def unexpected(method: str, path: str, error: Exception) -> Response:
+    """A bug of ours: logged with a number, answered with that number and nothing else."""
+    number = secrets.token_hex(4)
+    _log.error("%s %s failed (%s)", method, path, number, exc_info=error)
+    return problem(500, "Internal error", f"this is logged as {number}")
