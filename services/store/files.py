@@ -17,7 +17,7 @@ from services.store.on_disk import FORMATS, in_file, in_folder, is_store_folder,
 from services.store.quads import QuadStore
 from services.store.remote import Addresses, RemoteStore, is_url
 
-__all__ = ["FORMATS", "SavedVerdicts", "is_saved_graph", "opened", "query_saved"]
+__all__ = ["FORMATS", "SavedVerdicts", "is_saved_graph", "opened", "query_saved", "readable"]
 
 
 def is_saved_graph(source: str) -> bool:
@@ -49,11 +49,11 @@ class SavedVerdicts:
     Writing a verdict twice changes nothing, since its IRI is a hash of its inputs.
 
     Args:
-        place: As `opened` takes it.
+        place: As `opened` takes it, or a store.
     """
 
-    def __init__(self, place: str | Path) -> None:
-        self.store = opened(place)
+    def __init__(self, place: str | Path | QuadStore) -> None:
+        self.store = opened(place) if isinstance(place, str | Path) else place
 
     def __enter__(self) -> Self:
         return self
@@ -121,15 +121,20 @@ def query_saved(place: str | Path, sparql: str) -> tuple[list[str], list[Row]]:
         StoreError: The store is held by another process, gone or damaged.
     """
     text = checked_query(sparql)
-    store = _readable(place)
+    store = readable(place)
     try:
         return rows_of(store.query(text))
     finally:
         store.close()
 
 
-def _readable(place: str | Path) -> QuadStore:
-    """The store at a place where something is; a file is left as it is."""
+def readable(place: str | Path) -> QuadStore:
+    """The store at a place where something is; a file is left as it is.
+
+    Raises:
+        InputError: There is nothing at that place.
+        StoreError: The store is held by another process, gone or damaged.
+    """
     if isinstance(place, str) and is_url(place):
         return opened(place)
     path = Path(place)
