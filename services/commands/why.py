@@ -1,16 +1,15 @@
 """`sdt why`: a stored verdict in plain words."""
 
-from pathlib import Path
-
 import click
 import pyoxigraph as ox
 
 from predicates.record import read_verdicts
 from sdt_kg.errors import InputError
-from sdt_kg.iri import local_name
+from sdt_kg.iri import LAW, local_name
+from sdt_kg.store import rows_of
 from services.commands.options import json_flag
 from services.commands.show import print_json, print_rows
-from services.store.files import FORMATS, is_saved_graph
+from services.store.files import is_saved_graph, readable
 from services.why import SHORT_KEY, outcome, question, sections, verdicts_of, why
 
 
@@ -31,7 +30,7 @@ def why_command(verdict: str, store: str | None, as_json: bool) -> None:
             allowed="FILE.trig, FILE.nq or a store directory, as --save writes them",
             remedy="for one verdict of a store: sdt why IRI --store STORE",
         )
-    saved = _opened(Path(source))
+    saved = _copy(source)
     known = verdicts_of(saved)
     if iri is None and len(known) != 1:
         _list(saved, as_json)
@@ -54,14 +53,13 @@ def _list(saved: ox.Store, as_json: bool) -> None:
     print_rows(rows, ("verdict", "question", "outcome"), "json" if as_json else "table")
 
 
-def _opened(path: Path) -> ox.Store:
-    if not path.exists():
-        raise InputError(f"no file or store at {path}")
-    if path.is_dir():
-        return ox.Store.read_only(str(path))
-    store = ox.Store()
+def _copy(source: str) -> ox.Store:
+    """The verdicts of a store, without the twins."""
+    store = readable(source)
     try:
-        store.load(path=str(path), format=FORMATS[path.suffix])
-    except SyntaxError as error:
-        raise InputError(f"{path} is not valid RDF: {error}", allowed="TriG, N-Quads") from None
-    return store
+        kept = rows_of(
+            store.query(f"SELECT DISTINCT ?graph WHERE {{ GRAPH ?graph {{ ?verdict a <{LAW}Verdict> }} }}")
+        )
+        return store.dump([str(row["graph"]) for row in kept[1]])
+    finally:
+        store.close()
