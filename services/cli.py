@@ -6,7 +6,7 @@ from importlib.metadata import version
 import click
 
 from sdt_kg.errors import InputError, SdtError
-from services.commands import achieve, ask, kitchens, recheck, robot, table, why
+from services.commands import achieve, ask, kitchens, recheck, robot, serve, table, why
 
 BAD_INPUT_EXIT = 2
 NO_ORACLE_EXIT = 4
@@ -41,6 +41,7 @@ for command in (
     table.table,
     robot.robot,
     why.why_command,
+    serve.serve,
 ):
     sdt.add_command(command)
 

@@ -2,6 +2,7 @@
 
 import ipaddress
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, Self
@@ -74,31 +75,27 @@ class Settings:
     workers: int = 2
     judges: int = 1
 
-    @classmethod
-    def of(
-        cls,
-        address: Address,
-        *,
-        hosts: tuple[str, ...] = (),
-        origins: tuple[str, ...] = (),
-        token_file: Path | None = None,
-        limits: Limits | None = None,
-    ) -> Self:
-        """Settings for an address.
 
-        Raises:
-            InputError: It is reachable from outside and there is no token, or the token is too short.
-        """
-        token = _token(token_file)
-        if token is None and not address.is_loopback:
-            raise InputError(
-                f"{address.host} can be reached from other machines, and there is no token",
-                allowed=f"{TOKEN_VARIABLE} or --token-file, or a loopback address",
-                remedy=f"put {SHORTEST_TOKEN} or more random characters into a file and pass --token-file",
-            )
-        own = () if address.host in {"0.0.0.0", "[::]"} else (address.host.lower(),)  # noqa: S104 - compared
-        allowed = frozenset((*LOOPBACK_NAMES, *own, *(host.lower() for host in hosts)))
-        return cls(allowed, frozenset(origins), token, limits=limits or Limits())
+def host_names(address: Address, others: Iterable[str] = ()) -> frozenset[str]:
+    """Names under which a service at an address may be asked."""
+    own = () if address.host in {"0.0.0.0", "[::]"} else (address.host.lower(),)  # noqa: S104 - compared
+    return frozenset((*LOOPBACK_NAMES, *own, *(name.lower() for name in others)))
+
+
+def token_for(address: Address, file: Path | None = None) -> str | None:
+    """The token of a service at an address: in the file, else in the environment.
+
+    Raises:
+        InputError: It is reachable from outside and there is no token, or the token is too short.
+    """
+    token = _token(file)
+    if token is None and not address.is_loopback:
+        raise InputError(
+            f"{address.host} can be reached from other machines, and there is no token",
+            allowed=f"{TOKEN_VARIABLE} or --token-file, or a loopback address",
+            remedy=f"put {SHORTEST_TOKEN} or more random characters into a file and pass --token-file",
+        )
+    return token
 
 
 def _token(file: Path | None) -> str | None:

@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import Final, Protocol
+from typing import Final
 
 import pyoxigraph as ox
 
@@ -14,6 +14,7 @@ from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import Iri
 from sdt_kg.twin import Twin
 from services.app import Service, load
+from services.store.quads import QuadStore
 from services.store.workers import Asked, Delta, Workers, bulk, drop, hide, put
 
 VOCABULARIES: Final = {
@@ -22,18 +23,6 @@ VOCABULARIES: Final = {
     "https://example.org/law": "law.ttl",
 }
 """Named graph → file; there by name, not in the default graph."""
-
-
-class Archive(Protocol):
-    """Where what is written outlives the service."""
-
-    def quads(self) -> Iterable[ox.Quad]:
-        """Everything kept so far."""
-        ...
-
-    def replace(self, graph: Iri, triples: Iterable[ox.Triple]) -> None:
-        """A named graph with exactly these triples, kept before this returns."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +64,7 @@ class World:
 
     kitchens: dict[str, Kitchen]
     workers: Workers
-    archive: Archive | None = None
+    archive: QuadStore | None = None
     version: int = 0
     _lock: asyncio.Lock = field(default_factory=asyncio.Lock)
 
@@ -132,7 +121,9 @@ class World:
     async def _keep(self, graph: Iri, triples: list[ox.Triple], *, shown: bool = True) -> None:
         """First kept, then served: what was acknowledged is not lost."""
         if self.archive is not None:
-            await asyncio.to_thread(self.archive.replace, graph, triples)
+            node = ox.NamedNode(graph)
+            quads = [ox.Quad(each.subject, each.predicate, each.object, node) for each in triples]
+            await asyncio.to_thread(self.archive.replace, graph, quads)
         body = lines(triples)
         await self.workers.apply(drop(graph))
         await self.workers.apply(put(graph, body, shown=shown))
@@ -141,7 +132,7 @@ class World:
     def _first(self) -> Iterator[Delta]:
         """What is served at the start."""
         if self.archive is not None:
-            quads = list(self.archive.quads())
+            quads = list(self.archive.dump())
             apart = {
                 str(quad.graph_name.value) for quad in quads if isinstance(quad.graph_name, ox.NamedNode)
             }

@@ -1,0 +1,91 @@
+"""`sdt serve`: kitchens, verdicts and the Law over HTTP."""
+
+from contextlib import closing, nullcontext
+from pathlib import Path
+
+import click
+
+from services.commands.options import KITCHEN_HELP, ROBOT_HELP
+
+
+@click.command()
+@click.option(
+    "--http",
+    "address",
+    default="127.0.0.1:8080",
+    show_default=True,
+    metavar="HOST:PORT",
+    help="Where to listen.",
+)
+@click.option(
+    "--store",
+    metavar="STORE",
+    help="Serve what is saved there and keep what is written: a directory, FILE.trig, FILE.nq (kept when the "
+    "service ends), http://HOST of an Oxigraph, or http://HOST/QUERY,http://HOST/UPDATE.",
+)
+@click.option("--kitchen", "kitchens", multiple=True, help=KITCHEN_HELP + " Repeatable.")
+@click.option("--robot", "robots", multiple=True, help=ROBOT_HELP + " Repeatable.")
+@click.option(
+    "--token-file",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="The token that requests need which write or compute; else SDT_TOKEN. Required beyond loopback.",
+)
+@click.option(
+    "--allow-host", "hosts", multiple=True, metavar="NAME", help="Another name of this service. Repeatable."
+)
+@click.option(
+    "--allow-origin",
+    "origins",
+    multiple=True,
+    metavar="ORIGIN",
+    help="A site whose pages may ask (CORS), https://example.org say. Repeatable.",
+)
+@click.option(
+    "--timeout",
+    type=click.FloatRange(min=0, min_open=True),
+    default=10.0,
+    show_default=True,
+    help="Seconds for a query.",
+)
+@click.option(
+    "--judges", type=click.IntRange(min=1), default=1, show_default=True, help="Processes that judge cases."
+)
+def serve(
+    *,
+    address: str,
+    store: str | None,
+    kitchens: tuple[str, ...],
+    robots: tuple[str, ...],
+    token_file: Path | None,
+    hosts: tuple[str, ...],
+    origins: tuple[str, ...],
+    timeout: float,
+    judges: int,
+) -> None:
+    """Serve kitchens and verdicts: SPARQL at /sparql, graphs at /graphs, JSON at /api/v1, pages at /."""
+    from services.http.run import bound, run  # noqa: PLC0415 - other commands need no web framework
+    from services.http.settings import Address, Settings, host_names, token_for  # noqa: PLC0415 - see above
+    from services.http.world import World, open_kitchens  # noqa: PLC0415 - see above
+    from services.store.files import opened  # noqa: PLC0415 - see above
+    from services.store.workers import Limits, Workers  # noqa: PLC0415 - see above
+
+    where = Address.of(address)
+    limits = Limits(seconds=timeout)
+    settings = Settings(
+        hosts=host_names(where, hosts),
+        origins=frozenset(origins),
+        token=token_for(where, token_file),
+        limits=limits,
+        judges=judges,
+    )
+    with closing(bound(where)) as listening, closing(opened(store)) if store else nullcontext() as archive:
+        world = World(open_kitchens(kitchens, robots), Workers(settings.workers, limits), archive)
+        names = ", ".join(world.kitchens) or "none"
+        port = listening.getsockname()[1]
+        click.echo(f"http://{where.host}:{port}  kitchens: {names}; {_writing(settings.token)}", err=True)
+        run(world, settings, listening)
+
+
+def _writing(token: str | None) -> str:
+    return "writing needs the token" if token else "whoever can reach it may write (no token is set)"

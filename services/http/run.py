@@ -1,0 +1,49 @@
+"""The service on a socket, until it is interrupted."""
+
+import socket
+
+import uvicorn
+
+from sdt_kg.errors import InputError
+from services.http.app import create_app
+from services.http.settings import Address, Settings
+from services.http.world import World
+
+CONCURRENT = 512
+"""Connections; more are answered 503."""
+KEEP_ALIVE = 30
+"""[s] An idle connection is kept."""
+SHUTDOWN = 5
+"""[s] Requests may take to finish when the service ends."""
+
+
+def bound(address: Address) -> socket.socket:
+    """A listening socket.
+
+    Raises:
+        InputError: The address is not ours or is in use.
+    """
+    family = socket.AF_INET6 if ":" in address.bare_host else socket.AF_INET
+    try:
+        return socket.create_server((address.bare_host, address.port), family=family, backlog=CONCURRENT)
+    except OSError as error:
+        raise InputError(
+            f"cannot listen on {address.host}:{address.port}: {error.strerror or error}",
+            allowed="a free port of this machine",
+            remedy="--http HOST:PORT",
+        ) from None
+
+
+def run(world: World, settings: Settings, listening: socket.socket) -> None:
+    """Serve until interrupted."""
+    config = uvicorn.Config(
+        create_app(world, settings),
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        proxy_headers=False,
+        limit_concurrency=CONCURRENT,
+        timeout_keep_alive=KEEP_ALIVE,
+        timeout_graceful_shutdown=SHUTDOWN,
+    )
+    uvicorn.Server(config).run([listening])
