@@ -48,11 +48,29 @@ def law(
     """
     for question in questions(case, physics, embodiment):
         inputs = inputs_of(question.asked, physics, embodiment)
-        stored = recall(verdict_iri(inputs))
-        if stored is not None and answers_again(stored, inputs):
-            yield recalled(stored, question.asked, inputs)
-        else:
-            yield _judged(question, physics, embodiment, inputs)
+        stored = _recalled(question, inputs, recall)
+        yield stored or _judged(question, physics, embodiment, inputs)
+
+
+def stored_verdicts(
+    case: Case, physics: Physics, embodiment: Embodiment | None, recall: Recall
+) -> tuple[Verdict, ...] | None:
+    """What `law` would yield, if everything that is asked is stored; else None, and nothing is judged."""
+    found: list[Verdict] = []
+    for question in questions(case, physics, embodiment):
+        stored = _recalled(question, inputs_of(question.asked, physics, embodiment), recall)
+        if stored is None:
+            return None
+        found.append(stored)
+    return tuple(found)
+
+
+def _recalled(question: Question, inputs: Inputs, recall: Recall) -> Verdict | None:
+    """The stored verdict, if there is one that answers again."""
+    stored = recall(verdict_iri(inputs))
+    if stored is None or not answers_again(stored, inputs):
+        return None
+    return recalled(stored, question.asked, inputs)
 
 
 def _judged(question: Question, physics: Physics, embodiment: Embodiment | None, inputs: Inputs) -> Verdict:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from predicates.case import Answer, ArtefactKind, Case, Verdict
 from predicates.causes import causes
-from predicates.law import law
+from predicates.law import law, stored_verdicts
 from predicates.oracle import Embodiment, Physics
 from predicates.record.recall import Recall, nothing_stored
 from predicates.satisfies_request import satisfies_request
@@ -83,12 +83,13 @@ class Service:
             robot: Name or IRI of a loaded robot; may be left out where only one is loaded.
             motion: To be verified; generated where it is None.
         """
-        case = Case(self.twin, robot=self.robot(robot), task=self._task(task))
-        if isinstance(motion, BodyMotion):
-            case = replace(case, body_motion=motion)
-        elif motion is not None:
-            case = replace(case, motion=motion)
+        case = self._case(task, robot, motion)
         return map(_with_motion, law(case, self.physics, self.embodiment, self.recall))
+
+    def stored(self, task: str | Task, robot: str | Iri | None = None) -> list[Verdict] | None:
+        """What `achieve` would say, if all of it is stored; else None, and nothing is judged."""
+        found = stored_verdicts(self._case(task, robot, None), self.physics, self.embodiment, self.recall)
+        return None if found is None else list(map(_with_motion, found))
 
     def query(self, sparql: str) -> tuple[list[str], list[dict[str, object]]]:
         """Columns and rows of a SPARQL query over entities and present state."""
@@ -123,6 +124,12 @@ class Service:
 
         policy = self.policy
         return WholeBody(drive=policy.drive, start=policy.base, budget=policy.budget, seed=policy.seed)
+
+    def _case(self, task: str | Task, robot: str | Iri | None, motion: Motion | BodyMotion | None) -> Case:
+        case = Case(self.twin, robot=self.robot(robot), task=self._task(task))
+        if isinstance(motion, BodyMotion):
+            return replace(case, body_motion=motion)
+        return case if motion is None else replace(case, motion=motion)
 
     def _task(self, task: str | Task) -> Task:
         return task if isinstance(task, Task) else parse_task(self.twin, task)

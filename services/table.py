@@ -5,12 +5,13 @@ import resource
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from pathlib import Path
 
-from predicates.case import Outcome
+from predicates.case import Outcome, Verdict
 from predicates.record import Record, to_json, to_record
+from predicates.record.recall import Recall, nothing_stored
 from sdt_kg.errors import InputError
 from sdt_kg.load import load_twin, model_name
 from sdt_kg.motion import BodyMotion
@@ -43,6 +44,14 @@ class CellResult:
     cell: Cell
     verdict: dict[str, object]
     record: Record
+
+    @property
+    def stored(self) -> bool:
+        """Whether the verdict was answered from the store, and is not to be written again."""
+        return bool(self.verdict["stored"])
+
+
+Keep = Callable[[Cell, Verdict], CellResult]
 
 
 @dataclass(slots=True)
@@ -108,7 +117,11 @@ def cells(
 
 
 def run(
-    cases: Sequence[Cell], jobs: int, report: Callable[[CellResult], None], motions: Path | None = None
+    cases: Sequence[Cell],
+    jobs: int,
+    report: Callable[[CellResult], None],
+    motions: Path | None = None,
+    recall: Recall = nothing_stored,
 ) -> TableResult:
     """Verdicts of all cases, in the order of the cases; each is reported as soon as it is there.
 
@@ -119,12 +132,19 @@ def run(
         jobs: Worker processes; 1 works in this one.
         report: Called with each result.
         motions: Folder for the certified body motions, a file for each.
+        recall: What is stored under a verdict's IRI; such cases are not judged again.
     """
     began, cpu_began = time.perf_counter(), _cpu_seconds()
     done: dict[Cell, CellResult] = {}
     if motions is not None:
         motions.mkdir(parents=True, exist_ok=True)
-    for result in _results(partial(_judge, motions=motions), cases, jobs):
+    keep = partial(_kept, motions=motions)
+    if recall is not nothing_stored:
+        for result in filter(None, (_stored(case, recall, keep) for case in cases)):
+            done[result.cell] = result
+            report(result)
+    missing = [case for case in cases if case not in done]
+    for result in _results(partial(_judge, keep=keep), missing, jobs):
         done[result.cell] = result
         report(result)
     ordered = [done[case] for case in cases]
@@ -146,9 +166,19 @@ def _results(judge: Callable[[Cell], CellResult], cases: Sequence[Cell], jobs: i
             raise
 
 
-def _judge(cell: Cell, motions: Path | None) -> CellResult:
-    service = _service(cell.kitchen, cell.robot, cell.states, cell.policy)
-    (verdict,) = service.achieve(cell.task)
+def _stored(cell: Cell, recall: Recall, keep: Keep) -> CellResult | None:
+    service = replace(_service(cell.kitchen, cell.robot, cell.states, cell.policy), recall=recall)
+    verdicts = service.stored(cell.task)
+    return None if verdicts is None else keep(cell, verdicts[0])
+
+
+def _judge(cell: Cell, keep: Keep) -> CellResult:
+    (verdict,) = _service(cell.kitchen, cell.robot, cell.states, cell.policy).achieve(cell.task)
+    return keep(cell, verdict)
+
+
+def _kept(cell: Cell, verdict: Verdict, motions: Path | None) -> CellResult:
+    """The result, its certified body motion written to the folder."""
     body_motion = verdict.case.body_motion
     if motions is not None and verdict.outcome is Outcome.CERTIFIED and isinstance(body_motion, BodyMotion):
         write_motion(motions / cell.file_name, body_motion)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -25,7 +26,7 @@ from services.commands.options import (
 )
 from services.commands.show import print_json
 from services.commands.verdicts import print_verdict
-from services.motion_files import read_motion, write_motion
+from services.motions import read_motion, write_motion
 from services.requests import parse_base
 from services.store.files import SavedVerdicts
 
@@ -78,6 +79,8 @@ def achieve(
 ) -> None:
     """Can ROBOT achieve TASK in KITCHEN? Makes a motion, or verifies the one given.
 
+    With --save, what was judged before is answered from there.
+
     Exit 0 all certified, 1 some not, 3 all abstained, 2 bad input.
     """
     policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed)
@@ -85,12 +88,13 @@ def achieve(
     given = read_motion(motion, service.twin, service.robot(None)) if motion else None
     verdicts: list[Verdict] = []
     with ExitStack() as stack:
-        saved = stack.enter_context(SavedVerdicts(Path(save))) if save else None
+        saved = stack.enter_context(SavedVerdicts(save)) if save else None
         if saved:
             saved.add_twin(service.twin)
+            service = replace(service, recall=saved.stored)
         for verdict in service.achieve(task, motion=given):
             verdicts.append(verdict)
-            if saved:
+            if saved and not verdict.stored:
                 saved.add(verdict)
     objects = [to_json(verdict) for verdict in verdicts]
     if motion_out:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from predicates.record.recall import nothing_stored
 from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
 from services.app import Policy
@@ -91,7 +92,7 @@ def table(
 ) -> None:
     """Table 1: every container of some kitchens for some robots, each refusal explained.
 
-    Exit 0 whenever every case got a verdict.
+    With --save, what was judged before is answered from there. Exit 0 whenever every case got a verdict.
     """
     policy = Policy(Drive(drive) if drive else None, None, budget, seed)
     cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)
@@ -102,14 +103,14 @@ def table(
         bar = stack.enter_context(progress(f"{verb}()", len(cases)))
 
         def report(result: CellResult) -> None:
-            if saved:
+            if saved and not result.stored:
                 saved.add_record(result.record)
             if bar:
                 bar.update(
                     bar.task_ids[0], advance=1, now=f"{result.verdict['robot']} {result.verdict['container']}"
                 )
 
-        result = run(cases, jobs, report, motions)
+        result = run(cases, jobs, report, motions, saved.stored if saved else nothing_stored)
     objects = [each.verdict for each in result.results]
     if csv_file:
         csv_file.write_text(csv_text([_row(each) for each in objects], CSV_COLUMNS))
@@ -140,7 +141,11 @@ def _print_table(result: TableResult, objects: Sequence[dict[str, object]]) -> N
     if missing:
         click.echo("\nnot certified, and why:\n")
         print_rows(missing, ("kitchen", "robot", "container", "outcome", "why"), "table")
-    click.echo(f"\n{len(objects)} verdicts in {result.seconds:.0f} s ({result.cpu_seconds:.0f} s of CPU)")
+    stored = sum(each.stored for each in result.results)
+    kept = f", {stored} of them stored before," if stored else ""
+    click.echo(
+        f"\n{len(objects)} verdicts{kept} in {result.seconds:.0f} s ({result.cpu_seconds:.0f} s of CPU)"
+    )
 
 
 def _row(verdict: Json) -> Json:

@@ -36,9 +36,15 @@ def test_a_drawer_is_certified_kept_and_verified(sdt, tmp_path: Path) -> None:
     assert {row["name"] for row in rows} == {DRAWER}
 
 
-def test_the_same_question_has_the_same_iri(sdt) -> None:
-    first, second = (achieve(sdt, "--json").json[0] for _ in range(2))
+def test_the_same_question_is_answered_from_the_store_with_its_motion(sdt, tmp_path: Path) -> None:
+    store, motion = str(tmp_path / "verdicts.trig"), tmp_path / "drawer.npz"
+    first, second = (
+        achieve(sdt, "--json", "--save", store, "--motion-out", str(motion)).json[0] for _ in range(2)
+    )
     assert first["iri"] == second["iri"]
+    assert (first["stored"], second["stored"]) == (False, True)
+    assert first["seconds"] == second["seconds"], "of the judging"
+    assert achieve(sdt, "--motion", str(motion)).code == 0
 
 
 def test_the_motion_of_another_robot_is_refused(sdt, tmp_path: Path) -> None:
