@@ -35,7 +35,7 @@ from services.bus.messages import (
 from services.bus.problems import Problem, ProblemType, problem, problem_of
 from services.bus.work.jobs import Done, Handler
 from services.bus.work.jobs import Task as Asked
-from services.motion_files import arrays_of, motion_of
+from services.motions import arrays_of, motion_of
 
 log = logging.getLogger(__name__)
 
