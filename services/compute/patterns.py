@@ -1,0 +1,236 @@
+"""Which verdicts a SPARQL query can be about: its patterns over law:, and what they demand of a case.
+
+Every bound found here holds of all verdicts that the pattern can match in a solution that survives, so
+that leaving the other cases out cannot change the answer. What cannot be told bounds nothing.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from rdflib.namespace import RDF
+from rdflib.paths import InvPath, Path, SequencePath
+from rdflib.plugins.sparql.algebra import translateQuery
+from rdflib.plugins.sparql.parser import parseQuery
+from rdflib.plugins.sparql.parserutils import CompValue
+from rdflib.term import Literal, Node, URIRef, Variable
+
+from sdt_kg.errors import QueryError
+from sdt_kg.iri import LAW, PREFIXES, PROV, verdict_iri
+
+Algebra = Any  # rdflib's CompValue, whose parts are looked up by name
+Triple = tuple[Node, Node | Path, Node]
+Bound = frozenset[str] | None
+"""IRIs or texts that a part of the case may be; None for any."""
+
+_CONJUNCTIVE: Final = {"Join": ("p1", "p2"), "LeftJoin": ("p1",), "Minus": ("p1",)}
+_PASSED: Final = {"Project", "Distinct", "Reduced", "OrderBy", "Slice", "Filter", "Extend", "Graph"}
+_OWN: Final = {"LeftJoin": ("p2",), "Minus": ("p2",), "Union": ("p1", "p2")}
+_BARRIERS: Final = {"AggregateJoin", "Group", "ToMultiSet"}
+_UNTRANSLATED: Final = "GroupGraphPatternSub"
+"""What rdflib leaves of an EXISTS that is selected: syntax, in which paths are not resolved."""
+_TESTS: Final = {"Builtin_EXISTS", "Builtin_NOTEXISTS"}
+
+_PARTS: Final = {
+    "environment": "environments",
+    "robot": "robots",
+    "container": "containers",
+    "verb": "verbs",
+    "drive": "drives",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Pattern:
+    """What a query demands of the verdicts that one of its variables stands for.
+
+    Attributes:
+        environments: IRIs of kitchens; None for any.
+        robots: IRIs.
+        verbs: law:Open, law:Close.
+        containers: IRIs.
+        drives: omni, differential, fixed.
+        verdicts: IRIs of the verdicts themselves.
+    """
+
+    environments: Bound = None
+    robots: Bound = None
+    verbs: Bound = None
+    containers: Bound = None
+    drives: Bound = None
+    verdicts: Bound = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Scope:
+    """What is known of every solution that a group pattern contributes to."""
+
+    triples: tuple[Triple, ...] = ()
+    values: Mapping[Node, frozenset[Node]] = field(default_factory=dict[Node, frozenset[Node]])
+
+
+def verdict_patterns(sparql: str) -> tuple[Pattern, ...]:
+    """One pattern for each variable of the query that stands for verdicts, or for parts of them.
+
+    Raises:
+        QueryError: rdflib does not parse it, so that nothing is known of what it asks.
+    """
+    try:
+        algebra = translateQuery(parseQuery(sparql), initNs=dict(PREFIXES)).algebra
+    except Exception as error:  # noqa: BLE001 - rdflib's translation has no exception of its own
+        raise QueryError(
+            f"cannot tell what the query asks for: {error}",
+            allowed="SPARQL 1.1",
+            remedy="ask without --compute",
+        ) from None
+    return tuple(dict.fromkeys(_patterns(algebra.p, _Scope()))) if algebra.p is not None else ()
+
+
+def _patterns(group: Algebra, outer: _Scope) -> Iterator[Pattern]:
+    """Patterns of a group, then of the groups in it that solutions need not match."""
+    if group.name == _UNTRANSLATED:
+        yield from [Pattern()] if LAW in repr(group) else ()
+        return
+    own = tuple(expanded for triple in _triples(group) for expanded in _expanded(triple))
+    values = dict(outer.values)
+    for variable, found in _values(group):
+        values[variable] = values[variable] & found if variable in values else found
+    scope = _Scope((*outer.triples, *own), values)
+    yield from _own_patterns(own, scope)
+    for inner, isolated in _inner(group):
+        yield from _patterns(inner, _Scope() if isolated else scope)
+
+
+def _conjuncts(node: Algebra) -> Iterator[Algebra]:
+    """The node, and the nodes in it that every solution of it has matched."""
+    yield node
+    names = _CONJUNCTIVE.get(node.name, ("p",) if node.name in _PASSED else ())
+    for name in names:
+        if name in node:
+            yield from _conjuncts(node[name])
+
+
+def _triples(group: Algebra) -> Iterator[Triple]:
+    for node in _conjuncts(group):
+        if node.name == "BGP":
+            yield from node.triples
+
+
+def _inner(group: Algebra) -> Iterator[tuple[Algebra, bool]]:
+    """Groups inside that need not match, and whether what is known outside is unknown there."""
+    for node in _conjuncts(group):
+        for name in _OWN.get(node.name, ()):
+            yield node[name], False
+        if node.name in _BARRIERS and node.p.name != "values":
+            yield node.p, True
+        for name in ("expr", "A"):
+            if name in node:
+                yield from ((test.graph, False) for test in _tests(node[name]))
+
+
+def _tests(expression: Algebra) -> Iterator[Algebra]:
+    """EXISTS and NOT EXISTS in an expression."""
+    if isinstance(expression, list | tuple):
+        for each in expression:
+            yield from _tests(each)
+    elif isinstance(expression, CompValue):
+        if expression.name in _TESTS:
+            yield expression
+        else:
+            for each in expression.values():
+                yield from _tests(each)
+
+
+def _values(group: Algebra) -> Iterator[tuple[Node, frozenset[Node]]]:
+    """Variables whose value is one of these in every solution: by VALUES, BIND or FILTER."""
+    for node in _conjuncts(group):
+        if node.name == "ToMultiSet" and node.p.name == "values":
+            for variable in {variable for row in node.p.res for variable in row}:
+                found = [row.get(variable) for row in node.p.res]
+                if all(isinstance(each, URIRef | Literal) for each in found):
+                    yield variable, frozenset(found)
+        elif node.name == "Extend" and isinstance(node.expr, URIRef | Literal):
+            yield node.var, frozenset({node.expr})
+        elif node.name == "Filter":
+            yield from _equalities(node.expr)
+
+
+def _equalities(expression: Algebra) -> Iterator[tuple[Node, frozenset[Node]]]:
+    """`?x = constant` and `?x IN (constants)`, joined by &&."""
+    name = getattr(expression, "name", "")
+    if name == "ConditionalAndExpression":
+        for each in (expression.expr, *expression.other):
+            yield from _equalities(each)
+    elif name == "RelationalExpression" and expression.op in {"=", "IN"}:
+        left, right = expression.expr, expression.other
+        if expression.op == "=" and isinstance(right, Variable):
+            left, right = right, left
+        constants = list(right) if expression.op == "IN" else [right]
+        if isinstance(left, Variable) and all(isinstance(each, URIRef | Literal) for each in constants):
+            yield left, frozenset(constants)
+
+
+def _expanded(triple: Triple) -> Iterator[Triple]:
+    """A path of steps as triples, step by step, with a variable between two steps."""
+    subject, predicate, value = triple
+    if isinstance(predicate, SequencePath):
+        steps = list(predicate.args)
+        nodes = [subject, *(Variable(f"{id(predicate)}_{index}") for index in range(1, len(steps))), value]
+        for index, step in enumerate(steps):
+            yield from _expanded((nodes[index], step, nodes[index + 1]))
+    elif isinstance(predicate, InvPath):
+        yield from _expanded((value, predicate.arg, subject))
+    else:
+        yield triple
+
+
+def _own_patterns(own: Iterable[Triple], scope: _Scope) -> Iterator[Pattern]:
+    """A pattern for each root of the group's law: triples."""
+    owners: dict[Node, Node] = {
+        value: subject
+        for subject, predicate, value in scope.triples
+        if isinstance(predicate, URIRef) and str(predicate).startswith((LAW, PROV))
+        if isinstance(value, Variable) and str(predicate).removeprefix(LAW) not in _PARTS
+    }
+    for subject, predicate, value in own:
+        if _is_law(predicate) or (predicate == RDF.type and _is_law(value)):
+            yield _pattern(_root(subject, owners), owners, scope)
+
+
+def _is_law(term: Node | Path) -> bool:
+    """Whether it is a term of law:, or a path that has one."""
+    return (isinstance(term, URIRef) and term.startswith(LAW)) or (
+        isinstance(term, Path) and LAW in term.n3()
+    )
+
+
+def _root(node: Node, owners: Mapping[Node, Node]) -> Node:
+    """The verdict of which a node is a part; itself where nobody says of what it is one."""
+    seen: set[Node] = set()
+    while node in owners and node not in seen:
+        seen.add(node)
+        node = owners[node]
+    return node
+
+
+def _pattern(root: Node, owners: Mapping[Node, Node], scope: _Scope) -> Pattern:
+    """What the scope's triples demand of the case of this verdict."""
+    bounds: dict[str, frozenset[str]] = {}
+    themselves = scope.values.get(root) if isinstance(root, Variable) else frozenset({root})
+    if themselves is not None:
+        bounds["verdicts"] = frozenset(_verdict_of(str(each)) for each in themselves)
+    for subject, predicate, value in scope.triples:
+        name = _PARTS.get(str(predicate).removeprefix(LAW)) if _is_law(predicate) else None
+        if name is None or _root(subject, owners) != root:
+            continue
+        found = scope.values.get(value) if isinstance(value, Variable) else frozenset({value})
+        if found is not None:
+            texts = frozenset(str(each) for each in found)
+            bounds[name] = bounds[name] & texts if name in bounds else texts
+    return Pattern(**bounds)
+
+
+def _verdict_of(iri: str) -> str:
+    """The verdict that has a part of this IRI."""
+    stem = verdict_iri("")
+    return stem + iri.removeprefix(stem).partition("/")[0] if iri.startswith(stem) else iri

@@ -1,0 +1,189 @@
+"""Running what a query needs, within bounds, before the query runs."""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+from predicates.record import Record, StoredVerdict
+from sdt_kg.errors import InputError
+from sdt_kg.iri import Iri, local_name
+from sdt_kg.twin import Twin
+from services.app import Policy, Service, load
+from services.compute.patterns import verdict_patterns
+from services.compute.plan import Plan, Request, planned, policy_of
+from services.requests import state_joints
+from services.table import Cell, CellResult, run
+
+Report = Callable[[CellResult], None]
+Runner = Callable[[Sequence[Cell], int, Report], object]
+
+
+class Keeper(Protocol):
+    """Where verdicts are kept, and found again."""
+
+    def stored(self, verdict: Iri) -> StoredVerdict | None:
+        """What is kept of the verdict of this IRI."""
+        ...
+
+    def add_twin(self, twin: Twin) -> None:
+        """Keep a twin's graphs, so that verdicts can be asked together with what they are about."""
+        ...
+
+    def add_record(self, record: Record) -> object:
+        """Keep a verdict's triples."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Loaded:
+    """Kitchens and robots that a query without constraint may touch, by bundled name or path.
+
+    Attributes:
+        states: `JOINT=VALUE`, each for the kitchens that have the joint.
+        policy: What decides CanPerform beyond the case.
+    """
+
+    kitchens: tuple[str, ...]
+    robots: tuple[str, ...]
+    states: tuple[str, ...] = ()
+    policy: Policy = field(default_factory=Policy)
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """How much is computed for one query.
+
+    Attributes:
+        budget: Seconds in all. A case that has begun is given no more than its own policy's budget.
+        limit: Cases.
+        jobs: Worker processes; 1 works in this one.
+    """
+
+    budget: float
+    limit: int
+    jobs: int = 1
+
+
+@dataclass(slots=True)
+class Computed:
+    """What was run for a query, and what was left out.
+
+    Attributes:
+        ran: JSON objects of the verdicts that were made, as `sdt achieve --json` prints them.
+        left_out: Cases that the query can touch and that were not run, with the reason.
+        seconds: Wall time [s].
+    """
+
+    plan: Plan
+    ran: list[dict[str, object]] = field(default_factory=list[dict[str, object]])
+    left_out: list[tuple[Request, str]] = field(default_factory=list[tuple[Request, str]])
+    seconds: float = 0.0
+
+    def to_json(self) -> dict[str, object]:
+        """What `sdt query --compute --json` says beside the rows."""
+        keys = ("kitchen", "robot", "task", "container", "drive", "outcome", "seconds", "iri")
+        return {
+            "stored": len(self.plan.stored),
+            "ran": [{key: each[key] for key in keys} for each in self.ran],
+            "left_out": [each.to_json() | {"why": why} for each, why in self.left_out],
+            "not_loaded": [{"kind": each.kind, "iri": each.iri} for each in self.plan.unplanned],
+            "seconds": round(self.seconds, 3),
+        }
+
+    def told(self) -> str:
+        """The same on a few lines."""
+        lines = [
+            f"computed {len(self.ran)} verdicts in {self.seconds:.1f} s; {len(self.plan.stored)} were stored"
+        ]
+        for each in self.ran:
+            lines.append("  {task}({container})  {robot} in kitchen {kitchen}: {outcome}".format_map(each))
+        for why in dict.fromkeys(why for _, why in self.left_out):
+            names = [_name(each) for each, reason in self.left_out if reason == why]
+            lines.append(f"left out {len(names)} cases, {why}: the answer may lack them")
+            lines += [f"  {name}" for name in names]
+        for each in self.plan.unplanned:
+            lines.append(f"nothing computed about {each.kind} {local_name(each.iri)}: it is not loaded")
+        return "\n".join(lines)
+
+
+class _BoundReachedError(Exception):
+    """The seconds are spent."""
+
+
+def compute(sparql: str, loaded: Loaded, bounds: Bounds, keeper: Keeper, runner: Runner = run) -> Computed:
+    """Run the cases that the query can touch and that no stored verdict answers; keep what comes out.
+
+    A result is kept as soon as it is there, so that an interrupt or a dead oracle loses only what
+    had not been finished.
+
+    Raises:
+        QueryError: It cannot be told what the query asks for.
+        InputError: Two kitchens share a name, or a state names a joint that no kitchen has.
+        OracleUnavailableError: An oracle did not answer: what is missing stays missing.
+    """
+    began = time.perf_counter()
+    patterns = verdict_patterns(sparql)
+    if not patterns:
+        return Computed(Plan((), (), ()))
+    policy = loaded.policy
+    loaded = replace(loaded, policy=replace(policy, budget=min(policy.budget, bounds.budget)))
+    services = _services(loaded)
+    computed = Computed(planned(patterns, list(services.values()), keeper.stored))
+    cells = {_cell(each, loaded, services): each for each in computed.plan.missing}
+    for environment in {request.environment: None for request in cells.values()}:
+        keeper.add_twin(_of(services, environment)[1].twin)
+    done: set[Cell] = set()
+
+    def report(result: CellResult) -> None:
+        keeper.add_record(result.record)
+        computed.ran.append(result.verdict)
+        done.add(result.cell)
+        if time.perf_counter() - began > bounds.budget:
+            raise _BoundReachedError
+
+    chosen = list(cells)[: bounds.limit]
+    with suppress(_BoundReachedError):
+        if chosen:
+            runner(chosen, min(bounds.jobs, len(chosen)), report)
+    for cell in [each for each in cells if each not in done]:
+        bound = f"budget of {bounds.budget:g} s" if cell in chosen else f"limit of {bounds.limit} cases"
+        computed.left_out.append((cells[cell], f"beyond the {bound}"))
+    computed.seconds = time.perf_counter() - began
+    return computed
+
+
+def _services(loaded: Loaded) -> dict[str, Service]:
+    """Each kitchen with all robots, in its state."""
+    services: dict[str, Service] = {}
+    used: set[str] = set()
+    for kitchen in loaded.kitchens:
+        service = load(kitchen, loaded.robots, policy=loaded.policy)
+        own = state_joints(service.twin, loaded.states)
+        used.update(own)
+        services[kitchen] = service.at(*own) if own else service
+    names = [service.twin.environment for service in services.values()]
+    if len(set(names)) < len(loaded.kitchens):
+        raise InputError(f"two kitchens share a name: {', '.join(loaded.kitchens)}", allowed="each once")
+    if unused := set(loaded.states) - used:
+        raise InputError(f"no kitchen has a joint for: {', '.join(sorted(unused))}")
+    return services
+
+
+def _of(services: Mapping[str, Service], environment: Iri) -> tuple[str, Service]:
+    """The kitchen as it was named, and its service."""
+    return next(each for each in services.items() if each[1].twin.environment == environment)
+
+
+def _cell(request: Request, loaded: Loaded, services: Mapping[str, Service]) -> Cell:
+    """The request as a case of a table: names and paths, small enough to travel."""
+    kitchen, service = _of(services, request.environment)
+    robots = dict(zip(service.twin.robots, loaded.robots, strict=True))
+    states = tuple(state_joints(service.twin, loaded.states))
+    task = f"{request.task.verb.value}:{local_name(str(request.task.container))}"
+    return Cell(kitchen, robots[request.robot], task, states, policy_of(request, loaded.policy))
+
+
+def _name(request: Request) -> str:
+    return "{task}({container})  {robot} in kitchen {kitchen}".format_map(request.to_json())

@@ -1,0 +1,133 @@
+"""What is missing for a query is run before it, within bounds, and what was left out is said."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import pytest
+
+from sdt_kg.errors import InputError, OracleUnavailableError
+from sdt_kg.iri import ID, LAW, local_name
+from sdt_kg.store import rows_of
+from services.compute import Bounds, Computed, Loaded, compute
+from services.compute.run import Report
+from services.store.files import SavedVerdicts
+from services.table import Cell, run
+
+SMALL = Path(__file__).resolve().parents[2] / "small"
+A, B = str(SMALL / "a.urdf"), str(SMALL / "b.urdf")
+PR2, STRETCH = str(SMALL / "pr2.urdf"), str(SMALL / "stretch.urdf")
+LOADED = Loaded((B,), (PR2, STRETCH))
+SWING = f"SELECT ?o {{ ?v law:container <{ID}a/body/swing_door> ; law:robot id:stretch ; law:outcome ?o }}"
+CLOSED = (
+    "SELECT ?c { ?v law:robot id:pr2 ; law:container ?c ; law:task/law:verb law:Close ; law:causes false }"
+)
+
+
+@pytest.fixture
+def saved(tmp_path: Path) -> Iterator[SavedVerdicts]:
+    with SavedVerdicts(tmp_path / "saved.trig") as opened:
+        yield opened
+
+
+def computed(saved: SavedVerdicts, sparql: str, loaded: Loaded = LOADED, limit: int = 10) -> Computed:
+    return compute(sparql, loaded, Bounds(5.0, limit), saved)
+
+
+def answer(saved: SavedVerdicts, sparql: str) -> set[str]:
+    return {local_name(str(value)) for row in rows_of(saved.store.query(sparql))[1] for value in row.values()}
+
+
+def test_what_the_query_touches_is_run_kept_and_then_found(saved: SavedVerdicts) -> None:
+    assert answer(saved, CLOSED) == set()
+    done = computed(saved, CLOSED)
+    assert {(each["robot"], each["task"], each["container"]) for each in done.ran} == {
+        ("pr2", "close", "oven_door"),
+        ("pr2", "close", "top_drawer"),
+    }
+    assert done.left_out == []
+    assert answer(saved, CLOSED) == {"oven_door", "top_drawer"}  # they are closed: nothing to cause
+    assert answer(saved, "SELECT ?door { ?door a sdt:Door }") == {"oven_door"}  # the twin is kept too
+
+
+def test_the_verdicts_have_the_iris_that_were_planned(saved: SavedVerdicts) -> None:
+    done = computed(saved, CLOSED)
+    assert {str(each["iri"]) for each in done.ran} == {each.verdict for each in done.plan.missing}
+
+
+def test_what_is_stored_is_not_run_again(saved: SavedVerdicts) -> None:
+    computed(saved, CLOSED)
+    again = computed(saved, CLOSED)
+    assert (again.ran, len(again.plan.stored)) == ([], 2)
+    wider = computed(saved, CLOSED.replace("law:robot id:pr2", "law:robot ?robot"))
+    assert {each["robot"] for each in wider.ran} == {"stretch"}
+
+
+def test_another_state_is_another_question(saved: SavedVerdicts) -> None:
+    computed(saved, CLOSED)
+    ajar = Loaded((B,), (PR2, STRETCH), ("oven_door=0.005",))
+    assert len(computed(saved, CLOSED, ajar).ran) == 2
+
+
+def test_beyond_the_limit_is_left_out_and_said(saved: SavedVerdicts) -> None:
+    done = computed(saved, CLOSED, limit=1)
+    assert len(done.ran) == 1
+    ((request, why),) = done.left_out
+    assert why == "beyond the limit of 1 cases"
+    assert "left out 1 cases, beyond the limit of 1 cases: the answer may lack them" in done.told()
+    assert done.to_json()["left_out"] == [request.to_json() | {"why": why}]
+    assert computed(saved, CLOSED, limit=0).ran == []
+
+
+def test_beyond_the_budget_is_left_out_and_said(saved: SavedVerdicts) -> None:
+    done = compute(CLOSED, LOADED, Bounds(1e-6, 10), saved)
+    assert len(done.ran) == 1  # a case that has begun is finished
+    assert [why for _, why in done.left_out] == ["beyond the budget of 1e-06 s"]
+
+
+def test_what_is_not_loaded_is_said(saved: SavedVerdicts) -> None:
+    done = computed(saved, SWING)
+    assert done.ran == []
+    assert {(each.kind, local_name(each.iri)) for each in done.plan.unplanned} == {
+        ("container", "swing_door")
+    }
+    assert "nothing computed about container swing_door: it is not loaded" in done.told()
+
+
+def test_an_abstention_is_an_answer_too(saved: SavedVerdicts) -> None:
+    done = computed(saved, SWING, Loaded((A,), (STRETCH,)))
+    assert [each["outcome"] for each in done.ran] == ["abstained", "abstained"]  # open and close
+    assert answer(saved, SWING) == {"Abstained"}
+
+
+def test_the_drive_that_the_query_names_is_tried(saved: SavedVerdicts) -> None:
+    asked = CLOSED.replace("law:robot id:pr2", 'law:robot id:pr2 ; law:drive "fixed"')
+    computed(saved, asked)
+    assert answer(saved, asked) == {"oven_door", "top_drawer"}
+
+
+def test_a_query_about_the_twin_runs_nothing(saved: SavedVerdicts) -> None:
+    done = computed(saved, "SELECT ?door { ?door a sdt:Door }", Loaded(("no such kitchen",), ()))
+    assert (done.ran, done.plan.missing) == ([], ())
+
+
+def test_a_dead_oracle_is_an_error_and_what_was_finished_is_kept(saved: SavedVerdicts) -> None:
+    def dies(cells: Sequence[Cell], jobs: int, report: Report) -> object:
+        run(cells[:1], jobs, report)
+        raise OracleUnavailableError("nobody answers")
+
+    with pytest.raises(OracleUnavailableError):
+        compute(CLOSED, LOADED, Bounds(5.0, 10), saved, dies)
+    assert len(answer(saved, CLOSED)) == 1
+
+
+@pytest.mark.parametrize(
+    ("loaded", "said"),
+    [
+        (Loaded((B, B), (PR2,)), "share a name"),
+        (Loaded((B,), (PR2,), ("nothing=0.1",)), "no kitchen has a joint for: nothing=0.1"),
+        (Loaded(("zzz",), (PR2,)), "no kitchen named 'zzz'"),
+    ],
+)
+def test_nonsense_is_refused(saved: SavedVerdicts, loaded: Loaded, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        computed(saved, f"SELECT ?v {{ ?v a <{LAW}Verdict> }}", loaded)
