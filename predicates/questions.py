@@ -52,7 +52,7 @@ def questions(case: Case, physics: Physics, embodiment: Embodiment | None) -> It
 
 def _robots(case: Case, embodiment: Embodiment | None) -> Iterator[Case]:
     """The case for each robot it may mean."""
-    if isinstance(case.body_motion, BodyMotion):
+    if isinstance(case.body_motion, BodyMotion) and case.robot is UNKNOWN:
         yield replace(case, robot=case.body_motion.robot)
     elif case.robot is UNKNOWN and embodiment is not None and case.twin.robots:
         for robot in case.twin.robots:

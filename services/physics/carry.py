@@ -53,9 +53,10 @@ def carried(
 ) -> Motion:
     """Motion of the container's own joint under the body motion.
 
-    If the body motion says how the kitchen moves, as it says; what it does not name stands still. If it
-    says nothing, the handle moves rigidly with a gripper that is at it, for as long as the joint can
-    follow; before and after, the container stands still.
+    If the body motion says how the kitchen moves, as it says; what it does not name stands still, as does
+    everything under the motion of a robot that is not there. If it says nothing, the handle moves
+    rigidly with a gripper that is at it, for as long as the joint can follow; before and after, the
+    container stands still.
 
     Args:
         model: Built from the twin's environment.
@@ -77,7 +78,7 @@ def carried(
     elif container.joint in columns:
         i = columns[container.joint]
         values, velocities = body_motion.kitchen_q[:, [i]], body_motion.kitchen_v[:, [i]]
-    elif not columns:
+    elif not columns and body_motion.robot in twin.robots:
         values, velocities = _dragged(model, scene(), twin, body_motion, container)
     return Motion(container.joint, times, values, velocities=velocities)
 

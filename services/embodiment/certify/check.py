@@ -15,7 +15,7 @@ from services.embodiment.certify.collisions import collisions
 from services.embodiment.certify.findings import Findings
 from services.embodiment.certify.held.hold import Hold, begin
 from services.embodiment.certify.limits import drive_limits, joint_limits, kitchen_keeps
-from services.embodiment.certify.motion import rests, whole_motion
+from services.embodiment.certify.motion import of_another_robot, rests, whole_motion
 from services.embodiment.certify.motion import start as starts
 from services.embodiment.certify.sweep.kinematics import joint_axes
 from services.embodiment.certify.sweep.pieces import Pieces
@@ -95,6 +95,9 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     assert scene.twin.state == twin.state, "the scene is of another state"
     assert scene.robot.mechanism == twin.mechanism(robot), "the scene is of another robot"
     assert scene.kitchen.mechanism == twin.mechanism(twin.environment), "the scene is of another kitchen"
+    foreign = of_another_robot(scene, motion)
+    if foreign.violations:
+        return Refused(foreign.diagnoses(), foreign.figures)
     pieces, findings = whole_motion(scene, motion, tolerances)
     findings.add(starts(scene, pieces, start, tolerances))
     findings.add(rests(scene, pieces, tolerances))

@@ -24,7 +24,7 @@ MOST_SUBSAMPLES = 20_000  # of the sideways velocity on one piece
 
 
 def joint_limits(scene: Scene, pieces: Pieces, container: Container, tolerances: Tolerances) -> Findings:
-    """Every coordinate keeps its limits; the base's linear ones hold for the length of the vector."""
+    """Every coordinate keeps its limits; the base's linear ones hold for the length of the vector too."""
     findings, bounds = Findings(), _bounds(scene, container)
     values, s = positions(pieces)
     excess = np.maximum(bounds.lower - values, values - bounds.upper)
@@ -35,7 +35,7 @@ def joint_limits(scene: Scene, pieces: Pieces, container: Container, tolerances:
         findings.violations.append(
             _limit(scene, k, Quantity.POSITION, values[i, n, k], float(bound), time, excess[i, n, k])
         )
-    single = np.setdiff1d(np.arange(scene.model.nq), scene.base[:2])
+    single = np.arange(scene.model.nq)
     rated = (
         (Quantity.VELOCITY, velocities(pieces), bounds.velocity),
         (Quantity.ACCELERATION, accelerations(pieces), bounds.acceleration),
@@ -77,14 +77,22 @@ def _first_and_worst(violated: NDArray[np.bool_], badness: Array) -> Iterator[tu
 
 
 def _limit(  # noqa: PLR0913, PLR0917  # the parts of one sentence
-    scene: Scene, k: int, quantity: Quantity, value: float, bound: float, time: float, excess: float
+    scene: Scene,
+    k: int,
+    quantity: Quantity,
+    value: float,
+    bound: float,
+    time: float,
+    excess: float,
+    combined: bool = False,
 ) -> Violation:
     turning = joint_axes(scene)[1][k]
     unit = ("rad" if turning else "m") + _PER[quantity]
-    name = "the base" if k == scene.base[0] else local_name(scene.names[k])
+    name = "the base, x and y combined," if combined else local_name(scene.names[k])
     reason = f"{name} reaches {quantity.value} {value:.4g} {unit}, its limit is {bound:.4g} {unit}"
     evidence = Evidence(quantity, float(value), float(bound), unit, entity=scene.names[k], time=float(time))
     part = "kitchen" if k < scene.base[0] else "base" if k <= scene.base[2] else "robot"
+    part += ", combined" if combined else ""
     return Violation(f"limit of {quantity.value}: {part}", reason, evidence, float(excess))
 
 
@@ -111,7 +119,7 @@ def _base_norms(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Finding
         for _, i, n in _first_and_worst(ratio > 1 + tolerances.rate, ratio):
             time = pieces.start[n] + s_of[i, n]
             findings.violations.append(
-                _limit(scene, int(plane[0]), quantity, value[i, n], float(most), time, ratio[i, n, 0])
+                _limit(scene, int(plane[0]), quantity, value[i, n], float(most), time, ratio[i, n, 0], True)
             )
         findings.figures[f"largest base {quantity.value} ratio"] = (float(ratio.max()), "1")
     return findings

@@ -21,6 +21,21 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
+def of_another_robot(scene: Scene, motion: BodyMotion) -> Findings:
+    """Whether the motion is of this robot; if it is not, nothing else can be said of it."""
+    if motion.robot == scene.robot_iri:
+        return Findings()
+    own = {joint.name for joint in scene.robot.joints}
+    shared = sum(name in own for name in motion.joints)
+    robot = local_name(scene.robot_iri)
+    reason = (
+        f"the motion is of {local_name(motion.robot)}, not of {robot}: "
+        f"of its {len(motion.joints)} joints {robot} has {shared}"
+    )
+    evidence = Evidence(Quantity.COUNT, float(shared), float(len(motion.joints)), "1", entity=scene.robot_iri)
+    return Findings([Violation("robot", reason, evidence, 0.0)])
+
+
 def whole_motion(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> tuple[Pieces, Findings]:
     """All coordinates along the motion: what it does not list is parked, or as the twin's state says.
 

@@ -6,6 +6,8 @@ import coal  # pyright: ignore[reportMissingImports]  # found through a .pth fil
 import numpy as np
 from numpy.typing import NDArray
 
+from services.embodiment.certify.sweep.depth import Faces, deepest, faces
+from services.embodiment.certify.sweep.depth import placed as placed_faces
 from services.embodiment.certify.sweep.kinematics import Kinematics, Placed
 from services.physics.model import Scene
 
@@ -41,6 +43,7 @@ class Shapes:
         # One request for all would do no harm as long as nothing is cached in it (FACTS: GJK's
         # cached guess makes answers depend on history); the result is cleared at each call.
         self._request, self._result = coal.DistanceRequest(), coal.DistanceResult()
+        self._faces: dict[int, Faces | None] = {}
 
     def centres(self, placed: Placed, span: Indices, shape: Indices) -> Array:
         """Centres in the world of one shape at one configuration for each item, shape (M, 3) [m]."""
@@ -57,6 +60,23 @@ class Shapes:
         """Signed distances of pairs of shapes, shape (M, 2): negative is depth, shape (M,) [m]."""
         one, other = self._frames(placed, span, pairs[:, 0]), self._frames(placed, span, pairs[:, 1])
         return np.array([self._distance(*item) for item in zip(pairs.tolist(), *one, *other, strict=True)])
+
+    def depth(self, placed: Placed, span: int, pair: tuple[int, int]) -> float | None:
+        """Depth of the deepest point of either shape inside the other [m]; None if one is not convex."""
+        at = np.array([span])
+        polyhedra: list[Faces] = []
+        for shape in pair:
+            own = self._faces_of(shape)
+            if own is None:
+                return None
+            rotation, origin = self._frames(placed, at, np.array([shape]))
+            polyhedra.append(placed_faces(own, rotation[0], origin[0]))
+        return deepest(*polyhedra)
+
+    def _faces_of(self, shape: int) -> Faces | None:
+        if shape not in self._faces:
+            self._faces[shape] = faces(self._shapes[shape])
+        return self._faces[shape]
 
     def nearest_points(
         self, placed: Placed, pair: tuple[int, int], shift: Array = STILL
