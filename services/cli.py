@@ -6,7 +6,7 @@ from importlib.metadata import version
 import click
 
 from sdt_kg.errors import InputError, SdtError
-from services.commands import achieve, ask, kitchens, recheck, robot, serve, table, why
+from services.commands import achieve, ask, kitchens, learn, recheck, robot, serve, table, why
 
 BAD_INPUT_EXIT = 2
 NO_ORACLE_EXIT = 4
@@ -38,6 +38,7 @@ for command in (
     ask.causes,
     achieve.achieve,
     recheck.recheck,
+    learn.learn_command,
     table.table,
     robot.robot,
     why.why_command,

@@ -1,0 +1,1 @@
+"""Lines, arcs and standstill through noisy points: what each would be, and the evidence for it."""

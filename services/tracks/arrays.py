@@ -1,0 +1,53 @@
+"""Tracks in .npz files: `positions` (T, 3) or `poses` (T, 7), optional `times` (T,), `forces` (T, 3)."""
+
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from predicates.learn.track import Array, Track
+from sdt_kg.errors import MotionError
+from services.tracks.columns import FORCE, PLACE, TURN, track_of
+
+ALLOWED = "positions (T, 3) or poses (T, 7), optional times (T,), orientations (T, 4), forces (T, 3)"
+
+
+def read_arrays(path: Path) -> Track:
+    """The track in an .npz file.
+
+    Raises:
+        MotionError: No .npz, arrays of another shape, or a sample that is wrong, with its index.
+    """
+    try:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
+            arrays = {name: np.asarray(file[name]) for name in file.files}
+    except (ValueError, OSError, EOFError, zipfile.BadZipFile, AttributeError) as error:
+        raise MotionError(f"{path.name} is no .npz of plain arrays: {error}", allowed=ALLOWED) from None
+    if "poses" not in arrays and "positions" not in arrays:
+        raise MotionError(f"{path.name} has {', '.join(arrays) or 'nothing'}", allowed=ALLOWED)
+    columns, names = list[Array](), list[str]()
+    samples = len(np.atleast_1d(arrays["poses" if "poses" in arrays else "positions"]))
+    for key, group in (
+        ("times", ("t",)),
+        ("poses", (*PLACE, *TURN)),
+        ("positions", PLACE),
+        ("orientations", TURN),
+        ("forces", FORCE),
+    ):
+        if key not in arrays or set(group) & set(names):
+            continue
+        columns.append(_column(path.name, key, arrays[key], (samples, len(group))))
+        names += group
+    return track_of(np.hstack(columns), names, path.name, [f"index {k}" for k in range(samples)])
+
+
+def _column(name: str, key: str, array: np.ndarray, shape: tuple[int, int]) -> Array:
+    try:
+        found = np.asarray(array, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise MotionError(f"'{key}' of {name} holds {array.dtype}", allowed="numbers") from None
+    if shape[1] == 1 and found.ndim == 1:
+        found = found[:, None]
+    if found.shape != shape:
+        raise MotionError(f"'{key}' of {name} has the shape {array.shape}", allowed=f"{shape}; {ALLOWED}")
+    return found

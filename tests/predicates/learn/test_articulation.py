@@ -1,0 +1,114 @@
+"""Mode 3: which joint moves what was seen."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from predicates.learn import Articulation, learn
+from sdt_kg.errors import MotionError
+from sdt_kg.mechanism import JointType
+from services.tracks import read_track
+from tests.predicates.learn.observed import about_z, door, drawer, seen, stopping
+
+
+def best(joint_type: JointType, *args: object, **known: object) -> Articulation:
+    joint = learn(seen(*args, **known)).best  # type: ignore[arg-type]
+    assert joint.joint_type is joint_type
+    return joint
+
+
+def test_what_does_not_move_is_fixed() -> None:
+    joint = best(JointType.FIXED, np.tile([1.0, 0.5, 0.8], (300, 1)))
+    assert joint.origin == pytest.approx([1.0, 0.5, 0.8], abs=0.002)
+
+
+def test_a_drawer_is_prismatic_along_its_axis_with_the_range_that_was_seen() -> None:
+    joint = best(JointType.PRISMATIC, drawer(stopping(0.4)))
+    assert joint.axis == pytest.approx([0.6, -0.8, 0.0], abs=0.01)
+    assert joint.origin == pytest.approx([0.5, 0.2, 0.7], abs=0.002)
+    assert joint.limits == pytest.approx((0.0, 0.4), abs=0.004)
+    assert joint.residual_rms == pytest.approx(0.002 * np.sqrt(2), rel=0.15)
+
+
+@pytest.mark.parametrize("radius", [0.2, 0.4, 0.8])
+def test_a_door_is_revolute_about_its_hinge(radius: float) -> None:
+    joint = best(JointType.REVOLUTE, door(stopping(1.4), radius))
+    assert joint.axis == pytest.approx([0.0, 0.0, 1.0], abs=0.01)
+    assert joint.origin == pytest.approx([1.0, 0.2, 0.9], abs=0.005)
+    assert joint.radius == pytest.approx(radius, abs=0.005)
+    assert joint.limits == pytest.approx((0.0, 1.4), abs=0.02)
+
+
+def test_positions_give_back_the_points_of_the_path() -> None:
+    positions = stopping(1.4)
+    joint = best(JointType.REVOLUTE, door(positions), noise=1e-5)
+    assert joint.point(positions) == pytest.approx(door(positions), abs=1e-3)
+    assert joint.positions == pytest.approx(positions, abs=1e-3)
+
+
+def test_closing_begins_at_zero_too_and_the_axis_points_the_other_way() -> None:
+    joint = best(JointType.REVOLUTE, door(1.4 - stopping(1.4)))
+    assert joint.axis == pytest.approx([0.0, 0.0, -1.0], abs=0.01)
+    assert joint.limits == pytest.approx((0.0, 1.4), abs=0.02)
+
+
+def test_a_third_of_outliers_and_a_long_standstill_change_little() -> None:
+    joint = best(JointType.REVOLUTE, door(stopping(1.4, still=400)), outliers=0.33)
+    assert joint.origin == pytest.approx([1.0, 0.2, 0.9], abs=0.015)
+    assert joint.limits == pytest.approx((0.0, 1.4), abs=0.04)
+    assert joint.outliers == pytest.approx(0.33 * 950, rel=0.3)
+
+
+def test_a_drawer_is_no_arc_of_five_metres() -> None:
+    arc = np.linspace(0, 0.09, 200)
+    bent = np.column_stack([5 * np.sin(arc), 5 * (1 - np.cos(arc)), np.full(200, 0.7)])  # 20 mm off a line
+    assert learn(seen(bent[:100])).best.joint_type is JointType.PRISMATIC
+
+
+def test_orientations_tell_a_short_arc_from_a_drawer() -> None:
+    positions = stopping(0.25)
+    track = seen(door(positions, 0.3))
+    turned = learn(replace(track, orientations=about_z(positions)))
+    slid = learn(replace(track, orientations=about_z(np.zeros(len(positions)))))
+    assert turned.best.joint_type is JointType.REVOLUTE
+    assert turned.best.radius == pytest.approx(0.3, abs=0.03)
+    assert slid.best.joint_type is JointType.PRISMATIC
+    assert turned.probabilities[0] > 0.999
+
+
+def test_without_a_known_up_a_slanted_hinge_is_found() -> None:
+    slant = np.linalg.qr(np.array([[1.0, 2, 3], [0, 1, 4], [5, 6, 0]]))[0]
+    track = seen(door(stopping(1.4)) @ slant.T)
+    for learned in (learn(track, up=None), learn(track)):
+        assert learned.best.joint_type is JointType.REVOLUTE
+        assert abs(learned.best.axis @ slant[:, 2]) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_deviations_cover_the_truth() -> None:
+    truth, found = 0.4, [learn(seen(door(stopping(1.0)), seed)).best for seed in range(20)]
+    errors = [abs(each.radius - truth) / each.deviations["radius"] for each in found]
+    assert max(errors) < 3
+    assert all(each.deviations["radius"] < 0.02 for each in found)
+
+
+def test_three_samples_teach_nothing() -> None:
+    with pytest.raises(MotionError, match=r"track has 3 samples; allowed: 8 positions or more"):
+        learn(seen(np.zeros((3, 3))))
+
+
+@pytest.mark.reference
+def test_a_real_track_of_each_object_gets_its_label(reference: Path) -> None:
+    objects = {
+        "mechanisms_iros_2010/dishwasher/003.log": "revolute",
+        "mechanisms_iros_2010/left_door/007.log": "revolute",
+        "mechanisms_iros_2010/right_door/005.log": "revolute",
+        "mechanisms_iros_2010/drawer/006.log": "prismatic",
+        "cabinet_one/006.log": "revolute",
+        "drawer_one/009.log": "prismatic",
+        "microwave/microwave1.log": "revolute",
+    }
+    folder = reference / "articulation_tracks"
+    found = {name: learn(read_track(folder / name)).best.joint_type.value for name in objects}
+    assert found == objects
