@@ -16,12 +16,13 @@ from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import UNKNOWN
 from sdt_kg.twin import Container, Twin
-from services.embodiment.body.limb import Margins, make_limb
+from services.embodiment.body.limb import Margins
 from services.embodiment.body.warm import warm
 from services.embodiment.body.world import World
 from services.embodiment.certify.check import Certified, Refused, certify
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.grasp import grasp_settings
+from services.embodiment.hold.kit import Kits
 from services.embodiment.plan import Planned, Planner, Setting
 from services.embodiment.report import refusal
 from services.embodiment.ways.roads import Roads
@@ -66,7 +67,7 @@ class WholeBody:
         self.tolerances, self.margins = Tolerances(), Margins()
         self._physics = Kinematics()
         self._compiled = False
-        self._worlds: list[tuple[tuple[object, ...], World, dict[str, Roads]]] = []
+        self._worlds: list[tuple[object, tuple[object, ...], tuple[World, Kits, dict[str, Roads]]]] = []
 
     @property
     def version(self) -> str:
@@ -91,10 +92,10 @@ class WholeBody:
         if case.robot is UNKNOWN:
             raise OracleRejectedError("CanPerform was asked without a robot")
         twin, container = case.twin, container_of(case)
-        world, roads = self._world(twin, case.robot)
+        world, kits, roads = self._world(twin, case.robot)
         clock.spent("model", began)
         began = time.perf_counter()
-        self._warm(world)
+        self._warm(world, kits)
         clock.spent("compile", began)
         began = time.perf_counter()
         start = self._start(twin, world, container)
@@ -106,7 +107,7 @@ class WholeBody:
         if motion.is_poses:
             motion = self._physics.replay(twin, motion).motion
         drive = self._drive(twin, case.robot)
-        setting = Setting(world, container, motion, drive, start, self.margins, case.robot, roads)
+        setting = Setting(world, container, motion, drive, start, case.robot, kits, roads)
         return self._searched(case, setting, clock, began)
 
     def _searched(self, case: Case, setting: Setting, clock: Clock, began: float) -> Answer:
@@ -179,21 +180,22 @@ class WholeBody:
         handle = scene.placement(scene.q((0.0, 0.0, 0.0), {}), container.handle).translation
         return x, y, float(np.arctan2(handle[1] - y, handle[0] - x))
 
-    def _warm(self, world: World) -> None:
+    def _warm(self, world: World, kits: Kits) -> None:
         """Compilation costs no budget."""
         if not self._compiled:
-            warm(world, make_limb(world, world.scene.annotation.grippers[0]))
+            warm(world, kits.of(world.scene.annotation.grippers[0]).limb)
             self._compiled = True
 
-    def _world(self, twin: Twin, robot: Iri) -> tuple[World, dict[str, Roads]]:
-        key = (twin.mechanism(twin.environment), twin.mechanism(robot), twin.robot(robot), twin.kitchen())
-        state = twin.state
-        for (*known, at), world, roads in self._worlds:
-            if at == state and all(one is other for one, other in zip(known, key, strict=True)):
-                return world, roads
-        world, roads = World(Scene(twin, robot)), dict[str, Roads]()
-        self._worlds = [((*key, state), world, roads), *self._worlds[: SCENES_KEPT - 1]]
-        return world, roads
+    def _world(self, twin: Twin, robot: Iri) -> tuple[World, Kits, dict[str, Roads]]:
+        own = (twin.mechanism(twin.environment), twin.mechanism(robot), twin.robot(robot))
+        key = (twin.state, twin.kitchen())
+        for known, models, kept in self._worlds:
+            if known == key and all(one is other for one, other in zip(models, own, strict=True)):
+                return kept
+        world = World(Scene(twin, robot))
+        made = world, Kits(world, self.margins), dict[str, Roads]()
+        self._worlds = [(key, own, made), *self._worlds[: SCENES_KEPT - 1]]
+        return made
 
 
 def _certified(case: Case, notes: tuple[str, ...], clock: Clock, outcome: Certified) -> Answer:

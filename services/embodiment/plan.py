@@ -14,12 +14,13 @@ from sdt_kg.annotation import Drive
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container
-from services.embodiment.body.limb import Limb, Margins, eased, make_limb, rules
-from services.embodiment.body.world import Rules, World
+from services.embodiment.body.limb import Limb, touching
+from services.embodiment.body.world import World
 from services.embodiment.hold.fit import fitting
-from services.embodiment.hold.grasp import Grasp, Hand
+from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import WAYPOINTS, Holding, Problem, Searcher
+from services.embodiment.hold.kit import Kit, Kits
 from services.embodiment.prove import out_of_reach
 from services.embodiment.ways.approach import Approacher, Blocked
 from services.embodiment.ways.assemble import Assembled, Assembler
@@ -27,7 +28,7 @@ from services.embodiment.ways.roads import Roads, make_roads
 
 Array = NDArray[np.float64]
 
-GRASPS = 36  # grasps of one gripper that are searched
+GRASPS = (6, 12, 36)  # grasps of one gripper that are searched in the first rounds, and from then on
 ROUNDS = 24  # batches of seeds for one gripper before the search gives up
 MORE_ROUNDS = 96  # the same, where postures were found but no way on from them
 TRIES = 4  # holdings of one batch that are approached
@@ -43,8 +44,8 @@ class Setting:
     motion: Motion
     drive: Drive
     start: tuple[float, float, float]
-    margins: Margins
     robot: Iri
+    kits: Kits
     roads: dict[str, Roads]
 
 
@@ -60,14 +61,26 @@ class Planned:
 
 @dataclass(slots=True, eq=False)
 class Attempt:
-    """The search with one gripper."""
+    """The search with one gripper.
+
+    Attributes:
+        grasps: Those that are searched so far.
+        more: Those that may follow.
+    """
 
     limb: Limb
     grasps: list[tuple[Grasp, Array]]
+    more: Iterator[tuple[Grasp, Array]]
     searcher: Searcher
     approacher: Approacher
     assembler: Assembler
     rng: np.random.Generator
+
+    def widen(self, number: int) -> None:
+        """Round `number` searches as many grasps as it is due."""
+        due = GRASPS[min(number, len(GRASPS) - 1)]
+        self.grasps.extend(islice(self.more, max(due - len(self.grasps), 0)))
+        self.searcher.tally.grasps = len(self.grasps)
 
 
 class Planner:
@@ -105,15 +118,15 @@ class Planner:
     def plans(self) -> Iterator[Planned]:
         """Body motions, one after the other, until the search gives up."""
         at = time.perf_counter()
-        limbs = self._limbs()
+        kits = [self.setting.kits.of(one) for one in self.setting.world.scene.annotation.grippers]
+        limbs = [kit.limb for kit in kits]
         self.proof = out_of_reach(self.setting.world, self.mechanics, limbs, self.setting.motion.values[:, 0])
-        self.start_contact = self._start_contact(limbs)
+        self.start_contact = self._start_contact()
+        self._spent("grasp", at)
         if self.proof is not None or self.start_contact is not None:
             return
-        self.attempts = [one for one in map(self._attempt, limbs) if one is not None]
-        self._spent("grasp", at)
         for number in range(MORE_ROUNDS):
-            for attempt in self.attempts:
+            for attempt in self._attempts(kits, number):
                 if number >= ROUNDS and not attempt.searcher.tally.paths:
                     continue
                 if self.late():
@@ -130,45 +143,46 @@ class Planner:
             seconds=seconds,
         )
 
-    def _limbs(self) -> list[Limb]:
-        grippers = self.setting.world.scene.annotation.grippers
-        return [make_limb(self.setting.world, gripper) for gripper in grippers]
+    def _attempts(self, kits: list[Kit], number: int) -> Iterator[Attempt]:
+        """Every gripper's, with the grasps for this round; the first round makes them."""
+        for k, kit in enumerate(kits):
+            at = time.perf_counter()
+            if number == 0:
+                attempt = self._attempt(kit)
+                if attempt is None:
+                    return
+                self.attempts.append(attempt)
+            self.attempts[k].widen(number)
+            self._spent("grasp", at)
+            yield self.attempts[k]
 
-    def _start_contact(self, limbs: list[Limb]) -> tuple[tuple[int, int], float] | None:
+    def _start_contact(self) -> tuple[tuple[int, int], float] | None:
         """A pair of shapes nearer than certification allows where the robot starts, parked."""
         world = self.setting.world
         q = world.scene.q(self.setting.start, {})
-        for limb in limbs[:1]:
-            demands = rules(world, limb, Margins(0.0, 0.0, 0.0))
-            contact = world.contact(q[None], Rules(demands.environment, demands.pairs[:0], demands.own[:0]))
-            if contact is not None:
-                return contact.shapes, world.distance(contact.shapes, *world.frames(q))
-        return None
+        contact = world.contact(q[None], self.setting.kits.outside())
+        return None if contact is None else (contact.shapes, world.distance(contact.shapes, *world.frames(q)))
 
-    def _attempt(self, limb: Limb) -> Attempt | None:
-        setting, world = self.setting, self.setting.world
+    def _attempt(self, kit: Kit) -> Attempt | None:
+        setting, world, limb = self.setting, self.setting.world, kit.limb
         q = limb.q(limb.parked)
         self.bar = find_bar(world, self.mechanics, q)
         if self.bar is None:
             return None
         problem = self._problem(self.bar, q)
-        handle = setting.container.handle
-        holding, opened = rules(world, limb, setting.margins, (handle,)), rules(world, limb, setting.margins)
-        least = setting.margins.close + world.scene.annotation.overhang
-        opened = eased(world, opened, q, least)
-        fitted = fitting(Hand(world, limb), problem, self.bar, (holding, opened), self.unfit)
-        grasps = list(islice(fitted, GRASPS))
+        holding = touching(world, limb, kit.demands, (setting.container.handle,))
+        fitted = fitting(kit.hand, problem, self.bar, (holding, kit.demands), self.unfit)
         searcher = Searcher(world, limb, problem, holding, setting.drive)
         start = np.array(setting.start)
         if setting.drive is Drive.FIXED:
             searcher.stand(start)
-        searcher.tally.grasps = len(grasps)
         roads = setting.roads.setdefault(
-            limb.gripper.name, make_roads(world, limb, opened, setting.drive, self.seed)
+            limb.gripper.name, make_roads(world, limb, kit.opened, setting.drive, self.seed)
         )
-        approacher = Approacher(roads, opened, start, self.late)
+        approacher = Approacher(roads, kit.hand, kit.opened, start, self.late)
         assembler = Assembler(world, limb, setting.robot, problem, setting.motion)
-        return Attempt(limb, grasps, searcher, approacher, assembler, np.random.default_rng(self.seed))
+        rng = np.random.default_rng(self.seed)
+        return Attempt(limb, [], fitted, searcher, approacher, assembler, rng)
 
     def _problem(self, bar: Bar, q: Array) -> Problem:
         values = np.linspace(self.mechanics.start, float(self.setting.motion.values[-1, 0]), WAYPOINTS)

@@ -218,29 +218,40 @@ class Margins:
 def eased(world: World, demands: Rules, q: Array, least: float) -> Rules:
     """The same distances, but half of what is there for self pairs nearer at q; at least `least` [m]."""
     r, p = world.frames(q)
+    joint, _, centre = world.boxes
+    at = (r[joint] @ centre[:, :, None])[:, :, 0] + p[joint]
+    one, other = demands.pairs.T
+    away = np.linalg.norm(at[one] - at[other], axis=1) - world.radius[one] - world.radius[other]
+    close = np.flatnonzero(away <= demands.own)
+    there = world.distances(demands.pairs[close], r, p)
+    near = there <= demands.own[close]
     own = demands.own.copy()
-    for k, (a, b) in enumerate(demands.pairs):
-        if world.near((int(a), int(b)), r, p, own[k]):
-            own[k] = max(world.distance((int(a), int(b)), r, p) / 2, least)
+    own[close[near]] = np.maximum(there[near] / 2, least)
     return Rules(demands.environment, demands.pairs, own)
 
 
 NEIGHBOURS = 2  # moving joints between two bodies which count as close
 
 
-def rules(world: World, limb: Limb, margins: Margins, touching: tuple[str, ...] = ()) -> Rules:
-    """Distances that planning demands; the fingers may touch the kitchen bodies `touching`."""
+def rules(world: World, limb: Limb, margins: Margins) -> Rules:
+    """Distances that planning demands."""
     overhang = world.scene.annotation.overhang
     robot = len(world.body) - world.split
     environment = np.full((robot, world.split), margins.free + overhang)
     hand = world.shapes_of((*limb.palm, *limb.fingers))
     environment[hand - world.split] = margins.fine + overhang
-    fingers, handle = world.shapes_of(limb.fingers) - world.split, world.shapes_of(touching)
-    environment[np.ix_(fingers, handle)] = MAY_TOUCH
     environment[world.shapes_of(world.scene.standing) - world.split, world.scene.floor] = MAY_TOUCH
     pairs, parted = _moving_pairs(world, limb)
     within = (parted <= NEIGHBOURS) | np.isin(pairs, hand).all(axis=1)
     return Rules(environment, pairs, np.where(within, margins.close, margins.free) + overhang)
+
+
+def touching(world: World, limb: Limb, demands: Rules, bodies: tuple[str, ...]) -> Rules:
+    """The same distances, but the fingers may touch these bodies of the kitchen."""
+    environment = demands.environment.copy()
+    fingers = world.shapes_of(limb.fingers) - world.split
+    environment[np.ix_(fingers, world.shapes_of(bodies))] = MAY_TOUCH
+    return Rules(environment, demands.pairs, demands.own)
 
 
 def _moving_pairs(world: World, limb: Limb) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -250,10 +261,12 @@ def _moving_pairs(world: World, limb: Limb) -> tuple[NDArray[np.int64], NDArray[
     fingers = {joint_iri(scene.robot.mechanism.name, one.joint) for one in limb.gripper.finger_joints}
     for k, source in enumerate(scene.coupling.source):
         moves[k] |= scene.names[source] in fingers
-    chains = [
-        frozenset(j for j in _support(scene, joint) if moves[j - 1]) for joint in range(scene.model.njoints)
-    ]
-    joint = world.boxes[0]
-    parted = np.array([len(chains[joint[a]] ^ chains[joint[b]]) for a, b in scene.self_pairs], dtype=np.int64)
-    kept = np.asarray(scene.self_pairs, dtype=np.int64).reshape(-1, 2)
-    return kept[parted > 0], parted[parted > 0]
+    on_way = np.zeros((scene.model.njoints, scene.model.njoints), dtype=np.int64)
+    for j, parent in enumerate(world.tree[0][1:], 1):
+        on_way[j] = on_way[parent]
+        on_way[j, j] = moves[j - 1]
+    count = on_way.sum(axis=1)
+    pairs = np.asarray(scene.self_pairs, dtype=np.int64).reshape(-1, 2)
+    one, other = world.boxes[0][pairs.T]
+    parted = count[one] + count[other] - 2 * (on_way @ on_way.T)[one, other]
+    return pairs[parted > 0], parted[parted > 0]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from services.embodiment.body import ik, kernels
+from services.embodiment.body import contacts, ik
 from services.embodiment.body.limb import Limb, Margins, rules
 from services.embodiment.body.world import World
 
@@ -20,10 +20,16 @@ def warm(world: World, limb: Limb) -> None:
     ik.solve_many(x[None].copy(), target_r, target_p, limb.chain, *bounds, 1, 1.0)
     ik.follow(x, target_r, target_p, limb.chain, *bounds, 1, 1.0, 1.0, np.empty((1, n)))
     r, p = world.frames(limb.q(x))
-    count = len(world.body)
-    box_r, box_c = np.empty((count, 3, 3)), np.empty((count, 3))
-    kernels.place_boxes(r, p, world.boxes, box_r, box_c)
-    room = np.empty((256, 2), np.int64)
-    kernels.check_environment(
-        world.split, (box_r, box_c), world.half, world.radius, world.kind, demands.environment, room
+    world.distances(demands.pairs[:1], r, p)
+    one = np.zeros(1, np.int64)
+    pose = r[:1].copy(), p[:1].copy()
+    contacts.touching(
+        one + world.split,
+        pose,
+        (one, *pose),
+        world.split,
+        world.radius,
+        world.shapes,
+        demands.environment,
+        np.empty((256, 2), np.int64),
     )

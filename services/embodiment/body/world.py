@@ -1,6 +1,6 @@
 """The scene as the planner sees it: fast, with margins, sound where it says free.
 
-An oriented box around each shape decides most pairs in compiled code; what is left goes to coal.
+Compiled code decides pairs of convex shapes; pairs with a mesh whose box is near go to coal.
 """
 
 from collections.abc import Iterable
@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from sdt_kg.iri import Iri
 from sdt_kg.mechanism import JointType
-from services.embodiment.body import kernels
+from services.embodiment.body import contacts, kernels
+from services.physics.geometry.convex import BALL, OTHER, pack
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]
@@ -20,6 +21,7 @@ Pair = tuple[int, int]
 
 MAY_TOUCH = -1.0  # as a margin: the pair is not looked at
 ROOM = 4096  # unsure pairs that one batch may leave; a batch with more is halved
+COARSE = 8  # every how many of many configurations are looked at first
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +56,8 @@ class World:
 
     Attributes:
         split: Index of the robot's first shape; those before are the kitchen's.
-        tree, boxes: What `kernels.forward` and `kernels.place_boxes` take.
+        tree, boxes, shapes: What `contacts.contacts` takes.
+        half: Half extents of each shape's own box [m], shape (S, 3).
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -62,9 +65,10 @@ class World:
         self.tree = _tree(scene)
         solids = scene.solids
         self.split = next((i for i, one in enumerate(solids) if one.joint > scene.base[-1]), len(solids))
+        self.shapes = pack([one.shape for one in solids])
         self.half = np.array([one.half for one in solids]).reshape(-1, 3)
-        self.kind = np.array([_kind(one.shape) for one in solids], dtype=np.int64)
-        self.radius = np.where(self.kind == kernels.BALL, self.half[:, 0], [one.radius for one in solids])
+        balls = self.shapes[0] == BALL
+        self.radius = np.where(balls, self.half[:, 0], [one.radius for one in solids])
         self.boxes = (
             np.array([one.joint for one in solids], dtype=np.int64),
             np.array([one.joint_T_shape.rotation for one in solids]).reshape(-1, 3, 3),
@@ -72,6 +76,7 @@ class World:
         )
         self.joint_T_shape = [one.joint_T_shape for one in solids]
         self.body = [one.body for one in solids]
+        self._base = int(scene.base[2]) + 1
         self._found = np.zeros((ROOM, 2), np.int64)
         self._owner = np.zeros(ROOM, np.int64)
 
@@ -89,17 +94,25 @@ class World:
     def contact(self, configurations: Array, rules: Rules) -> Contact | None:
         """A pair nearer than its margin in one of the configurations, shape (N, nq); None if all are free.
 
-        Not always that of the first such configuration: compiled checks come before exact ones.
+        Not always that of the first such configuration: a few are looked at before the others, and
+        compiled checks come before exact ones.
         """
-        configurations = np.ascontiguousarray(configurations)  # one memory layout, one compilation
-        hit, unsure = kernels.check_many(
+        for stride in (COARSE, 1) if len(configurations) > COARSE else (1,):
+            some = configurations[::stride]
+            contact = self._contact(np.ascontiguousarray(some), rules)  # one memory layout, one compilation
+            if contact is not None:
+                return Contact(contact.index * stride, contact.shapes)
+        return None
+
+    def _contact(self, configurations: Array, rules: Rules) -> Contact | None:
+        hit, unsure = contacts.contacts(
             configurations,
             self.tree,
             self.boxes,
             self.split,
-            self.half,
             self.radius,
-            self.kind,
+            self.shapes,
+            self._base,
             (rules.pairs, rules.own),
             rules.environment,
             self._found,
@@ -119,10 +132,10 @@ class World:
         if len(configurations) == 1:
             return Contact(0, (int(self._found[0, 0]), int(self._found[0, 1])))
         middle = len(configurations) // 2
-        first = self.contact(configurations[:middle], rules)
+        first = self._contact(configurations[:middle], rules)
         if first is not None:
             return first
-        second = self.contact(configurations[middle:], rules)
+        second = self._contact(configurations[middle:], rules)
         return None if second is None else Contact(second.index + middle, second.shapes)
 
     def _exact(self, configurations: Array, rules: Rules, unsure: int) -> Contact | None:
@@ -130,8 +143,7 @@ class World:
             return None
         own = {(int(a), int(b)): m for (a, b), m in zip(rules.pairs, rules.own, strict=True)}
         found, owner = self._found[:unsure].tolist(), self._owner[:unsure].tolist()
-        at = owner[0]
-        r, p = self.frames(configurations[at])
+        at, r, p = -1, np.empty(0), np.empty(0)
         for (a, b), index in zip(found, owner, strict=True):
             if index != at:
                 at, (r, p) = index, self.frames(configurations[index])
@@ -158,31 +170,27 @@ class World:
 
     def distance(self, pair: Pair, r: Array, p: Array) -> float:
         """Signed distance of two shapes [m], negative when they penetrate."""
-        one, other = [(k, self._transform(k, r, p)) for k in pair]
-        return self._distance(one, other)
-
-    def distances(self, ours: NDArray[np.int64], theirs: NDArray[np.int64], r: Array, p: Array) -> Array:
-        """Signed distance of each of our shapes to the nearest of theirs [m], shape (len(ours),)."""
-        others = [(int(k), self._transform(int(k), r, p)) for k in theirs]
-        placed = [(int(k), self._transform(int(k), r, p)) for k in ours]
-        return np.array([min(self._distance(one, other) for other in others) for one in placed])
-
-    def _distance(self, one: tuple[int, coal.Transform3s], other: tuple[int, coal.Transform3s]) -> float:
-        solids = self.scene.solids
+        one, other = pair
         request, result = coal.DistanceRequest(), coal.DistanceResult()
+        solids, at = self.scene.solids, self._transform
         return float(
-            coal.distance(solids[one[0]].shape, one[1], solids[other[0]].shape, other[1], request, result)
+            coal.distance(
+                solids[one].shape, at(one, r, p), solids[other].shape, at(other, r, p), request, result
+            )
         )
+
+    def distances(self, pairs: NDArray[np.int64], r: Array, p: Array) -> Array:
+        """Signed distances of pairs of shapes (M, 2) [m], negative when they penetrate, shape (M,)."""
+        low, high = np.empty(len(pairs)), np.empty(len(pairs))
+        contacts.distances(self.shapes, self.boxes, pairs, r, p, low, high)
+        out = np.where(np.isfinite(low), low, np.nan)
+        for k in np.flatnonzero(np.isnan(out) | (self.shapes[0][pairs] == OTHER).any(axis=1)):
+            out[k] = self.distance((int(pairs[k, 0]), int(pairs[k, 1])), r, p)
+        return out
 
     def _transform(self, k: int, r: Array, p: Array) -> coal.Transform3s:
         j, local = self.boxes[0][k], self.joint_T_shape[k]
         return coal.Transform3s(r[j] @ local.rotation, r[j] @ local.translation + p[j])
-
-
-def _kind(shape: coal.CollisionGeometry) -> int:
-    if isinstance(shape, coal.Box):
-        return kernels.BOX
-    return kernels.BALL if isinstance(shape, coal.Sphere) else kernels.OTHER
 
 
 def _tree(scene: Scene) -> tuple[NDArray[np.int64], Array, Array, Array, NDArray[np.int64]]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment.body import kernels
+from services.embodiment.body import contacts
 from services.embodiment.body.world import Contact, Rules, World
 from services.embodiment.hold.grasp import Grasp, Hand, grasp_set
 from services.embodiment.hold.handle import Bar
@@ -19,75 +19,79 @@ OPENINGS = (0.0, 0.55, 0.75)  # [1] shares by which the fingers are closed when 
 SWING = 6  # steps at which closing fingers are checked
 ENOUGH = 6  # grasps with which no narrower opening is tried
 CHECKED = 7  # values of the container at which the hand alone is checked
+BESIDE = 0.05  # [m] that a grasp's tool may lie beside the bar
 
 
 class Room:
-    """The kitchen as the hand finds it at some values of the container.
+    """The kitchen as the hand finds it at some values of the container, seen from the handle.
 
     Attributes:
         hand: Whose fingers close.
     """
 
-    def __init__(self, hand: Hand, problem: Problem) -> None:
+    def __init__(self, hand: Hand, problem: Problem, bar: Bar) -> None:
         self.hand, self.problem = hand, problem
         self.world: World = hand.world
         self.at = np.unique(np.linspace(0, len(problem.values) - 1, CHECKED).astype(int))
-        split = self.world.split
-        self._index = np.concatenate([np.arange(split), hand.shapes])
-        self._frames = [
-            self.world.frames(q)
-            for q in problem.mechanics.put(hand.configuration(0.0), problem.values[self.at])
-        ]
-        self._boxes = [self._place(r, p) for r, p in self._frames]
+        q = problem.mechanics.put(hand.configuration(0.0), problem.values[self.at])
+        self._frames = [self.world.frames(one) for one in q]
+        first, there = self.at[0], problem.handle_r
+        self._turn = there[self.at] @ there[first].T
+        self._shift = problem.handle_p[self.at] - (self._turn @ problem.handle_p[first])
+        middle = there[first] @ bar.centre + problem.handle_p[first]
+        reach = hand.reach + bar.length / 2 + BESIDE
+        self._near = [self._seen(k, middle, reach) for k in range(len(self.at))]
+        self._found = np.empty((256, 2), np.int64)
 
-    def _place(self, r: Array, p: Array) -> tuple[Array, Array]:
-        n = len(self.world.body)
-        box_r, box_c = np.empty((n, 3, 3)), np.empty((n, 3))
-        kernels.place_boxes(r, p, self.world.boxes, box_r, box_c)
-        return box_r, box_c
+    def _seen(self, k: int, middle: Array, reach: float) -> tuple[NDArray[np.int64], Array, Array]:
+        """Kitchen shapes near the handle at checked value k, and their poses as the handle sees them."""
+        world, turn = self.world, self._turn[k]
+        split, (joint, local_r, local_c) = world.split, world.boxes
+        joint, local_r, local_c = joint[:split], local_r[:split], local_c[:split]
+        r, p = self._frames[k]
+        at_r = turn.T @ (r[joint] @ local_r)
+        at_c = ((r[joint] @ local_c[:, :, None])[:, :, 0] + p[joint] - self._shift[k]) @ turn
+        beyond = np.abs(((middle - at_c)[:, None] @ at_r)[:, 0]) - world.half[:split]
+        near = np.flatnonzero(np.linalg.norm(np.maximum(beyond, 0.0), axis=1) < reach)
+        return near, np.ascontiguousarray(at_r[near]), np.ascontiguousarray(at_c[near])
 
     def contact(self, grasp: Grasp, q: Array, rules: Rules, first: int, last: int) -> Contact | None:
         """A contact of the hand with fingers as in q at the checked values first … last − 1."""
-        tool_r, tool_p = grasp.tool(self.problem.handle_r[self.at[0]], self.problem.handle_p[self.at[0]])
-        r, p = self.hand.placed(q, tool_r, tool_p)
-        base_r, base_p = self.problem.handle_r[self.at[0]], self.problem.handle_p[self.at[0]]
+        tool = grasp.tool(self.problem.handle_r[self.at[0]], self.problem.handle_p[self.at[0]])
+        hand = self.hand.shapes_at(q, *tool)
         for k in range(first, last):
-            turn = self.problem.handle_r[self.at[k]] @ base_r.T
-            shift = self.problem.handle_p[self.at[k]] - turn @ base_p
-            shapes = self._touching(k, (turn, shift), (r, p), rules)
+            shapes = self._touching(k, q, tool, hand, rules)
             if shapes is not None:
                 return Contact(int(self.at[k]), shapes)
         return None
 
     def _touching(
-        self, k: int, moved: tuple[Array, Array], frames: tuple[Array, Array], rules: Rules
+        self, k: int, q: Array, tool: tuple[Array, Array], hand: tuple[Array, Array], rules: Rules
     ) -> tuple[int, int] | None:
-        """Shapes in contact at checked value k, the hand of the frames moved by (turn, shift)."""
-        turn, shift = moved
-        boxes = self._place(*frames)
-        world, split, shapes = self.world, self.world.split, self.hand.shapes
-        kitchen_r, kitchen_c = self._boxes[k]
-        pose = (
-            np.concatenate([kitchen_r[:split], turn @ boxes[0][shapes]]),
-            np.concatenate([kitchen_c[:split], boxes[1][shapes] @ turn.T + shift]),
+        """Shapes in contact at checked value k."""
+        world = self.world
+        hit, unsure = contacts.touching(
+            self.hand.shapes,
+            hand,
+            self._near[k],
+            world.split,
+            world.radius,
+            world.shapes,
+            rules.environment,
+            self._found,
         )
-        index, margins = self._index, np.ascontiguousarray(rules.environment[shapes - split])
-        found = np.empty((256, 2), np.int64)
-        state, count = kernels.check_environment(
-            split, pose, world.half[index], world.radius[index], world.kind[index], margins, found
-        )
-        if state == kernels.FREE:
+        if hit:
+            return int(self._found[0, 0]), int(self._found[0, 1])
+        if not unsure:
             return None
-        pairs = [(int(index[a]), int(index[b])) for a, b in found[: min(count, len(found))]]
-        if state == kernels.HIT or count > len(found):
-            return pairs[0]
         r, p = self._frames[k][0].copy(), self._frames[k][1].copy()
         own = slice(world.scene.base[0] + 1, None)
-        r[own], p[own] = turn @ frames[0][own], frames[1][own] @ turn.T + shift
-        return next(
-            (pair for pair in pairs if world.near(pair, r, p, rules.environment[pair[0] - split, pair[1]])),
-            None,
-        )
+        hand_r, hand_p = self.hand.placed(q, *tool)
+        r[own], p[own] = self._turn[k] @ hand_r[own], hand_p[own] @ self._turn[k].T + self._shift[k]
+        for a, b in self._found[: min(unsure, len(self._found))].tolist():
+            if world.near((a, b), r, p, float(rules.environment[a - world.split, b])):
+                return a, b
+        return None
 
 
 def fitting(
@@ -102,7 +106,7 @@ def fitting(
     `demands` are the distances demanded while it holds, and of the open hand; `unfit` counts the pairs
     of shapes whose contact rules a grasp out.
     """
-    room = Room(hand, problem)
+    room = Room(hand, problem, bar)
     handle = room.world.shapes_of((problem.mechanics.container.handle,))
     found = 0
     for share in OPENINGS:

@@ -26,6 +26,7 @@ DEPTHS = (0.0, -0.008, 0.008, -0.016, 0.016)  # [m] the tool frame beyond the ba
 FINGER_HALF = 0.015  # [m] kept from the ends of a bar, half a finger's width
 TOUCH = 0.0003  # [m] distance from which a finger counts as touching: certify allows 2 mm
 ROUNDS = 12  # of regula falsi; three or four are usual
+KEPT = 64  # poses of the fingers for which the hand's shapes are kept
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,6 +84,7 @@ class Hand:
 
     Attributes:
         shapes: Indices of its shapes, fingers last.
+        reach: Of any of them from the tool frame [m].
     """
 
     def __init__(self, world: World, limb: Limb) -> None:
@@ -92,6 +94,10 @@ class Hand:
         self.fingers = fingers
         self._tool = limb.tool(np.zeros(len(limb.lower)))
         self._left = self._left_side()
+        self._seen: dict[bytes, tuple[Array, Array]] = {}
+        open_at, closed_at = (self._shapes_seen(self.configuration(share))[1] for share in (0.0, 1.0))
+        away = np.maximum(np.linalg.norm(open_at, axis=1), np.linalg.norm(closed_at, axis=1))
+        self.reach = float((away + world.radius[self.shapes]).max())
 
     def _left_side(self) -> NDArray[np.bool_]:
         """Which finger shapes lie on the +y side of the tool frame when open."""
@@ -108,6 +114,25 @@ class Hand:
             value = share[finger.joint] if isinstance(share, dict) else _between(finger, share)
             q[scene.coordinate[joint_iri(scene.robot.mechanism.name, finger.joint)]] = value
         return scene.coupling.positions(q)
+
+    def shapes_at(self, q: Array, tool_r: Array, tool_p: Array) -> tuple[Array, Array]:
+        """World poses of its shapes with fingers as in q and the tool at the pose."""
+        r, c = self._shapes_seen(q)
+        return tool_r @ r, c @ tool_r.T + tool_p
+
+    def _shapes_seen(self, q: Array) -> tuple[Array, Array]:
+        """Poses of its shapes in the tool frame; kept, for the grasps that open alike."""
+        key = q.tobytes()
+        if key not in self._seen:
+            if len(self._seen) > KEPT:
+                self._seen.clear()
+            r, p = self.world.frames(q)
+            joint, local_r, local_c = self.world.boxes
+            joint, local_r, local_c = joint[self.shapes], local_r[self.shapes], local_c[self.shapes]
+            turn, at = self._tool
+            seen_c = ((r[joint] @ local_c[:, :, None])[:, :, 0] + p[joint] - at) @ turn
+            self._seen[key] = turn.T @ (r[joint] @ local_r), seen_c
+        return self._seen[key]
 
     def placed(self, q: Array, tool_r: Array, tool_p: Array) -> tuple[Array, Array]:
         """Joint frames of the whole scene at q, the robot's moved so that its tool is at the pose."""
@@ -166,7 +191,9 @@ class Hand:
         """Distance of each finger shape from the handle."""
         joints = self.limb.gripper.finger_joints
         q = self.configuration({one.joint: _between(one, s) for one, s in zip(joints, shares, strict=True)})
-        return self.world.distances(self.fingers, handle, *self.placed(q, tool_r, tool_p))
+        pairs = np.stack(np.meshgrid(self.fingers, handle, indexing="ij"), axis=-1)
+        gaps = self.world.distances(pairs.reshape(-1, 2), *self.placed(q, tool_r, tool_p))
+        return gaps.reshape(pairs.shape[:2]).min(axis=1)
 
     def _sides(self, gaps: Array) -> tuple[float, float]:
         """Smallest of the gaps on the +y and on the −y side of the tool frame."""

@@ -24,7 +24,6 @@ from services.embodiment.hold.handle import Mechanics
 Array = NDArray[np.float64]
 
 WAYPOINTS = 61  # values of the container at which a path is solved and checked
-COARSE = 8  # every how many of them first
 SEEDS = 48  # in one batch
 STEPS = 60  # of the solver, for one seed
 NEAR, FAR = 0.3, 1.1  # [m] from base to handle, horizontally, of seeds
@@ -207,12 +206,10 @@ class Searcher:
         return None if back is None else np.concatenate([back[:0:-1], on])
 
     def free(self, xs: Array, rest: Array) -> bool:
-        """Whether the path touches nothing that it may not, coarse waypoints first."""
+        """Whether the path touches nothing that it may not."""
         self.tally.paths += 1
         q = self.problem.mechanics.put_each(self.limb.q(xs, rest), self.problem.values)
-        for part in (q[::COARSE], q):
-            contact = self.world.contact(part, self.rules)
-            if contact is not None:
-                self.tally.met("path", contact)
-                return False
-        return True
+        contact = self.world.contact(q, self.rules)
+        if contact is not None:
+            self.tally.met("path", contact)
+        return contact is None

@@ -66,12 +66,13 @@ class Blocked:
 class Approacher:
     """Ways to holdings of one limb."""
 
-    def __init__(self, roads: Roads, rules: Rules, start: Array, late: Callable[[], bool]) -> None:
-        self.roads, self.rules, self.start, self.late = roads, rules, start, late
+    def __init__(
+        self, roads: Roads, hand: Hand, rules: Rules, start: Array, late: Callable[[], bool]
+    ) -> None:
+        self.roads, self.hand, self.rules, self.start, self.late = roads, hand, rules, start, late
         world, limb = roads.space.world, roads.space.limb
         self.world, self.limb, self.drive = world, limb, roads.space.drive
         self.weight = reaches(limb)
-        self.hand = Hand(world, limb)
         self.rest = limb.rest
         self._contact_there: Contact | None = None
 

@@ -55,14 +55,31 @@ def test_free_means_that_every_pair_keeps_its_margin(limb_world: tuple[World, Li
         found[contact is None] += 1
         if contact is not None:
             a, b = contact.shapes
-            # Boxes err towards "too near" by no more than their margin at an edge.
-            assert world.distance((a, b), r, p) < 2 * Margins().free + world.scene.annotation.overhang
+            assert world.distance((a, b), r, p) < Margins().free + world.scene.annotation.overhang + 1e-5
             continue
         for (a, b), margin in zip(demands.pairs, demands.own, strict=True):
             assert world.distance((int(a), int(b)), r, p) >= margin - 1e-9
         for k, row in enumerate(demands.environment):
             for e in np.flatnonzero(row >= 0):
                 assert world.distance((world.split + k, int(e)), r, p) >= row[e] - 1e-9
+    assert found[True]
+    assert found[False]
+
+
+def test_a_path_is_free_exactly_where_each_of_its_configurations_is(limb_world: tuple[World, Limb]) -> None:
+    world, limb = limb_world
+    demands = rules(world, limb, Margins())
+    rng, found = np.random.default_rng(7), {True: 0, False: 0}
+    for start in draw(limb, 24, 4):
+        start[:3] = rng.uniform((-1.5, -1.5, -3), (1.0, 1.5, 3))
+        end = start + rng.uniform(-0.6, 0.6, len(start))
+        qs = limb.q(np.linspace(start, end, 40))
+        contact = world.contact(qs, demands)
+        alone = [world.contact(q[None], demands) for q in qs]
+        assert (contact is None) == all(one is None for one in alone)
+        if contact is not None:
+            assert alone[contact.index] is not None
+        found[contact is None] += 1
     assert found[True]
     assert found[False]
 

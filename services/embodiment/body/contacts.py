@@ -1,0 +1,263 @@
+"""Compiled inner loops: contacts of a scene's shapes along many configurations.
+
+A pair that is far apart at one configuration is not looked at again before the two shapes have come
+far enough to meet. A shape that is no convex one stands for its oriented box, and what that touches
+is left for an exact check.
+"""
+
+import math
+
+import numpy as np
+from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
+
+from services.embodiment.body.kernels import forward, joint_pose, matmul, moved, place_boxes
+from services.physics.geometry.convex import OTHER, bounds
+
+FREE, HIT, UNSURE = 0, 1, 2
+"""What is known of two shapes; UNSURE is left for an exact check."""
+
+_compiled = njit(cache=True, fastmath=False)
+
+
+@_compiled
+def judged(shapes, a, b, ra, ca, rb, cb, margin, work):
+    """(FREE | HIT | UNSURE, distance [m] that the two shapes have at least, where they are free)."""
+    low, _ = bounds(shapes, a, b, ra, ca, rb, cb, margin, margin, work)
+    if low > margin:
+        return FREE, low
+    return (UNSURE if shapes[0][a] == OTHER or shapes[0][b] == OTHER else HIT), low
+
+
+@_compiled
+def movers(qs, tree, joint, base):
+    """(which joints move along qs, whether the base does, row of each shape among those that move or −1)."""
+    parent = tree[0]
+    moves = np.zeros(parent.shape[0], np.bool_)
+    for j in range(1, parent.shape[0]):
+        moves[j] = moves[parent[j]]
+        for k in range(1, qs.shape[0]):
+            if moves[j] or qs[k, j - 1] != qs[0, j - 1]:
+                moves[j] = True
+                break
+    row, count = np.full(joint.shape[0], -1, np.int64), 0
+    for s in range(joint.shape[0]):
+        if moves[joint[s]]:
+            row[s] = count
+            count += 1
+    return moves, moves[base], row, count
+
+
+@_compiled
+def track(qs, tree, boxes, radius, moves, row, count, first, base):
+    """Poses of the `count` moving shapes along qs, and the way that each has come [m].
+
+    `first` is the pose of all joints at qs[0]. The way is that of the point which moves farthest, in
+    the world and, for the robot's own pairs, as seen from the joint `base`.
+    """
+    joint, local_r, local_c = boxes
+    r, p = first[0].copy(), first[1].copy()
+    turn, carried, seen = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    size = qs.shape[0]
+    at_r, at_c = np.empty((size, count, 3, 3)), np.empty((size, count, 3))
+    way, own = np.zeros((size, count)), np.zeros((size, count))
+    last_r, last_c, now = np.empty((count, 3, 3)), np.empty((count, 3)), np.empty(3)
+    for k in range(size):
+        for j in range(1, r.shape[0]):
+            if k > 0 and moves[j]:
+                joint_pose(j, qs[k], tree, turn, carried, r, p)
+        for s in range(joint.shape[0]):
+            m = row[s]
+            if m < 0:
+                continue
+            j = joint[s]
+            matmul(r[j], local_r[s], at_r[k, m])
+            moved(r[j], p[j], local_c[s], at_c[k, m])
+            if k > 0:
+                way[k, m] = way[k - 1, m] + _apart(
+                    at_r[k - 1, m], at_c[k - 1, m], at_r[k, m], at_c[k, m], radius[s]
+                )
+            if not moves[base]:
+                own[k, m] = way[k, m]
+                continue
+            for i in range(3):  # baseᵀ · shape
+                now[i] = 0.0
+                for n in range(3):
+                    now[i] += r[base, n, i] * (at_c[k, m, n] - p[base, n])
+                    seen[i, n] = (
+                        r[base, 0, i] * at_r[k, m, 0, n]
+                        + r[base, 1, i] * at_r[k, m, 1, n]
+                        + r[base, 2, i] * at_r[k, m, 2, n]
+                    )
+            if k > 0:
+                step = _apart(last_r[m], last_c[m], seen, now, radius[s])
+                own[k, m] = own[k - 1, m] + (step if step > 1e-9 else 0.0)
+            last_r[m] = seen
+            last_c[m] = now
+    return at_r, at_c, way, own
+
+
+@_compiled
+def _apart(r, c, s, d, radius):
+    """How far a ball's points are at most from one pose (r, c) to another (s, d)."""
+    turn, shift = 0.0, 0.0
+    for i in range(3):
+        shift += (d[i] - c[i]) ** 2
+        for k in range(3):
+            turn += (s[i, k] - r[i, k]) ** 2
+    return math.sqrt(shift) + radius * math.sqrt(turn / 2)
+
+
+@_compiled
+def walk(a, b, margin, shapes, radius, row, still, along, way, found, owner, total, work):
+    """(first configuration at which the pair is too near or −1, unsure pairs noted so far).
+
+    From a configuration at which the pair is farther apart than the margin, those are left out in
+    which the two cannot have come near enough.
+    """
+    size, i, j = along[0].shape[0], row[a], row[b]
+    k = 0
+    while k < size:
+        ra, ca = (along[0][k, i], along[1][k, i]) if i >= 0 else (still[0][a], still[1][a])
+        rb, cb = (along[0][k, j], along[1][k, j]) if j >= 0 else (still[0][b], still[1][b])
+        x, y, z = ca[0] - cb[0], ca[1] - cb[1], ca[2] - cb[2]
+        apart = math.sqrt(x * x + y * y + z * z) - radius[a] - radius[b]
+        if apart <= margin:
+            state, apart = judged(shapes, a, b, ra, ca, rb, cb, margin, work)
+            if state == HIT:
+                return k, total
+            if state == UNSURE:
+                if total < found.shape[0]:
+                    found[total, 0], found[total, 1], owner[total] = a, b, k
+                total += 1
+                k += 1
+                continue
+        here = (way[k, i] if i >= 0 else 0.0) + (way[k, j] if j >= 0 else 0.0)
+        k += 1
+        while k < size and (
+            (way[k, i] if i >= 0 else 0.0) + (way[k, j] if j >= 0 else 0.0) - here < apart - margin
+        ):
+            k += 1
+    return -1, total
+
+
+@_compiled
+def boxed(shapes, row, still, along, low, high):
+    """Corners of boxes along the world's axes that hold each shape at all configurations."""
+    size = shapes[1]
+    for s in range(row.shape[0]):
+        count = along[0].shape[0] if row[s] >= 0 else 1
+        for k in range(count):
+            r, c = (along[0][k, row[s]], along[1][k, row[s]]) if row[s] >= 0 else (still[0][s], still[1][s])
+            for i in range(3):
+                reach = (
+                    abs(r[i, 0]) * size[s, 0] + abs(r[i, 1]) * size[s, 1] + abs(r[i, 2]) * size[s, 2]
+                ) + shapes[2][s]
+                if k == 0 or c[i] - reach < low[s, i]:
+                    low[s, i] = c[i] - reach
+                if k == 0 or c[i] + reach > high[s, i]:
+                    high[s, i] = c[i] + reach
+
+
+@_compiled
+def _overlap(low, high, s, bottom, top, margin):
+    beside = low[s, 0] > top[0] + margin or high[s, 0] < bottom[0] - margin
+    beside = beside or low[s, 1] > top[1] + margin or high[s, 1] < bottom[1] - margin
+    return not (beside or low[s, 2] > top[2] + margin or high[s, 2] < bottom[2] - margin)
+
+
+@_compiled
+def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, found, owner):
+    """(configuration of a contact or −1, number of unsure pairs) along qs (K, nq).
+
+    Shapes before `split` are the kitchen's. margins[robot shape, kitchen shape] is the distance
+    demanded, negative where the pair may touch; `own` is (the robot's own pairs, their margins).
+    Unsure pairs are in `found`, the configuration of each in `owner`; a contact is in found[0]. More
+    unsure pairs than `found` holds: the number returned tells.
+    """
+    count = boxes[0].shape[0]
+    r, p = np.empty((tree[0].shape[0], 3, 3)), np.empty((tree[0].shape[0], 3))
+    still = (np.empty((count, 3, 3)), np.empty((count, 3)))
+    forward(qs[0], tree, r, p)
+    place_boxes(r, p, boxes, still[0], still[1])
+    moves, _, row, many = movers(qs, tree, boxes[0], base)
+    at_r, at_c, way, inner = track(qs, tree, boxes, radius, moves, row, many, (r, p), base)
+    along, work, total = (at_r, at_c), np.zeros((8, 4)), 0
+    low, high = np.empty((count, 3)), np.empty((count, 3))
+    boxed(shapes, row, still, along, low, high)
+    bottom, top, largest = np.full(3, math.inf), np.full(3, -math.inf), margins.max()
+    for s in range(split, count):
+        for i in range(3):
+            bottom[i], top[i] = min(bottom[i], low[s, i]), max(top[i], high[s, i])
+    for e in range(split):
+        if not _overlap(low, high, e, bottom, top, largest):
+            continue
+        for s in range(split, count):
+            margin = margins[s - split, e]
+            if margin < 0.0 or not _overlap(low, high, s, low[e], high[e], margin):
+                continue
+            k, total = walk(s, e, margin, shapes, radius, row, still, along, way, found, owner, total, work)
+            if k >= 0:
+                found[0, 0], found[0, 1] = s, e
+                return k, total
+    for n in range(own[0].shape[0]):
+        a, b = own[0][n, 0], own[0][n, 1]
+        k, total = walk(a, b, own[1][n], shapes, radius, row, still, along, inner, found, owner, total, work)
+        if k >= 0:
+            found[0, 0], found[0, 1] = a, b
+            return k, total
+    return -1, total
+
+
+@_compiled
+def distances(shapes, boxes, pairs, r, p, low, high):
+    """Bounds of the distances of pairs of shapes (M, 2) at joint frames r, p are in low and high (M,)."""
+    joint, local_r, local_c = boxes
+    work, at_r, at_c = np.zeros((8, 4)), np.empty((2, 3, 3)), np.empty((2, 3))
+    for n in range(pairs.shape[0]):
+        for i in range(2):
+            s = pairs[n, i]
+            matmul(r[joint[s]], local_r[s], at_r[i])
+            moved(r[joint[s]], p[joint[s]], local_c[s], at_c[i])
+        low[n], high[n] = bounds(
+            shapes,
+            pairs[n, 0],
+            pairs[n, 1],
+            at_r[0],
+            at_c[0],
+            at_r[1],
+            at_c[1],
+            math.inf,
+            -math.inf,
+            work,
+        )
+
+
+@_compiled
+def touching(hand, at, kitchen, split, radius, shapes, margins, found):
+    """(1 if a shape of the hand is too near to one of the kitchen's, number of unsure pairs).
+
+    `hand` are indices of shapes, `at` their poses; `kitchen` is (indices, rotations, centres). The
+    pair, or the unsure ones, are in `found`.
+    """
+    work, count = np.zeros((8, 4)), 0
+    for n in range(kitchen[0].shape[0]):
+        e = kitchen[0][n]
+        for i in range(hand.shape[0]):
+            s = hand[i]
+            margin = margins[s - split, e]
+            x, y, z = (
+                at[1][i, 0] - kitchen[2][n, 0],
+                at[1][i, 1] - kitchen[2][n, 1],
+                at[1][i, 2] - kitchen[2][n, 2],
+            )
+            if margin < 0.0 or math.sqrt(x * x + y * y + z * z) > radius[s] + radius[e] + margin:
+                continue
+            state, _ = judged(shapes, s, e, at[0][i], at[1][i], kitchen[1][n], kitchen[2][n], margin, work)
+            if state == HIT:
+                found[0, 0], found[0, 1] = s, e
+                return 1, count
+            if state == UNSURE:
+                if count < found.shape[0]:
+                    found[count, 0], found[count, 1] = s, e
+                count += 1
+    return 0, count

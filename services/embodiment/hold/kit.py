@@ -1,0 +1,50 @@
+"""What is the same for all containers of a scene: a limb, its hand, and the distances demanded of both."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sdt_kg.annotation import Gripper
+from services.embodiment.body.limb import Limb, Margins, eased, make_limb, rules
+from services.embodiment.body.world import Rules, World
+from services.embodiment.hold.grasp import Hand
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Kit:
+    """One gripper's limb, ready to search.
+
+    Attributes:
+        demands: Distances demanded while it holds, but for fingers and handle.
+        opened: Distances demanded of the open hand; parked, the robot keeps them.
+    """
+
+    limb: Limb
+    hand: Hand
+    demands: Rules
+    opened: Rules
+
+
+@dataclass(slots=True, eq=False)
+class Kits:
+    """The kits of one scene, made when they are first asked for."""
+
+    world: World
+    margins: Margins
+    _made: dict[str, Kit] = field(default_factory=dict[str, Kit])
+
+    def of(self, gripper: Gripper) -> Kit:
+        """The kit of a gripper."""
+        if gripper.name not in self._made:
+            limb = make_limb(self.world, gripper)
+            demands = rules(self.world, limb, self.margins)
+            least = self.margins.close + self.world.scene.annotation.overhang
+            opened = eased(self.world, demands, limb.q(limb.parked), least)
+            self._made[gripper.name] = Kit(limb, Hand(self.world, limb), demands, opened)
+        return self._made[gripper.name]
+
+    def outside(self) -> Rules:
+        """Distances certification demands between the robot, wherever it stands parked, and the kitchen."""
+        gripper = self.world.scene.annotation.grippers[0]
+        demands = rules(self.world, self.of(gripper).limb, Margins(0.0, 0.0, 0.0))
+        return Rules(demands.environment, demands.pairs[:0], np.zeros(0))

@@ -1,0 +1,239 @@
+"""Compiled distances between convex shapes, as an interval that is right whatever the iteration did.
+
+Gilbert, Johnson and Keerthi (1988): the nearest point of the difference of two shapes to the origin
+is approached over simplices of its points. Every direction on the way gives a lower bound (the shapes
+lie on two sides of a slab), every point an upper one; both hold even where the iteration stops early.
+Balls and capsules are a point and a segment with a radius.
+"""
+
+import math
+from collections.abc import Sequence
+
+import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
+import numpy as np
+from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
+
+BOX, BALL, CYLINDER, CAPSULE, HULL, OTHER = 0, 1, 2, 3, 4, 5
+"""What a shape is; OTHER is only known to lie in its oriented box."""
+
+ITERATIONS = 48
+EXACT = 1e-9  # [m] between the bounds of a distance that counts as known
+GOOD = 0.8  # [1] share of the upper bound from which a lower bound that is high enough is not raised
+FLAT = 1e-14  # [1] relative volume or area under which a simplex says nothing
+
+_compiled = njit(cache=True, fastmath=False)
+
+
+def pack(shapes: Sequence[coal.CollisionGeometry]) -> tuple:
+    """What `bounds` takes: (kind, half extents or radius and half length, radius, first, last, vertices).
+
+    Vertices are seen from the middle of a shape's own box, which is where `bounds` wants its centre.
+    """
+    count = len(shapes)
+    kind, size, radius = np.full(count, OTHER), np.zeros((count, 3)), np.zeros(count)
+    first, last, vertices, total = np.zeros(count, np.int64), np.zeros(count, np.int64), [], 0
+    for k, shape in enumerate(shapes):
+        box = shape.aabb_local
+        middle, size[k] = (box.min_ + box.max_) / 2, (box.max_ - box.min_) / 2
+        if isinstance(shape, coal.Box):
+            kind[k] = BOX
+        elif isinstance(shape, coal.Sphere):
+            kind[k], radius[k], size[k] = BALL, shape.radius, 0.0
+        elif isinstance(shape, coal.Cylinder):
+            kind[k], size[k] = CYLINDER, (shape.radius, shape.radius, shape.halfLength)
+        elif isinstance(shape, coal.Capsule):
+            kind[k], radius[k], size[k] = CAPSULE, shape.radius, (0.0, 0.0, shape.halfLength)
+        elif isinstance(shape, coal.ConvexBase):
+            points = np.array(shape.points()) - middle
+            kind[k], first[k], last[k] = HULL, total, total + len(points)
+            vertices.append(points)
+            total += len(points)
+    points = np.ascontiguousarray(np.concatenate([np.zeros((1, 3)), *vertices])[1:])
+    return kind.astype(np.int64), size, radius, first, last, points
+
+
+@_compiled
+def _support(shapes, k, r, c, x, y, z):
+    """Point of shape k, its radius left out, that is farthest along (x, y, z) in the world."""
+    kind, size, _, first, last, vertices = shapes
+    a = r[0, 0] * x + r[1, 0] * y + r[2, 0] * z
+    b = r[0, 1] * x + r[1, 1] * y + r[2, 1] * z
+    d = r[0, 2] * x + r[1, 2] * y + r[2, 2] * z
+    what = kind[k]
+    if what == CYLINDER:
+        level = math.sqrt(a * a + b * b)
+        u, v = (a / level * size[k, 0], b / level * size[k, 0]) if level > 0.0 else (0.0, 0.0)
+        w = size[k, 2] if d > 0.0 else -size[k, 2]
+    elif what == HULL:
+        best, at = -math.inf, first[k]
+        for i in range(first[k], last[k]):
+            along = vertices[i, 0] * a + vertices[i, 1] * b + vertices[i, 2] * d
+            if along > best:
+                best, at = along, i
+        u, v, w = vertices[at, 0], vertices[at, 1], vertices[at, 2]
+    elif what == BALL:
+        u, v, w = 0.0, 0.0, 0.0
+    else:
+        u = size[k, 0] if a > 0.0 else -size[k, 0]
+        v = size[k, 1] if b > 0.0 else -size[k, 1]
+        w = size[k, 2] if d > 0.0 else -size[k, 2]
+    return (
+        c[0] + r[0, 0] * u + r[0, 1] * v + r[0, 2] * w,
+        c[1] + r[1, 0] * u + r[1, 1] * v + r[1, 2] * w,
+        c[2] + r[2, 0] * u + r[2, 1] * v + r[2, 2] * w,
+    )
+
+
+@_compiled
+def _dot(w, i, j):
+    return w[i, 0] * w[j, 0] + w[i, 1] * w[j, 1] + w[i, 2] * w[j, 2]
+
+
+@_compiled
+def _combined(w, share, v):
+    """v is the point with these shares of the four corners; its squared length."""
+    total = share[0] + share[1] + share[2] + share[3]
+    for k in range(3):
+        v[k] = (share[0] * w[0, k] + share[1] * w[1, k] + share[2] * w[2, k] + share[3] * w[3, k]) / total
+    return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+
+
+@_compiled
+def _on_segment(w, i, j, share):
+    """Shares of corners i, j in the point of their segment nearest to the origin."""
+    share[:] = 0.0
+    along, length = _dot(w, i, i) - _dot(w, i, j), _dot(w, i, i) - 2 * _dot(w, i, j) + _dot(w, j, j)
+    t = min(max(along / length, 0.0), 1.0) if length > 0.0 else 0.0
+    share[i], share[j] = 1.0 - t, t
+
+
+@_compiled
+def _on_triangle(w, i, j, k, share, v, other):
+    """Shares of corners i, j, k in the point of their triangle nearest to the origin."""
+    aa, ab, ac, bb, bc, cc = (
+        _dot(w, i, i),
+        _dot(w, i, j),
+        _dot(w, i, k),
+        _dot(w, j, j),
+        _dot(w, j, k),
+        _dot(w, k, k),
+    )
+    d1, d2, d3, d4, d5, d6 = aa - ab, aa - ac, ab - bb, ab - bc, ac - bc, ac - cc
+    a, b, c = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
+    scale = max(aa, bb, cc)
+    if a > 0.0 and b > 0.0 and c > 0.0 and a + b + c > FLAT * scale * scale:
+        share[:] = 0.0
+        share[i], share[j], share[k] = a, b, c
+        return
+    best = math.inf
+    for n in range(3):
+        one, two = (i, j) if n == 0 else ((j, k) if n == 1 else (i, k))
+        _on_segment(w, one, two, other)
+        at = _combined(w, other, v)
+        if at < best:
+            best = at
+            share[:] = other
+
+
+@_compiled
+def _outside(w, i, j, k, m):
+    """Whether the origin is not strictly on corner m's side of the plane through the others."""
+    ax, ay, az = w[j, 0] - w[i, 0], w[j, 1] - w[i, 1], w[j, 2] - w[i, 2]
+    bx, by, bz = w[k, 0] - w[i, 0], w[k, 1] - w[i, 1], w[k, 2] - w[i, 2]
+    nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    here = -(nx * w[i, 0] + ny * w[i, 1] + nz * w[i, 2])
+    there = nx * (w[m, 0] - w[i, 0]) + ny * (w[m, 1] - w[i, 1]) + nz * (w[m, 2] - w[i, 2])
+    size = math.sqrt((nx * nx + ny * ny + nz * nz) * max(_dot(w, i, i), _dot(w, m, m), 1e-300))
+    return here * there <= 0.0 or abs(there) < 1e-12 * size
+
+
+@_compiled
+def _nearest(w, count, share, v, spare, other):
+    """(corners left, squared length) of the simplex' point nearest to the origin, which is in v.
+
+    The corners that carry it come first; 0 corners: the origin is inside.
+    """
+    if count == 1:
+        share[:] = 0.0
+        share[0] = 1.0
+    elif count == 2:
+        _on_segment(w, 0, 1, share)
+    elif count == 3:
+        _on_triangle(w, 0, 1, 2, share, v, other)
+    else:
+        best = math.inf
+        for m in range(4):
+            i, j, k = (1 if m == 0 else 0), (2 if m <= 1 else 1), (3 if m <= 2 else 2)
+            if not _outside(w, i, j, k, m):
+                continue
+            _on_triangle(w, i, j, k, spare, v, other)
+            at = _combined(w, spare, v)
+            if at < best:
+                best = at
+                share[:] = spare
+        if best == math.inf:
+            return 0, 0.0
+    squared = _combined(w, share, v)
+    left = 0
+    for i in range(count):
+        if share[i] > 0.0:
+            for k in range(3):
+                w[left, k] = w[i, k]
+            left += 1
+    return left, squared
+
+
+@_compiled
+def bounds(shapes, a, b, ra, ca, rb, cb, free, hit, work):
+    """(low, high): the signed distance of two shapes is not below low and not above high [m].
+
+    `shapes` is what `pack` gives, a and b say which; (ra, ca), (rb, cb) are world poses of the middles
+    of their own boxes. The search ends when low > free, when high <= hit, or when both agree to EXACT.
+    Where the shapes without their radii touch, low is −inf: their depth is not looked for. `work` is
+    room, shape (8, 4).
+    """
+    w, v, share, spare, other = work[:4, :3], work[4, :3], work[5], work[6], work[7]
+    around = shapes[2][a] + shapes[2][b]
+    x, y, z = ca[0] - cb[0], ca[1] - cb[1], ca[2] - cb[2]
+    if x * x + y * y + z * z == 0.0:
+        x = 1.0
+    low, high, count = -math.inf, math.inf, 0
+    for _ in range(ITERATIONS):
+        length = math.sqrt(x * x + y * y + z * z)
+        px, py, pz = _support(shapes, a, ra, ca, -x, -y, -z)
+        qx, qy, qz = _support(shapes, b, rb, cb, x, y, z)
+        px, py, pz = px - qx, py - qy, pz - qz
+        low = max(low, (x * px + y * py + z * pz) / length - around)
+        if high - low <= EXACT or (low > free and low >= GOOD * high):
+            break
+        w[count, 0], w[count, 1], w[count, 2] = px, py, pz
+        count, squared = _nearest(w, count + 1, share, v, spare, other)
+        if count == 0 or squared <= EXACT * EXACT:
+            return -math.inf, -around
+        at = math.sqrt(squared) - around
+        if at >= high:  # rounding: no nearer point is found
+            break
+        high = at
+        if high <= hit:
+            break
+        x, y, z = v[0], v[1], v[2]
+    return low, high
+
+
+@_compiled
+def bounds_many(shapes, pairs, one, other, low, high):
+    """Bounds of M pairs (M, 2), each shape at its own pose ((M, 3, 3), (M, 3)), are in low and high."""
+    work = np.zeros((8, 4))
+    for i in range(pairs.shape[0]):
+        low[i], high[i] = bounds(
+            shapes,
+            pairs[i, 0],
+            pairs[i, 1],
+            one[0][i],
+            one[1][i],
+            other[0][i],
+            other[1][i],
+            math.inf,
+            -math.inf,
+            work,
+        )
