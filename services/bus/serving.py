@@ -12,6 +12,8 @@ from services.bus.work.deadlines import Deadlines
 from services.bus.work.memory import Memory, Queries
 from services.bus.work.pool import Pool
 from services.bus.work.verbs import Setup
+from services.store.embedded import EmbeddedStore
+from services.store.quads import QuadStore
 from services.store.workers import Delta, bulk
 
 WORKERS = 2
@@ -27,7 +29,7 @@ def serving(
     robots: Sequence[str],
     *,
     workers: int = WORKERS,
-    store: ox.Store | None = None,
+    store: QuadStore | None = None,
 ) -> Iterator[Server]:
     """A server that answers over the session until the context ends.
 
@@ -39,7 +41,8 @@ def serving(
         store: Where verdicts are kept; in memory without it.
     """
     deadlines = Deadlines()
-    queries = Queries().start([*_twins(kitchens, robots), *_kept(store)])
+    store = store or EmbeddedStore(ox.Store(), lambda emptied: None)
+    queries = Queries().start([*_twins(kitchens, robots), _kept(store)])
     memory = Memory(queries, store)
     pool = Pool(Setup(tuple(kitchens), tuple(robots)), workers, WAITING, deadlines, memory)
     names = [model_name(kitchen) for kitchen in kitchens]
@@ -58,9 +61,8 @@ def _twins(kitchens: Sequence[str], robots: Sequence[str]) -> Iterator[Delta]:
         yield bulk(load_twin(kitchen, robots).serialize("nquads"))
 
 
-def _kept(store: ox.Store | None) -> Iterator[Delta]:
+def _kept(store: QuadStore) -> Delta:
     """What the store has already."""
-    if store is not None:
-        quads = store.dump(format=ox.RdfFormat.N_QUADS)
-        assert quads is not None, "without an output, the bytes are returned"
-        yield bulk(quads)
+    quads = store.dump().dump(format=ox.RdfFormat.N_QUADS)
+    assert quads is not None, "without an output, the bytes are returned"
+    return bulk(quads)

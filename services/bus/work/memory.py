@@ -8,22 +8,23 @@ from typing import Self
 
 import pyoxigraph as ox
 
-from predicates.record import Record, write
-from sdt_kg.iri import graph_iri, local_name
+from predicates.record import Record
 from services.bus.work.jobs import Kept
+from services.store.files import SavedVerdicts, graph_of
+from services.store.quads import QuadStore
 from services.store.workers import Answered, Asked, Delta, Workers, bulk, drop
 
 
 class Memory:
-    """Verdicts by IRI, in memory or in a persistent store, and query workers that see them.
+    """Verdicts by IRI, in a store, and query workers that see them.
 
     Attributes:
         queries: Over the twins and everything that is kept.
     """
 
-    def __init__(self, queries: "Queries", store: ox.Store | None = None) -> None:
+    def __init__(self, queries: "Queries", store: QuadStore) -> None:
         self.queries = queries
-        self._store = ox.Store() if store is None else store
+        self._saved = SavedVerdicts(store)
         self._lock = threading.Lock()
         self._listeners: list[Callable[[Kept], None]] = []
 
@@ -33,16 +34,14 @@ class Memory:
 
     def recall(self, iri: str) -> bytes | None:
         """The verdict's graph as N-Quads, if it is kept."""
-        graph = ox.NamedNode(graph_iri("verdict", local_name(iri)))
         with self._lock:
-            quads = list(self._store.quads_for_pattern(None, None, None, graph))
+            quads = self._saved.store.graph(graph_of(iri))
         return _nquads(quads) if quads else None
 
     def keep(self, kept: Iterable[Kept]) -> None:
         """The verdicts are stored and asked about; what was there already stays as it is."""
         with self._lock:
-            new = [each for each in kept if write(self._store, _record(*each))]
-            self._store.flush()
+            new = [each for each in kept if self._saved.add_record(_record(*each))]
         self.queries.add(new)
         for each in new:
             for listener in self._listeners:
@@ -70,7 +69,7 @@ class Queries:
     def add(self, kept: Iterable[Kept]) -> None:
         """Verdicts are asked about from now on."""
         for iri, quads in kept:
-            for delta in (drop(graph_iri("verdict", local_name(iri))), bulk(quads)):
+            for delta in (drop(graph_of(iri)), bulk(quads)):
                 asyncio.run_coroutine_threadsafe(self.workers.apply(delta), self._loop).result()
 
     def close(self) -> None:
@@ -87,7 +86,7 @@ def _record(iri: str, quads: bytes) -> Record:
         assert isinstance(quad.subject, ox.NamedNode), "no blank nodes in data"
         assert isinstance(quad.object, ox.NamedNode | ox.Literal), "no blank nodes in data"
         triples.append((quad.subject.value, quad.predicate.value, quad.object))
-    return Record(iri, graph_iri("verdict", local_name(iri)), tuple(triples))
+    return Record(iri, graph_of(iri), tuple(triples))
 
 
 def _nquads(quads: Iterable[ox.Quad]) -> bytes:
