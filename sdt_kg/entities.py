@@ -2,7 +2,7 @@
 
 import hashlib
 from collections import OrderedDict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import chain
@@ -16,7 +16,7 @@ from sdt_kg.annotate import TEE_GRAPH, annotate
 from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.container import Container, container_of
 from sdt_kg.coupling import Coupling
-from sdt_kg.errors import InputError, UnknownEntityError
+from sdt_kg.errors import GraphError, InputError, UnknownEntityError
 from sdt_kg.iri import SDT, Iri, graph_iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.state import State
@@ -29,6 +29,23 @@ KEPT_STATES: Final = 256
 
 _PLACE_ONLY: Final = {SDT + "meshFile"}
 """Properties that say where something lies, not what it is: not hashed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Replacement:
+    """An edit of one model's asserted triples.
+
+    Attributes:
+        model: IRI of the model.
+        removed: Triples that have to be there, and then are not.
+        added: Triples that then are.
+        note: What was edited, in words.
+    """
+
+    model: Iri
+    removed: frozenset[Triple]
+    added: frozenset[Triple]
+    note: str
 
 
 @dataclass(frozen=True)
@@ -137,6 +154,10 @@ class Entities:
             InputError: A value of the wrong kind.
             GraphError: The model is not whole without what was removed.
         """
+        return self.rewritten(self.replacement(subject, changes))
+
+    def replacement(self, subject: Iri, changes: Mapping[str, Value]) -> "Replacement":
+        """The triples by which these properties of the subject are replaced; None removes one."""
         for name, value in changes.items():
             if name not in properties():
                 raise UnknownEntityError("property of sdt.ttl", name, properties())
@@ -144,33 +165,36 @@ class Entities:
                 raise InputError(f"sdt:{name} cannot be {value!r}", allowed=properties()[name].value)
         model = self.model_of(subject)
         replaced = {SDT + name for name in changes}
-        removed = [
+        removed = frozenset(
             triple
             for triple in self.store.triples(self.asserted[model])
             if triple[0] == subject and triple[1] in replaced
-        ]
-        added: list[Triple] = [
+        )
+        added = frozenset(
             (subject, SDT + name, term_of(value)) for name, value in changes.items() if value is not None
-        ]
+        )
         shown = ", ".join(f"{name} = {value}" for name, value in changes.items())
-        return self.rewritten(model, removed, added, f"edited: {local_name(subject)}: {shown}")
+        return Replacement(model, removed - added, added - removed, f"edited: {local_name(subject)}: {shown}")
 
-    def rewritten(
-        self, model: Iri, removed: Iterable[Triple], added: Iterable[Triple], note: str
-    ) -> "Entities":
+    def rewritten(self, by: "Replacement") -> "Entities":
         """The same entities, with asserted triples of one model replaced and its rules run again.
 
         Raises:
-            GraphError: The model is then not whole, or is no tree.
+            UnknownEntityError: No such model.
+            GraphError: What is to be removed is not there, or the model is then not whole, or no tree.
         """
-        gone = set(removed)
-        changed = [triple for triple in self.store.triples(self.asserted[model]) if triple not in gone]
-        changed += added
+        model, name = by.model, local_name(by.model)
+        if model not in self.asserted:
+            raise UnknownEntityError("model", name, map(local_name, self.asserted))
+        present = set(self.store.triples(self.asserted[model]))
+        if not by.removed <= present:
+            raise GraphError(f"'{name}' was changed since: {by.note}", remedy="undo the later edits first")
+        changed = [*(present - by.removed), *by.added]
         checked_model(changed, model, "Environment" if model == self.environment else "Robot")
         store = self._copy(self.graphs_of(model))
         store.add(self.asserted[model], changed)
         inferred = {**self.inferred, model: tuple(annotate(store, model, self.asserted[model]))}
-        notes = (*self.notes, f"{local_name(model)}: {note}")
+        notes = (*self.notes, f"{name}: {by.note}")
         return replace(self, store=store, inferred=inferred, notes=notes)
 
     def with_robot(self, robot: Iri, triples: Sequence[Triple], notes: Sequence[str] = ()) -> "Entities":

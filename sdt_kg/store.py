@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import lru_cache
 from textwrap import shorten
 from typing import Final, Protocol
 
@@ -22,10 +23,18 @@ _READERS: Final[dict[str, Callable[[str], Value]]] = {
     **dict.fromkeys((XSD + name for name in ("integer", "int", "long", "nonNegativeInteger")), int),
     XSD + "boolean": lambda text: text in {"true", "1"},
 }
+KEPT_NODES: Final = 65_536
+"""Nodes kept for the next triple about the same: making one checks its IRI."""
+
 SHOWN_EXPECTATION: Final = 80
 """[characters] Of what the parser would have accepted; it lists whole character classes."""
 
 _ESCAPE: Final = re.compile(r"\\u([0-9A-Fa-f]{4})|\\U([0-9A-Fa-f]{8})")
+
+
+@lru_cache(maxsize=KEPT_NODES)
+def _node(iri: Iri) -> ox.NamedNode:
+    return ox.NamedNode(iri)
 
 
 class Store(Protocol):
@@ -78,8 +87,7 @@ class MemoryStore:
         """Put triples into a named graph."""
         name = ox.NamedNode(graph)
         self._store.extend(
-            ox.Quad(ox.NamedNode(subject), ox.NamedNode(predicate), value, name)
-            for subject, predicate, value in triples
+            ox.Quad(_node(subject), _node(predicate), value, name) for subject, predicate, value in triples
         )
 
     def drop(self, graph: Iri) -> None:

@@ -1,6 +1,6 @@
 """Twin (G): a kitchen and robots as a graph, in one state."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Final
 
@@ -9,7 +9,7 @@ import rdflib
 
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
 from sdt_kg.container import Container, LeftOut
-from sdt_kg.entities import Entities, query_text
+from sdt_kg.entities import Entities, Replacement, query_text
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import PREFIXES, Iri, local_name
 from sdt_kg.mechanism import Mechanism
@@ -188,9 +188,9 @@ class Twin:
         """
         return self._with(self.entities.edited(subject, changes))
 
-    def rewritten(self, model: Iri, removed: Iterable[Triple], added: Iterable[Triple], note: str) -> "Twin":
-        """The same twin in the same state, with asserted triples of one model replaced; see `Entities`."""
-        return self._with(self.entities.rewritten(model, removed, added, note))
+    def rewritten(self, by: Replacement) -> "Twin":
+        """The same twin in the same state, with asserted triples of one model replaced."""
+        return self._with(self.entities.rewritten(by))
 
     def with_robot(self, robot: Iri, triples: Sequence[Triple], notes: Sequence[str] = ()) -> "Twin":
         """The same twin in the same state, with a robot of which these triples are asserted."""

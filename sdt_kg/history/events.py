@@ -1,0 +1,129 @@
+"""Events: when containers became open or closed, reached a limit, or were grasped.
+
+A trajectory is known at its samples: an event has the first sample at which it is so. What comes
+and goes between two samples is not seen.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.history.trajectory import Trajectory
+from sdt_kg.iri import Iri
+from sdt_kg.state import State
+from sdt_kg.twin import Container, Twin
+
+LIMIT_TOLERANCE: Final = 1e-4
+"""[rad or m] So near to it, a limit counts as reached."""
+
+
+class EventType(Enum):
+    """What happened; the value is the local name of its class in `sdt.ttl`."""
+
+    OPENED = "Opened"
+    NO_LONGER_OPEN = "NoLongerOpen"
+    CLOSED = "Closed"
+    NO_LONGER_CLOSED = "NoLongerClosed"
+    UPPER_LIMIT_REACHED = "UpperLimitReached"
+    LOWER_LIMIT_REACHED = "LowerLimitReached"
+    GRASPED = "Grasped"
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened.
+
+    Attributes:
+        about: IRI of the container, or of the handle that was grasped.
+        sample: Of the trajectory, counted from 0; None where an edit made it so at once.
+        time: At that sample [s], counted as the trajectory counts.
+        by: IRI of the robot that grasped.
+    """
+
+    type: EventType
+    about: Iri
+    sample: int | None = None
+    time: float | None = None
+    by: Iri | None = None
+
+
+Values = NDArray[np.float64]
+
+# Positions come one by one or as arrays, shape (T,); the answers likewise: hence Any.
+_CLAIMS: Final[tuple[tuple[Callable[[Container, Any], Any], EventType, EventType | None], ...]] = (
+    (lambda c, at: at >= c.open_from, EventType.OPENED, EventType.NO_LONGER_OPEN),
+    (lambda c, at: at <= c.closed_to, EventType.CLOSED, EventType.NO_LONGER_CLOSED),
+    (lambda c, at: at >= c.upper - LIMIT_TOLERANCE, EventType.UPPER_LIMIT_REACHED, None),
+    (lambda c, at: at <= c.lower + LIMIT_TOLERANCE, EventType.LOWER_LIMIT_REACHED, None),
+)
+"""What may be so of a container at its own position [rad or m], and the events of beginning and ending."""
+
+
+def events_between(before: Twin, after: Twin) -> Iterator[Event]:
+    """Events of an edit: what is so after it and was not before, and the other way round."""
+    then, now = dict(before.state.positions), dict(after.state.positions)
+    for past, container in _pairs(before, after):
+        was, at = then[past.joint], now[container.joint]
+        if past is container and was == at:
+            continue
+        for claim, begun, ended in _CLAIMS:
+            held, holds = bool(claim(past, was)), bool(claim(container, at))
+            if holds and not held:
+                yield Event(begun, container.iri)
+            elif held and not holds and ended is not None:
+                yield Event(ended, container.iri)
+
+
+def _pairs(before: Twin, after: Twin) -> Iterator[tuple[Container, Container]]:
+    """Each container that is in both, as it was and as it is."""
+    if before.entities is after.entities:
+        return zip(after.containers(), after.containers(), strict=True)
+    known = {container.iri: container for container in before.containers()}
+    return ((known[each.iri], each) for each in after.containers() if each.iri in known)
+
+
+def events_along(twin: Twin, trajectory: Trajectory) -> list[Event]:
+    """Events of a trajectory that begins in the twin's state, in the order of their samples."""
+    found = list(_grasps(twin, trajectory))
+    for container in twin.containers():
+        values = _positions(container, trajectory, twin.state)
+        if values is not None:
+            found += _changes(container, values, trajectory)
+    return sorted(found, key=lambda event: (event.sample or 0, event.about, event.type.value))
+
+
+def _positions(container: Container, trajectory: Trajectory, start: State) -> Values | None:
+    """The container's own position at each sample, shape (T,), beginning with the start state's; or None."""
+    joints = trajectory.joints
+    if container.active_joint in joints:
+        active = trajectory.positions[:, joints.index(container.active_joint)]
+        values = container.multiplier * active + container.offset
+    elif container.joint in joints:
+        values = trajectory.positions[:, joints.index(container.joint)].copy()
+    else:
+        return None
+    values[0] = start[container.joint]
+    return values
+
+
+def _changes(container: Container, values: Values, trajectory: Trajectory) -> Iterator[Event]:
+    for claim, begun, ended in _CLAIMS:
+        holds = claim(container, values)
+        for sample in (np.flatnonzero(holds[1:] != holds[:-1]) + 1).tolist():
+            kind = begun if holds[sample] else ended
+            if kind is not None:
+                yield Event(kind, container.iri, sample, float(trajectory.times[sample]))
+
+
+def _grasps(twin: Twin, trajectory: Trajectory) -> Iterator[Event]:
+    grasp = trajectory.grasp
+    if grasp is None:
+        return
+    time = float(trajectory.times[grasp.sample])
+    for container in twin.containers():
+        if container.joint in trajectory.joints or container.active_joint in trajectory.joints:
+            yield Event(EventType.GRASPED, container.handle, grasp.sample, time, grasp.robot)
