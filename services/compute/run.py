@@ -8,13 +8,17 @@ from typing import Protocol
 
 from predicates.record import Record, StoredVerdict
 from sdt_kg.errors import InputError
-from sdt_kg.iri import Iri, local_name
+from sdt_kg.iri import Iri, local_name, model_iri
+from sdt_kg.load import load_twin, model_name
 from sdt_kg.twin import Twin
 from services.app import Policy, Service, load
-from services.compute.patterns import verdict_patterns
+from services.compute.patterns import Bound, Pattern, verdict_patterns
 from services.compute.plan import Plan, Request, planned, policy_of
 from services.requests import state_joints
 from services.table import Cell, CellResult, run
+
+SHOWN = 10
+"""[lines] Of the cases that were left out, where people read it."""
 
 Report = Callable[[CellResult], None]
 Runner = Callable[[Sequence[Cell], int, Report], object]
@@ -94,6 +98,8 @@ class Computed:
 
     def told(self) -> str:
         """The same on a few lines."""
+        if self.plan == Plan((), (), ()):
+            return "the query asks for no verdict of what is loaded: nothing to compute"
         lines = [
             f"computed {len(self.ran)} verdicts in {self.seconds:.1f} s; {len(self.plan.stored)} were stored"
         ]
@@ -102,7 +108,8 @@ class Computed:
         for why in dict.fromkeys(why for _, why in self.left_out):
             names = [_name(each) for each, reason in self.left_out if reason == why]
             lines.append(f"left out {len(names)} cases, {why}: the answer may lack them")
-            lines += [f"  {name}" for name in names]
+            lines += [f"  {name}" for name in names[:SHOWN]]
+            lines += [f"  and {len(names) - SHOWN} more, which --json names"] if len(names) > SHOWN else []
         for each in self.plan.unplanned:
             lines.append(f"nothing computed about {each.kind} {local_name(each.iri)}: it is not loaded")
         return "\n".join(lines)
@@ -129,6 +136,7 @@ def compute(sparql: str, loaded: Loaded, bounds: Bounds, keeper: Keeper, runner:
         return Computed(Plan((), (), ()))
     policy = loaded.policy
     loaded = replace(loaded, policy=replace(policy, budget=min(policy.budget, bounds.budget)))
+    loaded = _narrowed(loaded, patterns)
     services = _services(loaded)
     computed = Computed(planned(patterns, list(services.values()), keeper.stored))
     cells = {_cell(each, loaded, services): each for each in computed.plan.missing}
@@ -152,6 +160,27 @@ def compute(sparql: str, loaded: Loaded, bounds: Bounds, keeper: Keeper, runner:
         computed.left_out.append((cells[cell], f"beyond the {bound}"))
     computed.seconds = time.perf_counter() - began
     return computed
+
+
+def _narrowed(loaded: Loaded, patterns: Sequence[Pattern]) -> Loaded:
+    """Without the models about which no pattern asks, which need not be read then.
+
+    States of a kitchen that is left out go with it.
+    """
+    kitchens = _meant(loaded.kitchens, [each.environments for each in patterns])
+    robots = _meant(loaded.robots, [each.robots for each in patterns])
+    if kitchens == loaded.kitchens:
+        return replace(loaded, robots=robots)
+    twins = [load_twin(kitchen) for kitchen in kitchens]
+    states = tuple(each for each in loaded.states if any(state_joints(twin, [each]) for twin in twins))
+    return Loaded(kitchens, robots, states, loaded.policy)
+
+
+def _meant(names: tuple[str, ...], bounds: Sequence[Bound]) -> tuple[str, ...]:
+    if None in bounds:
+        return names
+    iris = frozenset[str]().union(*(bound or frozenset() for bound in bounds))
+    return tuple(name for name in names if model_iri(model_name(name)) in iris)
 
 
 def _services(loaded: Loaded) -> dict[str, Service]:

@@ -85,12 +85,17 @@ def test_beyond_the_budget_is_left_out_and_said(saved: SavedVerdicts) -> None:
 
 
 def test_what_is_not_loaded_is_said(saved: SavedVerdicts) -> None:
-    done = computed(saved, SWING)
+    done = computed(saved, SWING, Loaded((B,), (PR2,)))
     assert done.ran == []
-    assert {(each.kind, local_name(each.iri)) for each in done.plan.unplanned} == {
-        ("container", "swing_door")
-    }
+    unplanned = {(each.kind, local_name(each.iri)) for each in done.plan.unplanned}
+    assert unplanned == {("container", "swing_door"), ("robot", "stretch")}
     assert "nothing computed about container swing_door: it is not loaded" in done.told()
+
+
+def test_models_that_the_query_rules_out_are_not_read(saved: SavedVerdicts) -> None:
+    assert len(computed(saved, CLOSED, Loaded((B,), (PR2, "no such robot"))).ran) == 2
+    in_b = CLOSED.replace("law:robot id:pr2", "law:robot id:pr2 ; law:environment id:b")
+    assert len(computed(saved, in_b, Loaded(("no such kitchen", B), (PR2,))).plan.stored) == 2
 
 
 def test_an_abstention_is_an_answer_too(saved: SavedVerdicts) -> None:
