@@ -39,6 +39,11 @@ def own_size() -> int:
     return int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
 
 
+def peak() -> int:
+    """The most memory that this process has had at a time [bytes]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
 def limit_memory(most: int) -> None:
     """This process gets no more address space than this [bytes]; beyond it an allocation fails."""
     resource.setrlimit(resource.RLIMIT_AS, (most, most))

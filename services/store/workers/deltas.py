@@ -17,6 +17,9 @@ from services.store.workers.frames import Head
 DEFAULT_GRAPH: Final = ""
 """Stands for the default graph where the IRI of a graph is asked for."""
 
+LARGE: Final = 2**24
+"""[bytes] More is loaded in bulk, which is fast and sets 200 MB aside."""
+
 
 @dataclass(frozen=True, slots=True)
 class Delta:
@@ -93,7 +96,8 @@ class Held:
     def _bulk(self, delta: Delta) -> None:
         apart = set(delta.head["apart"])
         before = {graph.value for graph in self.store.named_graphs() if isinstance(graph, ox.NamedNode)}
-        self.store.bulk_load(delta.body, format=ox.RdfFormat.N_QUADS)
+        load = self.store.bulk_load if len(delta.body) > LARGE else self.store.load
+        load(delta.body, format=ox.RdfFormat.N_QUADS)
         for graph in self.store.named_graphs():
             if isinstance(graph, ox.NamedNode) and graph.value not in before | apart:
                 self._merge(graph)
@@ -107,7 +111,7 @@ class Held:
 
     def _merge(self, graph: ox.NamedNode) -> None:
         self._shown.add(graph.value)
-        self.store.bulk_extend(
+        self.store.extend(
             ox.Quad(quad.subject, quad.predicate, quad.object)
             for quad in self.store.quads_for_pattern(None, None, None, graph)
         )

@@ -17,7 +17,14 @@ import pyoxigraph as ox
 
 from sdt_kg.errors import InputError, QueryError
 from services.store.guard import guarded
-from services.store.workers.confine import confine, die_with_parent, leave_network, limit_memory, own_size
+from services.store.workers.confine import (
+    confine,
+    die_with_parent,
+    leave_network,
+    limit_memory,
+    own_size,
+    peak,
+)
 from services.store.workers.deltas import Delta, Held
 from services.store.workers.errors import Limit, LimitError
 from services.store.workers.evaluate import Asked, answer, error_head
@@ -25,8 +32,8 @@ from services.store.workers.frames import Head, packed, receive
 
 STACK = 256 * 2**20
 """[bytes] Of the thread that evaluates; a deeply nested query takes much. Only what is used is memory."""
-ARENA = 64 * 2**20
-"""[bytes] Address space which the C library sets aside for a thread's allocations."""
+SPENT = 4
+"""A worker that has once taken this part of its memory is replaced, since it may not give all of it back."""
 LAST_WORDS = 4096
 """[bytes] Of what a worker wrote to standard error before it died."""
 
@@ -75,9 +82,7 @@ class _Nursery:
         words, errors = os.pipe()
         pid = os.fork()
         if pid == 0:
-            die_with_parent()
-            most = own_size() + STACK + ARENA + self._memory
-            _work(self._held, confine(theirs, errors), self._memory, most)
+            _work(self._held, theirs, errors, self._memory)
         os.close(errors)
         theirs.close()
         self._last_words[pid] = words
@@ -108,22 +113,37 @@ def _applied(held: Held, head: Head, body: bytes) -> Head:
     return {}
 
 
-def _work(held: Held, channel: socket.socket, memory: int, most: int) -> NoReturn:
+def _work(held: Held, channel: socket.socket, errors: int, memory: int) -> NoReturn:
     """Answer until the channel is closed.
 
     In a thread of its own, whose random numbers and stack are its own: those of a forked thread are
     the same in every worker.
     """
-    limit_memory(most)
+    die_with_parent()
     threading.stack_size(STACK)
-    thread = threading.Thread(target=_loop, args=(held, channel, memory))
+    thread = threading.Thread(target=_loop, args=(held, channel, errors, memory))
     thread.start()
     thread.join()
     os._exit(1)
 
 
-def _loop(held: Held, channel: socket.socket, memory: int) -> None:
+def _confined(channel: socket.socket, errors: int, memory: int) -> socket.socket:
+    """The channel of a process that can do nothing but answer, with so much more memory [bytes].
+
+    What the allocator sets aside for a thread is there before the limit is set.
+    """
     sys.setrecursionlimit(20_000)
+    held = Held()
+    answer(held, Asked("query", "SELECT (STRUUID() AS ?a) { VALUES ?b { 1 2 3 } } ORDER BY ?b"))
+    most = own_size() + memory
+    confined = confine(channel, errors)
+    limit_memory(most)
+    return confined
+
+
+def _loop(held: Held, outer: socket.socket, errors: int, memory: int) -> None:
+    channel = _confined(outer, errors, memory)
+    most = peak() + memory // SPENT
     while True:
         try:
             head, body = receive(channel)
@@ -134,13 +154,16 @@ def _loop(held: Held, channel: socket.socket, memory: int) -> None:
             continue
         try:
             answered = answer(held, Asked.of(head))
-            channel.sendall(packed({"media": answered.media, "found": answered.found}, answered.body))
+            said = {"media": answered.media, "found": answered.found, "spent": peak() > most}
+            channel.sendall(packed(said, answered.body))
         except InputError as error:
-            channel.sendall(packed(error_head(error)))
+            channel.sendall(packed(error_head(error) | {"spent": peak() > most}))
         except ValueError as error:  # of an IRI
-            channel.sendall(packed(error_head(QueryError(str(error), allowed="absolute IRIs"))))
+            channel.sendall(
+                packed(error_head(QueryError(str(error), allowed="absolute IRIs")) | {"spent": False})
+            )
         except MemoryError:
-            channel.sendall(packed(error_head(LimitError(Limit.MEMORY, f"{memory} bytes"))))
+            channel.sendall(packed(error_head(LimitError(Limit.MEMORY, f"{memory} bytes")) | {"spent": True}))
 
 
 if __name__ == "__main__":

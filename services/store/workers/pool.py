@@ -20,6 +20,9 @@ from services.store.workers.errors import (
 from services.store.workers.evaluate import Answered, Asked, error_of
 from services.store.workers.frames import Head, packed, read, receive
 
+LARGE = 2**20
+"""[bytes] After a change that is larger, workers are forked anew instead of making it too."""
+
 
 @dataclass(frozen=True, slots=True)
 class Limits:
@@ -45,6 +48,8 @@ class _Worker:
     pid: int
     reader: asyncio.StreamReader
     writer: asyncio.StreamWriter
+    spent: bool = False
+    stale: bool = False
 
 
 @dataclass
@@ -68,6 +73,7 @@ class Workers:
         self._idle: list[_Worker] = []
         self._all: set[_Worker] = set()
         self._free = asyncio.Condition()
+        self._ending: set[asyncio.Task[Head]] = set()
         self._waiting = 0
 
     @property
@@ -93,6 +99,7 @@ class Workers:
 
     async def close(self) -> None:
         """No process is left."""
+        await asyncio.gather(*self._ending, return_exceptions=True)
         for worker in self._all:
             worker.writer.close()
         self._all.clear()
@@ -118,6 +125,7 @@ class Workers:
             async with asyncio.timeout(limits.seconds), self._borrowed() as worker:
                 worker.writer.write(packed(asked.head()))
                 head, body = await read(worker.reader)
+                worker.spent = head["spent"]
         except TimeoutError:
             raise LimitError(Limit.TIME, f"{limits.seconds:g} s") from None
         if "error" in head:
@@ -136,7 +144,10 @@ class Workers:
             if "error" in reply:
                 raise ValueError(reply["error"])
             for worker in self._all:
-                worker.writer.write(frame)
+                if len(frame) > LARGE:
+                    worker.stale = True
+                else:
+                    worker.writer.write(frame)
 
     @asynccontextmanager
     async def _borrowed(self) -> AsyncIterator[_Worker]:
@@ -145,11 +156,14 @@ class Workers:
         try:
             yield worker
         except (asyncio.IncompleteReadError, ConnectionError):
-            raise self._cause(await self._replaced(worker)) from None
+            raise self._cause(await asyncio.shield(self._replacing(worker))) from None
         except BaseException:
-            await asyncio.shield(self._replaced(worker))
+            await asyncio.shield(self._replacing(worker))
             raise
-        await self._give(worker)
+        if worker.spent:
+            self._replacing(worker)
+        else:
+            await self._give(worker)
 
     async def _taken(self) -> _Worker:
         if not self.running:
@@ -158,9 +172,13 @@ class Workers:
             raise BusyError(f"{self._waiting} questions are waiting already: ask again in a second")
         self._waiting += 1
         try:
-            async with self._free:
-                await self._free.wait_for(lambda: bool(self._idle))
-                return self._idle.pop()
+            while True:
+                async with self._free:
+                    await self._free.wait_for(lambda: bool(self._idle))
+                    worker = self._idle.pop()
+                if not worker.stale:
+                    return worker
+                await asyncio.shield(self._replacing(worker))
         finally:
             self._waiting -= 1
 
@@ -178,6 +196,13 @@ class Workers:
             allowed="queries that are not nested thousands deep",
             remedy="simplify it",
         )
+
+    def _replacing(self, worker: _Worker) -> asyncio.Task[Head]:
+        """The replacement under way, which goes on even if who waits for it is stopped."""
+        task = asyncio.create_task(self._replaced(worker))
+        self._ending.add(task)
+        task.add_done_callback(self._ending.discard)
+        return task
 
     async def _replaced(self, worker: _Worker) -> Head:
         """How the worker ended; another one is there."""

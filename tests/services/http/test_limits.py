@@ -1,0 +1,130 @@
+# ruff: noqa: S608 - the queries are the subject
+"""A limit reached is an error with its own status, never a shorter answer; the service lives on."""
+
+import time
+
+import pytest
+
+from services.store.workers import Limits, bulk
+from tests.services.http.canary import singing
+
+FEW_SECONDS, ROWS, SIZE = 2.0, 2000, 200_000
+LIMITS = Limits(seconds=FEW_SECONDS, memory=128 * 2**20, rows=ROWS, size=SIZE)
+SUBJECTS = 3000
+
+SLOW = """SELECT (COUNT(*) AS ?n) {
+  ?a ?b ?c . ?d ?e ?f FILTER(CONTAINS(SHA512(SHA512(CONCAT(?c, ?f))), "nothing has this"))
+}"""
+THOUSAND = "x" * 1000
+MEMORY_HOG = f"""SELECT (STRLEN(?large) AS ?n) {{
+  BIND(REPLACE("{THOUSAND}", "x", "{THOUSAND}") AS ?million) BIND(REPLACE(?million, "x", "{THOUSAND}") AS ?large)
+}}"""
+HUGE = "SELECT * { ?a ?b ?c . ?d ?e ?f }"
+TOO_MANY_ROWS = "SELECT ?c { ?a ?b ?c }"
+TOO_MANY_TRIPLES = "CONSTRUCT WHERE { ?a ?b ?c }"
+NESTED = "ASK { " + "{" * 100_000 + "}" * 100_000 + " }"
+
+
+@pytest.fixture(scope="module")
+def served(serve):
+    served = serve(limits=LIMITS, workers=2)
+    lines = (f'<http://e/s{i}> <http://e/p> "value {i}" <http://e/g{i % 5}> .\n' for i in range(SUBJECTS))
+    served.apply(bulk("".join(lines).encode()))
+    return served
+
+
+def lives_on(served) -> bool:
+    answers = [served.query("ASK { <http://e/s1> ?p ?o }") for _ in range(3)]
+    return all(answer.status_code == 200 and answer.json()["boolean"] for answer in answers)
+
+
+@pytest.mark.parametrize(
+    ("query", "status", "limit"),
+    [
+        (SLOW, 408, "time"),
+        (MEMORY_HOG, 507, "memory"),
+        (HUGE, 413, "bytes"),
+        (TOO_MANY_ROWS, 413, "rows"),
+        (TOO_MANY_TRIPLES, 413, "rows"),
+    ],
+)
+def test_a_limit_reached_is_an_error_of_its_own(served, query: str, status: int, limit: str) -> None:
+    answer = served.query(query)
+    assert answer.status_code == status, answer.text
+    assert answer.headers["content-type"] == "application/problem+json"
+    problem = answer.json()
+    assert problem["limit"] == limit
+    assert problem["allowed"]
+    assert lives_on(served)
+
+
+@pytest.mark.parametrize(
+    "accept",
+    [
+        "application/sparql-results+json",
+        "application/sparql-results+xml",
+        "text/csv",
+        "text/tab-separated-values",
+    ],
+)
+def test_rows_are_counted_exactly_in_every_format(served, accept: str) -> None:
+    most = served.query(f"{TOO_MANY_ROWS} LIMIT {ROWS}", headers={"accept": accept})
+    more = served.query(f"{TOO_MANY_ROWS} LIMIT {ROWS + 1}", headers={"accept": accept})
+    assert (most.status_code, more.status_code) == (200, 413)
+
+
+def test_a_query_that_crashes_its_worker_is_answered(served) -> None:
+    answer = served.post("/sparql", content=NESTED, headers={"content-type": "application/sparql-query"})
+    assert answer.status_code in {400, 408, 507}, answer.text  # stack, time or memory: whichever ends first
+    assert lives_on(served)
+
+
+def test_slow_queries_do_not_keep_others_waiting(served) -> None:
+    """With two workers, one is slow; a quick query is answered long before the slow one is stopped."""
+
+    async def slow() -> int:
+        return (await served.client.get("/sparql", params={"query": SLOW})).status_code
+
+    stopped = served.portal.start_task_soon(slow)
+    time.sleep(0.1)
+    began = time.perf_counter()
+    assert served.query("ASK {}").status_code == 200
+    assert time.perf_counter() - began < FEW_SECONDS / 2
+    assert stopped.result() == 408
+
+
+def test_the_text_of_a_query_is_bounded(served) -> None:
+    text = "ASK {} #" + "x" * 300_000
+    answer = served.post("/sparql", content=text, headers={"content-type": "application/sparql-query"})
+    assert answer.status_code == 413
+
+
+def test_random_terms_differ_between_workers(served) -> None:
+    """Forked processes would share their random numbers."""
+    found = set()
+    for _ in range(3):
+        assert served.query(MEMORY_HOG).status_code == 507  # costs a worker its life
+        answer = served.query("SELECT (STRUUID() AS ?u) {}")
+        found.add(answer.json()["results"]["bindings"][0]["u"]["value"])
+    assert len(found) == 3
+
+
+def test_nothing_is_ever_fetched(served) -> None:
+    with singing() as canary:
+        url = canary.url
+        for text in (
+            f"SELECT * {{ SERVICE <{url}> {{ ?a ?b ?c }} }}",
+            f"SELECT * {{ SERVICE SILENT <{url}> {{ ?a ?b ?c }} }}",
+            f"SELECT * {{ \\u0053ERVICE <{url}> {{ ?a ?b ?c }} }}",
+            f"SELECT * FROM <{url}> {{ ?a ?b ?c }}",
+            f"SELECT * FROM NAMED <{url}> {{ GRAPH ?g {{ ?a ?b ?c }} }}",
+            f"LOAD <{url}>",
+            f"SELECT * {{ GRAPH <{url}> {{ ?a ?b ?c }} }}",
+            f"DESCRIBE <{url}>",
+        ):
+            assert served.query(text).status_code in {200, 400, 403}
+        for parameters in ({"default-graph-uri": url}, {"named-graph-uri": url}):
+            assert served.get("/sparql", params={"query": "ASK {}"} | parameters).status_code == 403
+        assert served.get("/graphs", params={"graph": url}).status_code == 404
+        assert served.post("/sparql", data={"update": f"LOAD <{url}>"}).status_code == 403
+        assert canary.hits == []
