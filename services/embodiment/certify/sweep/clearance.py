@@ -186,7 +186,6 @@ class Sweep:
         distance = floor.copy()
         distance[ask] = self.shapes.distances(placed, span[ask], self.pairs.shapes[items.pair[ask]])
         self.found.queries += int(ask.sum())
-        self._sound_depths(placed, span, items.pair, distance, approach + least)
         most = between + self.shapes.radius[one] + self.shapes.radius[other]
         if not (distance <= most + PRECISION).all():  # also true of what is not a number
             raise OracleRejectedError("a distance between two bodies came out larger than it can be")
@@ -199,17 +198,6 @@ class Sweep:
             time = float(spans.middle[span[i]])
             self.found.saw(Distance(pair, time, float(distance[i]), float(now[i]), not unresolved[i]))
         return items.where(self._open(low, spans.start[span]) & ~last)
-
-    def _sound_depths(
-        self, placed: Placed, span: Indices, pair: Indices, distance: Array, needed: Array
-    ) -> None:
-        """Where the depth of a penetration counts, it is that of the deepest point, not of the way out."""
-        counts = (distance < 0) & (self.pairs.least[pair] >= 0) & (self.pairs.least_held[pair] >= 0)
-        for i in np.flatnonzero(counts & (distance - needed < self.found.slack - PRECISION)):
-            one, other = self.pairs.shapes[pair[i]].tolist()
-            depth = self.shapes.depth(placed, int(span[i]), (one, other))
-            if depth is not None:
-                distance[i] = -min(depth, -distance[i])
 
     def _open(self, low: Array, start: Array) -> NDArray[np.bool_]:
         """Whether items with this lower bound on their slack can still tell something."""
