@@ -147,9 +147,10 @@ class RemoteStore:
             solutions = _triples(body) if shape is ox.QueryTriples else _results(body)
         except (SyntaxError, ValueError) as error:
             raise self._cut(error) from None
-        if not isinstance(solutions, shape):
-            raise self._cut("an answer of another kind")
-        return solutions
+        if isinstance(solutions, shape):
+            return solutions
+        del solutions
+        raise self._cut("an answer of another kind")
 
     def _cut(self, why: object) -> StoreRejectedError:
         return StoreRejectedError(
@@ -214,8 +215,11 @@ def _results(body: bytes) -> ox.QuerySolutions | ox.QueryBoolean:
     if isinstance(found, ox.QueryBoolean):
         json.loads(body)  # its parser stops at the truth value
         return found
-    for _ in found:  # raises where the answer is cut
-        pass
+    try:
+        for _ in found:  # raises where the answer is cut
+            pass
+    finally:
+        del found  # must not outlive this in an error that another thread forgets: it belongs to this one
     whole = ox.parse_query_results(body, ox.QueryResultsFormat.JSON)
     assert isinstance(whole, ox.QuerySolutions), "the same bytes"
     return whole
