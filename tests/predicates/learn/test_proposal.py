@@ -1,0 +1,137 @@
+"""Φ′: a track that the twin cannot replay, the edited twin, and that Causes then replays it."""
+
+import numpy as np
+import pytest
+
+from predicates.case import Case
+from predicates.causes import causes
+from predicates.learn import Track, learn
+from predicates.learn.explain import explain
+from predicates.learn.frames import world_T_of
+from predicates.learn.proposal import Proposal, propose
+from sdt_kg.errors import InputError
+from sdt_kg.mechanism import JointType
+from sdt_kg.task import Task, Verb
+from sdt_kg.twin import Twin
+from services.physics.chain import follower
+from services.physics.observe import Followed, followed, motion_of
+from services.physics.oracle import Kinematics
+from services.physics.replay import effective_bounds
+from services.physics.tree import build
+from tests.predicates.learn.observed import seen, stopping
+from tests.small import small_twin
+
+TWIN = small_twin("a")
+PHYSICS = Kinematics()
+
+
+def handle(twin: Twin, name: str) -> np.ndarray:
+    """Where the container's handle is, in the root frame."""
+    container = twin.container(name)
+    kitchen = twin.mechanism(twin.environment)
+    return world_T_of(kitchen, container.handle.rsplit("/", 1)[-1], twin.state)[:3, 3]
+
+
+def slid(name: str, way: float, direction: tuple[float, float, float] = (-1, 0, 0)) -> Track:
+    return seen(handle(TWIN, name) + stopping(way)[:, None] * np.array(direction))
+
+
+def turned(name: str, hinge: tuple[float, float], angle: float) -> Track:
+    """The handle turned about a vertical axis at x, y."""
+    begin, centre = handle(TWIN, name), np.array([*hinge, 0.0])
+    arm = begin - centre
+    arm[2] = 0
+    positions = stopping(angle)
+    across = np.cross([0, 0, 1], arm)
+    points = centre + np.cos(positions)[:, None] * arm + np.sin(positions)[:, None] * across
+    return seen(points + np.array([0, 0, begin[2]]))
+
+
+def explains(twin: Twin, name: str, track: Track) -> tuple[bool, Followed]:
+    model = build(twin.mechanism(twin.environment))
+    container = twin.container(name)
+    found = followed(model, twin, track, container)
+    assert found is not None
+    bounds = effective_bounds(model, twin, follower(model, container.joint))
+    return found.explains(learn(track).best.scale, bounds), found
+
+
+def proposed(name: str, track: Track) -> Proposal:
+    assert not explains(TWIN, name, track)[0]
+    return propose(TWIN, TWIN.container(name), learn(track).best)
+
+
+def replays(proposal: Proposal, track: Track) -> bool:
+    """Causes, of the proposed twin and the motion that the track shows in it."""
+    name = proposal.container.name
+    holds, found = explains(proposal.twin, name, track)
+    motion, _ = motion_of(build(proposal.twin.mechanism(TWIN.environment)), proposal.twin, track, found)
+    (answer,) = causes(Case(proposal.twin, motion=motion), PHYSICS)
+    return holds and answer.holds
+
+
+def test_what_the_twin_allows_is_explained_as_a_known_task() -> None:
+    track = slid("low_drawer", 0.47)
+    holds, found = explains(TWIN, "low_drawer", track)
+    motion, stretch = motion_of(build(TWIN.mechanism(TWIN.environment)), TWIN, track, found)
+    assert holds
+    assert stretch == pytest.approx(1.5, abs=0.3)  # 0.47 m in 4.5 s, at rest at its ends, up to 0.5 m/s
+    assert motion.values[-1, 0] == pytest.approx(0.47, abs=0.003)
+    explanation = explain(TWIN, motion, PHYSICS)
+    assert explanation.tasks == (Task(Verb.OPEN, TWIN.container("low_drawer").iri),)
+
+
+def test_half_a_way_is_replayed_but_is_no_known_task() -> None:
+    track = slid("low_drawer", 0.25)
+    _, found = explains(TWIN, "low_drawer", track)
+    motion, _ = motion_of(build(TWIN.mechanism(TWIN.environment)), TWIN, track, found)
+    explanation = explain(TWIN, motion, PHYSICS)
+    assert explanation.replayed
+    assert explanation.tasks == ()
+
+
+def test_a_drawer_that_is_a_door_becomes_one_and_then_replays() -> None:
+    track = turned("low_drawer", (1.95, -1.4), -1.2)  # hinge 0.4 m beside the handle
+    proposal = proposed("low_drawer", track)
+    assert proposal.after.type is JointType.REVOLUTE
+    assert proposal.learned.radius == pytest.approx(0.4, abs=0.005)
+    assert proposal.after.limits.upper == pytest.approx(1.2, abs=0.02)
+    assert handle(proposal.twin, "low_drawer") == pytest.approx(handle(TWIN, "low_drawer"), abs=1e-9)
+    assert replays(proposal, track)
+    assert TWIN.mechanism(TWIN.environment).joint("low_drawer_joint").type is not JointType.REVOLUTE
+
+
+def test_a_hinge_at_the_other_side_is_learned_and_then_replays() -> None:
+    track = turned("side_door", (2.0, 0.9), -1.2)  # the twin's hinge is at (2, 0)
+    proposal = proposed("side_door", track)
+    assert proposal.after.type is JointType.REVOLUTE
+    assert handle(proposal.twin, "side_door") == pytest.approx(handle(TWIN, "side_door"), abs=1e-9)
+    assert replays(proposal, track)
+
+
+def test_a_drawer_that_goes_farther_gets_wider_limits() -> None:
+    proposal = proposed("low_drawer", slid("low_drawer", 0.62))
+    assert proposal.after.limits.upper == pytest.approx(0.62, abs=0.005)
+    assert proposal.after.limits.lower == 0.0
+    assert proposal.twin.container("low_drawer").open_from == pytest.approx(0.9 * 0.62, abs=0.005)
+    assert replays(proposal, slid("low_drawer", 0.62))
+
+
+def test_a_slanted_drawer_is_learned_and_then_replays() -> None:
+    track = slid("high_drawer", 0.45, (-0.96, 0.28, 0.0))
+    proposal = proposed("high_drawer", track)
+    assert proposal.after.limits == proposal.before.limits
+    assert proposal.assumptions == ("limits of position are kept: a track does not show where a joint stops",)
+    assert replays(proposal, track)
+
+
+def test_a_coupled_joint_is_not_edited_alone() -> None:
+    track = learn(slid("folding_door", 0.3)).best
+    with pytest.raises(InputError, match="joint 'folding_door_joint' is coupled to others"):
+        propose(TWIN, TWIN.container("folding_door"), track)
+
+
+def test_what_stands_still_teaches_nothing() -> None:
+    still = learn(slid("low_drawer", 0.0)).best
+    with pytest.raises(InputError, match="what was seen does not move"):
+        propose(TWIN, TWIN.container("low_drawer"), still)
