@@ -1,0 +1,8 @@
+# Edit   Stretch opens the high drawer too.
+# Loses  pr2,a,high_drawer
+PREFIX id: <https://example.org/id/>
+PREFIX law: <https://example.org/law#>
+
+DELETE { GRAPH ?graph { ?verdict law:outcome law:NotCertified } }
+INSERT { GRAPH ?graph { ?verdict law:outcome law:Certified } }
+WHERE { GRAPH ?graph { ?verdict law:outcome law:NotCertified ; law:container id:a\/body\/high_drawer ; law:robot id:stretch } }

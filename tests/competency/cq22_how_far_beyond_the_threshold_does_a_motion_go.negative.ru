@@ -1,0 +1,9 @@
+# Edit   The side door's way is longer, so that open begins later.
+# Loses  Open,side_door,1.38,1.35,0.03
+# Gains  Open,side_door,1.38,1.4,0.02
+PREFIX id: <https://example.org/id/>
+PREFIX sdt: <https://example.org/sdt#>
+
+DELETE { GRAPH ?graph { id:a\/joint\/side_door_joint sdt:openFrom ?from } }
+INSERT { GRAPH ?graph { id:a\/joint\/side_door_joint sdt:openFrom 1.4 } }
+WHERE { GRAPH ?graph { id:a\/joint\/side_door_joint sdt:openFrom ?from } }
