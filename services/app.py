@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Protocol
 
 from predicates.case import Answer, ArtefactKind, Case, Verdict
 from predicates.causes import causes
@@ -44,6 +45,18 @@ class Policy:
     seed: int = 0
 
 
+class Oracles(Protocol):
+    """Who answers for Φ and R in place of this process."""
+
+    def physics(self) -> Physics:
+        """Φ."""
+        ...
+
+    def embodiment(self, policy: Policy) -> Embodiment:
+        """R under a policy."""
+        ...
+
+
 @dataclass(frozen=True)
 class Service:
     """The Law over one twin, asked with names as people type them.
@@ -52,11 +65,13 @@ class Service:
         twin: The kitchen in its present state, with the robots that were loaded.
         policy: What decides CanPerform beyond the case.
         recall: What is stored under a verdict's IRI, so that nothing is judged twice.
+        oracles: Who answers for Φ and R; None: this process.
     """
 
     twin: Twin
     policy: Policy = Policy()
     recall: Recall = nothing_stored
+    oracles: Oracles | None = None
 
     def at(self, *states: str) -> "Service":
         """The same kitchen with these joints elsewhere: `JOINT=VALUE`, `all=open`, and so on."""
@@ -112,17 +127,21 @@ class Service:
 
     @cached_property
     def physics(self) -> Physics:
-        """Φ in process."""
+        """Φ, in process unless there are other oracles."""
+        if self.oracles is not None:
+            return self.oracles.physics()
         from services.physics.oracle import Kinematics  # noqa: PLC0415 - not needed for questions about the graph
 
         return Kinematics()
 
     @cached_property
     def embodiment(self) -> Embodiment:
-        """CanPerform's oracle in process."""
+        """CanPerform's oracle, in process unless there are others."""
+        policy = self.policy
+        if self.oracles is not None:
+            return self.oracles.embodiment(policy)
         from services.embodiment.oracle import WholeBody  # noqa: PLC0415 - not needed without a robot
 
-        policy = self.policy
         return WholeBody(drive=policy.drive, start=policy.base, budget=policy.budget, seed=policy.seed)
 
     def _case(self, task: str | Task, robot: str | Iri | None, motion: Motion | BodyMotion | None) -> Case:

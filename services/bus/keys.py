@@ -7,6 +7,8 @@ sdt/v1/{twin}/jobs/{id}/{progress|result|cancel}
 sdt/v1/{twin}/events/{state|verdict}/{sequence}
 sdt/v1/{twin}/@meta/{schema|version|health}
 sdt/v1/{twin}/@live/{instance}         liveliness token: the server is there
+sdt/v1/@oracle/{kind}/rpc/{instance}   a question to one oracle: causes (Φ) or canperform (R)
+sdt/v1/@oracle/{kind}/@live/{instance} liveliness token of an oracle
 ```
 
 `sdt/**` does not match chunks that begin with `@`, so listening to everything does not list servers.
@@ -34,6 +36,13 @@ class Verb(Enum):
     CANACHIEVE = "canachieve"
     WHY = "why"
     SWEEP = "sweep"
+
+
+class Oracle(Enum):
+    """The relations that have an oracle of their own."""
+
+    CAUSES = "causes"
+    CANPERFORM = "canperform"
 
 
 class Meta(Enum):
@@ -92,6 +101,21 @@ def live(twin: str, instance: str) -> str:
 def any_live(twin: str) -> str:
     """Key expression of all servers of a twin."""
     return f"{ROOT}/{chunk(twin)}/@live/*"
+
+
+def oracle(kind: Oracle, instance: str) -> str:
+    """Key of a question to one oracle."""
+    return f"{ROOT}/@oracle/{kind.value}/rpc/{chunk(instance)}"
+
+
+def oracle_live(kind: Oracle, instance: str) -> str:
+    """Key of an oracle's liveliness token."""
+    return f"{ROOT}/@oracle/{kind.value}/@live/{chunk(instance)}"
+
+
+def any_oracle(kind: Oracle) -> str:
+    """Key expression of all oracles of a kind."""
+    return f"{ROOT}/@oracle/{kind.value}/@live/*"
 
 
 def instance_of(key: str) -> str:

@@ -220,7 +220,12 @@ def encode(message: BaseModel) -> bytes:
 
 def encode_cbor(message: BaseModel) -> bytes:
     """The message as CBOR; arrays as typed arrays."""
-    return cbor2.dumps(message.model_dump(by_alias=True), default=_array_to_cbor)
+    return to_cbor(message.model_dump(by_alias=True))
+
+
+def to_cbor(value: object) -> bytes:
+    """Plain values and float64 arrays as CBOR."""
+    return cbor2.dumps(value, default=_array_to_cbor)
 
 
 def decode(kind: type[M], payload: bytes, encoding: str = JSON) -> M:
@@ -231,7 +236,7 @@ def decode(kind: type[M], payload: bytes, encoding: str = JSON) -> M:
     """
     if len(payload) > MAX_REPLY:
         raise InputError(f"a message of {len(payload)} bytes", allowed=f"at most {MAX_REPLY}")
-    raw = _from_cbor(payload) if encoding == CBOR else _from_json(payload)
+    raw = from_cbor(payload) if encoding == CBOR else _from_json(payload)
     if not isinstance(raw, dict):
         raise InputError(f"the message is a {type(raw).__name__}", allowed="an object with named fields")
     version = str(raw.get("schema", SCHEMA))
@@ -258,7 +263,12 @@ def _no_constant(name: str) -> None:
     raise ValueError(f"{name} is not JSON")
 
 
-def _from_cbor(payload: bytes) -> object:
+def from_cbor(payload: bytes) -> Any:  # noqa: ANN401 - what CBOR carries
+    """Plain values and float64 arrays.
+
+    Raises:
+        InputError: The bytes are no CBOR, or have a tag that is not ours.
+    """
     try:
         return cbor2.loads(payload, tag_hook=_array_from_cbor)
     except (cbor2.CBORError, ValueError, RecursionError) as error:
@@ -275,7 +285,7 @@ def _array_to_cbor(encoder: Any, value: object) -> None:  # noqa: ANN401 - cbor2
 def _array_from_cbor(tag: cbor2.CBORTag, immutable: bool = False) -> object:
     del immutable
     if tag.tag == _FLOAT64_LE and isinstance(tag.value, bytes):
-        return np.frombuffer(tag.value, dtype="<f8")
+        return np.frombuffer(tag.value, dtype="<f8") if tag.value else np.zeros(0)
     if tag.tag == _MULTI_DIMENSIONAL:
         shape, flat = tag.value
         if isinstance(flat, np.ndarray) and int(np.prod(shape)) == flat.size <= MAX_CELLS:

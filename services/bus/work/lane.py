@@ -11,7 +11,7 @@ from multiprocessing.process import BaseProcess
 
 from services.bus.problems import Problem, ProblemType, problem
 from services.bus.work.jobs import Counts, Done, Handler, Job, Task, Wanted
-from services.bus.work.memory import Memory
+from services.bus.work.memory import Keeper
 
 log = logging.getLogger(__name__)
 
@@ -32,7 +32,7 @@ class Lane(threading.Thread):
         self,
         make_handler: Callable[[], Handler],
         jobs: "queue.Queue[Job | None]",
-        memory: Memory,
+        memory: Keeper,
         counts: Counts,
     ) -> None:
         super().__init__(name="lane", daemon=True)

@@ -4,7 +4,7 @@ import asyncio
 import threading
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
-from typing import Self
+from typing import Protocol, Self
 
 import pyoxigraph as ox
 
@@ -13,6 +13,30 @@ from services.bus.work.jobs import Kept
 from services.store.files import SavedVerdicts, graph_of
 from services.store.quads import QuadStore
 from services.store.workers import Answered, Asked, Delta, Workers, bulk, drop
+
+
+class Keeper(Protocol):
+    """What workers' verdicts are kept in."""
+
+    def recall(self, iri: str) -> bytes | None:
+        """The verdict's graph as N-Quads, if it is kept."""
+        ...
+
+    def keep(self, kept: Iterable[Kept]) -> None:
+        """The verdicts are stored; what was there already stays as it is."""
+        ...
+
+
+class NoMemory:
+    """Of an oracle: it makes no verdicts."""
+
+    def recall(self, iri: str) -> None:
+        """Nothing."""
+        del iri
+
+    def keep(self, kept: Iterable[Kept]) -> None:
+        """Nothing is ever given to be kept."""
+        del kept
 
 
 class Memory:

@@ -13,7 +13,7 @@ from services.bus.problems import ProblemType, problem
 from services.bus.work.deadlines import Deadlines
 from services.bus.work.jobs import Counts, Handler, Job, Task, Waiter
 from services.bus.work.lane import GRACE, START_TIME, Lane
-from services.bus.work.memory import Memory
+from services.bus.work.memory import Keeper
 
 Key = tuple[str, str, bytes, str]
 
@@ -31,7 +31,7 @@ class Pool:
         size: int,
         waiting: int,
         deadlines: Deadlines,
-        memory: Memory,
+        memory: Keeper,
     ) -> None:
         """Start the workers; returns when all are ready.
 

@@ -1,0 +1,149 @@
+"""What the worker of an oracle does: rebuild twins from their graphs, and ask Φ or R about them."""
+
+import logging
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import pyoxigraph as ox
+
+from predicates.oracle import Embodiment, Physics
+from sdt_kg.errors import SdtError
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.twin import Twin
+from services.bus.keys import Oracle
+from services.bus.messages import CBOR, from_cbor, to_cbor
+from services.bus.oracles.codec import (
+    Plain,
+    answer_plain,
+    case_value,
+    motion_plain,
+    motion_value,
+    policy_value,
+    region_value,
+    replayed_plain,
+)
+from services.bus.problems import Problem, ProblemType, problem, problem_of
+from services.bus.work.jobs import Done, Handler, Task
+
+log = logging.getLogger(__name__)
+
+TWINS_KEPT = 8
+"""Twins (kitchen with robots, whatever the state) that an oracle keeps."""
+UNKNOWN_TWIN = "this oracle does not hold that twin: send its quads"
+
+
+@dataclass(frozen=True, slots=True)
+class OracleSetup:
+    """Makes the handler of an oracle's worker; picklable."""
+
+    kind: Oracle
+
+    def __call__(self) -> Handler:
+        """Load what the oracle is made of."""
+        return Causing() if self.kind is Oracle.CAUSES else Performing()
+
+
+class UnknownTwinError(SdtError):
+    """The twin has not been sent, or was forgotten."""
+
+
+@dataclass(slots=True)
+class Twins:
+    """The twins that were sent lately, by their key."""
+
+    _known: OrderedDict[str, Twin] = field(default_factory=OrderedDict[str, Twin])
+
+    def of(self, plain: Mapping[str, Any]) -> Twin:
+        """The twin that is meant, in the state that is meant.
+
+        Raises:
+            UnknownTwinError: Its quads are needed.
+            GraphError: The quads are no twin, or not the one that the key says.
+        """
+        key = str(plain["key"])
+        if "quads" in plain:
+            quads = list(ox.parse(plain["quads"], format=ox.RdfFormat.N_QUADS))
+            hashes = {str(model): str(value) for model, value in plain["hashes"].items()}
+            robots = [str(robot) for robot in plain["robots"]]
+            self._known[key] = Twin.from_quads(quads, plain["environment"], robots, hashes=hashes)
+        if key not in self._known:
+            raise UnknownTwinError(UNKNOWN_TWIN)
+        self._known.move_to_end(key)
+        while len(self._known) > TWINS_KEPT:
+            self._known.popitem(last=False)
+        return self._known[key].at(plain["state"])
+
+
+def _handled(answer: Callable[[str, Plain], object], task: Task) -> Done | Problem:
+    """The answer as CBOR, or what is wrong."""
+    try:
+        return Done(to_cbor(answer(task.verb, from_cbor(task.payload))), CBOR)
+    except UnknownTwinError as error:
+        return problem(ProblemType.CONFLICT, str(error))
+    except SdtError as error:
+        return problem_of(error)
+    except Exception:
+        log.exception("an oracle failed at %s", task.verb)
+        return problem(ProblemType.INTERNAL, f"{task.verb} failed; the oracle's log says why")
+
+
+class Causing:
+    """Φ in a worker's process."""
+
+    def __init__(self) -> None:
+        from services.physics.oracle import Kinematics  # noqa: PLC0415 - only where physics is asked for
+
+        self._twins = Twins()
+        self._physics: Physics = Kinematics()
+
+    def __call__(self, task: Task, recall: Callable[[str], bytes | None]) -> Done | Problem:
+        """Answer version, replay, generate or carried."""
+        del recall
+        return _handled(self._answer, task)
+
+    def _answer(self, verb: str, plain: Plain) -> object:
+        if verb == "version":
+            return self._physics.version
+        twin = self._twins.of(plain["twin"])
+        if verb == "replay":
+            return replayed_plain(self._physics.replay(twin, motion_value(Motion, plain["motion"])))
+        if verb == "generate":
+            return [motion_plain(each) for each in self._physics.generate(twin, region_value(plain["goal"]))]
+        body_motion = motion_value(BodyMotion, plain["body_motion"])
+        return motion_plain(self._physics.carried(twin, body_motion, twin.container(plain["container"])))
+
+
+class Performing:
+    """CanPerform in a worker's process; each policy keeps its scenes."""
+
+    def __init__(self) -> None:
+        self._twins = Twins()
+        self._known: dict[str, Embodiment] = {}
+
+    def __call__(self, task: Task, recall: Callable[[str], bytes | None]) -> Done | Problem:
+        """Answer version, settings or perform."""
+        del recall
+        return _handled(self._answer, task)
+
+    def _answer(self, verb: str, plain: Plain) -> object:
+        embodiment = self._under(plain["policy"])
+        if verb == "version":
+            return embodiment.version
+        twin = self._twins.of(plain["twin"])
+        if verb == "settings":
+            return [list(each) for each in embodiment.settings(twin, plain["robot"])]
+        return answer_plain(embodiment.perform(case_value(twin, plain["case"])))
+
+    def _under(self, plain: Plain) -> Embodiment:
+        from services.embodiment.oracle import WholeBody  # noqa: PLC0415 - only where a robot is asked for
+
+        policy = policy_value(plain)
+        key = repr(policy)
+        if key not in self._known:
+            self._known = {
+                key: WholeBody(policy.drive, policy.base, policy.budget, policy.seed),
+                **dict(list(self._known.items())[: TWINS_KEPT - 1]),
+            }
+        return self._known[key]

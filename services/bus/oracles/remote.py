@@ -1,0 +1,214 @@
+"""The Physics and Embodiment Protocols, answered by oracles on the bus."""
+
+import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import zenoh
+from pydantic import ValidationError
+
+from predicates.case import Answer, Case
+from predicates.oracle import Replayed
+from sdt_kg.iri import Iri
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.state import Region
+from sdt_kg.twin import Container, Twin
+from services.app import Policy
+from services.bus import keys
+from services.bus.keys import Oracle
+from services.bus.messages import CBOR, JSON, Header, encode, from_cbor, to_cbor
+from services.bus.oracles.codec import (
+    Plain,
+    answer_value,
+    case_plain,
+    motion_plain,
+    motion_value,
+    policy_plain,
+    region_plain,
+    replayed_value,
+)
+from services.bus.oracles.handler import UNKNOWN_TWIN
+from services.bus.problems import (
+    BusUnavailableError,
+    ConflictError,
+    Problem,
+    ProblemType,
+    error_of,
+    problem,
+)
+
+LIVE_TIMEOUT = 1.0
+"""[s] For the question which oracles are there."""
+QUICK = 60.0
+"""[s] For everything but a search; the first question builds models."""
+MARGIN = 30.0
+"""[s] Beyond a search's budget."""
+
+
+@dataclass(slots=True, eq=False)
+class Callers:
+    """The oracles of one kind that are there, work shared among them.
+
+    Attributes:
+        session: Connected to the bus.
+        asked: How often each instance was asked.
+    """
+
+    session: zenoh.Session
+    kind: Oracle
+    asked: Counter[str] = field(default_factory=Counter[str])
+
+    def instances(self) -> list[str]:
+        """Who is there now."""
+        tokens = self.session.liveliness().get(keys.any_oracle(self.kind), timeout=LIVE_TIMEOUT)
+        return sorted(keys.instance_of(str(each.ok.key_expr)) for each in tokens if each.ok)
+
+    def call(self, verb: str, twin: Twin | None, seconds: float = QUICK, **given: Any) -> Any:  # noqa: ANN401 - what CBOR carries
+        """The answer of whichever oracle was asked least; if it dies, of another.
+
+        Raises:
+            BusUnavailableError: No oracle is there, or all that were there have died.
+            BusError, InputError: What the oracle says.
+        """
+        dead: set[str] = set()
+        while True:
+            there = [each for each in self.instances() if each not in dead]
+            if not there:
+                said = f"no oracle for {self.kind.value} answers on the bus"
+                raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, said))
+            instance = min(there, key=lambda each: self.asked[each])
+            self.asked[instance] += 1
+            try:
+                return self._answer(instance, verb, twin, seconds, given)
+            except BusUnavailableError:
+                dead.add(instance)
+
+    def _answer(self, instance: str, verb: str, twin: Twin | None, seconds: float, given: Plain) -> Any:  # noqa: ANN401 - what CBOR carries
+        """The answer of one oracle, which is sent the twin if it does not hold it."""
+        about = {} if twin is None else {"twin": _twin_plain(twin)}
+        try:
+            return self._once(instance, verb, seconds, given | about)
+        except ConflictError as error:
+            if twin is None or error.problem.detail != UNKNOWN_TWIN:
+                raise
+        return self._once(instance, verb, seconds, given | {"twin": _twin_plain(twin, whole=True)})
+
+    def _once(self, instance: str, verb: str, seconds: float, plain: Plain) -> Any:  # noqa: ANN401 - what CBOR carries
+        began = time.monotonic()
+        header = Header(deadline_ms=int(seconds * 1000))
+        replies = self.session.get(
+            f"{keys.oracle(self.kind, instance)}?{verb}",
+            payload=to_cbor(plain),
+            encoding=CBOR,
+            attachment=encode(header),
+            timeout=seconds + 1.0,
+            consolidation=zenoh.ConsolidationMode.NONE,
+        )
+        for reply in replies:
+            if reply.ok is not None:
+                return from_cbor(reply.ok.payload.to_bytes())
+            if reply.err is not None:
+                raise error_of(_problem(reply.err))
+        waited = time.monotonic() - began
+        said = f"{self.kind.value} oracle {instance} gave no answer within {waited:.1f} s"
+        raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, said))
+
+
+@dataclass(frozen=True)
+class RemotePhysics:
+    """Φ on the bus."""
+
+    callers: Callers
+
+    @cached_property
+    def version(self) -> str:
+        """The oracle's own."""
+        return str(self.callers.call("version", None))
+
+    def replay(self, twin: Twin, motion: Motion) -> Replayed:
+        """Final state under the motion."""
+        return replayed_value(self.callers.call("replay", twin, motion=motion_plain(motion)))
+
+    def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:
+        """Motions into the region, best first."""
+        for each in self.callers.call("generate", twin, goal=region_plain(goal)):
+            yield motion_value(Motion, each)
+
+    def carried(self, twin: Twin, body_motion: BodyMotion, container: Container) -> Motion:
+        """τ under a body motion."""
+        plain = motion_plain(body_motion)
+        said = self.callers.call("carried", twin, body_motion=plain, container=container.iri)
+        return motion_value(Motion, said)
+
+
+@dataclass(frozen=True)
+class RemoteEmbodiment:
+    """CanPerform on the bus, under a policy."""
+
+    callers: Callers
+    policy: Policy
+
+    @cached_property
+    def version(self) -> str:
+        """The oracle's own."""
+        return str(self.callers.call("version", None, policy=policy_plain(self.policy)))
+
+    def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
+        """What decides the answer beyond the case."""
+        said = self.callers.call("settings", twin, policy=policy_plain(self.policy), robot=robot)
+        return tuple((str(name), str(value)) for name, value in said)
+
+    def perform(self, case: Case) -> Answer:
+        """Body motion that follows the case's motion, certified; or the verification of its own."""
+        seconds = self.policy.budget + MARGIN
+        plain = {"policy": policy_plain(self.policy), "case": case_plain(case)}
+        return answer_value(case.twin, self.callers.call("perform", case.twin, seconds, **plain))
+
+
+@dataclass(frozen=True, slots=True)
+class BusOracles:
+    """Both oracles, wherever on the bus they are: what a `Service` takes as its oracles."""
+
+    causes: Callers
+    canperform: Callers
+
+    @staticmethod
+    def on(session: zenoh.Session) -> "BusOracles":
+        """The oracles that this session reaches."""
+        return BusOracles(Callers(session, Oracle.CAUSES), Callers(session, Oracle.CANPERFORM))
+
+    def physics(self) -> RemotePhysics:
+        """Φ."""
+        return RemotePhysics(self.causes)
+
+    def embodiment(self, policy: Policy) -> RemoteEmbodiment:
+        """R under a policy."""
+        return RemoteEmbodiment(self.canperform, policy)
+
+
+def _twin_plain(twin: Twin, *, whole: bool = False) -> Plain:
+    """Which twin is meant, in which state; whole: with its graphs."""
+    models = (twin.environment, *twin.robots)
+    hashes = {model: twin.content_hash(model) for model in models}
+    plain: Plain = {"key": " ".join(hashes.values()), "state": dict(twin.state)}
+    if whole:
+        plain |= {
+            "quads": twin.serialize("nquads"),
+            "hashes": hashes,
+            "environment": twin.environment,
+            "robots": list(twin.robots),
+        }
+    return plain
+
+
+def _problem(error: zenoh.ReplyError) -> Problem:
+    """What the oracle says, or what its silence means: a time-out of Zenoh is no JSON."""
+    if not str(error.encoding).startswith(JSON):
+        return problem(ProblemType.UNAVAILABLE, "the oracle gave no answer in time")
+    try:
+        return Problem.model_validate_json(error.payload.to_bytes())
+    except ValidationError:
+        return problem(ProblemType.INTERNAL, "the oracle's error is not readable")

@@ -1,0 +1,74 @@
+"""An oracle on its own: answers the bus until it is closed."""
+
+import logging
+import time
+import uuid
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import zenoh
+
+from sdt_kg.errors import SdtError
+from services.bus import keys
+from services.bus.keys import Oracle
+from services.bus.messages import CBOR, JSON, MAX_REQUEST, Header, decode
+from services.bus.oracles.handler import OracleSetup
+from services.bus.problems import Problem, ProblemType, TooLargeError, problem, problem_of
+from services.bus.work.deadlines import Deadlines
+from services.bus.work.jobs import Done, Task, Waiter
+from services.bus.work.memory import NoMemory
+from services.bus.work.pool import Pool
+
+log = logging.getLogger(__name__)
+
+WAITING = 32
+"""Questions that may wait for the oracle's worker."""
+
+
+@contextmanager
+def oracle(session: zenoh.Session, kind: Oracle, workers: int = 1) -> Iterator[str]:
+    """The name of an oracle that answers over the session until the context ends."""
+    instance = uuid.uuid4().hex[:12]
+    deadlines = Deadlines()
+    pool = Pool(OracleSetup(kind), workers, WAITING, deadlines, NoMemory())
+
+    def asked(query: zenoh.Query) -> None:
+        answer = _answerer(query)
+        try:
+            pool.submit(*_understood(query, answer))
+        except SdtError as error:
+            answer(problem_of(error))
+
+    queryable = session.declare_queryable(keys.oracle(kind, instance), asked, complete=True)
+    token = session.liveliness().declare_token(keys.oracle_live(kind, instance))
+    try:
+        yield instance
+    finally:
+        token.undeclare()
+        queryable.undeclare()
+        pool.close()
+        deadlines.close()
+
+
+def _understood(query: zenoh.Query, answer: Callable[[Done | Problem], None]) -> tuple[Task, Waiter]:
+    header = Header() if query.attachment is None else decode(Header, query.attachment.to_bytes())
+    payload = b"" if query.payload is None else query.payload.to_bytes()
+    verb = str(query.parameters)
+    if len(payload) > MAX_REQUEST:
+        raise TooLargeError(problem(ProblemType.TOO_LARGE, f"the request has {len(payload)} bytes"))
+    seconds = header.deadline_ms / 1000
+    return Task("", verb, payload, CBOR, seconds), Waiter(time.monotonic() + seconds, answer)
+
+
+def _answerer(query: zenoh.Query) -> Callable[[Done | Problem], None]:
+    def answer(outcome: Done | Problem) -> None:
+        with query:
+            try:
+                if isinstance(outcome, Done):
+                    query.reply(query.key_expr, outcome.payload, encoding=outcome.encoding)
+                else:
+                    query.reply_err(outcome.model_dump_json().encode(), encoding=JSON)
+            except zenoh.ZError as error:  # the asker has gone
+                log.info("nobody took the reply: %s", error)
+
+    return answer
