@@ -123,7 +123,8 @@ class WholeBody:
             rejected.append(outcome.diagnoses)
         search = planner.searched(time.perf_counter() - began)
         reasons = refusal(planner, rejected, search, self.budget)
-        return Answer(case, False, reasons, self._notes(setting, None), clock.seconds)
+        artefact = None if planner.proof is None else planner.proof.artefact
+        return Answer(case, False, reasons, self._notes(setting, None), clock.seconds, artefact=artefact)
 
     def _verified(self, case: Case, world: World, container: Container, clock: Clock) -> Answer:
         at = time.perf_counter()

@@ -9,7 +9,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from predicates.case import Diagnosis, Search
+from predicates.case import Search
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
@@ -21,7 +21,7 @@ from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import WAYPOINTS, Holding, Problem, Searcher
 from services.embodiment.hold.kit import Kit, Kits
-from services.embodiment.prove import out_of_reach
+from services.embodiment.prove import Proved, Prover, out_of_reach
 from services.embodiment.ways.approach import Approacher, Blocked
 from services.embodiment.ways.assemble import Assembled, Assembler
 from services.embodiment.ways.roads import Roads, make_roads
@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 GRASPS = (6, 12, 36)  # grasps of one gripper that are searched in the first rounds, and from then on
 ROUNDS = 24  # batches of seeds for one gripper before the search gives up
 MORE_ROUNDS = 96  # the same, where postures were found but no way on from them
+EARLY_BOXES = 4_000  # of a proof looked for as soon as one batch of seeds reached no grasp
+LATE_BOXES = 20_000  # of a proof looked for when the search has given up
 TRIES = 4  # holdings of one batch that are approached
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
 
@@ -91,7 +93,7 @@ class Planner:
         blocked: Stage at which an approach failed → how often.
         holdings: How many were found.
         unfit: Pairs of shapes in contact that ruled grasps out → how often.
-        proof: That the handle is out of reach, if it was found.
+        proof: That no gripper can hold the handle all along, if one was found and verified.
         start_contact: Shapes of robot and kitchen in contact at the start, and their distance [m].
         rough: Motions that leave limits: too fast where times are required, or beyond a joint's end.
     """
@@ -107,7 +109,8 @@ class Planner:
         self.placements = 0
         self.bar: Bar | None = None
         self.holdings = 0
-        self.proof: Diagnosis | None = None
+        self.proof: Proved | None = None
+        self._prover: Prover | None = None
         self.start_contact: tuple[tuple[int, int], float] | None = None
         self.unfit: Counter[tuple[int, int]] = Counter()
 
@@ -120,18 +123,44 @@ class Planner:
         at = time.perf_counter()
         kits = [self.setting.kits.of(one) for one in self.setting.world.scene.annotation.grippers]
         limbs = [kit.limb for kit in kits]
-        self.proof = out_of_reach(self.setting.world, self.mechanics, limbs, self.setting.motion.values[:, 0])
+        if out_of_reach(self.setting.world, self.mechanics, limbs, self.setting.motion.values[:, 0]):
+            self._prove(EARLY_BOXES)
         self.start_contact = self._start_contact()
         self._spent("grasp", at)
-        if self.proof is not None or self.start_contact is not None:
+        if self.start_contact is not None:
             return
         for number in range(MORE_ROUNDS):
+            if self._proved_early(number):
+                return
             for attempt in self._attempts(kits, number):
                 if number >= ROUNDS and not attempt.searcher.tally.paths:
                     continue
                 if self.late():
+                    self._give_up()
                     return
                 yield from self._round(attempt, number)
+        self._give_up()
+
+    def _proved_early(self, number: int) -> bool:
+        """Whether there is a proof; looked for once if no posture reached the handle in the first round."""
+        if number == 1 and not any(attempt.searcher.tally.solved for attempt in self.attempts):
+            self._prove(EARLY_BOXES)
+        return self.proof is not None
+
+    def _give_up(self) -> None:
+        """Look for a proof once more, unless a way along the whole motion was found, if not a free one."""
+        if not any(attempt.searcher.tally.paths for attempt in self.attempts):
+            self._prove(LATE_BOXES)
+
+    def _prove(self, boxes: int) -> None:
+        """Look for a proof with so many boxes for each gripper and value of the container."""
+        at, setting = time.perf_counter(), self.setting
+        if self._prover is None:
+            twin, values = setting.world.scene.twin, setting.motion.values[:, 0]
+            about = setting.robot, setting.container, setting.drive, setting.start
+            self._prover = Prover(twin, *about, values)
+        self.proof = self._prover.prove(boxes)
+        self._spent("proof", at)
 
     def searched(self, seconds: float) -> Search:
         """What was tried so far."""

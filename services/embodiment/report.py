@@ -20,7 +20,7 @@ def refusal(
     Where nothing but the search itself was measured, the evidence is its time against its budget [s].
     """
     if planner.proof is not None:
-        return (planner.proof,)
+        return (planner.proof.diagnosis,)
     if planner.start_contact is not None:
         return (_at_start(planner, *planner.start_contact),)
     stage, counts = _stage(planner, bool(rejected))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from predicates.case import Answer, Case, Kind, Quantity
+from predicates.case import Answer, ArtefactKind, Case, Kind, Quantity
 from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion, Motion
@@ -116,7 +116,9 @@ def test_a_fixed_base_opens_what_it_stands_before_and_nothing_else() -> None:
     twin = load_twin("b", ["tiago_dual"])
     far = ask(WholeBody(drive=Drive.FIXED), twin, DRAWER)
     assert not far.holds
-    assert not any(diagnosis.proof for diagnosis in far.diagnoses)
+    assert [diagnosis.proof for diagnosis in far.diagnoses] == [True]
+    assert far.artefact is not None
+    assert far.artefact.kind is ArtefactKind.PROOF
     near = ask(WholeBody(drive=Drive.FIXED, start=standing(twin)), twin, DRAWER)
     assert np.ptp(performed(near).base, axis=0).max() == 0.0
 

@@ -1,4 +1,4 @@
-"""Proof that no hand can be as high, or as low, as a handle: a sound bound, not a search.
+"""Whether a handle is too high or too low for any hand: cheap, and only a reason to look for a proof first.
 
 Heights along a chain are intervals. As long as only prismatic joints and upright hinges were passed,
 the frame is known but for a turn about the vertical, and heights add up exactly; behind any other
@@ -10,8 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from predicates.case import Diagnosis, Evidence, Kind, Quantity
-from sdt_kg.iri import local_name
 from services.embodiment.body.limb import Limb
 from services.embodiment.body.world import World
 from services.embodiment.hold.handle import Mechanics
@@ -109,23 +107,15 @@ def handle_span(world: World, mechanics: Mechanics, value: float) -> tuple[float
     return min(lows), max(highs)
 
 
-def out_of_reach(world: World, mechanics: Mechanics, limbs: list[Limb], values: Array) -> Diagnosis | None:
-    """Proof that no finger of any gripper can touch the handle somewhere on its way, if there is one."""
+def out_of_reach(world: World, mechanics: Mechanics, limbs: list[Limb], values: Array) -> bool:
+    """Whether no finger of any gripper comes as high, or as low, as the handle somewhere on its way."""
     handle = mechanics.container.handle
     if not limbs or not len(world.shapes_of((handle,))):
-        return None
+        return False
     spans = [span(world, limb) for limb in limbs]
     lowest, highest = min(low for low, _ in spans), max(high for _, high in spans)
     for value in np.linspace(values[0], values[-1], CHECKED):
         low, high = handle_span(world, mechanics, float(value))
-        for beyond, reach, word in ((low - highest, highest, "higher"), (lowest - high, lowest, "lower")):
-            if beyond > SLACK + world.scene.annotation.overhang:
-                where = low if word == "higher" else high
-                robot = world.scene.robot.mechanism.name
-                reason = (
-                    f"{local_name(handle)} is at a height of {where:.3f} m, {beyond:.3f} m {word} than any "
-                    f"finger of {robot} can be ({reach:.3f} m)"
-                )
-                evidence = Evidence(Quantity.POSITION, reach, where, "m", entity=handle)
-                return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=True)
-    return None
+        if max(low - highest, lowest - high) > SLACK + world.scene.annotation.overhang:
+            return True
+    return False

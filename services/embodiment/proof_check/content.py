@@ -1,0 +1,181 @@
+"""A proof as bytes: what it claims, what it assumes, and one tree of boxes for each gripper.
+
+The bytes are JSON compressed by zlib. A tree is written in preorder, one byte for each node: below 128
+it is the joint whose interval is halved there, lower half first; from 128 on the node is a leaf, and
+the rest of the byte is the joint whose origin is too far from the handle in all of the leaf's box.
+"""
+
+import base64
+import binascii
+import json
+import math
+import zlib
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError
+from sdt_kg.iri import Iri
+from sdt_kg.twin import Twin
+from services.embodiment.certify.tolerances import Tolerances
+
+SCHEMA = "sdt proof 1"
+LEAF = 128
+MOST_BYTES = 20_000_000
+"""[bytes] More than any proof's; a small file cannot claim a memory of its choice."""
+
+Start = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Refutation:
+    """Why one gripper cannot hold the handle with the container at a value.
+
+    Attributes:
+        value: Of the container's own joint [rad or m].
+        joints: Names of the chain's joints, from the world on.
+        box: Interval of each joint [rad or m].
+        tree: Its division; see above.
+    """
+
+    gripper: str
+    value: float
+    joints: tuple[str, ...]
+    box: tuple[tuple[float, float], ...]
+    tree: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """That no motion which certification accepts takes the container past the refuted values.
+
+    Attributes:
+        models: Environment, then robot: IRI and content hash.
+        state: Joint IRI → position [rad or m] in which the motion begins.
+        span: Values [rad or m] all of which the container has to pass.
+        start: Base pose x, y [m], yaw [rad] of a fixed base; any pose is meant otherwise.
+    """
+
+    models: tuple[tuple[Iri, str], tuple[Iri, str]]
+    state: dict[Iri, float]
+    container: Iri
+    span: tuple[float, float]
+    drive: Drive
+    start: Start
+    tolerances: Tolerances
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """A claim and what shows it."""
+
+    claim: Claim
+    refutations: tuple[Refutation, ...]
+
+    def assumptions(self) -> tuple[str, ...]:
+        """What the claim is relative to, one sentence each."""
+        claim = self.claim
+        base = "the base stands at {:.3f} m, {:.3f} m, {:.3f} rad".format(*claim.start)
+        if claim.drive is not Drive.FIXED:
+            base = "the base stands anywhere on the floor, at any angle"
+        return (
+            f"base policy: {claim.drive.value}, {base}",
+            "grasp set: every hold that certification accepts, two fingers on both sides of the handle "
+            "anywhere along it, at any angle",
+            f"tolerances: those of certification, {claim.tolerances}",
+            "joints: limits of the twin, each joint for itself",
+            "no collision geometry but that of the fingers and the handle, which a hold is about",
+        )
+
+
+def claim_about(  # noqa: PLR0913, PLR0917  # the parts of a claim
+    twin: Twin, robot: Iri, container: Iri, span: tuple[float, float], drive: Drive, start: Start
+) -> Claim:
+    """The claim about a robot and a container of a twin, with this version's tolerances."""
+    models = ((twin.environment, twin.content_hash(twin.environment)), (robot, twin.content_hash(robot)))
+    return Claim(models, dict(twin.state), container, span, drive, start, Tolerances())
+
+
+def to_bytes(proof: Proof) -> bytes:
+    """The proof as an artefact's content; the same proof gives the same bytes."""
+    claim = asdict(proof.claim) | {"drive": proof.claim.drive.value}
+    refutations = [
+        asdict(one) | {"tree": base64.b64encode(one.tree).decode("ascii")} for one in proof.refutations
+    ]
+    whole = {
+        "schema": SCHEMA,
+        "claim": claim,
+        "assumptions": proof.assumptions(),
+        "refutations": refutations,
+    }
+    return zlib.compress(json.dumps(whole, sort_keys=True).encode(), 9)
+
+
+def is_proof(content: bytes) -> bool:
+    """Whether the bytes are a proof's, as far as their beginning tells."""
+    try:
+        return _unpacked(content).get("schema") == SCHEMA
+    except InputError:
+        return False
+
+
+def read_proof(content: bytes) -> Proof:
+    """The proof of an artefact's content.
+
+    Raises:
+        InputError: It is none, or damaged.
+    """
+    whole = _unpacked(content)
+    if whole.get("schema") != SCHEMA:
+        raise InputError(f"a proof of the schema '{whole.get('schema')}'", allowed=SCHEMA)
+    try:
+        return Proof(_claim(whole["claim"]), tuple(_refutation(one) for one in whole["refutations"]))
+    except (KeyError, TypeError, ValueError, AttributeError, binascii.Error) as error:
+        raise InputError(f"the proof is damaged: {error!r}", allowed=f"a whole {SCHEMA}") from None
+
+
+def _unpacked(content: bytes) -> dict[str, Any]:  # Any: JSON
+    unzip = zlib.decompressobj()
+    try:
+        text = unzip.decompress(content, MOST_BYTES)
+        whole = json.loads(text)
+    except (zlib.error, ValueError) as error:
+        raise InputError(f"the proof cannot be read: {error}", allowed="JSON compressed by zlib") from None
+    if not isinstance(whole, dict) or unzip.unconsumed_tail or unzip.unused_data or not unzip.eof:
+        raise InputError("the proof cannot be read", allowed="one JSON object of at most 20 MB")
+    return whole
+
+
+def _claim(given: dict[str, Any]) -> Claim:  # Any: JSON
+    environment, robot = ((str(iri), str(known)) for iri, known in given["models"])
+    low, high = (_number(each) for each in given["span"])
+    x, y, yaw = (_number(each) for each in given["start"])
+    allowed = {field.name for field in fields(Tolerances)}
+    if given["tolerances"].keys() != allowed:
+        raise ValueError("tolerances are missing or unknown")
+    return Claim(
+        (environment, robot),
+        {str(joint): _number(value) for joint, value in given["state"].items()},
+        str(given["container"]),
+        (low, high),
+        Drive(given["drive"]),
+        (x, y, yaw),
+        Tolerances(**{name: _number(value) for name, value in given["tolerances"].items()}),
+    )
+
+
+def _refutation(given: dict[str, Any]) -> Refutation:  # Any: JSON
+    box = tuple((_number(low), _number(high)) for low, high in given["box"])
+    return Refutation(
+        str(given["gripper"]),
+        _number(given["value"]),
+        tuple(str(each) for each in given["joints"]),
+        box,
+        base64.b64decode(given["tree"], validate=True),
+    )
+
+
+def _number(given: object) -> float:
+    if isinstance(given, bool) or not isinstance(given, int | float) or not math.isfinite(given):
+        raise ValueError(f"{given!r} is no finite number")
+    return float(given)

@@ -1,0 +1,168 @@
+"""Kinematics from the twin's mechanisms alone, in interval arithmetic: chains from the world to a frame."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.annotation import RobotAnnotation
+from sdt_kg.mechanism import Joint, JointType, Mechanism, Pose
+from services.embodiment.proof_check.interval import Interval, apply, cross, exact, times, turning
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placement:
+    """a_T_b as intervals: rotation (…, 3, 3), translation (…, 3) [m]."""
+
+    rotation: Interval
+    translation: Interval
+
+    def __matmul__(self, other: "Placement") -> "Placement":
+        return Placement(
+            times(self.rotation, other.rotation),
+            apply(self.rotation, other.translation) + self.translation,
+        )
+
+    def inverse(self) -> "Placement":
+        """b_T_a."""
+        back = self.rotation.T
+        moved = apply(back, self.translation)
+        return Placement(back, Interval(-moved.hi, -moved.lo))
+
+
+HERE = Placement(exact(np.eye(3)), exact(np.zeros(3)))
+
+
+def placement(pose: Pose) -> Placement:
+    """A pose of the graph; its quaternion is taken as it is written."""
+    x, y, z, w = (exact(each) for each in pose.orientation)
+    one, two = exact(1.0), exact(2.0)
+    rows = (
+        (one - two * (y * y + z * z), two * (x * y - z * w), two * (x * z + y * w)),
+        (two * (x * y + z * w), one - two * (x * x + z * z), two * (y * z - x * w)),
+        (two * (x * z - y * w), two * (y * z + x * w), one - two * (x * x + y * y)),
+    )
+    rotation = Interval(
+        np.array([[each.lo for each in row] for row in rows]),
+        np.array([[each.hi for each in row] for row in rows]),
+    )
+    return Placement(rotation, exact(pose.position))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Link:
+    """A movable joint of a chain.
+
+    Attributes:
+        name: Of the joint.
+        before: Where the joint's frame sits in that of the one before, at position 0.
+        axis: Unit vector, in its own frame.
+        turns: Whether it is a hinge.
+        lower, upper: Positions that certification lets it have [rad or m].
+    """
+
+    name: str
+    before: Placement
+    axis: Array
+    turns: bool
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain:
+    """Joints from the world to a frame, and where that frame sits in the last of them."""
+
+    links: tuple[Link, ...]
+    end: Placement
+
+    def frames(self, q: Array) -> tuple[Interval, Interval, Placement]:
+        """Origins and axes of the joints at exact positions q (L, n), shapes (L, n, 3), and the frame.
+
+        The origin is that of the joint's frame after its own motion.
+        """
+        count = len(q)
+        at = Placement(exact(np.tile(np.eye(3), (count, 1, 1))), exact(np.zeros((count, 3))))
+        origins: list[Interval] = []
+        axes: list[Interval] = []
+        for k, link in enumerate(self.links):
+            at = at @ link.before
+            axis = apply(at.rotation, exact(link.axis))
+            if link.turns:
+                at = Placement(times(at.rotation, turning(link.axis, q[:, k])), at.translation)
+            else:
+                at = Placement(at.rotation, at.translation + axis * exact(q[:, k, None]))
+            origins.append(at.translation)
+            axes.append(axis)
+        return _stacked(origins, count), _stacked(axes, count), at @ self.end
+
+
+def _stacked(parts: list[Interval], count: int) -> Interval:
+    if not parts:
+        return exact(np.zeros((count, 0, 3)))
+    return Interval(np.stack([one.lo for one in parts], axis=1), np.stack([one.hi for one in parts], axis=1))
+
+
+def levers(origins: Interval, axes: Interval, k: int, links: tuple[Link, ...]) -> Array:
+    """How far origin k moves at most for a unit of each joint up to it, shape (L, k + 1): upper bounds."""
+    arm = cross(origins[:, k, None] - origins[:, : k + 1], axes[:, : k + 1]).norm().hi
+    slides = np.array([not link.turns for link in links[: k + 1]])
+    return np.where(slides, 1.0, arm)
+
+
+class Tree:
+    """A mechanism by body: the joint above each."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+        self.above: dict[str, Joint] = {joint.child: joint for joint in mechanism.joints}
+
+    def path(self, body: str, ancestor: str | None = None) -> list[Joint]:
+        """Joints from an ancestor (the root) to the body, in order."""
+        joints: list[Joint] = []
+        while body in self.above and body != ancestor:
+            joints.append(self.above[body])
+            body = self.above[body].parent
+        return joints[::-1]
+
+    def carrier(self, body: str) -> str:
+        """The nearest body above that is moved by a joint, or the root: this one is fixed to it."""
+        while body in self.above and self.above[body].type is JointType.FIXED:
+            body = self.above[body].parent
+        return body
+
+    def chain(self, joints: list[Joint], first: Placement, slack: float) -> Chain:
+        """The joints as a chain behind a placement, each anywhere in its limits, widened by slack."""
+        links: list[Link] = []
+        at = first
+        for joint in joints:
+            at = at @ placement(joint.origin)
+            if joint.type is JointType.FIXED:
+                continue
+            lower, upper = self.limits(joint)
+            turns = joint.type is not JointType.PRISMATIC
+            if not math.isfinite(lower) or not math.isfinite(upper):
+                lower, upper = (-ROUND, ROUND) if turns else (-math.inf, math.inf)
+            links.append(Link(joint.name, at, np.array(joint.axis), turns, lower - slack, upper + slack))
+            at = HERE
+        return Chain(tuple(links), at)
+
+    def limits(self, joint: Joint) -> tuple[float, float]:
+        """Position limits of a joint [rad or m]; infinite where it has none."""
+        if joint.type is JointType.CONTINUOUS:
+            return -math.inf, math.inf
+        return joint.limits.lower, joint.limits.upper
+
+
+ROUND = 3.1416  # [rad] a little more than half a turn: a joint without limits repeats itself
+
+
+def base_T_root(tree: Tree, annotation: RobotAnnotation) -> Placement:
+    """Where the robot's root sits in the base's frame."""
+    root_T_base = HERE
+    for joint in tree.path(annotation.base_body):
+        root_T_base = root_T_base @ placement(joint.origin)
+    return root_T_base.inverse()

@@ -1,0 +1,148 @@
+"""Boxes about collision shapes, and about the fingers of a gripper wherever their joints are."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise, product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.annotation import Gripper
+from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, ShapeType
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check.interval import Interval, apply, exact
+from services.embodiment.proof_check.mechanics import HERE, Chain, Placement, Tree, levers, placement
+from services.physics.geometry.shapes import PADDING, surface
+
+Array = NDArray[np.float64]
+
+CELLS = 64  # into which the positions of the finger joints of one finger are divided
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Box:
+    """A box about a shape: where its middle sits in a body, and its half extents [m], shape (3,)."""
+
+    middle: Placement
+    half: Array
+
+
+def box_about(geometry: Geometry) -> Box:
+    """A box that contains a collision shape; of a mesh, every hull of its parts as well."""
+    at = placement(geometry.pose)
+    if geometry.shape is ShapeType.MESH:
+        bounds = [one.aabb_local for one in surface(geometry)]
+        low = np.min([one.min_ for one in bounds], axis=0) - 2 * PADDING
+        high = np.max([one.max_ for one in bounds], axis=0) + 2 * PADDING
+        shift = Placement(HERE.rotation, exact((low + high) / 2))
+        return Box(at @ shift, (high - low) / 2 + PADDING)
+    size = geometry.size
+    if geometry.shape is ShapeType.BOX:
+        return Box(at, np.array(size) / 2)
+    radius = size[0]
+    along = radius
+    if geometry.shape is not ShapeType.SPHERE:
+        along = size[1] / 2 + (radius if geometry.shape is ShapeType.CAPSULE else 0.0)
+    return Box(at, np.array([radius, radius, along]))
+
+
+def boxes_of(tree: Tree, body: str) -> list[Box]:
+    """A box about each shape of a body."""
+    (found,) = (one for one in tree.mechanism.bodies if one.name == body)
+    return [box_about(geometry) for geometry in found.collision]
+
+
+def extents(at: Placement, half: Array) -> Interval:
+    """Half extents along the outer axes of boxes at placements, shape (…, 3)."""
+    return apply(at.rotation.magnitude(), exact(half))
+
+
+def tool_in(tree: Tree, gripper: Gripper) -> Placement:
+    """carrier_T_tool: where the tool sits in the body that a joint moves."""
+    at = HERE
+    for joint in tree.path(gripper.tool_body, tree.carrier(gripper.tool_body)):
+        at = at @ placement(joint.origin)
+    return at @ placement(gripper.tool)
+
+
+@lru_cache(maxsize=32)
+def finger_box(mechanism: Mechanism, gripper: Gripper, tolerances: Tolerances) -> tuple[Array, Array] | None:
+    """Corners of a box in the tool's frame that holds all fingers, wherever their joints are [m].
+
+    None where there is none: no finger has a shape, or a finger hangs elsewhere than on the tool's link.
+    """
+    tree = Tree(mechanism)
+    carrier = tree.carrier(gripper.tool_body)
+    tool_T_carrier = tool_in(tree, gripper).inverse()
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for body in gripper.fingers:
+        path = tree.path(body, carrier)
+        if not path or path[0].parent != carrier:
+            return None
+        chain = tree.chain(path, HERE, 0.0)
+        q, spread = _cells(tree, [joint for joint in path if joint.type is not JointType.FIXED], tolerances)
+        origins, axes, end = chain.frames(q)
+        for box in boxes_of(tree, body):
+            reach = _moved(chain, origins, axes, end @ box.middle, box.half, spread)
+            at = tool_T_carrier @ end @ box.middle
+            around = extents(at, box.half).hi + reach[:, None]
+            low = np.minimum(low, (at.translation.lo - around).min(axis=0))
+            high = np.maximum(high, (at.translation.hi + around).max(axis=0))
+    return (low, high) if np.isfinite(low).all() and np.isfinite(high).all() else None
+
+
+def _moved(  # noqa: PLR0913, PLR0917  # a chain's frames, and a box behind them
+    chain: Chain, origins: Interval, axes: Interval, at: Placement, half: Array, spread: Array
+) -> Array:
+    """How far points of a box move at most inside each cell [m], shape (L,)."""
+    if not chain.links:
+        return np.zeros(len(at.translation.lo))
+    last = len(chain.links)
+    ends = Interval(
+        np.concatenate((origins.lo, at.translation.lo[:, None]), axis=1),
+        np.concatenate((origins.hi, at.translation.hi[:, None]), axis=1),
+    )
+    still = Interval(
+        np.concatenate((axes.lo, np.zeros((len(axes.lo), 1, 3))), axis=1),
+        np.concatenate((axes.hi, np.zeros((len(axes.hi), 1, 3))), axis=1),
+    )
+    arms = levers(ends, still, last, (*chain.links, chain.links[-1]))[:, :last]
+    turns = np.array([link.turns for link in chain.links])
+    arms = arms + np.where(turns, np.linalg.norm(half), 0.0)
+    return (arms * spread).sum(axis=1) * (1 + 1e-12)
+
+
+def _cells(tree: Tree, joints: list[Joint], tolerances: Tolerances) -> tuple[Array, Array]:
+    """Positions of the joints amid each cell, and how far they are from there at most, shape (L, n)."""
+    resolved = [_source(tree, joint) for joint in joints]
+    sources = list({name: None for name, _, _ in resolved})
+    count = max(1, int(CELLS ** (1 / max(1, len(sources)))))
+    grids: list[list[tuple[float, float]]] = []
+    for name in sources:
+        lower, upper = tree.limits(tree.mechanism.joint(name))
+        lower, upper = lower - tolerances.position, upper + tolerances.position
+        edges = np.linspace(lower, upper, count + 1)
+        grids.append([((a + b) / 2, (b - a) / 2 * (1 + 1e-9)) for a, b in pairwise(edges)])
+    middles, widths = [], []
+    for cell in product(*grids):
+        at = dict(zip(sources, cell, strict=True))
+        middles.append([m * at[name][0] + offset for name, m, offset in resolved])
+        widths.append(
+            [
+                abs(m) * at[name][1]
+                + (0.0 if name == joint.name else tolerances.coupling + tolerances.position)
+                for joint, (name, m, offset) in zip(joints, resolved, strict=True)
+            ]
+        )
+    shape = (len(middles), len(joints))
+    return np.array(middles).reshape(shape), np.array(widths).reshape(shape)
+
+
+def _source(tree: Tree, joint: Joint) -> tuple[str, float, float]:
+    """Joint that is mimicked in the end, multiplier and offset."""
+    multiplier, offset = 1.0, 0.0
+    while joint.mimic is not None:
+        offset += multiplier * joint.mimic.offset
+        multiplier *= joint.mimic.multiplier
+        joint = tree.mechanism.joint(joint.mimic.joint)
+    return joint.name, multiplier, offset

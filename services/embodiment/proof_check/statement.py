@@ -1,0 +1,216 @@
+r"""What a proof refutes, as geometry in intervals; derived here from the twin, never from the proof.
+
+Certification accepts a hold only if, when the container begins to move, two fingers touch its handle
+when moved by at most `contact`; if from then on the tool keeps its pose on the handle to within
+`tool_position` and `tool_angle`; and if every joint keeps its limits to within `position`. At every
+value that the container passes, some point of the handle therefore lies in the *grasp box*: the box
+about all fingers in the tool's frame, over all positions of the finger joints, widened by
+
+.. math:: contact + tool\_position + 2 \sin(tool\_angle / 2) \max |p|.
+
+The handle is where the kitchen's joints have it, each within `start` and `position` of its place. A
+fixed base stands within `start_position` and `start_angle` of its start pose. To refute that for one
+value of the container, for each gripper and all joint positions, is to refute every certificate of a
+motion that takes the container past that value. No collision geometry is used.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.annotation import Drive, Gripper
+from sdt_kg.iri import Iri, joint_iri, local_name
+from sdt_kg.twin import Container, Twin
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check.interval import Interval, apply, exact
+from services.embodiment.proof_check.mechanics import (
+    HERE,
+    Chain,
+    Link,
+    Placement,
+    Tree,
+    base_T_root,
+    levers,
+)
+from services.embodiment.proof_check.shapes import boxes_of, finger_box, tool_in
+
+Array = NDArray[np.float64]
+
+ROUNDING = 1e-7  # [m] what quaternions and axes of not quite unit length, and upright hinges, can be off by
+UPRIGHT = 1e-12  # [1] deviation of a hinge's axis from the vertical that counts as none
+BASE = ("base_x", "base_y", "base_yaw")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arm:
+    """One gripper's chain, and how far the grasp box can be from each joint.
+
+    Attributes:
+        chain: From the world (fixed base), or from a base somewhere on the floor (else).
+        reach: Largest distance from each joint's origin to a point of the grasp box [m], shape (n,).
+        upright: How many of the first joints leave every later one upright: lifts and upright hinges.
+    """
+
+    gripper: str
+    chain: Chain
+    reach: Array
+    upright: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Target:
+    """The handle with the container at one value.
+
+    Attributes:
+        boxes: Where its shapes' boxes are in the world.
+        half: Their half extents, widened by what certification tolerates [m], shape (B, 3).
+    """
+
+    boxes: tuple[Placement, ...]
+    half: Array
+
+    def distance(self, points: Interval, level: bool) -> Array:
+        """Distance of points (L, 3) from the nearest box [m], shape (L,): lower bounds.
+
+        Args:
+            points: In the world, or, where only heights are known, their z.
+            level: Whether only heights are compared.
+        """
+        nearest = np.full(len(points.lo), np.inf)
+        for box, half in zip(self.boxes, self.half, strict=True):
+            local = points - box.translation
+            if level:
+                up = apply(box.rotation.magnitude(), exact(half)).hi[2] + ROUNDING
+                gap = np.maximum(local[:, 2].magnitude().lo - up, 0.0)
+            else:
+                beyond = np.maximum(apply(box.rotation.T, local).magnitude().lo - half - ROUNDING, 0.0)
+                gap = exact(beyond).norm().lo
+            nearest = np.minimum(nearest, gap)
+        return nearest
+
+
+class Statement:
+    """What is to be refuted, for one robot, container, base policy and set of tolerances.
+
+    Args:
+        twin: Kitchen and robot, in the state in which the motion begins.
+        start: Base pose x, y [m], yaw [rad] of a fixed base; not looked at otherwise.
+    """
+
+    def __init__(  # noqa: PLR0913, PLR0917  # what a claim is about
+        self,
+        twin: Twin,
+        robot: Iri,
+        container: Container,
+        drive: Drive,
+        start: tuple[float, float, float],
+        tolerances: Tolerances,
+    ) -> None:
+        self.twin, self.robot, self.container = twin, robot, container
+        self.level, self.start, self.tolerances = drive is not Drive.FIXED, start, tolerances
+        self.grippers = twin.robot(robot).grippers
+        self._tree = Tree(twin.mechanism(robot))
+        self._kitchen = Tree(twin.mechanism(twin.environment))
+
+    def arm(self, gripper: Gripper) -> Arm | None:
+        """The chain of one gripper; None where its fingers have no box or a slide has no limits."""
+        box = finger_box(self._tree.mechanism, gripper, self.tolerances)
+        if box is None:
+            return None
+        joints = self._tree.path(self._tree.carrier(gripper.tool_body))
+        annotation = self.twin.robot(self.robot)
+        height = Placement(HERE.rotation, exact([0.0, 0.0, annotation.base_height]))
+        base = () if self.level else self._base(height)
+        first = base_T_root(self._tree, annotation)
+        chain = self._tree.chain(joints, height @ first if self.level else first, self.tolerances.position)
+        whole = Chain((*base, *chain.links), chain.end @ tool_in(self._tree, gripper))
+        if not all(np.isfinite((link.lower, link.upper)).all() for link in whole.links):
+            return None
+        return Arm(gripper.name, whole, _reaches(whole, self._corners(box)), _upright(whole))
+
+    def _base(self, height: Placement) -> tuple[Link, ...]:
+        slack = self.tolerances.start_position + self.tolerances.position
+        turn = self.tolerances.start_angle + self.tolerances.position
+        slacks, places = (slack, slack, turn), (height, HERE, HERE)
+        return tuple(
+            Link(name, place, np.eye(3)[k], k == 2, self.start[k] - slacks[k], self.start[k] + slacks[k])
+            for k, (name, place) in enumerate(zip(BASE, places, strict=True))
+        )
+
+    def _corners(self, box: tuple[Array, Array]) -> Array:
+        """Corners of the grasp box in the tool's frame [m], shape (8, 3)."""
+        far = float(np.linalg.norm(np.maximum(np.abs(box[0]), np.abs(box[1])))) + self.tolerances.contact
+        turned = 2 * float(np.sin(self.tolerances.tool_angle / 2)) * far
+        wide = self.tolerances.contact + self.tolerances.tool_position + turned + ROUNDING
+        ends = np.stack((box[0] - wide, box[1] + wide))
+        return np.array([[ends[pick[k], k] for k in range(3)] for pick in product((0, 1), repeat=3)])
+
+    def target(self, value: float) -> Target:
+        """The handle with the container at a value [rad or m].
+
+        Raises:
+            StateError: The value is outside the container's limits.
+        """
+        state = self.twin.at({self.container.joint: value}).state
+        body = local_name(self.container.handle)
+        slack = self.tolerances.position + max(self.tolerances.start_position, self.tolerances.start_angle)
+        chain = self._kitchen.chain(self._kitchen.path(body), HERE, 0.0)
+        name = self._kitchen.mechanism.name
+        q = np.array([[state[joint_iri(name, link.name)] for link in chain.links]])
+        origins, axes, end = chain.frames(q)
+        places: list[Placement] = []
+        halves: list[Array] = []
+        for box in boxes_of(self._kitchen, body):
+            at = end @ box.middle
+            arms = _lever_of(origins, axes, at.translation, chain.links)
+            turns = np.array([link.turns for link in chain.links])
+            moved = float(((arms + np.where(turns, np.linalg.norm(box.half), 0.0)) * slack).sum())
+            places.append(Placement(at.rotation[0], at.translation[0]))
+            halves.append(box.half + moved + ROUNDING)
+        return Target(tuple(places), np.array(halves).reshape(-1, 3))
+
+
+def _lever_of(origins: Interval, axes: Interval, point: Interval, links: tuple[Link, ...]) -> Array:
+    """How far a point (1, 3) moves at most for a unit of each joint, shape (n,)."""
+    if not links:
+        return np.zeros(0)
+    ends = Interval(
+        np.concatenate((origins.lo, point.lo[:, None]), axis=1),
+        np.concatenate((origins.hi, point.hi[:, None]), axis=1),
+    )
+    whole = Interval(
+        np.concatenate((axes.lo, np.zeros((1, 1, 3))), axis=1),
+        np.concatenate((axes.hi, np.zeros((1, 1, 3))), axis=1),
+    )
+    return levers(ends, whole, len(links), (*links, links[-1]))[0, :-1]
+
+
+def _reaches(chain: Chain, corners: Array) -> Array:
+    """From each joint's origin at most so far to the grasp box: lengths add up."""
+    reach = np.zeros(len(chain.links))
+    end = apply(chain.end.rotation, exact(corners)) + chain.end.translation
+    further = float(end.norm().hi.max())
+    for k in range(len(chain.links) - 1, -1, -1):
+        reach[k] = further
+        link = chain.links[k]
+        step = link.before.translation
+        if not link.turns:
+            axis = apply(link.before.rotation, exact(link.axis))
+            ends = (step + axis * exact(q) for q in (link.lower, link.upper))
+            further += max(float(one.norm().hi) for one in ends)
+        else:
+            further += float(step.norm().hi)
+    return reach * (1 + 1e-12)
+
+
+def _upright(chain: Chain) -> int:
+    """How many of the first joints only lift, shift and turn about the vertical."""
+    at = HERE
+    for k, link in enumerate(chain.links):
+        at = at @ link.before
+        up = apply(at.rotation, exact(link.axis))[..., 2].magnitude()
+        if link.turns and float(up.lo) < 1 - UPRIGHT:
+            return k
+    return len(chain.links)

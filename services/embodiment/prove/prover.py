@@ -1,0 +1,179 @@
+"""Proofs that no certified motion takes a container past a value: found in floats, verified in intervals."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from predicates.case import Artefact, ArtefactKind, Diagnosis, Evidence, Kind, Quantity
+from sdt_kg.annotation import Drive, Gripper
+from sdt_kg.iri import Iri, local_name
+from sdt_kg.mechanism import JointType
+from sdt_kg.twin import Container, Twin
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check.check import refuted
+from services.embodiment.proof_check.content import Proof, Refutation, claim_about, to_bytes
+from services.embodiment.proof_check.interval import Interval
+from services.embodiment.proof_check.statement import Arm, Statement, Target
+from services.embodiment.prove.boxes import FOUND, divide
+
+Array = NDArray[np.float64]
+
+SLACK = 1e-5  # [m] by which a box must be too far, so that interval arithmetic finds so too
+VALUES = 9  # of the container at which a proof is looked for
+HINGE, SLIDE = "rad", "m"
+
+
+@dataclass(frozen=True, slots=True)
+class Proved:
+    """A verified proof.
+
+    Attributes:
+        boxes: Of joint positions that were refuted one by one.
+    """
+
+    diagnosis: Diagnosis
+    artefact: Artefact
+    boxes: int
+
+
+class Prover:
+    """Looks for proofs about one robot and container.
+
+    Args:
+        twin: Kitchen and robot, in the state in which the motion begins.
+        start: Base pose x, y [m], yaw [rad] of a fixed base.
+        values: Of the container's joint along τ; only what opens or closes it is taken for needed.
+    """
+
+    def __init__(  # noqa: PLR0913, PLR0917  # what a claim is about
+        self,
+        twin: Twin,
+        robot: Iri,
+        container: Container,
+        drive: Drive,
+        start: tuple[float, float, float],
+        values: Array,
+    ) -> None:
+        self.twin, self.robot, self.container, self.drive = twin, robot, container, drive
+        self.start = (float(start[0]), float(start[1]), float(start[2]))
+        self.span = needed(container, twin.state[container.joint], values)
+        self.statement = Statement(twin, robot, container, drive, self.start, Tolerances())
+        self._arms: dict[str, Arm | None] = {}
+        self._targets: dict[float, Target] = {}
+
+    def prove(self, nodes: int) -> Proved | None:
+        """A verified proof, if one is found with at most so many boxes for each gripper and value."""
+        if self.span is None:
+            return None
+        refutations: list[Refutation] = []
+        for gripper in self.statement.grippers:
+            found = next(self._refutations(gripper, nodes), None)
+            if found is None:
+                return None
+            refutations.append(found)
+        reasons, leaves = refuted(self.statement, self.span, tuple(refutations))
+        if reasons:
+            return None
+        claim = claim_about(self.twin, self.robot, self.container.iri, self.span, self.drive, self.start)
+        artefact = Artefact(ArtefactKind.PROOF, to_bytes(Proof(claim, tuple(refutations))))
+        return Proved(self._diagnosis(refutations, leaves), artefact, leaves)
+
+    def _refutations(self, gripper: Gripper, nodes: int) -> Iterator[Refutation]:
+        """Refutations of one gripper, at values from the ends of the span inwards."""
+        if gripper.name not in self._arms:
+            self._arms[gripper.name] = self.statement.arm(gripper)
+        arm = self._arms[gripper.name]
+        if arm is None:
+            return
+        low, high = (np.array([getattr(link, end) for link in arm.chain.links]) for end in ("lower", "upper"))
+        names = tuple(link.name for link in arm.chain.links)
+        box = tuple(zip(low.tolist(), high.tolist(), strict=True))
+        for value in self._values():
+            tree = np.zeros(nodes, dtype=np.uint8)
+            target = self._target(value)
+            if not len(target.boxes):
+                return
+            outcome, count = divide(
+                low,
+                high,
+                _floats(arm),
+                arm.reach,
+                arm.upright,
+                _places(target),
+                self.statement.level,
+                SLACK,
+                tree,
+            )
+            if outcome == FOUND:
+                yield Refutation(gripper.name, value, names, box, tree[:count].tobytes())
+
+    def _values(self) -> list[float]:
+        assert self.span is not None
+        values = np.linspace(*self.span, VALUES).clip(*self.span).tolist()
+        return sorted(values, key=lambda value: -abs(value - (values[0] + values[-1]) / 2))
+
+    def _target(self, value: float) -> Target:
+        if value not in self._targets:
+            self._targets[value] = self.statement.target(value)
+        return self._targets[value]
+
+    def _diagnosis(self, refutations: list[Refutation], leaves: int) -> Diagnosis:
+        """In words: where the handle is out of reach, and for which base."""
+        assert self.span is not None
+        value = refutations[0].value
+        joint = self.twin.mechanism(self.twin.environment).joint(local_name(self.container.joint))
+        unit = SLIDE if joint.type is JointType.PRISMATIC else HINGE
+        height = np.array(
+            [(box.translation.lo[2] + box.translation.hi[2]) / 2 for box in self._target(value).boxes]
+        )
+        robot, handle = local_name(self.robot), local_name(self.container.handle)
+        where = (
+            f"at a height of {height.mean():.3f} m, whatever base pose it takes"
+            if self.statement.level
+            else "with its base fixed at {:.2f} m, {:.2f} m, {:.2f} rad".format(*self.start)
+        )
+        reason = (
+            f"no gripper of {robot} can come to {handle} with {self.container.name} at "
+            f"{value:.3g} {unit}, {where}: all joint positions are refuted, in {leaves} box(es)"
+        )
+        bound = self.span[1] if value < self.span[1] else self.span[0]
+        evidence = Evidence(Quantity.POSITION, value, bound, unit, entity=self.container.joint)
+        return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=True)
+
+
+def needed(container: Container, at: float, values: Array) -> tuple[float, float] | None:
+    """Values that the container has to pass on its way, from the lowest; None if it need not move.
+
+    Of a motion that opens it no more than up to where it is open, of one that closes it no more than
+    down to where it is closed.
+    """
+    last = float(values[-1])
+    if last > at:
+        return (at, min(last, container.open_from)) if container.open_from > at else None
+    return (max(last, container.closed_to), at) if container.closed_to < at else None
+
+
+def _middle(one: Interval) -> Array:
+    return (one.lo + one.hi) / 2
+
+
+def _floats(arm: Arm) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+    """The chain as `boxes` takes it."""
+    links = arm.chain.links
+    return (
+        np.array([_middle(one.before.rotation) for one in links]),
+        np.array([_middle(one.before.translation) for one in links]),
+        np.array([one.axis for one in links]),
+        np.array([one.turns for one in links]),
+    )
+
+
+def _places(target: Target) -> tuple[Array, Array, Array]:
+    """The handle's boxes as `boxes` takes them."""
+    return (
+        np.array([_middle(box.rotation) for box in target.boxes]),
+        np.array([_middle(box.translation) for box in target.boxes]),
+        target.half,
+    )
