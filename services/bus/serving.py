@@ -2,16 +2,19 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
 
 import pyoxigraph as ox
 import zenoh
 
 from sdt_kg.load import load_twin, model_name
+from services.bus.judging import Setup
 from services.bus.server import Server
+from services.bus.sessions import Reach, open_session
 from services.bus.work.deadlines import Deadlines
 from services.bus.work.memory import Memory, Queries
 from services.bus.work.pool import Pool
-from services.bus.work.verbs import Setup
 from services.store.embedded import EmbeddedStore
 from services.store.quads import QuadStore
 from services.store.workers import Delta, bulk
@@ -22,30 +25,58 @@ WAITING = 64
 """Questions that may wait for a worker."""
 
 
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How a server works.
+
+    Attributes:
+        workers: Processes that judge.
+        oracles: Whether they ask oracles on the bus rather than judge in process.
+        config: Zenoh configuration file.
+    """
+
+    workers: int = WORKERS
+    oracles: bool = False
+    config: Path | None = None
+
+
 @contextmanager
-def serving(
-    session: zenoh.Session,
+def listening(
+    endpoint: str,
     kitchens: Sequence[str],
     robots: Sequence[str],
-    *,
-    workers: int = WORKERS,
     store: QuadStore | None = None,
+    options: Options = Options(),
+) -> Iterator[Server]:
+    """A server that listens for the bus at an endpoint, as `sdt serve --bus` does."""
+    session = open_session(listen=endpoint, config=options.config)
+    oracles = Reach(endpoint, options.config) if options.oracles else None
+    setup = Setup(tuple(kitchens), tuple(robots), oracles)
+    try:
+        with serving(session, setup, workers=options.workers, store=store) as server:
+            yield server
+    finally:
+        session.close()
+
+
+@contextmanager
+def serving(
+    session: zenoh.Session, setup: Setup, *, workers: int = WORKERS, store: QuadStore | None = None
 ) -> Iterator[Server]:
     """A server that answers over the session until the context ends.
 
     Args:
         session: Listens or is connected.
-        kitchens: Names or paths; a twin's name in keys is the kitchen's.
-        robots: Names or paths, loaded with every kitchen.
+        setup: Kitchens and robots; a twin's name in keys is the kitchen's.
         workers: Processes that judge.
         store: Where verdicts are kept; in memory without it.
     """
     deadlines = Deadlines()
     store = store or EmbeddedStore(ox.Store(), lambda emptied: None)
-    queries = Queries().start([*_twins(kitchens, robots), _kept(store)])
+    queries = Queries().start([*_twins(setup), _kept(store)])
     memory = Memory(queries, store)
-    pool = Pool(Setup(tuple(kitchens), tuple(robots)), workers, WAITING, deadlines, memory)
-    names = [model_name(kitchen) for kitchen in kitchens]
+    pool = Pool(setup, workers, WAITING, deadlines, memory)
+    names = [model_name(kitchen) for kitchen in setup.kitchens]
     server = Server(session, names, pool, deadlines, memory).start()
     try:
         yield server
@@ -56,9 +87,9 @@ def serving(
         queries.close()
 
 
-def _twins(kitchens: Sequence[str], robots: Sequence[str]) -> Iterator[Delta]:
-    for kitchen in kitchens:
-        yield bulk(load_twin(kitchen, robots).serialize("nquads"))
+def _twins(setup: Setup) -> Iterator[Delta]:
+    for kitchen in setup.kitchens:
+        yield bulk(load_twin(kitchen, setup.robots).serialize("nquads"))
 
 
 def _kept(store: QuadStore) -> Delta:

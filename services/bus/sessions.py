@@ -1,6 +1,7 @@
 """Zenoh sessions as this project opens them: no multicast scouting, loopback unless told otherwise."""
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
 
 import zenoh
@@ -9,6 +10,18 @@ from sdt_kg.errors import InputError
 from services.bus.problems import BusUnavailableError, ProblemType, problem
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
+
+
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """How a worker process gets on the bus."""
+
+    endpoint: str
+    config: Path | None = None
+
+    def __call__(self) -> zenoh.Session:
+        """A session of its own."""
+        return open_session(connect=self.endpoint, mode="client", config=self.config)
 
 
 def open_session(

@@ -25,7 +25,12 @@ def print_verdict(verdict: Json) -> None:
     for note in verdict["notes"]:
         click.echo(f"  note: {note}")
     times = ", ".join(f"{name} {seconds:.2f}" for name, seconds in verdict["times"].items())
-    click.echo(f"  {verdict['seconds']:.2f} s ({times})")
+    stored = "; judged before, and answered from the store" if verdict["stored"] else ""
+    click.echo(
+        f"  {verdict['seconds']:.2f} s ({times}){stored}"
+        if times
+        else f"  {verdict['seconds']:.2f} s{stored}"
+    )
     click.echo(f"  {verdict['iri']}")
 
 

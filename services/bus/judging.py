@@ -32,7 +32,9 @@ from services.bus.messages import (
     SatisfiesRequest,
     VerdictsReply,
 )
+from services.bus.oracles.remote import BusOracles
 from services.bus.problems import Problem, ProblemType, problem, problem_of
+from services.bus.sessions import Reach
 from services.bus.work.jobs import Done, Handler
 from services.bus.work.jobs import Task as Asked
 from services.motions import arrays_of, motion_of
@@ -61,14 +63,20 @@ class Setup:
     Attributes:
         kitchens: Names or paths.
         robots: Names or paths, loaded with every kitchen.
+        reach: How to get to oracles on the bus; None: the worker judges by itself.
     """
 
     kitchens: tuple[str, ...]
     robots: tuple[str, ...]
+    reach: Reach | None = None
 
     def __call__(self) -> Handler:
         """Load everything."""
-        return Judge({model_name(each): load(each, self.robots) for each in self.kitchens})
+        services = {model_name(each): load(each, self.robots) for each in self.kitchens}
+        if self.reach is not None:
+            oracles = BusOracles.on(self.reach())
+            services = {name: replace(each, oracles=oracles) for name, each in services.items()}
+        return Judge(services)
 
 
 @dataclass(slots=True)

@@ -1,0 +1,165 @@
+"""`sdt ask`, `sdt oracle` and `sdt router`: the Law over Zenoh."""
+
+import signal
+import threading
+from pathlib import Path
+
+import click
+
+from services.commands.options import json_flag, states_option
+from services.commands.show import print_json, print_rows
+from services.commands.verdicts import print_verdict
+
+ENDPOINT = "tcp/127.0.0.1:7447"
+SOME_NOT_EXIT, ABSTAINED_EXIT = 1, 3
+
+connect_option = click.option(
+    "--connect",
+    default=ENDPOINT,
+    show_default=True,
+    metavar="PROTOCOL/HOST:PORT",
+    help="Endpoint of the server or router.",
+)
+config_option = click.option(
+    "--config",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="FILE.json5",
+    help="Zenoh configuration with TLS, user or access control; see services/bus/config.",
+)
+
+
+@click.command()
+@click.argument("twin")
+@click.argument(
+    "verb", type=click.Choice(["select", "ask", "construct", "satisfies", "causes", "achieve", "health"])
+)
+@click.argument("text", required=False, default="")
+@connect_option
+@config_option
+@click.option("--robot", help="Robot of an achieve; may be left out where the server has one.")
+@states_option
+@click.option(
+    "--drive", type=click.Choice(["omni", "differential", "fixed"]), help="How the base moves, for achieve."
+)
+@click.option("--budget", type=click.FloatRange(min=0, min_open=True), default=20.0, show_default=True)
+@click.option(
+    "--deadline",
+    type=click.FloatRange(min=0, min_open=True),
+    default=60.0,
+    show_default=True,
+    help="Seconds after which nobody waits any more.",
+)
+@json_flag
+def ask(
+    *,
+    twin: str,
+    verb: str,
+    text: str,
+    connect: str,
+    config: Path | None,
+    robot: str | None,
+    states: tuple[str, ...],
+    drive: str | None,
+    budget: float,
+    deadline: float,
+    as_json: bool,
+) -> None:
+    """Ask a server on the bus about TWIN: TEXT is the query or the task.
+
+    Exit as `sdt achieve`; 4 if nobody answers.
+    """
+    from services.bus.client import Connection  # noqa: PLC0415 - other commands need no bus
+    from services.bus.client import connect as connected  # noqa: PLC0415 - see above
+
+    def asked(to: Connection) -> int:
+        if verb in {"select", "ask", "construct"}:
+            return _query(to, verb, text, as_json=as_json)
+        if verb == "achieve":
+            found = to.achieve(text, robot, *states, drive=drive, budget=budget)
+            return _verdicts(found.objects, as_json=as_json)
+        rows = {"satisfies": lambda: [each.model_dump() for each in to.satisfies(*states)]}
+        rows["causes"] = lambda: [to.causes(text, *states).model_dump(mode="json", exclude={"motions"})]
+        rows["health"] = to.health
+        return _rows(rows[verb](), as_json=as_json)
+
+    with connected(twin, connect, deadline=deadline, config=config) as to:
+        raise SystemExit(asked(to))
+
+
+def _query(to: object, verb: str, text: str, *, as_json: bool) -> int:
+    from services.bus.client import Connection  # noqa: PLC0415 - other commands need no bus
+
+    assert isinstance(to, Connection)
+    if verb == "select":
+        columns, rows = to.select(text)
+        return _rows(rows, as_json=as_json, columns=tuple(columns))
+    if verb == "ask":
+        return _rows([{"answer": to.ask(text)}], as_json=as_json)
+    for triple in to.construct(text):
+        click.echo(f"{triple} .")
+    return 0
+
+
+def _rows(rows: list[dict[str, object]], *, as_json: bool, columns: tuple[str, ...] = ()) -> int:
+    if as_json:
+        print_json(rows)
+    else:
+        print_rows(rows, columns or tuple(rows[0] if rows else ()), "table")
+    return 0
+
+
+def _verdicts(objects: tuple[dict[str, object], ...], *, as_json: bool) -> int:
+    if as_json:
+        print_json(list(objects))
+    else:
+        for each in objects:
+            print_verdict(each)
+    outcomes = {each["outcome"] for each in objects}
+    if outcomes == {"certified"}:
+        return 0
+    return ABSTAINED_EXIT if outcomes == {"abstained"} else SOME_NOT_EXIT
+
+
+@click.command()
+@click.argument("kind", type=click.Choice(["causes", "canperform"]))
+@connect_option
+@config_option
+@click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
+def oracle(*, kind: str, connect: str, config: Path | None, workers: int) -> None:
+    """Answer for KIND on the bus until interrupted; a server with --oracles shares its work among all."""
+    from services.bus.keys import Oracle  # noqa: PLC0415 - other commands need no bus
+    from services.bus.oracles.server import oracle as answering  # noqa: PLC0415 - see above
+    from services.bus.sessions import open_session  # noqa: PLC0415 - see above
+
+    session = open_session(connect=connect, mode="client", config=config)
+    try:
+        with answering(session, Oracle(kind), workers) as instance:
+            click.echo(f"oracle {kind} {instance} at {connect}", err=True)
+            _until_stopped()
+    finally:
+        session.close()
+
+
+@click.command()
+@click.option(
+    "--listen", default=ENDPOINT, show_default=True, metavar="PROTOCOL/HOST:PORT", help="Where to listen."
+)
+@config_option
+def router(*, listen: str, config: Path | None) -> None:
+    """Route between servers, oracles and askers until interrupted."""
+    from services.bus.sessions import open_session  # noqa: PLC0415 - other commands need no bus
+
+    session = open_session(listen=listen, mode="router", config=config)
+    click.echo(f"router at {listen}", err=True)
+    try:
+        _until_stopped()
+    finally:
+        session.close()
+
+
+def _until_stopped() -> None:
+    """Wait for an interrupt or a termination."""
+    stopped = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stopped.set())
+    stopped.wait()
