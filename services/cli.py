@@ -6,7 +6,7 @@ from importlib.metadata import version
 import click
 
 from sdt_kg.errors import InputError, SdtError
-from services.commands import achieve, ask, kitchens, learn, recheck, robot, serve, table, why
+from services.commands import achieve, ask, bus, kitchens, learn, recheck, robot, serve, table, why
 
 BAD_INPUT_EXIT = 2
 NO_ORACLE_EXIT = 4
@@ -41,6 +41,9 @@ for command in (
     learn.learn_command,
     table.table,
     robot.robot,
+    bus.ask,
+    bus.oracle,
+    bus.router,
     why.why_command,
     serve.serve,
 ):
