@@ -6,7 +6,7 @@ from importlib.metadata import version
 import click
 
 from sdt_kg.errors import InputError, SdtError
-from services.commands import achieve, ask, bus, kitchens, learn, recheck, robot, serve, table, why
+from services.commands import achieve, ask, branch, bus, kitchens, learn, recheck, robot, serve, table, why
 
 BAD_INPUT_EXIT = 2
 NO_ORACLE_EXIT = 4
@@ -46,6 +46,9 @@ for command in (
     bus.router,
     why.why_command,
     serve.serve,
+    branch.branch,
+    branch.diff,
+    branch.patch,
 ):
     sdt.add_command(command)
 

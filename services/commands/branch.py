@@ -1,0 +1,181 @@
+"""`sdt branch`, `sdt diff`, `sdt patch`: what was changed, and how two twins differ."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+import pyoxigraph as ox
+
+from sdt_kg.errors import InputError
+from sdt_kg.history import Branch, History
+from sdt_kg.history.diff import difference, quads_of_twin
+from sdt_kg.history.patch import patch_of, read_patch
+from sdt_kg.history.records import record_graph
+from sdt_kg.iri import PREFIXES, local_name
+from services.commands.options import ROBOT_HELP, annotation_option, json_flag, kitchen_argument
+from services.commands.show import print_json, print_rows
+from services.edits import EDITS, parse_edit, twin_of
+from services.store.files import FORMATS, is_saved_graph, readable
+
+SHORT_KEY = 12
+"""[characters] Of a hash, as it is shown."""
+
+WRITABLE = {suffix: FORMATS[suffix] for suffix in (".trig", ".nq")}
+robots_option = click.option("--robot", "robots", multiple=True, help=ROBOT_HELP + " Repeatable.")
+
+
+@click.command(epilog="EDIT is " + "; ".join(EDITS.values()) + ".")
+@kitchen_argument
+@click.argument("edits", nargs=-1, metavar="EDIT...")
+@robots_option
+@annotation_option
+@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE.trig|.nq")
+@json_flag
+def branch(
+    *,
+    kitchen: str,
+    edits: tuple[str, ...],
+    robots: tuple[str, ...],
+    annotation: str | None,
+    output: Path | None,
+    as_json: bool,
+) -> None:
+    """Branch KITCHEN (a name, a model, or a saved graph) by each EDIT in turn, and say what happened.
+
+    FILE gets the last twin and what is recorded of all branches; the samples of each trajectory are kept
+    beside it as FILE.HASH.npz. The file is a KITCHEN again, for sdt branch, diff and query.
+    """
+    if output is not None:
+        _format(output)
+    history = History.of(twin_of(kitchen, robots, annotation))
+    last = history.first
+    for text in edits:
+        history, last = history.derived(last, parse_edit(last.twin, text))
+    past = list(last.past())[::-1]
+    rows = [_row(each) for each in past]
+    if as_json:
+        print_json(rows)
+    else:
+        for row in rows:
+            row["events"] = "; ".join(str(each["text"]) for each in _events(row))
+        print_rows(rows, ("branch", "edit", "content_hash", "events"), "table")
+    if output is not None:
+        _save(history, past, output)
+
+
+def _events(row: dict[str, object]) -> Sequence[dict[str, object]]:
+    events = row["events"]
+    return events if isinstance(events, list) else []
+
+
+def _row(each: Branch) -> dict[str, object]:
+    events = [
+        {
+            "type": event.type.value,
+            "about": local_name(event.about),
+            "time": event.time,
+            "sample": event.sample,
+            "text": f"{local_name(event.about)} {event.type.value}"
+            + ("" if event.time is None else f" at {event.time:.3f} s"),
+        }
+        for event in each.events
+    ]
+    return {
+        "branch": local_name(each.iri)[:SHORT_KEY],
+        "iri": each.iri,
+        "edit": "the first branch" if each.edit is None else each.edit.sentence,
+        "content_hash": each.content_hash[:SHORT_KEY],
+        "events": events,
+    }
+
+
+def _format(path: Path) -> ox.RdfFormat:
+    if path.suffix not in WRITABLE:
+        raise InputError(f"no named graphs in '{path.name}'", allowed=", ".join(WRITABLE))
+    return WRITABLE[path.suffix]
+
+
+def _save(history: History, past: Sequence[Branch], output: Path) -> None:
+    store = ox.Store()
+    store.extend(quads_of_twin(past[-1].twin))
+    store.extend(history.store.dump([record_graph(each.iri) for each in past]))
+    _write(output, store)
+    click.echo(f"{output}: {len(store)} quads", err=True)
+    for each in past:
+        if each.trajectory is not None:
+            beside = output.with_name(f"{output.stem}.{local_name(each.trajectory.iri)[:SHORT_KEY]}.npz")
+            beside.write_bytes(each.trajectory.to_bytes())
+            click.echo(f"{beside}: {len(each.trajectory.times)} samples", err=True)
+
+
+def _write(path: Path, quads: ox.Store) -> None:
+    form = _format(path)
+    quads.dump(path, form, prefixes=PREFIXES if form == ox.RdfFormat.TRIG else None)
+
+
+@click.command()
+@click.argument("before", metavar="A")
+@click.argument("after", metavar="B")
+@robots_option
+@annotation_option
+@click.option(
+    "--patch",
+    "patch_file",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write it as RDF Patch too.",
+)
+@json_flag
+def diff(
+    *,
+    before: str,
+    after: str,
+    robots: tuple[str, ...],
+    annotation: str | None,
+    patch_file: Path | None,
+    as_json: bool,
+) -> None:
+    """How B differs from A, in sentences; each is a saved graph, a kitchen, or KITCHEN@JOINT=VALUE."""
+    first, second = (list(_quads(source, robots, annotation)) for source in (before, after))
+    found = difference(first, second)
+    sentences = found.sentences()
+    if as_json:
+        counts = {"removed": len(found.removed), "added": len(found.added)}
+        print_json({**counts, "sentences": sentences})
+    else:
+        click.echo("\n".join(sentences) if sentences else "nothing differs")
+        click.echo(f"{len(found.removed)} triples removed, {len(found.added)} added", err=True)
+    if patch_file is not None:
+        patch_file.write_text(patch_of(found, first, second).to_text(), encoding="utf-8")
+        click.echo(f"{patch_file}: {len(found.removed) + len(found.added)} changes", err=True)
+
+
+def _quads(source: str, robots: tuple[str, ...], annotation: str | None) -> ox.Store:
+    """The quads of a saved graph, whatever it holds, or of a twin."""
+    if is_saved_graph(source):
+        store = readable(source)
+        try:
+            return store.dump()
+        finally:
+            store.close()
+    copy = ox.Store()
+    copy.extend(quads_of_twin(twin_of(source, robots, annotation)))
+    return copy
+
+
+@click.command()
+@click.argument("patch_file", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="PATCH")
+@click.argument("source", metavar="A")
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE.trig|.nq")
+@click.option("--reverse", is_flag=True, help="Undo it: A is what it makes.")
+def patch(patch_file: Path, source: str, output: Path, reverse: bool) -> None:
+    """Apply an RDF Patch that sdt diff wrote to A, a saved graph or kitchen, and write what that makes."""
+    _format(output)
+    try:
+        made = read_patch(patch_file.read_text(encoding="utf-8"))
+    except UnicodeDecodeError as error:
+        raise InputError(f"{patch_file} is not text: {error}", allowed="RDF Patch in UTF-8") from None
+    store = ox.Store()
+    store.extend((made.reverse() if reverse else made).applied(_quads(source, (), None)))
+    _write(output, store)
+    click.echo(f"{output}: {len(store)} quads")

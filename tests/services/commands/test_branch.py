@@ -1,0 +1,82 @@
+"""`sdt branch`, `sdt diff`, `sdt patch`: as people type them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sdt_kg.history import Trajectory
+from tests.small import FOLDER
+
+KITCHEN = str(FOLDER / "b.urdf")
+
+
+def test_edits_make_branches_whose_file_is_a_kitchen_again(sdt, tmp_path: Path) -> None:
+    saved = str(tmp_path / "branch.nq")
+    edits = (
+        "move:top_drawer=open",
+        "box:crate=0.3,0.3,0.3@1,0,0.15",
+        "set:top_drawer_joint.velocityLimit=0.2",
+    )
+    rows = sdt("branch", KITCHEN, *edits, "-o", saved, "--json").json
+    assert [row["edit"].split()[0] for row in rows] == ["the", "moved", "b:", "b:"]
+    assert [event["type"] for event in rows[1]["events"]][:1] == ["Opened"]
+    again = sdt("branch", saved, "without:crate", "--json").json
+    assert again[0]["content_hash"] == rows[-1]["content_hash"]
+    (row,) = sdt("query", saved, "-f", str(QUERIES / "when_opened.rq"), "--json").json
+    assert row["container"].endswith("top_drawer")
+
+
+QUERIES = Path(__file__).parents[3] / "ontology" / "queries"
+
+
+def test_a_difference_goes_there_and_back(sdt, tmp_path: Path) -> None:
+    other, patch, made = (str(tmp_path / name) for name in ("other.nq", "p.rdfp", "made.nq"))
+    assert sdt("branch", KITCHEN, "move:top_drawer=open", "-o", other).code == 0
+    assert sdt("diff", KITCHEN, f"{KITCHEN}@top_drawer=open").out.startswith(
+        "top_drawer_joint moved from 0 to"
+    )
+    assert "top_drawer closed → open" in sdt("diff", KITCHEN, other, "--patch", patch).out
+    assert sdt("patch", patch, KITCHEN, "-o", made).code == 0
+    assert sdt("diff", other, made).out == "nothing differs\n"
+    assert sdt("patch", patch, made, "--reverse", "-o", made).code == 0
+    assert sdt("diff", KITCHEN, made, "--json").json == {"removed": 0, "added": 0, "sentences": []}
+    refused = sdt("patch", patch, other, "-o", made)
+    assert refused.code == 2
+    assert "not made for these quads" in refused.err
+
+
+def test_samples_of_a_followed_motion_are_kept_beside_the_graph(sdt, tmp_path: Path) -> None:
+    motion, saved = tmp_path / "m.npz", tmp_path / "branch.trig"
+    assert sdt("causes", KITCHEN, "--task", "open:top_drawer", "--motion-out", str(motion)).code == 0
+    rows = sdt("branch", KITCHEN, f"follow:{motion}", "-o", str(saved), "--json").json
+    assert [event["type"] for event in rows[1]["events"]][:2] == ["NoLongerClosed", "Opened"]
+    (beside,) = tmp_path.glob("branch.*.npz")
+    trajectory = Trajectory.from_bytes(beside.read_bytes())
+    assert (np.diff(trajectory.times) > 0).all()
+    assert trajectory.joints == ("https://example.org/id/b/joint/top_drawer_joint",)
+
+
+@pytest.mark.parametrize(
+    ("edit", "message"),
+    [
+        ("nonsense", "is no edit"),
+        ("move:drawer=1", "no joint or container named 'drawer'"),
+        ("move:top_drawer=9", "outside its limits"),
+        ("set:top_drawer_joint.uperLimit=1", "did you mean 'upperLimit'"),
+        ("set:top_drawer_joint=1", "names no property"),
+        ("set:top_drawer_joint.upperLimit=wide", "finite number"),
+        ("box:crate=1,1", "is not 3 finite number"),
+        ("box:crate=1,1,0", "not above 0"),
+        ("box:top_drawer=1,1,1", "cannot name an obstacle"),
+        ("pose:nowhere=1,2,3", "no joint named 'nowhere'"),
+        ("without:crate", "no obstacle named 'crate'"),
+        ("robot:nobody", "no robot named 'nobody'"),
+        ("follow:nowhere.npz", "no file at nowhere.npz"),
+    ],
+)
+def test_a_wrong_edit_is_refused_in_one_line(sdt, edit: str, message: str) -> None:
+    done = sdt("branch", KITCHEN, edit)
+    assert done.code == 2
+    assert message in done.err
+    assert done.err.count("\n") == 1
