@@ -37,12 +37,16 @@ class Policy:
         base: Start pose x, y [m], yaw [rad]; None takes the kitchen's, turned towards the handle.
         budget: Seconds of search for each container.
         seed: Of the search.
+        any_start: Whether a body motion that is given may begin anywhere, in any posture.
+        contact: How far a finger may be from the handle that it holds [m]; None takes the certifier's.
     """
 
     drive: Drive | None = None
     base: tuple[float, float, float] | None = None
     budget: float = DEFAULT_BUDGET
     seed: int = 0
+    any_start: bool = False
+    contact: float | None = None
 
 
 class Oracles(Protocol):
@@ -142,7 +146,14 @@ class Service:
             return self.oracles.embodiment(policy)
         from services.embodiment.oracle import WholeBody  # noqa: PLC0415 - not needed without a robot
 
-        return WholeBody(drive=policy.drive, start=policy.base, budget=policy.budget, seed=policy.seed)
+        return WholeBody(
+            drive=policy.drive,
+            start=policy.base,
+            budget=policy.budget,
+            seed=policy.seed,
+            any_start=policy.any_start,
+            contact=policy.contact,
+        )
 
     def _case(self, task: str | Task, robot: str | Iri | None, motion: Motion | BodyMotion | None) -> Case:
         case = Case(self.twin, robot=self.robot(robot), task=self._task(task))

@@ -40,8 +40,17 @@ SOME_NOT_EXIT, ABSTAINED_EXIT = 1, 3
 @click.option(
     "--motion",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
-    metavar="FILE.npz",
-    help="Verify this motion, of a container or of the robot, instead of making one.",
+    metavar="FILE",
+    help="Verify this motion, of a container or of the robot, instead of making one: .npz, .json, .csv or "
+    "a ROS 2 bag (.mcap).",
+)
+@click.option("--any-start", is_flag=True, help="A robot's motion may begin anywhere, in any posture.")
+@click.option(
+    "--contact-tolerance",
+    "contact",
+    type=click.FloatRange(min=0, max=0.1),
+    metavar="M",
+    help="How far a finger may be from the handle that it holds; without it 0.002.",
 )
 @states_option
 @click.option(
@@ -58,7 +67,13 @@ SOME_NOT_EXIT, ABSTAINED_EXIT = 1, 3
     "--motion-out",
     type=click.Path(path_type=Path),
     metavar="FILE.npz",
-    help="Write the certified body motion.",
+    help="Write the certified body motion: .npz, .json or .csv.",
+)
+@click.option(
+    "--certificate",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write what re-verifies the verdict, for sdt recheck.",
 )
 @json_flag
 def achieve(
@@ -67,6 +82,8 @@ def achieve(
     robot: str,
     task: str,
     motion: Path | None,
+    any_start: bool,
+    contact: float | None,
     states: tuple[str, ...],
     base: str | None,
     drive: str | None,
@@ -75,6 +92,7 @@ def achieve(
     seed: int,
     save: str | None,
     motion_out: Path | None,
+    certificate: Path | None,
     as_json: bool,
 ) -> None:
     """Can ROBOT achieve TASK in KITCHEN? Makes a motion, or verifies the one given.
@@ -83,7 +101,7 @@ def achieve(
 
     Exit 0 all certified, 1 some not, 3 all abstained, 2 bad input.
     """
-    policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed)
+    policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed, any_start, contact)
     service = load(kitchen, [robot], annotation=annotation, state=states, policy=policy)
     given = read_motion(motion, service.twin, service.robot(None)) if motion else None
     verdicts: list[Verdict] = []
@@ -99,6 +117,8 @@ def achieve(
     objects = [to_json(verdict) for verdict in verdicts]
     if motion_out:
         _write_motion(verdicts, motion_out)
+    if certificate:
+        _write_certificate(verdicts, certificate)
     if as_json:
         print_json(objects)
     else:
@@ -112,6 +132,19 @@ def _exit_code(verdicts: Sequence[Verdict]) -> int:
     if outcomes == {Outcome.CERTIFIED}:
         return 0
     return ABSTAINED_EXIT if outcomes == {Outcome.ABSTAINED} else SOME_NOT_EXIT
+
+
+def _write_certificate(verdicts: Sequence[Verdict], path: Path) -> None:
+    answers = [verdict.can_perform for verdict in verdicts]
+    artefacts = [each.artefact for each in answers if each is not None and each.artefact is not None]
+    if len(verdicts) > 1:
+        raise InputError(
+            "--certificate takes one verdict", allowed="a task with a container, such as open:CONTAINER"
+        )
+    if artefacts:
+        path.write_bytes(artefacts[0].content)
+    else:
+        click.echo(f"{path} is not written: nothing was certified or proved", err=True)
 
 
 def _write_motion(verdicts: Sequence[Verdict], path: Path) -> None:

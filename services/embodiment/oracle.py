@@ -35,6 +35,9 @@ Start = tuple[float, float, float]
 EMBODIMENT_VERSION = "1"
 """Raised whenever an answer of this oracle may change."""
 
+ANY_START = "where and as the motion begins"
+"""The start of a body motion that may begin anywhere."""
+
 SCENES_KEPT = 4
 """[1] Scenes (kitchen, robot and state) that are kept between questions."""
 
@@ -58,13 +61,22 @@ class WholeBody:
         start: Base pose x, y [m], yaw [rad]; None takes the kitchen's, turned to the handle.
         budget: Seconds of search for one case.
         seed: Of the search: the same seed gives the same answer, but for the budget.
+        any_start: Whether a body motion that is given may begin anywhere, in any posture.
+        contact: How far a finger may be from the handle that it holds [m]; None takes the certifier's.
     """
 
-    def __init__(
-        self, drive: Drive | None = None, start: Start | None = None, budget: float = 20.0, seed: int = 0
+    def __init__(  # noqa: PLR0913, PLR0917  # a policy
+        self,
+        drive: Drive | None = None,
+        start: Start | None = None,
+        budget: float = 20.0,
+        seed: int = 0,
+        any_start: bool = False,
+        contact: float | None = None,
     ) -> None:
         self.drive, self.start, self.budget, self.seed = drive, start, budget, seed
-        self.tolerances, self.margins = Tolerances(), Margins()
+        self.any_start, self.margins = any_start, Margins()
+        self.tolerances = Tolerances() if contact is None else replace(Tolerances(), contact=contact)
         self._physics = Kinematics()
         self._compiled = False
         self._worlds: list[tuple[object, tuple[object, ...], tuple[World, Kits, dict[str, Roads]]]] = []
@@ -79,7 +91,7 @@ class WholeBody:
         grasps = hashlib.sha256(grasp_settings().encode()).hexdigest()[:16]
         return (
             ("drive", self._drive(twin, robot).value),
-            ("start", "{:g}, {:g}, {:g}".format(*start) + turned),
+            ("start", ANY_START if self.any_start else "{:g}, {:g}, {:g}".format(*start) + turned),
             ("tolerances", repr(self.tolerances)),
             ("margins", repr(self.margins)),
             ("grasp set", grasps),
@@ -138,11 +150,13 @@ class WholeBody:
             container,
             self.tolerances,
             drive=drive,
-            start=self._start(case.twin, world, container),
+            start=None if self.any_start else self._start(case.twin, world, container),
             scene=world.scene,
+            in_full=True,
         )
         clock.spent("certify", at)
         notes = (f"drive: {drive.value}", "the body motion was given; it was only checked")
+        notes += (f"start: {ANY_START}",) if self.any_start else ()
         if isinstance(outcome, Certified):
             return _certified(case, notes, clock, outcome)
         return Answer(case, False, outcome.diagnoses, notes, clock.seconds)

@@ -131,6 +131,8 @@ def policy_plain(policy: Policy) -> Plain:
         "base": None if policy.base is None else list(policy.base),
         "budget": policy.budget,
         "seed": policy.seed,
+        "any_start": policy.any_start,
+        "contact": policy.contact,
     }
 
 
@@ -138,7 +140,14 @@ def policy_value(plain: Mapping[str, Any]) -> Policy:
     """The policy of these fields."""
     drive, base = plain["drive"], plain["base"]
     start = None if base is None else (float(base[0]), float(base[1]), float(base[2]))
-    return Policy(None if drive is None else Drive(drive), start, plain["budget"], plain["seed"])
+    return Policy(
+        None if drive is None else Drive(drive),
+        start,
+        plain["budget"],
+        plain["seed"],
+        any_start=plain["any_start"],
+        contact=plain["contact"],
+    )
 
 
 def _diagnoses(plain: object) -> tuple[Diagnosis, ...]:

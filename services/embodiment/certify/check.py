@@ -17,6 +17,7 @@ from services.embodiment.certify.held.hold import Hold, begin
 from services.embodiment.certify.limits import drive_limits, joint_limits, kitchen_keeps
 from services.embodiment.certify.motion import of_another_robot, rests, whole_motion
 from services.embodiment.certify.motion import start as starts
+from services.embodiment.certify.survey import survey
 from services.embodiment.certify.sweep.kinematics import joint_axes
 from services.embodiment.certify.sweep.pieces import Pieces
 from services.embodiment.certify.sweep.subject import Subject, subject
@@ -70,6 +71,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     drive: Drive,
     start: tuple[float, float, float] | None = None,
     scene: Scene | None = None,
+    in_full: bool = False,
 ) -> Certified | Refused:
     """Whether the robot can move so, and moves that container by its handle and nothing else.
 
@@ -86,6 +88,8 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
         start: Base pose x, y [m], yaw [rad] at which the robot has to start, parked; None if any
             start will do.
         scene: The scene of this twin and robot if it is built already.
+        in_full: Whether a refusal is to have every kind of collision with its depth, and how the handle
+            is held and let go; takes longer, and changes no refusal into a certificate or back.
 
     Raises:
         MotionError: The arrays are no motion: shapes, times, values which are not numbers.
@@ -110,6 +114,8 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     findings.add(collisions(checked, hold))
     findings.add(_end(scene, pieces, container))
     if findings.violations:
+        if in_full:
+            findings.with_survey(_survey(checked, container, motion.gripper))
         return Refused(findings.diagnoses(), findings.figures)
     certificate = Certificate(
         models=models_of(twin, robot),
@@ -144,6 +150,11 @@ def _hold(checked: Subject, container: Container, name: str) -> tuple[Hold | Non
         findings.add(hold.follows())
         findings.add(hold.keeps_fingers())
     return hold, findings
+
+
+def _survey(checked: Subject, container: Container, name: str) -> Findings:
+    grippers = [one for one in checked.scene.annotation.grippers if name in {"", one.name}]
+    return survey(checked, container, grippers, begin(checked.scene, checked.pieces, container))
 
 
 def _end(scene: Scene, pieces: Pieces, container: Container) -> Findings:

@@ -57,7 +57,7 @@ def _touch(checked: Subject, hold: Hold | None, own: NDArray[np.bool_]) -> Pairs
     kept = _keep(checked, checked.scene.environment_pairs[own])
     if hold is None:
         return kept
-    held = np.full(len(kept.shapes), -checked.tolerances.contact)
+    held = np.full(len(kept.shapes), -checked.tolerances.depth)
     return Pairs(kept.shapes, kept.least, held, hold.arrived())
 
 

@@ -47,6 +47,16 @@ class Findings:
         self.figures.update(found.figures)
         self.nearest.extend(found.nearest)
 
+    def with_survey(self, surveyed: "Findings") -> None:
+        """The survey's violations as well; its collisions in place of ours of the same scope."""
+        scopes = {each.evidence.scope for each in surveyed.violations if each.evidence.scope}
+        self.violations = [
+            each
+            for each in self.violations
+            if not (each.rule.startswith("collision: ") and each.evidence.scope in scopes)
+        ]
+        self.violations.extend(surveyed.violations)
+
     def diagnoses(self) -> tuple[Diagnosis, ...]:
         """The first and the worst violation of each rule, rules in the order of their checks."""
         by_rule: dict[str, list[Violation]] = {}

@@ -11,9 +11,10 @@ class Tolerances:
     Attributes:
         margin: Distance to be kept from everything, beyond the robot's overhang [m].
         resolution: A pair that keeps less than this beyond the margin may be refused [m].
-        contact: How far a finger may be from the handle that it holds, and how deep in it [m].
+        contact: How far a finger may be from the handle that it holds [m].
+        depth: How deep it may be in it [m].
         engaged: How far each finger has to reach over the handle that it holds, up, down, forth
-            and back [m]. Ours: more than `contact`, so that no fingertip that stands in front of a
+            and back [m]. Ours: more than `depth`, so that no fingertip that stands in front of a
             bar, or is as deep in its front as it may be, counts; and more than `tool_position`,
             so that what is held stays so while the tool slips.
         facing: Between the closing direction and the faces with which fingers and handle meet [rad].
@@ -33,6 +34,7 @@ class Tolerances:
     margin: float = 0.0
     resolution: float = 1e-4
     contact: float = 0.002
+    depth: float = 0.002
     engaged: float = 0.003
     facing: float = math.radians(30.0)
     tool_position: float = 0.002

@@ -13,6 +13,9 @@ from services.embodiment.certify.certificate import Certificate
 from services.embodiment.certify.check import Certified, certify
 from services.physics.model import Scene
 
+ANY_START = "where and as the motion begins"
+"""How a verdict's input says that no start was demanded."""
+
 TURNED = ", turned to the handle"
 """How a verdict's input says that the start's yaw is not given, but follows from the handle."""
 
@@ -44,7 +47,7 @@ class Certifier:
         """Whether the certificate's start pose is what a verdict's input `start` says."""
         start = self.certificate.start
         if start is None or text is None:
-            return start is None and text is None
+            return start is None and text == ANY_START
         x, y, yaw = start
         if not text.endswith(TURNED):
             return text == f"{x:g}, {y:g}, {yaw:g}"
