@@ -5,140 +5,167 @@ from pathlib import Path
 import click
 import numpy as np
 
-from predicates.learn import UP, Articulation, Learned, learn
+from predicates.learn import UP, Learned, learn
 from sdt_kg.errors import InputError
-from sdt_kg.mechanism import JointType
-from services.commands.options import json_flag
-from services.commands.show import console, print_json, print_rows
+from sdt_kg.mechanism import Pose
+from services.app import Service, load
+from services.commands.learned import (
+    kitchen_row,
+    learned_row,
+    proposal_row,
+    show_kitchen,
+    show_learned,
+    task_text,
+)
+from services.commands.options import KITCHEN_HELP, json_flag, states_option
+from services.commands.show import print_json
 from services.commands.verdicts import Json
+from services.learning import Seen, placed, proposal_for, seen_in, write_branch
 from services.tracks import read_track
 
-UNIT = {JointType.FIXED: "m", JointType.PRISMATIC: "m", JointType.REVOLUTE: "rad"}
+NOT_REPLAYED_EXIT = 1
 
 
 @click.command("learn")
 @click.argument("track", type=click.Path(path_type=Path))
+@click.option("--kitchen", metavar="KITCHEN", help=KITCHEN_HELP)
+@click.option("--container", metavar="NAME", help="Whose motion it is; without it, the one that fits best.")
+@states_option
+@click.option(
+    "--at",
+    metavar="X,Y,Z,QX,QY,QZ,QW",
+    help="Pose of the track's frame in the kitchen's root frame [m, quaternion]; without it, they are one.",
+)
 @click.option(
     "--up",
     default="0,0,1",
     show_default=True,
     metavar="X,Y,Z|none",
-    help="Up in the track's frame: axes are then expected upright or level; none where it is not known.",
+    help="Up in the track's frame: axes are expected upright or level; none where it is not known.",
 )
 @click.option("--topic", metavar="TOPIC", help="ROS bags: the topic that has the poses.")
 @click.option("--frame", metavar="FRAME", help="ROS bags: the TF frame that is meant.")
+@click.option("--accept", is_flag=True, help="Write the proposed twin. Without it nothing is accepted.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="BRANCH.trig",
+    help="Where --accept writes; CONTAINER.learned.trig if not said.",
+)
 @json_flag
-def learn_command(*, track: Path, up: str, topic: str | None, frame: str | None, as_json: bool) -> None:
+def learn_command(
+    *,
+    track: Path,
+    kitchen: str | None,
+    container: str | None,
+    states: tuple[str, ...],
+    at: str | None,
+    up: str,
+    topic: str | None,
+    frame: str | None,
+    accept: bool,
+    output: Path | None,
+    as_json: bool,
+) -> None:
     """Learn from TRACK, an observed motion of a handle or any other point.
 
     TRACK has columns x y z [m], optional t [s] before, qx qy qz qw and fx fy fz [N] after them, or a header
-    with these names; or it is an .npz, an .mcap or the folder of a ROS 2 bag.
+    with these names; or it is an .npz, an .mcap or the folder of a ROS 2 bag. With a kitchen: which known
+    task it satisfies and whether the twin can replay it; where not, the twin that could is proposed.
+
+    Exit 0 done, 1 the twin cannot replay the track and no other was accepted, 2 bad input.
     """
-    learned = learn(read_track(track, topic=topic, frame=frame), parse_up(up))
+    if kitchen is None and (container or states or at or accept):
+        raise InputError("without a kitchen there is nothing to compare with", remedy="give --kitchen")
+    if output is not None and not accept:
+        raise InputError("-o without --accept", remedy="say --accept to write the proposed twin")
+    observed = read_track(track, topic=topic, frame=frame)
+    if at is not None:
+        observed = placed(observed, parse_pose(at))
+    learned = learn(observed, parse_up(up))
     row = learned_row(learned)
+    if kitchen is not None:
+        row |= _in_kitchen(
+            load(kitchen, state=states), learned, container, output if accept else None, accept
+        )
     if as_json:
         print_json(row)
-        return
+    else:
+        _show(row)
+    if kitchen is not None and not row["kitchen"]["replayed"] and not row["accepted"]:
+        raise SystemExit(NOT_REPLAYED_EXIT)
+
+
+def _show(row: Json) -> None:
     show_learned(row)
+    if "kitchen" in row:
+        show_kitchen(row["kitchen"], row["proposal"])
+    if row.get("accepted"):
+        click.echo(f"accepted: {row['accepted']}")
+
+
+def _in_kitchen(
+    service: Service, learned: Learned, container: str | None, output: Path | None, accept: bool
+) -> Json:
+    """What the track is in the kitchen; where the twin cannot replay it, what is proposed."""
+    seen = seen_in(service.twin, learned, service.physics, container)
+    row: Json = {"kitchen": kitchen_row(seen), "proposal": None, "accepted": None}
+    tasks = [task_text(each) for each in seen.explanation.tasks] if seen.fits else []
+    if not seen.fits:
+        row["proposal"], row["accepted"], tasks = _proposed(service, learned, seen, output, accept)
+    elif accept:
+        raise InputError(
+            f"the twin has the path of {seen.followed.container.name} already",
+            allowed="a track that the twin cannot replay",
+            remedy="leave out --accept",
+        )
+    return row | {"task": ", ".join(tasks) or None}
+
+
+def _proposed(
+    service: Service, learned: Learned, seen: Seen, output: Path | None, accept: bool
+) -> tuple[Json, str | None, list[str]]:
+    """The proposal, where it was written, and the tasks that the track satisfies in it."""
+    proposal, after = proposal_for(service.twin, learned, seen, service.physics)
+    row, accepted = proposal_row(proposal, after), None
+    if accept and not after.replayed:
+        reasons = "; ".join(row["reasons"]) or "too far off"
+        raise InputError(
+            f"the proposed twin does not replay the track either: {reasons}",
+            allowed="a proposal under which Causes holds",
+        )
+    if accept:
+        path = output or Path(f"{proposal.container.name}.learned.trig")
+        write_branch(path, proposal, learned.track, service.twin)
+        accepted = str(path)
+    return row, accepted, list(row["tasks"])
 
 
 def parse_up(text: str) -> np.ndarray | None:
     """Unit vector of `X,Y,Z`; None of `none`."""
     if text.strip().lower() == "none":
         return None
-    try:
-        up = np.array([float(part) for part in text.split(",")])
-    except ValueError:
-        up = np.zeros(0)
+    up = _numbers(text)
     if up.shape != (3,) or not np.isfinite(up).all() or not np.linalg.norm(up):
         raise InputError(f"'{text}' is no direction", allowed="X,Y,Z, for example 0,0,1, or none")
     return UP if np.array_equal(up, UP) else up / np.linalg.norm(up)
 
 
-def learned_row(learned: Learned) -> Json:
-    """What was learned, as JSON; vectors in the track's frame."""
-    best, track = learned.best, learned.track
-    candidates = [
-        _candidate_row(each, probability)
-        for each, probability in zip(learned.candidates, learned.probabilities, strict=True)
-    ]
-    return {
-        **_joint_row(best),
-        "samples": len(track.positions),
-        "missing": track.missing,
-        "outliers": best.outliers,
-        "candidates": candidates,
-        "task": None,
-        "notes": _notes(learned),
-    }
+def parse_pose(text: str) -> Pose:
+    """Pose of `X,Y,Z` or `X,Y,Z,QX,QY,QZ,QW`."""
+    numbers = _numbers(text)
+    if numbers.shape == (3,):
+        numbers = np.concatenate([numbers, [0.0, 0.0, 0.0, 1.0]])
+    norm = float(np.linalg.norm(numbers[3:]))
+    if numbers.shape != (7,) or not np.isfinite(numbers).all() or abs(norm - 1) > 0.01:
+        raise InputError(f"'{text}' is no pose", allowed="X,Y,Z or X,Y,Z,QX,QY,QZ,QW, a unit quaternion")
+    x, y, z, qx, qy, qz, qw = (float(value) for value in (*numbers[:3], *numbers[3:] / norm))
+    return Pose((x, y, z), (qx, qy, qz, qw))
 
 
-def _joint_row(joint: Articulation) -> Json:
-    fixed, revolute = joint.joint_type is JointType.FIXED, joint.joint_type is JointType.REVOLUTE
-    return {
-        "joint_type": joint.joint_type.value,
-        "axis": None if fixed else joint.axis.tolist(),
-        "origin": joint.origin.tolist(),
-        "radius": joint.radius if revolute else None,
-        "limits": None if fixed else list(joint.limits),
-        "unit": UNIT[joint.joint_type],
-        "residual_rms": joint.residual_rms,
-        "scale": joint.scale,
-        "standard_deviations": {k: v for k, v in joint.deviations.items() if k != "zero"},
-    }
-
-
-def _candidate_row(joint: Articulation, probability: float) -> Json:
-    return {**_joint_row(joint), "evidence": joint.evidence, "probability": probability}
-
-
-def _notes(learned: Learned) -> list[str]:
-    best, notes = learned.best, list[str]()
-    if learned.track.missing:
-        notes.append(f"{learned.track.missing} samples have no position and were left out")
-    if not learned.track.timed:
-        notes.append("the track has no times: its samples are taken in their order")
-    if best.outliers:
-        notes.append(f"{best.outliers} samples are farther than 5 scales from the path")
-    if learned.probabilities[0] < SURE:
-        second = learned.candidates[1].joint_type.value
-        notes.append(f"unsure: {second} has the probability {learned.probabilities[1]:.2f}")
-    if best.joint_type is not JointType.FIXED:
-        notes.append("limits are what was seen, not where the joint stops")
-    return notes
-
-
-SURE = 0.95
-"""[1] Below this probability the report says which other joint it may be."""
-
-
-def show_learned(row: Json) -> None:
-    """Print what was learned, for people."""
-    unit, deviations = row["unit"], row["standard_deviations"]
-    lines = {
-        "joint": row["joint_type"],
-        "axis": _vector(row["axis"], deviations.get("axis"), "rad"),
-        "origin": _vector(row["origin"], deviations.get("origin"), "m"),
-        "radius": _figure(row["radius"], deviations.get("radius"), "m"),
-        "seen": None if row["limits"] is None else f"{row['limits'][0]:.3f} to {row['limits'][1]:.3f} {unit}",
-        "residual": f"{row['residual_rms'] * 1000:.1f} mm rms, {row['scale'] * 1000:.1f} mm without outliers",
-        "samples": f"{row['samples']}, {row['missing']} missing, {row['outliers']} outliers",
-        "task": row["task"],
-    }
-    for name, text in lines.items():
-        if text is not None:
-            console().print(f"{name:<10}{text}", highlight=False)
-    print_rows(row["candidates"], ("joint_type", "evidence", "probability", "residual_rms"), "table")
-    for note in row["notes"]:
-        click.echo(f"note: {note}", err=True)
-
-
-def _vector(values: list[float] | None, deviation: float | None, unit: str) -> str | None:
-    if values is None:
-        return None
-    shown = ", ".join(f"{value:.3f}" for value in values)
-    return f"({shown})" + (f" ± {deviation:.3f} {unit}" if deviation is not None else "")
-
-
-def _figure(value: float | None, deviation: float | None, unit: str) -> str | None:
-    return None if value is None or deviation is None else f"{value:.3f} ± {deviation:.3f} {unit}"
+def _numbers(text: str) -> np.ndarray:
+    try:
+        return np.array([float(part) for part in text.split(",")])
+    except ValueError:
+        return np.zeros(0)

@@ -1,0 +1,181 @@
+"""What was learned from a track, as JSON and for people."""
+
+import math
+
+import click
+
+from predicates.learn import Articulation, Learned
+from predicates.learn.proposal import Proposal
+from sdt_kg.iri import local_name
+from sdt_kg.mechanism import Joint, JointType
+from sdt_kg.task import Task
+from services.commands.show import console, print_rows
+from services.commands.verdicts import Json
+from services.learning import Seen
+
+UNIT = {JointType.FIXED: "m", JointType.PRISMATIC: "m", JointType.REVOLUTE: "rad"}
+
+SURE = 0.95
+"""[1] Below this probability the report says which other joint it may be."""
+
+
+def learned_row(learned: Learned) -> Json:
+    """What was learned, as JSON; vectors in the track's frame."""
+    best, track = learned.best, learned.track
+    candidates = [
+        _candidate_row(each, probability)
+        for each, probability in zip(learned.candidates, learned.probabilities, strict=True)
+    ]
+    return {
+        **_joint_row(best),
+        "samples": len(track.positions),
+        "missing": track.missing,
+        "outliers": best.outliers,
+        "candidates": candidates,
+        "task": None,
+        "notes": _notes(learned),
+    }
+
+
+def _joint_row(joint: Articulation) -> Json:
+    fixed, revolute = joint.joint_type is JointType.FIXED, joint.joint_type is JointType.REVOLUTE
+    return {
+        "joint_type": joint.joint_type.value,
+        "axis": None if fixed else joint.axis.tolist(),
+        "origin": joint.origin.tolist(),
+        "radius": joint.radius if revolute else None,
+        "limits": None if fixed else list(joint.limits),
+        "unit": UNIT[joint.joint_type],
+        "residual_rms": joint.residual_rms,
+        "scale": joint.scale,
+        "standard_deviations": {k: v for k, v in joint.deviations.items() if k != "zero"},
+    }
+
+
+def _candidate_row(joint: Articulation, probability: float) -> Json:
+    return {**_joint_row(joint), "evidence": joint.evidence, "probability": probability}
+
+
+def _notes(learned: Learned) -> list[str]:
+    best, notes = learned.best, list[str]()
+    if learned.track.missing:
+        notes.append(f"{learned.track.missing} samples have no position and were left out")
+    if not learned.track.timed:
+        notes.append("the track has no times: its samples are taken in their order")
+    if best.outliers:
+        notes.append(f"{best.outliers} samples are farther than 5 scales from the path")
+    if learned.probabilities[0] < SURE:
+        second = learned.candidates[1].joint_type.value
+        notes.append(f"unsure: {second} has the probability {learned.probabilities[1]:.2f}")
+    if best.joint_type is not JointType.FIXED:
+        notes.append("limits are what was seen, not where the joint stops")
+    return notes
+
+
+def show_learned(row: Json) -> None:
+    """Print what was learned, for people."""
+    unit, deviations = row["unit"], row["standard_deviations"]
+    lines = {
+        "joint": row["joint_type"],
+        "axis": _vector(row["axis"], deviations.get("axis"), "rad"),
+        "origin": _vector(row["origin"], deviations.get("origin"), "m"),
+        "radius": _figure(row["radius"], deviations.get("radius"), "m"),
+        "seen": None if row["limits"] is None else f"{row['limits'][0]:.3f} to {row['limits'][1]:.3f} {unit}",
+        "residual": f"{row['residual_rms'] * 1000:.1f} mm rms, {row['scale'] * 1000:.1f} mm without outliers",
+        "samples": f"{row['samples']}, {row['missing']} missing, {row['outliers']} outliers",
+        "task": row["task"],
+    }
+    for name, text in lines.items():
+        if text is not None:
+            console().print(f"{name:<10}{text}", highlight=False)
+    print_rows(row["candidates"], ("joint_type", "evidence", "probability", "residual_rms"), "table")
+    for note in row["notes"]:
+        click.echo(f"note: {note}", err=True)
+
+
+def _vector(values: list[float] | None, deviation: float | None, unit: str) -> str | None:
+    if values is None:
+        return None
+    shown = ", ".join(f"{value:.3f}" for value in values)
+    return f"({shown})" + (f" ± {deviation:.3f} {unit}" if deviation is not None else "")
+
+
+def _figure(value: float | None, deviation: float | None, unit: str) -> str | None:
+    return None if value is None or deviation is None else f"{value:.3f} ± {deviation:.3f} {unit}"
+
+
+def kitchen_row(seen: Seen) -> Json:
+    """What a track is in a kitchen."""
+    diagnoses = [each.reason for verdict in seen.explanation.verdicts for each in verdict.diagnoses]
+    one = seen.followed
+    return {
+        "container": one.container.name,
+        "joint": local_name(one.container.joint),
+        "handle_distance": one.reach,
+        "replayed": seen.replayed,
+        "path_fits": seen.fits,
+        "distance_median": float(sorted(one.distances)[len(one.distances) // 2]),
+        "start": float(seen.motion.values[0, 0]),
+        "end": float(seen.motion.values[-1, 0]),
+        "time_stretch": None if math.isnan(seen.stretch) else seen.stretch,
+        "tasks": [task_text(each) for each in seen.explanation.tasks] if seen.fits else [],
+        "reasons": [] if seen.replayed else diagnoses,
+    }
+
+
+def task_text(task: Task) -> str:
+    """`open:CONTAINER`."""
+    name = local_name(task.container) if isinstance(task.container, str) else ""
+    return f"{task.verb.value}:{name}"
+
+
+def proposal_row(proposal: Proposal, after: Seen) -> Json:
+    """The joint that would allow what was seen, and whether the twin that has it replays it."""
+    return {
+        "joint": proposal.after.name,
+        "before": _twin_joint_row(proposal.before),
+        "after": _twin_joint_row(proposal.after),
+        "seen": list(proposal.seen),
+        "residual_rms": proposal.learned.residual_rms,
+        "assumptions": list(proposal.assumptions),
+        "replayed": after.replayed,
+        "tasks": [task_text(each) for each in after.explanation.tasks] if after.fits else [],
+        "reasons": [] if after.replayed else kitchen_row(after)["reasons"],
+    }
+
+
+def _twin_joint_row(joint: Joint) -> Json:
+    return {
+        "joint_type": joint.type.value,
+        "origin": list(joint.origin.position),
+        "axis": list(joint.axis),
+        "limits": [joint.limits.lower, joint.limits.upper],
+        "parent": joint.parent,
+    }
+
+
+def show_kitchen(row: Json, proposal: Json | None) -> None:
+    """Print what the track is in the kitchen, and what is proposed, for people."""
+    print_line = console().print
+    verdict = "replays it" if row["replayed"] else "cannot replay it"
+    print_line(
+        f"\nkitchen   {row['container']}, {row['start']:.3f} to {row['end']:.3f}: the twin {verdict},"
+        f" median distance {row['distance_median'] * 1000:.1f} mm",
+        highlight=False,
+    )
+    print_line(f"tasks     {', '.join(row['tasks']) or 'none'}", highlight=False)
+    for reason in row["reasons"]:
+        print_line(f"          {reason}", highlight=False)
+    if proposal is None:
+        return
+    before, after = proposal["before"], proposal["after"]
+    low, high = after["limits"]
+    print_line(
+        f"proposed  {proposal['joint']}: {before['joint_type']} → {after['joint_type']},"
+        f" axis {_vector(after['axis'], None, '')}, limits {low:.3f} to {high:.3f};"
+        f" the twin then {'replays' if proposal['replayed'] else 'still cannot replay'} it",
+        highlight=False,
+    )
+    print_line(f"tasks     {', '.join(proposal['tasks']) or 'none'} in the proposed twin", highlight=False)
+    for assumption in [*proposal["assumptions"], *proposal["reasons"]]:
+        print_line(f"          {assumption}", highlight=False)

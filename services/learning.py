@@ -1,0 +1,132 @@
+"""Mode 3 put together: a track, a kitchen, what the Law says of it, and Φ′ where Φ does not replay it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pyoxigraph as ox
+from scipy.spatial.transform import Rotation
+
+from predicates.learn import Learned, Track
+from predicates.learn.explain import Explanation, explain
+from predicates.learn.proposal import Proposal, propose
+from predicates.learn.record import learned_graph, learned_triples
+from predicates.oracle import Physics
+from sdt_kg.errors import InputError
+from sdt_kg.iri import PREFIXES
+from sdt_kg.mechanism import JointType, Pose
+from sdt_kg.motion import Motion
+from sdt_kg.twin import Twin
+from services.physics.chain import follower
+from services.physics.observe import REACH, Followed, followed, motion_of, near_first
+from services.physics.replay import effective_bounds
+from services.physics.tree import Model, build
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """What a track is in a kitchen.
+
+    Attributes:
+        followed: The track as motion of one container.
+        fits: Whether the twin's own path is as near to the track as its noise allows.
+        motion: τ without noise.
+        stretch: By what the track's times are stretched to keep to the limits; NaN without times.
+        explanation: What the Law says of τ, the task unknown.
+    """
+
+    followed: Followed
+    fits: bool
+    motion: Motion
+    stretch: float
+    explanation: Explanation
+
+    @property
+    def replayed(self) -> bool:
+        """Whether Φ replays what was seen: the path is the twin's, and Causes holds of τ."""
+        return self.fits and self.explanation.replayed
+
+
+def placed(track: Track, root_T_track: Pose) -> Track:
+    """The track in the kitchen's root frame."""
+    matrix, turn = root_T_track.matrix(), Rotation.from_quat(root_T_track.orientation)
+    turned = None if track.orientations is None else (turn * Rotation.from_quat(track.orientations)).as_quat()
+    return Track(
+        track.positions @ matrix[:3, :3].T + matrix[:3, 3],
+        track.times,
+        track.timed,
+        turned,
+        None if track.forces is None else track.forces @ matrix[:3, :3].T,
+        track.missing,
+        track.name,
+    )
+
+
+def seen_in(twin: Twin, learned: Learned, physics: Physics, container: str | None = None) -> Seen:
+    """What a track is in a kitchen: as motion of the container given, or of the one that fits best.
+
+    Args:
+        twin: In the state in which the track begins.
+        learned: From the track, in the kitchen's root frame.
+        physics: Φ.
+        container: Name or IRI; None looks for it.
+
+    Raises:
+        UnknownEntityError: No such container.
+        InputError: No handle within reach of where the track begins.
+    """
+    model, track = build(twin.mechanism(twin.environment)), learned.track
+    if container is not None:
+        one = followed(model, twin, track, twin.container(container))
+        candidates = [] if one is None else [one]
+    else:
+        candidates = list(near_first(model, twin, track))
+    if not candidates:
+        begin = ", ".join(f"{value:.2f}" for value in track.positions[0])
+        about = f"the handle of {container}" if container else "any handle"
+        raise InputError(
+            f"the track begins at ({begin}) m, not near {about}",
+            allowed=f"within {REACH} m, in the kitchen's root frame and its present state",
+            remedy="give the pose of the track's frame with --at, or the state with --state",
+        )
+    fitting = [each for each in candidates if _fits(model, twin, each, learned)]
+    best = min(fitting, key=lambda each: float(np.median(each.distances))) if fitting else candidates[0]
+    motion, stretch = motion_of(model, twin, track, best)
+    return Seen(best, bool(fitting), motion, stretch, explain(twin, motion, physics))
+
+
+def _fits(model: Model, twin: Twin, one: Followed, learned: Learned) -> bool:
+    bounds = effective_bounds(model, twin, follower(model, one.container.joint))
+    return one.explains(learned.best.scale, bounds)
+
+
+def proposal_for(twin: Twin, learned: Learned, seen: Seen, physics: Physics) -> tuple[Proposal, Seen]:
+    """Φ′ for the container, and what the track is in the proposed twin.
+
+    Raises:
+        InputError: What was seen stands still, or the joint is coupled to others.
+    """
+    moving = [each for each in learned.candidates if each.joint_type is not JointType.FIXED]
+    best = learned.best if not moving else moving[0]
+    proposal = propose(twin, seen.followed.container, best)
+    return proposal, seen_in(proposal.twin, learned, physics, seen.followed.container.iri)
+
+
+def write_branch(path: Path, proposal: Proposal, track: Track, parent: Twin) -> None:
+    """The proposed twin is in a TriG file, Φ′ and what it rests on in a named graph of its own.
+
+    Raises:
+        InputError: The file is no .trig.
+    """
+    if path.suffix != ".trig":
+        raise InputError(f"'{path.name}' is no .trig file", allowed="BRANCH.trig")
+    key = parent.content_hash(parent.environment)
+    store = ox.Store()
+    store.load(proposal.twin.serialize("nquads"), format=ox.RdfFormat.N_QUADS)
+    graph = ox.NamedNode(learned_graph(proposal, track, key))
+    store.extend(
+        ox.Quad(ox.NamedNode(subject), ox.NamedNode(predicate), value, graph)
+        for subject, predicate, value in learned_triples(proposal, track, key)
+    )
+    with path.open("wb") as out:
+        store.dump(out, ox.RdfFormat.TRIG, prefixes=PREFIXES)

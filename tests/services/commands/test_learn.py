@@ -1,0 +1,118 @@
+"""`sdt learn`: standing alone, with a kitchen, and nothing accepted silently."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pyoxigraph as ox
+import pytest
+from click.testing import CliRunner
+
+from predicates.case import Case
+from predicates.causes import causes
+from predicates.learn import learn
+from sdt_kg.errors import InputError
+from sdt_kg.iri import LAW
+from sdt_kg.twin import Twin
+from services.cli import sdt
+from services.learning import seen_in
+from services.physics.oracle import Kinematics
+from services.tracks import read_track
+from tests.predicates.learn.test_proposal import slid, turned
+from tests.small import FOLDER
+
+KITCHEN = str(FOLDER / "a.urdf")
+
+
+@pytest.fixture
+def known(tmp_path: Path) -> str:
+    """A drawer as the twin has it."""
+    path = tmp_path / "known.csv"
+    np.savetxt(path, slid("low_drawer", 0.47).positions)
+    return str(path)
+
+
+@pytest.fixture
+def hinged(tmp_path: Path) -> str:
+    """A drawer that is a door."""
+    path = tmp_path / "hinged.csv"
+    track = turned("low_drawer", (1.95, -1.4), -1.2)
+    np.savetxt(path, np.column_stack([track.times, track.positions]), delimiter=",")
+    return str(path)
+
+
+def run(*arguments: str, code: int = 0) -> dict[str, object]:
+    done = CliRunner().invoke(sdt, ["learn", *arguments, "--json"])
+    assert done.exit_code == code, done.output
+    return json.loads(done.stdout)
+
+
+def test_a_track_alone_has_a_joint_and_no_task(known: str) -> None:
+    row = run(known)
+    assert (row["joint_type"], row["task"], row["radius"]) == ("prismatic", None, None)
+    assert {each["joint_type"] for each in row["candidates"]} == {"fixed", "prismatic", "revolute"}
+    assert row["limits"] == pytest.approx([0, 0.47], abs=0.005)
+    assert row["residual_rms"] == pytest.approx(0.0028, abs=0.0004)
+
+
+def test_a_known_motion_is_named_by_its_task(known: str) -> None:
+    row = run(known, "--kitchen", KITCHEN)
+    assert row["task"] == "open:low_drawer"
+    assert row["kitchen"]["replayed"] is True
+    assert row["proposal"] is None
+
+
+def test_another_joint_is_proposed_and_not_accepted_silently(hinged: str, tmp_path: Path) -> None:
+    row = run(hinged, "--kitchen", KITCHEN, code=1)
+    assert row["kitchen"]["replayed"] is False
+    assert row["proposal"]["after"]["joint_type"] == "revolute"
+    assert row["proposal"]["replayed"] is True
+    assert row["accepted"] is None
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["hinged.csv"]
+
+
+def test_after_acceptance_the_branch_replays_the_track(hinged: str, tmp_path: Path) -> None:
+    branch = tmp_path / "branch.trig"
+    row = run(hinged, "--kitchen", KITCHEN, "--accept", "-o", str(branch))
+    assert (row["accepted"], row["task"]) == (str(branch), "open:low_drawer")
+    store = ox.Store()
+    store.load(path=str(branch), format=ox.RdfFormat.TRIG)
+    twin, physics = Twin.from_quads(store), Kinematics()
+    seen = seen_in(twin, learn(read_track(Path(hinged))), physics, "low_drawer")
+    (answer,) = causes(Case(twin, motion=seen.motion), physics)
+    assert seen.replayed
+    assert answer.holds
+    question = (
+        f"SELECT ?type ?rms ?to WHERE {{ GRAPH ?g {{ ?p <{LAW}jointType> ?type ; <{LAW}residual> ?rms ;"
+    )
+    (found,) = store.query(question + f" <{LAW}validTo> ?to }} }}")  # type: ignore[misc]
+    assert found["type"].value == "revolute"
+    assert float(found["rms"].value) == pytest.approx(0.0028, abs=0.0004)
+    assert float(found["to"].value) == pytest.approx(1.2, abs=0.02)
+
+
+def test_a_camera_track_is_placed_in_the_kitchen(tmp_path: Path) -> None:
+    positions = slid("low_drawer", 0.47).positions - np.array([1.0, 2.0, 0.3])
+    path = tmp_path / "camera.csv"
+    np.savetxt(path, positions)
+    row = run(str(path), "--kitchen", KITCHEN, "--at", "1,2,0.3")
+    assert row["task"] == "open:low_drawer"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--accept"], "without a kitchen there is nothing to compare with; give --kitchen"),
+        (["--kitchen", KITCHEN, "-o", "b.trig"], "-o without --accept"),
+        (["--kitchen", KITCHEN, "--accept"], "the twin has the path of low_drawer already"),
+        (["--kitchen", KITCHEN, "--container", "low_drawr"], "did you mean 'low_drawer'"),
+        (["--kitchen", KITCHEN, "--container", "side_door"], "not near the handle of side_door"),
+        (["--kitchen", KITCHEN, "--at", "9,9,9"], "not near any handle"),
+        (["--kitchen", KITCHEN, "--at", "1,2"], "'1,2' is no pose"),
+        (["--up", "north"], "'north' is no direction"),
+    ],
+)
+def test_nonsense_is_refused(known: str, arguments: list[str], message: str) -> None:
+    done = CliRunner().invoke(sdt, ["learn", known, *arguments])
+    assert isinstance(done.exception, InputError)
+    assert message in str(done.exception)
