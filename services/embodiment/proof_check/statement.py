@@ -147,6 +147,14 @@ class Statement:
         ends = np.stack((box[0] - wide, box[1] + wide))
         return np.array([[ends[pick[k], k] for k in range(3)] for pick in product((0, 1), repeat=3)])
 
+    def handle_origin(self) -> Array:
+        """Where the handle's frame is in the twin's state [m], shape (3,)."""
+        chain = self._kitchen.chain(self._kitchen.path(local_name(self.container.handle)), HERE, 0.0)
+        name, state = self._kitchen.mechanism.name, self.twin.state
+        q = np.array([[state[joint_iri(name, link.name)] for link in chain.links]])
+        _, _, end = chain.frames(q)
+        return (end.translation.lo[0] + end.translation.hi[0]) / 2
+
     def target(self, value: float) -> Target:
         """The handle with the container at a value [rad or m].
 

@@ -138,8 +138,9 @@ class Prover:
             f"no gripper of {robot} can come to {handle} with {self.container.name} at "
             f"{value:.3g} {unit}, {where}: all joint positions are refuted, in {leaves} box(es)"
         )
-        bound = self.span[1] if value < self.span[1] else self.span[0]
-        evidence = Evidence(Quantity.POSITION, value, bound, unit, entity=self.container.joint)
+        opens = self.twin.state[self.container.joint] <= self.span[0]
+        demanded = self.span[1] if opens else self.span[0]
+        evidence = Evidence(Quantity.POSITION, demanded, value, unit, entity=self.container.joint)
         return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=True)
 
 

@@ -1,7 +1,7 @@
 """Artefact and twin → whether what was claimed holds."""
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from predicates.case import Artefact, ArtefactKind, Case, Outcome, Verdict
@@ -11,15 +11,13 @@ from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.state import State
 from sdt_kg.task import UNKNOWN, Task, Unknown
-from sdt_kg.twin import Twin
 from services.embodiment.certify.certificate import Certificate, read_certificate
 from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check.content import is_proof
 from services.embodiment.recheck.claim import claim_differs, figures_differ, inputs_differ, twin_differs
 from services.embodiment.recheck.embodiment import Certifier
+from services.embodiment.recheck.proofs import TwinOf, about, proof_again
 from services.physics.oracle import Kinematics
-
-TwinOf = Callable[[Iri, Iri, State], tuple[Twin, str]]
-"""Environment, robot and state → their twin, and in words where it is from."""
 
 NOT_GIVEN = "unknown"
 """What a verdict's input says of a motion that was not given."""
@@ -84,6 +82,10 @@ def recheck_verdict(stored: StoredVerdict, artefact: Artefact, twin_of: TwinOf) 
         f"{verb} {_name(stored.container)}, {_name(stored.robot)} in {local_name(stored.environment)}"
     )
     try:
+        if artefact.kind is ArtefactKind.PROOF:
+            reasons, trial.notes = proof_again(artefact.content, twin_of, stored)
+            trial.found(reasons)
+            return trial.ended()
         certificate = read_certificate(artefact.content)
         if not trial.found(claim_differs(stored, certificate)):
             task = UNKNOWN if stored.verb is None else Task(stored.verb, certificate.container)
@@ -97,6 +99,11 @@ def recheck_artefact(name: str, content: bytes, twin_of: TwinOf) -> Rechecked:
     """Whether an artefact holds that comes without its verdict."""
     trial = _Trial(name)
     try:
+        if is_proof(content):
+            trial.kind, trial.about = ArtefactKind.PROOF, about(content)
+            reasons, trial.notes = proof_again(content, twin_of, None)
+            trial.found(reasons)
+            return trial.ended()
         certificate = read_certificate(content)
         trial.kind = ArtefactKind.CERTIFICATE
         robot, kitchen = local_name(certificate.robot), local_name(certificate.environment)

@@ -1,0 +1,104 @@
+"""Stored proofs against their verdicts and the twin; `proof_check` says whether they hold."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from predicates.case import Outcome
+from predicates.record.inputs import verdict_iri
+from predicates.record.stored import StoredVerdict
+from sdt_kg.annotation import Drive
+from sdt_kg.iri import Iri, local_name
+from sdt_kg.state import State
+from sdt_kg.twin import Container, Twin
+from services.embodiment.proof_check import check
+from services.embodiment.proof_check.content import Claim, read_proof
+from services.embodiment.proof_check.statement import Statement
+from services.embodiment.recheck.embodiment import TURNED
+
+TwinOf = Callable[[Iri, Iri, State], tuple[Twin, str]]
+"""Environment, robot and state → their twin, and in words where it is from."""
+
+NOT_GIVEN = "unknown"
+"""What a verdict's input says of a motion that was not given."""
+
+
+def proof_again(content: bytes, twin_of: TwinOf, stored: StoredVerdict | None) -> tuple[list[str], list[str]]:
+    """Why a proof does not hold, or does not say what its verdict says; and what was checked how.
+
+    Raises:
+        InputError: It is no proof, or its models cannot be had.
+    """
+    claim = read_proof(content).claim
+    (environment, _), (robot, _) = claim.models
+    reasons = [] if stored is None else [*_claim_differs(stored, claim)]
+    if reasons:
+        return reasons, []
+    twin, source = twin_of(environment, robot, State.of(claim.state))
+    container = twin.container(claim.container)
+    checked = check(twin, robot, container, content)
+    reasons = list(checked.reasons)
+    if stored is not None and not reasons:
+        reasons += _policy_differs(dict(stored.inputs), claim, twin, container)
+    notes = [source, checked.statement, *checked.assumptions, f"boxes refuted one by one: {checked.leaves}"]
+    return reasons, [*notes, *_notes(stored)]
+
+
+def about(content: bytes) -> str:
+    """What a proof is about, in words.
+
+    Raises:
+        InputError: It is none.
+    """
+    claim = read_proof(content).claim
+    (environment, _), (robot, _) = claim.models
+    return f"no motion of {local_name(claim.container)}, {local_name(robot)} in {local_name(environment)}"
+
+
+def _claim_differs(stored: StoredVerdict, claim: Claim) -> Iterator[str]:
+    """In what a stored verdict contradicts itself or its proof."""
+    if verdict_iri(stored.inputs) != stored.iri:
+        yield "the verdict's IRI is not the hash of its inputs: one of them was changed"
+    if stored.outcome is not Outcome.NOT_CERTIFIED or stored.can_perform is not False:
+        yield f"the verdict says {stored.outcome.value}, and has a proof that nothing can be certified"
+    if not any(each.proof for each in stored.diagnoses):
+        yield "the verdict has a proof, and none of its diagnoses says so"
+    (environment, _), (robot, _) = claim.models
+    for name, said, proved in (
+        ("environment", stored.environment, environment),
+        ("robot", stored.robot, robot),
+        ("container", stored.container, claim.container),
+    ):
+        if said != proved:
+            yield f"the verdict's {name} is {said and local_name(said)}, its proof's {local_name(proved)}"
+
+
+def _policy_differs(said: dict[str, str], claim: Claim, twin: Twin, container: Container) -> Iterator[str]:
+    """In what the verdict's base policy and tolerances are not the proof's."""
+    if said.get("embodiment.drive") != claim.drive.value:
+        yield f"the verdict's drive is {said.get('embodiment.drive')}, its proof's {claim.drive.value}"
+    if said.get("embodiment.tolerances") != repr(claim.tolerances):
+        yield "the verdict's tolerances are not its proof's"
+    if claim.drive is Drive.FIXED and not _starts_as(
+        said.get("embodiment.start", ""), claim, twin, container
+    ):
+        yield f"the verdict's start is {said.get('embodiment.start')}, its proof's {claim.start}"
+
+
+def _starts_as(text: str, claim: Claim, twin: Twin, container: Container) -> bool:
+    """Whether the proof's base pose is what the verdict's input `start` says."""
+    x, y, yaw = claim.start
+    if not text.endswith(TURNED):
+        return text == f"{x:g}, {y:g}, {yaw:g}"
+    statement = Statement(twin, claim.models[1][0], container, claim.drive, claim.start, claim.tolerances)
+    handle = statement.handle_origin()
+    turned = float(np.arctan2(handle[1] - y, handle[0] - x))
+    return text.startswith(f"{x:g}, {y:g}, ") and abs(turned - yaw) < claim.tolerances.start_angle
+
+
+def _notes(stored: StoredVerdict | None) -> list[str]:
+    if stored is None:
+        return ["there is no verdict with it: what its inputs claimed was not compared"]
+    if dict(stored.inputs).get("motion", NOT_GIVEN) != NOT_GIVEN:
+        return ["a motion of the container was asked for; that it passes the refuted values was not compared"]
+    return []

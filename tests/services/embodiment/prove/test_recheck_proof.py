@@ -1,0 +1,55 @@
+"""`sdt recheck` of a stored proof: the verdict says what the proof shows, or it does not hold."""
+
+from dataclasses import replace
+
+import pytest
+
+from predicates.case import Artefact, ArtefactKind, Outcome
+from sdt_kg.annotation import Drive
+from services.app import Policy, load
+from services.embodiment.recheck import Saved, recheck_artefact, recheck_verdict
+from services.embodiment.recheck.saved import Entry, by_name
+from services.store.files import SavedVerdicts
+
+pytestmark = pytest.mark.oracle
+
+
+@pytest.fixture(scope="module")
+def entry(tmp_path_factory: pytest.TempPathFactory) -> Entry:
+    """A TIAGo that must not drive, asked for a door across the kitchen."""
+    path = tmp_path_factory.mktemp("saved") / "verdicts.trig"
+    service = load("b", ["tiago_dual"], policy=Policy(drive=Drive.FIXED))
+    (verdict,) = service.achieve("open:iai_fridge_door")
+    assert verdict.outcome is Outcome.NOT_CERTIFIED
+    with SavedVerdicts(path) as saved:
+        saved.add_twin(service.twin)
+        saved.add(verdict)
+    (entry,) = Saved(path).entries()
+    return entry
+
+
+def test_a_stored_proof_holds_and_says_what_it_is_relative_to(entry: Entry) -> None:
+    assert entry.stored is not None
+    assert entry.artefact is not None
+    found = recheck_verdict(entry.stored, entry.artefact, by_name)
+    assert found.holds, found.reasons
+    assert found.kind is ArtefactKind.PROOF
+    assert any(note.startswith("base policy: fixed") for note in found.notes)
+    alone = recheck_artefact("proof", entry.artefact.content, by_name)
+    assert alone.holds, alone.reasons
+
+
+def test_a_verdict_that_says_something_else_than_its_proof_does_not_hold(entry: Entry) -> None:
+    assert entry.stored is not None
+    assert entry.artefact is not None
+    stored, artefact = entry.stored, entry.artefact
+    others = (
+        replace(stored, outcome=Outcome.CERTIFIED),
+        replace(stored, container=f"{stored.container}2"),
+        replace(stored, diagnoses=tuple(replace(each, proof=False) for each in stored.diagnoses)),
+        replace(stored, inputs=tuple((k, v.replace("fixed", "omni")) for k, v in stored.inputs)),
+    )
+    for other in others:
+        assert not recheck_verdict(other, artefact, by_name).holds
+    damaged = Artefact(ArtefactKind.PROOF, artefact.content[:-9])
+    assert not recheck_verdict(stored, damaged, by_name).holds
