@@ -9,6 +9,7 @@ from rdflib.term import Node, URIRef
 
 import ontology
 from sdt_kg.scope import D_ARTIC, Violation, check
+from tests.shapes.engines import ENGINES
 
 PAIRS = Path(__file__).parent
 FILES = ("d_artic", "sdt")
@@ -96,3 +97,29 @@ def test_property_shapes_are_used(name: str) -> None:
     defined: set[Node] = set(graph.subjects(RDF.type, SH.PropertyShape))
     assert defined == set(graph.objects(None, SH.property))
     assert defined
+
+
+def facts(found: list[Violation]) -> list[tuple[object, ...]]:
+    return sorted(
+        (each.focus, str(each.path), str(each.value), each.shape, str(each.component)) for each in found
+    )
+
+
+@pytest.mark.parametrize("kind", ["pass", "fail", "nothing"])
+@pytest.mark.parametrize(("name", "shape"), SHAPES, ids=IDS)
+def test_a_second_engine_agrees(name: str, shape: URIRef, kind: str) -> None:
+    data = rdflib.Graph()
+    if kind != "nothing":
+        data.parse(twin(name, shape, kind))
+    first, second = (check(data, shapes(name), [str(shape)], engine) for engine in ENGINES.values())
+    assert facts(first) == facts(second)
+    assert first or kind == "pass"
+
+
+@pytest.mark.parametrize(("name", "shape", "part"), PROPERTIES)
+def test_a_second_engine_agrees_where_a_property_is_missing(name: str, shape: URIRef, part: URIRef) -> None:
+    data = rdflib.Graph().parse(twin(name, shape, "pass"))
+    data.remove((None, shapes(name).value(part, SH.path), None))
+    first, second = (check(data, shapes(name), [str(shape)], engine) for engine in ENGINES.values())
+    assert facts(first) == facts(second)
+    assert str(part) in {each.shape for each in second}
