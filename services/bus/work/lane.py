@@ -61,7 +61,7 @@ class Lane(threading.Thread):
         self._kill()
 
     def _serve(self, job: Job) -> None:
-        for _ in range(TRIES):
+        for tries_left in reversed(range(TRIES)):
             if job.cancelled.is_set() or job.over:
                 job.answer(problem(ProblemType.CONFLICT, "cancelled"))
                 return
@@ -69,8 +69,9 @@ class Lane(threading.Thread):
                 return
             self._counts.crashed += 1
             log.warning("a worker died while it answered %s", job.task.verb)
+            if not tries_left:
+                job.answer(problem(ProblemType.INTERNAL, "the worker died twice while it answered this"))
             self._start()
-        job.answer(problem(ProblemType.INTERNAL, "the worker died twice while it answered this"))
 
     def _tried(self, job: Job, left: float) -> bool:
         """Whether the job is over; False: the worker died."""
@@ -114,7 +115,8 @@ class Lane(threading.Thread):
         self._kill()
         if self.stopping.is_set():
             return
-        context = mp.get_context("spawn")
+        context = mp.get_context("forkserver")
+        context.set_forkserver_preload([self._make_handler.__module__])
         ours, theirs = context.Pipe()
         process = context.Process(target=work, args=(theirs, self._make_handler), daemon=True)
         process.start()

@@ -1,0 +1,38 @@
+"""Small handlers for workers: they sleep, die, fail or echo, as the payload says."""
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from services.bus.problems import Problem
+from services.bus.work.jobs import Done, Task
+
+
+class Obedient:
+    """Does what the payload says."""
+
+    def __call__(self, task: Task, recall: Callable[[str], bytes | None]) -> Done | Problem:
+        word, _, rest = task.payload.decode().partition(" ")
+        if word == "sleep":
+            time.sleep(float(rest))
+        if word == "die":
+            os.kill(os.getpid(), signal.SIGKILL)
+        if word == "die-once" and not Path(rest).exists():
+            Path(rest).touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        if word == "count":
+            with Path(rest).open("a") as log:
+                log.write("x")
+            time.sleep(0.3)
+        if word == "recall":
+            return Done(recall(rest) or b"nothing", "text/plain")
+        if word == "keep":
+            return Done(b"kept", "text/plain", ((rest, b"<a:s> <a:p> <a:o> <a:g> .\n"),))
+        return Done(f"{word} {rest}".encode(), "text/plain")
+
+
+def obedient() -> Obedient:
+    """Made in the worker's process."""
+    return Obedient()

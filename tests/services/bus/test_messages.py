@@ -1,0 +1,115 @@
+"""Bytes ↔ values: arrays come back exactly, unknown fields pass, unknown major versions do not."""
+
+import json
+
+import cbor2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from sdt_kg.errors import InputError, OracleUnavailableError
+from services.bus import keys
+from services.bus.keys import Verb
+from services.bus.messages import (
+    CBOR,
+    AchieveRequest,
+    CausesRequest,
+    Header,
+    decode,
+    encode,
+    encode_cbor,
+    from_cbor,
+    to_cbor,
+)
+from services.bus.problems import ProblemType, error_of, problem, problem_of
+from services.bus.schema import asyncapi
+
+
+@given(arrays(np.float64, st.tuples(st.integers(0, 5), st.integers(0, 4))))
+def test_arrays_come_back_to_the_last_bit(array: np.ndarray) -> None:
+    back = from_cbor(to_cbor({"a": array, "row": array.ravel()}))
+    assert back["a"].shape == array.shape
+    assert back["a"].tobytes() == array.tobytes()
+    assert back["row"].tobytes() == array.tobytes()
+
+
+def test_a_request_travels_as_json_and_as_cbor() -> None:
+    request = AchieveRequest(task="open:d", robot="pr2", state=["a=1"], base=(1.0, 2.0, 3.0))
+    assert decode(AchieveRequest, encode(request)) == request
+    assert decode(AchieveRequest, encode_cbor(request), CBOR) == request
+
+
+def test_unknown_fields_pass_and_another_major_version_does_not() -> None:
+    known = {"task": "open", "schema": "1.7", "colour": "red"}
+    assert decode(CausesRequest, json.dumps(known).encode()).task == "open"
+    with pytest.raises(InputError, match="schema 2"):
+        decode(CausesRequest, json.dumps(known | {"schema": "2.0"}).encode())
+
+
+@pytest.mark.parametrize(
+    "payload",
+    [b"[", b"[]", b"7", b"{}", b'{"task": 3}', b'{"task": NaN}', b"\xff\xfe", b"[" * 100_000],
+)
+def test_what_is_no_request_is_refused(payload: bytes) -> None:
+    with pytest.raises(InputError):
+        decode(CausesRequest, payload)
+
+
+@pytest.mark.parametrize(
+    "payload",
+    [
+        b"",
+        b"\x9f",
+        cbor2.dumps([1]),
+        cbor2.dumps(cbor2.CBORTag(40, [[10**9, 10**9], cbor2.CBORTag(86, b"\0" * 8)])),
+        cbor2.dumps(cbor2.CBORTag(86, b"\0" * 7)),
+        cbor2.dumps(cbor2.CBORTag(30, [1, 3])),
+    ],
+)
+def test_what_is_no_cbor_request_is_refused(payload: bytes) -> None:
+    with pytest.raises(InputError):
+        decode(CausesRequest, payload, CBOR)
+
+
+@pytest.mark.parametrize("kind", ProblemType)
+def test_every_problem_becomes_an_exception_of_its_own_and_back(kind: ProblemType) -> None:
+    said = problem(kind, "because", retry_after=1.0)
+    error = error_of(said)
+    assert problem_of(error) == said
+    assert isinstance(error, OracleUnavailableError) == (kind is ProblemType.UNAVAILABLE)
+    assert isinstance(error, InputError) == (kind is ProblemType.INVALID_REQUEST)
+
+
+def test_keys_name_their_parts() -> None:
+    assert keys.asked(keys.rpc("b", Verb.SELECT)) is Verb.SELECT
+    assert keys.asked(keys.rpc("b", Verb.SELECT, "instance1")) is Verb.SELECT
+    assert keys.asked("sdt/v1/b/rpc/dance") is None
+    for wrong in ("a/b", "*", "", "a b", "$*", "ä"):
+        with pytest.raises(InputError):
+            keys.rpc(wrong, Verb.SELECT)
+
+
+def test_a_header_has_bounds() -> None:
+    for wrong in ({"deadline_ms": 0}, {"deadline_ms": 10**12}, {"id": "x" * 1000}):
+        with pytest.raises(InputError):
+            decode(Header, json.dumps(wrong).encode())
+
+
+def test_every_reference_of_the_asyncapi_document_leads_somewhere() -> None:
+    document = json.loads(json.dumps(asyncapi()))
+    assert document["asyncapi"].startswith("3.")
+    references = _references(document)
+    assert references
+    for reference in references:
+        where = document
+        for part in reference.removeprefix("#/").split("/"):
+            where = where[part]
+
+
+def _references(value: object) -> set[str]:
+    if isinstance(value, dict):
+        own = {value["$ref"]} if "$ref" in value else set()
+        return own.union(*map(_references, value.values()))
+    return set().union(*map(_references, value)) if isinstance(value, list) else set()

@@ -1,0 +1,144 @@
+"""Whoever asks a pool of workers is answered once: rightly, late, or that it failed."""
+
+import queue
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from services.bus.problems import Problem, ProblemType
+from services.bus.work.deadlines import Deadlines
+from services.bus.work.jobs import Done, Kept, Task, Waiter
+from services.bus.work.pool import Pool
+from tests.services.bus.handlers import obedient
+
+SOON = 60.0
+"""[s] Long after everything here is over."""
+
+
+class Shelf:
+    """Remembers what is kept."""
+
+    def __init__(self) -> None:
+        self.kept: dict[str, bytes] = {"known": b"stored quads"}
+
+    def recall(self, iri: str) -> bytes | None:
+        return self.kept.get(iri)
+
+    def keep(self, kept: tuple[Kept, ...]) -> None:
+        self.kept |= dict(kept)
+
+
+class Asker:
+    """Asks a pool and waits for answers."""
+
+    def __init__(self, pool: Pool) -> None:
+        self.pool = pool
+
+    def send(self, text: str, seconds: float = SOON, *, share: bool = False) -> Callable[[], object]:
+        answers: queue.Queue[Done | Problem] = queue.Queue()
+        waiter = Waiter(time.monotonic() + seconds, answers.put)
+        self.pool.submit(Task("b", "do", text.encode(), "text/plain", seconds), waiter, share=share)
+        return lambda: answers.get(timeout=SOON)
+
+    def ask(self, text: str, seconds: float = SOON) -> Done | Problem:
+        answer = self.send(text, seconds)()
+        assert isinstance(answer, Done | Problem)
+        return answer
+
+
+@contextmanager
+def pool_of(size: int, waiting: int = 8) -> Iterator[tuple[Asker, Shelf, Deadlines]]:
+    shelf, deadlines = Shelf(), Deadlines()
+    pool = Pool(obedient, size, waiting, deadlines, shelf)
+    try:
+        yield Asker(pool), shelf, deadlines
+    finally:
+        pool.close()
+        deadlines.close()
+
+
+@pytest.fixture(scope="module")
+def asker() -> Iterator[Asker]:
+    with pool_of(1) as (one, _, _):
+        yield one
+
+
+def text(answer: object) -> str:
+    assert isinstance(answer, Done), answer
+    return answer.payload.decode()
+
+
+def kind(answer: object) -> ProblemType:
+    assert isinstance(answer, Problem), answer
+    return answer.kind
+
+
+def test_a_worker_answers(asker: Asker) -> None:
+    assert text(asker.ask("hello world")) == "hello world"
+
+
+def test_a_worker_asks_for_what_is_stored(asker: Asker) -> None:
+    assert text(asker.ask("recall known")) == "stored quads"
+    assert text(asker.ask("recall unknown")) == "nothing"
+
+
+def test_a_deadline_is_kept_while_the_worker_is_busy_and_it_recovers(asker: Asker) -> None:
+    began = time.monotonic()
+    assert kind(asker.ask("sleep 30", 0.2)) is ProblemType.DEADLINE
+    assert time.monotonic() - began < 2
+    assert text(asker.ask("still there")) == "still there"
+
+
+def test_a_question_whose_worker_dies_once_is_answered(asker: Asker, tmp_path: Path) -> None:
+    assert text(asker.ask(f"die-once {tmp_path / 'died'}")).startswith("die-once")
+
+
+def test_a_question_that_kills_its_worker_twice_fails_and_the_pool_lives_on(asker: Asker) -> None:
+    assert kind(asker.ask("die")) is ProblemType.INTERNAL
+    assert text(asker.ask("alive")) == "alive "
+
+
+def test_two_equal_questions_at_once_are_computed_once(asker: Asker, tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    answers = [asker.send(f"count {log}", share=True) for _ in range(3)]
+    assert {text(answer()) for answer in answers} == {f"count {log}"}
+    assert log.read_text() == "x"
+
+
+def test_a_full_queue_refuses_at_once_and_says_when_to_come_back() -> None:
+    with pool_of(1, waiting=1) as (asker, _, _):
+        running = asker.send("sleep 1")
+        time.sleep(0.3)
+        waits = asker.send("next")
+        refused = asker.ask("one too many")
+        assert kind(refused) is ProblemType.UNAVAILABLE
+        assert isinstance(refused, Problem)
+        assert refused.retry_after is not None
+        assert text(running()) == "sleep 1"
+        assert text(waits()) == "next "
+
+
+def test_what_is_acknowledged_is_kept_first() -> None:
+    with pool_of(1) as (asker, shelf, _):
+        assert text(asker.ask("keep verdict")) == "kept"
+        assert "verdict" in shelf.kept
+
+
+def test_a_cancelled_job_frees_its_worker() -> None:
+    with pool_of(1) as (asker, _, _):
+        answers: queue.Queue[Done | Problem] = queue.Queue()
+        waiter = Waiter(time.monotonic() + 60, answers.put)
+        job = asker.pool.submit(Task("b", "do", b"sleep 60", "text/plain", 60), waiter)
+        time.sleep(0.3)
+        job.cancelled.set()
+        assert kind(answers.get(timeout=SOON)) is ProblemType.CONFLICT
+        assert text(asker.ask("free")) == "free "
+
+
+def test_closing_answers_everybody() -> None:
+    with pool_of(1) as (asker, _, _):
+        waiting = [asker.send("sleep 60", 100), asker.send("never", 100)]
+    assert {kind(each()) for each in waiting} <= {ProblemType.UNAVAILABLE, ProblemType.CONFLICT}
