@@ -104,8 +104,12 @@ class TeeClass:
         return self._facts.number(self.iri, TEE + name)
 
     def content_hash(self) -> str:
-        """SHA-256 of its constants and shapes; part of every verdict's hash."""
-        constants = sorted(f"{s} {p} {o}" for s, p, o in tee_triples())
+        """SHA-256 of its constants and shapes; part of every verdict's hash.
+
+        What `tee.ttl` says about its own terms, labels and comments say, decides no verdict.
+        """
+        own = (each for each in tee_triples() if each[0] == self.iri and each[1].startswith(TEE))
+        constants = sorted(f"{s} {p} {o}" for s, p, o in own)
         return hashlib.sha256("\n".join((*constants, self._shapes_text())).encode()).hexdigest()
 
     def _shapes_text(self) -> str:

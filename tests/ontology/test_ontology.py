@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 import rdflib
-from rdflib.namespace import OWL, RDF, RDFS, XSD
+from rdflib.namespace import DCTERMS, OWL, RDF, RDFS, VANN, XSD
 from rdflib.term import Literal, Node, URIRef
 
 import ontology
@@ -19,6 +19,24 @@ CORE = ("sdt", "tee", "law")
 ALIGNMENTS = sorted(path.stem for path in ontology.path("alignments").glob("*.ttl"))
 DOCUMENTED = (OWL.Class, OWL.ObjectProperty, OWL.DatatypeProperty)
 OUR = (SDT, TEE, LAW)
+SERVING_SEVERAL = {
+    "sdt": {
+        "contentHash",
+        "entityGraph",
+        "hasNote",
+        "hasPose",
+        "index",
+        "inferredBy",
+        "name",
+        "partOf",
+        "step",
+    },
+    "tee": set[str](),
+    "law": {
+        *("robot", "environment", "task", "container", "motion", "bodyMotion"),  # of cases and verdicts
+        *("name", "value", "unit", "entity", "duration", "seconds"),
+    },
+}
 BUILT_IN = tuple(str(namespace) for namespace in (OWL, RDF, RDFS, XSD))
 
 
@@ -48,6 +66,13 @@ def test_every_file_is_an_ontology_with_a_version(name: str) -> None:
     (head,) = graph.subjects(RDF.type, OWL.Ontology)
     assert graph.value(head, OWL.versionIRI) is not None
     assert graph.value(head, OWL.imports) is None
+    assert graph.value(head, DCTERMS.license) == URIRef("https://www.apache.org/licenses/LICENSE-2.0")
+    assert graph.value(head, DCTERMS.creator) is not None
+    version = str(graph.value(head, OWL.versionInfo))
+    assert str(graph.value(head, OWL.versionIRI)) == f"{head}/{version}"
+    if name in CORE:
+        assert str(graph.value(head, VANN.preferredNamespacePrefix)) == name
+        assert str(graph.value(head, VANN.preferredNamespaceUri)) == f"{head}#"
     assert str(head) == f"https://example.org/{name}"
 
 
@@ -62,6 +87,29 @@ def test_every_term_has_a_label_and_one_english_sentence() -> None:
         assert isinstance(comment, Literal)
         assert comment.language == "en", term
         assert re.fullmatch(r"[A-Z].*\.", str(comment)), f"{term}: {comment}"
+
+
+@pytest.mark.parametrize("name", CORE)
+def test_every_term_says_where_it_is_defined(name: str) -> None:
+    graph = rdflib.Graph().parse(ontology.path(f"{name}.ttl"))
+    own = [term for term in ours(graph) if str(term).startswith(f"https://example.org/{name}#")]
+    described = [term for term in own if graph.value(term, RDFS.comment) is not None]
+    assert described
+    for term in described:
+        assert list(graph.objects(term, RDFS.isDefinedBy)) == [URIRef(f"https://example.org/{name}")], term
+
+
+@pytest.mark.parametrize("name", CORE)
+def test_every_property_has_a_domain_or_serves_several(name: str) -> None:
+    """A property without domain is one that individuals of unrelated classes have."""
+    graph = rdflib.Graph().parse(ontology.path(f"{name}.ttl"))
+    properties = {term for kind in DOCUMENTED[1:] for term in graph.subjects(RDF.type, kind)}
+    free = {
+        str(term).split("#")[1]
+        for term in properties
+        if str(term).startswith(f"https://example.org/{name}#") and graph.value(term, RDFS.domain) is None
+    }
+    assert free == SERVING_SEVERAL[name]
 
 
 def test_every_measured_property_names_its_unit() -> None:
