@@ -107,6 +107,10 @@ class Server:
             self._declared.append(token)
         return self
 
+    def pids(self) -> list[int]:
+        """Process ids of the workers."""
+        return self._pool.pids()
+
     def close(self) -> None:
         """Nothing is answered any more."""
         for each in reversed(self._declared):

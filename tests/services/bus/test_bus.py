@@ -1,0 +1,156 @@
+"""The Law over Zenoh says what it says in process; silence, faults and nonsense are typed errors."""
+
+import json
+import os
+import signal
+import time
+from dataclasses import replace
+
+import pytest
+import zenoh
+
+from predicates.record import to_json
+from sdt_kg.errors import InputError, OracleUnavailableError
+from services.app import Policy, load
+from services.bus.client import Connection, connect
+from services.bus.messages import MAX_REQUEST
+from services.bus.problems import DeadlineError, RequestError, TooLargeError
+from services.bus.server import Server
+from tests.services.bus.conftest import free_endpoint
+
+pytestmark = pytest.mark.oracle
+
+DRAWER = "sink_area_left_middle_drawer_main"
+UNTIMED = ("seconds", "times", "stored")
+
+
+def test_a_verdict_over_the_bus_is_the_one_in_process(connection: Connection) -> None:
+    here = load("b", ["pr2"], policy=Policy(budget=20.0))
+    (made,) = here.achieve(f"open:{DRAWER}")
+    over = connection.achieve(f"open:{DRAWER}", "pr2")
+    (said,) = over.objects
+    expected = to_json(made)
+    assert {k: v for k, v in said.items() if k not in UNTIMED} == {
+        k: v for k, v in expected.items() if k not in UNTIMED
+    }
+    assert [each.iri for each in over.stored] == [made.iri]
+
+    again = connection.achieve(f"open:{DRAWER}", "pr2")
+    assert again.objects[0]["stored"], "a repeat returns the stored verdict"
+    _, rows = connection.select("SELECT ?v WHERE { ?v law:outcome law:Certified }")
+    assert made.iri in {row["v"] for row in rows}
+
+
+def test_a_refusal_and_an_abstention_are_replies(connection: Connection) -> None:
+    over = connection.achieve(f"open:{DRAWER}", "pr2", f"{DRAWER}=open")
+    assert over.objects[0]["outcome"] == "not_certified"
+    assert over.objects[0]["diagnoses"][0]["kind"] == "causal"
+
+
+def test_requests_and_motions_are_those_in_process(connection: Connection) -> None:
+    here = load("b")
+    met = {(each.verb, each.container) for each in connection.satisfies(f"{DRAWER}=open")}
+    assert ("open", DRAWER) in met
+    assert len(met) == len(list(here.at(f"{DRAWER}=open").satisfies()))
+    reply = connection.causes(f"open:{DRAWER}")
+    assert reply.holds == [True]
+    assert reply.motions[0] is not None
+    checked = connection.causes(f"open:{DRAWER}", motion=reply.motions[0])
+    assert checked.holds == [True]
+
+
+def test_queries_of_every_form(connection: Connection) -> None:
+    assert connection.select("SELECT (COUNT(*) AS ?n) WHERE { ?d a sdt:Drawer }") == (["n"], [{"n": 14}])
+    assert connection.ask("ASK { ?d a sdt:Drawer }")
+    assert connection.construct("CONSTRUCT { ?d a sdt:Drawer } WHERE { ?d a sdt:Drawer }")
+
+
+@pytest.mark.parametrize(
+    "query", ["SELECT", "DROP ALL", "SELECT * { SERVICE <http://127.0.0.1:1/> { ?s ?p ?o } }"]
+)
+def test_what_does_not_read_is_refused(connection: Connection, query: str) -> None:
+    with pytest.raises(RequestError):
+        connection.select(query)
+
+
+@pytest.mark.parametrize("task", ["open:nothing_like_it", "dance", ""])
+def test_a_wrong_task_is_the_askers_error(connection: Connection, task: str) -> None:
+    with pytest.raises(InputError):
+        connection.achieve(task, "pr2")
+
+
+def test_a_client_without_our_library_asks_in_json(session: zenoh.Session) -> None:
+    asked = session.get("sdt/v1/b/rpc/select", payload=json.dumps({"query": "SELECT * { ?d a sdt:Door }"}))
+    (reply,) = list(asked)
+    assert reply.ok is not None
+    assert len(json.loads(reply.ok.payload.to_bytes())["results"]["bindings"]) == 3
+
+
+@pytest.mark.parametrize("payload", [b"", b"{", b"\xff", b'{"query": 7}', b'{"schema": "9.0", "query": ""}'])
+@pytest.mark.parametrize("verb", ["select", "canachieve"])
+def test_nonsense_gets_a_problem(session: zenoh.Session, verb: str, payload: bytes) -> None:
+    (reply,) = list(session.get(f"sdt/v1/b/rpc/{verb}", payload=payload, timeout=60))
+    assert reply.err is not None
+    said = json.loads(reply.err.payload.to_bytes())
+    assert said["type"].endswith("invalid-request")
+    assert not said["retryable"]
+
+
+def test_a_wrong_attachment_an_unknown_verb_and_a_huge_payload_get_problems(session: zenoh.Session) -> None:
+    def kind(key: str, **given: object) -> str:
+        (reply,) = list(session.get(key, timeout=30, **given))  # pyright: ignore[reportArgumentType]
+        assert reply.err is not None
+        return json.loads(reply.err.payload.to_bytes())["type"].rsplit("/", 1)[-1]
+
+    assert kind("sdt/v1/b/rpc/select", attachment=b"}{") == "invalid-request"
+    assert kind("sdt/v1/b/rpc/dance") == "invalid-request"
+    assert kind("sdt/v1/b/rpc/causes", payload=b" " * (MAX_REQUEST + 1)) == "too-large"
+
+
+def test_a_deadline_is_an_error_of_its_own_and_the_server_lives_on(connection: Connection) -> None:
+    hurried = replace(connection, deadline=0.05)
+    with pytest.raises((DeadlineError, OracleUnavailableError)):
+        hurried.achieve("open:sink_area_dish_washer_door", "pr2", budget=30.0)
+    assert connection.satisfies()
+
+
+def test_a_killed_worker_is_replaced_and_the_question_answered(
+    connection: Connection, bus: tuple[str, Server]
+) -> None:
+    before = connection.health()[0]
+    (pid,) = bus[1].pids()
+    os.kill(pid, signal.SIGKILL)
+    assert connection.satisfies()
+    assert connection.health()[0]["crashed"] == before["crashed"] + 1
+
+
+def test_servers_are_seen_and_say_how_they_are(connection: Connection, bus: tuple[str, Server]) -> None:
+    assert connection.servers() == [bus[1].instance]
+    (health,) = connection.health()
+    assert health["instance"] == bus[1].instance
+
+
+def test_silence_is_never_an_answer(session: zenoh.Session) -> None:
+    with pytest.raises(OracleUnavailableError, match="no server of 'nowhere'"):
+        Connection(session, "nowhere", deadline=5.0).satisfies()
+    with pytest.raises(OracleUnavailableError), connect("b", free_endpoint()):
+        pass
+
+
+def test_verdicts_are_published(connection: Connection, session: zenoh.Session) -> None:
+    heard: list[bytes] = []
+    subscriber = session.declare_subscriber(
+        "sdt/v1/b/events/verdict/*", lambda sample: heard.append(sample.payload.to_bytes())
+    )
+    time.sleep(0.5)
+    (said,) = connection.achieve(f"close:{DRAWER}", "pr2").objects
+    until = time.monotonic() + 10
+    while not heard and time.monotonic() < until:
+        time.sleep(0.05)
+    subscriber.undeclare()
+    assert str(said["iri"]).encode() in b"".join(heard)
+
+
+def test_too_large_an_answer_is_refused_whole(connection: Connection) -> None:
+    with pytest.raises((TooLargeError, DeadlineError)):
+        connection.select("SELECT * { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i }")
