@@ -13,6 +13,7 @@ from sdt_kg.entities import Entities, Replacement, query_text
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import PREFIXES, Iri, local_name
 from sdt_kg.mechanism import Mechanism
+from sdt_kg.owl import Owl, owlready_ontology
 from sdt_kg.rebuild import Quads, quads_of, rebuilt
 from sdt_kg.state import State
 from sdt_kg.store import Row, Triple, Value, checked_query, rows_of, term_of
@@ -230,6 +231,13 @@ class Twin:
         for prefix, namespace in PREFIXES.items():
             dataset.bind(prefix, namespace)
         return dataset
+
+    def to_owlready(self) -> Owl:
+        """The twin with the core ontologies as an owlready2 ontology in a world of its own: a copy.
+
+        `onto.world[IRI]` is a class or an individual; nothing is fetched.
+        """
+        return owlready_ontology(self.entities.store.dump(self.graphs()), f"{self.environment}/owl")
 
     def triple_count(self) -> int:
         """How many triples the twin has, state included."""

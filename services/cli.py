@@ -6,7 +6,20 @@ from importlib.metadata import version
 import click
 
 from sdt_kg.errors import InputError, SdtError
-from services.commands import achieve, ask, branch, bus, kitchens, learn, recheck, robot, serve, table, why
+from services.commands import (
+    achieve,
+    ask,
+    branch,
+    bus,
+    kitchens,
+    learn,
+    reason,
+    recheck,
+    robot,
+    serve,
+    table,
+    why,
+)
 
 BAD_INPUT_EXIT = 2
 NO_ORACLE_EXIT = 4
@@ -49,6 +62,7 @@ for command in (
     branch.branch,
     branch.diff,
     branch.patch,
+    reason.reason,
 ):
     sdt.add_command(command)
 

@@ -11,16 +11,15 @@ from sdt_kg.history import Branch, History
 from sdt_kg.history.diff import difference, quads_of_twin
 from sdt_kg.history.patch import patch_of, read_patch
 from sdt_kg.history.records import record_graph
-from sdt_kg.iri import PREFIXES, local_name
+from sdt_kg.iri import local_name
 from services.commands.options import ROBOT_HELP, annotation_option, json_flag, kitchen_argument
+from services.commands.saved_graphs import checked_format, graph_of, write_graph
 from services.commands.show import print_json, print_rows
 from services.edits import EDITS, parse_edit, twin_of
-from services.store.files import FORMATS, is_saved_graph, readable
 
 SHORT_KEY = 12
 """[characters] Of a hash, as it is shown."""
 
-WRITABLE = {suffix: FORMATS[suffix] for suffix in (".trig", ".nq")}
 robots_option = click.option("--robot", "robots", multiple=True, help=ROBOT_HELP + " Repeatable.")
 
 
@@ -46,7 +45,7 @@ def branch(
     beside it as FILE.HASH.npz. The file is a KITCHEN again, for sdt branch, diff and query.
     """
     if output is not None:
-        _format(output)
+        checked_format(output)
     history = History.of(twin_of(kitchen, robots, annotation))
     last = history.first
     for text in edits:
@@ -89,28 +88,17 @@ def _row(each: Branch) -> dict[str, object]:
     }
 
 
-def _format(path: Path) -> ox.RdfFormat:
-    if path.suffix not in WRITABLE:
-        raise InputError(f"no named graphs in '{path.name}'", allowed=", ".join(WRITABLE))
-    return WRITABLE[path.suffix]
-
-
 def _save(history: History, past: Sequence[Branch], output: Path) -> None:
     store = ox.Store()
     store.extend(quads_of_twin(past[-1].twin))
     store.extend(history.store.dump([record_graph(each.iri) for each in past]))
-    _write(output, store)
+    write_graph(output, store)
     click.echo(f"{output}: {len(store)} quads", err=True)
     for each in past:
         if each.trajectory is not None:
             beside = output.with_name(f"{output.stem}.{local_name(each.trajectory.iri)[:SHORT_KEY]}.npz")
             beside.write_bytes(each.trajectory.to_bytes())
             click.echo(f"{beside}: {len(each.trajectory.times)} samples", err=True)
-
-
-def _write(path: Path, quads: ox.Store) -> None:
-    form = _format(path)
-    quads.dump(path, form, prefixes=PREFIXES if form == ox.RdfFormat.TRIG else None)
 
 
 @click.command()
@@ -136,7 +124,7 @@ def diff(
     as_json: bool,
 ) -> None:
     """How B differs from A, in sentences; each is a saved graph, a kitchen, or KITCHEN@JOINT=VALUE."""
-    first, second = (list(_quads(source, robots, annotation)) for source in (before, after))
+    first, second = (list(graph_of(source, robots, annotation)) for source in (before, after))
     found = difference(first, second)
     sentences = found.sentences()
     if as_json:
@@ -150,19 +138,6 @@ def diff(
         click.echo(f"{patch_file}: {len(found.removed) + len(found.added)} changes", err=True)
 
 
-def _quads(source: str, robots: tuple[str, ...], annotation: str | None) -> ox.Store:
-    """The quads of a saved graph, whatever it holds, or of a twin."""
-    if is_saved_graph(source):
-        store = readable(source)
-        try:
-            return store.dump()
-        finally:
-            store.close()
-    copy = ox.Store()
-    copy.extend(quads_of_twin(twin_of(source, robots, annotation)))
-    return copy
-
-
 @click.command()
 @click.argument("patch_file", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="PATCH")
 @click.argument("source", metavar="A")
@@ -170,12 +145,12 @@ def _quads(source: str, robots: tuple[str, ...], annotation: str | None) -> ox.S
 @click.option("--reverse", is_flag=True, help="Undo it: A is what it makes.")
 def patch(patch_file: Path, source: str, output: Path, reverse: bool) -> None:
     """Apply an RDF Patch that sdt diff wrote to A, a saved graph or kitchen, and write what that makes."""
-    _format(output)
+    checked_format(output)
     try:
         made = read_patch(patch_file.read_text(encoding="utf-8"))
     except UnicodeDecodeError as error:
         raise InputError(f"{patch_file} is not text: {error}", allowed="RDF Patch in UTF-8") from None
     store = ox.Store()
-    store.extend((made.reverse() if reverse else made).applied(_quads(source, (), None)))
-    _write(output, store)
+    store.extend((made.reverse() if reverse else made).applied(graph_of(source)))
+    write_graph(output, store)
     click.echo(f"{output}: {len(store)} quads")
