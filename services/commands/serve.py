@@ -1,11 +1,15 @@
 """`sdt serve`: kitchens, verdicts and the Law over HTTP."""
 
-from contextlib import closing, nullcontext
+from contextlib import AbstractContextManager, closing, nullcontext
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from services.commands.options import KITCHEN_HELP, ROBOT_HELP
+
+if TYPE_CHECKING:
+    from services.store.quads import QuadStore
 
 
 @click.command()
@@ -49,6 +53,20 @@ from services.commands.options import KITCHEN_HELP, ROBOT_HELP
     help="Seconds for a query.",
 )
 @click.option(
+    "--bus",
+    metavar="PROTOCOL/HOST:PORT",
+    help="Listen for Zenoh too, at tcp/127.0.0.1:7447 say; a twin's name in keys is its kitchen's.",
+)
+@click.option(
+    "--oracles", is_flag=True, help="On the bus, share the work among the oracles there ('sdt oracle')."
+)
+@click.option(
+    "--bus-config",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="FILE.json5",
+    help="Zenoh configuration with TLS, users or access control; see services/bus/config.",
+)
+@click.option(
     "--judges", type=click.IntRange(min=1), default=1, show_default=True, help="Processes that judge cases."
 )
 def serve(
@@ -61,12 +79,16 @@ def serve(
     hosts: tuple[str, ...],
     origins: tuple[str, ...],
     timeout: float,
+    bus: str | None,
+    oracles: bool,
+    bus_config: Path | None,
     judges: int,
 ) -> None:
     """Serve kitchens and verdicts: SPARQL at /sparql, graphs at /graphs, JSON at /api/v1, pages at /."""
-    from services.http.run import bound, run  # noqa: PLC0415 - other commands need no web framework
+    from services.http.kitchens import open_kitchens  # noqa: PLC0415 - other commands need no web framework
+    from services.http.run import bound, run  # noqa: PLC0415 - see above
     from services.http.settings import Address, Settings, host_names, token_for  # noqa: PLC0415 - see above
-    from services.http.world import World, open_kitchens  # noqa: PLC0415 - see above
+    from services.http.world import World  # noqa: PLC0415 - see above
     from services.store.files import opened  # noqa: PLC0415 - see above
     from services.store.workers import Limits, Workers  # noqa: PLC0415 - see above
 
@@ -78,13 +100,30 @@ def serve(
         token=token_for(where, token_file),
         limits=limits,
         judges=judges,
+        warm=bool(kitchens),
     )
     with closing(bound(where)) as listening, closing(opened(store)) if store else nullcontext() as archive:
         world = World(open_kitchens(kitchens, robots), Workers(settings.workers, limits), archive)
         names = ", ".join(world.kitchens) or "none"
         port = listening.getsockname()[1]
         click.echo(f"http://{where.host}:{port}  kitchens: {names}; {_writing(settings.token)}", err=True)
-        run(world, settings, listening)
+        with _bus(bus, (kitchens, robots), archive, (judges, oracles, bus_config)):
+            run(world, settings, listening)
+
+
+def _bus(
+    endpoint: str | None,
+    models: tuple[tuple[str, ...], tuple[str, ...]],
+    archive: "QuadStore | None",
+    options: tuple[int, bool, Path | None],
+) -> AbstractContextManager[object]:
+    """A bus server beside the HTTP service, if there is an endpoint for it."""
+    if endpoint is None:
+        return nullcontext()
+    from services.bus.serving import Options, listening  # noqa: PLC0415 - other commands need no bus
+
+    click.echo(f"bus at {endpoint}", err=True)
+    return listening(endpoint, *models, archive, Options(*options))
 
 
 def _writing(token: str | None) -> str:

@@ -1,5 +1,6 @@
 """The web application: routes, gate and life of the workers."""
 
+import asyncio
 import platform
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -11,12 +12,14 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from services.http import problems
+from services.http.api import read, write
 from services.http.gate import Gate
-from services.http.graphs import graphs
+from services.http.judging.pool import Judges
 from services.http.pages import home
+from services.http.protocol.graphs import graphs
+from services.http.protocol.sparql import sparql
 from services.http.resources import identified
 from services.http.settings import Settings
-from services.http.sparql import sparql
 from services.http.world import World
 
 
@@ -25,10 +28,15 @@ def create_app(world: World, settings: Settings) -> FastAPI:
 
     @asynccontextmanager
     async def life(app: FastAPI) -> AsyncIterator[None]:
+        judges = app.state.judges = Judges(world.setup(), settings.judges, world.recall)
         await world.start()
+        warming = asyncio.create_task(judges.warm()) if settings.warm else None
         try:
             yield
         finally:
+            if warming is not None:
+                await asyncio.wait([warming])
+            await judges.close()
             await world.close()
 
     app = FastAPI(
@@ -52,6 +60,8 @@ def create_app(world: World, settings: Settings) -> FastAPI:
         Route("/readyz", _ready),
         Route("/version", _version),
     ]
+    app.include_router(read.router)
+    app.include_router(write.router)
     app.add_middleware(Gate, settings=settings)
     return app
 

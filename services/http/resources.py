@@ -6,11 +6,11 @@ from starlette.responses import Response
 
 from sdt_kg.errors import InputError
 from sdt_kg.iri import ID, LAW, PREFIXES, RDF, Iri
-from services.http.exchange import check_acceptable, respond, serialized
-from services.http.graphs import graph_response
-from services.http.negotiate import HTML
 from services.http.pages import resource
 from services.http.problems import RefusedError
+from services.http.protocol.exchange import check_acceptable, respond, serialized
+from services.http.protocol.graphs import graph_response
+from services.http.protocol.negotiate import HTML
 from services.store.workers import Asked, Workers
 from services.store.workers.evaluate import GRAPHS
 from services.why import why

@@ -64,6 +64,7 @@ class Settings:
         limits: Of one query.
         workers: Processes that evaluate queries.
         judges: Processes that judge cases.
+        warm: Whether they are started at once, rather than with the first case.
     """
 
     hosts: frozenset[str] = frozenset(LOOPBACK_NAMES)
@@ -74,6 +75,7 @@ class Settings:
     limits: Limits = field(default_factory=Limits)
     workers: int = 2
     judges: int = 1
+    warm: bool = False
 
 
 def host_names(address: Address, others: Iterable[str] = ()) -> frozenset[str]:

@@ -1,21 +1,23 @@
 """What is served: kitchens in their present state, with their robots, verdicts and observations."""
 
 import asyncio
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
 from typing import Final
 
 import pyoxigraph as ox
 
 import ontology
-from predicates.record import Record
-from predicates.record import write as write_record
+from predicates.record import Record, gives_way
 from sdt_kg.errors import InputError, UnknownEntityError
-from sdt_kg.iri import Iri
+from sdt_kg.history import Branch, Edit, moved
+from sdt_kg.iri import ID, Iri
 from sdt_kg.twin import Twin
-from services.app import Service, load
+from services.http.kitchens import Kitchen, Recording
+from services.requests import parse_state
+from services.store.files import graph_of
 from services.store.quads import QuadStore
-from services.store.workers import Asked, Delta, Workers, bulk, drop, hide, put
+from services.store.workers import Asked, Delta, Workers, bulk, hide, put, show
 
 VOCABULARIES: Final = {
     "https://example.org/sdt": "sdt.ttl",
@@ -23,33 +25,6 @@ VOCABULARIES: Final = {
     "https://example.org/law": "law.ttl",
 }
 """Named graph → file; there by name, not in the default graph."""
-
-
-@dataclass(frozen=True, slots=True)
-class Kitchen:
-    """A kitchen that is served.
-
-    Attributes:
-        source: Bundled name or path, for processes that load it too.
-        robots: Bundled names or paths.
-        states: Texts that give its present state, from the state in which all is closed.
-        service: The Law over its twin.
-    """
-
-    source: str
-    robots: tuple[str, ...]
-    states: tuple[str, ...]
-    service: Service
-
-    @property
-    def twin(self) -> Twin:
-        """The twin in its present state."""
-        return self.service.twin
-
-    @property
-    def state_graph(self) -> Iri:
-        """Named graph of the present state."""
-        return self.twin.graphs()[-1]
 
 
 @dataclass
@@ -76,6 +51,20 @@ class World:
         """No process is left."""
         await self.workers.close()
 
+    def setup(self) -> dict[str, object]:
+        """What a process has to load that judges."""
+        kitchens = self.kitchens.values()
+        robots = next(iter(kitchens)).robots if kitchens else ()
+        return {"kitchens": {each.name: each.source for each in kitchens}, "robots": list(robots)}
+
+    async def recall(self, verdict: Iri) -> bytes:
+        """The graph of a verdict as N-Quads; empty where it is not kept."""
+        graph = graph_of(verdict)
+        held = await self.workers.ask(Asked("graph", graph, accepted=("application/n-triples",)))
+        name = ox.NamedNode(graph)
+        parsed = ox.parse(held.body, format=ox.RdfFormat.N_TRIPLES)
+        return lines(ox.Quad(each.subject, each.predicate, each.object, name) for each in parsed)
+
     def kitchen(self, name: str | None) -> Kitchen:
         """A kitchen by name; may be left out where there is one.
 
@@ -90,17 +79,45 @@ class World:
             raise UnknownEntityError("kitchen", name, self.kitchens, "sdt serve --kitchen NAME loads it")
         return self.kitchens[name]
 
-    async def move(self, name: str, states: tuple[str, ...]) -> Kitchen:
+    async def move(self, name: str | None, states: tuple[str, ...]) -> Kitchen:
         """The kitchen in another present state; the old one stays, by its name."""
         async with self._lock:
             before = self.kitchen(name)
-            service = await asyncio.to_thread(before.service.at, *states)
-            after = replace(before, states=before.states + states, service=service)
+            positions = parse_state(before.twin, states)
+            changed = {joint: at for joint, at in positions.items() if at != before.twin.state[joint]}
+            if not changed:
+                return before
+            derived, branch = await asyncio.to_thread(before.derived, moved(changed))
+            after = derived.at(branch)
+            await self._keep_history(after)
+            await self.workers.apply(show(after.state_graph))
             if after.state_graph != before.state_graph:
-                await self._keep(after.state_graph, graph_triples(after.twin, after.state_graph))
                 await self.workers.apply(hide(before.state_graph))
-            self.kitchens[name] = after
+            self.kitchens[after.name] = after
             return after
+
+    async def branch(self, name: str | None, edit: Callable[[Twin], Edit], parent: Iri | None) -> Branch:
+        """A new branch of the kitchen, made by an edit of its parent; the present is as it was."""
+        async with self._lock:
+            begun = await asyncio.to_thread(self.kitchen(name).begun)
+            assert begun.history is not None, "begun"
+            assert begun.present is not None, "begun"
+            twin = begun.history.branch(parent or begun.present).twin
+            derived, made = await asyncio.to_thread(begun.derived, edit(twin), parent)
+            await self._keep_history(derived)
+            self.kitchens[derived.name] = derived
+            return made
+
+    async def _keep_history(self, kitchen: Kitchen) -> None:
+        """Graphs that the history has written since the last time."""
+        assert kitchen.history is not None, "begun"
+        store = kitchen.history.store
+        assert isinstance(store, Recording), "as begun"
+        written, store.written = store.written, set()
+        present = {each.state_graph for each in self.kitchens.values()}
+        for graph in sorted(written):
+            triples = [quad.triple for quad in store.dump([graph])]
+            await self._keep(graph, triples, shown=graph in present or _is_shown(graph))
 
     async def write(self, graph: Iri, triples: Iterable[ox.Triple], *, shown: bool = True) -> None:
         """A named graph has these triples and no others."""
@@ -110,12 +127,11 @@ class World:
     async def write_verdict(self, record: Record) -> bool:
         """Whether the verdict was written: one that is there gives way only to a better one."""
         async with self._lock:
-            held = await self.workers.ask(Asked("graph", record.graph, accepted=("application/n-triples",)))
-            before = ox.Store()
-            before.load(held.body, format=ox.RdfFormat.N_TRIPLES, to_graph=ox.NamedNode(record.graph))
-            if not write_record(before, record):
+            fresh = list(record.quads())
+            stored = list(ox.parse(await self.recall(record.verdict), format=ox.RdfFormat.N_QUADS))
+            if stored and not gives_way(stored, fresh):
                 return False
-            await self._keep(record.graph, [quad.triple for quad in record.quads()])
+            await self._keep(record.graph, [quad.triple for quad in fresh])
             return True
 
     async def _keep(self, graph: Iri, triples: list[ox.Triple], *, shown: bool = True) -> None:
@@ -125,8 +141,7 @@ class World:
             quads = [ox.Quad(each.subject, each.predicate, each.object, node) for each in triples]
             await asyncio.to_thread(self.archive.replace, graph, quads)
         body = lines(triples)
-        await self.workers.apply(drop(graph))
-        await self.workers.apply(put(graph, body, shown=shown))
+        await self.workers.apply(put(graph, body, shown=shown, instead=True))
         self.version += 1
 
     def _first(self) -> Iterator[Delta]:
@@ -137,7 +152,7 @@ class World:
                 str(quad.graph_name.value) for quad in quads if isinstance(quad.graph_name, ox.NamedNode)
             }
             body = lines(quads)
-            yield bulk(body, (graph for graph in apart if _is_by_name_only(graph)))
+            yield bulk(body, (graph for graph in apart if not _is_shown(graph)))
         for kitchen in self.kitchens.values():
             yield bulk(kitchen.twin.serialize("nquads"))
         for graph, file in VOCABULARIES.items():
@@ -146,32 +161,15 @@ class World:
             yield put(graph, lines(triples), shown=False)
 
 
-def open_kitchens(sources: Iterable[str], robots: tuple[str, ...]) -> dict[str, Kitchen]:
-    """Kitchens with all robots, by name.
-
-    Raises:
-        InputError: A model that is not there or not valid, or two kitchens of one name.
-    """
-    found: dict[str, Kitchen] = {}
-    for source in sources:
-        service = load(source, robots)
-        name = service.twin.name(service.twin.environment)
-        if name in found:
-            raise InputError(f"two kitchens are named '{name}'", allowed="each name once")
-        found[name] = Kitchen(source, robots, (), service)
-    return found
-
-
-def graph_triples(twin: Twin, graph: Iri) -> list[ox.Triple]:
-    """Triples of one of the twin's named graphs."""
-    return [quad.triple for quad in twin.entities.store.dump([graph])]
-
-
 def lines(statements: Iterable[ox.Triple] | Iterable[ox.Quad]) -> bytes:
     """N-Triples or N-Quads."""
     return b"".join(f"{each} .\n".encode() for each in statements)
 
 
-def _is_by_name_only(graph: Iri) -> bool:
-    """States and branches of the past: a present state is added by its kitchen."""
-    return any(f"/graph/{kind}/" in graph for kind in ("state", "branch", "trajectory"))
+def _is_shown(graph: Iri) -> bool:
+    """Whether a graph belongs to the default graph: models, verdicts, observations, records of branches.
+
+    States and versions of models do not: which of them hold now, a kitchen says.
+    """
+    kind, _, key = graph.removeprefix(f"{ID}graph/").partition("/")
+    return kind in {"asserted", "inferred", "verdict", "observed", "branch"} and "/" not in key

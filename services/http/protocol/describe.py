@@ -9,9 +9,9 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from sdt_kg.iri import DCTERMS, PREFIXES, RDF, RDFS, XSD, Iri
-from services.http.exchange import check_acceptable, respond, serialized
-from services.http.negotiate import HTML
 from services.http.pages import home
+from services.http.protocol.exchange import check_acceptable, respond, serialized
+from services.http.protocol.negotiate import HTML
 from services.store.workers import Asked
 from services.store.workers.evaluate import GRAPHS, TABLES
 

@@ -7,8 +7,8 @@ import pyoxigraph as ox
 from starlette.requests import Request
 from starlette.responses import Response
 
-from services.http.negotiate import accepted, called
 from services.http.problems import RefusedError
+from services.http.protocol.negotiate import accepted, called
 from services.store.workers import Answered
 from services.store.workers.evaluate import GRAPHS
 

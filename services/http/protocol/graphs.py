@@ -7,9 +7,9 @@ IRI of the graph.
 from starlette.requests import Request
 from starlette.responses import Response
 
-from services.http.describe import description
-from services.http.exchange import check_acceptable, own_url, query_string, respond, single
 from services.http.problems import RefusedError
+from services.http.protocol.describe import description
+from services.http.protocol.exchange import check_acceptable, own_url, query_string, respond, single
 from services.store.workers import DEFAULT_GRAPH, Asked, Workers
 from services.store.workers.evaluate import GRAPHS
 

@@ -4,9 +4,17 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from sdt_kg.iri import Iri
-from services.http.describe import description
-from services.http.exchange import Pairs, check_acceptable, own_url, pairs, query_string, respond, single
 from services.http.problems import RefusedError
+from services.http.protocol.describe import description
+from services.http.protocol.exchange import (
+    Pairs,
+    check_acceptable,
+    own_url,
+    pairs,
+    query_string,
+    respond,
+    single,
+)
 from services.store.workers import Asked, Workers
 from services.store.workers.evaluate import GRAPHS, TABLES
 

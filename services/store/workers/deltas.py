@@ -34,9 +34,12 @@ class Delta:
     body: bytes = field(default=b"", repr=False)
 
 
-def put(graph: Iri, triples: bytes, *, shown: bool = True) -> Delta:
-    """Add N-Triples to a graph; `shown` in the default graph too. An empty graph then exists."""
-    return Delta({"do": "put", "graph": graph, "shown": shown}, triples)
+def put(graph: Iri, triples: bytes, *, shown: bool = True, instead: bool = False) -> Delta:
+    """Add N-Triples to a graph, or put them there `instead` of what it has; an empty graph then exists.
+
+    `shown` puts them into the default graph too.
+    """
+    return Delta({"do": "put", "graph": graph, "shown": shown, "instead": instead}, triples)
 
 
 def bulk(quads: bytes, apart: Iterable[Iri] = ()) -> Delta:
@@ -84,6 +87,9 @@ class Held:
             self._load(delta.body, None)
             return
         node = ox.NamedNode(graph)
+        list(ox.parse(delta.body, format=ox.RdfFormat.N_TRIPLES))  # before anything is lost
+        if delta.head["instead"]:
+            self._drop(delta)
         self._load(delta.body, node)
         self.store.add_graph(node)
         if delta.head["shown"]:

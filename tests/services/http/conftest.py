@@ -9,8 +9,9 @@ import pytest
 from anyio.from_thread import BlockingPortal, start_blocking_portal
 
 from services.http.app import create_app
+from services.http.kitchens import open_kitchens
 from services.http.settings import Settings
-from services.http.world import World, open_kitchens
+from services.http.world import World
 from services.store.workers import Delta, Limits, Workers
 from tests.small import FOLDER
 

@@ -17,7 +17,8 @@ SLOW = """SELECT (COUNT(*) AS ?n) {
 }"""
 THOUSAND = "x" * 1000
 MEMORY_HOG = f"""SELECT (STRLEN(?large) AS ?n) {{
-  BIND(REPLACE("{THOUSAND}", "x", "{THOUSAND}") AS ?million) BIND(REPLACE(?million, "x", "{THOUSAND}") AS ?large)
+  BIND(REPLACE("{THOUSAND}", "x", "{THOUSAND}") AS ?million)
+  BIND(REPLACE(?million, "x", "{THOUSAND}") AS ?large)
 }}"""
 HUGE = "SELECT * { ?a ?b ?c . ?d ?e ?f }"
 TOO_MANY_ROWS = "SELECT ?c { ?a ?b ?c }"

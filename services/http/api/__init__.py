@@ -1,0 +1,1 @@
+"""JSON verbs under `/api/v1`."""

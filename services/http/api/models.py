@@ -1,0 +1,108 @@
+"""What the verbs take: checked before anything is done; an unknown field is an error."""
+
+from datetime import datetime
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Name = Annotated[str, Field(min_length=1, max_length=500)]
+StateText = Annotated[str, Field(min_length=3, max_length=500, examples=["iai_fridge_door=open"])]
+Number = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class Body(BaseModel):
+    """What all bodies share.
+
+    Attributes:
+        kitchen: Name; may be left out where one kitchen is served.
+    """
+
+    model_config = ConfigDict(extra="forbid")
+
+    kitchen: Name | None = None
+
+
+class CausesBody(Body):
+    """Which motions would cause the task, or does this one? No robot.
+
+    Attributes:
+        state: Texts as for `sdt --state`, on top of the present state.
+        motion: Arrays by name, as in a motion file; without it, motions are made.
+        seconds: After which nobody waits any more.
+    """
+
+    task: Name = Field(examples=["open:iai_fridge_door"])
+    state: list[StateText] = Field(default_factory=list, max_length=1000)
+    motion: dict[str, Any] | None = None
+    seconds: float = Field(default=60.0, gt=0, le=600)
+
+
+class AchieveBody(CausesBody):
+    """Can the robot achieve the task? Makes a motion, or verifies the one given; the verdict is kept.
+
+    Attributes:
+        robot: Name; without it, every robot that is served.
+        drive: How the base moves; without it, as the robot's hardware does.
+        base: Start pose x, y [m], yaw [rad]; without it the kitchen's.
+        budget: Seconds of search for each container.
+        motions: Whether the answer has the certified body motions.
+    """
+
+    robot: Name | None = None
+    drive: Literal["omni", "differential", "fixed"] | None = None
+    base: tuple[Number, Number, Number] | None = None
+    budget: float = Field(default=20.0, gt=0, le=600)
+    seed: int = 0
+    motions: bool = False
+
+
+class StateBody(Body):
+    """The kitchen is now in another state.
+
+    Attributes:
+        state: Texts as for `sdt --state`, on top of the present state.
+    """
+
+    state: list[StateText] = Field(min_length=1, max_length=1000)
+
+
+class ObservationBody(Body):
+    """Somebody has observed where joints are; it changes no state.
+
+    Attributes:
+        positions: Joint name → position [rad or m].
+        time: When, with its zone.
+        by: Who or what observed.
+    """
+
+    positions: dict[Name, Number] = Field(min_length=1, max_length=1000)
+    time: datetime
+    by: Name
+
+
+class EditBody(BaseModel):
+    """Properties of one individual become others.
+
+    Attributes:
+        entity: IRI of the individual, a joint say.
+        changes: Local name of a property of `sdt.ttl` → value; null removes.
+    """
+
+    model_config = ConfigDict(extra="forbid")
+
+    entity: Name
+    changes: dict[Name, str | bool | int | Number | None] = Field(min_length=1, max_length=100)
+
+
+class BranchBody(Body):
+    """What if: a branch with other joint positions or another property; the present stays.
+
+    Attributes:
+        parent: IRI of the branch to start from; without it, the present.
+        state: Texts as for `sdt --state`.
+        edit: Instead of a state.
+    """
+
+    parent: Name | None = None
+    state: list[StateText] = Field(default_factory=list, max_length=1000)
+    edit: EditBody | None = None

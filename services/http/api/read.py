@@ -1,0 +1,180 @@
+"""Verbs that read: kitchens, containers, satisfies, verdicts, why, state, branches."""
+
+import asyncio
+import json
+import math
+from dataclasses import asdict
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Request
+
+from sdt_kg.errors import UnknownEntityError
+from sdt_kg.iri import Iri, local_name, verdict_iri
+from sdt_kg.task import Task
+from services.http.kitchens import Kitchen
+from services.http.resources import verdict_quads
+from services.http.world import World
+from services.store.files import graph_of
+from services.store.workers import Asked
+from services.why import why
+
+VERDICTS = """SELECT ?verdict ?kitchen ?robot ?container ?task ?outcome ?seconds WHERE {
+  ?verdict a law:Verdict ; law:environment ?kitchen ; law:outcome ?outcome ; law:seconds ?seconds .
+  OPTIONAL { ?verdict law:robot ?robot }
+  OPTIONAL { ?verdict law:container ?container }
+  OPTIONAL { ?verdict law:task ?asked . ?asked law:verb ?task }
+}
+ORDER BY ?verdict"""
+OUTCOMES = {"certified": "Certified", "not_certified": "NotCertified", "abstained": "Abstained"}
+"""As JSON spells an outcome → as the graph does."""
+SPELLED = {term: name for name, term in OUTCOMES.items()}
+
+router = APIRouter(prefix="/api/v1")
+Json = dict[str, Any]  # JSON object
+KitchenName = Annotated[str | None, Query(description="may be left out where one kitchen is served")]
+States = Annotated[list[str], Query(description="JOINT=VALUE, on top of the present state; repeatable")]
+
+
+def world_of(request: Request) -> World:
+    """What is served."""
+    return request.app.state.world
+
+
+@router.get("/kitchens")
+async def kitchens(request: Request) -> list[Json]:
+    """The kitchens that are served, with their robots."""
+    return [
+        {
+            "name": kitchen.name,
+            "iri": kitchen.twin.environment,
+            "robots": [local_name(robot) for robot in kitchen.twin.robots],
+            "containers": len(kitchen.twin.containers()),
+            "notes": list(kitchen.twin.notes),
+        }
+        for kitchen in world_of(request).kitchens.values()
+    ]
+
+
+@router.get("/containers")
+async def containers(request: Request, kitchen: KitchenName = None, *, left_out: bool = False) -> Json:
+    """The counted containers, with joints, handles and limits; with `left_out` also what is not counted."""
+    twin = world_of(request).kitchen(kitchen).twin
+    found: Json = {
+        "containers": [
+            {name: _finite(value) for name, value in asdict(each).items()} for each in twin.containers()
+        ]
+    }
+    if left_out:
+        found["left_out"] = [asdict(each) for each in await asyncio.to_thread(twin.left_out)]
+    return found
+
+
+@router.get("/satisfies")
+async def satisfies(
+    request: Request,
+    kitchen: KitchenName = None,
+    state: States = [],  # noqa: B006 - FastAPI copies it
+) -> list[Json]:
+    """The requests which the present state meets, or that state: SatisfiesRequest, backwards."""
+    service = world_of(request).kitchen(kitchen).service
+    answers = await asyncio.to_thread(lambda: list(service.at(*state).satisfies()))
+    tasks = (answer.case.task for answer in answers)
+    return [
+        {"task": task.verb.value, "container": local_name(task.container)}
+        for task in tasks
+        if isinstance(task, Task) and isinstance(task.container, str)
+    ]
+
+
+@router.get("/state")
+async def state(request: Request, kitchen: KitchenName = None) -> Json:
+    """Where the joints are now [rad or m], and the graph that says so."""
+    return state_json(world_of(request).kitchen(kitchen))
+
+
+@router.get("/branches")
+async def branches(request: Request, kitchen: KitchenName = None) -> list[Json]:
+    """Branches of a kitchen since the service began, the first one first."""
+    history = world_of(request).kitchen(kitchen).history
+    if history is None:
+        return []
+    return [
+        {
+            "iri": each.iri,
+            "parent": each.parent.iri if each.parent else None,
+            "edit": each.edit.sentence if each.edit else None,
+            "content_hash": each.content_hash,
+        }
+        for each in history.branches.values()
+    ]
+
+
+@router.get("/verdicts")
+async def verdicts(
+    request: Request,
+    kitchen: str | None = None,
+    robot: str | None = None,
+    container: str | None = None,
+    outcome: str | None = None,
+) -> list[Json]:
+    """Verdicts that are kept; names of a robot, kitchen, container or outcome select."""
+    if outcome is not None and outcome not in OUTCOMES:
+        raise UnknownEntityError("outcome", outcome, OUTCOMES)
+    wanted = {"kitchen": kitchen, "robot": robot, "container": container, "outcome": outcome}
+    return [row for row in await _rows(world_of(request)) if _fits(row, wanted)]
+
+
+@router.get("/verdicts/{key}")
+async def verdict(request: Request, key: str) -> Json:
+    """One verdict; its triples are the graph `/id/graph/verdict/KEY`."""
+    iri = verdict_iri(key)
+    for row in await _rows(world_of(request)):
+        if row["iri"] == iri:
+            return row | {"why": await _told(world_of(request), iri)}
+    raise UnknownEntityError("verdict", iri, (), "GET /api/v1/verdicts lists them")
+
+
+@router.get("/why")
+async def why_verdict(request: Request, iri: str) -> Json:
+    """A verdict in plain words: what was asked, each answer, the reasons, how to check it again."""
+    return {"iri": iri, "text": await _told(world_of(request), iri)}
+
+
+async def _told(world: World, iri: Iri) -> str:
+    quads = await verdict_quads(world.workers, graph_of(iri))
+    if not quads:
+        raise UnknownEntityError("verdict", iri, (), "GET /api/v1/verdicts lists them")
+    return await asyncio.to_thread(why, quads, iri)
+
+
+async def _rows(world: World) -> list[Json]:
+    media = "application/sparql-results+json"
+    answered = await world.workers.ask(Asked("query", VERDICTS, accepted=(media,)))
+    return [_row(each) for each in json.loads(answered.body)["results"]["bindings"]]
+
+
+def _fits(row: Json, wanted: dict[str, str | None]) -> bool:
+    return all(value is None or row[name] == value for name, value in wanted.items())
+
+
+def state_json(kitchen: Kitchen) -> Json:
+    """A kitchen's present state."""
+    return {
+        "kitchen": kitchen.name,
+        "graph": kitchen.state_graph,
+        "branch": kitchen.present.iri if kitchen.present else None,
+        "positions": {local_name(joint): at for joint, at in kitchen.twin.state.items()},
+    }
+
+
+def _row(binding: Json) -> Json:
+    names = ("kitchen", "robot", "container", "task")
+    row: Json = {name: local_name(binding[name]["value"]) if name in binding else None for name in names}
+    row["task"] = row["task"].lower() if row["task"] else None
+    row["outcome"] = SPELLED[local_name(binding["outcome"]["value"])]
+    return row | {"seconds": float(binding["seconds"]["value"]), "iri": binding["verdict"]["value"]}
+
+
+def _finite(value: object) -> object:
+    """JSON has no infinity: a limit that is not there is null."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,134 @@
+"""Verbs that compute or write, each into its own graph: causes, achieve, state, observation, branch."""
+
+import hashlib
+from typing import Final
+
+import pyoxigraph as ox
+from fastapi import APIRouter, Request
+
+from predicates.record import Record
+from sdt_kg.errors import InputError, UnknownEntityError
+from sdt_kg.history import Edit, changed, moved
+from sdt_kg.iri import DCTERMS, ID, RDF, SDT, XSD, Iri, graph_iri, local_name, part_iri
+from sdt_kg.twin import Twin
+from services.http.api.models import AchieveBody, BranchBody, CausesBody, ObservationBody, StateBody
+from services.http.api.read import Json, state_json, world_of
+from services.requests import parse_state
+from services.store.files import graph_of
+
+SOSA: Final = "http://www.w3.org/ns/sosa/"
+
+router = APIRouter(prefix="/api/v1")
+
+
+@router.post("/causes")
+async def causes(request: Request, body: CausesBody) -> list[Json]:
+    """Motions that would cause the task, or whether the given one does; no robot, nothing is written."""
+    kitchen = world_of(request).kitchen(body.kitchen)
+    question = {
+        "do": "causes",
+        "kitchen": kitchen.name,
+        "states": [*kitchen.states, *body.state],
+        "task": body.task,
+        "motion": body.motion,
+    }
+    reply = await request.app.state.judges.judge(question, body.seconds)
+    return reply["answers"]
+
+
+@router.post("/achieve")
+async def achieve(request: Request, body: AchieveBody) -> Json:
+    """CanAchieve: one verdict for each robot and container that is meant, judged here and kept.
+
+    This is the only way in which a verdict gets into the graph: what somebody else judged is not taken.
+    """
+    world = world_of(request)
+    kitchen = world.kitchen(body.kitchen)
+    question = {
+        "do": "achieve",
+        "kitchen": kitchen.name,
+        "states": [*kitchen.states, *body.state],
+        **body.model_dump(exclude={"kitchen", "state", "seconds"}),
+    }
+    reply = await request.app.state.judges.judge(question, body.seconds)
+    for iri, quads in reply.pop("records"):
+        await world.write_verdict(_record(iri, quads))
+    return reply
+
+
+def _record(iri: Iri, quads: str) -> Record:
+    parsed = ox.parse(quads, format=ox.RdfFormat.N_QUADS)
+    triples = [(quad.subject, quad.predicate.value, quad.object) for quad in parsed]
+    named = tuple(
+        (subject.value, predicate, value)
+        for subject, predicate, value in triples
+        if isinstance(subject, ox.NamedNode) and isinstance(value, ox.NamedNode | ox.Literal)
+    )
+    assert len(named) == len(triples), "no blank nodes in data"
+    return Record(iri, graph_of(iri), named)
+
+
+@router.post("/state")
+async def state(request: Request, body: StateBody) -> Json:
+    """Joints are elsewhere now. The state before stays, in its own graph and as a branch of the past."""
+    kitchen = await world_of(request).move(body.kitchen, tuple(body.state))
+    return state_json(kitchen)
+
+
+@router.post("/observation", status_code=201)
+async def observation(request: Request, body: ObservationBody) -> Json:
+    """Keep what somebody observed, as SOSA observations in a graph of their own; it changes no state."""
+    world = world_of(request)
+    twin = world.kitchen(body.kitchen).twin
+    if body.time.tzinfo is None:
+        raise InputError(f"the time {body.time.isoformat()} has no zone", allowed="2026-01-31T12:00:00Z")
+    joints = {local_name(joint): joint for joint in twin.state}
+    for name in body.positions:
+        if name not in joints:
+            raise UnknownEntityError("joint", name, joints)
+    positions = {joints[name]: at for name, at in body.positions.items()}
+    text = f"{twin.environment} {body.time.isoformat()} {body.by} {sorted(positions.items())}"
+    key = hashlib.sha256(text.encode()).hexdigest()
+    graph = graph_iri("observed", key)
+    await world.write(graph, _observed(f"{ID}observation/{key}", positions, body))
+    return {"graph": graph, "observations": len(positions)}
+
+
+def _observed(whole: Iri, positions: dict[Iri, float], body: ObservationBody) -> list[ox.Triple]:
+    moment = ox.Literal(body.time.isoformat(), datatype=ox.NamedNode(XSD + "dateTime"))
+    triples: list[ox.Triple] = []
+    for index, (joint, position) in enumerate(sorted(positions.items()), 1):
+        node = ox.NamedNode(part_iri(whole, "joint", index))
+        for predicate, value in (
+            (RDF + "type", ox.NamedNode(SOSA + "Observation")),
+            (SOSA + "hasFeatureOfInterest", ox.NamedNode(joint)),
+            (SOSA + "observedProperty", ox.NamedNode(SDT + "position")),
+            (SOSA + "hasSimpleResult", ox.Literal(position)),
+            (SOSA + "resultTime", moment),
+            (DCTERMS + "creator", ox.Literal(body.by)),
+        ):
+            triples.append(ox.Triple(node, ox.NamedNode(predicate), value))
+    return triples
+
+
+@router.post("/branch", status_code=201)
+async def branch(request: Request, body: BranchBody) -> Json:
+    """What if: a branch of the present or of another branch; asking it by its graphs changes nothing."""
+    if bool(body.state) == (body.edit is not None):
+        raise InputError("a branch needs a state or an edit", allowed="one of them")
+    made = await world_of(request).branch(body.kitchen, lambda twin: _edit(twin, body), body.parent)
+    return {
+        "iri": made.iri,
+        "parent": made.parent.iri if made.parent else None,
+        "graph": graph_iri("branch", local_name(made.iri)),
+        "state_graph": made.twin.graphs()[-1],
+        "content_hash": made.content_hash,
+        "events": [event.type.value for event in made.events],
+    }
+
+
+def _edit(twin: Twin, body: BranchBody) -> Edit:
+    if body.edit is not None:
+        return changed(twin, body.edit.entity, **body.edit.changes)
+    positions = parse_state(twin, body.state)
+    return moved({joint: at for joint, at in positions.items() if at != twin.state[joint]})

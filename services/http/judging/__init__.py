@@ -1,0 +1,1 @@
+"""Cases judged in processes that can be killed at their deadline."""
