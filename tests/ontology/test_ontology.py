@@ -165,7 +165,11 @@ def test_a_twin_uses_declared_terms_only(kitchen: str) -> None:
 
 def test_every_term_in_rules_queries_and_shapes_is_declared() -> None:
     declared = {str(term) for term in ours(core())}
-    files = [path for pattern in ("rules/*.rq", "queries/*.rq", "shapes/*.ttl") for path in _files(pattern)]
+    files = [
+        path
+        for pattern in ("rules/*.rq", "queries/*.rq", "checks/*.rq", "shapes/*.ttl")
+        for path in _files(pattern)
+    ]
     assert len(files) > 20
     spaces = {"sdt": SDT, "tee": TEE, "law": LAW}
     for path in files:
