@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from predicates.record import StoredVerdict, read_verdicts
 from sdt_kg.store import Row, rows_of
 from services.bus import keys
-from services.bus.keys import Meta, Verb
+from services.bus.keys import Meta, Part, Verb
 from services.bus.messages import (
     CBOR,
     JSON,
@@ -24,12 +24,14 @@ from services.bus.messages import (
     CausesReply,
     CausesRequest,
     Header,
+    JobReply,
     Message,
     MetRequest,
     QueryRequest,
     Reply,
     SatisfiesReply,
     SatisfiesRequest,
+    SweepRequest,
     VerdictsReply,
     decode,
     encode,
@@ -130,6 +132,32 @@ class Connection:
         store = ox.Store()
         store.load((reply.quads or "").encode(), format=ox.RdfFormat.N_QUADS)
         return Verdicts(tuple(reply.verdicts), tuple(read_verdicts(store)), instance)
+
+    def sweep(self, verb: str = "open", *state: str, **policy: Any) -> JobReply:  # noqa: ANN401 - fields of SweepRequest
+        """A job that judges every container for every robot (or `robots=[...]`)."""
+        request = SweepRequest.model_validate({"verb": verb, "state": list(state), **policy})
+        return self._typed(Verb.SWEEP, request, JobReply)[0]
+
+    def progress(self, job: str) -> JobReply:
+        """How far a job is."""
+        return decode(JobReply, self._told(job, Part.PROGRESS))
+
+    def result(self, job: str) -> dict[str, Any]:
+        """`{job, state, verdicts, problems}` of a job, so far."""
+        return decode(_Anything, self._told(job, Part.RESULT)).model_extra or {}
+
+    def cancel(self, job: str) -> JobReply:
+        """The job stops; what it has found stays."""
+        return decode(JobReply, self._told(job, Part.CANCEL))
+
+    def _told(self, job: str, part: Part) -> bytes:
+        for reply in self.session.get(keys.job(self.twin, job, part), timeout=self.deadline):
+            if reply.ok is not None:
+                return reply.ok.payload.to_bytes()
+            said = None if reply.err is None else _problem(reply.err)
+            if said is not None:
+                raise error_of(said)
+        raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, f"nobody answers for job {job}"))
 
     def health(self) -> list[dict[str, Any]]:
         """What each server of the twin says of itself."""

@@ -123,6 +123,15 @@ def instance_of(key: str) -> str:
     return key.rsplit("/", 1)[-1]
 
 
+def job_of(key: str) -> tuple[str, Part] | None:
+    """Job and part that a key names; None where it names none."""
+    parts = key.split("/")
+    try:
+        return (parts[4], Part(parts[5])) if len(parts) == 6 and parts[3] == "jobs" else None
+    except ValueError:
+        return None
+
+
 def twin_of(key: str) -> str:
     """The twin that a key is about."""
     return key.split("/")[2]

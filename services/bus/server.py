@@ -5,7 +5,6 @@ import logging
 import threading
 import time
 import uuid
-from collections.abc import Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -15,7 +14,7 @@ import zenoh
 
 from sdt_kg.errors import SdtError
 from services.bus import keys
-from services.bus.keys import Meta, Verb
+from services.bus.keys import Meta, Part, Verb
 from services.bus.messages import (
     CBOR,
     JSON,
@@ -24,9 +23,12 @@ from services.bus.messages import (
     SCHEMA,
     Header,
     QueryRequest,
+    SweepRequest,
     decode,
+    encode,
 )
 from services.bus.problems import Problem, ProblemType, problem, problem_of
+from services.bus.sweeps import Sweeps
 from services.bus.work.deadlines import Deadlines
 from services.bus.work.jobs import Done, Kept, Task, Waiter
 from services.bus.work.memory import Memory
@@ -79,13 +81,14 @@ class Server:
     def __init__(
         self,
         session: zenoh.Session,
-        twins: Sequence[str],
         pool: Pool,
         deadlines: Deadlines,
         memory: Memory,
+        sweeps: Sweeps,
     ) -> None:
         self.instance = uuid.uuid4().hex[:12]
-        self._session, self._twins = session, tuple(twins)
+        self._session, self._sweeps = session, sweeps
+        self._twins = tuple(sweeps.catalogue)
         self._pool, self._deadlines = pool, deadlines
         self._memory = memory
         self._declared: list[zenoh.Queryable[None] | zenoh.LivelinessToken] = []
@@ -100,6 +103,8 @@ class Server:
             for tail in ("*", f"*/{self.instance}"):
                 key = f"{keys.ROOT}/{twin}/rpc/{tail}"
                 self._declared.append(self._session.declare_queryable(key, self._asked, complete=True))
+            jobs = f"{keys.ROOT}/{twin}/jobs/*/*"
+            self._declared.append(self._session.declare_queryable(jobs, self._asked_job))
             for part in Meta:
                 self._declared.append(self._session.declare_queryable(keys.meta(twin, part), self._told))
         for twin in self._twins:
@@ -158,6 +163,10 @@ class Server:
         if question.verb in ACCEPTED:
             self._query(question.verb, decode(QueryRequest, payload, encoding), waiter)
             return
+        if question.verb is Verb.SWEEP:
+            started = self._sweeps.start(question.twin, decode(SweepRequest, payload, encoding))
+            waiter.answer(Done(encode(started), JSON))
+            return
         task = Task(question.twin, question.verb.value, payload, encoding, question.header.deadline_ms / 1000)
         self._pool.submit(task, waiter, share=True)
 
@@ -167,6 +176,24 @@ class Server:
 
         self._deadlines.watch(waiter)
         self._memory.queries.ask(Asked("query", request.query, ACCEPTED[verb]), done)
+
+    def _asked_job(self, query: zenoh.Query) -> None:
+        """Progress, result or cancellation of a sweep; answered at once, it costs nothing."""
+        key = str(query.key_expr)
+        question = Question(query, keys.twin_of(key), Verb.SWEEP, Header(), key)
+        named = keys.job_of(key)
+        if named is None:
+            question.answer(problem(ProblemType.INVALID_REQUEST, f"'{key}' names no part of a job"))
+            return
+        job, part = named
+        try:
+            if part is Part.RESULT:
+                question.answer(Done(self._sweeps.result(job), JSON))
+            else:
+                act = self._sweeps.cancel if part is Part.CANCEL else self._sweeps.progress
+                question.answer(Done(encode(act(job)), JSON))
+        except SdtError as error:
+            question.answer(problem_of(error))
 
     def _told(self, query: zenoh.Query) -> None:
         """What the server says of itself; answered at once, it costs nothing."""

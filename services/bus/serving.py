@@ -9,9 +9,11 @@ import pyoxigraph as ox
 import zenoh
 
 from sdt_kg.load import load_twin, model_name
+from sdt_kg.twin import Twin
 from services.bus.judging import Setup
 from services.bus.server import Server
 from services.bus.sessions import Reach, open_session
+from services.bus.sweeps import Models, Sweeps
 from services.bus.work.deadlines import Deadlines
 from services.bus.work.memory import Memory, Queries
 from services.bus.work.pool import Pool
@@ -71,25 +73,28 @@ def serving(
         workers: Processes that judge.
         store: Where verdicts are kept; in memory without it.
     """
-    deadlines = Deadlines()
+    twins = {model_name(each): load_twin(each, setup.robots) for each in setup.kitchens}
     store = store or EmbeddedStore(ox.Store(), lambda emptied: None)
-    queries = Queries().start([*_twins(setup), _kept(store)])
+    deadlines = Deadlines()
+    queries = Queries().start([*(bulk(each.serialize("nquads")) for each in twins.values()), _kept(store)])
     memory = Memory(queries, store)
     pool = Pool(setup, workers, WAITING, deadlines, memory)
-    names = [model_name(kitchen) for kitchen in setup.kitchens]
-    server = Server(session, names, pool, deadlines, memory).start()
+    sweeps = Sweeps(pool, {name: _models(twin) for name, twin in twins.items()})
+    server = Server(session, pool, deadlines, memory, sweeps).start()
     try:
         yield server
     finally:
         server.close()
+        sweeps.close()
         pool.close()
         deadlines.close()
         queries.close()
 
 
-def _twins(setup: Setup) -> Iterator[Delta]:
-    for kitchen in setup.kitchens:
-        yield bulk(load_twin(kitchen, setup.robots).serialize("nquads"))
+def _models(twin: Twin) -> Models:
+    """What the twin can be swept over."""
+    robots = tuple(twin.name(robot) for robot in twin.robots)
+    return Models(robots, tuple(container.name for container in twin.containers()))
 
 
 def _kept(store: QuadStore) -> Delta:

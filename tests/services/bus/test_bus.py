@@ -154,3 +154,21 @@ def test_verdicts_are_published(connection: Connection, session: zenoh.Session) 
 def test_too_large_an_answer_is_refused_whole(connection: Connection) -> None:
     with pytest.raises((TooLargeError, DeadlineError)):
         connection.select("SELECT * { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i }")
+
+
+def test_a_sweep_goes_on_in_the_background_and_can_be_cancelled(connection: Connection) -> None:
+    started = connection.sweep("open", "all=open")
+    assert (started.total, started.state in {"queued", "running"}) == (17, True)
+    until = time.monotonic() + 60
+    while connection.progress(started.job).state != "done":
+        assert time.monotonic() < until
+        time.sleep(0.2)
+    found = connection.result(started.job)
+    assert len(found["verdicts"]) == 17
+    assert {each["outcome"] for each in found["verdicts"]} == {"not_certified"}, "all is open already"
+
+    second = connection.sweep("close", "all=open", budget=30.0)
+    assert connection.cancel(second.job).state == "cancelled"
+    assert connection.satisfies(), "the worker is free again"
+    with pytest.raises(InputError, match="no job"):
+        connection.progress("unknown")

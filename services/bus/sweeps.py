@@ -1,0 +1,170 @@
+"""Sweeps: jobs of many cases, a few at a time, with progress, result and cancellation."""
+
+import json
+import threading
+import time
+import uuid
+from collections import OrderedDict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from sdt_kg.errors import InputError, UnknownEntityError
+from services.bus.messages import JSON, AchieveRequest, JobReply, SweepRequest, VerdictsReply, decode, encode
+from services.bus.problems import Problem
+from services.bus.work.jobs import Done, Job, Task, Waiter
+from services.bus.work.pool import Pool
+
+AT_ONCE = 4
+"""Cases of one sweep that are in the pool at once: others get their turn too."""
+MARGIN = 60.0
+"""[s] A case may take beyond its budget of search."""
+JOBS_KEPT = 100
+"""Finished jobs that can still be asked about."""
+PAUSE = 0.5
+"""[s] Before a case is offered again to a pool that was full."""
+
+State = Literal["queued", "running", "done", "cancelled", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class Models:
+    """What one twin can be swept over: names of its robots and containers."""
+
+    robots: tuple[str, ...]
+    containers: tuple[str, ...]
+
+
+@dataclass(slots=True, eq=False)
+class Sweep:
+    """One job."""
+
+    id: str
+    twin: str
+    total: int
+    state: State = "queued"
+    objects: list[dict[str, Any]] = field(default_factory=list[dict[str, Any]])
+    problems: list[str] = field(default_factory=list[str])
+    running: set[Job] = field(default_factory=set[Job])
+    lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def reply(self) -> JobReply:
+        """How far it is."""
+        return JobReply(
+            job=self.id, state=self.state, done=len(self.objects) + len(self.problems), total=self.total
+        )
+
+
+class Sweeps:
+    """The sweeps of a server.
+
+    Attributes:
+        catalogue: Twin → what it can be swept over.
+    """
+
+    def __init__(self, pool: Pool, catalogue: Mapping[str, Models]) -> None:
+        self.catalogue = dict(catalogue)
+        self._pool = pool
+        self._jobs: OrderedDict[str, Sweep] = OrderedDict()
+
+    def start(self, twin: str, request: SweepRequest) -> JobReply:
+        """A new job.
+
+        Raises:
+            UnknownEntityError: A robot that the server does not hold.
+        """
+        models = self.catalogue[twin]
+        for robot in request.robots:
+            if robot not in models.robots:
+                raise UnknownEntityError("robot", robot, models.robots)
+        cases = list(_cases(request, request.robots or models.robots, models.containers))
+        sweep = Sweep(uuid.uuid4().hex[:16], twin, len(cases))
+        self._jobs[sweep.id] = sweep
+        while len(self._jobs) > JOBS_KEPT:
+            self._jobs.popitem(last=False)
+        threading.Thread(target=self._run, args=(sweep, cases), name=f"sweep {sweep.id}", daemon=True).start()
+        return sweep.reply()
+
+    def progress(self, job: str) -> JobReply:
+        """How far the job is."""
+        return self._known(job).reply()
+
+    def result(self, job: str) -> bytes:
+        """The verdicts so far, as JSON: `{job, state, verdicts, problems}`."""
+        sweep = self._known(job)
+        with sweep.lock:
+            said = {"job": job, "state": sweep.state, "verdicts": sweep.objects, "problems": sweep.problems}
+            return json.dumps(said).encode()
+
+    def cancel(self, job: str) -> JobReply:
+        """The job stops; what it has found stays."""
+        sweep = self._known(job)
+        with sweep.lock:
+            if sweep.state in {"queued", "running"}:
+                sweep.state = "cancelled"
+            for each in sweep.running:
+                each.cancelled.set()
+        return sweep.reply()
+
+    def close(self) -> None:
+        """Every sweep is cancelled."""
+        for job in list(self._jobs):
+            self.cancel(job)
+
+    def _known(self, job: str) -> Sweep:
+        if job not in self._jobs:
+            raise InputError(f"no job '{job}'", allowed="the id that rpc/sweep gave, on the same server")
+        return self._jobs[job]
+
+    def _run(self, sweep: Sweep, cases: Sequence[AchieveRequest]) -> None:
+        """Offer the cases, a few at a time, until all are answered or the job is cancelled."""
+        sweep.state = "running"
+        slots = threading.Semaphore(AT_ONCE)
+        for case in cases:
+            slots.acquire()
+            if sweep.state == "cancelled":
+                return
+            self._offer(sweep, case, slots.release)
+        for _ in range(AT_ONCE):
+            slots.acquire()
+        if sweep.state == "running":
+            sweep.state = "failed" if sweep.problems and not sweep.objects else "done"
+
+    def _offer(self, sweep: Sweep, case: AchieveRequest, over: Callable[[], None]) -> None:
+        seconds = case.budget + MARGIN
+
+        def answer(outcome: Done | Problem) -> None:
+            if (
+                isinstance(outcome, Problem)
+                and outcome.kind is ProblemType.UNAVAILABLE
+                and outcome.retry_after
+            ):
+                threading.Timer(PAUSE, self._offer, (sweep, case, over)).start()
+                return
+            with sweep.lock:
+                if isinstance(outcome, Done):
+                    sweep.objects += decode(VerdictsReply, outcome.payload, outcome.encoding).verdicts
+                else:
+                    sweep.problems.append(f"{case.robot} {case.task}: {outcome.detail}")
+            over()
+
+        task = Task(sweep.twin, "canachieve", encode(case), JSON, seconds)
+        # Cases wait their turn behind others: the deadline counts from when a worker could have begun.
+        waiter = Waiter(time.monotonic() + AT_ONCE * seconds, answer)
+        job = self._pool.submit(task, waiter, share=True)
+        with sweep.lock:
+            sweep.running = {each for each in sweep.running if not each.over} | {job}
+
+
+def _cases(
+    request: SweepRequest, robots: Sequence[str], containers: Sequence[str]
+) -> Iterator[AchieveRequest]:
+    for robot in robots:
+        for container in containers:
+            yield AchieveRequest(
+                task=f"{request.verb}:{container}",
+                robot=robot,
+                state=request.state,
+                drive=request.drive,
+                budget=request.budget,
+            )

@@ -1,0 +1,96 @@
+"""The same contract in process and over several processes with a router between."""
+
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from multiprocessing.process import BaseProcess
+
+import numpy as np
+import pytest
+
+from predicates.case import Case, Verdict
+from predicates.satisfies_request import demanded
+from sdt_kg.errors import InputError, OracleUnavailableError
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.task import Task, Verb
+from services.app import Policy, Service, load
+from services.bus.oracles.remote import BusOracles
+from services.bus.sessions import open_session
+from tests.services.bus.conftest import free_endpoint
+from tests.services.bus.routed import START, routed
+
+pytestmark = pytest.mark.oracle
+
+DRAWER = "sink_area_left_middle_drawer_main"
+Routed = tuple[BusOracles, list[BaseProcess]]
+
+
+@pytest.fixture(scope="module")
+def on_bus() -> Iterator[Routed]:
+    endpoint = free_endpoint()
+    with routed(endpoint, ("causes", "canperform", "canperform")) as processes:
+        session = open_session(connect=endpoint, mode="client")
+        oracles = BusOracles.on(session)
+        until = time.monotonic() + START
+        while len(oracles.canperform.instances()) < 2 or not oracles.causes.instances():
+            assert time.monotonic() < until, "the oracles did not come"
+            time.sleep(0.2)
+        yield oracles, processes
+        session.close()
+
+
+@pytest.fixture(scope="module")
+def here() -> Service:
+    return load("b", ["pr2"], policy=Policy(budget=20.0))
+
+
+def test_physics_answers_alike(here: Service, on_bus: Routed) -> None:
+    there = on_bus[0].physics()
+    container = here.twin.container(DRAWER)
+    assert there.version == here.physics.version
+    goal = demanded(container, Verb.OPEN)
+    (ours,), (theirs,) = (list(each.generate(here.twin, goal)) for each in (here.physics, there))
+    assert np.array_equal(ours.values, theirs.values)
+    assert here.physics.replay(here.twin, ours).final == there.replay(here.twin, theirs).final
+    beyond = replace(ours, values=ours.values * 3)
+    assert here.physics.replay(here.twin, beyond).violations == there.replay(here.twin, beyond).violations
+    with pytest.raises(InputError):
+        there.replay(here.twin, replace(ours, of="https://example.org/id/nothing"))
+
+
+def test_verdicts_are_the_same_and_the_work_is_shared(here: Service, on_bus: Routed) -> None:
+    oracles, _ = on_bus
+    ours, theirs = (_judged(each, DRAWER) for each in (here, replace(here, oracles=oracles)))
+    assert (ours.iri, ours.outcome, ours.diagnoses) == (theirs.iri, theirs.outcome, theirs.diagnoses)
+    assert isinstance(theirs.case.body_motion, BodyMotion)
+    assert theirs.can_perform is not None
+    assert theirs.can_perform.artefact is not None
+    assert len(oracles.canperform.asked) == 2, "each of the two was asked"
+
+
+def test_a_twin_that_was_edited_is_judged_as_edited(here: Service, on_bus: Routed) -> None:
+    joint = here.twin.container(DRAWER).joint
+    edited = here.twin.with_edit(joint, upperLimit=0.2)
+    there = replace(here, twin=edited, oracles=on_bus[0])
+    (answer,) = there.causes(Task(Verb.OPEN, here.twin.container(DRAWER).iri))
+    assert isinstance(answer.case.motion, Motion)
+    assert answer.case.motion.values.max() <= 0.2
+
+
+def test_a_dead_oracle_is_noticed_and_another_asked_until_there_is_none(
+    here: Service, on_bus: Routed
+) -> None:
+    oracles, processes = on_bus
+    there = replace(here, oracles=oracles)
+    task = f"open:{DRAWER}"
+    processes[1].kill()
+    assert next(there.achieve(task)).outcome == _judged(here, DRAWER).outcome
+    processes[2].kill()
+    with pytest.raises(OracleUnavailableError, match="canperform"):
+        next(there.achieve(task))
+
+
+def _judged(service: Service, container: str) -> Verdict:
+    (verdict,) = service.achieve(f"open:{container}")
+    assert isinstance(verdict.case, Case)
+    return verdict
