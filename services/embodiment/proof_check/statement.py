@@ -14,7 +14,7 @@ value of the container, for each gripper and all joint positions, is to refute e
 motion that takes the container past that value. No collision geometry is used.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -97,6 +97,7 @@ class Statement:
     Args:
         twin: Kitchen and robot, in the state in which the motion begins.
         start: Base pose x, y [m], yaw [rad] of a fixed base; not looked at otherwise.
+        room: How far from `start` the fixed base may stand [m, m, rad]; a map asks for more than a pose.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917  # what a claim is about
@@ -107,33 +108,55 @@ class Statement:
         drive: Drive,
         start: tuple[float, float, float],
         tolerances: Tolerances,
+        room: tuple[float, float, float] = (0.0, 0.0, 0.0),
     ) -> None:
-        self.twin, self.robot, self.container = twin, robot, container
+        self.twin, self.robot, self.container, self.room = twin, robot, container, room
         self.level, self.start, self.tolerances = drive is not Drive.FIXED, start, tolerances
         self.grippers = twin.robot(robot).grippers
         self._tree = Tree(twin.mechanism(robot))
         self._kitchen = Tree(twin.mechanism(twin.environment))
+        self._chains: dict[str, tuple[Chain, Array] | None] = {}
+        self._targets: dict[float, Target] = {}
+
+    def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Statement":
+        """The same, with the fixed base elsewhere."""
+        other = Statement(self.twin, self.robot, self.container, Drive.FIXED, start, self.tolerances, room)
+        other._chains, other._targets = self._chains, self._targets
+        return other
 
     def arm(self, gripper: Gripper) -> Arm | None:
         """The chain of one gripper; None where its fingers have no box or a slide has no limits."""
+        if gripper.name not in self._chains:
+            self._chains[gripper.name] = self._behind_base(gripper)
+        found = self._chains[gripper.name]
+        if found is None:
+            return None
+        chain, corners = found
+        height = Placement(HERE.rotation, exact([0.0, 0.0, self.twin.robot(self.robot).base_height]))
+        if not self.level:
+            whole = Chain((*self._base(height), *chain.links), chain.end)
+            return Arm(gripper.name, whole, _reaches(whole, corners), 0)
+        first = replace(chain.links[0], before=height @ chain.links[0].before)
+        whole = Chain((first, *chain.links[1:]), chain.end)
+        return Arm(gripper.name, whole, _reaches(whole, corners), _upright(whole))
+
+    def _behind_base(self, gripper: Gripper) -> tuple[Chain, Array] | None:
+        """The chain from the base's frame to the tool, and the corners of the grasp box."""
         box = finger_box(self._tree.mechanism, gripper, self.tolerances)
         if box is None:
             return None
         joints = self._tree.path(self._tree.carrier(gripper.tool_body))
-        annotation = self.twin.robot(self.robot)
-        height = Placement(HERE.rotation, exact([0.0, 0.0, annotation.base_height]))
-        base = () if self.level else self._base(height)
-        first = base_T_root(self._tree, annotation)
-        chain = self._tree.chain(joints, height @ first if self.level else first, self.tolerances.position)
-        whole = Chain((*base, *chain.links), chain.end @ tool_in(self._tree, gripper))
-        if not all(np.isfinite((link.lower, link.upper)).all() for link in whole.links):
-            return None
-        return Arm(gripper.name, whole, _reaches(whole, self._corners(box)), _upright(whole))
+        first = base_T_root(self._tree, self.twin.robot(self.robot))
+        chain = self._tree.chain(joints, first, self.tolerances.position)
+        whole = Chain(chain.links, chain.end @ tool_in(self._tree, gripper))
+        bounded = all(np.isfinite((link.lower, link.upper)).all() for link in whole.links)
+        return (whole, self._corners(box)) if bounded and whole.links else None
 
     def _base(self, height: Placement) -> tuple[Link, ...]:
         slack = self.tolerances.start_position + self.tolerances.position
         turn = self.tolerances.start_angle + self.tolerances.position
-        slacks, places = (slack, slack, turn), (height, HERE, HERE)
+        slacks = tuple(one + more for one, more in zip((slack, slack, turn), self.room, strict=True))
+        places = (height, HERE, HERE)
         return tuple(
             Link(name, place, np.eye(3)[k], k == 2, self.start[k] - slacks[k], self.start[k] + slacks[k])
             for k, (name, place) in enumerate(zip(BASE, places, strict=True))
@@ -161,6 +184,11 @@ class Statement:
         Raises:
             StateError: The value is outside the container's limits.
         """
+        if value not in self._targets:
+            self._targets[value] = self._target(value)
+        return self._targets[value]
+
+    def _target(self, value: float) -> Target:
         state = self.twin.at({self.container.joint: value}).state
         body = local_name(self.container.handle)
         slack = self.tolerances.position + max(self.tolerances.start_position, self.tolerances.start_angle)

@@ -1,6 +1,7 @@
 """Proofs that no certified motion takes a container past a value: found in floats, verified in intervals."""
 
 from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,10 +62,30 @@ class Prover:
         self.span = needed(container, twin.state[container.joint], values)
         self.statement = Statement(twin, robot, container, drive, self.start, Tolerances())
         self._arms: dict[str, Arm | None] = {}
-        self._targets: dict[float, Target] = {}
+
+    def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Prover":
+        """The same, with the fixed base anywhere in a room about another pose; for `excludes`."""
+        other = copy(self)
+        other.start, other.statement, other._arms = start, self.statement.standing(start, room), {}
+        return other
 
     def prove(self, nodes: int) -> Proved | None:
         """A verified proof, if one is found with at most so many boxes for each gripper and value."""
+        assert self.statement.room == (0.0, 0.0, 0.0), "a claim is about one base pose"
+        found = self._verified(nodes)
+        if found is None or self.span is None:
+            return None
+        refutations, leaves = found
+        claim = claim_about(self.twin, self.robot, self.container.iri, self.span, self.drive, self.start)
+        artefact = Artefact(ArtefactKind.PROOF, to_bytes(Proof(claim, tuple(refutations))))
+        return Proved(self._diagnosis(refutations, leaves), artefact, leaves)
+
+    def excludes(self, nodes: int) -> bool:
+        """Whether no base pose in the room will do, proved with so many boxes for each gripper and value."""
+        return self._verified(nodes) is not None
+
+    def _verified(self, nodes: int) -> tuple[list[Refutation], int] | None:
+        """One refutation for each gripper, verified, and how many boxes were refuted in all."""
         if self.span is None:
             return None
         refutations: list[Refutation] = []
@@ -74,11 +95,7 @@ class Prover:
                 return None
             refutations.append(found)
         reasons, leaves = refuted(self.statement, self.span, tuple(refutations))
-        if reasons:
-            return None
-        claim = claim_about(self.twin, self.robot, self.container.iri, self.span, self.drive, self.start)
-        artefact = Artefact(ArtefactKind.PROOF, to_bytes(Proof(claim, tuple(refutations))))
-        return Proved(self._diagnosis(refutations, leaves), artefact, leaves)
+        return None if reasons else (refutations, leaves)
 
     def _refutations(self, gripper: Gripper, nodes: int) -> Iterator[Refutation]:
         """Refutations of one gripper, at values from the ends of the span inwards."""
@@ -92,7 +109,7 @@ class Prover:
         box = tuple(zip(low.tolist(), high.tolist(), strict=True))
         for value in self._values():
             tree = np.zeros(nodes, dtype=np.uint8)
-            target = self._target(value)
+            target = self.statement.target(value)
             if not len(target.boxes):
                 return
             outcome, count = divide(
@@ -114,11 +131,6 @@ class Prover:
         values = np.linspace(*self.span, VALUES).clip(*self.span).tolist()
         return sorted(values, key=lambda value: -abs(value - (values[0] + values[-1]) / 2))
 
-    def _target(self, value: float) -> Target:
-        if value not in self._targets:
-            self._targets[value] = self.statement.target(value)
-        return self._targets[value]
-
     def _diagnosis(self, refutations: list[Refutation], leaves: int) -> Diagnosis:
         """In words: where the handle is out of reach, and for which base."""
         assert self.span is not None
@@ -126,7 +138,10 @@ class Prover:
         joint = self.twin.mechanism(self.twin.environment).joint(local_name(self.container.joint))
         unit = SLIDE if joint.type is JointType.PRISMATIC else HINGE
         height = np.array(
-            [(box.translation.lo[2] + box.translation.hi[2]) / 2 for box in self._target(value).boxes]
+            [
+                (box.translation.lo[2] + box.translation.hi[2]) / 2
+                for box in self.statement.target(value).boxes
+            ]
         )
         robot, handle = local_name(self.robot), local_name(self.container.handle)
         where = (

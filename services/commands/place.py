@@ -1,0 +1,63 @@
+"""`sdt place`: where the base may stand for a task."""
+
+import click
+
+from sdt_kg.errors import InputError
+from sdt_kg.task import UNKNOWN
+from services.app import load
+from services.commands.options import (
+    KITCHEN_HELP,
+    ROBOT_HELP,
+    annotation_option,
+    budget_option,
+    json_flag,
+    seed_option,
+    states_option,
+)
+from services.commands.show import print_json
+from services.requests import parse_task
+
+NONE_EXIT = 1
+
+
+@click.command()
+@click.option("--kitchen", required=True, help=KITCHEN_HELP)
+@click.option("--robot", required=True, help=ROBOT_HELP)
+@click.option("--task", required=True, metavar="TASK", help="open:CONTAINER or close:CONTAINER.")
+@states_option
+@annotation_option
+@budget_option
+@seed_option
+@json_flag
+def place(
+    *,
+    kitchen: str,
+    robot: str,
+    task: str,
+    states: tuple[str, ...],
+    annotation: str | None,
+    budget: float,
+    seed: int,
+    as_json: bool,
+) -> None:
+    """Base poses from which ROBOT can do TASK in KITCHEN without moving its base.
+
+    Every pose that is given is certified, and can be asked again: sdt achieve --base X,Y,YAW --drive fixed.
+    The map says of each square of base positions: certified, proved impossible, blocked by furniture, or
+    unknown.
+
+    Exit 0 there is such a pose, 1 none was found, 2 bad input.
+    """
+    from services.embodiment.place import answer, place  # noqa: PLC0415 - loads the oracle
+
+    service = load(kitchen, [robot], annotation=annotation, state=states)
+    asked = parse_task(service.twin, task)
+    if asked.container is UNKNOWN:
+        raise InputError(f"'{task}' names no container", allowed="open:CONTAINER or close:CONTAINER")
+    found = place(service.twin, service.robot(None), asked, budget, seed)
+    if as_json:
+        print_json(answer.to_json(found))
+    else:
+        for line in answer.lines(found):
+            click.echo(line)
+    raise SystemExit(0 if found.spots else NONE_EXIT)

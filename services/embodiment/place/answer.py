@@ -1,0 +1,69 @@
+"""A placement as JSON and as lines for people."""
+
+from collections.abc import Iterator
+
+from services.embodiment.place.grid import SIDE, Status
+from services.embodiment.place.search import Placement, Spot
+
+SIGNS = {Status.CERTIFIED: "#", Status.PROVED: "-", Status.BLOCKED: "x", Status.UNKNOWN: "."}
+SHOWN = 5
+"""[1] Poses that are printed; JSON has all."""
+
+
+def to_json(found: Placement) -> dict[str, object]:
+    """Poses, map and what was tried."""
+    return {
+        "container": found.container,
+        "best": None if found.best is None else _spot(found.best),
+        "spots": [_spot(spot) for spot in found.spots],
+        "impossible": found.impossible,
+        "tried": found.tried,
+        "diagnoses": [
+            {"kind": each.kind.value, "reason": each.reason, "proof": each.proof} for each in found.diagnoses
+        ],
+        "map": {
+            "side": SIDE / len(found.rows) if found.rows else None,
+            "cells": [
+                {"x": cell.x, "y": cell.y, "status": cell.status.value, "margin": cell.margin}
+                for row in found.rows
+                for cell in row
+            ],
+        },
+        "seconds": round(found.seconds, 3),
+    }
+
+
+def _spot(spot: Spot) -> dict[str, object]:
+    base = f"{spot.x:.4f},{spot.y:.4f},{spot.yaw:.4f}"
+    return {
+        "x": spot.x,
+        "y": spot.y,
+        "yaw": spot.yaw,
+        "margin": spot.margin,
+        "gripper": spot.gripper,
+        "base": base,
+    }
+
+
+def lines(found: Placement) -> Iterator[str]:
+    """What people read: poses, then the map with y upwards."""
+    for each in found.diagnoses:
+        yield f"{each.kind.value}: {each.reason}"
+    for spot in found.spots[:SHOWN]:
+        yield (
+            f"certified  --base {spot.x:.4f},{spot.y:.4f},{spot.yaw:.4f} --drive fixed  "
+            f"gripper {spot.gripper}, margin {spot.margin * 1000:.1f} mm"
+        )
+    if len(found.spots) > SHOWN:
+        yield f"and {len(found.spots) - SHOWN} more"
+    if not found.spots and found.rows:
+        how = "every pose of the map is proved impossible" if found.impossible else "searched, not proved"
+        yield f"no pose found for {found.container}: {how}"
+    if found.rows:
+        cell = found.rows[0][0]
+        size = SIDE / len(found.rows)
+        yield f"map, squares of {size:.2f} m from x {cell.x:.2f} m, y {cell.y:.2f} m, y upwards:"
+        for row in reversed(found.rows):
+            yield "  " + " ".join(SIGNS[one.status] for one in row)
+        yield "  " + ", ".join(f"{sign} {status.value}" for status, sign in SIGNS.items())
+    yield f"{found.tried} poses asked, {len(found.spots)} certified, {found.seconds:.1f} s"

@@ -1,0 +1,255 @@
+"""The question `place`: candidates from holdings, each certified by CanPerform as it is asked elsewhere."""
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from predicates.case import Case, Diagnosis
+from predicates.causes import causes
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError
+from sdt_kg.iri import Iri
+from sdt_kg.motion import Motion
+from sdt_kg.task import UNKNOWN, Task
+from sdt_kg.twin import Container, Twin
+from services.embodiment.body.limb import BASE, Margins, touching
+from services.embodiment.body.world import World
+from services.embodiment.hold.fit import fitting
+from services.embodiment.hold.grasp import Grasp
+from services.embodiment.hold.handle import Mechanics, find_bar
+from services.embodiment.hold.holding import WAYPOINTS, Problem, Searcher
+from services.embodiment.hold.kit import Kit, Kits
+from services.embodiment.oracle import WholeBody
+from services.embodiment.place.grid import CELLS, SIDE, Cell, Excluder, Status, block, cells
+from services.embodiment.prove import Prover
+from services.physics.model import Scene
+from services.physics.oracle import Kinematics
+
+Array = NDArray[np.float64]
+Pose = tuple[float, float, float]
+
+DRAWN = 0.4  # [1] of the budget may be spent when candidates are drawn for the last time
+ASKED = 0.8  # [1] of the budget may be spent when the last candidate is asked about; the rest is the map's
+MAPPED = 0.95  # [1] of the budget may be spent when squares are no longer proved impossible
+GRASPS = 6  # more of one gripper with each batch
+BATCHES = 12  # of seeds for one gripper
+EACH = 0.25  # [1] of what is left of the budget may go into one candidate
+DECIMALS = 4  # of a pose, so that it can be asked again as it is printed
+ENOUGH = 40  # certified poses
+DRAWN_FOR_ONE = 3  # candidates that are drawn for each of them
+LEAST = 1.0  # [s] for one candidate
+MARGINS = ("smallest distance, environment", "smallest distance, self")
+
+
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """A base pose from which the task is certified with a fixed base.
+
+    Attributes:
+        x, y: [m].
+        yaw: [rad].
+        margin: Smallest distance of the certified motion from kitchen or robot itself [m], 0.02 at most.
+        gripper: That holds the handle.
+    """
+
+    x: float
+    y: float
+    yaw: float
+    margin: float
+    gripper: str
+
+
+@dataclass(frozen=True, slots=True)
+class Placement:
+    """Where a base may stand for a task.
+
+    Attributes:
+        spots: Certified poses, best margin first.
+        rows: The map, rows from the smallest y on.
+        tried: How many candidate poses were asked about.
+        diagnoses: Why there is no motion of the container at all, where there is none.
+        seconds: That were spent.
+    """
+
+    container: str
+    spots: tuple[Spot, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    tried: int
+    diagnoses: tuple[Diagnosis, ...]
+    seconds: float
+
+    @property
+    def best(self) -> Spot | None:
+        """The certified pose with the largest margin."""
+        return self.spots[0] if self.spots else None
+
+    @property
+    def impossible(self) -> bool:
+        """Whether every pose of the map is proved impossible."""
+        return bool(self.rows) and all(cell.status is Status.PROVED for row in self.rows for cell in row)
+
+
+def place(  # noqa: PLR0913, PLR0917  # what is asked; the rest has defaults
+    twin: Twin,
+    robot: Iri,
+    task: Task,
+    budget: float = 20.0,
+    seed: int = 0,
+    enough: int = ENOUGH,
+) -> Placement:
+    """Base poses from which the robot can do the task without moving its base, and a map.
+
+    Every pose given is certified by CanPerform, asked with that start and a fixed base. A pose that
+    is not given is not impossible, unless its cell of the map says so.
+
+    Args:
+        twin: Kitchen and robot, in the state in which the motion begins.
+        robot: IRI of a robot of the twin.
+        task: About one container.
+        budget: Seconds.
+        seed: Of the search.
+        enough: Certified poses after which no more are looked for.
+
+    Raises:
+        InputError: The task is about no container.
+    """
+    began = time.perf_counter()
+    if task.container is UNKNOWN:
+        raise InputError("a place for no container", allowed="open:CONTAINER or close:CONTAINER")
+    container = twin.container(task.container)
+    answer = next(iter(causes(Case(twin, robot=robot, task=task), Kinematics())))
+    if not answer.holds or not isinstance(answer.case.motion, Motion):
+        return Placement(container.name, (), (), 0, answer.diagnoses, time.perf_counter() - began)
+    asked = _Question(twin, robot, container, answer.case, answer.case.motion, budget, seed)
+    asked.enough = enough
+    return asked.answered()
+
+
+class _Question:
+    """One question, on its way."""
+
+    def __init__(  # noqa: PLR0913, PLR0917  # what is asked
+        self,
+        twin: Twin,
+        robot: Iri,
+        container: Container,
+        case: Case,
+        motion: Motion,
+        budget: float,
+        seed: int,
+    ) -> None:
+        self.twin, self.robot, self.container, self.motion = twin, robot, container, motion
+        self.case, self.budget, self.seed = case, budget, seed
+        self.oracle = WholeBody(drive=Drive.FIXED, start=(0.0, 0.0, 0.0), seed=seed)
+        self.world = World(Scene(twin, robot))
+        self.kits = Kits(self.world, Margins())
+        self.mechanics = Mechanics(self.world, container)
+        self.began = time.perf_counter()
+        self.tried, self.enough = 0, ENOUGH
+
+    def after(self, share: float) -> Callable[[], bool]:
+        """Whether that share of the budget is spent."""
+        return lambda: time.perf_counter() > self.began + share * self.budget
+
+    def answered(self) -> Placement:
+        handle = self.world.scene.placement(self.world.scene.q((0.0, 0.0, 0.0), {}), self.container.handle)
+        rows = cells(handle.translation[:2])
+        spots = sorted(self._spots(rows), key=lambda spot: -spot.margin)
+        here, values = (0.0, 0.0, 0.0), self.motion.values[:, 0]
+        prover = Prover(self.twin, self.robot, self.container, Drive.FIXED, here, values)
+        Excluder(prover, self.after(MAPPED)).exclude(rows)
+        block(rows, self.world, self.kits.outside(), self.after(1.0))
+        seconds = time.perf_counter() - self.began
+        return Placement(self.container.name, tuple(spots), tuple(map(tuple, rows)), self.tried, (), seconds)
+
+    def _spots(self, rows: list[list[Cell]]) -> Iterator[Spot]:
+        """Certified poses, those in cells without one first; the map is marked."""
+        waiting = list(islice(self._candidates(), self.enough * DRAWN_FOR_ONE))
+        found = 0
+        late = self.after(ASKED)
+        while waiting and found < self.enough and not late():
+            waiting.sort(key=lambda pose: self._known(rows, pose))
+            pose = waiting.pop(0)
+            spot = self._certified(pose)
+            if spot is None:
+                continue
+            found += 1
+            yield spot
+            where = _cell(rows, pose)
+            if where is not None:
+                i, j = where
+                best = max(spot.margin, rows[i][j].margin or 0.0)
+                rows[i][j] = replace(rows[i][j], status=Status.CERTIFIED, margin=best)
+
+    def _known(self, rows: list[list[Cell]], pose: Pose) -> bool:
+        where = _cell(rows, pose)
+        return where is not None and rows[where[0]][where[1]].status is Status.CERTIFIED
+
+    def _certified(self, pose: Pose) -> Spot | None:
+        left = self.began + ASKED * self.budget - time.perf_counter()
+        self.tried += 1
+        self.oracle.start, self.oracle.budget = pose, max(EACH * left, min(left, LEAST))
+        answer = self.oracle.perform(replace(self.case, robot=self.robot, motion=self.motion))
+        if not answer.holds or answer.case.body_motion is UNKNOWN:
+            return None
+        margin = min(answer.figures[name][0] for name in MARGINS if name in answer.figures)
+        return Spot(*pose, margin, answer.case.body_motion.gripper)
+
+    def _candidates(self) -> Iterator[Pose]:
+        """Base poses of holdings during which the base stands, in turn from each gripper's batches."""
+        late = self.after(DRAWN)
+        kits = [self.kits.of(gripper) for gripper in self.world.scene.annotation.grippers]
+        searches = [search for kit in kits if (search := self._holdings(kit)) is not None]
+        while searches and not late():
+            for search in tuple(searches):
+                pose = next(search, None)
+                if pose is None:
+                    searches.remove(search)
+                elif self._stands_free(pose):
+                    yield pose
+
+    def _stands_free(self, pose: Pose) -> bool:
+        """Whether the robot can be parked there."""
+        q = self.world.scene.q(pose, {})
+        return self.world.contact(q[None], self.kits.outside()) is None
+
+    def _holdings(self, kit: Kit) -> Iterator[Pose] | None:
+        q = kit.limb.q(kit.limb.parked)
+        bar = find_bar(self.world, self.mechanics, q)
+        if bar is None:
+            return None
+        values = np.linspace(self.mechanics.start, float(self.motion.values[-1, 0]), WAYPOINTS)
+        handle_r, handle_p = self.mechanics.handle_poses(q, bar.joint, values)
+        problem = Problem(self.mechanics, values, handle_r, handle_p, handle_r[0] @ bar.outward)
+        holding = touching(self.world, kit.limb, kit.demands, (self.container.handle,))
+        fitted = fitting(kit.hand, problem, bar, (holding, kit.demands), Counter())
+        searcher = Searcher(self.world, kit.limb, problem, holding, Drive.FIXED)
+        rng = np.random.default_rng(self.seed)
+        return self._poses(searcher, fitted, rng)
+
+    def _poses(
+        self, searcher: Searcher, fitted: Iterator[tuple[Grasp, Array]], rng: np.random.Generator
+    ) -> Iterator[Pose]:
+        grasps: list[tuple[Grasp, Array]] = []
+        for number in range(BATCHES):
+            grasps.extend(islice(fitted, GRASPS))
+            if not grasps:
+                return
+            pivot = (WAYPOINTS // 2, WAYPOINTS - 1, 0)[number % 3]
+            for held in searcher.batch(grasps, pivot, rng):
+                x, y, yaw = held.xs[0, BASE]
+                turn = (yaw + np.pi) % (2 * np.pi) - np.pi
+                yield round(float(x), DECIMALS), round(float(y), DECIMALS), round(float(turn), DECIMALS)
+
+
+def _cell(rows: list[list[Cell]], pose: Pose) -> tuple[int, int] | None:
+    """Row and column of the cell that a pose lies in."""
+    width = SIDE / CELLS
+    j = int(np.floor((pose[0] - rows[0][0].x) / width + 0.5))
+    i = int(np.floor((pose[1] - rows[0][0].y) / width + 0.5))
+    return (i, j) if 0 <= i < CELLS and 0 <= j < CELLS else None

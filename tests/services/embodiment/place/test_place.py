@@ -1,0 +1,70 @@
+"""`place`: every pose that is given is certified when it is asked again, and the map contradicts none."""
+
+import numpy as np
+import pytest
+
+from predicates.case import Outcome
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError
+from sdt_kg.task import Task, Verb
+from services.app import Policy, load
+from services.embodiment.place import Placement, Status, place
+from services.embodiment.place.answer import lines, to_json
+from services.embodiment.prove.prover import Prover
+
+pytestmark = pytest.mark.oracle
+
+DRAWER = "sink_area_left_middle_drawer_main"
+BUDGET = 60.0  # [s] far more than is needed: a full machine must not decide this test
+SEEDS = 3
+
+
+@pytest.fixture(scope="module")
+def found() -> Placement:
+    twin = load("b", ["pr2"]).twin
+    return place(twin, twin.robots[0], Task(Verb.OPEN, twin.container(DRAWER).iri), BUDGET, SEEDS, enough=2)
+
+
+def test_the_best_pose_is_certified_when_it_is_asked_again(found: Placement) -> None:
+    best = found.best
+    assert best is not None
+    policy = Policy(Drive.FIXED, (best.x, best.y, best.yaw), BUDGET, SEEDS)
+    (verdict,) = load("b", ["pr2"], policy=policy).achieve(f"open:{DRAWER}")
+    assert verdict.outcome is Outcome.CERTIFIED
+    assert [spot.margin for spot in found.spots] == sorted((one.margin for one in found.spots), reverse=True)
+
+
+def test_the_map_shows_the_poses_and_proves_none_of_them_impossible(found: Placement) -> None:
+    marked = [cell for row in found.rows for cell in row if cell.status is Status.CERTIFIED]
+    assert marked
+    for spot in found.spots:
+        near = min(abs(cell.x - spot.x) + abs(cell.y - spot.y) for row in found.rows for cell in row)
+        inside = min(abs(cell.x - spot.x) + abs(cell.y - spot.y) for cell in marked)
+        assert inside == near
+    assert to_json(found)["impossible"] is False
+    assert any("certified" in line and "#" in line for line in lines(found))
+
+
+def test_a_square_across_the_room_is_proved_impossible_and_one_that_holds_a_pose_is_not(
+    found: Placement,
+) -> None:
+    twin = load("b", ["pr2"]).twin
+    container = twin.container(DRAWER)
+    values = np.array([0.0, container.open_from])
+    prover = Prover(twin, twin.robots[0], container, Drive.FIXED, (0.0, 0.0, 0.0), values)
+    assert prover.standing((-2.0, 0.0, 0.0), (0.3, 0.3, np.pi)).excludes(400)
+    for spot in found.spots:
+        assert not prover.standing((spot.x, spot.y, 0.0), (0.01, 0.01, np.pi)).excludes(4000)
+
+
+def test_what_is_open_already_needs_no_place() -> None:
+    twin = load("b", ["pr2"], state=[f"{DRAWER}=open"]).twin
+    answer = place(twin, twin.robots[0], Task(Verb.OPEN, twin.container(DRAWER).iri), BUDGET)
+    assert answer.spots == ()
+    assert answer.diagnoses
+
+
+def test_a_task_about_no_container_is_refused() -> None:
+    twin = load("b", ["pr2"]).twin
+    with pytest.raises(InputError, match="no container"):
+        place(twin, twin.robots[0], Task(Verb.OPEN), BUDGET)
