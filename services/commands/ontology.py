@@ -1,0 +1,32 @@
+"""`sdt ontology`: the ontology as one page."""
+
+from pathlib import Path
+
+import click
+
+from sdt_kg.errors import InputError
+from services.ontology_page import page
+
+
+@click.command(name="ontology")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE.html",
+    help="Else printed.",
+)
+def ontology_command(output: Path | None) -> None:
+    """Document the ontology as one HTML page: terms, shapes, rules, questions, checks, alignments.
+
+    It needs no network, neither to be made nor to be read.
+    """
+    text = page()
+    if output is None:
+        click.echo(text)
+        return
+    try:
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"cannot write {output}: {error.strerror}") from None
+    click.echo(f"{output}: {len(text.encode()) // 1024} KiB")
