@@ -6,7 +6,6 @@ browser. Both hold on loopback too, where there may be no token.
 """
 
 import hmac
-from collections.abc import Awaitable, Callable
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
@@ -38,26 +37,22 @@ class Gate:
             await self._app(scope, receive, send)
             return
         headers = Headers(scope=scope)
-        answer = self._finished(send, headers)
-        started = False
-
-        async def once(message: Message) -> None:
-            nonlocal started
-            started = True
-            await answer(message)
-
+        answer = _Answer(self._finished(send, headers))
         try:
             self._check(scope, headers)
             if scope["method"] == "OPTIONS" and "access-control-request-method" in headers:
-                await _preflight(once)
-            else:
-                await self._app(scope, self._bounded(receive, headers, scope["path"]), once)
+                await _preflight(answer)
+                return
+            body = _Body(receive, self._most(scope["path"]), headers, answer)
+            await self._app(scope, body, answer)
+            if body.refusal is not None:
+                await of_error(body.refusal)(scope, receive, answer.anew)
         except RefusedError as error:
-            await of_error(error)(scope, receive, once)
+            await of_error(error)(scope, receive, answer.anew)
         except Exception as error:
-            if started:
+            if answer.started:
                 raise
-            await unexpected(scope["method"], scope["path"], error)(scope, receive, once)
+            await unexpected(scope["method"], scope["path"], error)(scope, receive, answer)
 
     def _check(self, scope: Scope, headers: Headers) -> None:
         settings = self._settings
@@ -93,26 +88,10 @@ class Gate:
                 headers={"WWW-Authenticate": 'Bearer realm="sdt"'},
             )
 
-    def _bounded(self, receive: Receive, headers: Headers, path: str) -> Receive:
-        """The same body, refused as soon as it is too long."""
-        most = self._settings.upload if path.startswith(GUARDED) else self._settings.body
-        too_long = RefusedError(413, f"the request is longer than {most} bytes", allowed=f"{most} bytes")
-        declared = headers.get("content-length", "0")
-        if not declared.isdecimal() or int(declared) > most:
-            raise too_long
-        length = 0
+    def _most(self, path: str) -> int:
+        return self._settings.upload if path.startswith(GUARDED) else self._settings.body
 
-        async def bounded() -> Message:
-            nonlocal length
-            message = await receive()
-            length += len(message.get("body", b""))
-            if length > most:
-                raise too_long
-            return message
-
-        return bounded
-
-    def _finished(self, send: Send, headers: Headers) -> Callable[[Message], Awaitable[None]]:
+    def _finished(self, send: Send, headers: Headers) -> Send:
         """Security headers on every answer; CORS headers for the origins that are named."""
         origin = headers.get("origin")
 
@@ -130,7 +109,53 @@ class Gate:
         return finished
 
 
-async def _preflight(send: Callable[[Message], Awaitable[None]]) -> None:
+class _Answer:
+    """The answer on its way; one that is withheld never leaves."""
+
+    def __init__(self, send: Send) -> None:
+        self._send = send
+        self.started, self.withheld = False, False
+
+    async def __call__(self, message: Message) -> None:
+        if not self.withheld:
+            await self.anew(message)
+
+    async def anew(self, message: Message) -> None:
+        """Answer instead of what was withheld."""
+        self.started = True
+        await self._send(message)
+
+
+class _Body:
+    """The body on its way in, refused as soon as it is too long, whatever the reader makes of that.
+
+    Attributes:
+        refusal: Why, once it was.
+    """
+
+    def __init__(self, receive: Receive, most: int, headers: Headers, answer: _Answer) -> None:
+        self._receive, self._most, self._answer, self._length = receive, most, answer, 0
+        self.refusal: RefusedError | None = None
+        declared = headers.get("content-length", "0")
+        if not declared.isdecimal() or int(declared) > most:
+            raise self._too_long()
+
+    async def __call__(self) -> Message:
+        message = await self._receive()
+        self._length += len(message.get("body", b""))
+        if self._length > self._most and not self._answer.started:
+            self._answer.withheld = True
+            self.refusal = self._too_long()
+            raise self.refusal
+        return message
+
+    def _too_long(self) -> RefusedError:
+        return RefusedError(
+            413, f"the request is longer than {self._most} bytes", allowed=f"{self._most} bytes"
+        )
+
+
+async def _preflight(send: Send) -> None:
     allow = [
         (b"access-control-allow-methods", b"GET, HEAD, POST"),
         (b"access-control-allow-headers", b"Accept, Authorization, Content-Type"),

@@ -147,7 +147,9 @@ class World:
     def _first(self) -> Iterator[Delta]:
         """What is served at the start."""
         if self.archive is not None:
-            quads = list(self.archive.dump())
+            served = {graph for kitchen in self.kitchens.values() for graph in kitchen.twin.graphs()}
+            named = {ox.NamedNode(graph) for graph in served}  # as they are now, not as they were kept
+            quads = [quad for quad in self.archive.dump() if quad.graph_name not in named]
             apart = {
                 str(quad.graph_name.value) for quad in quads if isinstance(quad.graph_name, ox.NamedNode)
             }

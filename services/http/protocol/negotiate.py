@@ -15,6 +15,8 @@ ALIASES: Mapping[str, tuple[str, ...]] = {
 }
 """Names that clients use for the same thing; the answer is then called what it was asked for."""
 
+EXACTLY = 2
+
 
 @dataclass(frozen=True, slots=True)
 class _Range:
@@ -26,7 +28,7 @@ class _Range:
         """How well the range fits: 2 exactly, 1 by its kind, 0 as anything, -1 not at all."""
         kind, _, sub = media.partition("/")
         if (self.kind, self.sub) == (kind, sub):
-            return 2
+            return EXACTLY
         if (self.kind, self.sub) == (kind, "*"):
             return 1
         return 0 if (self.kind, self.sub) == ("*", "*") else -1
@@ -35,7 +37,7 @@ class _Range:
 def accepted(header: str | None, offers: Iterable[str] = (*TABLES, *GRAPHS)) -> tuple[str, ...]:
     """Those of the offers which the client takes, best first; equals keep their order."""
     ranges = _ranges(header)
-    qualities = {offer: max(_quality(name, ranges) for name in _names(offer)) for offer in offers}
+    qualities = {offer: max(quality for _, quality in _called(offer, ranges)) for offer in offers}
     taken = [offer for offer, quality in qualities.items() if quality > 0]
     return tuple(sorted(taken, key=lambda offer: -qualities[offer]))
 
@@ -43,12 +45,15 @@ def accepted(header: str | None, offers: Iterable[str] = (*TABLES, *GRAPHS)) -> 
 def called(media: str, header: str | None) -> str:
     """Content-Type of an answer of that media type: as the client called it, text as UTF-8."""
     ranges = _ranges(header)
-    best = max(_names(media), key=lambda name: _quality(name, ranges))
+    best, _ = max(_called(media, ranges), key=lambda each: each[1])
     return f"{best}; charset=utf-8" if best.startswith("text/") else best
 
 
-def _names(media: str) -> tuple[str, ...]:
-    return (media, *ALIASES.get(media, ()))
+def _called(media: str, ranges: Iterable[_Range]) -> list[tuple[str, float]]:
+    """Each name of the media type and its quality; an alias counts only where the client spells it."""
+    aliases = [(name, each) for name in ALIASES.get(media, ()) for each in ranges]
+    spelled = [(name, each.quality) for name, each in aliases if each.specificity(name) == EXACTLY]
+    return [(media, _quality(media, ranges)), *spelled]
 
 
 def _ranges(header: str | None) -> list[_Range]:

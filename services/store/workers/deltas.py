@@ -101,11 +101,10 @@ class Held:
 
     def _bulk(self, delta: Delta) -> None:
         apart = set(delta.head["apart"])
-        before = {graph.value for graph in self.store.named_graphs() if isinstance(graph, ox.NamedNode)}
         load = self.store.bulk_load if len(delta.body) > LARGE else self.store.load
         load(delta.body, format=ox.RdfFormat.N_QUADS)
-        for graph in self.store.named_graphs():
-            if isinstance(graph, ox.NamedNode) and graph.value not in before | apart:
+        for graph in {quad.graph_name for quad in ox.parse(delta.body, format=ox.RdfFormat.N_QUADS)}:
+            if isinstance(graph, ox.NamedNode) and graph.value not in apart:
                 self._merge(graph)
 
     def _drop(self, delta: Delta) -> None:

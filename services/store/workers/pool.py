@@ -81,6 +81,11 @@ class Workers:
         """Whether questions can be asked."""
         return self._process is not None and self._process.returncode is None and bool(self._all)
 
+    @property
+    def pids(self) -> tuple[int, ...]:
+        """Processes that evaluate queries."""
+        return tuple(worker.pid for worker in self._all)
+
     async def start(self, deltas: Iterable[Delta] = ()) -> Self:
         """The data is loaded and the workers are there."""
         ours, theirs = socket.socketpair()

@@ -12,6 +12,7 @@ from services.http.app import create_app
 from services.http.kitchens import open_kitchens
 from services.http.settings import Settings
 from services.http.world import World
+from services.store.quads import QuadStore
 from services.store.workers import Delta, Limits, Workers
 from tests.small import FOLDER
 
@@ -60,11 +61,12 @@ def serve() -> Iterator[Serve]:
             robots: tuple[str, ...] = (),
             limits: Limits | None = None,
             workers: int = 1,
+            archive: QuadStore | None = None,
             **settings: object,
         ) -> Served:
             sources = [str(FOLDER / f"{name}.urdf") for name in kitchens]
             models = tuple(str(FOLDER / f"{name}.urdf") for name in robots)
-            world = World(open_kitchens(sources, models), Workers(workers, limits or Limits()))
+            world = World(open_kitchens(sources, models), Workers(workers, limits or Limits()), archive)
             allowed = replace(Settings(hosts=frozenset({HOST, "localhost"})), **settings)
             app = create_app(world, allowed)
             ended.enter_context(portal.wrap_async_context_manager(app.router.lifespan_context(app)))

@@ -1,7 +1,11 @@
 # ruff: noqa: S608 - the queries are the subject
 """A limit reached is an error with its own status, never a shorter answer; the service lives on."""
 
+import os
+import re
+import signal
 import time
+from pathlib import Path
 
 import pytest
 
@@ -110,6 +114,20 @@ def test_random_terms_differ_between_workers(served) -> None:
     assert len(found) == 3
 
 
+def test_a_worker_can_open_neither_socket_nor_file(served) -> None:
+    """What the process itself is allowed, whatever it is asked: all its descriptors are taken."""
+    pids = served.world.workers.pids
+    assert len(pids) == 2
+    for pid in pids:
+        process = Path(f"/proc/{pid}")
+        assert re.search(r"Max open files +4 +4 ", (process / "limits").read_text())
+        targets = {each.name: str(each.readlink()) for each in (process / "fd").iterdir()}
+        assert set(targets) == {"0", "1", "2", "3"}
+        assert [target.partition(":")[0] for _, target in sorted(targets.items())][2:] == ["pipe", "socket"]
+        if served.world.workers.namespace:
+            assert (process / "ns/net").readlink() != Path("/proc/self/ns/net").readlink()
+
+
 def test_nothing_is_ever_fetched(served) -> None:
     with singing() as canary:
         url = canary.url
@@ -129,3 +147,20 @@ def test_nothing_is_ever_fetched(served) -> None:
         assert served.get("/graphs", params={"graph": url}).status_code == 404
         assert served.post("/sparql", data={"update": f"LOAD <{url}>"}).status_code == 403
         assert canary.hits == []
+
+
+def test_workers_that_are_killed_are_replaced_and_lost_data_is_said(serve) -> None:
+    served = serve(workers=2)
+    for pid in served.world.workers.pids:
+        os.kill(pid, signal.SIGKILL)
+    statuses = [served.query("ASK {}").status_code for _ in range(4)]
+    assert statuses[-2:] == [200, 200]
+    assert len(served.world.workers.pids) == 2
+    (nursery,) = {int(Path(f"/proc/{pid}/stat").read_text().split()[3]) for pid in served.world.workers.pids}
+    os.kill(nursery, signal.SIGKILL)
+    deadline = time.monotonic() + 10
+    while served.get("/readyz").status_code == 200 and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert served.get("/readyz").status_code == 503
+    assert served.query("ASK {}").status_code == 503
+    assert served.get("/healthz").status_code == 200

@@ -1,0 +1,92 @@
+"""`sdt serve` as a process on a real socket: a verdict from question to SPARQL, and how it ends."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import httpx
+import pytest
+
+from predicates.case import Outcome
+from predicates.record import read_verdicts
+from services.store.files import opened
+from tests.services.http.canary import singing
+
+TOKEN = "a-token-of-decent-length"  # noqa: S105 - of a test
+TASK = "open:sink_area_left_middle_drawer_main"
+SERVE = (
+    sys.executable,
+    "-m",
+    "services.cli",
+    "serve",
+    "--http",
+    "127.0.0.1:0",
+    "--kitchen",
+    "b",
+    "--robot",
+    "pr2",
+)
+
+
+@pytest.fixture
+def service(tmp_path: Path) -> Iterator[httpx.Client]:
+    environment = os.environ | {"SDT_TOKEN": TOKEN}
+    command = [*SERVE, "--store", str(tmp_path / "store")]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment)
+    assert process.stderr is not None
+    try:
+        said = process.stderr.readline()
+        found = re.match(r"http://127\.0\.0\.1:\d+", said)
+        assert found, said
+        headers = {"authorization": f"Bearer {TOKEN}"}
+        with httpx.Client(base_url=found[0], headers=headers, timeout=180) as client:
+            yield client
+    finally:
+        process.send_signal(signal.SIGINT)
+        rest = process.communicate(timeout=60)[1]
+    assert "Traceback" not in rest
+    with closing(opened(tmp_path / "store")) as store:
+        assert any(each.outcome is Outcome.CERTIFIED for each in read_verdicts(store.dump()))
+
+
+@pytest.mark.oracle
+def test_a_verdict_from_question_to_sparql(service: httpx.Client) -> None:
+    asked = {"task": TASK, "robot": "pr2", "drive": "omni", "motions": True, "seconds": 120}
+    made = service.post("/api/v1/achieve", json=asked).json()
+    (verdict,), (motion,) = made["verdicts"], made["motions"]
+    assert verdict["outcome"] == "certified"
+    again = service.post("/api/v1/achieve", json=asked | {"motions": False}).json()
+    assert again["verdicts"][0]["iri"] == verdict["iri"]
+    checked = service.post("/api/v1/achieve", json=asked | {"motion": motion, "motions": False}).json()
+    assert checked["verdicts"][0]["outcome"] == "certified"
+    assert checked["verdicts"][0]["iri"] != verdict["iri"]
+    motion["robot_positions"][len(motion["times"]) // 2][0] += 0.3
+    broken = service.post("/api/v1/achieve", json=asked | {"motion": motion, "motions": False})
+    assert broken.status_code == 400 or broken.json()["verdicts"][0]["outcome"] == "not_certified"
+
+    query = f"SELECT ?robot {{ <{verdict['iri']}> law:outcome law:Certified ; law:robot ?robot }}"
+    (row,) = service.get("/sparql", params={"query": query}).json()["results"]["bindings"]
+    assert row["robot"]["value"].endswith("/pr2")
+    listed = service.get("/api/v1/verdicts", params={"robot": "pr2", "outcome": "certified"}).json()
+    assert {verdict["iri"], checked["verdicts"][0]["iri"]} == {each["iri"] for each in listed}
+    assert service.get("/api/v1/verdicts", params={"container": "iai_fridge_door"}).json() == []
+    told = service.get("/api/v1/why", params={"iri": verdict["iri"]}).json()["text"]
+    assert "CERTIFIED" in told
+    page = service.get("/id/verdict/" + verdict["iri"].rsplit("/", 1)[1], headers={"accept": "text/html"})
+    assert "CERTIFIED" in page.text
+
+    late = service.post("/api/v1/achieve", json={"task": "close", "seconds": 0.2, "state": ["all=open"]})
+    assert late.status_code == 504
+    with singing() as canary:
+        wrong = service.post("/api/v1/achieve", json={"task": f"open:{canary.url}"})
+        assert wrong.status_code == 400
+        assert canary.hits == []
+    caused = service.post("/api/v1/causes", json={"task": TASK}).json()
+    assert [each["holds"] for each in caused] == [True]
+    assert json.dumps(caused[0]["motion"])

@@ -1,0 +1,199 @@
+"""JSON verbs over the small kitchen: what they answer, what they write, and who may."""
+
+from contextlib import closing
+
+import pyoxigraph as ox
+import pytest
+
+from sdt_kg.iri import ID
+from services.store.files import opened
+from tests.services.http.canary import singing
+
+TOKEN = "a-token-of-decent-length"  # noqa: S105 - of a test
+BEARER = {"authorization": f"Bearer {TOKEN}"}
+WRITES = {
+    "/api/v1/state": {"state": ["DRAWER=open"]},
+    "/api/v1/branch": {"state": ["DRAWER=open"]},
+    "/api/v1/observation": {"positions": {"JOINT": 0.1}, "time": "2026-01-31T12:00:00Z", "by": "camera"},
+    "/api/v1/achieve": {"task": "open"},
+    "/api/v1/causes": {"task": "open"},
+}
+POSITION = "SELECT ?o WHERE {{ <{joint}> sdt:position ?o }}"
+
+
+@pytest.fixture(scope="module")
+def served(serve):
+    return serve(kitchens=("a",), robots=("pr2",), token=TOKEN)
+
+
+@pytest.fixture(scope="module")
+def drawer(served):
+    return next(
+        each for each in served.get("/api/v1/containers").json()["containers"] if each["kind"] == "drawer"
+    )
+
+
+def position(served, drawer, **parts: object) -> list[float]:
+    answer = served.query(POSITION.format(joint=drawer["joint"]), **parts)
+    return [float(row["o"]["value"]) for row in answer.json()["results"]["bindings"]]
+
+
+def moved(served, drawer, value: str):
+    return served.post("/api/v1/state", json={"state": [f"{drawer['name']}={value}"]}, headers=BEARER)
+
+
+@pytest.mark.parametrize("path", WRITES)
+def test_who_writes_or_computes_needs_the_token(served, path: str) -> None:
+    for headers in (
+        {},
+        {"authorization": "Bearer wrong-token-of-some-length"},
+        {"authorization": f"Basic {TOKEN}"},
+    ):
+        answer = served.post(path, json=WRITES[path], headers=headers)
+        assert answer.status_code == 401
+        assert answer.headers["www-authenticate"].startswith("Bearer")
+
+
+def test_reading_needs_no_token(served) -> None:
+    for path in ("kitchens", "containers?left_out=true", "satisfies", "state", "branches", "verdicts"):
+        assert served.get(f"/api/v1/{path}").status_code == 200, path
+
+
+def test_a_state_becomes_the_present_and_the_past_stays(served, drawer) -> None:
+    before = served.get("/api/v1/state").json()
+    after = moved(served, drawer, "open").json()
+    assert position(served, drawer) == [pytest.approx(drawer["upper"])]
+    old = served.get("/graphs", params={"graph": before["graph"]})
+    assert drawer["joint"].rsplit("/", 1)[1] in old.text
+    assert {"task": "open", "container": drawer["name"]} in served.get("/api/v1/satisfies").json()
+    branch, graph = after["branch"], after["graph"]
+    chain = f"ASK {{ <{branch}> a sdt:Branch ; prov:wasDerivedFrom ?before ; sdt:stateGraph <{graph}> }}"
+    assert served.query(chain).json()["boolean"]
+    assert moved(served, drawer, "closed").status_code == 200
+    assert position(served, drawer) == [pytest.approx(drawer["lower"])]
+    assert served.get("/api/v1/state").json()["graph"] == before["graph"]
+
+
+def test_a_branch_changes_nothing_but_can_be_asked(served, drawer) -> None:
+    before = position(served, drawer)
+    body = {"state": [f"{drawer['name']}=open"]}
+    made = served.post("/api/v1/branch", json=body, headers=BEARER)
+    assert made.status_code == 201
+    assert position(served, drawer) == before
+    there = served.get(
+        "/sparql",
+        params={
+            "query": POSITION.format(joint=drawer["joint"]),
+            "default-graph-uri": made.json()["state_graph"],
+        },
+    )
+    assert float(there.json()["results"]["bindings"][0]["o"]["value"]) == pytest.approx(drawer["upper"])
+    limit = {"entity": drawer["joint"], "changes": {"upperLimit": drawer["upper"] / 2}}
+    narrow = served.post("/api/v1/branch", json={"edit": limit, "parent": None}, headers=BEARER)
+    assert narrow.status_code == 201
+    again = served.post("/api/v1/branch", json={"edit": limit}, headers=BEARER).json()
+    assert again["iri"] == narrow.json()["iri"]
+    assert position(served, drawer) == before
+    assert len(served.get("/api/v1/branches").json()) >= 3
+
+
+def test_an_observation_is_kept_in_its_own_graph_and_moves_nothing(served, drawer) -> None:
+    joint = drawer["joint"].rsplit("/", 1)[1]
+    body = {"positions": {joint: 0.25}, "time": "2026-01-31T12:00:00+01:00", "by": "camera <1>"}
+    before = position(served, drawer)
+    kept = served.post("/api/v1/observation", json=body, headers=BEARER)
+    assert kept.status_code == 201
+    assert position(served, drawer) == before
+    query = """SELECT ?o WHERE {{ GRAPH <{graph}> {{
+      ?s <http://www.w3.org/ns/sosa/hasFeatureOfInterest> <{joint}> ;
+         <http://www.w3.org/ns/sosa/hasSimpleResult> ?o }} }}"""
+    rows = served.query(query.format(graph=kept.json()["graph"], joint=drawer["joint"])).json()["results"]
+    assert [float(row["o"]["value"]) for row in rows["bindings"]] == [0.25]
+
+
+BAD = {
+    "unknown kitchen": ("state", {"kitchen": "zoo", "state": ["all=open"]}, 404),
+    "unknown joint": ("state", {"state": ["nobody=open"]}, 404),
+    "outside the limits": ("state", {"state": ["all=77"]}, 400),
+    "no state": ("state", {"state": []}, 422),
+    "unknown field": ("state", {"state": ["all=open"], "update": "DROP ALL"}, 422),
+    "verdict of one's own": ("verdicts", {"outcome": "certified"}, 405),
+    "both": ("branch", {"state": ["all=open"], "edit": {"entity": "x", "changes": {"upperLimit": 1}}}, 400),
+    "unknown property": ("branch", {"edit": {"entity": "x", "changes": {"evil": 1}}}, 404),
+    "unknown parent": ("branch", {"state": ["all=open"], "parent": f"{ID}branch/0"}, 404),
+    "not a number": ("observation", WRITES["/api/v1/observation"] | {"positions": {"x": "NaN"}}, 422),
+    "no zone": ("observation", WRITES["/api/v1/observation"] | {"time": "2026-01-31T12:00:00"}, 400),
+    "observed nobody": ("observation", WRITES["/api/v1/observation"], 404),
+    "no number of seconds": ("achieve", {"task": "open", "seconds": 1e9}, 422),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_input_is_named_and_writes_nothing(served, name: str) -> None:
+    verb, body, status = BAD[name]
+    before = served.world.version
+    answer = served.post(f"/api/v1/{verb}", json=body, headers=BEARER)
+    assert answer.status_code == status, answer.text
+    assert answer.headers["content-type"] == "application/problem+json"
+    assert served.world.version == before
+
+
+def test_what_is_posted_is_data_and_is_never_fetched(served, drawer) -> None:
+    joint = drawer["joint"].rsplit("/", 1)[1]
+    with singing() as canary:
+        url = canary.url
+        bodies = [
+            ("observation", {"positions": {joint: 0.1}, "time": "2026-01-31T12:00:00Z", "by": url}),
+            (
+                "observation",
+                {"@context": url, "positions": {joint: 0.1}, "time": "2026-01-31T12:00:00Z", "by": "x"},
+            ),
+            ("branch", {"edit": {"entity": drawer["joint"], "changes": {"meshFile": url}}}),
+            ("branch", {"edit": {"entity": url, "changes": {"upperLimit": 1}}}),
+            ("state", {"state": [f"{url}=open"]}),
+        ]
+        for verb, body in bodies:
+            assert served.post(f"/api/v1/{verb}", json=body, headers=BEARER).status_code < 500
+        for media in ("application/ld+json", "application/rdf+xml", "text/turtle"):
+            sent = f"<{url}> <http://www.w3.org/2002/07/owl#imports> <{url}> ."
+            headers = BEARER | {"content-type": media}
+            assert served.post("/api/v1/observation", content=sent, headers=headers).status_code == 422
+        assert canary.hits == []
+
+
+def test_too_much_is_refused_before_it_is_read(serve) -> None:
+    small = serve(kitchens=("a",), upload=10_000)
+    body = {"state": ["x" * 20_000]}
+    assert small.post("/api/v1/state", json=body).status_code == 413
+
+    async def chunks():
+        for _ in range(20):
+            yield b"[" * 1000
+
+    headers = {"content-type": "application/json"}
+    assert small.post("/api/v1/state", content=chunks(), headers=headers).status_code == 413
+
+
+def test_resources_resolve_as_pages_and_as_rdf(served, drawer) -> None:
+    path = "/id/" + drawer["iri"].removeprefix(ID)
+    page = served.get(path, headers={"accept": "text/html"})
+    assert page.headers["content-type"].startswith("text/html")
+    assert "script" not in page.text
+    assert drawer["name"] in page.text
+    turtle = served.get(path, headers={"accept": "text/turtle"})
+    about = {str(quad.subject) for quad in ox.parse(turtle.content, format=ox.RdfFormat.TURTLE)}
+    assert f"<{drawer['iri']}>" in about
+
+
+def test_writes_outlive_the_service_where_there_is_an_archive(serve, tmp_path, drawer) -> None:
+    joint = drawer["joint"].rsplit("/", 1)[1]
+    body = {"positions": {joint: 0.2}, "time": "2026-01-31T12:00:00Z", "by": "camera"}
+    with closing(opened(tmp_path / "store")) as archive:
+        first = serve(kitchens=("a",), archive=archive)
+        graph = first.post("/api/v1/observation", json=body).json()["graph"]
+        assert moved(first, drawer, "open").status_code == 200
+    with closing(opened(tmp_path / "store")) as archive:
+        second = serve(kitchens=("a",), archive=archive)
+        assert second.get("/graphs", params={"graph": graph}).status_code == 200
+        assert second.query("ASK { ?b a sdt:Branch ; prov:wasDerivedFrom ?a }").json()["boolean"]
+        assert position(second, drawer) == [pytest.approx(drawer["lower"])]
