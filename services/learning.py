@@ -9,13 +9,15 @@ from scipy.spatial.transform import Rotation
 
 from predicates.learn import Learned, Track
 from predicates.learn.explain import Explanation, explain
+from predicates.learn.phases import Latch, Plain, PushToOpen, phases
 from predicates.learn.proposal import Proposal, propose
-from predicates.learn.record import learned_graph, learned_triples
+from predicates.learn.record import Key, learned_triples, phase_triples, proposal_triples
 from predicates.oracle import Physics
 from sdt_kg.errors import InputError
 from sdt_kg.iri import PREFIXES
 from sdt_kg.mechanism import JointType, Pose
 from sdt_kg.motion import Motion
+from sdt_kg.store import Triple
 from sdt_kg.twin import Twin
 from services.physics.chain import follower
 from services.physics.observe import REACH, Followed, followed, motion_of, near_first
@@ -112,21 +114,41 @@ def proposal_for(twin: Twin, learned: Learned, seen: Seen, physics: Physics) -> 
     return proposal, seen_in(proposal.twin, learned, physics, seen.followed.container.iri)
 
 
-def write_branch(path: Path, proposal: Proposal, track: Track, parent: Twin) -> None:
-    """The proposed twin is in a TriG file, Φ′ and what it rests on in a named graph of its own.
+def held_by(learned: Learned) -> Latch | PushToOpen | Plain | None:
+    """What held the container before it moved; None where no force was observed, or nothing moved."""
+    if learned.track.forces is None or learned.best.joint_type is JointType.FIXED:
+        return None
+    return phases(learned.track, learned.best)
+
+
+def branch_triples(
+    twin: Twin, learned: Learned, seen: Seen, proposal: Proposal | None
+) -> tuple[Key, list[Triple]]:
+    """Φ′ in RDF: the learned joint, what it changes, and what held the container."""
+    container, joint = seen.followed.container, learned.best if proposal is None else proposal.learned
+    key = Key.of(twin, container, learned.track)
+    triples = list(learned_triples(twin, container, learned.track, joint))
+    if proposal is not None:
+        triples += proposal_triples(key.iri, proposal)
+    phase = held_by(learned)
+    if phase is not None:
+        triples += phase_triples(key.iri, phase)
+    return key, triples
+
+
+def write_branch(path: Path, twin: Twin, key: Key, triples: list[Triple]) -> None:
+    """A twin is in a TriG file, Φ′ and what it rests on in a named graph of its own.
 
     Raises:
         InputError: The file is no .trig.
     """
     if path.suffix != ".trig":
         raise InputError(f"'{path.name}' is no .trig file", allowed="BRANCH.trig")
-    key = parent.content_hash(parent.environment)
-    store = ox.Store()
-    store.load(proposal.twin.serialize("nquads"), format=ox.RdfFormat.N_QUADS)
-    graph = ox.NamedNode(learned_graph(proposal, track, key))
+    store, graph = ox.Store(), ox.NamedNode(key.graph)
+    store.load(twin.serialize("nquads"), format=ox.RdfFormat.N_QUADS)
     store.extend(
         ox.Quad(ox.NamedNode(subject), ox.NamedNode(predicate), value, graph)
-        for subject, predicate, value in learned_triples(proposal, track, key)
+        for subject, predicate, value in triples
     )
     with path.open("wb") as out:
         store.dump(out, ox.RdfFormat.TRIG, prefixes=PREFIXES)

@@ -1,65 +1,78 @@
-"""A proposal → triples: Φ′ with its residuals and the interval in which it was seen, PROV-O."""
+"""What was learned → triples: Φ′ with its residuals and the interval in which it was seen, PROV-O."""
 
 import hashlib
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import pyoxigraph as ox
 
+from predicates.learn.articulation import Articulation
+from predicates.learn.phases import Latch, Plain, PushToOpen
 from predicates.learn.proposal import Proposal
 from predicates.learn.track import Track
 from sdt_kg.iri import ID, LAW, PROV, RDF, RDFS, Iri, graph_iri
 from sdt_kg.mechanism import JointType
-from sdt_kg.store import Term, Triple
+from sdt_kg.store import Triple
+from sdt_kg.twin import Container, Twin
+
+DEVIATIONS = (("axis", "axis"), ("origin", "origin"), ("limit", "limits"), ("radius", "radius"))
+"""Name of a property before its `Deviation`, and of the figure."""
 
 MILLIMETRE = 1e-3
 """[m] Figures in labels are given in millimetres."""
 
 
-def learned_iri(proposal: Proposal, track: Track, parent: str) -> Iri:
-    """Individual of Φ′: a hash of the track, the joint and the twin that it was proposed for."""
-    return f"{ID}learned/{_key(proposal, track, parent)}"
+@dataclass(frozen=True, slots=True)
+class Key:
+    """What names a learned Φ′: a hash of the track, the joint and the twin that it is about."""
+
+    digest: str
+
+    @staticmethod
+    def of(twin: Twin, container: Container, track: Track) -> "Key":
+        """The key of what a track says of a container of a twin."""
+        parent = twin.content_hash(twin.environment)
+        text = f"{track_hash(track)} {container.joint} {parent}"
+        return Key(hashlib.sha256(text.encode()).hexdigest()[:32])
+
+    @property
+    def iri(self) -> Iri:
+        """Individual of Φ′."""
+        return f"{ID}learned/{self.digest}"
+
+    @property
+    def graph(self) -> Iri:
+        """Named graph of what was observed and learned."""
+        return graph_iri("observed", self.digest)
 
 
-def learned_graph(proposal: Proposal, track: Track, parent: str) -> Iri:
-    """Named graph of what was observed and learned."""
-    return graph_iri("observed", _key(proposal, track, parent))
-
-
-def learned_triples(proposal: Proposal, track: Track, parent: str) -> Iterator[Triple]:
+def learned_triples(twin: Twin, container: Container, track: Track, joint: Articulation) -> Iterator[Triple]:
     """Φ′ and the observation that it rests on.
 
     Args:
-        proposal: What was learned.
+        twin: What was there before.
+        container: What was seen to move.
         track: What was observed.
-        parent: Content hash of the kitchen that the proposal changes.
+        joint: What was learned from it.
     """
-    of, joint = learned_iri(proposal, track, parent), proposal.learned
+    of = Key.of(twin, container, track).iri
     seen = f"{of}/observation"
     yield of, RDF + "type", ox.NamedNode(LAW + "LearnedPhysics")
-    yield of, RDFS + "label", ox.Literal(_label(proposal))
-    yield of, LAW + "entity", ox.NamedNode(proposal.container.joint)
-    yield of, LAW + "container", ox.NamedNode(proposal.container.iri)
-    yield of, LAW + "environment", ox.NamedNode(proposal.twin.environment)
+    yield of, RDFS + "label", ox.Literal(_label(container, joint))
+    yield of, LAW + "entity", ox.NamedNode(container.joint)
+    yield of, LAW + "container", ox.NamedNode(container.iri)
+    yield of, LAW + "environment", ox.NamedNode(twin.environment)
     yield of, LAW + "jointType", ox.Literal(joint.joint_type.value)
-    yield of, LAW + "replacedJointType", ox.Literal(proposal.before.type.value)
-    yield of, LAW + "parentHash", ox.Literal(parent)
-    yield of, PROV + "wasDerivedFrom", ox.NamedNode(proposal.twin.environment)
+    yield of, LAW + "parentHash", ox.Literal(twin.content_hash(twin.environment))
+    yield of, PROV + "wasDerivedFrom", ox.NamedNode(twin.environment)
     yield of, PROV + "wasDerivedFrom", ox.NamedNode(seen)
-    for name, value in (
-        ("residual", joint.residual_rms),
-        ("evidence", joint.evidence),
-        ("validFrom", min(proposal.seen)),
-        ("validTo", max(proposal.seen)),
-        ("axisDeviation", joint.deviations["axis"]),
-        ("originDeviation", joint.deviations["origin"]),
-        ("limitDeviation", joint.deviations["limits"]),
-    ):
-        yield of, LAW + name, _double(value)
+    figures = {"residual": joint.residual_rms, "evidence": joint.evidence}
+    figures |= {
+        f"{name}Deviation": joint.deviations[key] for name, key in DEVIATIONS if key in joint.deviations
+    }
     if joint.joint_type is JointType.REVOLUTE:
-        yield of, LAW + "circleRadius", _double(joint.radius)
-        yield of, LAW + "radiusDeviation", _double(joint.deviations["radius"])
-    for assumption in proposal.assumptions:
-        yield of, LAW + "assumes", ox.Literal(assumption)
+        figures["circleRadius"] = joint.radius
+    yield from _figures(of, figures)
     yield seen, RDF + "type", ox.NamedNode(LAW + "Observation")
     yield seen, RDFS + "label", ox.Literal(track.name)
     yield seen, LAW + "observedSamples", ox.Literal(len(track.positions))
@@ -68,20 +81,48 @@ def learned_triples(proposal: Proposal, track: Track, parent: str) -> Iterator[T
     yield seen, LAW + "trackHash", ox.Literal(track_hash(track))
 
 
+def proposal_triples(of: Iri, proposal: Proposal) -> Iterator[Triple]:
+    """What a proposed joint adds to Φ′: what it replaces, the interval that was seen, assumptions."""
+    yield of, LAW + "replacedJointType", ox.Literal(proposal.before.type.value)
+    yield from _figures(of, {"validFrom": min(proposal.seen), "validTo": max(proposal.seen)})
+    for assumption in proposal.assumptions:
+        yield of, LAW + "assumes", ox.Literal(assumption)
+
+
+def phase_triples(of: Iri, phase: Latch | PushToOpen | Plain) -> Iterator[Triple]:
+    """What held the container, as terms of Φ′."""
+    if isinstance(phase, Latch):
+        kind = "latch"
+        figures = {
+            "breakAwayForce": phase.force,
+            "forceDeviation": phase.force_deviation,
+            "latchTravel": phase.travel,
+            "slidingForce": phase.friction,
+        }
+    elif isinstance(phase, PushToOpen):
+        kind = "push_to_open"
+        figures = {
+            "pushForce": phase.force,
+            "pushDepth": phase.depth,
+            "depthDeviation": phase.depth_deviation,
+            "springOut": phase.spring_out,
+        }
+    else:
+        kind, figures = "plain", {"slidingForce": phase.friction}
+    yield of, LAW + "mechanismKind", ox.Literal(kind)
+    yield from _figures(of, figures)
+
+
 def track_hash(track: Track) -> str:
     """SHA-256 of the observed positions and times."""
     return hashlib.sha256(track.positions.tobytes() + track.times.tobytes()).hexdigest()
 
 
-def _key(proposal: Proposal, track: Track, parent: str) -> str:
-    text = f"{track_hash(track)} {proposal.container.joint} {parent}"
-    return hashlib.sha256(text.encode()).hexdigest()[:32]
+def _figures(of: Iri, figures: dict[str, float]) -> Iterator[Triple]:
+    for name, value in figures.items():
+        yield of, LAW + name, ox.Literal(float(value))
 
 
-def _label(proposal: Proposal) -> str:
-    name, rms = proposal.container.name, proposal.learned.residual_rms / MILLIMETRE
-    return f"{name}: {proposal.after.type.value} joint, {rms:.1f} mm rms from the path"
-
-
-def _double(value: float) -> Term:
-    return ox.Literal(float(value))
+def _label(container: Container, joint: Articulation) -> str:
+    rms = joint.residual_rms / MILLIMETRE
+    return f"{container.name}: {joint.joint_type.value} joint, {rms:.1f} mm rms from the path"

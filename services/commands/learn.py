@@ -6,6 +6,7 @@ import click
 import numpy as np
 
 from predicates.learn import UP, Learned, learn
+from predicates.learn.phases import Plain
 from sdt_kg.errors import InputError
 from sdt_kg.mechanism import Pose
 from services.app import Service, load
@@ -20,7 +21,7 @@ from services.commands.learned import (
 from services.commands.options import KITCHEN_HELP, json_flag, states_option
 from services.commands.show import print_json
 from services.commands.verdicts import Json
-from services.learning import Seen, placed, proposal_for, seen_in, write_branch
+from services.learning import branch_triples, held_by, placed, proposal_for, seen_in, write_branch
 from services.tracks import read_track
 
 NOT_REPLAYED_EXIT = 1
@@ -84,7 +85,7 @@ def learn_command(
     if at is not None:
         observed = placed(observed, parse_pose(at))
     learned = learn(observed, parse_up(up))
-    row = learned_row(learned)
+    row = learned_row(learned, held_by(learned))
     if kitchen is not None:
         row |= _in_kitchen(
             load(kitchen, state=states), learned, container, output if accept else None, accept
@@ -109,37 +110,25 @@ def _in_kitchen(
     service: Service, learned: Learned, container: str | None, output: Path | None, accept: bool
 ) -> Json:
     """What the track is in the kitchen; where the twin cannot replay it, what is proposed."""
-    seen = seen_in(service.twin, learned, service.physics, container)
-    row: Json = {"kitchen": kitchen_row(seen), "proposal": None, "accepted": None}
+    twin, physics = service.twin, service.physics
+    seen = seen_in(twin, learned, physics, container)
     tasks = [task_text(each) for each in seen.explanation.tasks] if seen.fits else []
+    row: Json = {"kitchen": kitchen_row(seen), "proposal": None, "accepted": None}
+    proposal, branch, refusal = None, twin, ""
     if not seen.fits:
-        row["proposal"], row["accepted"], tasks = _proposed(service, learned, seen, output, accept)
-    elif accept:
-        raise InputError(
-            f"the twin has the path of {seen.followed.container.name} already",
-            allowed="a track that the twin cannot replay",
-            remedy="leave out --accept",
-        )
-    return row | {"task": ", ".join(tasks) or None}
-
-
-def _proposed(
-    service: Service, learned: Learned, seen: Seen, output: Path | None, accept: bool
-) -> tuple[Json, str | None, list[str]]:
-    """The proposal, where it was written, and the tasks that the track satisfies in it."""
-    proposal, after = proposal_for(service.twin, learned, seen, service.physics)
-    row, accepted = proposal_row(proposal, after), None
-    if accept and not after.replayed:
-        reasons = "; ".join(row["reasons"]) or "too far off"
-        raise InputError(
-            f"the proposed twin does not replay the track either: {reasons}",
-            allowed="a proposal under which Causes holds",
-        )
+        proposal, after = proposal_for(twin, learned, seen, physics)
+        branch, row["proposal"] = proposal.twin, proposal_row(proposal, after)
+        tasks = list(row["proposal"]["tasks"])
+        refusal = "" if after.replayed else "the proposed twin does not replay the track either"
+    elif held_by(learned) is None or isinstance(held_by(learned), Plain):
+        refusal = f"the twin has the path of {seen.followed.container.name} already"
+    if accept and refusal:
+        raise InputError(refusal, allowed="a track that shows what the twin does not know")
     if accept:
-        path = output or Path(f"{proposal.container.name}.learned.trig")
-        write_branch(path, proposal, learned.track, service.twin)
-        accepted = str(path)
-    return row, accepted, list(row["tasks"])
+        path = output or Path(f"{seen.followed.container.name}.learned.trig")
+        write_branch(path, branch, *branch_triples(twin, learned, seen, proposal))
+        row["accepted"] = str(path)
+    return row | {"task": ", ".join(tasks) or None}
 
 
 def parse_up(text: str) -> np.ndarray | None:

@@ -1,10 +1,12 @@
 """What was learned from a track, as JSON and for people."""
 
 import math
+from dataclasses import asdict
 
 import click
 
 from predicates.learn import Articulation, Learned
+from predicates.learn.phases import Latch, Plain, PushToOpen
 from predicates.learn.proposal import Proposal
 from sdt_kg.iri import local_name
 from sdt_kg.mechanism import Joint, JointType
@@ -13,13 +15,16 @@ from services.commands.show import console, print_rows
 from services.commands.verdicts import Json
 from services.learning import Seen
 
+KINDS = {Plain: "plain", Latch: "latch", PushToOpen: "push_to_open"}
+"""What held a container, by class."""
+
 UNIT = {JointType.FIXED: "m", JointType.PRISMATIC: "m", JointType.REVOLUTE: "rad"}
 
 SURE = 0.95
 """[1] Below this probability the report says which other joint it may be."""
 
 
-def learned_row(learned: Learned) -> Json:
+def learned_row(learned: Learned, phase: Latch | PushToOpen | Plain | None) -> Json:
     """What was learned, as JSON; vectors in the track's frame."""
     best, track = learned.best, learned.track
     candidates = [
@@ -32,6 +37,7 @@ def learned_row(learned: Learned) -> Json:
         "missing": track.missing,
         "outliers": best.outliers,
         "candidates": candidates,
+        "mechanism": None if phase is None else {"kind": KINDS[type(phase)], **asdict(phase)},
         "task": None,
         "notes": _notes(learned),
     }
@@ -72,6 +78,20 @@ def _notes(learned: Learned) -> list[str]:
     return notes
 
 
+def _held(mechanism: Json | None) -> str | None:
+    """What held the container, for people."""
+    if mechanism is None:
+        return None
+    if mechanism["kind"] == "plain":
+        return f"friction of {mechanism['friction']:.1f} N"
+    if mechanism["kind"] == "latch":
+        threshold = f"{mechanism['force']:.1f} ± {mechanism['force_deviation']:.1f} N"
+        return f"a latch that gives way at {threshold}, then friction of {mechanism['friction']:.1f} N"
+    depth, out = mechanism["depth"] * 1000, mechanism["spring_out"] * 1000
+    push = mechanism["force"]
+    return f"a push-to-open: pushed in {depth:.1f} mm with {push:.1f} N, springs out {out:.0f} mm"
+
+
 def show_learned(row: Json) -> None:
     """Print what was learned, for people."""
     unit, deviations = row["unit"], row["standard_deviations"]
@@ -83,6 +103,7 @@ def show_learned(row: Json) -> None:
         "seen": None if row["limits"] is None else f"{row['limits'][0]:.3f} to {row['limits'][1]:.3f} {unit}",
         "residual": f"{row['residual_rms'] * 1000:.1f} mm rms, {row['scale'] * 1000:.1f} mm without outliers",
         "samples": f"{row['samples']}, {row['missing']} missing, {row['outliers']} outliers",
+        "held by": _held(row["mechanism"]),
         "task": row["task"],
     }
     for name, text in lines.items():

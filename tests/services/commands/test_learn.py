@@ -18,10 +18,14 @@ from services.cli import sdt
 from services.learning import seen_in
 from services.physics.oracle import Kinematics
 from services.tracks import read_track
+from tests.predicates.learn.logs import log
 from tests.predicates.learn.test_proposal import slid, turned
 from tests.small import FOLDER
 
 KITCHEN = str(FOLDER / "a.urdf")
+
+TURN = np.array([[-0.6, 0.8, 0.0], [-0.8, -0.6, 0.0], [0.0, 0.0, 1.0]])
+"""Turns the axis of the logs' drawer, (0.6, -0.8, 0), into that of low_drawer, (-1, 0, 0)."""
 
 
 @pytest.fixture
@@ -97,6 +101,23 @@ def test_a_camera_track_is_placed_in_the_kitchen(tmp_path: Path) -> None:
     np.savetxt(path, positions)
     row = run(str(path), "--kitchen", KITCHEN, "--at", "1,2,0.3")
     assert row["task"] == "open:low_drawer"
+
+
+def test_a_latch_that_the_twin_does_not_know_is_proposed_too(tmp_path: Path) -> None:
+    logged, truth = log("latch", 0)
+    track = logged.positions @ TURN.T
+    track += slid("low_drawer", 0.0).positions.mean(axis=0) - track[:20].mean(axis=0)
+    path, branch = tmp_path / "log.csv", tmp_path / "branch.trig"
+    assert logged.forces is not None
+    np.savetxt(path, np.column_stack([logged.times, track, logged.forces @ TURN.T]))
+    row = run(str(path), "--kitchen", KITCHEN, "--accept", "-o", str(branch))
+    assert row["kitchen"]["replayed"] is True
+    assert row["mechanism"]["kind"] == "latch"
+    assert row["mechanism"]["force"] == pytest.approx(truth.force, abs=4)
+    store = ox.Store()
+    store.load(path=str(branch), format=ox.RdfFormat.TRIG)
+    (found,) = store.query(f"SELECT ?n WHERE {{ GRAPH ?g {{ ?p <{LAW}breakAwayForce> ?n }} }}")  # type: ignore[misc]
+    assert float(found["n"].value) == row["mechanism"]["force"]
 
 
 @pytest.mark.parametrize(
