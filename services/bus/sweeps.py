@@ -134,11 +134,7 @@ class Sweeps:
         seconds = case.budget + MARGIN
 
         def answer(outcome: Done | Problem) -> None:
-            if (
-                isinstance(outcome, Problem)
-                and outcome.kind is ProblemType.UNAVAILABLE
-                and outcome.retry_after
-            ):
+            if isinstance(outcome, Problem) and outcome.retry_after:  # the pool is full
                 threading.Timer(PAUSE, self._offer, (sweep, case, over)).start()
                 return
             with sweep.lock:

@@ -1,0 +1,135 @@
+"""The configurations that we ship let the right subject in, and tell the wrong one nothing."""
+
+import shutil
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import zenoh
+
+import services.bus
+from sdt_kg.errors import OracleUnavailableError
+from services.bus.sessions import open_session
+from tests.services.bus.conftest import free_endpoint
+
+CONFIGS = Path(services.bus.__file__).parent / "config"
+PASSWORDS = {name: f"secret of {name}" for name in ("reader", "requester", "writer", "admin", "server")}
+KEYS = {
+    "sdt/v1/b/rpc/select": {"reader", "requester", "writer", "admin"},
+    "sdt/v1/b/rpc/canachieve": {"requester", "writer", "admin"},
+    "sdt/v1/b/rpc/sweep": {"writer", "admin"},
+    "sdt/v1/b/jobs/1/cancel": {"writer", "admin"},
+    "sdt/v1/@oracle/causes/rpc/1": {"admin"},
+}
+SILENCE = 1.0
+"""[s] A denied question stays without a reply."""
+
+
+def _user(folder: Path, name: str, password: str) -> Path:
+    text = (CONFIGS / "client-users.json5").read_text()
+    path = folder / f"{name}.json5"
+    path.write_text(text.replace('"reader"', f'"{name}"').replace("change-me", password))
+    return path
+
+
+@pytest.fixture(scope="module")
+def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Path]]:
+    """A router with the user configuration that we ship, which answers at every key."""
+    folder = tmp_path_factory.mktemp("users")
+    users = folder / "users.txt"
+    users.write_text("".join(f"{name}:{password}\n" for name, password in PASSWORDS.items()))
+    config = folder / "server.json5"
+    text = (CONFIGS / "server-users.json5").read_text()
+    config.write_text(text.replace('"users.txt"', f'"{users}"').replace("change-me", PASSWORDS["server"]))
+    endpoint = free_endpoint()
+    with open_session(listen=endpoint, mode="router", config=config) as session:
+        for key in ("sdt/v1/**", "sdt/v1/@oracle/**"):
+            session.declare_queryable(key, _reply)
+        yield endpoint, folder
+
+
+def _reply(query: zenoh.Query) -> None:
+    with query:
+        query.reply(query.key_expr, b"answer")
+
+
+@pytest.mark.parametrize("name", ["reader", "requester", "writer", "admin"])
+def test_each_subject_gets_what_it_may_and_nothing_else(guarded: tuple[str, Path], name: str) -> None:
+    endpoint, folder = guarded
+    config = _user(folder, name, PASSWORDS[name])
+    with open_session(connect=endpoint, mode="client", config=config) as session:
+        allowed = {key for key in KEYS if list(session.get(key, timeout=SILENCE))}
+    assert allowed == {key for key, names in KEYS.items() if name in names}
+
+
+@pytest.mark.parametrize(("name", "password"), [("reader", "wrong"), ("stranger", "x"), ("reader", "")])
+def test_a_wrong_name_or_password_does_not_get_in(
+    guarded: tuple[str, Path], name: str, password: str
+) -> None:
+    endpoint, folder = guarded
+    with pytest.raises(OracleUnavailableError):
+        open_session(connect=endpoint, mode="client", config=_user(folder, name, password)).close()
+    with open_session(
+        connect=endpoint, mode="client", config=_user(folder, "reader", PASSWORDS["reader"])
+    ) as ok:
+        assert list(ok.get("sdt/v1/b/rpc/select", timeout=SILENCE))
+
+
+def test_a_wildcard_does_not_get_around_the_rules(guarded: tuple[str, Path]) -> None:
+    endpoint, folder = guarded
+    config = _user(folder, "reader", PASSWORDS["reader"])
+    with open_session(connect=endpoint, mode="client", config=config) as session:
+        for key in ("sdt/v1/**", "sdt/v1/b/rpc/*", "**"):
+            assert not list(session.get(key, timeout=SILENCE))
+
+
+def test_mutual_tls_lets_only_certificates_of_the_authority_in(tmp_path: Path) -> None:
+    if shutil.which("openssl") is None:
+        pytest.skip("no openssl to make certificates with")
+    _authority(tmp_path, "ca")
+    _authority(tmp_path, "other")
+    for name, authority in (("server", "ca"), ("client", "ca"), ("stranger", "other")):
+        _certificate(tmp_path, name, authority)
+    endpoint = free_endpoint().replace("tcp/127.0.0.1", "tls/localhost")
+    server = _placed(tmp_path, "server-tls.json5", "server")
+    with open_session(listen=endpoint, mode="router", config=server) as session:
+        session.declare_queryable("sdt/v1/**", _reply)
+        client = _placed(tmp_path, "client-tls.json5", "client")
+        with open_session(connect=endpoint, mode="client", config=client) as known:
+            assert list(known.get("sdt/v1/b/rpc/select", timeout=5))
+        stranger = _placed(tmp_path, "client-tls.json5", "stranger")
+        with pytest.raises(OracleUnavailableError):
+            open_session(connect=endpoint, mode="client", config=stranger).close()
+
+
+def _placed(folder: Path, name: str, who: str) -> Path:
+    """A configuration that we ship, with the files of this test."""
+    text = (CONFIGS / name).read_text()
+    for file in ("ca.pem", "server.pem", "server-key.pem", "client.pem", "client-key.pem"):
+        text = text.replace(f'"{file}"', f'"{folder / file.replace("client", who)}"')
+    path = folder / f"{who}.json5"
+    path.write_text(text)
+    return path
+
+
+def _openssl(*arguments: str) -> None:
+    found = shutil.which("openssl")
+    assert found is not None
+    subprocess.run([found, *arguments], check=True, capture_output=True)
+
+
+def _authority(folder: Path, name: str) -> None:
+    key, out = str(folder / f"{name}-key.pem"), str(folder / f"{name}.pem")
+    new = ("req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", f"/CN={name}")
+    _openssl(*new, "-keyout", key, "-out", out)
+
+
+def _certificate(folder: Path, name: str, authority: str) -> None:
+    key, request, out = (str(folder / f"{name}{end}") for end in ("-key.pem", ".csr", ".pem"))
+    names = folder / f"{name}.ext"
+    names.write_text("subjectAltName=DNS:localhost\n")
+    new = ("req", "-newkey", "rsa:2048", "-nodes", "-subj", f"/CN={name}")
+    _openssl(*new, "-keyout", key, "-out", request)
+    ca = ("-CA", str(folder / f"{authority}.pem"), "-CAkey", str(folder / f"{authority}-key.pem"))
+    _openssl("x509", "-req", "-in", request, *ca, "-days", "2", "-extfile", str(names), "-out", out)
