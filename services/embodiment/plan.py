@@ -200,7 +200,7 @@ class Planner:
             return None
         problem = self._problem(self.bar, q)
         holding = touching(world, limb, kit.demands, (setting.container.handle,))
-        fitted = fitting(kit.hand, problem, self.bar, (holding, kit.demands), self.unfit)
+        fitted = fitting(kit.hand, problem, self.bar, (holding, kit.demands), self.unfit, self.late)
         searcher = Searcher(world, limb, problem, holding, setting.drive)
         start = np.array(setting.start)
         if setting.drive is Drive.FIXED:

@@ -12,6 +12,7 @@ from sdt_kg.errors import AnnotationError, UnknownEntityError
 from sdt_kg.iri import Iri, body_iri
 from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, Pose, ShapeType
 from sdt_kg.twin import Twin
+from services.physics.geometry.convex import pack
 from services.physics.geometry.floor import BELOW, floor_box, floor_iri, standing
 from services.physics.geometry.hulls import COARSE, FINE
 from services.physics.geometry.shapes import solids, surface
@@ -52,6 +53,35 @@ def _solid(body: Iri, pose: Pose, joint: int, joint_T_body: pin.SE3, shape: coal
     )
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Outlines:
+    """All solids of a scene as arrays.
+
+    Attributes:
+        joint: Pinocchio's index of the joint that moves each, shape (S,).
+        joint_T_shape: Shape (S, 4, 4).
+        middle, half: Middle and half extents of each shape's own box, in its frame [m], shape (S, 3).
+        convex: What `geometry.convex` takes.
+    """
+
+    joint: Indices
+    joint_T_shape: Array
+    middle: Array
+    half: Array
+    convex: tuple
+
+
+def _outlines(solids: Sequence[Solid]) -> Outlines:
+    boxes = (one.shape.aabb_local for one in solids)
+    return Outlines(
+        np.array([one.joint for one in solids], dtype=np.intp),
+        np.array([one.joint_T_shape.homogeneous for one in solids]).reshape(-1, 4, 4),
+        np.array([(box.min_ + box.max_) / 2 for box in boxes]).reshape(-1, 3),
+        np.array([one.half for one in solids]).reshape(-1, 3),
+        pack([one.shape for one in solids]),
+    )
+
+
 class Scene:
     """A kitchen and one robot as one Pinocchio model with collision shapes.
 
@@ -68,6 +98,7 @@ class Scene:
         coupling: How mimic joints follow.
         bounds: Limits of each coordinate.
         solids: All collision shapes: the kitchen's, the floor, the robot's.
+        outlines: The same as arrays.
         self_pairs: Pairs of robot shapes that must not touch, shape (P, 2), indices of `solids`.
         floor: Index of the floor among `solids`, after the kitchen's own.
         standing: Bodies that may stand on it.
@@ -103,6 +134,7 @@ class Scene:
         floor = _solid(floor_iri(self.twin.environment), BELOW, UNIVERSE, pin.SE3.Identity(), floor_box())
         self.solids = (*kitchen, floor, *_solids(self.robot, pieces))
         self.self_pairs, self.environment_pairs = self._pairs()
+        self.outlines = _outlines(self.solids)
 
     def _meshes_touching_when_parked(self) -> frozenset[Iri]:
         """Bodies with meshes whose coarse pieces fill a gap between links that do not touch."""
@@ -199,8 +231,7 @@ class Scene:
         Raises:
             UnknownEntityError: The robot or the kitchen has no such movable joint.
         """
-        known = [joint.name for joint in self.robot.joints]
-        for name in robot.keys() - set(known):
+        for name in robot.keys() - (known := {joint.name for joint in self.robot.joints}):
             raise UnknownEntityError("joint", name, known)
         q = np.zeros(self.model.nq)
         for iri, value in (dict(self.twin.state.positions) | dict(kitchen or {})).items():

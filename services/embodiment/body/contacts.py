@@ -261,3 +261,20 @@ def touching(hand, at, kitchen, split, radius, shapes, margins, found):
                     found[count, 0], found[count, 1] = s, e
                 count += 1
     return 0, count
+
+
+@_compiled
+def touching_many(hand, seen, tools, kitchen, split, radius, shapes, margins, found, states):
+    """What `touching` says of each tool pose (G, 3, 3), (G, 3), in `states` (G,): FREE, HIT or UNSURE.
+
+    `seen` are poses of the hand's shapes in the tool's frame. Of a HIT the pair is in `found` (G, 2).
+    """
+    at_r, at_c = np.empty_like(seen[0]), np.empty_like(seen[1])
+    room = np.empty((1, 2), np.int64)
+    for g in range(states.shape[0]):
+        for i in range(hand.shape[0]):
+            matmul(tools[0][g], seen[0][i], at_r[i])
+            moved(tools[0][g], tools[1][g], seen[1][i], at_c[i])
+        hit, unsure = touching(hand, (at_r, at_c), kitchen, split, radius, shapes, margins, room)
+        states[g] = HIT if hit else (UNSURE if unsure else FREE)
+        found[g] = room[0]

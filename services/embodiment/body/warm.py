@@ -33,3 +33,15 @@ def warm(world: World, limb: Limb) -> None:
         demands.environment,
         np.empty((256, 2), np.int64),
     )
+    contacts.touching_many(
+        one + world.split,
+        pose,
+        pose,
+        (one, *pose),
+        world.split,
+        world.radius,
+        world.shapes,
+        demands.environment,
+        np.empty((1, 2), np.int64),
+        one,
+    )

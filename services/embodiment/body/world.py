@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sdt_kg.iri import Iri
 from sdt_kg.mechanism import JointType
 from services.embodiment.body import contacts, kernels
-from services.physics.geometry.convex import BALL, OTHER, pack
+from services.physics.geometry.convex import BALL, OTHER
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]
@@ -65,7 +65,7 @@ class World:
         self.tree = _tree(scene)
         solids = scene.solids
         self.split = next((i for i, one in enumerate(solids) if one.joint > scene.base[-1]), len(solids))
-        self.shapes = pack([one.shape for one in solids])
+        self.shapes = scene.outlines.convex
         self.half = np.array([one.half for one in solids]).reshape(-1, 3)
         balls = self.shapes[0] == BALL
         self.radius = np.where(balls, self.half[:, 0], [one.radius for one in solids])

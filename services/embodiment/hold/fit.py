@@ -1,8 +1,9 @@
 """Which grasps the kitchen leaves room for, by the hand alone."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,11 @@ from services.embodiment.hold.holding import Problem
 
 Array = NDArray[np.float64]
 
+Pair = tuple[int, int]
+
 OPENINGS = (0.0, 0.55, 0.75)  # [1] shares by which the fingers are closed when the hand comes near
 SWING = 6  # steps at which closing fingers are checked
+BLOCK = 45  # grasps that are looked at together
 ENOUGH = 6  # grasps with which no narrower opening is tried
 CHECKED = 7  # values of the container at which the hand alone is checked
 BESIDE = 0.05  # [m] that a grasp's tool may lie beside the bar
@@ -54,6 +58,39 @@ class Room:
         beyond = np.abs(((middle - at_c)[:, None] @ at_r)[:, 0]) - world.half[:split]
         near = np.flatnonzero(np.linalg.norm(np.maximum(beyond, 0.0), axis=1) < reach)
         return near, np.ascontiguousarray(at_r[near]), np.ascontiguousarray(at_c[near])
+
+    def screened(self, grasps: list[Grasp], q: Array, rules: Rules, unfit: Counter[Pair]) -> list[Grasp]:
+        """Those grasps at which the hand as in q touches nothing before the container moves.
+
+        `unfit` counts the pairs of shapes whose contact rules the others out.
+        """
+        first = self.at[0]
+        poses = [one.tool(self.problem.handle_r[first], self.problem.handle_p[first]) for one in grasps]
+        found, states = np.empty((len(grasps), 2), np.int64), np.empty(len(grasps), np.int64)
+        contacts.touching_many(
+            self.hand.shapes,
+            self.hand.shapes_seen(q),
+            (np.stack([r for r, _ in poses]), np.stack([p for _, p in poses])),
+            self._near[0],
+            self.world.split,
+            self.world.radius,
+            self.world.shapes,
+            rules.environment,
+            found,
+            states,
+        )
+        unfit.update((int(a), int(b)) for a, b in found[states == contacts.HIT])
+        left = [grasps[g] for g in np.flatnonzero(states != contacts.HIT)]
+        sure = [grasps[g] for g in np.flatnonzero(states == contacts.FREE)]
+        if len(sure) == len(left):
+            return sure
+        return [one for one in left if one in sure or self._clear(one, q, rules, unfit)]
+
+    def _clear(self, grasp: Grasp, q: Array, rules: Rules, unfit: Counter[Pair]) -> bool:
+        contact = self.contact(grasp, q, rules, 0, 1)
+        if contact is not None:
+            unfit[contact.shapes] += 1
+        return contact is None
 
     def contact(self, grasp: Grasp, q: Array, rules: Rules, first: int, last: int) -> Contact | None:
         """A contact of the hand with fingers as in q at the checked values first … last − 1."""
@@ -94,12 +131,13 @@ class Room:
         return None
 
 
-def fitting(
+def fitting(  # noqa: PLR0913, PLR0917  # what is held, what it demands, and when to stop
     hand: Hand,
     problem: Problem,
     bar: Bar,
     demands: tuple[Rules, Rules],
-    unfit: Counter[tuple[int, int]],
+    unfit: Counter[Pair],
+    late: Callable[[], bool],
 ) -> Iterator[tuple[Grasp, Array]]:
     """Grasps that the hand alone can take and keep, each with the scene at x = 0 and fingers closed.
 
@@ -107,28 +145,35 @@ def fitting(
     of shapes whose contact rules a grasp out.
     """
     room = Room(hand, problem, bar)
-    handle = room.world.shapes_of((problem.mechanics.container.handle,))
     found = 0
     for share in OPENINGS:
-        opened = hand.configuration(share)
-        for grasp in grasp_set(bar):
-            contact = room.contact(grasp, opened, demands[1], 0, 1)
-            if contact is not None:
-                unfit[contact.shapes] += 1
-                continue
-            closed = hand.closed_on(grasp, handle, problem.handle_r[0], problem.handle_p[0])
-            if closed is None:
-                continue
-            closed = replace(closed, opened=hand.opening(share))
-            q = hand.configuration(dict(closed.fingers))
-            contact = room.contact(closed, q, demands[0], 0, len(room.at))
-            if contact is not None:
-                unfit[contact.shapes] += 1
-            elif _closes(room, closed, demands):
-                found += 1
-                yield closed, q
+        opened, grasps = hand.configuration(share), grasp_set(bar)
+        while block := list(islice(grasps, BLOCK)):
+            if late():
+                return
+            for grasp in room.screened(block, opened, demands[1], unfit):
+                fitted = _fitted(room, replace(grasp, opened=hand.opening(share)), demands, unfit)
+                if fitted is not None:
+                    found += 1
+                    yield fitted
         if found >= ENOUGH:
             return
+
+
+def _fitted(
+    room: Room, grasp: Grasp, demands: tuple[Rules, Rules], unfit: Counter[Pair]
+) -> tuple[Grasp, Array] | None:
+    """The grasp with its fingers closed on the handle, if they can be and the hand can stay."""
+    handle = room.world.shapes_of((room.problem.mechanics.container.handle,))
+    closed = room.hand.closed_on(grasp, handle, room.problem.handle_r[0], room.problem.handle_p[0])
+    if closed is None:
+        return None
+    q = room.hand.configuration(dict(closed.fingers))
+    contact = room.contact(closed, q, demands[0], 0, len(room.at))
+    if contact is not None:
+        unfit[contact.shapes] += 1
+        return None
+    return (closed, q) if _closes(room, closed, demands) else None
 
 
 def _closes(room: Room, grasp: Grasp, demands: tuple[Rules, Rules]) -> bool:

@@ -70,13 +70,22 @@ def grasp_set(bar: Bar) -> Iterator[Grasp]:
         key=lambda choice: (choice[0] + choice[1] * 2 + choice[3] + choice[4], choice),
     )
     room = max(bar.length / 2 - FINGER_HALF, 0.0)
+    turns = {
+        (pitch, tilt, flip): _turn(bar, float(PITCHES[pitch]), float(TILTS[tilt]), flip)
+        for pitch, tilt, flip in itertools.product(range(len(PITCHES)), range(len(TILTS)), (1, -1))
+    }
     for index, (pitch, tilt, flip, place, depth) in enumerate(choices):
-        approach = _turned(bar.along, PITCHES[pitch], -bar.outward)
-        closing = flip * np.cross(bar.along, approach)
-        approach = _turned(closing, TILTS[tilt], approach)
-        rotation = np.stack([approach, closing, np.cross(approach, closing)], axis=1)
-        translation = bar.centre + PLACES[place] * room * bar.along + DEPTHS[depth] * approach
+        rotation = turns[pitch, tilt, flip]
+        translation = bar.centre + PLACES[place] * room * bar.along + DEPTHS[depth] * rotation[:, 0]
         yield Grasp(rotation, translation, index)
+
+
+def _turn(bar: Bar, pitch: float, tilt: float, flip: int) -> Array:
+    """Rotation of the tool in the frame of the bar's joint."""
+    approach = _turned(bar.along, pitch, -bar.outward)
+    closing = flip * np.cross(bar.along, approach)
+    approach = _turned(closing, tilt, approach)
+    return np.stack([approach, closing, np.cross(approach, closing)], axis=1)
 
 
 class Hand:
@@ -95,7 +104,7 @@ class Hand:
         self._tool = limb.tool(np.zeros(len(limb.lower)))
         self._left = self._left_side()
         self._seen: dict[bytes, tuple[Array, Array]] = {}
-        open_at, closed_at = (self._shapes_seen(self.configuration(share))[1] for share in (0.0, 1.0))
+        open_at, closed_at = (self.shapes_seen(self.configuration(share))[1] for share in (0.0, 1.0))
         away = np.maximum(np.linalg.norm(open_at, axis=1), np.linalg.norm(closed_at, axis=1))
         self.reach = float((away + world.radius[self.shapes]).max())
 
@@ -117,11 +126,11 @@ class Hand:
 
     def shapes_at(self, q: Array, tool_r: Array, tool_p: Array) -> tuple[Array, Array]:
         """World poses of its shapes with fingers as in q and the tool at the pose."""
-        r, c = self._shapes_seen(q)
+        r, c = self.shapes_seen(q)
         return tool_r @ r, c @ tool_r.T + tool_p
 
-    def _shapes_seen(self, q: Array) -> tuple[Array, Array]:
-        """Poses of its shapes in the tool frame; kept, for the grasps that open alike."""
+    def shapes_seen(self, q: Array) -> tuple[Array, Array]:
+        """Poses of its shapes in the tool frame, fingers as in q; kept, for the grasps that open alike."""
         key = q.tobytes()
         if key not in self._seen:
             if len(self._seen) > KEPT:

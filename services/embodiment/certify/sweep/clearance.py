@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.errors import OracleRejectedError
-from services.embodiment.certify.sweep.kinematics import WORLD, Kinematics, Of, Placed
+from services.embodiment.certify.sweep import compiled
+from services.embodiment.certify.sweep.kinematics import Kinematics, Placed
 from services.embodiment.certify.sweep.pieces import Spans, Timeline
 from services.embodiment.certify.sweep.shapes import Shapes
 
@@ -23,6 +24,7 @@ PRECISION = 0.001  # [m] of the smallest distance and the deepest penetration th
 PROMPT = 0.02  # [s] precision of the first time of a violation
 SHORTEST = 1e-5  # [s] an interval that is not halved any more
 HOPELESS = 0.01  # [m] above this shift, pairs whose centres are nearer are halved without a query
+ROOM = 100_000  # items for which there is room at first; more are counted, and then room is made
 CHUNK = 20_000  # items that are looked at together, for memory
 MOST_ITEMS = 2_000_000  # pairs × intervals of one level: more means a motion too wild to be checked
 
@@ -145,29 +147,16 @@ class Sweep:
         intervals = np.flatnonzero(end > start)
         spans = self.timeline.spans(level, intervals)
         placed = self.kinematics.place(spans.q, spans.v)
-        ones, others = np.unique(self.pairs.shapes[:, 0]), np.unique(self.pairs.shapes[:, 1])
-        least = float(self.pairs.least.max())
-        near = _overlapping(
-            self._swept(spans, placed, ones), self._swept(spans, placed, others), least + NEAR
-        )
-        one, other = (
-            np.searchsorted(ones, self.pairs.shapes[:, 0]),
-            np.searchsorted(others, self.pairs.shapes[:, 1]),
-        )
-        which, pair = np.nonzero(near[:, one, other])
-        return Items(pair, intervals[which])
-
-    def _swept(self, spans: Spans, placed: Placed, shapes: Indices) -> tuple[Array, Array]:
-        """Lowest and highest corners of boxes that contain shapes all through the spans, shape (U, S, 3)."""
-        count = len(spans.start)
-        span, shape = np.repeat(np.arange(count), len(shapes)), np.tile(shapes, count)
-        centre = self.shapes.centres(placed, span, shape)
-        carrier, radius = self.shapes.carrier[shape], self.shapes.radius[shape]
-        ball = Of(span, carrier, np.full_like(carrier, WORLD), centre, radius)
-        moved, _ = self.kinematics.bounds(spans, placed, ball)
-        half = self.shapes.extents(placed, span, shape) + moved[:, None]
-        size = (count, len(shapes), 3)
-        return (centre - half).reshape(size), (centre + half).reshape(size)
+        low, high = np.empty((2, len(intervals), len(self.shapes.radius), 3))
+        path, turning = self.kinematics.path, self.kinematics.revolute
+        compiled.swept(self.shapes.placing, placed.arrays, spans.arrays, path, turning, low, high)
+        least, room = float(self.pairs.least.max()) + NEAR, len(self.pairs.shapes) + ROOM
+        while True:
+            which, pair = np.empty((2, room), dtype=np.intp)
+            count = compiled.starting(self.pairs.shapes, low, high, least, which, pair)
+            if count <= room:
+                return Items(pair[:count], intervals[which[:count]])
+            room = count
 
     def _step(self, level: int, items: Items, resolution: float) -> Items:
         """Those items which have to be halved; what the others say is in `found`."""
@@ -175,17 +164,13 @@ class Sweep:
         spans = self.timeline.spans(level, unique)
         placed = self.kinematics.place(spans.q, spans.v)
         one, other = self.pairs.shapes[items.pair].T
-        centre, between, floor = self._boxes(placed, span, one, other)
-        carrier, against = self.shapes.carrier[one], self.shapes.carrier[other]
-        ball = Of(span, carrier, against, centre, self.shapes.radius[one])
-        approach, _ = self.kinematics.bounds(spans, placed, ball)
+        done, (distance, approach, between) = self._looked_at(items, span, spans, placed)
+        ask = done != compiled.SHUT
+        left = done == compiled.LEFT
+        distance[left] = self.shapes.distances(placed, span[left], self.pairs.shapes[items.pair[left]])
+        self.found.queries += int(ask.sum())
         least, now = self._least(items.pair, spans, span)
         width = (spans.end - spans.start)[span]
-        hopeless = (between < approach + least) & (approach > HOPELESS) & (width > SHORTEST)
-        ask = ~hopeless & self._open(floor - approach - least, spans.start[span])
-        distance = floor.copy()
-        distance[ask] = self.shapes.distances(placed, span[ask], self.pairs.shapes[items.pair[ask]])
-        self.found.queries += int(ask.sum())
         most = between + self.shapes.radius[one] + self.shapes.radius[other]
         if not (distance <= most + PRECISION).all():  # also true of what is not a number
             raise OracleRejectedError("a distance between two bodies came out larger than it can be")
@@ -199,6 +184,29 @@ class Sweep:
             self.found.saw(Distance(pair, time, float(distance[i]), float(now[i]), not unresolved[i]))
         return items.where(self._open(low, spans.start[span]) & ~last)
 
+    def _looked_at(
+        self, items: Items, span: Indices, spans: Spans, placed: Placed
+    ) -> tuple[NDArray[np.int64], Array]:
+        """What was done about each item; distance, approach, distance of centres, shape (3, M)."""
+        done, out = np.empty(len(items), dtype=np.int64), np.empty((3, len(items)))
+        first = self.found.first
+        compiled.look(
+            (items.pair, span),
+            self.pairs.shapes,
+            (self.pairs.least, self.pairs.least_held, self.pairs.held_from),
+            self.shapes.placing,
+            self.shapes.convex,
+            placed.arrays,
+            spans.arrays,
+            self.kinematics.path,
+            self.kinematics.revolute,
+            self.found.slack,
+            np.inf if first is None else first.time - PROMPT,
+            (PRECISION, HOPELESS, SHORTEST),
+            (done, out[0], out[1], out[2]),
+        )
+        return done, out
+
     def _open(self, low: Array, start: Array) -> NDArray[np.bool_]:
         """Whether items with this lower bound on their slack can still tell something."""
         lower_than_seen = low < self.found.slack - PRECISION
@@ -206,34 +214,8 @@ class Sweep:
             return lower_than_seen | (low <= 0)
         return lower_than_seen | ((low <= 0) & (start < self.found.first.time - PROMPT))
 
-    def _boxes(
-        self, placed: Placed, span: Indices, one: Indices, other: Indices
-    ) -> tuple[Array, Array, Array]:
-        """Centres of the first shapes, distances of the centres, and lower bounds on signed distances."""
-        centre = self.shapes.centres(placed, span, one)
-        between = self.shapes.centres(placed, span, other) - centre
-        half = self.shapes.extents(placed, span, one) + self.shapes.extents(placed, span, other)
-        gap = np.abs(between) - half
-        # Boxes that overlap are separated by a shift along the axis of least overlap: no depth is more.
-        boxes = np.where((gap > 0).any(axis=1), np.linalg.norm(np.maximum(gap, 0), axis=1), gap.max(axis=1))
-        apart = np.linalg.norm(between, axis=1)
-        balls = apart - self.shapes.radius[one] - self.shapes.radius[other]
-        return centre, apart, np.maximum(boxes, balls)
-
     def _least(self, pair: Indices, spans: Spans, span: Indices) -> tuple[Array, Array]:
         """Distance to be kept all through an interval, and at its middle."""
         held, least = self.pairs.least_held[pair], self.pairs.least[pair]
         whole = np.where(spans.start[span] >= self.pairs.held_from, held, least)
         return whole, np.where(spans.middle[span] >= self.pairs.held_from, held, least)
-
-
-def _overlapping(ones: tuple[Array, Array], others: tuple[Array, Array], least: float) -> NDArray[np.bool_]:
-    """Which boxes come nearer to each other than `least` along every axis, shape (U, S, S')."""
-    near = np.ones((*ones[0].shape[:2], others[0].shape[1]), dtype=bool)
-    for axis in range(3):
-        (low, high), (other_low, other_high) = (
-            [corner[:, :, axis] for corner in box] for box in (ones, others)
-        )
-        near &= low[:, :, None] - least <= other_high[:, None]
-        near &= other_low[:, None] <= high[:, :, None] + least
-    return near

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.mechanism import JointType
+from services.embodiment.certify.sweep import compiled
 from services.embodiment.certify.sweep.pieces import Spans
 from services.physics.model import Scene
 
@@ -35,6 +36,11 @@ class Placed:
     axis: Array
     omega: Array
     linear: Array
+
+    @property
+    def arrays(self) -> tuple[Array, ...]:
+        """What compiled loops take."""
+        return self.rotation, self.origin, self.axis, self.omega, self.linear
 
 
 class Kinematics:
@@ -76,19 +82,19 @@ class Kinematics:
         count = len(self._parent)
         rotation = np.tile(np.eye(3), (len(q), count, 1, 1))
         origin, axis, omega, linear = (np.zeros((len(q), count, 3)) for _ in range(4))
-        for i in range(1, count):
-            parent, offset, rate = self._parent[i], self._offset[i], v[:, i - 1, None]
-            frame = rotation[:, parent] @ offset[:3, :3]
-            origin[:, i] = origin[:, parent] + rotation[:, parent] @ offset[:3, 3]
-            axis[:, i] = frame @ self._axis[i]
-            if self.revolute[i]:
-                rotation[:, i] = frame @ _rotations(self._axis[i], q[:, i - 1])
-                omega[:, i] = omega[:, parent] + rate * axis[:, i]
-                linear[:, i] = linear[:, parent] + rate * cross(origin[:, i], axis[:, i])
-            else:
-                rotation[:, i] = frame
-                origin[:, i] += q[:, i - 1, None] * axis[:, i]
-                omega[:, i], linear[:, i] = omega[:, parent], linear[:, parent] + rate * axis[:, i]
+        compiled.place(
+            q,
+            v,
+            self._parent,
+            self._offset,
+            self._axis,
+            self.revolute,
+            rotation,
+            origin,
+            axis,
+            omega,
+            linear,
+        )
         return Placed(rotation, origin, axis, omega, linear)
 
     def levers(self, placed: Placed, point: Array) -> Array:

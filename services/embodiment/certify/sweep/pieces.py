@@ -96,6 +96,11 @@ class Spans:
     v_max: Array
     a_max: Array
 
+    @property
+    def arrays(self) -> tuple[Array, ...]:
+        """What compiled loops take: start, end, shift, v_max, a_max."""
+        return self.start, self.end, self.shift, self.v_max, self.a_max
+
 
 class Timeline:
     """A binary tree of intervals over the pieces of a motion.

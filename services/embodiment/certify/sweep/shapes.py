@@ -25,20 +25,20 @@ class Shapes:
     Attributes:
         carrier: Carrier of each shape, shape (S,).
         radius: Of the sphere about each shape's centre that contains it, shape (S,) [m].
+        placing, convex: What compiled loops take.
     """
 
     def __init__(self, scene: Scene, kinematics: Kinematics) -> None:
-        self._shapes = [one.shape for one in scene.solids]
-        joints = np.array([one.joint for one in scene.solids], dtype=np.intp)
-        own = np.array([one.joint_T_shape.homogeneous for one in scene.solids]).reshape(-1, 4, 4)
-        boxes = [one.shape.aabb_local for one in scene.solids]
-        middle = np.array([(box.min_ + box.max_) / 2 for box in boxes]).reshape(-1, 3)
-        self._half = np.array([(box.max_ - box.min_) / 2 for box in boxes]).reshape(-1, 3)
-        carrier_T_shape = kinematics.fixed[joints] @ own
-        self._rotation, self._origin = carrier_T_shape[:, :3, :3], carrier_T_shape[:, :3, 3]
+        self._shapes, outlines = [one.shape for one in scene.solids], scene.outlines
+        joints, middle, self._half = outlines.joint, outlines.middle, outlines.half
+        self.convex = outlines.convex
+        carrier_T_shape = kinematics.fixed[joints] @ outlines.joint_T_shape
+        self._rotation = np.ascontiguousarray(carrier_T_shape[:, :3, :3])
+        self._origin = np.ascontiguousarray(carrier_T_shape[:, :3, 3])
         self._centre = self._origin + (self._rotation @ middle[:, :, None])[:, :, 0]
         self.carrier = kinematics.carrier[joints]
         self.radius = np.linalg.norm(self._half, axis=1)
+        self.placing = (self.carrier, self._rotation, self._centre, self._half, self.radius)
         self._kind = [_KINDS.get(type(one.shape), 0) for one in scene.solids]
         # One request for all would do no harm as long as nothing is cached in it (FACTS: GJK's
         # cached guess makes answers depend on history); the result is cleared at each call.

@@ -1,0 +1,206 @@
+"""Compiled inner loops of the certifier: placements, bounds on motion, distances.
+
+The formulas are those of `Kinematics.bounds` and of `clearance`, one item at a time. Nothing here is
+shared with planning but the distance of two convex shapes, which comes with its own proof (`convex`).
+"""
+
+import math
+
+import numpy as np
+from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
+
+from services.physics.geometry.convex import OTHER, bounds
+
+SHUT, ASKED, LEFT = 0, 1, 2
+"""Of an item: a bound says enough, its distance is known, its distance is left to be asked for."""
+
+_compiled = njit(cache=True, fastmath=False)
+
+
+@_compiled
+def _turned(axis, angle, out):
+    c, s = math.cos(angle), math.sin(angle)
+    t, x, y, z = 1.0 - c, axis[0], axis[1], axis[2]
+    out[0, 0], out[0, 1], out[0, 2] = t * x * x + c, t * x * y - s * z, t * x * z + s * y
+    out[1, 0], out[1, 1], out[1, 2] = t * x * y + s * z, t * y * y + c, t * y * z - s * x
+    out[2, 0], out[2, 1], out[2, 2] = t * x * z - s * y, t * y * z + s * x, t * z * z + c
+
+
+@_compiled
+def _product(a, b, out):
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
+
+
+@_compiled
+def place(q, v, parents, offsets, axes, revolute, rotation, origin, axis, omega, linear):
+    """Carriers at U configurations are in the last five; what they hold is said by `Placed`."""
+    frame, turn = np.empty((3, 3)), np.empty((3, 3))
+    for u in range(q.shape[0]):
+        for i in range(1, parents.shape[0]):
+            parent, rate = parents[i], v[u, i - 1]
+            _product(rotation[u, parent], offsets[i, :3, :3], frame)
+            for k in range(3):
+                origin[u, i, k] = origin[u, parent, k]
+                axis[u, i, k] = 0.0
+                for n in range(3):
+                    origin[u, i, k] += rotation[u, parent, k, n] * offsets[i, n, 3]
+                    axis[u, i, k] += frame[k, n] * axes[i, n]
+            a, o = axis[u, i], origin[u, i]
+            if revolute[i]:
+                _turned(axes[i], q[u, i - 1], turn)
+                _product(frame, turn, rotation[u, i])
+                moment = o[1] * a[2] - o[2] * a[1], o[2] * a[0] - o[0] * a[2], o[0] * a[1] - o[1] * a[0]
+                for k in range(3):
+                    omega[u, i, k] = omega[u, parent, k] + rate * a[k]
+                    linear[u, i, k] = linear[u, parent, k] + rate * moment[k]
+            else:
+                for k in range(3):
+                    origin[u, i, k] += q[u, i - 1] * a[k]
+                    omega[u, i, k] = omega[u, parent, k]
+                    linear[u, i, k] = linear[u, parent, k] + rate * a[k]
+                    for n in range(3):
+                        rotation[u, i, k, n] = frame[k, n]
+
+
+@_compiled
+def shift(u, i, j, c, radius, path, revolute, placed, spans):
+    """How far points of a ball about c on carrier i can move against carrier j during span u [m]."""
+    _, origin, axis, omega, linear = placed
+    start, end, moves, v_max, a_max = spans
+    moved, rate = 0.0, 0.0
+    for k in range(1, path.shape[0]):
+        if path[i, k] != path[j, k]:
+            moved += _lever(u, k, c, radius, revolute, origin, axis) * moves[u, k - 1]
+            rate += v_max[u, k - 1] if revolute[k] else 0.0
+    if path.shape[0] == 1 or not math.isfinite(v_max[u, 0]):
+        return moved
+    gain, speed = 0.0, 0.0
+    for k in range(1, path.shape[0]):
+        if path[i, k] != path[j, k]:
+            reach = _lever(u, k, c, radius, revolute, origin, axis) + (moved if revolute[k] else 0.0)
+            gain += reach * a_max[u, k - 1]
+            speed += reach * v_max[u, k - 1]
+    bend = gain + 2.0 * rate * speed
+    w = omega[u, i] - omega[u, j]
+    x = linear[u, i, 0] - linear[u, j, 0] + w[1] * c[2] - w[2] * c[1]
+    y = linear[u, i, 1] - linear[u, j, 1] + w[2] * c[0] - w[0] * c[2]
+    z = linear[u, i, 2] - linear[u, j, 2] + w[0] * c[1] - w[1] * c[0]
+    spin = math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+    half = (end[u] - start[u]) / 2.0
+    return min(moved, half * (math.sqrt(x * x + y * y + z * z) + spin * radius + half * bend / 2.0))
+
+
+@_compiled
+def _lever(u, k, c, radius, revolute, origin, axis):
+    if not revolute[k]:
+        return 1.0
+    a, o = axis[u, k], origin[u, k]
+    x, y, z = c[0] - o[0], c[1] - o[1], c[2] - o[2]
+    x, y, z = y * a[2] - z * a[1], z * a[0] - x * a[2], x * a[1] - y * a[0]
+    return math.sqrt(x * x + y * y + z * z) + radius
+
+
+@_compiled
+def _put(u, s, shapes, placed, r, c, half):
+    """Pose of shape s in the world in r, c; half extents of its box along the world's axes in half."""
+    carrier, rotation, centre, size, _ = shapes
+    frame = placed[0][u, carrier[s]]
+    _product(frame, rotation[s], r)
+    for i in range(3):
+        c[i], half[i] = placed[1][u, carrier[s], i], 0.0
+        for k in range(3):
+            c[i] += frame[i, k] * centre[s, k]
+            half[i] += abs(r[i, k]) * size[s, k]
+
+
+@_compiled
+def swept(shapes, placed, spans, path, revolute, low, high):
+    """Corners of boxes that contain each shape all through each span are in low, high (U, S, 3)."""
+    r, c, half = np.empty((3, 3)), np.empty(3), np.empty(3)
+    for u in range(low.shape[0]):
+        for s in range(low.shape[1]):
+            carrier = shapes[0][s]
+            if carrier == 0 and u > 0:
+                low[u, s], high[u, s] = low[0, s], high[0, s]
+                continue
+            _put(u, s, shapes, placed, r, c, half)
+            moved = shift(u, carrier, 0, c, shapes[4][s], path, revolute, placed, spans)
+            for i in range(3):
+                low[u, s, i], high[u, s, i] = c[i] - half[i] - moved, c[i] + half[i] + moved
+
+
+@_compiled
+def starting(pairs, low, high, least, which, pair):
+    """How many pairs of boxes come nearer than `least`; those for which there is room are in the last two."""
+    count, near = 0, np.empty(low.shape[1], np.bool_)
+    for u in range(low.shape[0]):
+        bottom, top = np.full(3, math.inf), np.full(3, -math.inf)
+        for n in range(pairs.shape[0]):
+            s = pairs[n, 0]
+            if n == 0 or s != pairs[n - 1, 0]:
+                for i in range(3):
+                    bottom[i], top[i] = min(bottom[i], low[u, s, i]), max(top[i], high[u, s, i])
+        for s in range(low.shape[1]):
+            near[s] = _meet(low[u, s], high[u, s], bottom, top, least)
+        for n in range(pairs.shape[0]):
+            s, e = pairs[n, 0], pairs[n, 1]
+            if near[e] and _meet(low[u, s], high[u, s], low[u, e], high[u, e], least):
+                if count < which.shape[0]:
+                    which[count], pair[count] = u, n
+                count += 1
+    return count
+
+
+@_compiled
+def _meet(low, high, bottom, top, least):
+    beside = low[0] - least > top[0] or bottom[0] > high[0] + least
+    beside = beside or low[1] - least > top[1] or bottom[1] > high[1] + least
+    return not (beside or low[2] - least > top[2] or bottom[2] > high[2] + least)
+
+
+@_compiled
+def look(items, pairs, keep, shapes, convex, placed, spans, path, revolute, slack, open_until, limits, out):
+    """What each item tells: (done, distance, approach, distance of centres) in the four arrays `out`.
+
+    `items` is (index of the pair, index of the span); `keep` is (least, least_held, held_from), `limits`
+    (PRECISION, HOPELESS, SHORTEST). Items with a bound on their slack of at least `slack` − PRECISION
+    that is above 0, or that begin after `open_until`, tell nothing more: their distance is a bound.
+    """
+    done, distance, approach, between = out
+    precision, hopeless, shortest = limits
+    one_r, one_c, one_half = np.empty((3, 3)), np.empty(3), np.empty(3)
+    two_r, two_c, two_half = np.empty((3, 3)), np.empty(3), np.empty(3)
+    work = np.zeros((8, 4))
+    for n in range(items[0].shape[0]):
+        p, u = items[0][n], items[1][n]
+        a, b = pairs[p, 0], pairs[p, 1]
+        _put(u, a, shapes, placed, one_r, one_c, one_half)
+        _put(u, b, shapes, placed, two_r, two_c, two_half)
+        outside, deepest, length = 0.0, -math.inf, 0.0
+        for i in range(3):
+            away = abs(two_c[i] - one_c[i])
+            gap = away - one_half[i] - two_half[i]
+            outside += max(gap, 0.0) ** 2
+            deepest = max(deepest, gap)
+            length += away * away
+        between[n] = math.sqrt(length)
+        floor = math.sqrt(outside) if outside > 0.0 else deepest
+        floor = max(floor, between[n] - shapes[4][a] - shapes[4][b])
+        least = keep[1][p] if spans[0][u] >= keep[2] else keep[0][p]
+        moved = shift(u, shapes[0][a], shapes[0][b], one_c, shapes[4][a], path, revolute, placed, spans)
+        approach[n], distance[n], done[n] = moved, floor, SHUT
+        wide = spans[1][u] - spans[0][u] > shortest
+        if between[n] < moved + least and moved > hopeless and wide:
+            continue
+        low = floor - moved - least
+        if low >= slack - precision and (low > 0.0 or spans[0][u] >= open_until):
+            continue
+        done[n] = LEFT
+        if convex[0][a] == OTHER or convex[0][b] == OTHER:
+            continue
+        enough = moved + least + max(slack, 0.0)
+        low, _ = bounds(convex, a, b, one_r, one_c, two_r, two_c, enough, -math.inf, work)
+        if low > -math.inf:
+            done[n], distance[n] = ASKED, low
