@@ -58,7 +58,12 @@ class Vocabulary:
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """A node shape: what it looks at, and what it asks of each property, with the message."""
+    """A node shape: what it looks at, and what it asks of each property, with the message.
+
+    Attributes:
+        targets: Empty for a shape that others use.
+        parts: Path, constraints, message.
+    """
 
     name: str
     comment: str
@@ -93,12 +98,10 @@ def vocabulary(name: str) -> Vocabulary:
 
 
 def shapes(name: str) -> tuple[Shape, ...]:
-    """The node shapes of a shapes file that look at something by themselves."""
+    """The node shapes of a shapes file; those without a target are parts of others."""
     graph = _graph(f"shapes/{name}.shapes.ttl")
     targets = (SH.targetClass, SH.targetObjectsOf)
-    found = sorted(
-        {shape for target in targets for shape in graph.subjects(target) if isinstance(shape, URIRef)}
-    )
+    found = sorted(each for each in graph.subjects(RDF.type, SH.NodeShape) if isinstance(each, URIRef))
     return tuple(
         Shape(
             _short(shape, graph),
