@@ -91,9 +91,10 @@ class Wire:
 
 
 def shown(address: str) -> str:
-    """The address without user and password."""
+    """The address without user, password and parameters, one of which may be a token."""
     url = httpx.URL(address)
-    return str(url.copy_with(username=None, password=None)) if url.userinfo else address
+    bare = url.copy_with(username=None, password=None, query=None)
+    return str(bare) if url.userinfo or url.query else address
 
 
 def _gone(address: str, problem: str) -> StoreUnavailableError:

@@ -1,0 +1,174 @@
+"""Figures of stores: questions, write-back and load, in process and over HTTP. `make bench`.
+
+The data are verdicts that `law` gave about small kitchens, multiplied (tests/services/store/multiplied).
+A question that selects a kitchen or a container is asked about one, as a user of one kitchen does; one
+that counts over everything is asked as it is, and cannot be flat.
+"""
+
+import io
+import itertools
+import statistics
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pyoxigraph as ox
+import pytest
+import rdflib
+
+import ontology
+from predicates.case import Case
+from predicates.law import law
+from predicates.record import to_record
+from sdt_kg.iri import PREFIXES, model_iri, verdict_iri
+from sdt_kg.store import Row, Term, rows_of, term_of
+from sdt_kg.task import Task, Verb
+from services.physics.oracle import Kinematics
+from services.store.embedded import EmbeddedStore
+from services.store.files import SavedVerdicts
+from services.store.on_disk import in_folder, read_file
+from services.store.quads import QuadStore, restricted
+from services.store.remote import Addresses, RemoteStore
+from services.store.wire import Wire
+from tests.services.store.conftest import Server, free_port
+from tests.services.store.multiplied import multiplied
+from tests.small import small_twin
+from tests.small.lift import Lift
+
+Benchmark = Callable[..., Any]
+QUERIES = sorted(Path(str(ontology.path("queries"))).glob("cq*.rq"))
+SIZES = [100_000, 1_000_000]
+RDFLIB_SIZE = 20_000
+"""[quads] What rdflib answers in seconds rather than minutes."""
+
+
+@cache
+def judged() -> tuple[Any, Any]:
+    """Twins and verdicts, as tests/services/store has them."""
+    twins = [small_twin(kitchen, ("pr2", "stretch")) for kitchen in ("a", "b")]
+    verdicts = [
+        each for twin in twins for each in law(Case(twin, task=Task(Verb.OPEN)), Kinematics(), Lift())
+    ]
+    return tuple(twins), tuple(verdicts)
+
+
+@cache
+def text(size: int) -> bytes:
+    return b"".join(multiplied(size, *judged()))
+
+
+@cache
+def store(size: int) -> EmbeddedStore:
+    held = ox.Store()
+    held.bulk_load(text(size), format=ox.RdfFormat.N_QUADS)
+    return EmbeddedStore(held, lambda _: None)
+
+
+def known(query: Path) -> dict[str, Term]:
+    """The kitchen or container that a question is asked about, where it selects one as it is."""
+    sparql = query.read_text()
+    if "GROUP BY" in sparql:
+        return {}
+    if "?environment" in sparql.partition("WHERE")[0]:
+        return {"environment": ox.NamedNode(model_iri("a"))}
+    rows = rows_of(store(RDFLIB_SIZE).query(sparql))[1]
+    container = rows[len(rows) // 2].get("container") if rows else None
+    return {"container": term_of(str(container))} if container else {}
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("query", QUERIES, ids=lambda path: path.stem)
+def test_question_in_process(benchmark: Benchmark, query: Path, size: int) -> None:
+    asked, held, about = query.read_text(), store(size), known(query)
+    benchmark.group, benchmark.extra_info["about"] = query.stem[:4], sorted(about)
+    rows = benchmark.pedantic(lambda: rows_of(held.query(asked, known=about))[1], rounds=15, warmup_rounds=2)
+    benchmark.extra_info["rows"] = len(rows)
+
+
+@pytest.mark.parametrize("query", QUERIES, ids=lambda path: path.stem)
+def test_question_against_rdflib(benchmark: Benchmark, query: Path) -> None:
+    """How many times as long rdflib's own evaluator takes over its own store, in one run (extra_info)."""
+    held, about = store(RDFLIB_SIZE), known(query)
+    asked = restricted(query.read_text(), about)
+    dataset = rdflib_dataset()
+    rows = benchmark.pedantic(lambda: rows_of(held.query(asked))[1], rounds=15, warmup_rounds=2)
+    began = time.perf_counter()
+    theirs = list(dataset.query(asked, initNs=PREFIXES))
+    seconds = time.perf_counter() - began
+    assert len(theirs) == len(rows)
+    benchmark.extra_info["rdflib takes times"] = round(seconds / benchmark.stats.stats.median)
+
+
+@cache
+def rdflib_dataset() -> rdflib.Dataset:
+    dataset = rdflib.Dataset(default_union=True)
+    dataset.parse(io.BytesIO(text(RDFLIB_SIZE)), format="nquads")
+    return dataset
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RemoteStore]:
+    """An Oxigraph server with the smaller of the sizes."""
+    folder = tmp_path_factory.mktemp("served") / "store"
+    filled = ox.Store(str(folder))
+    filled.bulk_load(text(SIZES[0]), format=ox.RdfFormat.N_QUADS)
+    filled.flush()
+    del filled
+    server = Server(folder, free_port())
+    server.start()
+    try:
+        server.wait()
+        remote = RemoteStore(Addresses.of(server.address), Wire())
+        yield remote
+        remote.close()
+    finally:
+        server.kill()
+
+
+@pytest.mark.parametrize("query", QUERIES, ids=lambda path: path.stem)
+def test_question_over_http(benchmark: Benchmark, served: RemoteStore, query: Path) -> None:
+    asked, about = query.read_text(), known(query)
+    ask: Callable[[], list[Row]] = lambda: rows_of(served.query(asked, known=about))[1]  # noqa: E731 - timed
+    benchmark.group = query.stem[:4]
+    benchmark.pedantic(ask, rounds=15, warmup_rounds=2)
+
+
+@pytest.mark.parametrize("where", ["memory", "folder", "server"])
+def test_write_back_of_a_verdict(
+    benchmark: Benchmark, request: pytest.FixtureRequest, tmp_path: Path, where: str
+) -> None:
+    """A verdict that is new, read before it is written, next to many others."""
+    kept: QuadStore
+    if where == "server":
+        kept = request.getfixturevalue("served")
+    else:
+        kept = store(SIZES[0]) if where == "memory" else in_folder(tmp_path / "store")
+    saved, verdict = SavedVerdicts(kept), judged()[1][0]
+    numbers = itertools.count()
+
+    def another() -> tuple[tuple[Any], dict[str, Any]]:
+        return (to_record(replace(verdict, iri=verdict_iri(f"{where}{next(numbers)}"))),), {}
+
+    assert benchmark.pedantic(saved.add_record, setup=another, rounds=200)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_load(benchmark: Benchmark, tmp_path: Path, size: int) -> None:
+    """Quads in a second, of wall time and of CPU time, from a .nq file (extra_info)."""
+    path = tmp_path / "all.nq"
+    path.write_bytes(text(size))
+    cpu: list[float] = []
+
+    def load() -> int:
+        began = time.process_time()
+        held = read_file(path)
+        cpu.append(time.process_time() - began)
+        return len(held)
+
+    assert benchmark.pedantic(load, rounds=3) > 0
+    lines = text(size).count(b"\n")
+    benchmark.extra_info["quads a second"] = round(lines / benchmark.stats.stats.median)
+    benchmark.extra_info["quads a second of CPU"] = round(lines / statistics.median(cpu))
