@@ -65,7 +65,9 @@ class Curves:
         x, y, z = self._coordinates(points)
         k = self.curvature[:, None]
         across = (k * (x * x + y * y) - 2 * y) / (np.hypot(k * x, k * y - 1) + 1)
-        return np.stack([across, z], axis=2)
+        both = np.empty((*z.shape, 2))
+        both[..., 0], both[..., 1] = across, z
+        return both
 
     def progress(self, points: Array) -> Array:
         """Arc length from the anchor to the nearest point of the curve, shape (K, N) [m]."""
@@ -77,7 +79,8 @@ class Curves:
 
     def _coordinates(self, points: Array) -> tuple[Array, Array, Array]:
         offset = points[None] - self.anchor[:, None]
-        axes = np.stack([self.tangent, self.inward, self.normal], axis=2)
+        axes = np.empty((len(self.tangent), 3, 3))
+        axes[:, :, 0], axes[:, :, 1], axes[:, :, 2] = self.tangent, self.inward, self.normal
         local = offset @ axes
         return local[..., 0], local[..., 1], local[..., 2]
 

@@ -1,0 +1,138 @@
+"""Fits as joints: axis, place, positions of the samples, limits, standard deviations, evidence."""
+
+import math
+
+import numpy as np
+
+from predicates.learn.articulation import Articulation
+from predicates.learn.fitting.cells import Cells
+from predicates.learn.fitting.curve import Curves
+from predicates.learn.fitting.fit import ARC, LINE, Fit
+from predicates.learn.fitting.priors import (
+    SCALE,
+    SCALE_WEIGHT,
+    TURN_SCALE,
+    Plumb,
+    log_scale_density,
+    log_travel_density,
+)
+from predicates.learn.fitting.student import FREEDOM, log_student
+from predicates.learn.fitting.turning import Turning
+from predicates.learn.track import Array, Track
+from sdt_kg.mechanism import JointType
+
+OUTLIER = 5.0
+"""[1] Scales from the path beyond which a sample counts as an outlier and bounds no limit."""
+
+SMOOTHING = 7
+"""[1] Samples whose median bounds a limit, so that noise does not widen it."""
+
+ROUNDS = 30
+"""[1] Rounds of reweighting of a point that stands still."""
+
+
+def still(track: Track, cells: Cells, turning: Turning | None) -> Articulation:
+    """The candidate that nothing moves."""
+    origin, scale = np.median(track.positions, axis=0), SCALE
+    squares, pull = np.zeros(0), cells.weights
+    for _ in range(ROUNDS):
+        squares = ((cells.points - origin) ** 2).sum(axis=1)
+        pull = cells.weights * (FREEDOM + 3) / (FREEDOM + squares / scale**2)
+        scale = math.sqrt((float(pull @ squares) / 3 + SCALE_WEIGHT * SCALE**2) / (pull.sum() + SCALE_WEIGHT))
+        origin = pull @ cells.points / pull.sum()
+    evidence = float(log_student(squares, scale, 3) @ cells.weights) + log_scale_density(scale, SCALE)
+    spread = scale / math.sqrt(float(pull.sum()))
+    evidence += 1.5 * math.log(2 * math.pi) + 3 * math.log(spread)
+    if turning is not None:
+        evidence += turning.evidence_still()
+    distances = np.linalg.norm(track.positions - origin, axis=1)
+    return Articulation(
+        JointType.FIXED, np.zeros(3), origin, 0.0, np.zeros(len(distances)), (0.0, 0.0), distances,
+        scale, int((distances > OUTLIER * scale).sum()), {"origin": spread}, evidence, Plumb.FREE, None,
+    )  # fmt: skip
+
+
+def moving(
+    track: Track, family: list[tuple[Plumb, Fit, float]], turning: Turning | None, cells: Cells
+) -> Articulation:
+    """The best fit of a family as a joint, with the evidence of the whole family."""
+    plumb, best, _ = max(family, key=lambda each: each[2])
+    evidence = float(np.logaddexp.reduce([each for _, _, each in family])) + log_travel_density(cells.travel)
+    curve, revolute = best.curve, best.free == ARC
+    distances = np.linalg.norm(curve.residuals(track.positions)[0], axis=1)
+    along = curve.progress(track.positions)[0]
+    radius = 1 / float(curve.curvature[0]) if revolute else 0.0
+    axis = curve.normal[0] if revolute else curve.tangent[0]
+    unsure = best.scale / radius if revolute else 0.0
+    if turning is not None:
+        evidence += (
+            turning.evidence_turning(axis, along / radius, unsure) if revolute else turning.evidence_still()
+        )
+    steady = distances <= OUTLIER * best.scale
+    steady = steady if steady.any() else np.ones_like(steady)
+    raw = _raw_positions(along, axis, radius, unsure, turning)
+    zero = _zero(raw, steady, cells)
+    positions = raw - zero
+    if -positions[steady].min() > positions[steady].max():
+        axis, positions, curve, zero = -axis, -positions, _reversed(curve), -zero
+    deviations = _deviations(best, radius, len(track.positions), cells) | {"zero": zero}
+    anchor = curve.anchor[0]
+    origin = anchor + radius * curve.inward[0] if revolute else anchor + zero * axis
+    smooth = _smooth(positions[steady])
+    limits = (float(smooth.min()), float(smooth.max()))
+    kind = JointType.REVOLUTE if revolute else JointType.PRISMATIC
+    return Articulation(
+        kind, axis, origin, radius, positions, limits, distances, best.scale, int((~steady).sum()),
+        deviations, evidence, plumb, curve,
+    )  # fmt: skip
+
+
+def _raw_positions(along: Array, axis: Array, radius: float, unsure: float, turning: Turning | None) -> Array:
+    """Joint positions from any zero: of orientations where they say more than places."""
+    if radius == 0:
+        return along
+    if turning is not None and turning.seen is not None and unsure > TURN_SCALE:
+        return np.unwrap(turning.vectors @ axis)
+    return np.unwrap(along / radius)
+
+
+def _smooth(positions: Array) -> Array:
+    """Running median, shape (T - SMOOTHING + 1,), or the positions where there are too few."""
+    if len(positions) < 2 * SMOOTHING:
+        return positions
+    return np.median(np.lib.stride_tricks.sliding_window_view(positions, SMOOTHING), axis=1)
+
+
+def _zero(raw: Array, steady: np.ndarray, cells: Cells) -> float:
+    """Position at which the track begins: the median of its first cell's samples."""
+    steady = steady & (cells.members >= 0) if (steady & (cells.members >= 0)).any() else steady
+    first = cells.members == cells.members[int(np.argmax(steady))]
+    return float(np.median(raw[first & steady]))
+
+
+def _reversed(curve: Curves) -> Curves:
+    """The same curve, run through the other way."""
+    return Curves(curve.anchor, -curve.tangent, curve.inward, curve.curvature)
+
+
+def _deviations(best: Fit, radius: float, samples: int, cells: Cells) -> dict[str, float]:
+    """Standard deviations of what people read, from the covariance of the parameters."""
+    variance = np.diag(best.covariance)
+    per_cell = samples / max(len(cells.points), 1)
+    end = best.scale / math.sqrt(max(per_cell, 1.0))
+    if best.free == LINE:
+        lateral = float(np.sqrt(variance[0:2].max()))
+        return {"axis": float(np.sqrt(variance[2:4].max())), "origin": lateral, "limits": end}
+    direction = best.parameters[4:6] * radius
+    spread = radius**2 * math.sqrt(float(direction @ best.covariance[4:6, 4:6] @ direction))
+    across = np.array([-direction[1], direction[0]])
+    # the plane turns with the tangent (along it) and with the curvature vector (across it)
+    swing = radius * math.sqrt(float(across @ best.covariance[4:6, 4:6] @ across))
+    tilt = math.sqrt(float(across @ best.covariance[2:4, 2:4] @ across))
+    inwards = math.sqrt(float(direction @ best.covariance[0:2, 0:2] @ direction))
+    return {
+        "axis": max(swing, tilt),
+        "origin": math.hypot(spread, inwards),
+        "radius": spread,
+        "limits": end / radius,
+    }

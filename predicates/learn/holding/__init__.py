@@ -1,0 +1,1 @@
+"""What holds a container in its place, read from logs with force."""
