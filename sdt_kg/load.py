@@ -12,6 +12,7 @@ from sdt_kg.entities import Entities
 from sdt_kg.errors import AnnotationError, InputError, UnknownEntityError
 from sdt_kg.iri import Iri, graph_iri, model_iri
 from sdt_kg.mechanism import Mechanism
+from sdt_kg.scenes import SCENE_SUFFIXES, read_scene, scene_stem
 from sdt_kg.store import MemoryStore
 from sdt_kg.triples import mechanism_triples
 from sdt_kg.twin import Twin
@@ -29,7 +30,7 @@ def load_twin(
     """Twin of a kitchen with robots, all containers closed.
 
     Args:
-        kitchen: Bundled name (`a`, `b`) or path of a URDF or xacro file.
+        kitchen: Bundled name (`a`, `b`) or path of a URDF, xacro, MJCF (`.xml`) or SDF file.
         robots: Bundled names (`pr2`, `tiago_dual`, `stretch`) or paths.
         annotation: `.ttl` of the robot, or of the kitchen, whichever it describes; by default the
             one beside the model, else the bundled one that fits.
@@ -84,12 +85,14 @@ def _explicit(
 
 def model_name(name_or_path: str | Path) -> str:
     """Name of a model as people see it: the bundled name, or the stem of the file."""
-    return model_stem(Path(name_or_path))
+    path = Path(name_or_path)
+    return scene_stem(path) if path.suffix in SCENE_SUFFIXES else model_stem(path)
 
 
 def _kitchen(name: str | Path, explicit: Path | None) -> tuple[Mechanism, str, Chosen]:
     path = model_path("kitchen", name)
-    mechanism = read_mechanism(path, turn_axes=True)
+    scene = path.suffix in SCENE_SUFFIXES
+    mechanism = read_scene(path) if scene else read_mechanism(path, turn_axes=True)
     return mechanism, "Environment", chosen_kitchen(mechanism, path, explicit)
 
 
@@ -105,7 +108,7 @@ def bundled(kind: str, name: str) -> Path:
 
 
 def model_path(kind: str, name_or_path: str | Path) -> Path:
-    """URDF file of a bundled name, or the path as given.
+    """URDF file of a bundled name, or the path as given; of kitchens also scene files.
 
     Raises:
         UnknownEntityError: Neither.
@@ -114,10 +117,11 @@ def model_path(kind: str, name_or_path: str | Path) -> Path:
     if "/" not in text and bundled(kind, text).is_file():
         return bundled(kind, text)
     path = Path(name_or_path)
-    if path.suffix in MODEL_SUFFIXES and path.is_file():
+    suffixes = (*MODEL_SUFFIXES, *(SCENE_SUFFIXES if kind == "kitchen" else ()))
+    if path.suffix in suffixes and path.is_file():
         return path
     names = sorted(each.parent.name for each in _FOLDERS[kind]("").glob("*/*.urdf"))
-    remedy = "a bundled name, or the path of a .urdf or .xacro file that is there"
+    remedy = f"a bundled name, or the path of a file that is there ({', '.join(suffixes)})"
     raise UnknownEntityError(kind, text, names, remedy)
 
 

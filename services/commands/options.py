@@ -2,7 +2,7 @@
 
 import click
 
-KITCHEN_HELP = "Bundled kitchen (a, b) or path of a URDF or xacro."
+KITCHEN_HELP = "Bundled kitchen (a, b) or path of a URDF, xacro, MJCF or SDF."
 ROBOT_HELP = "Bundled robot (pr2, tiago_dual, stretch) or path of a URDF or xacro."
 
 kitchen_argument = click.argument("kitchen")

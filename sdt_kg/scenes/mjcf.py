@@ -1,0 +1,270 @@
+"""MJCF → Mechanism, by MuJoCo's own compiler: defaults, includes, angles and frames are its business."""
+
+import importlib
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from sdt_kg.errors import UrdfError
+from sdt_kg.mechanism import Geometry, Inertia, JointType, Limits, Mechanism, Mimic, ShapeType
+from sdt_kg.scenes.build import Link, Matrix, Part, between, built, listed, matrix_of, pose_of, shift, turn
+from sdt_kg.urdf.document import refuse_dtd
+from sdt_kg.urdf.meshes import mesh_hash, mesh_path
+
+# MuJoCo's stubs name no attribute of a compiled model: what it gives enters here.
+Model = Any
+
+PATHS: Final = ("file", "meshdir", "texturedir", "assetdir")
+SHAPES: Final = {
+    2: ShapeType.SPHERE,
+    3: ShapeType.CAPSULE,
+    5: ShapeType.CYLINDER,
+    6: ShapeType.BOX,
+    7: ShapeType.MESH,
+}
+"""mjtGeom → our shape."""
+OTHER_SHAPES: Final = {0: "plane", 1: "height field", 4: "ellipsoid", 8: "signed distance field"}
+FREE, BALL, SLIDE, HINGE = range(4)
+EQUALITY_JOINT: Final = 2
+COUNTS: Final = {
+    "nu": "actuators",
+    "ntendon": "tendons",
+    "nsensor": "sensors",
+    "nsite": "sites",
+    "nflex": "flexible bodies",
+    "npair": "contact pairs",
+    "nexclude": "contact exclusions",
+    "nkey": "keyframes",
+}
+
+
+def read_mjcf(root: ET.Element, path: Path, name: str) -> Mechanism:
+    """The scene; bodies that move freely are taken to be fixed where they stand, and noted.
+
+    Raises:
+        UrdfError: MuJoCo is not installed or does not read it, or a file lies outside the scene's folder.
+    """
+    _check_files(root, path, path.parent, ())
+    try:
+        library: Model = importlib.import_module("mujoco")
+    except ModuleNotFoundError:
+        raise UrdfError(
+            f"{path} is MJCF, which needs MuJoCo", remedy="pip install 'sdt-kg[scenes]'"
+        ) from None
+    try:
+        model: Model = library.MjModel.from_xml_path(str(path))
+    except ValueError as error:
+        said = " ".join(str(error).split())
+        raise UrdfError(f"{path}: MuJoCo says: {said}") from None
+    return _Reader(library, model, path).mechanism(name)
+
+
+def _check_files(root: ET.Element, path: Path, folder: Path, seen: tuple[Path, ...]) -> None:
+    """That all files, included ones too, lie below the scene's folder."""
+    for element in root.iter():
+        for attribute in PATHS:
+            text = element.get(attribute)
+            if text is None:
+                continue
+            if Path(text).is_absolute() or ".." in Path(text).parts:
+                raise UrdfError(
+                    f"{path}: {attribute}='{text}' lies outside of '{folder}'",
+                    allowed="files below the scene's folder, by relative paths",
+                )
+            included = folder / text
+            if element.tag == "include" and included.is_file() and included not in seen:
+                content = included.read_bytes()
+                refuse_dtd(content, included)
+                tree = ET.fromstring(content)  # noqa: S314 - no DTD is left in the text
+                _check_files(tree, included, folder, (*seen, included))
+
+
+@dataclass(frozen=True, slots=True)
+class _Frame:
+    """Where a MuJoCo body is: the part that carries it, and world_T_body with all joints at 0."""
+
+    part: str
+    world_T_body: Matrix
+
+
+class _Reader:
+    """One compiled model."""
+
+    def __init__(self, library: Model, model: Model, path: Path) -> None:
+        self.library, self.model, self.path = library, model, path
+        self.parts: list[Part] = []
+        self.links: list[Link] = []
+        self.frozen: list[str] = []
+
+    def mechanism(self, name: str) -> Mechanism:
+        """The mechanism of all bodies."""
+        model = self.model
+        frames = {0: _Frame("world", np.eye(4))}
+        self.parts.append(Part("world", np.eye(4), None, tuple(self._shapes(0, np.eye(4)))))
+        for body in range(1, model.nbody):
+            frames[body] = self._body(body, frames[int(model.body_parentid[body])])
+        couplings, other = self._couplings()
+        links = [replace(link, mimic=couplings.get(link.name)) for link in self.links]
+        return built(
+            name, self.parts, links, [*self._notes(), *listed("equality constraints", other)], self.path
+        )
+
+    def _name(self, kind: str, index: int) -> str:
+        """Name of a body, joint or geom; one without name is numbered."""
+        of = getattr(self.library.mjtObj, f"mjOBJ_{kind.upper()}")
+        return self.library.mj_id2name(self.model, of, index) or f"{kind}_{index}"
+
+    def _body(self, body: int, parent: _Frame) -> _Frame:
+        """Add the body, and one part more for each joint beyond its first."""
+        model, name = self.model, self._name("body", body)
+        at = parent.world_T_body @ matrix_of(model.body_pos[body], _xyzw(model.body_quat[body]))
+        first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
+        joints = [joint for joint in range(first, first + count) if self._moves(joint)]
+        carrier, frame = parent.part, at
+        for joint in joints:
+            last = joint == joints[-1]
+            frame = at @ self._turned_back(joint) @ shift(self._anchor(joint))
+            at = frame @ shift(self._anchor(joint), -1.0)
+            part = name if last else f"{name}__{self._name('joint', joint)}"
+            self._add(part, frame, at, body if last else None)
+            self.links.append(self._link(joint, carrier, part))
+            carrier = part
+        if not joints:
+            self._add(name, at, at, body)
+            self.links.append(Link(f"{name}_fixed", JointType.FIXED, parent.part, name))
+        return _Frame(name, at)
+
+    def _add(self, part: str, frame: Matrix, world_T_body: Matrix, body: int | None) -> None:
+        if body is None:
+            self.parts.append(Part(part, frame))
+            return
+        frame_T_body = between(frame, world_T_body)
+        shapes = tuple(self._shapes(body, frame_T_body))
+        self.parts.append(Part(part, frame, self._inertia(body, frame_T_body), shapes))
+
+    def _moves(self, joint: int) -> bool:
+        kind = int(self.model.jnt_type[joint])
+        if kind in (FREE, BALL):
+            word = "free" if kind == FREE else "ball"
+            body = self._name("body", int(self.model.jnt_bodyid[joint]))
+            self.frozen.append(f"'{self._name('joint', joint)}' ({word}) of body '{body}'")
+        return kind in (SLIDE, HINGE)
+
+    def _anchor(self, joint: int) -> list[float]:
+        """Where the axis of a hinge passes, in the body's frame [m]."""
+        return self.model.jnt_pos[joint].tolist() if self.model.jnt_type[joint] == HINGE else [0.0, 0.0, 0.0]
+
+    def _turned_back(self, joint: int) -> Matrix:
+        """The joint's motion from the position in which the file shows it to 0."""
+        axis, reference = self.model.jnt_axis[joint], self._reference(joint)
+        if self.model.jnt_type[joint] == SLIDE:
+            return shift(axis, -reference)
+        anchor = self._anchor(joint)
+        return shift(anchor) @ turn(axis, -reference) @ shift(anchor, -1.0)
+
+    def _reference(self, joint: int) -> float:
+        return float(self.model.qpos0[self.model.jnt_qposadr[joint]])
+
+    def _link(self, joint: int, parent: str, child: str) -> Link:
+        model = self.model
+        bounded, slides = bool(model.jnt_limited[joint]), model.jnt_type[joint] == SLIDE
+        lower, upper = model.jnt_range[joint].tolist() if bounded else (-np.inf, np.inf)
+        forced = bool(model.jnt_actfrclimited[joint])
+        effort = float(np.abs(model.jnt_actfrcrange[joint]).max()) if forced else np.inf
+        x, y, z = (float(part) for part in model.jnt_axis[joint])
+        turns = JointType.REVOLUTE if bounded else JointType.CONTINUOUS
+        kind = JointType.PRISMATIC if slides else turns
+        limits = Limits(lower=lower, upper=upper, effort=effort)
+        return Link(self._name("joint", joint), kind, parent, child, (x, y, z), limits)
+
+    def _inertia(self, body: int, frame_T_body: Matrix) -> Inertia | None:
+        model, mass = self.model, float(self.model.body_mass[body])
+        if mass == 0:
+            return None
+        at = frame_T_body @ matrix_of(model.body_ipos[body], _xyzw(model.body_iquat[body]))
+        x, y, z = (float(part) for part in model.body_inertia[body])
+        return Inertia(mass, pose_of(at), (x, 0.0, 0.0, y, 0.0, z))
+
+    def _shapes(self, body: int, frame_T_body: Matrix) -> Iterator[Geometry]:
+        model, first = self.model, int(self.model.body_geomadr[body])
+        for geom in range(first, first + int(model.body_geomnum[body])):
+            if self._collides(geom) and int(model.geom_type[geom]) in SHAPES:
+                at = frame_T_body @ matrix_of(model.geom_pos[geom], _xyzw(model.geom_quat[geom]))
+                yield self._shape(geom, SHAPES[int(model.geom_type[geom])], at)
+
+    def _collides(self, geom: int) -> bool:
+        return bool(self.model.geom_contype[geom] or self.model.geom_conaffinity[geom])
+
+    def _shape(self, geom: int, shape: ShapeType, at: Matrix) -> Geometry:
+        """One shape; MuJoCo gives half sizes, and meshes in the frame of their own inertia."""
+        x, y, z = (float(part) for part in self.model.geom_size[geom])
+        if shape is ShapeType.MESH:
+            return self._mesh(geom, at)
+        sizes = {ShapeType.BOX: (2 * x, 2 * y, 2 * z), ShapeType.SPHERE: (x,)}
+        return Geometry(shape, pose_of(at), sizes.get(shape, (x, 2 * y)))
+
+    def _mesh(self, geom: int, at: Matrix) -> Geometry:
+        model, mesh = self.model, int(self.model.geom_dataid[geom])
+        start = int(model.mesh_pathadr[mesh])
+        where = f"{self.path}: geom '{self._name('geom', geom)}'"
+        if start < 0:
+            raise UrdfError(
+                f"{where} is a mesh without file", allowed="a mesh file", remedy="write it to one"
+            )
+        reference = model.paths[start:].split(b"\0", 1)[0].decode()
+        file = mesh_path(reference, self.path, where)
+        file_T_geom = matrix_of(model.mesh_pos[mesh], _xyzw(model.mesh_quat[mesh]))
+        scale = tuple(float(part) for part in model.mesh_scale[mesh])
+        pose = pose_of(at @ between(file_T_geom, np.eye(4)))
+        return Geometry(ShapeType.MESH, pose, scale, str(file), mesh_hash(file))
+
+    def _couplings(self) -> tuple[dict[str, Mimic], list[str]]:
+        """Joint name → what it follows; and the equality constraints that say something else."""
+        model = self.model
+        found: dict[str, Mimic] = {}
+        other: list[str] = []
+        carried = {link.name for link in self.links}
+        for index in range(model.neq):
+            name = self._name("equality", index)
+            one, two = int(model.eq_obj1id[index]), int(model.eq_obj2id[index])
+            a, b, *higher = model.eq_data[index][:5].tolist()
+            if (
+                model.eq_type[index] != EQUALITY_JOINT
+                or two < 0
+                or any(higher)
+                or not model.eq_active0[index]
+            ):
+                other.append(name)
+                continue
+            follower, leader = self._name("joint", one), self._name("joint", two)
+            if not {follower, leader} <= carried or follower in found:
+                other.append(name)
+                continue
+            offset = a + self._reference(one) - b * self._reference(two)
+            found[follower] = Mimic(leader, b, offset)
+        return found, other
+
+    def _notes(self) -> list[str]:
+        model = self.model
+        notes = ["MJCF has no velocity limits: none is known of its joints"] if self.links else []
+        notes += ["masses are MuJoCo's, which takes a body's from its shapes where the file gives none"]
+        notes += [f"imported as fixed where it stands: joint {each}" for each in self.frozen]
+        for kind, word in OTHER_SHAPES.items():
+            geoms = [g for g in range(model.ngeom) if model.geom_type[g] == kind and self._collides(g)]
+            notes += listed(f"{word}, which nothing can collide with", [self._name("geom", g) for g in geoms])
+        visual = [g for g in range(model.ngeom) if not self._collides(g)]
+        notes += listed("geoms that collide with nothing", [self._name("geom", g) for g in visual])
+        for field, word in COUNTS.items():
+            count = int(getattr(model, field, 0))
+            notes += [f"not carried over: {count} {word}"] if count else []
+        return notes
+
+
+def _xyzw(quaternion: Matrix) -> list[float]:
+    """MuJoCo writes w first."""
+    w, x, y, z = quaternion.tolist()
+    return [x, y, z, w]

@@ -1,0 +1,52 @@
+"""Numbers and poses as SDF writes them."""
+
+import math
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from sdt_kg.errors import UrdfError
+from sdt_kg.scenes.build import Matrix, matrix_of, turn
+
+
+def numbers_of(element: ET.Element, count: int, where: str) -> list[float]:
+    """The finite numbers that the element holds.
+
+    Raises:
+        UrdfError: Not so many, or one that is none.
+    """
+    text = element.text or ""
+    try:
+        numbers = [float(word) for word in text.split()]
+    except ValueError:
+        numbers = []
+    if len(numbers) != count or not all(map(math.isfinite, numbers)):
+        raise UrdfError(f"{where}: <{element.tag}> '{text.strip()}'", allowed=f"{count} finite number(s)")
+    return numbers
+
+
+def number_of(element: ET.Element | None, tag: str, default: float, where: str) -> float:
+    """The number in a part of the element, infinite ones too; the default where there is none."""
+    found = None if element is None else element.find(tag)
+    if found is None:
+        return default
+    text = (found.text or "").strip().lower()
+    if text in ("inf", "+inf", "-inf"):
+        return float(text)
+    return numbers_of(found, 1, where)[0]
+
+
+def own_pose(element: ET.Element, where: str) -> Matrix:
+    """Transform of the element's <pose>, whatever it is relative to; shape (4, 4)."""
+    pose = element.find("pose")
+    if pose is None or not (pose.text or "").strip():
+        return np.eye(4)
+    if pose.get("rotation_format") == "quat_xyzw":
+        numbers = numbers_of(pose, 7, where)
+        if not any(numbers[3:]):
+            raise UrdfError(f"{where}: quaternion 0 0 0 0", allowed="any other")
+        return matrix_of(numbers[:3], numbers[3:])
+    x, y, z, roll, pitch, yaw = numbers_of(pose, 6, where)
+    scale = math.pi / 180 if pose.get("degrees") in ("true", "1") else 1.0
+    turns = turn((0, 0, 1), yaw * scale) @ turn((0, 1, 0), pitch * scale) @ turn((1, 0, 0), roll * scale)
+    return matrix_of((x, y, z)) @ turns
