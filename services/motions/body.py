@@ -132,16 +132,29 @@ def _of_robot(  # noqa: PLR0913, PLR0917  # a motion's parts
 
 
 def _kitchen(given: Given, kitchen: Mechanism, times: Array) -> tuple[tuple[str, ...], Array, Array]:
-    """Names, positions and velocities of the kitchen's movable joints, if the file has any."""
+    """Names, positions and velocities of the kitchen's joints, if the file has any.
+
+    A joint that is fixed in our model is left out if it stands still; one that does not is for the
+    verdict to refuse.
+    """
     if "kitchen_joint_names" not in given:
         return (), np.zeros((len(times), 0)), np.zeros((len(times), 0))
     names = given.names("kitchen_joint_names")
     q = given.numbers("kitchen_positions", (len(times), len(names)), names)
     v = _velocities(given, "kitchen_velocities", times, q, names)
-    moving = _moving(names, q, kitchen, "kitchen_positions", given)
+    _check_names(names, kitchen)
+    able = movable(kitchen)
+    moving = [k for k, name in enumerate(names) if name in able or np.abs(q[:, k]).max() > STILL]
     names, q, v = tuple(names[k] for k in moving), q[:, moving], v[:, moving]
+    check_joints(names, q, kitchen, "kitchen_positions", given)
     check_leaps(names, times, q, kitchen, given)
     return names, q, v
+
+
+def _check_names(names: tuple[str, ...], mechanism: Mechanism) -> None:
+    known = {joint.name for joint in mechanism.joints}
+    for name in names:
+        check_known("joint", name, known)
 
 
 def _moving(
@@ -153,8 +166,7 @@ def _moving(
         UnknownEntityError: No such joint.
         MotionError: A fixed joint that moves, or a value in another unit.
     """
-    for name in names:
-        check_known("joint", name, {joint.name for joint in mechanism.joints})
+    _check_names(names, mechanism)
     able = movable(mechanism)
     for k in (k for k, name in enumerate(names) if name not in able):
         away = np.flatnonzero(np.abs(values[:, k]) > STILL)

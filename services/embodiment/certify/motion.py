@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from predicates.case import Evidence, Quantity
 from sdt_kg.errors import MotionError, UnknownEntityError
 from sdt_kg.iri import joint_iri, local_name
+from sdt_kg.mechanism import JointType
 from sdt_kg.motion import BodyMotion
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.sweep.kinematics import joint_axes
@@ -46,6 +47,7 @@ def whole_motion(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> tu
         UnknownEntityError: The robot or the kitchen has no such movable joint.
     """
     _check_arrays(motion)
+    motion, findings = without_fixed(scene, motion, tolerances)
     robot = [joint_iri(scene.robot.mechanism.name, name) for name in motion.joints]
     own = _coordinates(scene, [*robot, *motion.kitchen_joints])
     count = len(motion.times)
@@ -61,12 +63,33 @@ def whole_motion(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> tu
             q[:, source] = (q[:, k] - coupling.offset[k]) / multiplier
             v[:, source] = v[:, k] / multiplier
     whole = coupling.positions(q)
-    findings = Findings()
     for k in own:
         findings.add(_same(scene, int(k), motion.times, np.abs(whole[:, k] - q[:, k]), tolerances))
     pieces = hermite(motion.times, whole, coupling.rates(v))
     findings.add(_together(scene, pieces, tolerances))
     return pieces, findings
+
+
+def without_fixed(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> tuple[BodyMotion, Findings]:
+    """The motion without those kitchen joints that cannot move, and which of them it moves all the same."""
+    kitchen, findings = scene.kitchen.mechanism, Findings()
+    fixed = {joint_iri(kitchen.name, each.name) for each in kitchen.joints if each.type is JointType.FIXED}
+    kept = [i for i, joint in enumerate(motion.kitchen_joints) if joint not in fixed]
+    for i, joint in enumerate(motion.kitchen_joints):
+        moved = np.abs(motion.kitchen_q[:, i])
+        if joint in fixed and moved.max() > tolerances.position:
+            for n in {int(np.argmax(moved > tolerances.position)), int(np.argmax(moved))}:
+                value, time = float(moved[n]), float(motion.times[n])
+                evidence = Evidence(Quantity.POSITION, value, 0.0, "1", joint, time=time)
+                reason = f"{local_name(joint)} moves by {value:.4g}, and it is fixed"
+                findings.violations.append(
+                    Violation("kitchen stands still: fixed joint", reason, evidence, value)
+                )
+    if len(kept) == len(motion.kitchen_joints):
+        return motion, findings
+    joints = tuple(motion.kitchen_joints[i] for i in kept)
+    q, v = motion.kitchen_q[:, kept], motion.kitchen_v[:, kept]
+    return replace(motion, kitchen_joints=joints, kitchen_q=q, kitchen_v=v), findings
 
 
 def _check_arrays(motion: BodyMotion) -> None:
