@@ -1,0 +1,28 @@
+"""A few of the random fronts of `tests/soak`: proofs are verified, certified fronts are not refuted."""
+
+from pathlib import Path
+
+import pytest
+
+from sdt_kg.annotation import Drive
+from tests.soak.judge import Result, result
+
+pytestmark = pytest.mark.oracle
+
+BUDGET = 4.0  # [s] of search for one front
+
+PROVED = ((0, "stretch", Drive.FIXED), (2, "stretch", Drive.FIXED))
+ANY = ((3, "pr2", Drive.FIXED), (5, "tiago_dual", Drive.FIXED), (6, "stretch", Drive.OMNI))
+
+
+@pytest.mark.parametrize(("seed", "robot", "drive"), PROVED)
+def test_a_fixed_stretch_reaches_nothing_before_it(
+    tmp_path: Path, seed: int, robot: str, drive: Drive
+) -> None:
+    # Its arm extends sideways.
+    assert result(tmp_path, seed, robot, drive, BUDGET) is Result.PROVED
+
+
+@pytest.mark.parametrize(("seed", "robot", "drive"), ANY)
+def test_no_front_is_both_certified_and_refuted(tmp_path: Path, seed: int, robot: str, drive: Drive) -> None:
+    assert result(tmp_path, seed, robot, drive, BUDGET) in Result

@@ -1,0 +1,63 @@
+"""One random front, asked of one robot under one base policy: certified, proved or open."""
+
+from collections import Counter
+from enum import Enum
+from pathlib import Path
+
+import numpy as np
+
+from predicates.case import ArtefactKind, Outcome
+from sdt_kg.annotation import Drive
+from services.app import Policy, Service, load
+from services.embodiment.proof_check import check
+from services.embodiment.prove import Prover
+from tests.soak.doors import draw, write
+
+ROBOTS = ("pr2", "tiago_dual", "stretch")
+POLICIES = (Drive.FIXED, Drive.OMNI)
+STANDS = (0.0, 0.0, 0.0)
+BOXES = 20_000  # of a proof that is looked for against a certificate
+
+
+class Result(Enum):
+    """What is known of one front; never two of them."""
+
+    CERTIFIED = "certified"
+    PROVED = "proved"
+    OPEN = "open"
+
+
+def result(folder: Path, seed: int, robot: str, drive: Drive, budget: float) -> Result:
+    """The oracle's answer, which a proof must not contradict and a checked proof must carry."""
+    front = draw(np.random.default_rng(seed))
+    path = write(front, folder, f"front{seed}")
+    service = load(path, [robot], policy=Policy(drive, STANDS, budget))
+    (verdict,) = service.achieve("open:front_door")
+    if verdict.outcome is Outcome.CERTIFIED:
+        assert not refutable(service, drive), f"front {seed} is certified for {robot}, and refuted"
+        return Result.CERTIFIED
+    if not any(each.proof for each in verdict.diagnoses):
+        return Result.OPEN
+    assert verdict.can_perform is not None, f"front {seed} is refuted, and not by CanPerform"
+    artefact = verdict.can_perform.artefact
+    assert artefact is not None
+    assert artefact.kind is ArtefactKind.PROOF
+    twin = service.twin
+    checked = check(twin, twin.robots[0], twin.container("front_door"), artefact.content)
+    assert checked.holds, checked.reasons
+    return Result.PROVED
+
+
+def refutable(service: Service, drive: Drive) -> bool:
+    """Whether a proof is found against a certified front."""
+    twin = service.twin
+    container = twin.container("front_door")
+    values = np.array([0.0, container.open_from])
+    return Prover(twin, twin.robots[0], container, drive, STANDS, values).prove(BOXES) is not None
+
+
+def summary(robot: str, drive: Drive, results: list[Result]) -> str:
+    """Counts apart."""
+    counts = Counter(results)
+    told = ", ".join(f"{counts[one]} {one.value}" for one in Result)
+    return f"{robot}, {drive.value}: {len(results)} fronts, {told}"
