@@ -28,6 +28,9 @@ SHAPES: Final = {
 }
 """mjtGeom → our shape."""
 OTHER_SHAPES: Final = {0: "plane", 1: "height field", 4: "ellipsoid", 8: "signed distance field"}
+NO_SPEEDS: Final = (
+    "MJCF has no velocity limits: requests are out of scope until an annotation gives sdt:velocityLimit"
+)
 FREE, BALL, SLIDE, HINGE = range(4)
 EQUALITY_JOINT: Final = 2
 COUNTS: Final = {
@@ -250,7 +253,7 @@ class _Reader:
 
     def _notes(self) -> list[str]:
         model = self.model
-        notes = ["MJCF has no velocity limits: none is known of its joints"] if self.links else []
+        notes = [NO_SPEEDS] if any(link.type is not JointType.FIXED for link in self.links) else []
         notes += ["masses are MuJoCo's, which takes a body's from its shapes where the file gives none"]
         notes += [f"imported as fixed where it stands: joint {each}" for each in self.frozen]
         for kind, word in OTHER_SHAPES.items():

@@ -51,7 +51,8 @@ def _evidence_text(evidence: Json) -> str:
     who = " and ".join(evidence.get("links", [])) or evidence.get("entity", "")
     when = "" if evidence["time"] is None else f" at {evidence['time']:g} s"
     bound = "" if evidence["bound"] is None else f", bound {evidence['bound']:g}{unit}"
-    return f"{evidence['quantity']} of {who}: {evidence['value']:g}{unit}{bound}{when}"
+    value = "none" if evidence["value"] is None else f"{evidence['value']:g}{unit}"
+    return f"{evidence['quantity']} of {who}: {value}{bound}{when}"
 
 
 def _line(name: str, value: object) -> None:
