@@ -6,15 +6,18 @@ that leaving the other cases out cannot change the answer. What cannot be told b
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, Final
 
-from rdflib.namespace import RDF
+import rdflib
+from rdflib.namespace import RDF, RDFS
 from rdflib.paths import InvPath, Path, SequencePath
 from rdflib.plugins.sparql.algebra import translateQuery
 from rdflib.plugins.sparql.parser import parseQuery
 from rdflib.plugins.sparql.parserutils import CompValue
 from rdflib.term import Literal, Node, URIRef, Variable
 
+import ontology
 from sdt_kg.errors import QueryError
 from sdt_kg.iri import LAW, PREFIXES, PROV, verdict_iri
 
@@ -30,6 +33,9 @@ _BARRIERS: Final = {"AggregateJoin", "Group", "ToMultiSet"}
 _UNTRANSLATED: Final = "GroupGraphPatternSub"
 """What rdflib leaves of an EXISTS that is selected: syntax, in which paths are not resolved."""
 _TESTS: Final = {"Builtin_EXISTS", "Builtin_NOTEXISTS"}
+
+_OTHER: Final = {LAW + "LearnedPhysics", LAW + "Observation"}
+"""Classes of law: that come from observations, not from judging."""
 
 _PARTS: Final = {
     "environment": "environments",
@@ -192,9 +198,11 @@ def _own_patterns(own: Iterable[Triple], scope: _Scope) -> Iterator[Pattern]:
         if isinstance(predicate, URIRef) and str(predicate).startswith((LAW, PROV))
         if isinstance(value, Variable) and str(predicate).removeprefix(LAW) not in _PARTS
     }
+    others = {subject for subject, predicate, value in scope.triples if _is_other(predicate, value)}
     for subject, predicate, value in own:
-        if _is_law(predicate) or (predicate == RDF.type and _is_law(value)):
-            yield _pattern(_root(subject, owners), owners, scope)
+        root = _root(subject, owners)
+        if root not in others and (_is_law(predicate) or (predicate == RDF.type and _is_law(value))):
+            yield _pattern(root, owners, scope)
 
 
 def _is_law(term: Node | Path) -> bool:
@@ -202,6 +210,17 @@ def _is_law(term: Node | Path) -> bool:
     return (isinstance(term, URIRef) and term.startswith(LAW)) or (
         isinstance(term, Path) and LAW in term.n3()
     )
+
+
+def _is_other(predicate: Node | Path, value: Node) -> bool:
+    """Whether the triple says of its subject that it is nothing which the Law makes with a verdict."""
+    return (predicate == RDF.type and str(value) in _OTHER) or str(predicate) in _other_properties()
+
+
+@cache
+def _other_properties() -> frozenset[str]:
+    graph = rdflib.Graph().parse(ontology.path("law.ttl"))
+    return frozenset(str(each) for name in _OTHER for each in graph.subjects(RDFS.domain, URIRef(name)))
 
 
 def _root(node: Node, owners: Mapping[Node, Node]) -> Node:

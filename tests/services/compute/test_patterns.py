@@ -100,6 +100,15 @@ def test_nothing_known_outside_bounds_a_subquery_or_an_aggregate() -> None:
     assert verdict_patterns(having) == (ANY,)
 
 
+@pytest.mark.parametrize(
+    "where",
+    ["?p a law:LearnedPhysics ; law:name ?n", "?p law:residual ?r ; law:unit ?u", "?o law:trackHash ?h"],
+)
+def test_what_comes_from_observations_is_not_computed(where: str) -> None:
+    assert select(where) == set()
+    assert select(f"{where} . ?v law:robot id:pr2") == {Pattern(robots=PR2)}
+
+
 @pytest.mark.parametrize("query", ["ASK { ?door a sdt:Door }", "SELECT * { ?s ?p ?o }", "DESCRIBE id:a"])
 def test_a_query_without_law_terms_touches_nothing(query: str) -> None:
     assert verdict_patterns(query) == ()
