@@ -1,14 +1,18 @@
 """What a store of quads does, and quads and known values as text that any SPARQL server takes."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from itertools import groupby
-from typing import Protocol
+from typing import Final, Protocol
 
 import pyoxigraph as ox
 
 from sdt_kg.errors import InputError, QueryError
 from sdt_kg.iri import PREFIXES, Iri
 from sdt_kg.store import Solutions, Term
+
+KEPT_TEXTS: Final = 256
+"""Queries whose variables are remembered."""
 
 
 class QuadStore(Protocol):
@@ -97,35 +101,29 @@ def restricted(sparql: str, known: Mapping[str, Term]) -> str:
     Unlike a substitution it is seen by the planner, which starts from what is known: the answer then
     takes as long as it has rows, however much the store holds. Terms are written as N-Triples has them.
 
+    A variable that is computed, or a query that ends with VALUES itself, makes it no SPARQL any more.
+
     Raises:
         QueryError: It does not parse, or does not select one of the variables.
     """
     if not known:
         return sparql
-    names, terms = " ".join(f"?{name}" for name in known), " ".join(str(term) for term in known.values())
-    _check_selected(sparql, known)
-    text = f"{sparql}\nVALUES ({names}) {{ ({terms}) }}"
-    try:
-        ox.Store().query(text, prefixes=PREFIXES)
-    except SyntaxError as error:
-        raise QueryError(
-            f"the query cannot be asked about {', '.join(known)} alone: {error}",
-            allowed="variables that are selected as they are, in a query without VALUES at its end",
-        ) from None
-    return text
-
-
-def _check_selected(sparql: str, known: Mapping[str, Term]) -> None:
-    try:
-        solutions = ox.Store().query(sparql, prefixes=PREFIXES)
-    except SyntaxError as error:
-        raise QueryError(f"the query is not SPARQL: {error}", allowed="SELECT") from None
-    selected = (
-        {variable.value for variable in solutions.variables}
-        if isinstance(solutions, ox.QuerySolutions)
-        else set[str]()
-    )
+    selected = _selected(sparql)
     for name in known:
         if name not in selected:
             allowed = ", ".join(sorted(selected)) or "a SELECT"
             raise QueryError(f"the query does not select ?{name}", allowed=allowed)
+    names, terms = " ".join(f"?{name}" for name in known), " ".join(str(term) for term in known.values())
+    return f"{sparql}\nVALUES ({names}) {{ ({terms}) }}"
+
+
+@lru_cache(maxsize=KEPT_TEXTS)
+def _selected(sparql: str) -> frozenset[str]:
+    """Variables which the query selects, computed ones too."""
+    try:
+        solutions = ox.Store().query(sparql, prefixes=PREFIXES)
+    except SyntaxError as error:
+        raise QueryError(f"the query is not SPARQL: {error}", allowed="SELECT") from None
+    if not isinstance(solutions, ox.QuerySolutions):
+        return frozenset()
+    return frozenset(variable.value for variable in solutions.variables)
