@@ -1,11 +1,13 @@
 """`sdt learn`: which joint moves what was seen, which task it was, and what the twin would have to say."""
 
+from dataclasses import asdict
 from pathlib import Path
 
 import click
 import numpy as np
 
 from predicates.learn import UP, Learned, learn
+from predicates.learn.coupled import coupled
 from predicates.learn.phases import Plain
 from sdt_kg.errors import InputError
 from sdt_kg.mechanism import Pose
@@ -46,6 +48,13 @@ NOT_REPLAYED_EXIT = 1
 )
 @click.option("--topic", metavar="TOPIC", help="ROS bags: the topic that has the poses.")
 @click.option("--frame", metavar="FRAME", help="ROS bags: the TF frame that is meant.")
+@click.option(
+    "--with",
+    "other",
+    type=click.Path(path_type=Path),
+    metavar="TRACK",
+    help="A second track, seen at the same times: does its joint follow that of the first?",
+)
 @click.option("--accept", is_flag=True, help="Write the proposed twin. Without it nothing is accepted.")
 @click.option(
     "-o",
@@ -65,6 +74,7 @@ def learn_command(
     up: str,
     topic: str | None,
     frame: str | None,
+    other: Path | None,
     accept: bool,
     output: Path | None,
     as_json: bool,
@@ -86,6 +96,8 @@ def learn_command(
         observed = placed(observed, parse_pose(at))
     learned = learn(observed, parse_up(up))
     row = learned_row(learned, held_by(learned))
+    if other is not None:
+        row["coupling"] = asdict(coupled(learned, learn(read_track(other), parse_up(up))))
     if kitchen is not None:
         row |= _in_kitchen(
             load(kitchen, state=states), learned, container, output if accept else None, accept

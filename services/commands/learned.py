@@ -92,6 +92,16 @@ def _held(mechanism: Json | None) -> str | None:
     return f"a push-to-open: pushed in {depth:.1f} mm with {push:.1f} N, springs out {out:.0f} mm"
 
 
+def _coupling(coupling: Json | None) -> str | None:
+    """Whether a second joint follows, for people."""
+    if coupling is None:
+        return None
+    if not coupling["holds"]:
+        return f"the second track goes its own way (evidence {coupling['evidence']:.1f})"
+    multiplier = f"{coupling['multiplier']:.3f} ± {coupling['multiplier_deviation']:.3f}"
+    return f"the second joint is {multiplier} times this one, {coupling['offset']:+.3f}"
+
+
 def show_learned(row: Json) -> None:
     """Print what was learned, for people."""
     unit, deviations = row["unit"], row["standard_deviations"]
@@ -104,6 +114,7 @@ def show_learned(row: Json) -> None:
         "residual": f"{row['residual_rms'] * 1000:.1f} mm rms, {row['scale'] * 1000:.1f} mm without outliers",
         "samples": f"{row['samples']}, {row['missing']} missing, {row['outliers']} outliers",
         "held by": _held(row["mechanism"]),
+        "coupling": _coupling(row.get("coupling")),
         "task": row["task"],
     }
     for name, text in lines.items():

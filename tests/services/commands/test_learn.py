@@ -19,6 +19,7 @@ from services.learning import seen_in
 from services.physics.oracle import Kinematics
 from services.tracks import read_track
 from tests.predicates.learn.logs import log
+from tests.predicates.learn.observed import door, seen, stopping
 from tests.predicates.learn.test_proposal import slid, turned
 from tests.small import FOLDER
 
@@ -118,6 +119,16 @@ def test_a_latch_that_the_twin_does_not_know_is_proposed_too(tmp_path: Path) -> 
     store.load(path=str(branch), format=ox.RdfFormat.TRIG)
     (found,) = store.query(f"SELECT ?n WHERE {{ GRAPH ?g {{ ?p <{LAW}breakAwayForce> ?n }} }}")  # type: ignore[misc]
     assert float(found["n"].value) == row["mechanism"]["force"]
+
+
+def test_a_second_track_that_follows_has_its_multiplier(tmp_path: Path) -> None:
+    paths = [str(tmp_path / f"{name}.csv") for name in ("first", "second")]
+    for path, points in zip(paths, (door(stopping(1.2)), door(0.5 * stopping(1.2), 0.3)), strict=True):
+        track = seen(points, len(points))
+        np.savetxt(path, np.column_stack([track.times, track.positions]))
+    row = run(paths[0], "--with", paths[1])
+    assert row["coupling"]["holds"] is True
+    assert row["coupling"]["multiplier"] == pytest.approx(0.5, abs=0.02)
 
 
 @pytest.mark.parametrize(
