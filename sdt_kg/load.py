@@ -4,13 +4,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
+import pyoxigraph as ox
+
 import kitchens
 import robots as bundled_robots
 from sdt_kg.annotate import TEE_GRAPH, annotate, tee_triples
 from sdt_kg.annotation_files import Chosen, chosen_kitchen, chosen_robot, described
 from sdt_kg.entities import Entities
-from sdt_kg.errors import AnnotationError, InputError, UnknownEntityError
-from sdt_kg.iri import Iri, graph_iri, model_iri
+from sdt_kg.errors import AnnotationError, GraphError, InputError, UnknownEntityError
+from sdt_kg.iri import Iri, graph_iri, local_name, model_iri
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.scenes import SCENE_SUFFIXES, read_scene, scene_stem
 from sdt_kg.store import MemoryStore
@@ -18,6 +20,7 @@ from sdt_kg.triples import mechanism_triples
 from sdt_kg.twin import Twin
 from sdt_kg.urdf import model_stem, read_mechanism
 
+GRAPH_FORMATS: Final = {".nq": ox.RdfFormat.N_QUADS, ".trig": ox.RdfFormat.TRIG}
 MODEL_SUFFIXES: Final = (".urdf", ".xacro")
 _FOLDERS: Final = {"kitchen": kitchens.path, "robot": bundled_robots.path}
 
@@ -27,10 +30,11 @@ def load_twin(
     robots: Sequence[str | Path] = (),
     annotation: str | Path | None = None,
 ) -> Twin:
-    """Twin of a kitchen with robots, all containers closed.
+    """Twin of a kitchen with robots, all containers closed; a saved one in the state in which it was.
 
     Args:
-        kitchen: Bundled name (`a`, `b`) or path of a URDF, xacro, MJCF (`.xml`) or SDF file.
+        kitchen: Bundled name (`a`, `b`) or path of a URDF, xacro, MJCF (`.xml`) or SDF file, or of a
+            saved twin (`.nq`, `.trig`), whose robots are there too.
         robots: Bundled names (`pr2`, `tiago_dual`, `stretch`) or paths.
         annotation: `.ttl` of the robot, or of the kitchen, whichever it describes; by default the
             one beside the model, else the bundled one that fits.
@@ -39,8 +43,11 @@ def load_twin(
         UnknownEntityError: No bundled model of that name.
         UrdfError: A file that is not a valid URDF tree.
         AnnotationError: A robot's annotation is missing or contradicts its URDF.
+        GraphError: A saved twin is not whole, or was changed.
     """
     kitchen_file, robot_files = _explicit(annotation, robots)
+    if Path(kitchen).suffix in GRAPH_FORMATS:
+        return _saved(Path(kitchen), kitchen_file, list(zip(robots, robot_files, strict=True)))
     store = MemoryStore()
     store.add(TEE_GRAPH, tee_triples())
     asserted: dict[Iri, Iri] = {}
@@ -59,6 +66,24 @@ def load_twin(
         notes += _notes(mechanism, chosen)
     environment, *others = asserted
     return Twin(Entities(store, environment, tuple(others), asserted, inferred, tuple(notes)))
+
+
+def _saved(path: Path, annotation: Path | None, robots: Sequence[tuple[str | Path, Path | None]]) -> Twin:
+    """The twin that was saved, with those of the robots that it does not have."""
+    if not path.is_file():
+        raise InputError(f"no file at {path}", allowed="a saved twin")
+    if annotation is not None:
+        raise AnnotationError(f"{annotation} is for a model, {path} is a saved twin", allowed="a robot's")
+    try:
+        twin = Twin.from_quads(list(ox.parse(path=path, format=GRAPH_FORMATS[path.suffix])))
+    except SyntaxError as error:
+        raise GraphError(f"{path} is not RDF: {error}", allowed="TriG or N-Quads") from None
+    for robot, file in robots:
+        if model_name(robot) not in map(local_name, twin.robots):
+            mechanism, kind, chosen = _robot(robot, file)
+            triples = [*mechanism_triples(mechanism, kind), *chosen.triples]
+            twin = twin.with_robot(model_iri(mechanism.name), triples, _notes(mechanism, chosen))
+    return twin
 
 
 def _explicit(

@@ -11,10 +11,9 @@ from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
 from sdt_kg.container import Container, LeftOut
 from sdt_kg.entities import Entities, Replacement, query_text
 from sdt_kg.errors import UnknownEntityError
+from sdt_kg.interchange import Owl, Quads, owlready_ontology, quads_of, rebuilt
 from sdt_kg.iri import PREFIXES, Iri, local_name
 from sdt_kg.mechanism import Mechanism
-from sdt_kg.owl import Owl, owlready_ontology
-from sdt_kg.rebuild import Quads, quads_of, rebuilt
 from sdt_kg.state import State
 from sdt_kg.store import Row, Triple, Value, checked_query, rows_of, term_of
 from sdt_kg.triples import read_kitchen, read_mechanism_of, read_robot

@@ -2,7 +2,7 @@
 
 import click
 
-KITCHEN_HELP = "Bundled kitchen (a, b) or path of a URDF, xacro, MJCF or SDF."
+KITCHEN_HELP = "Bundled kitchen (a, b) or path of a URDF, xacro, MJCF, SDF or saved twin (.nq, .trig)."
 ROBOT_HELP = "Bundled robot (pr2, tiago_dual, stretch) or path of a URDF or xacro."
 
 kitchen_argument = click.argument("kitchen")

@@ -18,10 +18,11 @@ import reasonable
 from rdflib.namespace import OWL, RDF, RDFS
 
 from sdt_kg.errors import InputError
+from sdt_kg.interchange import core_triples, ntriples, owlready_ontology, with_core
 from sdt_kg.iri import SDT, Iri, graph_iri, local_name
-from sdt_kg.owl import TYPE, core_triples, ntriples, owlready_ontology, with_core
 
 REASONED: Final = "https://example.org/id/owl"
+TYPE: Final = ox.NamedNode(str(RDF.type))
 _BUILT_IN: Final = (str(OWL), str(RDF), str(RDFS), "http://www.w3.org/2001/XMLSchema#")
 
 # Neither library has types of its own.

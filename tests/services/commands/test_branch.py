@@ -80,3 +80,18 @@ def test_a_wrong_edit_is_refused_in_one_line(sdt, edit: str, message: str) -> No
     assert done.code == 2
     assert message in done.err
     assert done.err.count("\n") == 1
+
+
+def test_a_saved_branch_is_a_kitchen_for_every_command(sdt, tmp_path: Path) -> None:
+    saved = str(tmp_path / "branch.nq")
+    robot = str(FOLDER / "pr2.urdf")
+    assert sdt("branch", KITCHEN, "--robot", robot, "move:top_drawer=open", "-o", saved).code == 0
+    assert {row["name"] for row in sdt("containers", saved, "--json").json} == {"oven_door", "top_drawer"}
+    met = sdt("satisfies", saved, "--json").json
+    assert {(row["task"], row["container"]) for row in met} >= {("open", "top_drawer")}
+    assert sdt("scope", saved, "--robot", robot).code in (0, 3)
+    broken = tmp_path / "broken.nq"
+    text = Path(saved).read_text(encoding="utf-8")
+    broken.write_text(text.replace("openFrom", "closedTo"), encoding="utf-8")
+    done = sdt("satisfies", str(broken))
+    assert (done.code, done.err.count("\n")) == (2, 1)

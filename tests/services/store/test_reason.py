@@ -6,8 +6,8 @@ import pyoxigraph as ox
 import pytest
 
 from sdt_kg.history.diff import quads_of_twin
+from sdt_kg.interchange import owlready_ontology
 from sdt_kg.iri import OWL, RDF, SDT, body_iri
-from sdt_kg.owl import owlready_ontology
 from services.store.reason import Engine, reasoned
 from tests.small import small_twin
 
