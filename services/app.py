@@ -102,12 +102,12 @@ class Service:
             robot: Name or IRI of a loaded robot; may be left out where only one is loaded.
             motion: To be verified; generated where it is None.
         """
-        case = self._case(task, robot, motion)
+        case = self.case(task, robot, motion)
         return map(_with_motion, law(case, self.physics, self.embodiment, self.recall))
 
     def stored(self, task: str | Task, robot: str | Iri | None = None) -> list[Verdict] | None:
         """What `achieve` would say, if all of it is stored; else None, and nothing is judged."""
-        found = stored_verdicts(self._case(task, robot, None), self.physics, self.embodiment, self.recall)
+        found = stored_verdicts(self.case(task, robot), self.physics, self.embodiment, self.recall)
         return None if found is None else list(map(_with_motion, found))
 
     def query(self, sparql: str) -> tuple[list[str], list[dict[str, object]]]:
@@ -155,7 +155,10 @@ class Service:
             contact=policy.contact,
         )
 
-    def _case(self, task: str | Task, robot: str | Iri | None, motion: Motion | BodyMotion | None) -> Case:
+    def case(
+        self, task: str | Task, robot: str | Iri | None, motion: Motion | BodyMotion | None = None
+    ) -> Case:
+        """What `achieve` asks the Law about."""
         case = Case(self.twin, robot=self.robot(robot), task=self._task(task))
         if isinstance(motion, BodyMotion):
             return replace(case, body_motion=motion)

@@ -20,6 +20,7 @@ from services.commands import (
     robot,
     serve,
     table,
+    whatif,
     why,
 )
 
@@ -57,6 +58,7 @@ for command in (
     learn.learn_command,
     table.table,
     robot.robot,
+    whatif.whatif,
     bus.ask,
     bus.oracle,
     bus.router,

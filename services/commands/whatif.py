@@ -1,0 +1,189 @@
+"""`sdt whatif`: the same question in another world, and the smallest change that turns the answer."""
+
+from collections.abc import Callable
+
+import click
+
+from predicates.case import Verdict
+from predicates.counterfactual import Contrast, Turn, smallest_turn
+from predicates.record import diagnosis_json, to_json
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError
+from services.app import Policy, load
+from services.commands.options import (
+    KITCHEN_HELP,
+    ROBOT_HELP,
+    budget_option,
+    drive_option,
+    json_flag,
+    seed_option,
+    states_option,
+)
+from services.commands.show import print_json
+from services.commands.verdicts import Json, diagnosis_text
+from services.requests import parse_base
+from services.whatif import KINDS, Change, World, changed, parse_change
+
+SCAN = 8
+"""Shares of the change that are tried first."""
+TOLERANCE = 0.01
+"""[1] Of the share of the change, to which the smallest one is told."""
+SOME_NOT_EXIT = 1
+WORDS = {True: "yes", False: "no", None: "not asked"}
+
+
+@click.command(epilog="SPEC is " + "; ".join(KINDS.values()) + ".")
+@click.option("--kitchen", help=KITCHEN_HELP)
+@click.option("--robot", help=ROBOT_HELP)
+@click.option("--task", metavar="TASK", help="open:CONTAINER or close:CONTAINER.")
+@click.option(
+    "--edit",
+    "edits",
+    multiple=True,
+    metavar="SPEC",
+    help="What is otherwise; 'help' lists the kinds. Repeatable.",
+)
+@click.option(
+    "--turn", is_flag=True, help="Search the smallest share of the edits at which the outcome turns."
+)
+@states_option
+@click.option("--base", metavar="X,Y,YAW", help="Start pose of the base [m, m, rad].")
+@drive_option
+@budget_option
+@seed_option
+@json_flag
+def whatif(
+    *,
+    kitchen: str | None,
+    robot: str | None,
+    task: str | None,
+    edits: tuple[str, ...],
+    turn: bool,
+    states: tuple[str, ...],
+    base: str | None,
+    drive: str | None,
+    budget: float,
+    seed: int,
+    as_json: bool,
+) -> None:
+    """Would ROBOT achieve TASK if things were otherwise? Says what differs and which predicate turns.
+
+    Exit 0 if the other world's verdict is certified (with --turn: if a turn was found), else 1.
+    """
+    if "help" in edits:
+        click.echo("\n".join(KINDS.values()))
+        return
+    if kitchen is None or robot is None or task is None or not edits:
+        raise InputError("--kitchen, --robot, --task and --edit are needed", remedy="--edit help lists edits")
+    policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed)
+    world = World(load(kitchen, [robot], state=states, policy=policy), robot)
+    changes = tuple(parse_change(text) for text in edits)
+    if turn:
+        raise SystemExit(_turned(world, task, changes, as_json=as_json))
+    found = Contrast(_judged(world, task), _judged(changed(world, changes), task))
+    said = _contrast_json(found, edits)
+    if as_json:
+        print_json(said)
+    else:
+        _print_contrast(said)
+    raise SystemExit(0 if found.counterfactual.outcome.value == "certified" else SOME_NOT_EXIT)
+
+
+def _judged(world: World, task: str) -> Verdict:
+    verdicts = list(world.service.achieve(task, world.robot_iri))
+    if len(verdicts) != 1:
+        raise InputError(
+            f"'{task}' is {len(verdicts)} questions", allowed="one container, open:CONTAINER say"
+        )
+    return verdicts[0]
+
+
+def _turned(world: World, task: str, changes: tuple[Change, ...], *, as_json: bool) -> int:
+    """Search the smallest share of the changes; those that are whole are made from the beginning of it."""
+    gradual = [each for each in changes if each.amount is not None]
+    if not gradual:
+        raise InputError(
+            "--turn needs an edit of which there is less",
+            allowed="move, set, base or handle",
+            remedy="--edit help",
+        )
+    whole = tuple(each for each in changes if each.amount is None)
+    ground = changed(world, whole)
+    found = smallest_turn(
+        lambda share: _judged(changed(ground, tuple(gradual), share), task), SCAN, TOLERANCE
+    )
+    said = _turn_json(found, lambda share: [_amount(each, ground, share) for each in gradual])
+    if as_json:
+        print_json(said)
+    else:
+        _print_turn(said)
+    return 0 if found.after is not None else SOME_NOT_EXIT
+
+
+def _amount(change: Change, world: World, share: float) -> str:
+    assert change.amount is not None
+    return change.amount(world, share)
+
+
+def _contrast_json(found: Contrast, edits: tuple[str, ...]) -> Json:
+    return {
+        "edits": list(edits),
+        "turned": found.turned,
+        "predicates": [
+            {"predicate": name, "actual": before, "counterfactual": after}
+            for name, before, after in found.turned_predicates()
+        ],
+        "no_longer": [diagnosis_json(each) for each in found.gone()],
+        "now": [diagnosis_json(each) for each in found.new()],
+        "actual": to_json(found.actual),
+        "counterfactual": to_json(found.counterfactual),
+    }
+
+
+def _print_contrast(said: Json) -> None:
+    actual, other = said["actual"], said["counterfactual"]
+    click.echo(f"as it is   {_headline(actual)}")
+    click.echo(f"otherwise  {_headline(other)}   ({'; '.join(said['edits'])})")
+    click.echo("the outcome turns" if said["turned"] else "the outcome stays")
+    for each in said["predicates"]:
+        before, after = WORDS[each["actual"]], WORDS[each["counterfactual"]]
+        click.echo(f"  {each['predicate']}: {before}, otherwise {after}")
+    for title, key in (("no longer", "no_longer"), ("now", "now")):
+        for each in said[key]:
+            click.echo(f"  {title}: {diagnosis_text(each)}")
+
+
+def _headline(verdict: Json) -> str:
+    return "{outcome}  {task}({container})  {robot} in kitchen {kitchen}".format_map(verdict)
+
+
+def _turn_json(found: Turn, amounts: Callable[[float], list[str]]) -> Json:
+    after = found.after
+    return {
+        "found": after is not None,
+        "actual": to_json(found.tried[0].verdict),
+        "share": None if after is None else after.share,
+        "edits": None if after is None else amounts(after.share),
+        "not_yet": amounts(found.before.share),
+        "tolerance": found.gap,
+        "counterfactual": None if after is None else to_json(after.verdict),
+        "tried": [
+            {"share": each.share, "edits": amounts(each.share), "outcome": each.verdict.outcome.value}
+            for each in found.tried
+        ],
+        "searched": {"from": 0.0, "to": 1.0, "first_steps": SCAN, "tolerance": TOLERANCE},
+    }
+
+
+def _print_turn(said: Json) -> None:
+    click.echo(f"as it is   {_headline(said['actual'])}")
+    if said["found"]:
+        click.echo(f"turns at   {'; '.join(said['edits'])}   {_headline(said['counterfactual'])}")
+        click.echo(f"not yet at {'; '.join(said['not_yet'])}")
+        click.echo(
+            f"smallest of {len(said['tried'])} tried, to {100 * said['tolerance']:.2g} % of the whole change"
+        )
+    else:
+        click.echo(f"no turn up to {'; '.join(said['tried'][-1]['edits'])}: searched, not proved")
+    for each in said["tried"]:
+        click.echo(f"  {100 * each['share']:5.1f} %  {each['outcome']:13}  {'; '.join(each['edits'])}")

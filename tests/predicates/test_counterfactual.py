@@ -1,0 +1,69 @@
+"""The same question in two worlds, and the smallest change that turns the answer."""
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from predicates.case import Case, Outcome, Verdict
+from predicates.counterfactual import Contrast, smallest_turn
+from predicates.law import law
+from sdt_kg.task import Task, Verb
+from services.physics.oracle import Kinematics
+from tests.small import small_twin
+from tests.small.lift import Lift
+
+TWIN = small_twin("a", ("pr2", "stretch"))
+
+
+def judged(container: str, robot: int = 0) -> Verdict:
+    task = Task(Verb.OPEN, TWIN.container(container).iri)
+    (made,) = law(Case(TWIN, robot=TWIN.robots[robot], task=task), Kinematics(), Lift())
+    return made
+
+
+CERTIFIED = judged("low_drawer")
+REFUSED = replace(CERTIFIED, outcome=Outcome.NOT_CERTIFIED)
+
+
+def test_another_robot_turns_can_perform_and_nothing_else() -> None:
+    found = Contrast(judged("high_drawer", 0), judged("high_drawer", 1))
+    assert found.turned
+    assert found.turned_predicates() == (("canPerform", True, False),)
+    assert [each.kind.value for each in found.new()] == ["embodiment"]
+    assert not found.gone()
+
+
+def test_the_same_world_turns_nothing() -> None:
+    found = Contrast(CERTIFIED, judged("low_drawer"))
+    assert (found.turned, found.turned_predicates(), found.gone(), found.new()) == (False, (), (), ())
+
+
+@given(at=st.floats(0.001, 0.999), scan=st.integers(1, 9), tolerance=st.sampled_from([0.1, 0.01, 0.001]))
+def test_the_smallest_turn_is_where_it_is_to_within_the_tolerance(
+    at: float, scan: int, tolerance: float
+) -> None:
+    found = smallest_turn(lambda share: REFUSED if share >= at else CERTIFIED, scan, tolerance)
+    assert found.after is not None
+    assert found.before.share < at <= found.after.share
+    assert found.gap <= tolerance
+    assert found.after.verdict.outcome is Outcome.NOT_CERTIFIED
+
+
+def test_no_turn_is_said_with_all_that_was_tried() -> None:
+    found = smallest_turn(lambda share: CERTIFIED, 4, 0.1)
+    assert found.after is None
+    assert [each.share for each in found.tried] == [0.0, 0.25, 0.5, 0.75, 1.0]
+
+
+@pytest.mark.parametrize("scan", [1, 4])
+def test_every_share_is_judged_once(scan: int) -> None:
+    shares: list[float] = []
+
+    def judge(share: float) -> Verdict:
+        shares.append(share)
+        return REFUSED if share > 0.3 else CERTIFIED
+
+    smallest_turn(judge, scan, 0.01)
+    assert len(shares) == len(set(shares))
