@@ -43,7 +43,7 @@ def rebuilt(
     chosen = sorted(graphs.models("Robot")) if robots is None else list(robots)
     store = MemoryStore()
     store.add(TEE_GRAPH, tee_triples())
-    _check_constants(graphs)
+    _check_constants(graphs, store)
     asserted: dict[Iri, Iri] = {}
     inferred: dict[Iri, tuple[Iri, ...]] = {}
     notes: list[str] = []
@@ -132,9 +132,9 @@ def _check_meshes(mechanism: Mechanism) -> None:
                 raise GraphError(f"{where} is another file than the one that was saved", remedy="put it back")
 
 
-def _check_constants(graphs: _Graphs) -> None:
+def _check_constants(graphs: _Graphs, store: MemoryStore) -> None:
     """That D_artic's figures are this version's; what its terms are called may differ."""
-    given, expected = set(graphs.triples(TEE_GRAPH)), set(tee_triples())
+    given, expected = set(graphs.triples(TEE_GRAPH)), set(store.triples(TEE_GRAPH))
     differing = sorted(_text(each) for each in given ^ expected if each[1].startswith((TEE, SDT)))
     if differing:
         what = f"the constants of D_artic differ from this version's: {differing[0]}"
