@@ -67,7 +67,9 @@ class _Shape:
     joint: int
     pose: pin.SE3
     shape: coal.CollisionGeometry
+    rotation: Array
     centre: Array
+    half: Array
     radius: float
     thickness: float
 
@@ -179,15 +181,12 @@ class _Path:
 
     def _boxes(self, shapes: Sequence[_Shape], position: float) -> tuple[Array, Array]:
         frames = self._frames(position)
-        low, high = [], []
-        for each in shapes:
-            pose = frames[each.joint] * each.pose
-            box = each.shape.aabb_local
-            centre, half = (box.min_ + box.max_) / 2, (box.max_ - box.min_) / 2
-            middle, reach = pose.act(centre), np.abs(pose.rotation) @ half
-            low.append(middle - reach)
-            high.append(middle + reach)
-        return np.array(low), np.array(high)
+        turns, at = np.array([one.rotation for one in frames]), np.array([one.translation for one in frames])
+        joint = np.array([each.joint for each in shapes])
+        middle = (turns[joint] @ np.array([each.centre for each in shapes])[:, :, None])[:, :, 0] + at[joint]
+        rotation = turns[joint] @ np.array([each.rotation for each in shapes])
+        reach = (np.abs(rotation) @ np.array([each.half for each in shapes])[:, :, None])[:, :, 0]
+        return middle - reach, middle + reach
 
     def _speed(self, one: _Shape) -> float:
         """Bound of the speed of the shape's points [m per unit of the actuated joint], kept."""
@@ -269,6 +268,8 @@ def _shapes(model: Model) -> Iterator[_Shape]:
                     joint=index,
                     pose=pose,
                     shape=shape,
+                    rotation=pose.rotation.copy(),
+                    half=size / 2,
                     centre=pose.act((box.min_ + box.max_) / 2),
                     radius=float(np.linalg.norm(size)) / 2,
                     thickness=float(size.min()),

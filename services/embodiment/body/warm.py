@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from services.embodiment.body import contacts, ik
+from services.embodiment.body import hands, ik
 from services.embodiment.body.limb import Limb, Margins, rules
 from services.embodiment.body.world import World
 
@@ -23,7 +23,7 @@ def warm(world: World, limb: Limb) -> None:
     world.distances(demands.pairs[:1], r, p)
     one = np.zeros(1, np.int64)
     pose = r[:1].copy(), p[:1].copy()
-    contacts.touching(
+    hands.touching(
         one + world.split,
         pose,
         (one, *pose),
@@ -33,7 +33,7 @@ def warm(world: World, limb: Limb) -> None:
         demands.environment,
         np.empty((256, 2), np.int64),
     )
-    contacts.touching_many(
+    hands.touching_many(
         one + world.split,
         pose,
         pose,
@@ -45,3 +45,5 @@ def warm(world: World, limb: Limb) -> None:
         np.empty((1, 2), np.int64),
         one,
     )
+    tool = limb.tool(x)
+    hands.gaps(limb.q(x), world.tree, world.boxes, world.shapes, one, one, tool, tool, np.empty(1))

@@ -8,7 +8,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment.body import contacts
+from services.embodiment.body import contacts, hands
 from services.embodiment.body.world import Contact, Rules, World
 from services.embodiment.hold.grasp import Grasp, Hand, grasp_set
 from services.embodiment.hold.handle import Bar
@@ -67,7 +67,7 @@ class Room:
         first = self.at[0]
         poses = [one.tool(self.problem.handle_r[first], self.problem.handle_p[first]) for one in grasps]
         found, states = np.empty((len(grasps), 2), np.int64), np.empty(len(grasps), np.int64)
-        contacts.touching_many(
+        hands.touching_many(
             self.hand.shapes,
             self.hand.shapes_seen(q),
             (np.stack([r for r, _ in poses]), np.stack([p for _, p in poses])),
@@ -107,7 +107,7 @@ class Room:
     ) -> tuple[int, int] | None:
         """Shapes in contact at checked value k."""
         world = self.world
-        hit, unsure = contacts.touching(
+        hit, unsure = hands.touching(
             self.hand.shapes,
             hand,
             self._near[k],
@@ -137,7 +137,7 @@ def fitting(  # noqa: PLR0913, PLR0917  # what is held, what it demands, and whe
     bar: Bar,
     demands: tuple[Rules, Rules],
     unfit: Counter[Pair],
-    late: Callable[[], bool],
+    late: Callable[[], bool] = lambda: False,
 ) -> Iterator[tuple[Grasp, Array]]:
     """Grasps that the hand alone can take and keep, each with the scene at x = 0 and fingers closed.
 

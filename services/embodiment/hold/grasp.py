@@ -7,11 +7,13 @@ into the worktop or a fingertip into the front.
 import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.iri import joint_iri
+from services.embodiment.body import hands
 from services.embodiment.body.limb import Limb
 from services.embodiment.body.world import World
 from services.embodiment.hold.handle import Bar
@@ -63,21 +65,28 @@ def grasp_settings() -> str:
 
 def grasp_set(bar: Bar) -> Iterator[Grasp]:
     """All grasps of a bar, straight ones first."""
-    choices = sorted(
-        itertools.product(
-            range(len(PITCHES)), range(len(TILTS)), (1, -1), range(len(PLACES)), range(len(DEPTHS))
-        ),
-        key=lambda choice: (choice[0] + choice[1] * 2 + choice[3] + choice[4], choice),
-    )
+    choices = _choices()
     room = max(bar.length / 2 - FINGER_HALF, 0.0)
-    turns = {
-        (pitch, tilt, flip): _turn(bar, float(PITCHES[pitch]), float(TILTS[tilt]), flip)
-        for pitch, tilt, flip in itertools.product(range(len(PITCHES)), range(len(TILTS)), (1, -1))
-    }
+    turns = dict[tuple[int, int, int], Array]()
     for index, (pitch, tilt, flip, place, depth) in enumerate(choices):
-        rotation = turns[pitch, tilt, flip]
+        key = pitch, tilt, flip
+        if key not in turns:
+            turns[key] = _turn(bar, float(PITCHES[pitch]), float(TILTS[tilt]), flip)
+        rotation = turns[key]
         translation = bar.centre + PLACES[place] * room * bar.along + DEPTHS[depth] * rotation[:, 0]
         yield Grasp(rotation, translation, index)
+
+
+@lru_cache(maxsize=1)
+def _choices() -> tuple[tuple[int, int, int, int, int], ...]:
+    """Indices of pitch, tilt, flip, place and depth, straight ones first."""
+    counts = range(len(PITCHES)), range(len(TILTS)), (1, -1), range(len(PLACES)), range(len(DEPTHS))
+    return tuple(
+        sorted(
+            itertools.product(*counts),
+            key=lambda choice: (choice[0] + choice[1] * 2 + choice[3] + choice[4], choice),
+        )
+    )
 
 
 def _turn(bar: Bar, pitch: float, tilt: float, flip: int) -> Array:
@@ -103,6 +112,7 @@ class Hand:
         self.fingers = fingers
         self._tool = limb.tool(np.zeros(len(limb.lower)))
         self._left = self._left_side()
+        self._open, self._closing = self._closings()
         self._seen: dict[bytes, tuple[Array, Array]] = {}
         open_at, closed_at = (self.shapes_seen(self.configuration(share))[1] for share in (0.0, 1.0))
         away = np.maximum(np.linalg.norm(open_at, axis=1), np.linalg.norm(closed_at, axis=1))
@@ -114,6 +124,13 @@ class Hand:
         joint, _, centre = self.world.boxes
         at = [r[joint[f]] @ centre[f] + p[joint[f]] - self._tool[1] for f in self.fingers]
         return np.array([self._tool[0][:, 1] @ one > 0 for one in at], dtype=np.bool_)
+
+    def _closings(self) -> tuple[Array, Array]:
+        """The open configuration (nq,), and what closing each finger joint adds (nq, fingers)."""
+        opened = self.configuration(0.0)
+        joints = self.limb.gripper.finger_joints
+        shut = [{one.joint: _between(one, float(one is each)) for one in joints} for each in joints]
+        return opened, np.stack([self.configuration(one) - opened for one in shut], axis=1)
 
     def configuration(self, share: float | dict[str, float]) -> Array:
         """Scene configuration at x = 0 with the fingers closed by a share (0 open, 1 closed) or as given."""
@@ -198,11 +215,15 @@ class Hand:
 
     def _gaps(self, shares: list[float], handle: NDArray[np.int64], tool_r: Array, tool_p: Array) -> Array:
         """Distance of each finger shape from the handle."""
-        joints = self.limb.gripper.finger_joints
-        q = self.configuration({one.joint: _between(one, s) for one, s in zip(joints, shares, strict=True)})
-        pairs = np.stack(np.meshgrid(self.fingers, handle, indexing="ij"), axis=-1)
-        gaps = self.world.distances(pairs.reshape(-1, 2), *self.placed(q, tool_r, tool_p))
-        return gaps.reshape(pairs.shape[:2]).min(axis=1)
+        q, out, world = self._open + self._closing @ shares, np.empty(len(self.fingers)), self.world
+        goal = np.ascontiguousarray(tool_r), np.ascontiguousarray(tool_p)
+        shapes = world.shapes, self.fingers, handle
+        hands.gaps(q, world.tree, world.boxes, *shapes, self._tool, goal, out)
+        if np.isnan(out).any():
+            pairs = np.stack(np.meshgrid(self.fingers, handle, indexing="ij"), axis=-1)
+            gaps = world.distances(pairs.reshape(-1, 2), *self.placed(q, tool_r, tool_p))
+            return gaps.reshape(pairs.shape[:2]).min(axis=1)
+        return out
 
     def _sides(self, gaps: Array) -> tuple[float, float]:
         """Smallest of the gaps on the +y and on the −y side of the tool frame."""

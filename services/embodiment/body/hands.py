@@ -1,0 +1,91 @@
+"""Compiled inner loops for a hand without its arm: does it touch the kitchen, how near are its fingers."""
+
+import math
+
+import numpy as np
+from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
+
+from services.embodiment.body.contacts import FREE, HIT, UNSURE, judged
+from services.embodiment.body.kernels import forward, matmul, moved
+from services.physics.geometry.convex import OTHER, bounds
+
+_compiled = njit(cache=True, fastmath=False)
+
+
+@_compiled
+def touching(hand, at, kitchen, split, radius, shapes, margins, found):
+    """(1 if a shape of the hand is too near to one of the kitchen's, number of unsure pairs).
+
+    `hand` are indices of shapes, `at` their poses; `kitchen` is (indices, rotations, centres). The
+    pair, or the unsure ones, are in `found`.
+    """
+    work, count = np.zeros((8, 4)), 0
+    for n in range(kitchen[0].shape[0]):
+        e = kitchen[0][n]
+        for i in range(hand.shape[0]):
+            s = hand[i]
+            margin = margins[s - split, e]
+            x, y, z = (
+                at[1][i, 0] - kitchen[2][n, 0],
+                at[1][i, 1] - kitchen[2][n, 1],
+                at[1][i, 2] - kitchen[2][n, 2],
+            )
+            if margin < 0.0 or math.sqrt(x * x + y * y + z * z) > radius[s] + radius[e] + margin:
+                continue
+            state, _ = judged(shapes, s, e, at[0][i], at[1][i], kitchen[1][n], kitchen[2][n], margin, work)
+            if state == HIT:
+                found[0, 0], found[0, 1] = s, e
+                return 1, count
+            if state == UNSURE:
+                if count < found.shape[0]:
+                    found[count, 0], found[count, 1] = s, e
+                count += 1
+    return 0, count
+
+
+@_compiled
+def touching_many(hand, seen, tools, kitchen, split, radius, shapes, margins, found, states):
+    """What `touching` says of each tool pose (G, 3, 3), (G, 3), in `states` (G,): FREE, HIT or UNSURE.
+
+    `seen` are poses of the hand's shapes in the tool's frame. Of a HIT the pair is in `found` (G, 2).
+    """
+    at_r, at_c = np.empty_like(seen[0]), np.empty_like(seen[1])
+    room = np.empty((1, 2), np.int64)
+    for g in range(states.shape[0]):
+        for i in range(hand.shape[0]):
+            matmul(tools[0][g], seen[0][i], at_r[i])
+            moved(tools[0][g], tools[1][g], seen[1][i], at_c[i])
+        hit, unsure = touching(hand, (at_r, at_c), kitchen, split, radius, shapes, margins, room)
+        states[g] = HIT if hit else (UNSURE if unsure else FREE)
+        found[g] = room[0]
+
+
+@_compiled
+def gaps(q, tree, boxes, shapes, fingers, handle, tool, goal, out):
+    """Distance of each finger shape from the handle's is in `out`; NaN where they are in each other.
+
+    The hand is moved so that `tool`, its tool's pose (rotation, translation) at q, becomes `goal`. NaN
+    also says that a shape is no convex one.
+    """
+    joint, local_r, local_c = boxes
+    count = tree[0].shape[0]
+    r, p = np.empty((count, 3, 3)), np.empty((count, 3))
+    forward(q, tree, r, p)
+    work, turn, frame = np.zeros((8, 4)), np.empty((3, 3)), np.empty((3, 3))
+    ra, ca, rb, cb, at = np.empty((3, 3)), np.empty(3), np.empty((3, 3)), np.empty(3), np.empty(3)
+    matmul(goal[0], tool[0].T, turn)
+    for n in range(fingers.shape[0]):
+        s, out[n] = fingers[n], math.inf
+        matmul(r[joint[s]], local_r[s], frame)
+        moved(r[joint[s]], p[joint[s]], local_c[s], at)
+        matmul(turn, frame, ra)
+        moved(turn, goal[1], at - tool[1], ca)
+        for m in range(handle.shape[0]):
+            h = handle[m]
+            matmul(r[joint[h]], local_r[h], rb)
+            moved(r[joint[h]], p[joint[h]], local_c[h], cb)
+            low, _ = bounds(shapes, s, h, ra, ca, rb, cb, math.inf, -math.inf, work)
+            if low == -math.inf or shapes[0][s] == OTHER or shapes[0][h] == OTHER:
+                out[n] = math.nan
+                break
+            out[n] = min(out[n], low)
