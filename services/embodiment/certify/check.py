@@ -17,6 +17,7 @@ from services.embodiment.certify.held.hold import Hold, begin
 from services.embodiment.certify.limits import drive_limits, joint_limits, kitchen_keeps
 from services.embodiment.certify.motion import of_another_robot, rests, whole_motion
 from services.embodiment.certify.motion import start as starts
+from services.embodiment.certify.robustness import tolerated
 from services.embodiment.certify.survey import survey
 from services.embodiment.certify.sweep.kinematics import joint_axes
 from services.embodiment.certify.sweep.pieces import Pieces
@@ -117,6 +118,8 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
         if in_full:
             findings.with_survey(_survey(checked, container, motion.gripper))
         return Refused(findings.diagnoses(), findings.figures)
+    assert hold is not None, "a container that moves unheld is refused"
+    findings.figures |= tolerated(checked, hold, findings)
     certificate = Certificate(
         models=models_of(twin, robot),
         state=dict(twin.state),

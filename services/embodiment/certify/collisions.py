@@ -7,7 +7,7 @@ from predicates.case import Evidence, Quantity
 from sdt_kg.iri import local_name
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
-from services.embodiment.certify.sweep.clearance import NEAR, Distance, Pairs, Sweep
+from services.embodiment.certify.sweep.clearance import NEAR, PRECISION, Distance, Pairs, Sweep
 from services.embodiment.certify.sweep.subject import Subject
 from services.physics.model import Scene
 
@@ -73,6 +73,8 @@ def _findings(scene: Scene, sweep: Sweep, scope: str, name: str) -> Findings:
     elif found.gave_up is None:
         nearest = NEAR if found.worst is None else found.worst.value
         findings.figures[f"smallest distance, {name}"] = (nearest, "m")
+        if scope == "environment":
+            findings.slack[name] = found.slack - PRECISION
         if found.worst is not None:
             findings.nearest.append(_nearest(scene, found.worst, name))
     findings.figures[f"distance queries, {name}"] = (float(found.queries), "1")

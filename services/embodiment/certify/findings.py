@@ -35,17 +35,20 @@ class Findings:
     Attributes:
         figures: Name → (value, unit).
         nearest: What comes nearest, one sentence for each kind of pair.
+        slack: Kind of pair → distance beyond what has to be kept, at least [m].
     """
 
     violations: list[Violation] = field(default_factory=list)
     figures: dict[str, tuple[float, str]] = field(default_factory=dict)
     nearest: list[str] = field(default_factory=list)
+    slack: dict[str, float] = field(default_factory=dict)
 
     def add(self, found: "Findings") -> None:
         """All that another check found as well."""
         self.violations.extend(found.violations)
         self.figures.update(found.figures)
         self.nearest.extend(found.nearest)
+        self.slack.update(found.slack)
 
     def with_survey(self, surveyed: "Findings") -> None:
         """The survey's violations as well; its collisions in place of ours of the same scope."""

@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 STEP = 1e-3  # [m] what is thinner than this, finger and handle together, may be passed over, hence refused
 EXACT = 1e-7  # [m] of the way until finger and handle touch
 APART = 1e-5  # [m] from touching, so that nearest points are well defined
+ROOM_STEPS = 6  # halvings of the tolerance of contact
 NOTHING = 0.0  # [m] reaches over the handle
 
 
@@ -45,11 +46,13 @@ class Pinch:
         gap: The larger of both gaps [m].
         over: The smaller of both reaches [m].
         finger: The finger that reaches less.
+        fingers: The finger above the handle, and the one below.
     """
 
     gap: float
     over: float
     finger: Iri
+    fingers: tuple[Iri, Iri]
 
 
 class Grip:
@@ -100,11 +103,45 @@ class Grip:
     def pinch(self) -> Pinch | None:
         """The best two fingers that have the handle between them; None if there are no two."""
         found = [
-            Pinch(max(one.gap, other.gap), *min((one.over, one.finger), (other.over, other.finger)))
+            Pinch(
+                max(one.gap, other.gap),
+                *min((one.over, one.finger), (other.over, other.finger)),
+                (one.finger, other.finger),
+            )
             for one, other in product(*self.sides)
             if one.finger != other.finger and one.at >= other.at - APART
         ]
         return max(found, key=lambda each: (each.over, -each.gap), default=None)
+
+    def room(self, pinch: Pinch) -> float:
+        """By how much the handle may be elsewhere and is still between these fingers [m].
+
+        The faces that meet are those that meet at the grasp. At least so much is shown, for one convex
+        piece of each finger and one of the handle.
+        """
+        error, step = 0.0, self._tolerances.contact
+        for _ in range(ROOM_STEPS):
+            step /= 2
+            if self._keeps(pinch, error + step):
+                error += step
+        return error
+
+    def _keeps(self, pinch: Pinch, error: float) -> bool:
+        most = self._tolerances.contact - error
+        reach = self._tolerances.engaged + float(np.sqrt(2)) * error
+        corners = [reach * way for way in (self._x, -self._x, self._z, -self._z)]
+        ways = np.append(np.arange(-self._tolerances.contact, most, STEP), most)
+        return all(
+            any(self._stays(pair, inward, corners, ways) for pair in self._pairs[body])
+            for body, inward in zip(pinch.fingers, (-self._y, self._y), strict=True)
+        )
+
+    def _stays(self, pair: tuple[int, int], inward: Array, corners: list[Array], ways: Array) -> bool:
+        """Whether a piece of a finger touches a piece of the handle from every corner."""
+        return all(
+            any(self._shapes.touch(self._placed, pair, corner + way * inward) for way in ways[::-1])
+            for corner in corners
+        )
 
     def lacking(self) -> Iri:
         """The finger to blame if no two have the handle between them: one that is missing on its side."""

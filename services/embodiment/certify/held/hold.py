@@ -45,6 +45,7 @@ class Hold:
     Attributes:
         begin: First piece on which the container moves; its start is the moment of the grasp.
         time: That moment [s].
+        room: By how much the handle may be elsewhere and is still held [m]; known once `contact` holds.
     """
 
     def __init__(self, checked: Subject, container: Container, gripper: Gripper, begin: int) -> None:
@@ -54,6 +55,7 @@ class Hold:
         self.kinematics, self.shapes = checked.kinematics, checked.shapes
         self.pieces, self.begin = checked.timeline.pieces, begin
         self.time = float(self.pieces.start[begin])
+        self.room = 0.0
         self.gripper, self.container = gripper, container
         joint, joint_T_body = scene.robot.attached[gripper.tool_body]
         self.tool = self._attached(joint, (joint_T_body * se3(gripper.tool)).homogeneous)
@@ -104,6 +106,7 @@ class Hold:
         pinch = grip.pinch()
         if pinch is None or pinch.over < self.tolerances.engaged:
             return self._not_held(grip, pinch)
+        self.room = grip.room(pinch)
         return Findings(figures={"finger to handle": (pinch.gap, "m")})
 
     def later(self) -> "Hold | None":

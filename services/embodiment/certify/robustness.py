@@ -1,0 +1,51 @@
+r"""Which errors of the base's pose and of the handle's place a certified motion tolerates.
+
+A constant error moves the robot, or the handle, rigidly by at most e, wherever it points. What keeps a
+distance keeps it then less e. Two convex shapes that touch when moved to four corners of a square touch
+when moved anywhere within it, so a finger that presses on the handle from the four corners
+:math:`\pm(\sqrt 2 e + engaged)` along x and z of the tool, on a way of at most `contact` - e, still does
+after any error e. A tool whose way is displaced by e slips at most 2 e on a handle that turns. An error
+of yaw moves no point by more than itself times the point's distance from the base; half of the room is
+left for that it also turns the hand. Each figure is for its error alone, and none says more than is shown.
+"""
+
+import numpy as np
+
+from sdt_kg.mechanism import JointType
+from services.embodiment.certify.findings import Findings
+from services.embodiment.certify.held.hold import Hold
+from services.embodiment.certify.sweep.pieces import positions
+from services.embodiment.certify.sweep.subject import Subject
+
+Figures = dict[str, tuple[float, str]]
+
+
+def tolerated(checked: Subject, hold: Hold, found: Findings) -> Figures:
+    """Errors of handle [m] and base [m, rad] under which every check would still hold."""
+    tolerances = checked.tolerances
+    room = min(hold.room, *found.slack.values())
+    slip, _ = found.figures["tool slip"]
+    turn, _ = found.figures["tool turn"]
+    base = min(room, (tolerances.tool_position - slip) / 2)
+    yaw = min(base / (2 * reach(checked)), (tolerances.tool_angle - turn) / 2)
+    return {
+        "handle error tolerated": (max(room, 0.0), "m"),
+        "base error tolerated": (max(base, 0.0), "m"),
+        "base turn tolerated": (max(float(yaw), 0.0), "rad"),
+    }
+
+
+def reach(checked: Subject) -> float:
+    """No point of the robot is farther from the base than this all along the motion [m]."""
+    scene, (values, _) = checked.scene, positions(checked.pieces)
+    farthest = np.abs(values).max(axis=(0, 1))
+    away = np.zeros(scene.model.njoints)
+    for k, joint in enumerate(scene.robot.joints, scene.robot.first):
+        number = k + 1
+        step = float(np.linalg.norm(scene.model.jointPlacements[number].translation))
+        slides = joint.type is JointType.PRISMATIC
+        away[number] = away[scene.model.parents[number]] + step + (farthest[k] if slides else 0.0)
+    robot = [one for one in scene.solids if one.joint >= scene.base[-1] + 1]
+    return max(
+        (away[one.joint] + float(np.linalg.norm(one.centre)) + one.radius for one in robot), default=0.0
+    )

@@ -1,0 +1,77 @@
+"""Errors that a certificate tolerates leave the motion certified; depths are those of deepest points."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import coal
+import numpy as np
+import pytest
+
+from sdt_kg.load import load_twin
+from services.embodiment.certify import Certified
+from services.embodiment.certify.sweep.depth import deepest, faces, placed
+from tests.services.embodiment.gantry import FOLDER, gantry_twin, opening
+from tests.services.embodiment.judging import judge
+
+pytestmark = pytest.mark.oracle
+
+NEARLY = 0.98
+DIAGONAL = np.array((1.0, 1.0, 1.0)) / np.sqrt(3)
+
+
+@pytest.fixture(scope="module")
+def figures(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[float, str]]:
+    verdict = judge(gantry_twin(tmp_path_factory.mktemp("gantry")), opening())
+    assert isinstance(verdict, Certified)
+    return verdict.figures
+
+
+@pytest.mark.parametrize("way", [(0, 0, 1.0), (0, 0, -1.0), (1.0, 0, 0), (0, -1.0, 0), DIAGONAL, -DIAGONAL])
+def test_a_handle_elsewhere_by_what_is_tolerated_is_held(
+    tmp_path: Path, figures: dict[str, tuple[float, str]], way: tuple[float, float, float]
+) -> None:
+    error, unit = figures["handle error tolerated"]
+    assert unit == "m"
+    assert error > 0.0005
+    x, y, z = (np.array((-0.295, 0.0, 0.0)) + NEARLY * error * np.array(way)).tolist()
+    cell = (FOLDER / "cell.urdf").read_text().replace('xyz="-0.295 0 0"', f'xyz="{x!r} {y!r} {z!r}"')
+    (tmp_path / "cell.urdf").write_text(cell)
+    verdict = judge(load_twin(tmp_path / "cell.urdf", [FOLDER / "gantry.urdf"]), opening())
+    assert isinstance(verdict, Certified), verdict.diagnoses
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "yaw"), [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0.6, -0.8, 0), (0, 0, 1), (0, 0, -1)]
+)
+def test_a_base_elsewhere_by_what_is_tolerated_still_opens(
+    tmp_path: Path, figures: dict[str, tuple[float, str]], x: float, y: float, yaw: float
+) -> None:
+    shift, turn = figures["base error tolerated"][0], figures["base turn tolerated"][0]
+    assert shift > 0.0005
+    assert turn > 0.0001
+    motion = opening()
+    error = NEARLY * np.array((x * shift, y * shift, yaw * turn))
+    verdict = judge(gantry_twin(tmp_path), replace(motion, base=motion.base + error), start=None)
+    assert isinstance(verdict, Certified), verdict.diagnoses
+
+
+def depth(
+    one: coal.CollisionGeometry, other: coal.CollisionGeometry, offset: tuple[float, float, float]
+) -> float:
+    polyhedra = [faces(one), faces(other)]
+    assert polyhedra[0] is not None
+    assert polyhedra[1] is not None
+    at = placed(polyhedra[1], np.eye(3), np.array(offset))
+    return deepest(polyhedra[0], at)
+
+
+def test_depth_is_that_of_the_deepest_point() -> None:
+    cube, rod, plate = coal.Box(0.2, 0.2, 0.2), coal.Box(0.01, 0.01, 1.0), coal.Box(1.0, 1.0, 0.03)
+    assert depth(cube, cube, (0.193, 0, 0)) == pytest.approx(0.007, abs=1e-9)  # face into face
+    assert depth(cube, cube, (0.201, 0, 0)) == 0.0
+    assert depth(plate, rod, (0.1, 0, 0)) == pytest.approx(
+        0.015, abs=1e-9
+    )  # a rod through a plate: half of it
+    assert depth(cube, rod, (0, 0, 0.58)) == pytest.approx(0.02, abs=1e-9)  # its end, 20 mm in
+    assert depth(cube, coal.Sphere(0.05), (0.14, 0, 0)) == pytest.approx(0.01, abs=5e-4)
+    assert depth(cube, coal.Cylinder(0.05, 0.4), (0.14, 0, 0)) == pytest.approx(0.01, abs=1e-4)
