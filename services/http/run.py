@@ -24,14 +24,20 @@ def bound(address: Address) -> socket.socket:
         InputError: The address is not ours or is in use.
     """
     family = socket.AF_INET6 if ":" in address.bare_host else socket.AF_INET
+    # With its protocol spelled out: else the event loop does not know that it may turn off Nagle's delay.
+    listening = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        return socket.create_server((address.bare_host, address.port), family=family, backlog=CONCURRENT)
+        listening.bind((address.bare_host, address.port))
+        listening.listen(CONCURRENT)
     except OSError as error:
+        listening.close()
         raise InputError(
             f"cannot listen on {address.host}:{address.port}: {error.strerror or error}",
             allowed="a free port of this machine",
             remedy="--http HOST:PORT",
         ) from None
+    return listening
 
 
 def run(world: World, settings: Settings, listening: socket.socket) -> None:

@@ -101,11 +101,23 @@ class Held:
 
     def _bulk(self, delta: Delta) -> None:
         apart = set(delta.head["apart"])
+        if len(delta.body) > LARGE and not len(self.store):
+            self._fill(delta.body, apart)
+            return
         load = self.store.bulk_load if len(delta.body) > LARGE else self.store.load
         load(delta.body, format=ox.RdfFormat.N_QUADS)
         for graph in {quad.graph_name for quad in ox.parse(delta.body, format=ox.RdfFormat.N_QUADS)}:
             if isinstance(graph, ox.NamedNode) and graph.value not in apart:
                 self._merge(graph)
+
+    def _fill(self, quads: bytes, apart: set[Iri]) -> None:
+        """Much into an empty store, merged in one go."""
+        self.store.bulk_load(quads, format=ox.RdfFormat.N_QUADS)
+        names = {graph.value for graph in self.store.named_graphs() if isinstance(graph, ox.NamedNode)}
+        self._shown = names - apart
+        hidden = ", ".join(str(ox.NamedNode(graph)) for graph in sorted(apart))
+        chosen = f"FILTER(?g NOT IN ({hidden}))" if hidden else ""
+        self.store.update(f"INSERT {{ ?s ?p ?o }} WHERE {{ GRAPH ?g {{ ?s ?p ?o }} {chosen} }}")
 
     def _drop(self, delta: Delta) -> None:
         self._hide(delta)
