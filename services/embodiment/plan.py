@@ -31,8 +31,8 @@ Array = NDArray[np.float64]
 GRASPS = (6, 12, 36)  # grasps of one gripper that are searched in the first rounds, and from then on
 ROUNDS = 24  # batches of seeds for one gripper before the search gives up
 MORE_ROUNDS = 96  # the same, where postures were found but no way on from them
-EARLY_BOXES = 4_000  # of a proof looked for as soon as one batch of seeds reached no grasp
-LATE_BOXES = 20_000  # of a proof looked for when the search has given up
+EARLY_BOXES = 1_000  # of a proof looked for as soon as one batch of seeds reached no grasp
+LATE_BOXES = 6_000  # of a proof looked for when the search has given up
 TRIES = 4  # holdings of one batch that are approached
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
 

@@ -11,7 +11,8 @@ from sdt_kg.iri import Iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.content import LEAF, Claim, Refutation, read_proof
-from services.embodiment.proof_check.mechanics import Chain, levers
+from services.embodiment.proof_check.interval import Interval, apply, cross, exact
+from services.embodiment.proof_check.mechanics import Chain, Placement, levers
 from services.embodiment.proof_check.statement import ROUNDING, Arm, Statement, Target
 
 Array = NDArray[np.float64]
@@ -157,7 +158,7 @@ def _leaves(tree: bytes, low: Array, high: Array) -> Iterator[tuple[Array, Array
     while stack:
         low, high = stack.pop()
         node = next(nodes, None)
-        if node is None or node % LEAF >= len(low):
+        if node is None or node % LEAF >= len(low) + (node >= LEAF):
             raise InputError("the proof's tree is damaged", allowed="a whole tree over the arm's joints")
         if node >= LEAF:
             yield low, high, node - LEAF
@@ -174,6 +175,8 @@ def _leaves(tree: bytes, low: Array, high: Array) -> Iterator[tuple[Array, Array
 def _all_far(arm: Arm, target: Target, block: list[tuple[Array, Array, int]], level: bool) -> None:
     """In each box the named joint's origin is farther from the handle than its arm reaches.
 
+    Behind the last joint comes the grasp box itself, all of which is apart from the handle.
+
     From the middle of a box, moving its joints one after the other from the base outwards, the
     origin moves by at most its distance from each axis, as it is in the middle, times the way to the
     box's end.
@@ -185,9 +188,13 @@ def _all_far(arm: Arm, target: Target, block: list[tuple[Array, Array, int]], le
     named = np.array([one[2] for one in block])
     middle = (low + high) / 2
     half = np.maximum(high - middle, middle - low) * (1 + 1e-12)
-    origins, axes, _ = arm.chain.frames(middle)
+    origins, axes, tool = arm.chain.frames(middle)
     for k in np.unique(named):
         of = named == k
+        if k == len(arm.chain.links):
+            at = Placement(tool.rotation[of], tool.translation[of])
+            _box_apart(arm, target, at, (origins[of], axes[of], half[of]), level)
+            continue
         arms = levers(origins[of], axes[of], int(k), arm.chain.links)
         if level:
             arms = np.where(
@@ -203,6 +210,32 @@ def _all_far(arm: Arm, target: Target, block: list[tuple[Array, Array, int]], le
                 f"{name} can come as near as {worst:.4f} m to the handle, as far as was shown",
                 allowed=f"more than {arm.reach[k]:.4f} m, its distance to the fingers",
             )
+
+
+def _box_apart(
+    arm: Arm, target: Target, tool: Placement, joints: tuple[Interval, Interval, Array], level: bool
+) -> None:
+    """The grasp box is apart from the handle: no point of it moves farther than the gap in the middle.
+
+    Raises:
+        InputError: It is not, as far as was shown.
+    """
+    origins, axes, half = joints
+    last = len(arm.chain.links)
+    centre = apply(tool.rotation, exact(arm.middle)) + tool.translation
+    turns = np.array([link.turns for link in arm.chain.links])
+    radius = float(np.linalg.norm(arm.half)) * (1 + 1e-12)
+    arms = cross(centre[:, None] - origins, axes).norm().hi + radius
+    arms = np.where(turns, arms, 1.0)
+    if level:
+        arms = np.where(np.arange(last) < arm.upright, rises(arm.chain, axes.magnitude().hi), arms)
+    moved = (arms * half).sum(axis=1) * (1 + 1e-12)
+    gap = target.gap(Placement(tool.rotation, centre), arm.half, level) - moved
+    if not (gap > 0).all():
+        raise InputError(
+            f"the fingers can come to the handle: {float(gap.min()):.4f} m between them, as far as was shown",
+            allowed="a gap",
+        )
 
 
 def rises(chain: Chain, axes: Array) -> Array:

@@ -2,7 +2,8 @@
 
 The bytes are JSON compressed by zlib. A tree is written in preorder, one byte for each node: below 128
 it is the joint whose interval is halved there, lower half first; from 128 on the node is a leaf, and
-the rest of the byte is the joint whose origin is too far from the handle in all of the leaf's box.
+the rest of the byte is the joint whose origin is too far from the handle in all of the leaf's box, or the
+number of joints where the grasp box itself is apart from it.
 """
 
 import base64

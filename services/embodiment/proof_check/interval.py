@@ -37,12 +37,9 @@ class Interval:
         return Interval(_down(self.lo - other.hi), _up(self.hi - other.lo))
 
     def __mul__(self, other: "Interval") -> "Interval":
-        products = np.stack(
-            np.broadcast_arrays(
-                self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi
-            )
-        )
-        return Interval(_down(products.min(axis=0)), _up(products.max(axis=0)))
+        a, b, c, d = self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi
+        low = np.minimum(np.minimum(a, b), np.minimum(c, d))
+        return Interval(_down(low), _up(np.maximum(np.maximum(a, b), np.maximum(c, d))))
 
     def __getitem__(self, index: Any) -> "Interval":  # noqa: ANN401 - whatever NumPy takes
         return Interval(self.lo[index], self.hi[index])

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,7 @@ class Placement:
 HERE = Placement(exact(np.eye(3)), exact(np.zeros(3)))
 
 
+@lru_cache(maxsize=4096)
 def placement(pose: Pose) -> Placement:
     """A pose of the graph; its quaternion is taken as it is written."""
     x, y, z, w = (exact(each) for each in pose.orientation)

@@ -12,6 +12,9 @@ The handle is where the kitchen's joints have it, each within `start` and `posit
 fixed base stands within `start_position` and `start_angle` of its start pose. To refute that for one
 value of the container, for each gripper and all joint positions, is to refute every certificate of a
 motion that takes the container past that value. No collision geometry is used.
+
+In a box of joint positions that is shown by a joint's origin, farther from the handle than any point
+of the grasp box can be from it, or by the grasp box itself, apart from the handle in all of the box.
 """
 
 from dataclasses import dataclass, replace
@@ -24,7 +27,7 @@ from sdt_kg.annotation import Drive, Gripper
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.interval import Interval, apply, exact
+from services.embodiment.proof_check.interval import Interval, apply, exact, times
 from services.embodiment.proof_check.mechanics import (
     HERE,
     Chain,
@@ -51,12 +54,15 @@ class Arm:
         chain: From the world (fixed base), or from a base somewhere on the floor (else).
         reach: Largest distance from each joint's origin to a point of the grasp box [m], shape (n,).
         upright: How many of the first joints leave every later one upright: lifts and upright hinges.
+        middle, half: Of the grasp box, in the tool's frame [m], shape (3,).
     """
 
     gripper: str
     chain: Chain
     reach: Array
     upright: int
+    middle: Array
+    half: Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,6 +94,26 @@ class Target:
                 beyond = np.maximum(apply(box.rotation.T, local).magnitude().lo - half - ROUNDING, 0.0)
                 gap = exact(beyond).norm().lo
             nearest = np.minimum(nearest, gap)
+        return nearest
+
+    def gap(self, tool: Placement, half: Array, level: bool) -> Array:
+        """Gap between the handle's boxes and boxes of those half extents at L placements [m], shape (L,).
+
+        A lower bound: the largest gap along an axis of one of both, or in height.
+        """
+        nearest = np.full(len(tool.translation.lo), np.inf)
+        for box, own in zip(self.boxes, self.half, strict=True):
+            apart = tool.translation - box.translation
+            if level:
+                up = apply(box.rotation.magnitude(), exact(own)).hi[2]
+                tall = apply(tool.rotation.magnitude(), exact(half)).hi[:, 2]
+                widest = apart[:, 2].magnitude().lo - up - tall
+            else:
+                turn = times(box.rotation.T, tool.rotation).magnitude()
+                here = apply(box.rotation.T, apart).magnitude().lo - apply(turn, exact(half)).hi - own
+                there = apply(tool.rotation.T, apart).magnitude().lo - apply(turn.T, exact(own)).hi - half
+                widest = np.maximum(here, there).max(axis=1)
+            nearest = np.minimum(nearest, widest - ROUNDING)
         return nearest
 
 
@@ -135,10 +161,10 @@ class Statement:
         height = Placement(HERE.rotation, exact([0.0, 0.0, self.twin.robot(self.robot).base_height]))
         if not self.level:
             whole = Chain((*self._base(height), *chain.links), chain.end)
-            return Arm(gripper.name, whole, _reaches(whole, corners), 0)
+            return _arm(gripper.name, whole, corners, 0)
         first = replace(chain.links[0], before=height @ chain.links[0].before)
         whole = Chain((first, *chain.links[1:]), chain.end)
-        return Arm(gripper.name, whole, _reaches(whole, corners), _upright(whole))
+        return _arm(gripper.name, whole, corners, _upright(whole))
 
     def _behind_base(self, gripper: Gripper) -> tuple[Chain, Array] | None:
         """The chain from the base's frame to the tool, and the corners of the grasp box."""
@@ -206,6 +232,12 @@ class Statement:
             places.append(Placement(at.rotation[0], at.translation[0]))
             halves.append(box.half + moved + ROUNDING)
         return Target(tuple(places), np.array(halves).reshape(-1, 3))
+
+
+def _arm(gripper: str, chain: Chain, corners: Array, upright: int) -> Arm:
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    half = (high - low) / 2 + ROUNDING
+    return Arm(gripper, chain, _reaches(chain, corners), upright, (low + high) / 2, half)
 
 
 def _lever_of(origins: Interval, axes: Interval, point: Interval, links: tuple[Link, ...]) -> Array:

@@ -15,7 +15,7 @@ DEEPEST = 400  # halvings of one box
 
 @njit(cache=True)
 def forward(q, rotation, translation, axis, turns, origins, axes):
-    """Origins and axes of the joints in the world at q (n,); both outputs (n, 3)."""
+    """Rotation of the last frame; origins and axes of the joints in the world at q, outputs (n, 3)."""
     r, p = np.eye(3), np.zeros(3)
     step = np.empty((3, 3))
     for k in range(len(q)):
@@ -44,6 +44,7 @@ def forward(q, rotation, translation, axis, turns, origins, axes):
         else:
             p = p + u * q[k]
         origins[k], axes[k] = p, u
+    return r
 
 
 @njit(cache=True)
@@ -68,6 +69,32 @@ def distance(point, box_r, box_p, half, level):
 
 
 @njit(cache=True)
+def gap(box, half, box_r, box_p, own, level):
+    """Largest gap along an axis between a box (rotation, middle) and the nearest of the others."""
+    turn, middle = box
+    nearest = np.inf
+    for b in range(len(box_p)):
+        apart = middle - box_p[b]
+        if level:
+            widest = abs(apart[2])
+            for k in range(3):
+                widest -= abs(box_r[b, 2, k]) * own[b, k] + abs(turn[2, k]) * half[k]
+        else:
+            widest = -np.inf
+            cross = box_r[b].T @ turn
+            for k in range(3):
+                here, there = -own[b, k], -half[k]
+                for i in range(3):
+                    here -= abs(cross[k, i]) * half[i]
+                    there -= abs(cross[i, k]) * own[b, i]
+                here += abs(box_r[b, 0, k] * apart[0] + box_r[b, 1, k] * apart[1] + box_r[b, 2, k] * apart[2])
+                there += abs(turn[0, k] * apart[0] + turn[1, k] * apart[1] + turn[2, k] * apart[2])
+                widest = max(widest, here, there)
+        nearest = min(nearest, widest)
+    return nearest
+
+
+@njit(cache=True)
 def lever(origins, axes, j, k, turns, upright, level):
     """How far origin k moves for a unit of joint j."""
     if level and j < upright:
@@ -80,38 +107,54 @@ def lever(origins, axes, j, k, turns, upright, level):
 
 
 @njit(cache=True)
-def look(low, high, chain, reach, upright, boxes, level, slack, arms, origins, axes):
-    """(joint that is too far in the whole box or −1, joint to halve or −1 where the middle reaches)."""
+def look(low, high, chain, reach, upright, tool, boxes, level, slack, arms, origins, axes):
+    """(What is too far in the whole box, a joint or n for the fingers, or −1; joint to halve or −1).
+
+    Both are −1 where the middle may reach. `tool` is the grasp box in the last frame: rotation, middle,
+    half extents.
+    """
+    n = len(low)
     middle, half = (low + high) / 2, (high - low) / 2
-    forward(middle, chain[0], chain[1], chain[2], chain[3], origins, axes)
-    chosen, found = -1, False
-    for k in range(len(low)):
-        apart = distance(origins[k], boxes[0], boxes[1], boxes[2], level) - reach[k] - slack
+    last = forward(middle, chain[0], chain[1], chain[2], chain[3], origins[:n], axes)
+    origins[n] = origins[n - 1] + last @ tool[1]
+    radius = np.sqrt((tool[2] ** 2).sum())
+    chosen = -1
+    for k in range(n + 1):
+        if k < n:
+            apart = distance(origins[k], boxes[0], boxes[1], boxes[2], level) - reach[k] - slack
+        else:
+            box = (last @ tool[0], origins[n])
+            apart = gap(box, tool[2], boxes[0], boxes[1], boxes[2], level) - slack
         if apart <= 0:
             continue
         moved = 0.0
-        for j in range(k + 1):
-            moved += lever(origins, axes, j, k, chain[3], upright, level) * half[j]
+        for j in range(min(k + 1, n)):
+            one = lever(origins, axes, j, k, chain[3], upright, level)
+            if k == n and chain[3][j] and not (level and j < upright):
+                one += radius
+            moved += one * half[j]
         if apart > moved:
             return k, -1
-        if not found:
-            chosen, found = k, True
-    if not found:
+        if chosen < 0:
+            chosen = k
+    if chosen < 0:
         return -1, -1
     widest, most = 0, -1.0
-    for j in range(chosen + 1):
+    for j in range(min(chosen + 1, n)):
         arms[j] = lever(origins, axes, j, chosen, chain[3], upright, level) * half[j]
+        if chosen == n and chain[3][j] and not (level and j < upright):
+            arms[j] += radius * half[j]
         if arms[j] > most:
             widest, most = j, arms[j]
     return -1, widest
 
 
 @njit(cache=True)
-def divide(low, high, chain, reach, upright, boxes, level, slack, tree):
+def divide(low, high, chain, reach, upright, tool, boxes, level, slack, tree):
     """(FOUND, REACHED or GAVE_UP; how much of `tree` was written)."""
     n = len(low)
     lows, highs = np.empty((DEEPEST, n)), np.empty((DEEPEST, n))
-    arms, origins, axes = np.empty(n), np.empty((n, 3)), np.empty((n, 3))
+    arms, origins, axes = np.empty(n), np.empty((n + 1, 3)), np.empty((n, 3))
     lows[0], highs[0] = low, high
     depth, written = 1, 0
     while depth > 0:
@@ -119,7 +162,7 @@ def divide(low, high, chain, reach, upright, boxes, level, slack, tree):
         if written >= len(tree) or depth + 2 >= DEEPEST:
             return GAVE_UP, written
         a, b = lows[depth].copy(), highs[depth].copy()
-        far, split = look(a, b, chain, reach, upright, boxes, level, slack, arms, origins, axes)
+        far, split = look(a, b, chain, reach, upright, tool, boxes, level, slack, arms, origins, axes)
         if far >= 0:
             tree[written] = LEAF + far
             written += 1

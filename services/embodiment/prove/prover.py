@@ -118,6 +118,7 @@ class Prover:
                 _floats(arm),
                 arm.reach,
                 arm.upright,
+                _grasp(arm),
                 _places(target),
                 self.statement.level,
                 SLACK,
@@ -184,6 +185,12 @@ def _floats(arm: Arm) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
         np.array([one.axis for one in links]),
         np.array([one.turns for one in links]),
     )
+
+
+def _grasp(arm: Arm) -> tuple[Array, Array, Array]:
+    """The grasp box in the last joint's frame, as `boxes` takes it: rotation, middle, half extents."""
+    turn, place = _middle(arm.chain.end.rotation), _middle(arm.chain.end.translation)
+    return turn, turn @ arm.middle + place, arm.half
 
 
 def _places(target: Target) -> tuple[Array, Array, Array]:

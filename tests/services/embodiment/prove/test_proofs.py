@@ -16,7 +16,9 @@ from sdt_kg.twin import Twin
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.statement import Arm, Statement
+from services.embodiment.proof_check.interval import apply, exact
+from services.embodiment.proof_check.mechanics import Placement
+from services.embodiment.proof_check.statement import Arm, Statement, Target
 from services.embodiment.prove.prover import Proved, Prover, needed
 from services.physics.model import Scene
 
@@ -87,6 +89,11 @@ def test_joints_are_where_pinocchio_has_them_and_no_finger_is_farther_than_the_r
                 )
                 apart = np.linalg.norm(corners[:, None] - origins.lo[i][None], axis=2)
                 assert (apart <= arm.reach + 1e-9).all()
+                held = Target((Placement(exact(np.eye(3)), exact(middle)),), np.zeros((1, 3)))
+                centre = apply(tool.rotation, exact(arm.middle)) + tool.translation
+                grasp = Placement(tool.rotation[i : i + 1], centre[i : i + 1])
+                assert held.gap(grasp, arm.half, level=False) < 0
+                assert held.gap(grasp, arm.half, level=True) < 0
 
 
 def test_a_proof_is_found_verified_and_says_what_it_assumes(twin: Twin) -> None:
@@ -175,6 +182,10 @@ def careless_leaf(whole: dict[str, Any]) -> None:
     whole["refutations"][0]["tree"] = "ig=="  # 138: that the wrist never comes near, wherever the arm is
 
 
+def careless_fingers(whole: dict[str, Any]) -> None:
+    whole["refutations"][0]["tree"] = "iw=="  # 139: that the fingers never come near
+
+
 def no_such_joint(whole: dict[str, Any]) -> None:
     whole["refutations"][0]["tree"] = "/w=="  # 255
 
@@ -193,6 +204,7 @@ CHANGES = (
     shorter_tree,
     longer_tree,
     careless_leaf,
+    careless_fingers,
     no_such_joint,
 )
 
