@@ -32,7 +32,9 @@ from services.bus.messages import (
     SatisfiesReply,
     SatisfiesRequest,
     SweepRequest,
+    TextReply,
     VerdictsReply,
+    WhyRequest,
     decode,
     encode,
     encode_cbor,
@@ -132,6 +134,10 @@ class Connection:
         store = ox.Store()
         store.load((reply.quads or "").encode(), format=ox.RdfFormat.N_QUADS)
         return Verdicts(tuple(reply.verdicts), tuple(read_verdicts(store)), instance)
+
+    def why(self, iri: str) -> str:
+        """A kept verdict in plain words."""
+        return self._typed(Verb.WHY, WhyRequest(iri=iri), TextReply)[0].text
 
     def sweep(self, verb: str = "open", *state: str, **policy: Any) -> JobReply:  # noqa: ANN401 - fields of SweepRequest
         """A job that judges every container for every robot (or `robots=[...]`)."""

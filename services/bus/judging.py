@@ -30,7 +30,9 @@ from services.bus.messages import (
     Reply,
     SatisfiesReply,
     SatisfiesRequest,
+    TextReply,
     VerdictsReply,
+    WhyRequest,
 )
 from services.bus.oracles.remote import BusOracles
 from services.bus.problems import Problem, ProblemType, problem, problem_of
@@ -38,6 +40,7 @@ from services.bus.sessions import Reach
 from services.bus.work.jobs import Done, Handler
 from services.bus.work.jobs import Task as Asked
 from services.motions import arrays_of, motion_of
+from services.why import why
 
 log = logging.getLogger(__name__)
 
@@ -99,6 +102,8 @@ class Judge:
             self._recall = recall
             if isinstance(request, AchieveRequest):
                 return self._achieve(request, task)
+            if isinstance(request, WhyRequest):
+                return _done(self._why(request.iri), task.encoding)
             assert isinstance(request, SatisfiesRequest | CausesRequest), "the server sends no others"
             service = self._service(task.twin).at(*request.state)
             if isinstance(request, CausesRequest):
@@ -132,6 +137,12 @@ class Judge:
         )
         fresh = (kept for verdict, kept in zip(verdicts, records, strict=True) if not verdict.stored)
         return replace(_done(reply, task.encoding), records=tuple(fresh))
+
+    def _why(self, iri: Iri) -> TextReply:
+        quads = self._recall(iri)
+        if quads is None:
+            raise UnknownEntityError("verdict", iri, (), "select ?v { ?v a law:Verdict } lists what is kept")
+        return TextReply(text=why(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri))
 
     def _under(self, twin: str, state: tuple[str, ...], policy: Policy) -> Service:
         """The kitchen in this state under this policy; the last few keep their scenes."""

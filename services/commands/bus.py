@@ -31,7 +31,8 @@ config_option = click.option(
 @click.command()
 @click.argument("twin")
 @click.argument(
-    "verb", type=click.Choice(["select", "ask", "construct", "satisfies", "causes", "achieve", "health"])
+    "verb",
+    type=click.Choice(["select", "ask", "construct", "satisfies", "causes", "achieve", "why", "health"]),
 )
 @click.argument("text", required=False, default="")
 @connect_option
@@ -64,7 +65,7 @@ def ask(
     deadline: float,
     as_json: bool,
 ) -> None:
-    """Ask a server on the bus about TWIN: TEXT is the query or the task.
+    """Ask a server on the bus about TWIN: TEXT is the query, the task, or a verdict's IRI.
 
     Exit as `sdt achieve`; 4 if nobody answers.
     """
@@ -74,6 +75,9 @@ def ask(
     def asked(to: Connection) -> int:
         if verb in {"select", "ask", "construct"}:
             return _query(to, verb, text, as_json=as_json)
+        if verb == "why":
+            click.echo(to.why(text))
+            return 0
         if verb == "achieve":
             found = to.achieve(text, robot, *states, drive=drive, budget=budget)
             return _verdicts(found.objects, as_json=as_json)

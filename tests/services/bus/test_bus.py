@@ -37,6 +37,7 @@ def test_a_verdict_over_the_bus_is_the_one_in_process(connection: Connection) ->
 
     again = connection.achieve(f"open:{DRAWER}", "pr2")
     assert again.objects[0]["stored"], "a repeat returns the stored verdict"
+    assert "CERTIFIED" in connection.why(made.iri)
     _, rows = connection.select("SELECT ?v WHERE { ?v law:outcome law:Certified }")
     assert made.iri in {row["v"] for row in rows}
 
@@ -71,6 +72,11 @@ def test_queries_of_every_form(connection: Connection) -> None:
 def test_what_does_not_read_is_refused(connection: Connection, query: str) -> None:
     with pytest.raises(RequestError):
         connection.select(query)
+
+
+def test_a_verdict_that_is_not_kept_is_named(connection: Connection) -> None:
+    with pytest.raises(RequestError, match="no verdict named"):
+        connection.why("https://example.org/id/verdict/0")
 
 
 @pytest.mark.parametrize("task", ["open:nothing_like_it", "dance", ""])
