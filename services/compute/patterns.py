@@ -1,13 +1,14 @@
 """Which verdicts a SPARQL query can be about: its patterns over law:, and what they demand of a case.
 
 Every bound found here holds of all verdicts that the pattern can match in a solution that survives, so
-that leaving the other cases out cannot change the answer. What cannot be told bounds nothing.
+that leaving the other cases out cannot change the answer. What cannot be told bounds nothing. What has no
+term of law:, `?s ?p ?o` or the names of graphs, is no question about verdicts: nothing is computed for it.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any, Final
+from typing import Final
 
 import rdflib
 from rdflib.namespace import RDF, RDFS
@@ -20,8 +21,8 @@ from rdflib.term import Literal, Node, URIRef, Variable
 import ontology
 from sdt_kg.errors import QueryError
 from sdt_kg.iri import LAW, PREFIXES, PROV, verdict_iri
+from services.compute.certain import Algebra, certain
 
-Algebra = Any  # rdflib's CompValue, whose parts are looked up by name
 Triple = tuple[Node, Node | Path, Node]
 Bound = frozenset[str] | None
 """IRIs or texts that a part of the case may be; None for any."""
@@ -103,8 +104,8 @@ def _patterns(group: Algebra, outer: _Scope) -> Iterator[Pattern]:
         values[variable] = values[variable] & found if variable in values else found
     scope = _Scope((*outer.triples, *own), values)
     yield from _own_patterns(own, scope)
-    for inner, isolated in _inner(group):
-        yield from _patterns(inner, _Scope() if isolated else scope)
+    for inner, shared in _inner(group):
+        yield from _patterns(inner, scope if shared is None else _of_shared(scope, shared, inner))
 
 
 def _conjuncts(node: Algebra) -> Iterator[Algebra]:
@@ -122,16 +123,31 @@ def _triples(group: Algebra) -> Iterator[Triple]:
             yield from node.triples
 
 
-def _inner(group: Algebra) -> Iterator[tuple[Algebra, bool]]:
-    """Groups inside that need not match, and whether what is known outside is unknown there."""
+def _inner(group: Algebra) -> Iterator[tuple[Algebra, frozenset[Node] | None]]:
+    """Groups inside that need not match, and the variables through which they hang together with the rest.
+
+    A solution of an OPTIONAL, a MINUS or an EXISTS counts even if it fits nothing that is joined
+    later: only what the part before it binds for certain is known there. None: whatever is known.
+    """
     for node in _conjuncts(group):
         for name in _OWN.get(node.name, ()):
-            yield node[name], False
+            yield node[name], None if node.name == "Union" else certain(node.p1)
         if node.name in _BARRIERS and node.p.name != "values":
-            yield node.p, True
+            yield node.p, frozenset()
         for name in ("expr", "A"):
             if name in node:
-                yield from ((test.graph, False) for test in _tests(node[name]))
+                before = certain(node.p1 if node.name == "LeftJoin" else node.p)
+                yield from ((test.graph, before) for test in _tests(node[name]))
+
+
+def _of_shared(scope: _Scope, shared: frozenset[Node], inner: Algebra) -> _Scope:
+    """What is known outside, the variables that are not shared having other names than inside."""
+
+    def renamed(node: Node) -> Node:
+        return Variable(f"{node}_{id(inner)}") if isinstance(node, Variable) and node not in shared else node
+
+    triples = tuple((renamed(s), p, renamed(o)) for s, p, o in scope.triples)
+    return _Scope(triples, {renamed(variable): found for variable, found in scope.values.items()})
 
 
 def _tests(expression: Algebra) -> Iterator[Algebra]:

@@ -87,6 +87,14 @@ def test_what_is_known_outside_holds_in_optional_and_in_tests() -> None:
     assert tested == {Pattern(robots=PR2), Pattern(robots=PR2, verbs=OPEN)}
 
 
+def test_an_optional_before_what_binds_its_variable_is_not_bounded_by_it() -> None:
+    """Its solutions count even if they fit nothing that is joined later: they decide what is bound."""
+    late = select("OPTIONAL { ?v law:robot id:pr2 } ?v law:robot id:stretch")
+    assert late == {Pattern(robots=PR2), Pattern(robots=STRETCH)}
+    early = select("?v law:robot id:stretch OPTIONAL { ?v law:robot id:pr2 }")
+    assert early == {Pattern(robots=frozenset()), Pattern(robots=STRETCH)}
+
+
 def test_a_test_inside_a_selected_expression_is_seen() -> None:
     query = "SELECT (EXISTS { ?v law:robot id:pr2 } AS ?yes) WHERE {}"
     assert verdict_patterns(query) == (ANY,)
