@@ -4,6 +4,7 @@ import asyncio
 import platform
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 from importlib.metadata import version
 
 from fastapi import FastAPI
@@ -17,6 +18,7 @@ from services.http.gate import Gate
 from services.http.judging.pool import Judges
 from services.http.pages import home
 from services.http.protocol.graphs import graphs
+from services.http.protocol.openapi import document
 from services.http.protocol.sparql import sparql
 from services.http.resources import identified
 from services.http.settings import Settings
@@ -62,6 +64,7 @@ def create_app(world: World, settings: Settings) -> FastAPI:
     ]
     app.include_router(read.router)
     app.include_router(write.router)
+    app.openapi = partial(document, app)
     app.add_middleware(Gate, settings=settings)
     return app
 

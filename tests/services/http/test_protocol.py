@@ -186,6 +186,12 @@ def test_the_description_tells_what_is_there(served) -> None:
     assert served.get("/sparql", headers={"accept": "text/html,*/*;q=0.5"}).text.startswith("<!doctype html>")
 
 
+def test_openapi_tells_of_protocols_verbs_and_token(served) -> None:
+    paths = served.get("/openapi.json").json()["paths"]
+    assert {"/sparql", "/graphs", "/api/v1/achieve", "/api/v1/why"} <= set(paths)
+    assert all(item["post"]["security"] for path, item in paths.items() if "/api/" in path and "post" in item)
+
+
 def test_health_readiness_version_and_openapi_answer(served) -> None:
     for path in ("/healthz", "/readyz", "/version", "/openapi.json", "/"):
         assert served.get(path).status_code == 200, path
