@@ -97,10 +97,9 @@ def _raw_positions(along: Array, axis: Array, radius: float, unsure: float, turn
 
 
 def _smooth(positions: Array) -> Array:
-    """Running median, shape (T - SMOOTHING + 1,), or the positions where there are too few."""
-    if len(positions) < 2 * SMOOTHING:
-        return positions
-    return np.median(np.lib.stride_tricks.sliding_window_view(positions, SMOOTHING), axis=1)
+    """Running median, shape (T,); the ends are repeated, so that a short track keeps its range."""
+    padded = np.pad(positions, SMOOTHING // 2, mode="edge")
+    return np.median(np.lib.stride_tricks.sliding_window_view(padded, SMOOTHING), axis=1)
 
 
 def _zero(raw: Array, steady: np.ndarray, cells: Cells) -> float:

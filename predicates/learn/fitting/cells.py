@@ -19,6 +19,15 @@ observation: median integrated autocorrelation of the reference tracks' residual
 LEVER = 0.3
 """[m] Turns an observed angle into a length: a body that turns in place moves too."""
 
+NOISE_SPAN = 9.0
+"""[1] Diagonal of the box that some hundred samples of noise fill, in standard deviations."""
+
+LEAST_TRAVEL = 1e-4
+"""[m] What is left where noise explains all of a track's extent."""
+
+MEDIAN_OF_NORMAL, SECOND_DIFFERENCE = 0.6745, 6**0.5
+"""[1] Median of |z| for a standard normal z; standard deviation of z0 - 2 z1 + z2."""
+
 WINDOW = 11
 """[1] Samples among which a lone spike is told from motion."""
 
@@ -38,7 +47,7 @@ class Cells:
         weights: Shape (N,): independent observations that each is worth.
         members: Shape (T,): cell of each sample; -1 for spikes, which belong to none.
         extent: Diagonal of the box that holds the positions [m].
-        travel: The same, turning included [m].
+        travel: The same, turning included, less what noise alone would spread over [m].
     """
 
     points: Array
@@ -81,7 +90,16 @@ def cells_of(positions: Array, turns: Array | None = None) -> Cells:
     points = np.stack([np.bincount(cell, column) / counts for column in seen.T], axis=1)
     members = np.full(len(positions), -1)
     members[kept] = cell
-    return Cells(points, np.full(len(points), min(1.0, size / CORRELATION)), members, extent, travel)
+    moved = max(travel - NOISE_SPAN * _white_noise(seen), LEAST_TRAVEL)
+    return Cells(points, np.full(len(points), min(1.0, size / CORRELATION)), members, extent, moved)
+
+
+def _white_noise(positions: Array) -> float:
+    """Standard deviation of a coordinate's noise, from second differences [m]; 0 of very few samples."""
+    if len(positions) < WINDOW:
+        return 0.0
+    second = np.abs(np.diff(positions, 2, axis=0))
+    return float(np.median(second)) / (MEDIAN_OF_NORMAL * SECOND_DIFFERENCE)
 
 
 def spikes(positions: Array) -> np.ndarray:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from predicates.learn.fitting.cells import Cells
-from predicates.learn.fitting.curve import Curves, Frame, curves
+from predicates.learn.fitting.curve import STRAIGHT, Curves, Frame, curves
 from predicates.learn.fitting.priors import (
     RADIUS,
     RADIUS_SPREAD,
@@ -40,6 +40,9 @@ PROBE = 1e-6
 
 CONVERGED = 1e-3
 """[1] A step that promises less log posterior than this ends the fit."""
+
+ROOM = 1.0
+"""[m] Where a path may pass: the unit of length in which places are equally likely."""
 
 LINE, ARC = 4, 6
 """[1] Parameters of a line and of an arc."""
@@ -132,9 +135,19 @@ def fit(problem: Problem, frame: Frame, start: Array) -> Fit:
         parameters = _descend(problem, frame, parameters, step, scale)
         if -gradient @ step[: problem.free] < CONVERGED:
             break
-    covariance: Array = np.asarray(np.linalg.inv(_regular(information)), dtype=np.float64)
+    known = information + np.diag(1 / _room(parameters)[: problem.free] ** 2)
+    covariance: Array = np.asarray(np.linalg.inv(known), dtype=np.float64)
     found = Fit(frame, parameters, problem.free, scale, covariance, 0.0)
     return Fit(frame, parameters, problem.free, scale, covariance, _evidence(problem, found))
+
+
+def _room(parameters: Array) -> Array:
+    """How far each parameter may be from anything, whatever was seen, shape (6,).
+
+    A track that hardly moves leaves a direction open: by a radian, not by Laplace's millions.
+    """
+    curvature = max(float(np.hypot(parameters[4], parameters[5])), STRAIGHT)
+    return np.array([ROOM, ROOM, 1.0, 1.0, curvature, curvature])
 
 
 def _scale(pull: Array, squares: Array, observations: float) -> float:

@@ -19,8 +19,10 @@ def best(joint_type: JointType, *args: object, **known: object) -> Articulation:
     return joint
 
 
-def test_what_does_not_move_is_fixed() -> None:
-    joint = best(JointType.FIXED, np.tile([1.0, 0.5, 0.8], (300, 1)))
+@pytest.mark.parametrize("noise", [0.0, 0.0005, 0.001, 0.002, 0.004])
+def test_what_does_not_move_is_fixed_whatever_the_noise(noise: float) -> None:
+    for seed in range(3):
+        joint = best(JointType.FIXED, np.tile([1.0, 0.5, 0.8], (100, 1)), seed, noise)
     assert joint.origin == pytest.approx([1.0, 0.5, 0.8], abs=0.002)
 
 
@@ -39,6 +41,11 @@ def test_a_door_is_revolute_about_its_hinge(radius: float) -> None:
     assert joint.origin == pytest.approx([1.0, 0.2, 0.9], abs=0.005)
     assert joint.radius == pytest.approx(radius, abs=0.005)
     assert joint.limits == pytest.approx((0.0, 1.4), abs=0.02)
+
+
+def test_thirty_samples_without_standstill_keep_their_range() -> None:
+    joint = best(JointType.PRISMATIC, drawer(np.linspace(0, 0.4, 30)), noise=0.0)
+    assert joint.limits == pytest.approx((0.0, 0.4), abs=1e-6)
 
 
 def test_positions_give_back_the_points_of_the_path() -> None:
