@@ -108,6 +108,6 @@ def test_a_verdict_is_found_by_the_beginning_of_its_hash_if_that_is_one() -> Non
     store = stored(one, other)
     assert why(store, local_name(one.iri)[:10]) == why(store, one.iri)
     assert why(list(store), one.iri) == why(store, one.iri)
-    for unknown in ("", "zzz", "https://example.org/id/verdict/0"):
+    for unknown in ("", "zzz", "https://example.org/id/verdict/zz"):
         with pytest.raises(UnknownEntityError, match="no verdict named"):
             why(store, unknown)
