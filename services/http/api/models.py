@@ -56,6 +56,21 @@ class AchieveBody(CausesBody):
     motions: bool = False
 
 
+class QueryBody(BaseModel):
+    """A query, and how much may be judged before it is evaluated.
+
+    Attributes:
+        budget: Seconds in all.
+        limit: Cases.
+    """
+
+    model_config = ConfigDict(extra="forbid")
+
+    query: str = Field(min_length=1, max_length=200_000)
+    budget: float = Field(default=60.0, gt=0, le=600)
+    limit: int = Field(default=20, ge=1, le=1000)
+
+
 class StateBody(Body):
     """The kitchen is now in another state.
 

@@ -1,6 +1,7 @@
 """Verbs that compute or write, each into its own graph: causes, achieve, state, observation, branch."""
 
 import hashlib
+import json
 from typing import Final
 
 import pyoxigraph as ox
@@ -11,12 +12,23 @@ from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import Edit, changed, moved
 from sdt_kg.iri import DCTERMS, ID, RDF, SDT, XSD, Iri, graph_iri, local_name, part_iri
 from sdt_kg.twin import Twin
-from services.http.api.models import AchieveBody, BranchBody, CausesBody, ObservationBody, StateBody
+from services.http.api.models import (
+    AchieveBody,
+    BranchBody,
+    CausesBody,
+    ObservationBody,
+    QueryBody,
+    StateBody,
+)
 from services.http.api.read import Json, state_json, world_of
 from services.requests import parse_state
 from services.store.files import graph_of
+from services.store.workers import Asked
 
 SOSA: Final = "http://www.w3.org/ns/sosa/"
+
+GRACE: Final = 120.0
+"""[s] Beyond its budget, for loading and for the case that has begun."""
 
 router = APIRouter(prefix="/api/v1")
 
@@ -54,6 +66,32 @@ async def achieve(request: Request, body: AchieveBody) -> Json:
     for iri, quads in reply.pop("records"):
         await world.write_verdict(_record(iri, quads))
     return reply
+
+
+@router.post("/query")
+async def query(request: Request, body: QueryBody) -> Json:
+    """What the query can touch and nobody has judged is judged first, within bounds; then it is evaluated.
+
+    The answer says what was judged and what was left out.
+    """
+    world = world_of(request)
+    asked = Asked("query", body.query, accepted=("application/sparql-results+json", "application/n-triples"))
+    await world.workers.ask(asked)  # what is refused is refused before anything is judged
+    moved_ones = [each.name for each in world.kitchens.values() if each.present is not None]
+    if moved_ones and len(world.kitchens) > 1:
+        raise InputError(
+            f"the state of {', '.join(moved_ones)} was moved, and several kitchens are served",
+            allowed="one kitchen, or all as they were loaded",
+            remedy="POST /api/v1/achieve about one case at a time",
+        )
+    states = [text for name in moved_ones for text in world.kitchens[name].states]
+    question = {"do": "compute", "states": states, **body.model_dump()}
+    reply = await request.app.state.judges.judge(question, body.budget + GRACE)
+    for iri, quads in reply["records"]:
+        await world.write_verdict(_record(iri, quads))
+    answered = await world.workers.ask(asked)
+    results = json.loads(answered.body) if "json" in answered.media else answered.body.decode()
+    return {"computed": reply["computed"], "results": results}
 
 
 def _record(iri: Iri, quads: str) -> Record:

@@ -15,13 +15,16 @@ import numpy as np
 import pyoxigraph as ox
 
 from predicates.case import Answer, Outcome, Verdict
-from predicates.record import StoredVerdict, diagnosis_json, read_verdict, to_json, to_record
+from predicates.record import Record, StoredVerdict, diagnosis_json, read_verdict, to_json, to_record
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task
+from sdt_kg.twin import Twin
 from services.app import Policy, Service, load
+from services.compute import compute
+from services.compute.run import Bounds, Loaded
 from services.motions.files import arrays_of, motion_of
 from services.store.workers.confine import die_with_parent
 from services.store.workers.frames import Head, packed, receive
@@ -40,7 +43,11 @@ def main(descriptor: int) -> None:
     channel = socket.socket(fileno=descriptor)
     try:
         setup, _ = receive(channel)
-        judge = Judge({name: load(source, setup["robots"]) for name, source in setup["kitchens"].items()})
+        sources = tuple(setup["kitchens"].values())
+        loaded = Loaded(sources, tuple(setup["robots"]))
+        judge = Judge(
+            {name: load(source, setup["robots"]) for name, source in setup["kitchens"].items()}, loaded
+        )
         channel.sendall(packed({"ready": True}))
         while True:
             head, _ = receive(channel)
@@ -51,6 +58,8 @@ def main(descriptor: int) -> None:
 
 def _answered(judge: "Judge", head: Head, recall: Callable[[Iri], StoredVerdict | None]) -> Head:
     try:
+        if head["do"] == "compute":
+            return judge.compute(head, recall)
         return judge.causes(head) if head["do"] == "causes" else judge.achieve(head, recall)
     except InputError as error:
         return {"wrong": {"what": error.what, "allowed": error.allowed, "remedy": error.remedy}}
@@ -79,9 +88,11 @@ class Judge:
 
     Attributes:
         services: By the kitchen's name.
+        loaded: The same, as a computation loads it.
     """
 
     services: dict[str, Service]
+    loaded: Loaded
     _kept: dict[Key, Service] = field(default_factory=dict[Key, Service])
 
     def causes(self, head: Head) -> Head:
@@ -111,6 +122,13 @@ class Judge:
         }
         return reply | ({"motions": [_certified(each) for each in verdicts]} if head["motions"] else {})
 
+    def compute(self, head: Head, recall: Callable[[Iri], StoredVerdict | None]) -> Head:
+        """What a query can touch and nobody has judged yet, judged within bounds."""
+        keeper = _Keeper(recall)
+        loaded = replace(self.loaded, states=tuple(head["states"]))
+        computed = compute(head["query"], loaded, Bounds(head["budget"], head["limit"]), keeper)
+        return {"computed": computed.to_json(), "records": keeper.records}
+
     def _under(self, kitchen: str, states: tuple[str, ...], policy: Policy) -> Service:
         """The kitchen in this state under this policy; the last few keep their scenes."""
         key = (kitchen, states, policy)
@@ -119,6 +137,29 @@ class Judge:
             del self._kept[next(iter(self._kept))]
         self._kept[key] = service
         return service
+
+
+class _Keeper:
+    """Where a computation finds verdicts, and what it wants to be kept.
+
+    Attributes:
+        records: IRI and N-Quads of each new verdict.
+    """
+
+    def __init__(self, recall: Callable[[Iri], StoredVerdict | None]) -> None:
+        self._recall = recall
+        self.records: list[tuple[Iri, str]] = []
+
+    def stored(self, verdict: Iri) -> StoredVerdict | None:
+        """What the service holds of the verdict."""
+        return self._recall(verdict)
+
+    def add_twin(self, twin: Twin) -> None:
+        """The service has its twins already."""
+
+    def add_record(self, record: Record) -> None:
+        """To be kept when the computation is done."""
+        self.records.append((record.verdict, _lines(record)))
 
 
 def _motion(service: Service, arrays: dict[str, Any] | None, robot: Iri | None) -> Motion | BodyMotion | None:
@@ -154,7 +195,11 @@ def _listed(motion: Motion | BodyMotion) -> Head:
 
 
 def _quads(verdict: Verdict) -> str:
-    return "".join(f"{quad} .\n" for quad in to_record(verdict).quads())
+    return _lines(to_record(verdict))
+
+
+def _lines(record: Record) -> str:
+    return "".join(f"{quad} .\n" for quad in record.quads())
 
 
 if __name__ == "__main__":

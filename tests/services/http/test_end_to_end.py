@@ -20,6 +20,7 @@ from tests.services.http.canary import singing
 
 TOKEN = "a-token-of-decent-length"  # noqa: S105 - of a test
 TASK = "open:sink_area_left_middle_drawer_main"
+OTHER = "sink_area_left_upper_drawer_main"
 SERVE = (
     sys.executable,
     "-m",
@@ -80,6 +81,13 @@ def test_a_verdict_from_question_to_sparql(service: httpx.Client) -> None:
     assert "CERTIFIED" in told
     page = service.get("/id/verdict/" + verdict["iri"].rsplit("/", 1)[1], headers={"accept": "text/html"})
     assert "CERTIFIED" in page.text
+
+    needs = f"""SELECT ?outcome WHERE {{ ?v law:robot id:pr2 ; law:outcome ?outcome ; law:task ?t ;
+      law:container <https://example.org/id/b/body/{OTHER}> . ?t law:verb law:Open }}"""
+    assert service.get("/sparql", params={"query": needs}).json()["results"]["bindings"] == []
+    computed = service.post("/api/v1/query", json={"query": needs, "budget": 120, "limit": 1}).json()
+    assert [each["container"] for each in computed["computed"]["ran"]] == [OTHER]
+    assert len(computed["results"]["results"]["bindings"]) == 1
 
     late = service.post("/api/v1/achieve", json={"task": "close", "seconds": 0.2, "state": ["all=open"]})
     assert late.status_code == 504
