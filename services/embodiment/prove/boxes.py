@@ -11,6 +11,7 @@ FOUND, REACHED, GAVE_UP = 0, 1, 2
 
 LEAF = 128
 DEEPEST = 400  # halvings of one box
+FINEST = 1e-4  # [m] a box in which nothing moves by more is not halved: it lies at the edge of the reach
 
 
 @njit(cache=True)
@@ -146,7 +147,7 @@ def look(low, high, chain, reach, upright, tool, boxes, level, slack, arms, orig
             arms[j] += radius * half[j]
         if arms[j] > most:
             widest, most = j, arms[j]
-    return -1, widest
+    return -1, widest if most > FINEST else -1
 
 
 @njit(cache=True)

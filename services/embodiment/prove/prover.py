@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 SLACK = 1e-5  # [m] by which a box must be too far, so that interval arithmetic finds so too
 VALUES = 9  # of the container at which a proof is looked for
+FEW = 3  # the same, where many base poses are asked about
 HINGE, SLIDE = "rad", "m"
 
 
@@ -61,11 +62,13 @@ class Prover:
         self.start = (float(start[0]), float(start[1]), float(start[2]))
         self.span = needed(container, twin.state[container.joint], values)
         self.statement = Statement(twin, robot, container, drive, self.start, Tolerances())
+        self.count = VALUES
         self._arms: dict[str, Arm | None] = {}
 
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Prover":
         """The same, with the fixed base anywhere in a room about another pose; for `excludes`."""
         other = copy(self)
+        other.count = FEW
         other.start, other.statement, other._arms = start, self.statement.standing(start, room), {}
         return other
 
@@ -129,7 +132,7 @@ class Prover:
 
     def _values(self) -> list[float]:
         assert self.span is not None
-        values = np.linspace(*self.span, VALUES).clip(*self.span).tolist()
+        values = np.linspace(*self.span, self.count).clip(*self.span).tolist()
         return sorted(values, key=lambda value: -abs(value - (values[0] + values[-1]) / 2))
 
     def _diagnosis(self, refutations: list[Refutation], leaves: int) -> Diagnosis:
