@@ -13,11 +13,12 @@ from sdt_kg.annotation import Drive
 from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
-from services.embodiment.certify import Refused, Tolerances, certify
+from services.embodiment.certify import Certified, Refused, Tolerances, certify
 from services.embodiment.certify.survey import hand
 from services.motions import read_motion
 from services.physics.model import Scene
 from tests.soak.reference_meshes import Array, Placed, boxes_apart, overlap
+from tests.soak.repair import repaired
 
 pytestmark = [pytest.mark.oracle, pytest.mark.reference, pytest.mark.slow]
 
@@ -123,3 +124,18 @@ def test_no_differential_base_can_drive_them(reference: Path, robot: str) -> Non
         step, yaw = np.diff(base[:, :2], axis=0), (base[1:, 2] + base[:-1, 2]) / 2
         sideways = np.abs(-np.sin(yaw) * step[:, 0] + np.cos(yaw) * step[:, 1]).sum()
         assert sideways > Tolerances().drift, path.name
+
+
+@pytest.mark.parametrize("file", ["oven_area_area_middle_upper", "kitchen_island_left_upper"])
+def test_repaired_by_hand_they_are_certified(reference: Path, file: str) -> None:
+    twin = load_twin("b", ["pr2"])
+    scene = Scene(twin, twin.robots[0])
+    motion = read_motion(reference / "peer_motions" / f"pr2_B_{file}_drawer_main.npz", twin, twin.robots[0])
+    assert isinstance(motion, BodyMotion)
+    container = twin.container(f"{file}_drawer_main")
+    mended = repaired(scene, motion, container, slower=6.0, closed=0.1)
+    verdict = certify(
+        twin, twin.robots[0], mended, container, Tolerances(), drive=Drive.OMNI, scene=scene, in_full=True
+    )
+    assert isinstance(verdict, Certified), [one.reason for one in verdict.diagnoses]
+    assert verdict.figures["container at the end"][0] >= container.open_from

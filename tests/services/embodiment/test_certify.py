@@ -9,7 +9,7 @@ import pytest
 from predicates.case import Quantity
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import MotionError, UnknownEntityError
-from sdt_kg.iri import body_iri, joint_iri
+from sdt_kg.iri import body_iri, joint_iri, model_iri
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused, Tolerances
 from tests.services.embodiment.gantry import DRAWER, RESTS, gantry_twin, opening
@@ -55,6 +55,12 @@ def test_nothing_of_the_verdict_depends_on_the_phases_that_a_planner_names(twin:
     verdicts = [judge(twin, motion), judge(twin, opening())]
     assert all(isinstance(verdict, Certified) for verdict in verdicts)
     assert verdicts[0].figures == verdicts[1].figures
+
+
+def test_a_motion_of_another_robot_is_refused_for_that_alone(twin: Twin) -> None:
+    other = replace(opening(), robot=model_iri("crane"), joints=("boom", "jib", "hoist", "hook"))
+    (reason,) = refusal(twin, other, Quantity.COUNT)
+    assert reason.reason == "the motion is of crane, not of gantry: of its 4 joints gantry has 0"
 
 
 def test_a_wall_of_1_mm_between_two_samples_is_seen(tmp_path: Path) -> None:
