@@ -30,7 +30,8 @@ Array = NDArray[np.float64]
 
 GRASPS = (6, 12, 36)  # grasps of one gripper that are searched in the first rounds, and from then on
 ROUNDS = 24  # batches of seeds for one gripper before the search gives up
-MORE_ROUNDS = 96  # the same, where postures were found but no way on from them
+MORE_ROUNDS = 48  # the same, where postures were found but no way on from them
+BLOCKED = 24  # holdings of one gripper that cannot be approached before its search gives up
 EARLY_BOXES = 1_000  # of a proof looked for as soon as one batch of seeds reached no grasp
 LATE_BOXES = 6_000  # of a proof looked for when the search has given up
 TRIES = 4  # holdings of one batch that are approached
@@ -68,6 +69,7 @@ class Attempt:
     Attributes:
         grasps: Those that are searched so far.
         more: Those that may follow.
+        blocked: Holdings that could not be approached.
     """
 
     limb: Limb
@@ -77,6 +79,11 @@ class Attempt:
     approacher: Approacher
     assembler: Assembler
     rng: np.random.Generator
+    blocked: int = 0
+
+    def saturated(self, number: int) -> bool:
+        """Whether so much was tried for nothing that round `number` would hardly be another."""
+        return self.blocked >= BLOCKED or (number >= ROUNDS and not self.searcher.tally.paths)
 
     def widen(self, number: int) -> None:
         """Round `number` searches as many grasps as it is due."""
@@ -133,7 +140,7 @@ class Planner:
             if self._proved_early(number):
                 return
             for attempt in self._attempts(kits, number):
-                if number >= ROUNDS and not attempt.searcher.tally.paths:
+                if attempt.saturated(number):
                     continue
                 if self.late():
                     self._give_up()
@@ -243,6 +250,7 @@ class Planner:
         self._spent("approach", at)
         if isinstance(approach, Blocked):
             self.blocked.append(approach)
+            attempt.blocked += 1
             return None
         at = time.perf_counter()
         assembled = attempt.assembler.assemble(approach, holding)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from sdt_kg.iri import Iri
 from sdt_kg.mechanism import JointType
 from services.embodiment.body import contacts, kernels
+from services.embodiment.body.standing import standing
 from services.physics.geometry.convex import BALL, OTHER
 from services.physics.model import Scene
 
@@ -127,6 +128,28 @@ class World:
     def free(self, q: Array, rules: Rules) -> bool:
         """Whether all pairs keep their margins at one configuration, shape (nq,)."""
         return self.contact(q[None], rules) is None
+
+    def standing(self, configurations: Array, rules: Rules) -> list[bool]:
+        """Whether robot and kitchen keep their margins, at each of many configurations (N, nq).
+
+        The kitchen stands still in them, and the robot's own pairs are not looked at.
+        """
+        states = np.empty(len(configurations), np.int64)
+        standing(
+            np.ascontiguousarray(configurations),
+            self.tree,
+            self.boxes,
+            self.split,
+            self.radius,
+            self.shapes,
+            rules.environment,
+            states,
+        )
+        alone = Rules(rules.environment, rules.pairs[:0], rules.own[:0])
+        return [
+            state == contacts.FREE or (state == contacts.UNSURE and self.free(q, alone))
+            for q, state in zip(configurations, states.tolist(), strict=True)
+        ]
 
     def _halved(self, configurations: Array, rules: Rules) -> Contact | None:
         if len(configurations) == 1:

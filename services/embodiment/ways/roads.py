@@ -16,6 +16,7 @@ from scipy.sparse.csgraph import dijkstra
 from sdt_kg.annotation import Drive
 from services.embodiment.body.limb import Limb
 from services.embodiment.body.world import Rules, World
+from services.embodiment.ways.lattice import Lattice
 from services.embodiment.ways.spaces import DriveSpace
 
 Array = NDArray[np.float64]
@@ -35,10 +36,12 @@ class Roads:
         space: Decides what is free.
         nodes: Free base poses.
         edges: (one, other, length) of nodes that a free straight piece joins.
+        lattice: Where the roadmap has a gap.
     """
 
     space: DriveSpace
     rng: np.random.Generator
+    lattice: Lattice
     nodes: list[Array] = field(default_factory=list[Array])
     edges: list[tuple[int, int, float]] = field(default_factory=list[tuple[int, int, float]])
 
@@ -49,6 +52,8 @@ class Roads:
         """
         if self.space.free(start, goal):
             return self.space.edge(start, goal)
+        if self.lattice.shut_in(goal):
+            return None
         ends = np.stack([start, goal])
         box = ends[:, :2].min(axis=0) - DETOUR, ends[:, :2].max(axis=0) + DETOUR
         for growth in range(growths + 1):
@@ -58,7 +63,14 @@ class Roads:
             if growth == growths or len(self.nodes) > LARGEST or late():
                 break
             self._grow(box)
-        return None
+        path = self.lattice.road(start, goal, late) if growths else None
+        return None if path is None else self._ended(start, path, goal)
+
+    def _ended(self, start: Array, path: list[Array], goal: Array) -> Array:
+        """The drive over these poses, as short as shortcuts make it, ending at the goal's very heading."""
+        end = goal.copy()
+        end[2] += 2 * np.pi * np.round((path[-1][2] - goal[2]) / (2 * np.pi))
+        return self._shortened([start, *path, end], SHORTCUTS + 2 * len(path))
 
     def _grow(self, box: tuple[Array, Array]) -> None:
         grown = 0
@@ -95,8 +107,8 @@ class Roads:
             path.append(int(before[path[-1]]))
         return [self.nodes[k] for k in path[::-1]]
 
-    def _shortened(self, path: list[Array]) -> Array:
-        for _ in range(SHORTCUTS):
+    def _shortened(self, path: list[Array], shortcuts: int = SHORTCUTS) -> Array:
+        for _ in range(shortcuts):
             if len(path) < 3:
                 break
             i, j = sorted(self.rng.choice(len(path), 2, replace=False))
@@ -111,4 +123,4 @@ def make_roads(world: World, limb: Limb, rules: Rules, drive: Drive, seed: int) 
     """An empty roadmap for the robot with that limb parked and its hand open."""
     outside = Rules(rules.environment, rules.pairs[:0], rules.own[:0])
     space = DriveSpace(world, limb, outside, limb.rest, limb.parked.copy(), drive)
-    return Roads(space, np.random.default_rng(seed))
+    return Roads(space, np.random.default_rng(seed), Lattice(space))

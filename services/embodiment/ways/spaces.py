@@ -94,6 +94,12 @@ class DriveSpace:
         """Whether the parked robot touches nothing at a base pose."""
         return self._straight(pose, pose)
 
+    def stand_free(self, poses: Array) -> list[bool]:
+        """Whether the parked robot touches nothing, at each of many base poses (K, 3)."""
+        xs = np.repeat(self.x[None], len(poses), axis=0)
+        xs[:, BASE] = poses
+        return self.world.standing(self.limb.q(xs, self.rest), self.rules)
+
     def distance(self, one: Array, others: Array) -> Array:
         away = others - one
         return np.linalg.norm(away[:, :2], axis=1) + TURN_REACH * np.abs(away[:, 2])

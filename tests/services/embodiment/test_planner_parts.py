@@ -10,7 +10,7 @@ from services.embodiment.body.limb import Limb, Margins, make_limb, rules
 from services.embodiment.body.track import Base, track
 from services.embodiment.body.world import World
 from services.embodiment.hold.handle import Mechanics, find_bar
-from services.embodiment.prove import span
+from services.embodiment.prove.heights import span
 from services.embodiment.ways import timing
 from services.embodiment.ways.timing import Bound
 from services.physics.model import Scene
