@@ -1,0 +1,75 @@
+"""Drives over a lattice: found through a gap, refused where there is none."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import cast
+
+import numpy as np
+import pytest
+
+from sdt_kg.annotation import Drive
+from services.embodiment.ways.lattice import Lattice
+from services.embodiment.ways.spaces import DriveSpace
+
+START, GOAL = np.array([0.03, 0.02, 0.3]), np.array([2.04, 0.07, 1.5])
+STEP = 0.01  # [m] between two checks
+
+
+@dataclass(frozen=True)
+class Yard:
+    """A point that drives in a walled yard, 3 m by 2 m, with a wall at x = 1 that has a gap."""
+
+    drive: Drive
+    gap: tuple[float, float]
+
+    def stands(self, pose: np.ndarray) -> bool:
+        x, y, _ = pose
+        in_yard = -0.5 < x < 2.5 and -1.0 < y < 1.0
+        return bool(in_yard and not (abs(x - 1.0) < 0.04 and not self.gap[0] < y < self.gap[1]))
+
+    def stand_free(self, poses: np.ndarray) -> list[bool]:
+        return [self.stands(pose) for pose in poses]
+
+    def free(self, start: np.ndarray, end: np.ndarray) -> bool:
+        pieces = int(np.linalg.norm(end[:2] - start[:2]) / STEP) + 2
+        return all(self.stands(pose) for pose in np.linspace(start, end, pieces))
+
+
+def lattice(drive: Drive, gap: tuple[float, float]) -> Lattice:
+    return Lattice(cast(DriveSpace, Yard(drive, gap)))
+
+
+def late() -> bool:
+    return False
+
+
+def whole(road: Sequence[np.ndarray]) -> list[np.ndarray]:
+    return [START, *road, GOAL]
+
+
+@pytest.mark.parametrize("drive", [Drive.OMNI, Drive.DIFFERENTIAL])
+def test_a_gap_of_three_cells_is_found_and_every_piece_of_the_drive_is_free(drive: Drive) -> None:
+    yard = Yard(drive, (0.62, 0.92))
+    road = lattice(drive, yard.gap).road(START, GOAL, late)
+    assert road is not None
+    assert all(yard.free(one, other) for one, other in pairwise(whole(road)))
+    assert max(pose[1] for pose in road) > 0.62
+
+
+def test_a_differential_base_drives_only_along_its_heading() -> None:
+    road = lattice(Drive.DIFFERENTIAL, (0.62, 0.92)).road(START, GOAL, late)
+    assert road is not None
+    for one, other in pairwise(road):
+        way = other[:2] - one[:2]
+        if np.linalg.norm(way) > 0:
+            assert one[2] == other[2]
+            assert abs(np.cos(one[2]) * way[1] - np.sin(one[2]) * way[0]) < 1e-9
+
+
+def test_where_there_is_no_gap_the_goal_is_known_to_be_shut_in() -> None:
+    closed = lattice(Drive.OMNI, (0.0, 0.0))
+    assert closed.road(START, GOAL, late) is None
+    assert closed.shut_in(GOAL)
+    assert not closed.shut_in(START)
+    assert all(i > 10 for i, _, _ in closed.shut)
