@@ -9,7 +9,7 @@ import hashlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from decimal import Decimal
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Final
 
 import pyoxigraph as ox
@@ -135,7 +135,16 @@ def violations(
     asked += ["Robot"] if robot is not None else []
     asked += ["Task"] if verb is not None else []
     expected = [shape for part in asked for shape in D_ARTIC.shapes_of(part)]
-    return check(request_graph(twin, container, robot, verb), D_ARTIC.shapes, expected)
+    return list(_checked(frozenset(request_graph(twin, container, robot, verb)), tuple(expected)))
+
+
+@lru_cache(maxsize=8)
+def _checked(triples: frozenset[tuple[Node, Node, Node]], expected: tuple[Iri, ...]) -> tuple[Violation, ...]:
+    """Violations of a request's graph; kept, since a motion is found and verified for the same request."""
+    data = rdflib.Graph()
+    for triple in triples:
+        data.add(triple)
+    return tuple(check(data, D_ARTIC.shapes, list(expected)))
 
 
 def pyshacl_report(data: rdflib.Graph, shapes: rdflib.Graph) -> rdflib.Graph:

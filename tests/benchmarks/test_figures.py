@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from sdt_kg.load import load_twin
-from sdt_kg.scope import violations
+from sdt_kg.scope import D_ARTIC, check, request_graph
 from services import load
 from services.physics.oracle import Kinematics
 
@@ -29,7 +29,8 @@ def test_twin_build(benchmark: Benchmark, kitchen: str) -> None:
 
 def test_scope_check_of_one_request(benchmark: Benchmark) -> None:
     twin = load_twin("b", ["pr2"])
-    assert benchmark(violations, twin, twin.container(CONTAINER), twin.robots[0]) == []
+    graph = request_graph(twin, twin.container(CONTAINER), twin.robots[0])
+    assert benchmark(check, graph, D_ARTIC.shapes, []) == []
 
 
 def test_causes_replay(benchmark: Benchmark) -> None:
