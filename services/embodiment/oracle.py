@@ -159,6 +159,7 @@ class WholeBody:
         notes += (f"start: {ANY_START}",) if self.any_start else ()
         if isinstance(outcome, Certified):
             return _certified(case, notes, clock, outcome)
+        notes += ("collisions are of shapes that contain the robot's: shallow ones may be theirs alone",)
         return Answer(case, False, outcome.diagnoses, notes, clock.seconds)
 
     def _certificate(self, twin: Twin, setting: Setting, body: BodyMotion) -> Certified | Refused:
