@@ -70,7 +70,18 @@ class Roads:
         """The drive over these poses, as short as shortcuts make it, ending at the goal's very heading."""
         end = goal.copy()
         end[2] += 2 * np.pi * np.round((path[-1][2] - goal[2]) / (2 * np.pi))
-        return self._shortened([start, *path, end], SHORTCUTS + 2 * len(path))
+        return self._shortened(self._pulled([start, *path, end]))
+
+    def _pulled(self, path: list[Array]) -> list[Array]:
+        """Those of the poses that are left when each leads straight as far on as halving the rest finds."""
+        at, kept = 0, [path[0]]
+        while at < len(path) - 1:
+            there = len(path) - 1
+            while there > at + 1 and not self.space.free(path[at], path[there]):
+                there = (at + there) // 2
+            kept.append(path[there])
+            at = there
+        return kept
 
     def _grow(self, box: tuple[Array, Array]) -> None:
         grown = 0
@@ -107,8 +118,8 @@ class Roads:
             path.append(int(before[path[-1]]))
         return [self.nodes[k] for k in path[::-1]]
 
-    def _shortened(self, path: list[Array], shortcuts: int = SHORTCUTS) -> Array:
-        for _ in range(shortcuts):
+    def _shortened(self, path: list[Array]) -> Array:
+        for _ in range(SHORTCUTS):
             if len(path) < 3:
                 break
             i, j = sorted(self.rng.choice(len(path), 2, replace=False))
