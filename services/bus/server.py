@@ -175,7 +175,7 @@ class Server:
             waiter.answer(_answered(future))
 
         self._deadlines.watch(waiter)
-        self._memory.queries.ask(Asked("query", request.query, ACCEPTED[verb]), done)
+        self._memory.ask(Asked("query", request.query, ACCEPTED[verb]), done)
 
     def _asked_job(self, query: zenoh.Query) -> None:
         """Progress, result or cancellation of a sweep; answered at once, it costs nothing."""

@@ -1,15 +1,11 @@
 """`sdt serve`: kitchens, verdicts and the Law over HTTP."""
 
-from contextlib import AbstractContextManager, closing, nullcontext
+from contextlib import closing, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from services.commands.options import KITCHEN_HELP, ROBOT_HELP
-
-if TYPE_CHECKING:
-    from services.store.quads import QuadStore
 
 
 @click.command()
@@ -107,23 +103,13 @@ def serve(
         names = ", ".join(world.kitchens) or "none"
         port = listening.getsockname()[1]
         click.echo(f"http://{where.host}:{port}  kitchens: {names}; {_writing(settings.token)}", err=True)
-        with _bus(bus, (kitchens, robots), archive, (judges, oracles, bus_config)):
-            run(world, settings, listening)
+        beside = None
+        if bus is not None:
+            from services.bus.serving import Options, beside_http  # noqa: PLC0415 - see above
 
-
-def _bus(
-    endpoint: str | None,
-    models: tuple[tuple[str, ...], tuple[str, ...]],
-    archive: "QuadStore | None",
-    options: tuple[int, bool, Path | None],
-) -> AbstractContextManager[object]:
-    """A bus server beside the HTTP service, if there is an endpoint for it."""
-    if endpoint is None:
-        return nullcontext()
-    from services.bus.serving import Options, listening  # noqa: PLC0415 - other commands need no bus
-
-    click.echo(f"bus at {endpoint}", err=True)
-    return listening(endpoint, *models, archive, Options(*options))
+            beside = beside_http(bus, Options(judges, oracles, bus_config))
+            click.echo(f"bus at {bus}", err=True)
+        run(world, settings, listening, beside)
 
 
 def _writing(token: str | None) -> str:

@@ -2,8 +2,8 @@
 
 import asyncio
 import platform
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractContextManager, asynccontextmanager, nullcontext
 from functools import partial
 from importlib.metadata import version
 
@@ -24,8 +24,11 @@ from services.http.resources import identified
 from services.http.settings import Settings
 from services.http.world import World
 
+Beside = Callable[[World, asyncio.AbstractEventLoop], AbstractContextManager[object]]
+"""What is served beside HTTP over the same world, whose workers belong to that loop."""
 
-def create_app(world: World, settings: Settings) -> FastAPI:
+
+def create_app(world: World, settings: Settings, beside: Beside | None = None) -> FastAPI:
     """The application over a world; its workers live as long as it runs."""
 
     @asynccontextmanager
@@ -33,9 +36,12 @@ def create_app(world: World, settings: Settings) -> FastAPI:
         judges = app.state.judges = Judges(world.setup(), settings.judges, world.recall)
         await world.start()
         warming = asyncio.create_task(judges.warm()) if settings.warm else None
+        other = nullcontext() if beside is None else beside(world, asyncio.get_running_loop())
         try:
+            await asyncio.to_thread(other.__enter__)
             yield
         finally:
+            await asyncio.to_thread(other.__exit__, None, None, None)
             if warming is not None:
                 await asyncio.wait([warming])
             await judges.close()

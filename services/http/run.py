@@ -5,7 +5,7 @@ import socket
 import uvicorn
 
 from sdt_kg.errors import InputError
-from services.http.app import create_app
+from services.http.app import Beside, create_app
 from services.http.settings import Address, Settings
 from services.http.world import World
 
@@ -40,10 +40,10 @@ def bound(address: Address) -> socket.socket:
     return listening
 
 
-def run(world: World, settings: Settings, listening: socket.socket) -> None:
+def run(world: World, settings: Settings, listening: socket.socket, beside: Beside | None = None) -> None:
     """Serve until interrupted."""
     config = uvicorn.Config(
-        create_app(world, settings),
+        create_app(world, settings, beside),
         log_level="warning",
         access_log=False,
         server_header=False,

@@ -35,12 +35,14 @@ class World:
         kitchens: By name.
         archive: Where writes are kept; None keeps them until the service ends.
         version: How often something was written.
+        listeners: Called with every verdict that is kept.
     """
 
     kitchens: dict[str, Kitchen]
     workers: Workers
     archive: QuadStore | None = None
     version: int = 0
+    listeners: list[Callable[[Record], None]] = field(default_factory=list[Callable[[Record], None]])
     _lock: asyncio.Lock = field(default_factory=asyncio.Lock)
 
     async def start(self) -> None:
@@ -132,7 +134,9 @@ class World:
             if stored and not gives_way(stored, fresh):
                 return False
             await self._keep(record.graph, [quad.triple for quad in fresh])
-            return True
+        for listener in self.listeners:
+            listener(record)
+        return True
 
     async def _keep(self, graph: Iri, triples: list[ox.Triple], *, shown: bool = True) -> None:
         """First kept, then served: what was acknowledged is not lost."""

@@ -8,8 +8,7 @@ import pytest
 
 from services.app import Service, load
 from services.bus.client import Connection
-from services.bus.judging import Setup
-from services.bus.serving import serving
+from services.bus.serving import alone
 from services.bus.sessions import open_session
 from tests.services.bus.conftest import free_endpoint
 
@@ -20,7 +19,7 @@ ASK = "ASK { ?d a sdt:Drawer }"
 @pytest.fixture(scope="module")
 def endpoint() -> Iterator[str]:
     where = free_endpoint()
-    with open_session(listen=where) as session, serving(session, Setup(("b",), ("pr2",)), workers=1):
+    with open_session(listen=where) as session, alone(session, ("b",), ("pr2",)):
         yield where
 
 

@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from services.bus.judging import Setup
 from services.bus.server import Server
-from services.bus.serving import serving
+from services.bus.serving import alone
 from services.bus.sessions import open_session
 from tests.services.bus.conftest import free_endpoint
 from tests.services.bus.mixed import is_typed, run
@@ -24,7 +23,7 @@ def server() -> Iterator[tuple[str, Server]]:
     endpoint = free_endpoint()
     with (
         open_session(listen=endpoint) as session,
-        serving(session, Setup(("b",), ("pr2",)), workers=2) as one,
+        alone(session, ("b",), ("pr2",)) as one,
     ):
         yield endpoint, one
 

@@ -2,17 +2,20 @@
 
 import asyncio
 import threading
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Coroutine, Iterable, Iterator
 from concurrent.futures import Future
-from typing import Protocol, Self
+from contextlib import contextmanager
+from typing import Protocol, TypeVar
 
 import pyoxigraph as ox
 
 from predicates.record import Record
 from services.bus.work.jobs import Kept
-from services.store.files import SavedVerdicts, graph_of
-from services.store.quads import QuadStore
-from services.store.workers import Answered, Asked, Delta, Workers, bulk, drop
+from services.http.world import World, lines
+from services.store.files import graph_of
+from services.store.workers import Answered, Asked
+
+T = TypeVar("T")
 
 
 class Keeper(Protocol):
@@ -40,68 +43,51 @@ class NoMemory:
 
 
 class Memory:
-    """Verdicts by IRI, in a store, and query workers that see them.
+    """A world, driven from threads: its verdicts, and queries over all that it serves.
 
     Attributes:
-        queries: Over the twins and everything that is kept.
+        world: Its workers belong to the loop.
+        loop: Runs in another thread.
     """
 
-    def __init__(self, queries: "Queries", store: QuadStore) -> None:
-        self.queries = queries
-        self._saved = SavedVerdicts(store)
-        self._lock = threading.Lock()
-        self._listeners: list[Callable[[Kept], None]] = []
+    def __init__(self, world: World, loop: asyncio.AbstractEventLoop) -> None:
+        self.world, self.loop = world, loop
 
     def listen(self, listener: Callable[[Kept], None]) -> None:
-        """Call the listener with every verdict that is kept from now on."""
-        self._listeners.append(listener)
+        """Call the listener with every verdict that is kept from now on, by whomever."""
+        self.world.listeners.append(lambda record: listener((record.verdict, lines(record.quads()))))
 
     def recall(self, iri: str) -> bytes | None:
         """The verdict's graph as N-Quads, if it is kept."""
-        with self._lock:
-            quads = self._saved.store.graph(graph_of(iri))
-        return _nquads(quads) if quads else None
+        return self._run(self.world.recall(iri)) or None
 
     def keep(self, kept: Iterable[Kept]) -> None:
         """The verdicts are stored and asked about; what was there already stays as it is."""
-        with self._lock:
-            new = [each for each in kept if self._saved.add_record(_record(*each))]
-        self.queries.add(new)
-        for each in new:
-            for listener in self._listeners:
-                listener(each)
-
-
-class Queries:
-    """Query workers, driven from threads; an event loop of their own runs beside."""
-
-    def __init__(self, workers: Workers | None = None) -> None:
-        self.workers = Workers() if workers is None else workers
-        self._loop = asyncio.new_event_loop()
-        self._thread = threading.Thread(target=self._loop.run_forever, name="queries", daemon=True)
-
-    def start(self, deltas: Iterable[Delta]) -> Self:
-        """The data is loaded and queries can be asked."""
-        self._thread.start()
-        asyncio.run_coroutine_threadsafe(self.workers.start(deltas), self._loop).result()
-        return self
+        for iri, quads in kept:
+            self._run(self.world.write_verdict(_record(iri, quads)))
 
     def ask(self, asked: Asked, done: Callable[["Future[Answered]"], None]) -> None:
         """Ask, and call `done` from the loop's thread."""
-        asyncio.run_coroutine_threadsafe(self.workers.ask(asked), self._loop).add_done_callback(done)
+        asyncio.run_coroutine_threadsafe(self.world.workers.ask(asked), self.loop).add_done_callback(done)
 
-    def add(self, kept: Iterable[Kept]) -> None:
-        """Verdicts are asked about from now on."""
-        for iri, quads in kept:
-            for delta in (drop(graph_of(iri)), bulk(quads)):
-                asyncio.run_coroutine_threadsafe(self.workers.apply(delta), self._loop).result()
+    def _run(self, doing: Coroutine[object, object, T]) -> T:
+        return asyncio.run_coroutine_threadsafe(doing, self.loop).result()
 
-    def close(self) -> None:
-        """No worker is left."""
-        asyncio.run_coroutine_threadsafe(self.workers.close(), self._loop).result()
-        self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join()
-        self._loop.close()
+
+@contextmanager
+def running(world: World) -> Iterator[Memory]:
+    """A world with an event loop of its own, in a thread of its own."""
+    loop = asyncio.new_event_loop()
+    thread = threading.Thread(target=loop.run_forever, name="world", daemon=True)
+    thread.start()
+    try:
+        asyncio.run_coroutine_threadsafe(world.start(), loop).result()
+        yield Memory(world, loop)
+    finally:
+        asyncio.run_coroutine_threadsafe(world.close(), loop).result()
+        loop.call_soon_threadsafe(loop.stop)
+        thread.join()
+        loop.close()
 
 
 def _record(iri: str, quads: bytes) -> Record:
@@ -111,9 +97,3 @@ def _record(iri: str, quads: bytes) -> Record:
         assert isinstance(quad.object, ox.NamedNode | ox.Literal), "no blank nodes in data"
         triples.append((quad.subject.value, quad.predicate.value, quad.object))
     return Record(iri, graph_of(iri), tuple(triples))
-
-
-def _nquads(quads: Iterable[ox.Quad]) -> bytes:
-    dumped = ox.serialize(quads, format=ox.RdfFormat.N_QUADS)
-    assert dumped is not None, "without an output, the bytes are returned"
-    return dumped

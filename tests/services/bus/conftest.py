@@ -7,9 +7,8 @@ import pytest
 import zenoh
 
 from services.bus.client import Connection
-from services.bus.judging import Setup
 from services.bus.server import Server
-from services.bus.serving import serving
+from services.bus.serving import alone
 from services.bus.sessions import open_session
 
 
@@ -25,7 +24,7 @@ def bus() -> Iterator[tuple[str, Server]]:
     """Endpoint and server of kitchen B with PR2, one worker."""
     endpoint = free_endpoint()
     session = open_session(listen=endpoint)
-    with serving(session, Setup(("b",), ("pr2",)), workers=1) as server:
+    with alone(session, ("b",), ("pr2",)) as server:
         yield endpoint, server
     session.close()
 
