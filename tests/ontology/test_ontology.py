@@ -35,6 +35,7 @@ SERVING_SEVERAL = {
     "law": {
         *("robot", "environment", "task", "container", "motion", "bodyMotion"),  # of cases and verdicts
         *("name", "value", "unit", "entity", "duration", "seconds"),
+        "containerName",  # of tasks and of rules
     },
 }
 BUILT_IN = tuple(str(namespace) for namespace in (OWL, RDF, RDFS, XSD))

@@ -1,0 +1,73 @@
+"""J: qualities of a certified body motion."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from predicates.case import Answer
+from predicates.specification.cubic import Array, Cubic
+from predicates.specification.model import Quality
+from sdt_kg.motion import BodyMotion
+
+UNITS: Final = {
+    Quality.TIME: "s",
+    Quality.ENERGY: "1/s3",
+    Quality.PATH_LENGTH: "rad and m",
+    Quality.BASE_TRAVEL: "m",
+    Quality.CLEARANCE: "m",
+}
+"""Unit of each quality; of ENERGY (rad2 or m2)/s3, of joints that turn and that slide added up."""
+
+NODES: Final = 8
+"""[1] Of the Gauss rule for the way of the base on each piece; exact for straight pieces."""
+
+SMALLEST: Final = "smallest distance, "
+"""How the certifier's figures of distances are named; those of allowed contact are no clearance."""
+
+CLEARANCES: Final = (SMALLEST + "environment", SMALLEST + "self")
+
+
+def measured(quality: Quality, motion: BodyMotion, performed: Answer) -> float | None:
+    """J of a certified body motion, in the unit of `UNITS`; None where its oracle does not measure it.
+
+    TIME from the first sample to the last; ENERGY the integral of squared acceleration over joints and
+    base, exact on the splines; PATH_LENGTH the way of all robot joints, from extremum to extremum, base
+    apart; BASE_TRAVEL the way of the base's origin over the floor, by quadrature; CLEARANCE the
+    certified smallest distance to the kitchen or itself, allowed contact apart.
+    """
+    if quality is Quality.CLEARANCE:
+        figures = [performed.figures[name][0] for name in CLEARANCES if name in performed.figures]
+        return min(figures) if figures else None
+    if quality is Quality.TIME:
+        return float(motion.times[-1] - motion.times[0])
+    joints = Cubic(motion.times, motion.q, motion.v)
+    base = Cubic(motion.times, motion.base, motion.base_v)
+    if quality is Quality.ENERGY:
+        return _squared_acceleration(joints) + _squared_acceleration(base)
+    if quality is Quality.PATH_LENGTH:
+        return float(np.abs(np.diff(joints.at(joints.refined()), axis=0)).sum())
+    return _way(motion.times, base)
+
+
+def total(quality: Quality, values: Sequence[float]) -> float:
+    """J of a sequence: the sum, for CLEARANCE the smallest."""
+    return min(values) if quality is Quality.CLEARANCE else sum(values)
+
+
+def better(quality: Quality, one: float, other: float) -> bool:
+    """Whether one value of J is better than another: less, for CLEARANCE more."""
+    return one > other if quality is Quality.CLEARANCE else one < other
+
+
+def _squared_acceleration(spline: Cubic) -> float:
+    """Integral of the squared second derivative, which is linear on each piece."""
+    begin, end = spline.accelerations()
+    return float((spline.duration / 3 * (begin**2 + begin * end + end**2)).sum())
+
+
+def _way(times: Array, base: Cubic) -> float:
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    at = times[:-1, None] + (nodes + 1) / 2 * base.duration
+    speed = np.linalg.norm(base.velocity(at.ravel())[:, :2], axis=1).reshape(at.shape)
+    return float((speed * weights * base.duration / 2).sum())

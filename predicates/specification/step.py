@@ -1,0 +1,118 @@
+"""One step of a sequence, judged by the Law; *open to p* by its three relations with a goal of its own."""
+
+import time
+from dataclasses import dataclass, replace
+
+from predicates.can_perform import can_perform
+from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Outcome, Quantity, Verdict
+from predicates.causes import STATE_TOLERANCE, causes
+from predicates.law import law
+from predicates.meant import unit_of
+from predicates.oracle import Embodiment, Physics
+from predicates.questions import with_carried
+from predicates.record.inputs import inputs_of, verdict_iri
+from predicates.scope import out_of_scope
+from sdt_kg.errors import OracleRejectedError
+from sdt_kg.iri import Iri
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.state import Interval, Region, State
+from sdt_kg.task import Task, Verb
+from sdt_kg.twin import Container, Twin
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A step about one container. See `Step`."""
+
+    verb: Verb
+    container: Container
+    position: float | None = None
+
+    def __str__(self) -> str:
+        to = "" if self.position is None else f" to {self.position:g}"
+        return f"{self.verb.value} {self.container.name}{to}"
+
+
+def judged(request: Request, twin: Twin, robot: Iri, physics: Physics, embodiment: Embodiment) -> Verdict:
+    """The verdict about one request in the twin's state, with a motion that is made for it."""
+    if request.position is None:
+        case = Case(twin, robot=robot, task=Task(request.verb, request.container.iri))
+        (verdict,) = law(case, physics, embodiment)
+        return verdict
+    return _opened_to(request.container, request.position, Case(twin, robot=robot), (physics, embodiment))
+
+
+def _opened_to(
+    container: Container, position: float, case: Case, oracles: tuple[Physics, Embodiment]
+) -> Verdict:
+    """The three relations about the goal that the container ends at p, within `STATE_TOLERANCE`."""
+    began, (physics, embodiment) = time.perf_counter(), oracles
+    goal = Region(((container.joint, Interval(position - STATE_TOLERANCE, position + STATE_TOLERANCE)),))
+    asked = replace(case, final=goal)
+    inputs = inputs_of(asked, physics, embodiment)
+    outside = out_of_scope(case, container)
+    refused = outside or _nothing_to_cause(asked, container, goal)
+    if refused:
+        outcome = Outcome.ABSTAINED if outside else Outcome.NOT_CERTIFIED
+        caused = None if outside else Answer(asked, False, tuple(refused))
+        seconds = time.perf_counter() - began
+        return Verdict(
+            verdict_iri(inputs), outcome, asked, None, caused, None, tuple(refused), inputs, seconds
+        )
+    caused, performed = _answers(asked, container, position, oracles)
+    satisfied = _satisfied(caused, container, goal)
+    answers = (satisfied, caused, performed)
+    certified = all(answer.holds for answer in answers)
+    final = replace(performed.case if performed.holds else caused.case, final=caused.case.final)
+    return Verdict(
+        verdict_iri(inputs),
+        Outcome.CERTIFIED if certified else Outcome.NOT_CERTIFIED,
+        replace(final, body_motion=caused.case.body_motion) if performed.holds else final,
+        *answers,
+        tuple(each for answer in answers for each in answer.diagnoses),
+        inputs,
+        time.perf_counter() - began,
+    )
+
+
+def _nothing_to_cause(case: Case, container: Container, goal: Region) -> list[Diagnosis]:
+    if case.twin.state not in goal:
+        return []
+    at, (_, bounds) = case.twin.state[container.joint], goal.intervals[0]
+    evidence = Evidence(
+        Quantity.POSITION, at, bounds.lower, unit_of(case.twin, container), entity=container.joint
+    )
+    return [
+        Diagnosis(Kind.CAUSAL, f"nothing to cause: {container.name} is already there", evidence, proof=True)
+    ]
+
+
+def _answers(
+    asked: Case, container: Container, position: float, oracles: tuple[Physics, Embodiment]
+) -> tuple[Answer, Answer]:
+    """Causes and CanPerform; Causes about the motion that the robot really makes the container do."""
+    physics, embodiment = oracles
+    exactly = Region(((container.joint, Interval(position, position)),))
+    motion = next(physics.generate(asked.twin, exactly), None)
+    if motion is None:
+        raise OracleRejectedError(f"the physics made no motion of {container.name} to {position:g}")
+    caused = next(causes(replace(asked, motion=motion), physics))
+    performed = next(can_perform(replace(asked, motion=motion), embodiment))
+    if performed.holds:
+        body, motion = performed.case.body_motion, performed.case.motion
+        if not isinstance(body, BodyMotion) or not isinstance(motion, Motion):
+            raise OracleRejectedError("CanPerform holds, but the embodiment oracle gave no body motion")
+        case = with_carried(replace(performed.case, final=asked.final), body, container, physics)
+        executed = next(causes(case, physics))
+        caused = replace(executed, case=replace(executed.case, body_motion=case.body_motion))
+    return caused, performed
+
+
+def _satisfied(caused: Answer, container: Container, goal: Region) -> Answer:
+    """Whether the final state lies in the goal."""
+    final = caused.case.final
+    if isinstance(final, State) and final in goal:
+        return Answer(caused.case, holds=True)
+    reason = f"{container.name} does not end where it was to be opened to"
+    sure = all(each.proof for each in caused.diagnoses)
+    return Answer(caused.case, False, (Diagnosis(Kind.SEMANTIC, reason, proof=sure),))

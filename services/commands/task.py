@@ -1,0 +1,187 @@
+"""`sdt task`: a task written in Turtle: steps, rules that hold along the way, the best motion by J."""
+
+from typing import Any
+
+import click
+
+from predicates.case import Outcome
+from predicates.record import diagnosis_json, to_json
+from predicates.specification.quality import UNITS
+from predicates.specification.rules import RuleAnswer
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError
+from sdt_kg.iri import local_name
+from services.app import Policy, load
+from services.commands.options import (
+    KITCHEN_HELP,
+    ROBOT_HELP,
+    annotation_option,
+    budget_option,
+    drive_option,
+    json_flag,
+    seed_option,
+    states_option,
+)
+from services.commands.show import print_json
+from services.commands.verdicts import Json, diagnosis_text
+from services.requests import parse_base
+from services.specifications import StepResult, TaskResult, achieve_task, ready, specification_of
+
+SOME_NOT_EXIT, ABSTAINED_EXIT = 1, 3
+
+BETWEEN = (
+    "each step is certified by itself: the robot begins it at its start pose, parked; its way back there "
+    "from the step before is not part of any certificate"
+)
+NOMINAL = (
+    "rules hold of the motion as certified: the container may be elsewhere by what the tool may slip (2 mm)"
+)
+
+
+@click.command(
+    "task", epilog="Ready tasks: sdt task --list. How to write one: predicates/specification/README.md."
+)
+@click.argument("source", metavar="FILE.ttl|NAME", required=False)
+@click.option("--kitchen", help=KITCHEN_HELP)
+@click.option("--robot", help=ROBOT_HELP)
+@click.option("--list", "lists", is_flag=True, help="Ready tasks, and nothing else.")
+@states_option
+@click.option("--base", metavar="X,Y,YAW", help="Start pose of the base [m, m, rad], for every step.")
+@drive_option
+@annotation_option
+@budget_option
+@seed_option
+@json_flag
+def task_command(
+    *,
+    source: str | None,
+    kitchen: str | None,
+    robot: str | None,
+    lists: bool,
+    as_json: bool,
+    **policy: Any,  # noqa: ANN401 - those of the policy, as click gives them
+) -> None:
+    """Can ROBOT do a sequence of steps in KITCHEN, and keep the rules on the way?
+
+    Each step is judged from the state in which the step before ended. Where the task names a quality J,
+    several motions are made for each step and the best certified one is kept.
+
+    Exit 0 certified, 1 not certified, 3 abstained: nothing is claimed, 2 bad input.
+    """
+    if lists:
+        click.echo("\n".join(f"{name:32} {path}" for name, path in ready().items()))
+        return
+    if source is None or kitchen is None or robot is None:
+        raise InputError("a task, --kitchen and --robot are needed", remedy="sdt task --list has ready tasks")
+    drive = Drive(policy["drive"]) if policy["drive"] else None
+    how = Policy(drive, parse_base(policy["base"]), policy["budget"], policy["seed"])
+    service = load(kitchen, [robot], annotation=policy["annotation"], state=policy["states"], policy=how)
+    result = achieve_task(service, specification_of(service.twin, source))
+    said = result_json(result)
+    if as_json:
+        print_json(said)
+    else:
+        _print(said)
+    exits = {Outcome.CERTIFIED: 0, Outcome.ABSTAINED: ABSTAINED_EXIT}
+    raise SystemExit(exits.get(result.outcome, SOME_NOT_EXIT))
+
+
+def result_json(result: TaskResult) -> Json:
+    """The result as a JSON object."""
+    quality = result.specification.quality
+    notes = [BETWEEN] if result.of > 1 else []
+    return {
+        "task": result.specification.label,
+        "iri": result.specification.iri,
+        "outcome": result.outcome.value,
+        "steps": [_step_json(step) for step in result.steps],
+        "steps_of": result.of,
+        "rules": [_rule_json(each) for each in result.rules],
+        "rules_not_judged": len(result.specification.rules) - len(result.rules),
+        "first_broken": None if result.broken is None else _rule_json(result.broken),
+        "quality": None
+        if quality is None
+        else {"name": quality.value, "value": result.value, "unit": UNITS[quality]},
+        "diagnoses": [diagnosis_json(each) for each in result.diagnoses],
+        "notes": [*notes, *([NOMINAL] if result.rules else [])],
+        "seconds": round(result.seconds, 3),
+    }
+
+
+def _step_json(step: StepResult) -> Json:
+    return {
+        "step": str(step.request),
+        "outcome": step.verdict.outcome.value,
+        "seed": step.seed,
+        "searches": step.tried,
+        "compared": step.compared,
+        "value": step.value,
+        "verdict": to_json(step.verdict),
+    }
+
+
+def _rule_json(answer: RuleAnswer) -> Json:
+    start = dict(answer.state.positions) if answer.state is not None else {}
+    return {
+        "rule": answer.rule,
+        "standing": answer.standing.value,
+        "how": answer.how,
+        "step": answer.step,
+        "time": answer.time,
+        "state": {local_name(joint): at for joint, at in start.items() if at} if start else None,
+        "diagnosis": None if answer.diagnosis is None else diagnosis_json(answer.diagnosis),
+    }
+
+
+def _print(said: Json) -> None:
+    click.echo(f"{said['outcome']}  {said['task']}")
+    for number, step in enumerate(said["steps"], 1):
+        click.echo(
+            f"  step {number} of {said['steps_of']}: {step['outcome']}  {step['step']}{_chosen(step, said)}"
+        )
+        click.echo(f"    {step['verdict']['iri']}")
+    for rule in said["rules"]:
+        click.echo(f"  rule {rule['standing']}: {rule['rule']}  ({rule['how']})")
+    if said["rules_not_judged"]:
+        click.echo(f"  {said['rules_not_judged']} rules were not judged: the sequence did not get there")
+    _print_broken(said["first_broken"])
+    for diagnosis in said["diagnoses"]:
+        click.echo(f"  {diagnosis_text(diagnosis)}")
+        if diagnosis["evidence"]:
+            click.echo(f"    {_evidence(diagnosis['evidence'])}")
+    _print_quality(said["quality"])
+    for note in said["notes"]:
+        click.echo(f"  note: {note}")
+    click.echo(f"  {said['seconds']:.2f} s")
+
+
+def _print_broken(broken: Json | None) -> None:
+    if broken is None:
+        return
+    joints = ", ".join(f"{name} {at:.4g}" for name, at in broken["state"].items()) or "all at 0"
+    click.echo(f"  first broken: {broken['rule']}, in step {broken['step']} at {broken['time']:.3f} s")
+    click.echo(f"    state: {joints}")
+
+
+def _print_quality(quality: Json | None) -> None:
+    if quality is None:
+        return
+    value = "no value" if quality["value"] is None else f"{quality['value']:.4g} {quality['unit']}"
+    click.echo(
+        f"  J = {quality['name']}: {value}" + ("" if quality["value"] is None else ", best of those found")
+    )
+
+
+def _evidence(said: Json) -> str:
+    when = "" if said["time"] is None else f" at {said['time']:g} s"
+    return f"{said['quantity']}: {said['value']} {said['unit']}, bound {said['bound']}{when}"
+
+
+def _chosen(step: Json, said: Json) -> str:
+    if said["quality"] is None or step["value"] is None:
+        return ""
+    unit = said["quality"]["unit"]
+    return (
+        f"  (seed {step['seed']}, {step['value']:.4g} {unit}: best of {step['compared']} certified, "
+        f"{step['searches']} searched)"
+    )

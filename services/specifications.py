@@ -1,0 +1,278 @@
+"""Task specifications on a service: each step judged from where the last one ended, rules, the best by J."""
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+import ontology
+from predicates.case import Answer, Diagnosis, Kind, Outcome, Verdict
+from predicates.satisfies_request import met_requests
+from predicates.specification.leg import Leg
+from predicates.specification.model import Demand, KeepsDistance, QueryRule, Rule, Specification, Step
+from predicates.specification.quality import better, measured, total
+from predicates.specification.queries import InGraph
+from predicates.specification.read import read_specification
+from predicates.specification.rules import Approach, RuleAnswer, Standing, checked, first_broken
+from predicates.specification.step import Request, judged
+from sdt_kg.errors import InputError, UnknownEntityError
+from sdt_kg.iri import Iri
+from sdt_kg.motion import BodyMotion
+from sdt_kg.state import State
+from sdt_kg.twin import Twin
+from services.app import Service
+
+MOST_MOTIONS = 8
+"""[1] Seeds that are tried for a step, if the budget lasts, where motions are compared by J, or where one
+that comes too near to a body might be replaced by one that does not."""
+
+NOTHING_TO_DO = Diagnosis(
+    Kind.CAUSAL, "nothing to cause: every container already meets the request", proof=True
+)
+
+
+@dataclass(frozen=True, slots=True)
+class StepResult:
+    """A step's verdict, and by what it was chosen.
+
+    Attributes:
+        verdict: The one that counts.
+        seed: Of its search.
+        tried: Searches made.
+        compared: Certified motions that broke no rule, among which it is the best by J.
+        value: J of its motion; None where there is no J, no motion, or nobody measured it.
+    """
+
+    request: Request
+    verdict: Verdict
+    seed: int
+    tried: int
+    compared: int
+    value: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class TaskResult:
+    """What became of a task specification.
+
+    Attributes:
+        steps: As far as they were judged: the first that is not certified is the last.
+        of: How many steps there are; those for every container count as found on the way.
+        rules: What became of each rule, over the steps that are certified.
+        broken: The rule that was broken first.
+        value: J of the whole sequence, where it is certified and measured.
+    """
+
+    specification: Specification
+    outcome: Outcome
+    steps: tuple[StepResult, ...]
+    of: int
+    rules: tuple[RuleAnswer, ...]
+    diagnoses: tuple[Diagnosis, ...]
+    broken: RuleAnswer | None
+    value: float | None
+    seconds: float
+
+
+def ready() -> dict[str, Path]:
+    """Name → file of each task that comes with the project."""
+    return {path.stem: path for path in sorted(ontology.path("tasks").glob("*.ttl"))}
+
+
+def specification_of(twin: Twin, source: str) -> Specification:
+    """The specification in a file, or the ready one of that name.
+
+    Raises:
+        UnknownEntityError: No such file, and no ready task of that name.
+        InputError: See `read_specification`.
+    """
+    path = ready().get(source, Path(source))
+    if not path.is_file():
+        raise UnknownEntityError("task", source, ready(), "or give the path of a .ttl file")
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{source} cannot be read: {error}") from None
+    return read_specification(twin, text, path.name)
+
+
+def achieve_task(service: Service, specification: Specification, robot: str | None = None) -> TaskResult:
+    """Every step, every rule, and what follows: certified only if all are.
+
+    Each step is judged from the state in which the step before ended; the robot begins each at its
+    start pose, parked. Seeds are tried until the policy's budget for a step is spent, if there is a J.
+    """
+    began, run = time.perf_counter(), _Run(service, specification, service.robot(robot))
+    expected = 0
+    for number, step in enumerate(specification.steps, 1):
+        requests = _requests(run.twin, step)
+        expected += len(requests)
+        if not all(run.take(request) for request in requests):
+            expected += len(specification.steps) - number
+            break
+    return run.result(expected, time.perf_counter() - began)
+
+
+def _requests(twin: Twin, step: Step) -> list[Request]:
+    """What a step asks in a state: every container means those that do not meet the request yet."""
+    if step.container is not None:
+        return [Request(step.verb, step.container, step.position)]
+    met = met_requests(twin, twin.state)
+    return [Request(step.verb, each) for each in twin.containers() if (step.verb, each.iri) not in met]
+
+
+class _Run:
+    """A sequence on its way."""
+
+    def __init__(self, service: Service, specification: Specification, robot: Iri) -> None:
+        self.service, self.specification, self.robot = service, specification, robot
+        self.twin = service.twin
+        self.steps: list[StepResult] = []
+        self.legs: list[Leg] = []
+        self._queries, self._clearance = InGraph(service.twin), Swept(robot)
+        self._ends: list[Rule] = [each for each in specification.rules if _at_the_end(each)]
+        self._depends = any(isinstance(each, KeepsDistance) for each in specification.rules)
+        self._always: list[Rule] = [each for each in specification.rules if not _at_the_end(each)]
+
+    def take(self, request: Request) -> bool:
+        """Judge one more step; whether it is certified."""
+        began, found = time.perf_counter(), list[tuple[int, Verdict, Leg | None, float | None, bool]]()
+        for seed in self._seeds(began):
+            verdict = self._judged(request, seed)
+            leg = self._leg(verdict)
+            clean = leg is not None and not self._breaks(leg)
+            found.append((seed, verdict, leg, self._value(verdict), clean))
+            if self.specification.quality is None and (clean or leg is None or not self._depends):
+                break
+        seed, verdict, leg, value, _ = self._best(found)
+        compared = sum(each[4] for each in found)
+        self.steps.append(StepResult(request, verdict, seed, len(found), compared, value))
+        if leg is None:
+            return False
+        self.legs.append(leg)
+        assert isinstance(verdict.case.final, State), "what is certified has a final state"
+        self.twin = self.twin.at(verdict.case.final)
+        return True
+
+    def _seeds(self, began: float) -> Iterator[int]:
+        """Seeds from the policy's on, while there is budget; the first in any case."""
+        policy = self.service.policy
+        for k in range(MOST_MOTIONS):
+            if k and time.perf_counter() - began >= policy.budget:
+                return
+            yield policy.seed + k
+
+    def _judged(self, request: Request, seed: int) -> Verdict:
+        service = replace(self.service, policy=replace(self.service.policy, seed=seed))
+        embodiment = self.service.embodiment if seed == self.service.policy.seed else service.embodiment
+        return judged(request, self.twin, self.robot, self.service.physics, embodiment)
+
+    def _leg(self, verdict: Verdict) -> Leg | None:
+        body = verdict.case.body_motion
+        if verdict.outcome is not Outcome.CERTIFIED or not isinstance(body, BodyMotion):
+            return None
+        return Leg.of(len(self.steps) + 1, self.twin, body)
+
+    def _breaks(self, leg: Leg) -> bool:
+        answers = self._checked(self._always, [*self.legs, leg])
+        return any(each.standing is Standing.BROKEN for each in answers)
+
+    def _checked(self, rules: Sequence[Rule], legs: Sequence[Leg]) -> list[RuleAnswer]:
+        return [checked(rule, legs, self._clearance, self._queries) for rule in rules]
+
+    def _value(self, verdict: Verdict) -> float | None:
+        quality, performed, body = self.specification.quality, verdict.can_perform, verdict.case.body_motion
+        if quality is None or verdict.outcome is not Outcome.CERTIFIED:
+            return None
+        assert isinstance(performed, Answer)
+        assert isinstance(body, BodyMotion)
+        return measured(quality, body, performed)
+
+    def _best(
+        self, found: list[tuple[int, Verdict, Leg | None, float | None, bool]]
+    ) -> tuple[int, Verdict, Leg | None, float | None, bool]:
+        """Certified and clean before certified before refused; among equals the best by J, then the first."""
+        best, quality = found[0], self.specification.quality
+        for each in found[1:]:
+            mine, its = (each[4], each[2] is not None), (best[4], best[2] is not None)
+            value, other = each[3], best[3]
+            improves = (
+                quality is not None and value is not None and (other is None or better(quality, value, other))
+            )
+            if mine > its or (mine == its and improves):
+                best = each
+        return best
+
+    def result(self, expected: int, seconds: float) -> TaskResult:
+        """What the steps and rules add up to."""
+        complete = len(self.steps) == expected and len(self.legs) == expected
+        rules = self._always + (self._ends if complete else [])
+        answers = self._checked(rules, self.legs) if self.legs else []
+        broken = first_broken(answers)
+        outcome = self._outcome(complete, answers)
+        diagnoses = [] if broken is None or broken.diagnosis is None else [broken.diagnosis]
+        others = [each.diagnosis for each in answers if each is not broken and each.diagnosis is not None]
+        refused = [each for step in self.steps for each in step.verdict.diagnoses]
+        refused += [] if self.steps else [NOTHING_TO_DO]
+        return TaskResult(
+            specification=self.specification,
+            outcome=outcome,
+            steps=tuple(self.steps),
+            of=expected,
+            rules=tuple(answers),
+            diagnoses=(*diagnoses, *others, *refused),
+            broken=broken,
+            value=self._total() if outcome is Outcome.CERTIFIED else None,
+            seconds=seconds,
+        )
+
+    def _outcome(self, complete: bool, answers: Sequence[RuleAnswer]) -> Outcome:
+        standings = {each.standing for each in answers}
+        verdicts = {step.verdict.outcome for step in self.steps}
+        if not self.steps or Standing.BROKEN in standings or Outcome.NOT_CERTIFIED in verdicts:
+            return Outcome.NOT_CERTIFIED
+        if not complete or verdicts != {Outcome.CERTIFIED}:
+            return Outcome.ABSTAINED
+        return Outcome.CERTIFIED if standings <= {Standing.KEPT} else Outcome.ABSTAINED
+
+    def _total(self) -> float | None:
+        quality, values = self.specification.quality, [step.value for step in self.steps]
+        known = [value for value in values if value is not None]
+        return total(quality, known) if quality is not None and len(known) == len(values) else None
+
+
+def _at_the_end(rule: Rule) -> bool:
+    return isinstance(rule, QueryRule) and rule.demand is Demand.AT_THE_END
+
+
+@dataclass(frozen=True, slots=True)
+class Swept:
+    """Clearance by the certifier's sweep and shapes."""
+
+    robot: Iri
+
+    def keeps(self, leg: Leg, body: Iri, distance: float) -> Approach:
+        """Whether the robot, in its shapes that contain it, keeps the distance, between samples too."""
+        from services.embodiment.certify.motion import whole_motion  # noqa: PLC0415 - loads the oracle
+        from services.embodiment.certify.sweep.clearance import Pairs, Sweep  # noqa: PLC0415
+        from services.embodiment.certify.sweep.subject import subject  # noqa: PLC0415
+        from services.embodiment.certify.tolerances import Tolerances  # noqa: PLC0415
+        from services.physics.model import Scene  # noqa: PLC0415
+
+        scene, tolerances = Scene(leg.twin, self.robot), Tolerances()
+        pieces, _ = whole_motion(scene, leg.motion, tolerances)
+        about = subject(scene, pieces, tolerances)
+        solids = [k for k, one in enumerate(scene.solids) if one.body == body]
+        pairs = scene.environment_pairs[np.isin(scene.environment_pairs[:, 1], solids)]
+        if not len(pairs):
+            return Approach(keeps=None)
+        least = np.full(len(pairs), distance + scene.annotation.overhang)
+        sweep = Sweep(about.timeline, about.kinematics, about.shapes, Pairs(pairs, least, least, np.inf))
+        found = sweep.run(0, tolerances.resolution)
+        if found.first is not None:
+            link = scene.solids[found.first.pair[0]].body
+            keeps = False if found.first.resolved else None
+            return Approach(keeps, found.first.value, found.first.time, link)
+        return Approach(keeps=None, time=found.gave_up) if found.gave_up is not None else Approach(keeps=True)

@@ -1,0 +1,174 @@
+"""Rules along a motion that a person can follow: one joint of the small kitchen, two samples, a bump."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from predicates.case import Kind
+from predicates.specification.comparing import only_compares
+from predicates.specification.leg import Leg
+from predicates.specification.model import (
+    Demand,
+    KeepsDistance,
+    NeverBeyond,
+    OpensBefore,
+    QueryRule,
+    Scope,
+    StaysClosed,
+)
+from predicates.specification.queries import InGraph
+from predicates.specification.rules import Approach, RuleAnswer, Standing, checked, first_broken
+from sdt_kg.iri import Iri
+from sdt_kg.motion import BodyMotion
+from tests.small import small_twin
+
+TWIN = small_twin()
+LOW, HIGH, DOOR = (TWIN.container(name) for name in ("low_drawer", "high_drawer", "side_door"))
+FOLDING = TWIN.container("folding_door")
+
+
+def leg(number: int, joints: dict[Iri, tuple[list[float], list[float]]], twin=TWIN) -> Leg:
+    """Joint → positions and velocities at samples one second apart."""
+    q, v = (np.array([each[k] for each in joints.values()]).T for k in (0, 1))
+    times, still = np.arange(len(q), dtype=float), np.zeros((len(q), 3))
+    none = np.zeros((len(q), 0))
+    motion = BodyMotion("r", "", (), times, still, none, none, still, tuple(joints), q, v)
+    return Leg.of(number, twin, motion)
+
+
+OPENS = leg(1, {LOW.joint: ([0.0, 0.46], [0.0, 0.0])})
+BUMP = leg(1, {LOW.joint: ([0.0, 0.0], [0.4, -0.4])})  # at both samples closed, 0.1 m between them
+
+
+@dataclass(frozen=True)
+class Far:
+    """A robot which is told to be somewhere."""
+
+    answer: Approach
+
+    def keeps(self, leg: Leg, body: Iri, distance: float) -> Approach:
+        return self.answer
+
+
+def ask(rule, *legs: Leg, approach: Approach | None = None) -> RuleAnswer:
+    return checked(rule, legs, Far(approach or Approach(keeps=True)), InGraph(TWIN))
+
+
+def query(sparql: str, demand: Demand = Demand.NEVER, over: Scope = Scope.STATES) -> QueryRule:
+    return QueryRule("it", sparql, over, demand)
+
+
+def test_a_container_that_opens_between_two_samples_does_not_stay_closed() -> None:
+    found = ask(StaysClosed(LOW), BUMP)
+    assert (found.standing, found.step, found.time) == (Standing.BROKEN, 1, 0.5)
+    assert found.diagnosis is not None
+    assert found.diagnosis.kind is Kind.SEMANTIC
+    assert not found.diagnosis.proof, "another motion might keep it"
+    assert found.diagnosis.evidence is not None
+    assert found.diagnosis.evidence.value == pytest.approx(0.1)
+    assert found.diagnosis.evidence.bound == 0.01
+    assert found.state is not None
+    assert found.state[LOW.joint] == pytest.approx(0.1)
+    assert ask(StaysClosed(HIGH), BUMP).standing is Standing.KEPT
+
+
+def test_never_beyond_is_about_the_extremum_and_not_about_the_samples() -> None:
+    assert ask(NeverBeyond(LOW, 0.1), BUMP).standing is Standing.KEPT
+    assert ask(NeverBeyond(LOW, 0.0999), BUMP).standing is Standing.BROKEN
+
+
+def test_a_container_that_follows_another_joint_is_measured_by_its_own() -> None:
+    turning = leg(1, {FOLDING.active_joint: ([0.0, 0.3], [0.0, 0.0])})
+    assert ask(NeverBeyond(FOLDING, 0.6), turning).standing is Standing.KEPT
+    assert ask(NeverBeyond(FOLDING, 0.59), turning).standing is Standing.BROKEN
+
+
+def test_a_container_that_is_open_at_first_breaks_at_once() -> None:
+    twin = TWIN.at({HIGH.joint: 0.3})
+    found = ask(StaysClosed(HIGH), leg(1, {LOW.joint: ([0.0, 0.46], [0.0, 0.0])}, twin))
+    assert (found.standing, found.time) == (Standing.BROKEN, 0.0)
+
+
+def test_order_counts_across_steps() -> None:
+    after = TWIN.at({LOW.joint: 0.46})
+    second = leg(2, {HIGH.joint: ([0.0, 0.46], [0.0, 0.0])}, after)
+    assert ask(OpensBefore(LOW, HIGH), OPENS, second).standing is Standing.KEPT
+    found = ask(OpensBefore(HIGH, LOW), OPENS, second)
+    assert (found.standing, found.step) == (Standing.BROKEN, 1)
+
+
+def test_a_distance_that_is_neither_kept_nor_missed_is_claimed_by_nobody() -> None:
+    rule = KeepsDistance(f"{TWIN.environment}/body/wall", 0.1)
+    near = Approach(keeps=False, value=0.05, time=0.25, link="r/body/hand")
+    assert ask(rule, OPENS, approach=near).standing is Standing.BROKEN
+    assert ask(rule, OPENS, approach=Approach(keeps=None, time=0.25)).standing is Standing.UNBOUNDED
+    assert ask(rule, OPENS).standing is Standing.KEPT
+
+
+HALF_OPEN = "ASK { ?joint sdt:position ?at FILTER (?at > 0.0999 && ?at < 0.11) }"
+
+
+def test_a_query_that_compares_is_known_between_samples() -> None:
+    assert ask(query(HALF_OPEN), BUMP).standing is Standing.BROKEN
+    found = ask(query(HALF_OPEN), OPENS)
+    assert found.standing is Standing.BROKEN, "passed through between samples at 0 and at 0.46 m"
+    assert found.state is not None
+    assert 0.0999 < found.state[LOW.joint] < 0.11
+    assert ask(query(HALF_OPEN.replace("0.0999", "0.1001")), BUMP).standing is Standing.KEPT
+    assert ask(query("ASK { ?joint sdt:position 0.25e0 }"), OPENS).standing is Standing.BROKEN, "one value"
+
+
+def test_a_query_that_computes_is_not_told_as_kept() -> None:
+    sparql = "ASK { ?joint sdt:position ?at FILTER (?at * 2 > 0.5 && ?at < 0.26) }"
+    assert ask(query(sparql), OPENS).standing is Standing.UNBOUNDED, "true on the way, at no sample"
+    turning = leg(1, {FOLDING.active_joint: ([0.0, 0.3], [0.0, 0.0])})
+    assert ask(query(HALF_OPEN), turning).standing is Standing.UNBOUNDED, "two joints move"
+
+
+def test_keeps_is_the_opposite_of_avoids_and_reaches_is_about_the_end() -> None:
+    low_is_low = f"ASK {{ <{LOW.joint}> sdt:position ?at FILTER (?at < 0.2) }}"
+    assert ask(query(low_is_low, Demand.ALWAYS), BUMP).standing is Standing.KEPT
+    assert ask(query(low_is_low, Demand.ALWAYS), OPENS).standing is Standing.BROKEN
+    assert ask(query(low_is_low, Demand.AT_THE_END), BUMP).standing is Standing.KEPT
+    assert ask(query(low_is_low, Demand.AT_THE_END), OPENS).standing is Standing.BROKEN
+
+
+def test_events_between_samples_count() -> None:
+    opened = f"ASK {{ ?event a sdt:NoLongerClosed ; sdt:about <{LOW.iri}> }}"
+    found = ask(query(opened, over=Scope.EVENTS), BUMP)
+    assert (found.standing, found.time) == (Standing.BROKEN, 0.5)
+    assert ask(query(opened.replace("low", "high"), over=Scope.EVENTS), BUMP).standing is Standing.KEPT
+    when = "ASK { ?event a sdt:Opened ; sdt:time ?time FILTER (?time < 0.1) }"
+    assert ask(query(when, over=Scope.EVENTS), BUMP).standing is Standing.UNBOUNDED
+
+
+def test_the_first_of_several_broken_rules_is_named() -> None:
+    answers = [
+        ask(NeverBeyond(LOW, 0.2), OPENS),
+        ask(query(f"ASK {{ <{LOW.joint}> sdt:position 0.0e0 }}"), OPENS),
+    ]
+    found = first_broken(answers)
+    assert found is answers[1]
+
+
+@pytest.mark.parametrize(
+    "sparql",
+    [
+        "ASK { ?j sdt:position ?p FILTER (?p-1 > 0) }",
+        "ASK { ?j sdt:position ?p FILTER (ABS(?p) > 1) }",
+        "ASK { ?j sdt:position ?p FILTER (xsd:integer(?p) = 1) }",
+        "ASK { ?j sdt:position ?p FILTER (?p > '0.4'^^xsd:double) }",
+        "SELECT (SUM(?p) AS ?all) { ?j sdt:position ?p }",
+        "SELECT (COUNT(*) AS ?all) { GRAPH ?g { ?j sdt:position ?p } }",
+        "ASK { ?j sdt:position/sdt:name ?p }",
+    ],
+)
+def test_what_may_compute_is_not_trusted(sparql: str) -> None:
+    assert not only_compares(sparql)
+
+
+def test_what_only_compares_is() -> None:
+    assert only_compares(
+        "# why\nSELECT * { ?c a sdt:Door ; sdt:hasJoint ?j . ?j sdt:position ?p FILTER (?p >= 0.5) }"
+    )

@@ -1,0 +1,195 @@
+"""`sdt task` and what it stands on: sequences, rules that are broken, the best by J, bad input."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pytest
+
+from predicates.case import Kind, Outcome
+from predicates.oracle import Embodiment, Physics
+from predicates.specification.read import read_specification
+from sdt_kg.twin import Twin
+from services.app import Policy, Service, load
+from services.physics.oracle import Kinematics
+from services.specifications import TaskResult, achieve_task, ready, specification_of
+from tests.small import small_twin
+from tests.small.lift import Lift
+
+HEAD = """
+@prefix law: <https://example.org/law#> .
+@prefix t: <https://example.org/id/t/> .
+t:task a law:TaskSpecification ; law:hasStep t:one ; {rest}
+t:one a law:Task ; law:index 1 ; law:verb law:Open ; law:containerName "low_drawer" .
+"""
+SECOND = 't:two a law:Task ; law:index 2 ; law:verb law:Open ; law:containerName "side_door" .\n'
+
+
+@dataclass(frozen=True)
+class Lifts:
+    """The closed-form robot of tests/small in place of the planner."""
+
+    def physics(self) -> Physics:
+        return Kinematics()
+
+    def embodiment(self, policy: Policy) -> Embodiment:
+        return Lift()
+
+
+def small(twin: Twin | None = None) -> Service:
+    return Service(twin or small_twin("a", ("pr2",)), oracles=Lifts())
+
+
+def run(text: str, service: Service | None = None) -> TaskResult:
+    service = service or small()
+    return achieve_task(service, read_specification(service.twin, text, "task.ttl"))
+
+
+def task(rest: str = ".", *more: str) -> str:
+    return HEAD.format(rest=rest) + "\n".join(more)
+
+
+def test_a_sequence_goes_on_from_where_the_step_before_ended() -> None:
+    result = run(task("law:hasStep t:two .", SECOND))
+    assert result.outcome is Outcome.CERTIFIED
+    first, second = (step.verdict for step in result.steps)
+    low = small_twin().container("low_drawer")
+    assert first.case.twin.state[low.joint] == 0.0
+    assert second.case.twin.state[low.joint] >= low.open_from
+
+
+def test_a_broken_rule_is_a_semantic_failure_though_every_step_is_certified() -> None:
+    rule = 't:rule a law:StaysClosed ; law:containerName "low_drawer" .'
+    result = run(task("law:keeps t:rule .", rule))
+    assert [step.verdict.outcome for step in result.steps] == [Outcome.CERTIFIED]
+    assert result.outcome is Outcome.NOT_CERTIFIED
+    assert result.broken is not None
+    assert (result.broken.rule, result.broken.step) == ("low_drawer stays closed", 1)
+    assert result.diagnoses[0].kind is Kind.SEMANTIC
+    evidence = result.diagnoses[0].evidence
+    assert evidence is not None
+    assert evidence.value > evidence.bound == 0.01
+    assert evidence.time == result.broken.time > 0
+
+
+def test_what_cannot_be_bounded_is_not_certified() -> None:
+    sparql = '"ASK { ?joint sdt:position ?at FILTER (?at * 2 > 100) }"'
+    result = run(task("law:avoids t:rule .", f"t:rule a law:QueryRule ; law:sparql {sparql} ."))
+    assert result.outcome is Outcome.ABSTAINED
+
+
+def test_open_to_p_ends_at_p() -> None:
+    text = task().replace("law:index 1 ;", "law:index 1 ; law:goalPosition 0.2 ;")
+    result = run(text)
+    assert result.outcome is Outcome.CERTIFIED
+    final = result.steps[0].verdict.case.final
+    assert final[small_twin().container("low_drawer").joint] == pytest.approx(0.2, abs=0.002)
+    again = run(text, small(small_twin("a", ("pr2",)).at(final)))
+    assert again.outcome is Outcome.NOT_CERTIFIED
+    assert again.diagnoses[0].kind is Kind.CAUSAL, "nothing to cause"
+
+
+def test_open_to_p_out_of_scope_abstains() -> None:
+    text = (
+        task()
+        .replace("low_drawer", "swing_door")
+        .replace("law:index 1", "law:goalPosition 0.5 ; law:index 1")
+    )
+    assert run(text).outcome is Outcome.ABSTAINED
+
+
+def test_closing_everything_closes_what_is_open_and_nothing_else() -> None:
+    text = task().replace('law:Open ; law:containerName "low_drawer"', "law:Close ; law:everyContainer true")
+    twin = small_twin("b", ("pr2",))
+    container = twin.containers()[0]
+    result = run(text, small(twin.at({container.active_joint: container.upper})))
+    assert [step.request.container.name for step in result.steps] == [container.name]
+    done = run(text, small(twin))
+    assert (done.outcome, done.steps) == (Outcome.NOT_CERTIFIED, ())
+
+
+def test_after_a_refusal_nothing_is_judged_and_the_rest_is_counted() -> None:
+    text = task("law:hasStep t:two .", SECOND).replace("low_drawer", "high_drawer")
+    stretch = small_twin("a", ("stretch",))
+    result = run(text, small(stretch))
+    refused = [step.verdict.outcome for step in result.steps]
+    assert refused == [Outcome.NOT_CERTIFIED]
+    assert (result.outcome, result.of) == (Outcome.NOT_CERTIFIED, 2)
+
+
+def test_j_is_measured_and_the_number_compared_is_told() -> None:
+    result = run(task("law:optimises law:Time ."), replace(small(), policy=Policy(budget=60)))
+    (step,) = result.steps
+    assert result.value == step.value == pytest.approx(float(step.verdict.case.body_motion.times[-1]))
+    assert (step.tried, step.compared) == (8, 8)
+
+
+BAD = {
+    "no Turtle": ("t:task a", ["task.ttl", "Turtle"]),
+    "no task": ("@prefix law: <https://example.org/law#> .", ["0 task specifications"]),
+    "no steps": (
+        task().replace("law:hasStep t:one ;", "").replace("t:one a law:Task", "t:one a t:Other"),
+        ["no steps"],
+    ),
+    "container": (task().replace("low_drawer", "low_drwer"), ["low_drwer", "low_drawer"]),
+    "verb": (task().replace("law:Open", "law:Pour"), ["Pour", "law:Open"]),
+    "misspelt term": (task("law:keep t:rule ."), ["law:keep", "law:keeps"]),
+    "loose rule": (task(".", 't:rule a law:StaysClosed ; law:containerName "side_door" .'), ["nothing uses"]),
+    "unknown rule": (
+        task("law:keeps t:rule .", "t:rule a law:StaysShut ."),
+        ["StaysShut", "law:StaysClosed"],
+    ),
+    "ready rule avoided": (task("law:avoids t:rule .", "t:rule a law:StaysClosed ."), ["law:keeps"]),
+    "no SPARQL": (task("law:avoids t:r .", 't:r a law:QueryRule ; law:sparql "ASKK" .'), ["SPARQL"]),
+    "SERVICE": (
+        task(
+            "law:avoids t:r .",
+            't:r a law:QueryRule ; law:sparql "ASK { SERVICE <http://x/> { ?a ?b ?c } }" .',
+        ),
+        ["SERVICE"],
+    ),
+    "update": (task("law:avoids t:r .", 't:r a law:QueryRule ; law:sparql "CLEAR ALL" .'), ["SPARQL"]),
+    "CONSTRUCT": (
+        task("law:avoids t:r .", 't:r a law:QueryRule ; law:sparql "CONSTRUCT WHERE { ?a ?b ?c }" .'),
+        ["ASK"],
+    ),
+    "position outside": (
+        task().replace("law:index 1", "law:goalPosition 9 ; law:index 1"),
+        ["9", "0 to 0.5"],
+    ),
+    "position of no number": (task().replace("law:index 1", 'law:goalPosition "far" ; law:index 1'), ["far"]),
+    "body": (
+        task("law:keeps t:r .", 't:r a law:KeepsDistance ; law:bodyName "wal" ; law:leastDistance 0.1 .'),
+        ["wall"],
+    ),
+    "distance": (
+        task("law:keeps t:r .", 't:r a law:KeepsDistance ; law:bodyName "wall" ; law:leastDistance -1 .'),
+        ["-1"],
+    ),
+    "quality": (task("law:optimises law:Beauty ."), ["Beauty", "law:Time"]),
+    "same place twice": (task("law:hasStep t:two .", SECOND.replace("2", "1")), ["law:index"]),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_a_bad_task_is_named(sdt, tmp_path: Path, name: str) -> None:
+    text, fragments = BAD[name]
+    path = tmp_path / "task.ttl"
+    path.write_text(text)
+    small = Path(__file__).parents[2] / "small"
+    done = sdt("task", str(path), "--kitchen", str(small / "a.urdf"), "--robot", str(small / "pr2.urdf"))
+    assert done.code == 2, done
+    assert "Traceback" not in done.err
+    assert [fragment for fragment in fragments if fragment not in done.err] == []
+
+
+def test_a_missing_file_is_named_and_ready_tasks_are_told(sdt) -> None:
+    done = sdt("task", "dishwasher_then_drawr", "--kitchen", "a", "--robot", "pr2")
+    assert (done.code, "dishwasher_then_drawer" in done.err) == (2, True)
+    assert sdt("task").code == 2
+    assert sorted(ready()) == sorted(line.split()[0] for line in sdt("task", "--list").out.splitlines())
+
+
+@pytest.mark.parametrize("name", ready())
+def test_ready_tasks_fit_a_kitchen(name: str) -> None:
+    twin = load("b" if "# Kitchen b" in ready()[name].read_text() else "a").twin
+    assert specification_of(twin, name).steps
