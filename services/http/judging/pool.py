@@ -42,11 +42,13 @@ class Judges:
         setup: What each loads: kitchens (name → source) and robots.
         count: How many.
         recall: A verdict's graph as N-Quads; empty where none is kept.
+        module: What a process runs.
     """
 
     setup: Head
     count: int
     recall: Recall
+    module: str = "services.http.judging.process"
     _idle: list[_Process] = field(default_factory=list[_Process])
     _all: set[_Process] = field(default_factory=set[_Process])
     _waiting: int = 0
@@ -117,7 +119,7 @@ class Judges:
 
     async def _started(self) -> _Process:
         ours, theirs = socket.socketpair()
-        command = (sys.executable, "-m", "services.http.judging.process", str(theirs.fileno()))
+        command = (sys.executable, "-m", self.module, str(theirs.fileno()))
         child = await asyncio.create_subprocess_exec(*command, pass_fds=[theirs.fileno()])
         theirs.close()
         process = _Process(child, *await asyncio.open_connection(sock=ours))

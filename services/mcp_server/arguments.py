@@ -1,0 +1,113 @@
+"""What each tool takes; an argument that a tool does not know is refused, never ignored."""
+
+from typing import Annotated, Any, Final
+
+from pydantic import BaseModel, ConfigDict, Field
+
+MOST_BUDGET: Final = 120.0
+"""[s] Of search that a call may ask for."""
+
+Kitchen = Annotated[str | None, Field(description="Name of the kitchen; may be left out where there is one.")]
+Robot = Annotated[str | None, Field(description="Name of the robot; may be left out where there is one.")]
+States = Annotated[
+    list[str],
+    Field(
+        max_length=200,
+        description="Where joints or containers are at the start: JOINT=VALUE [rad or m], CONTAINER=open, "
+        "all=closed. Without it everything is as it was loaded.",
+    ),
+]
+
+
+class Arguments(BaseModel):
+    """Of one tool."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+class Lookup(Arguments):
+    """What to look for."""
+
+    name: str = Field(min_length=1, max_length=200, description="Name, label or IRI, or a part of it.")
+    kitchen: Kitchen = None
+
+
+class Schema(Arguments):
+    """Which part of the vocabulary."""
+
+    term: str | None = Field(
+        None, max_length=200, description="One term, hasHandle say; without it: all names."
+    )
+
+
+class Examples(Arguments):
+    """Which examples."""
+
+    tool: str | None = Field(None, description="Only those of this tool.")
+
+
+class Select(Arguments):
+    """A query."""
+
+    query: str = Field(
+        min_length=1, max_length=20_000, description="SPARQL SELECT or ASK; usual prefixes are known."
+    )
+    rows: int = Field(30, ge=1, le=200, description="Rows to show; the number of all is told.")
+
+
+class ListScopes(Arguments):
+    """Which kitchen and robot."""
+
+    kitchen: Kitchen = None
+    robot: Robot = None
+
+
+class Diagnose(Arguments):
+    """Which verdict."""
+
+    verdict: str = Field(min_length=1, max_length=300, description="IRI, or the beginning of its hash.")
+    section: str | None = Field(None, description="One section of the story, Reasons say; without it: all.")
+
+
+class Judged(Arguments):
+    """What every judgement takes."""
+
+    task: str = Field(
+        min_length=1, max_length=300, description="open:CONTAINER or close:CONTAINER.", examples=["open:NAME"]
+    )
+    kitchen: Kitchen = None
+    robot: Robot = None
+    state: States = Field(default_factory=list)
+    drive: str | None = Field(
+        None, description="How the base moves: omni, differential or fixed; default: as its hardware does."
+    )
+    base: tuple[float, float, float] | None = Field(
+        None, description="Start of the base: x, y [m], yaw [rad]; default: the kitchen's."
+    )
+    budget: float = Field(20.0, gt=0, le=MOST_BUDGET, description="Seconds of search before giving up.")
+    seed: int = Field(0, description="Of the search.")
+
+
+class VerifyMotion(Judged):
+    """A case with a motion."""
+
+    motion: dict[str, Any] = Field(
+        description="Arrays by name, SI units. A container's: joint (text), times (T), values (T), timed "
+        "(bool: false lets the robot be slower); or frame, times, poses (T,7: x y z, quaternion xyzw). A "
+        "robot's: times (T), base (T,3: x y yaw), robot_joint_names (n), robot_positions (T,n); "
+        "robot_velocities, base_velocities, kitchen_joint_names, kitchen_positions, gripper may be there."
+    )
+    any_start: bool = Field(
+        False, description="Whether a robot's motion may begin anywhere, in any posture, not only parked."
+    )
+
+
+class WhatIf(Judged):
+    """A case and what is otherwise."""
+
+    edits: list[str] = Field(
+        min_length=1,
+        max_length=20,
+        description="As drive:fixed, robot:stretch, handle:CONTAINER=0,0,0.1, move:JOINT=0.3, "
+        "set:JOINT.upperLimit=0.2, base:X,Y,YAW, jam:CONTAINER, without:…; a wrong one is told all kinds.",
+    )

@@ -1,0 +1,204 @@
+"""What the tools ask: kitchens to read, workers that answer SPARQL, a process that judges, kept verdicts."""
+
+import asyncio
+from collections.abc import AsyncIterator, Iterable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from typing import Final
+
+import pyoxigraph as ox
+
+import ontology
+from sdt_kg.errors import InputError, QueryError, UnknownEntityError
+from sdt_kg.iri import Iri
+from sdt_kg.load import model_name
+from services.app import Service, load
+from services.http.judging.pool import Judges
+from services.http.problems import RefusedError
+from services.store.files import graph_of
+from services.store.workers import Asked, Delta, Limits, NotAcceptableError, Workers, bulk, drop, put
+from services.store.workers.frames import Head
+
+ROWS: Final = 10_000
+"""Of a query's answer, shown or not; with more there is none."""
+QUERY_SECONDS: Final = 10.0
+"""[s] A query may take."""
+QUERY_SIZE: Final = 8 * 2**20
+"""[bytes] Of a query's answer."""
+KEPT: Final = 500
+"""Verdicts that are kept; the oldest gives way."""
+FIRST: Final = 60.0
+"""[s] A judgement may take beyond its search: models are built and compiled, motions certified."""
+
+VOCABULARIES: Final = ("sdt.ttl", "law.ttl", "tee.ttl")
+_TABLE: Final = "application/sparql-results+json"
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What is loaded.
+
+    Attributes:
+        kitchens: Bundled names or paths.
+        robots: Bundled names or paths, loaded with every kitchen.
+        connect: Endpoint on the bus whose oracles answer for Φ and R; None: a process of ours does.
+    """
+
+    kitchens: tuple[str, ...]
+    robots: tuple[str, ...]
+    connect: str | None = None
+
+    def services(self) -> dict[str, Service]:
+        """The Law over each kitchen, by name.
+
+        Raises:
+            InputError: A model that is not there or not valid, or two kitchens of one name.
+        """
+        found: dict[str, Service] = {}
+        for source in self.kitchens:
+            name = model_name(source)
+            if name in found:
+                raise InputError(f"two kitchens are named '{name}'", allowed="each name once")
+            found[name] = load(source, self.robots)
+        return found
+
+    def head(self) -> Head:
+        """For the process that judges."""
+        sources = {model_name(each): each for each in self.kitchens}
+        return {"kitchens": sources, "robots": list(self.robots), "connect": self.connect}
+
+
+@dataclass
+class Desk:
+    """Everything that the tools ask.
+
+    Attributes:
+        services: By the kitchen's name; read here, judged elsewhere.
+        workers: Processes that answer SPARQL, without a network.
+        judges: The process that judges; killed when it is late.
+        kept: Verdict → its graph as N-Quads, oldest first.
+    """
+
+    services: dict[str, Service]
+    workers: Workers
+    judges: Judges
+    kept: dict[Iri, bytes] = field(default_factory=dict[Iri, bytes])
+
+    def service(self, kitchen: str | None) -> Service:
+        """A kitchen by name; may be left out where there is one.
+
+        Raises:
+            UnknownEntityError: None of that name.
+        """
+        if kitchen is None and len(self.services) == 1:
+            return next(iter(self.services.values()))
+        if kitchen is None:
+            raise InputError("no kitchen is named", allowed=", ".join(self.services), remedy="give 'kitchen'")
+        if kitchen not in self.services:
+            raise UnknownEntityError("kitchen", kitchen, self.services)
+        return self.services[kitchen]
+
+    @staticmethod
+    def robot(service: Service, robot: str | None) -> Iri:
+        """A robot by name; may be left out where there is one.
+
+        Raises:
+            UnknownEntityError: None of that name.
+        """
+        names = {service.twin.name(each): each for each in service.twin.robots}
+        if robot is None and len(names) == 1:
+            return next(iter(names.values()))
+        if robot is None:
+            raise InputError("no robot is named", allowed=", ".join(names), remedy="give 'robot'")
+        if robot not in names:
+            raise UnknownEntityError("robot", robot, names)
+        return names[robot]
+
+    async def query(self, sparql: str) -> ox.QuerySolutions | ox.QueryBoolean:
+        """The complete answer to a SELECT or ASK.
+
+        Raises:
+            QueryError: No SPARQL that reads.
+            LimitError: Above a limit of time, memory, rows or size.
+        """
+        try:
+            answered = await self.workers.ask(Asked("query", sparql, accepted=(_TABLE,)))
+        except NotAcceptableError:
+            raise QueryError(
+                "the query gives triples", allowed="SELECT, ASK", remedy="ask for rows"
+            ) from None
+        found = ox.parse_query_results(answered.body, format=ox.QueryResultsFormat.JSON)
+        assert not isinstance(found, ox.QueryTriples), "no graph format is accepted"
+        return found
+
+    async def judge(self, question: Head, seconds: float) -> Head:
+        """The reply of the process that judges; new verdicts are kept.
+
+        Raises:
+            InputError: The question is wrong.
+            RefusedError: There is no answer in time; the process is killed.
+            OracleUnavailableError: The process died or could not judge, or too many are waiting.
+        """
+        try:
+            reply = await self.judges.judge(question, seconds)
+        except RefusedError:
+            raise RefusedError(
+                504,
+                f"there is no verdict after {seconds:g} s: nothing is claimed",
+                allowed=f"'budget' and {FIRST:g} s more",
+                remedy="ask again, about one container, or with another 'budget'",
+            ) from None
+        for iri, quads in reply["records"]:
+            await self._keep(iri, quads.encode())
+        return reply
+
+    async def recall(self, verdict: Iri) -> bytes:
+        """The graph of a kept verdict as N-Quads; empty where it is not kept."""
+        return self.kept.get(verdict, b"")
+
+    async def _keep(self, verdict: Iri, quads: bytes) -> None:
+        """The verdict can be asked about; what is judged anew is better than what it replaces."""
+        self.kept.pop(verdict, None)
+        self.kept[verdict] = quads
+        triples = (quad.triple for quad in ox.parse(quads, format=ox.RdfFormat.N_QUADS))
+        await self.workers.apply(put(graph_of(verdict), _lines(triples), instead=True))
+        while len(self.kept) > KEPT:
+            oldest = next(iter(self.kept))
+            del self.kept[oldest]
+            await self.workers.apply(drop(graph_of(oldest)))
+
+
+@asynccontextmanager
+async def opened(setup: Setup, services: dict[str, Service]) -> AsyncIterator[Desk]:
+    """A desk whose processes are there, until it is closed."""
+    workers = Workers(count=1, limits=Limits(seconds=QUERY_SECONDS, rows=ROWS, size=QUERY_SIZE))
+    kept: dict[Iri, bytes] = {}
+
+    async def recall(verdict: Iri) -> bytes:
+        return kept.get(verdict, b"")
+
+    judges = Judges(setup.head(), 1, recall, "services.mcp_server.judge")
+    desk = Desk(services, workers, judges, kept)
+    try:
+        models = [bulk(each.twin.serialize("nquads")) for each in services.values()]
+        await workers.start([*models, *map(_vocabulary, VOCABULARIES)])
+        warming = asyncio.create_task(judges.warm())
+        try:
+            yield desk
+        finally:
+            warming.cancel()
+            await asyncio.gather(warming, return_exceptions=True)
+    finally:
+        await judges.close()
+        await workers.close()
+
+
+def _vocabulary(file: str) -> Delta:
+    quads = ox.parse(ontology.path(file).read_bytes(), format=ox.RdfFormat.TURTLE)
+    return put(
+        f"https://example.org/{file.removesuffix('.ttl')}", _lines(quad.triple for quad in quads), shown=False
+    )
+
+
+def _lines(triples: Iterable[ox.Triple]) -> bytes:
+    return b"".join(f"{each} .\n".encode() for each in triples)

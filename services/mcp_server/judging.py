@@ -1,0 +1,203 @@
+"""Tools that judge: verify a motion, ask what if, tell why in plain words."""
+
+import asyncio
+from collections.abc import Iterable
+from itertools import zip_longest
+from typing import Any, Final
+
+import pyoxigraph as ox
+
+from predicates.case import Outcome
+from sdt_kg.errors import InputError, UnknownEntityError
+from sdt_kg.iri import Iri, verdict_iri
+from services.mcp_server import arguments
+from services.mcp_server.desk import FIRST, Desk
+from services.mcp_server.report import LIMIT, Json, Report, size
+from services.store.workers.frames import Head
+from services.why import MEANS, Section, sections
+
+MOST_MOTION: Final = 8_000_000
+"""[characters] Of a motion as JSON."""
+MOST_DIAGNOSES: Final = 12
+"""Of one verdict in a report."""
+WORDS: Final = {True: "yes", False: "no", None: "not asked"}
+SECTIONS: Final = ("Asked", "Answers", "Reasons", "Margins", "Notes", "Versions and inputs", "To check again")
+HOLDS: Final = ("satisfies_request", "causes", "can_perform")
+TOLD: Final = ("outcome", "task", "container", "robot", "kitchen", *HOLDS, "gripper", "drive", "stored")
+
+
+async def verify_motion(desk: Desk, asked: arguments.VerifyMotion) -> Report:
+    """Certified, not certified or abstained, with every reason."""
+    length = size(asked.motion)
+    if length > MOST_MOTION:
+        raise InputError(
+            f"the motion is {length} characters of JSON", allowed=f"{MOST_MOTION}", remedy="fewer samples"
+        )
+    head = _head(desk, "verify", asked)
+    reply = await desk.judge(head, FIRST + asked.budget)
+    verdicts: list[Json] = reply["verdicts"]
+    lines = [line for each in verdicts for line in verdict_lines(each)]
+    lines += [MEANS[Outcome(each)] for each in dict.fromkeys(verdict["outcome"] for verdict in verdicts)]
+    return Report(tuple(lines), fitted(verdicts), more="'diagnose' with a verdict's IRI tells all of it")
+
+
+async def what_if(desk: Desk, asked: arguments.WhatIf) -> Report:
+    """The verdict as it is, the verdict otherwise, and what differs."""
+    reply = await desk.judge(_head(desk, "what_if", asked), FIRST + 2 * asked.budget)
+    actual, other = reply["actual"], reply["counterfactual"]
+    turns = "the outcome turns" if reply["turned"] else "the outcome stays"
+    lines = [
+        f"as it is: {_headline(actual)}",
+        f"otherwise: {_headline(other)} ({'; '.join(asked.edits)})",
+        turns,
+    ]
+    for name, before, after in reply["predicates"]:
+        lines.append(f"  {name}: {WORDS[before]}, otherwise {WORDS[after]}")
+    lines += [f"  no longer: {_reason(each)}" for each in reply["no_longer"]]
+    lines += [f"  now: {_reason(each)}" for each in reply["now"]]
+    lines += [f"verdict as it is: {actual['iri']}", f"verdict otherwise: {other['iri']}"]
+    data: Json = {
+        "turned": reply["turned"],
+        "predicates": reply["predicates"],
+        "actual": {"outcome": actual["outcome"], "iri": actual["iri"]},
+        "counterfactual": {"outcome": other["outcome"], "iri": other["iri"]},
+        "differences": [
+            {"where": where, **each}
+            for where, key in (("no longer", "no_longer"), ("now", "now"))
+            for each in reply[key]
+        ],
+    }
+    return Report(tuple(lines), data, "differences", "'diagnose' with a verdict's IRI tells all of it")
+
+
+async def diagnose(desk: Desk, asked: arguments.Diagnose) -> Report:
+    """A verdict of this session in plain words."""
+    iri = _known(desk, asked.verdict)
+    quads = list(ox.parse(desk.kept[iri], format=ox.RdfFormat.N_QUADS))
+    story = await asyncio.to_thread(sections, quads, iri)
+    titles = [each.title for each in story]
+    if asked.section is not None:
+        if asked.section not in SECTIONS:
+            raise InputError(f"no section '{asked.section}'", allowed=", ".join(SECTIONS))
+        story = tuple(each for each in story if each.title in (titles[0], asked.section))
+        if len(story) == 1:
+            story = (Section(titles[0], (f"It has nothing under {asked.section}.",)),)
+    lines = [line for each in story for line in (each.title, *(f"  {line}" for line in each.lines))]
+    more = f"ask with 'section': {', '.join(titles[1:])}"
+    return Report(tuple(lines), {"iri": iri, "sections": titles}, more=more)
+
+
+def verdict_lines(verdict: Json) -> list[str]:
+    """Outcome, predicates and reasons with what they rest on."""
+    holds = ", ".join(f"{name.replace('_', ' ')} {WORDS[verdict[name]]}" for name in HOLDS)
+    reasons = [
+        line
+        for number, each in enumerate(telling(verdict["diagnoses"]), 1)
+        for line in (f"{number}. {_reason(each)}", *_measured(each["evidence"]))
+    ]
+    again = ["Judged before in this session; the answer is the same."] if verdict["stored"] else []
+    return [
+        _headline(verdict),
+        f"  {holds}; base {verdict['drive']}",
+        *reasons,
+        *again,
+        f"verdict: {verdict['iri']}",
+    ]
+
+
+def fitted(verdicts: list[Json]) -> Json:
+    """The verdicts as data of at most LIMIT characters; what is left out is counted."""
+    for most in range(MOST_DIAGNOSES, -1, -1):
+        data: Json = {"verdicts": [_shortened(each, most) for each in verdicts], "left_out": 0}
+        if size(data) <= LIMIT:
+            return data
+    kept = list[Json]()
+    for each in verdicts:
+        kept.append(_shortened(each, 0))
+        if size({"verdicts": kept, "left_out": len(verdicts)}) > LIMIT:
+            kept.pop()
+            break
+    return {"verdicts": kept, "left_out": len(verdicts) - len(kept)}
+
+
+def telling(diagnoses: list[Json]) -> list[Json]:
+    """The worst of each kind and quantity first, then the next worst of each, and so on."""
+    groups: dict[tuple[str, str], list[Json]] = {}
+    for each in diagnoses:
+        quantity = each["evidence"]["quantity"] if each["evidence"] else ""
+        groups.setdefault((each["kind"], quantity), []).append(each)
+    ranked = [sorted(group, key=_excess, reverse=True) for group in groups.values()]
+    return [each for rank in zip_longest(*ranked) for each in rank if each is not None]
+
+
+def _excess(diagnosis: Json) -> float:
+    """By how much the bound is missed; nothing measured counts as nothing."""
+    evidence = diagnosis["evidence"] or {}
+    value, bound = evidence.get("value"), evidence.get("bound")
+    return abs((value or 0.0) - (bound or 0.0))
+
+
+def _shortened(verdict: Json, most: int) -> Json:
+    shown = telling(verdict["diagnoses"])[:most]
+    return {
+        "iri": verdict["iri"],
+        **{name: verdict[name] for name in TOLD},
+        "diagnoses": shown,
+        "diagnoses_left_out": len(verdict["diagnoses"]) - len(shown),
+    }
+
+
+def _head(desk: Desk, do: str, asked: arguments.Judged) -> Head:
+    """The question for the process that judges; tasks, states and edits are checked there."""
+    service = desk.service(asked.kitchen)
+    twin = service.twin
+    names = {"kitchen": twin.name(twin.environment), "robot": twin.name(desk.robot(service, asked.robot))}
+    return asked.model_dump() | {"do": do, **names}
+
+
+def _known(desk: Desk, verdict: str) -> Iri:
+    """The kept verdict of this IRI, or whose hash begins like this."""
+    stem = verdict_iri("")
+    start = stem + verdict.removeprefix(stem).removeprefix("id:verdict/")
+    found = [each for each in desk.kept if each.startswith(start)]
+    if len(found) != 1:
+        raise UnknownEntityError(
+            "verdict",
+            verdict,
+            (each.removeprefix(stem) for each in _latest(desk.kept)),
+            "verify_motion makes one",
+        )
+    return found[0]
+
+
+def _latest(kept: Iterable[Iri]) -> list[Iri]:
+    return list(kept)[-5:]
+
+
+def _headline(verdict: Json) -> str:
+    outcome = verdict["outcome"].replace("_", " ").upper()
+    who = f"{verdict['robot']} in kitchen {verdict['kitchen']}"
+    return f"{outcome} {verdict['task']}({verdict['container']}), {who}"
+
+
+def _reason(diagnosis: Json) -> str:
+    """Kind, reason, and how sure it is."""
+    text = f"{diagnosis['kind'].replace('_', ' ')}: {diagnosis['reason']}"
+    search = diagnosis["search"]
+    if diagnosis["proof"]:
+        return f"{text} [proved]"
+    if search is None:
+        return text
+    tried = ", ".join(f"{search[name]} {name}" for name in ("seeds", "branches", "placements"))
+    return f"{text} [searched {tried} in {search['seconds']:.1f} s, not proved]"
+
+
+def _measured(evidence: dict[str, Any] | None) -> list[str]:  # JSON
+    if evidence is None:
+        return []
+    unit = "" if evidence["unit"] == "1" else f" {evidence['unit']}"
+    who = " and ".join(evidence.get("links", [])) or evidence.get("entity", "")
+    value = "unknown" if evidence["value"] is None else f"{evidence['value']:g}{unit}"
+    bound = "" if evidence["bound"] is None else f", bound {evidence['bound']:g}{unit}"
+    when = "" if evidence["time"] is None else f", at {evidence['time']:g} s"
+    return [f"   {evidence['quantity']} of {who}: {value}{bound}{when}"]
