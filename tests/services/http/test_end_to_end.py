@@ -15,7 +15,9 @@ import pytest
 
 from predicates.case import Outcome
 from predicates.record import read_verdicts
+from services import connect
 from services.store.files import opened
+from tests.services.bus.conftest import free_endpoint
 from tests.services.http.canary import singing
 
 TOKEN = "a-token-of-decent-length"  # noqa: S105 - of a test
@@ -36,9 +38,14 @@ SERVE = (
 
 
 @pytest.fixture
-def service(tmp_path: Path) -> Iterator[httpx.Client]:
+def endpoint() -> str:
+    return free_endpoint()
+
+
+@pytest.fixture
+def service(tmp_path: Path, endpoint: str) -> Iterator[httpx.Client]:
     environment = os.environ | {"SDT_TOKEN": TOKEN}
-    command = [*SERVE, "--store", str(tmp_path / "store")]
+    command = [*SERVE, "--store", str(tmp_path / "store"), "--bus", endpoint]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment)
     assert process.stderr is not None
     try:
@@ -57,13 +64,16 @@ def service(tmp_path: Path) -> Iterator[httpx.Client]:
 
 
 @pytest.mark.oracle
-def test_a_verdict_from_question_to_sparql(service: httpx.Client) -> None:
+def test_a_verdict_from_question_to_sparql_and_over_the_bus(service: httpx.Client, endpoint: str) -> None:
     asked = {"task": TASK, "robot": "pr2", "drive": "omni", "motions": True, "seconds": 120}
     made = service.post("/api/v1/achieve", json=asked).json()
     (verdict,), (motion,) = made["verdicts"], made["motions"]
     assert verdict["outcome"] == "certified"
     again = service.post("/api/v1/achieve", json=asked | {"motions": False}).json()
     assert again["verdicts"][0]["iri"] == verdict["iri"]
+    with connect("b", endpoint) as bus:
+        (over,) = bus.achieve(TASK, "pr2", drive="omni").objects
+        assert (over["iri"], over["stored"]) == (verdict["iri"], True)
     checked = service.post("/api/v1/achieve", json=asked | {"motion": motion, "motions": False}).json()
     assert checked["verdicts"][0]["outcome"] == "certified"
     assert checked["verdicts"][0]["iri"] != verdict["iri"]
