@@ -119,7 +119,8 @@ class WholeBody:
         if motion.is_poses:
             motion = self._physics.replay(twin, motion).motion
         drive = self._drive(twin, case.robot)
-        setting = Setting(world, container, motion, drive, start, case.robot, kits, roads)
+        own = kits, roads, self.tolerances
+        setting = Setting(world, container, motion, drive, start, case.robot, *own)
         return self._searched(case, setting, clock, began)
 
     def _searched(self, case: Case, setting: Setting, clock: Clock, began: float) -> Answer:

@@ -3,6 +3,9 @@
 import math
 from dataclasses import dataclass
 
+MOST_CONTACT = 0.1
+"""[m] More than anybody may ask for: farther from a handle than that nothing is held."""
+
 
 @dataclass(frozen=True, slots=True)
 class Tolerances:

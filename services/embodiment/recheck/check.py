@@ -14,7 +14,13 @@ from sdt_kg.task import UNKNOWN, Task, Unknown
 from services.embodiment.certify.certificate import Certificate, read_certificate
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.content import is_proof
-from services.embodiment.recheck.claim import claim_differs, figures_differ, inputs_differ, twin_differs
+from services.embodiment.recheck.claim import (
+    claim_differs,
+    figures_differ,
+    inputs_differ,
+    loosened,
+    twin_differs,
+)
 from services.embodiment.recheck.embodiment import Certifier
 from services.embodiment.recheck.proofs import TwinOf, about, proof_again
 from services.physics.oracle import Kinematics
@@ -122,6 +128,8 @@ def _certify_again(
     stored: StoredVerdict | None,
 ) -> None:
     """The Law about the stored motion, by the certifier alone; and the same figures as before."""
+    if trial.found(loosened(certificate.tolerances)):
+        return
     twin, source = twin_of(certificate.environment, certificate.robot, State.of(certificate.state))
     trial.notes.append(source)
     checker = Certifier(twin, certificate)

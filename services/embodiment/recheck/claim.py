@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import fields
 
 from predicates.case import Case, Outcome
 from predicates.record.inputs import inputs_of, verdict_iri
@@ -9,6 +10,7 @@ from predicates.record.stored import StoredVerdict
 from sdt_kg.iri import local_name
 from sdt_kg.task import UNKNOWN, Task
 from services.embodiment.certify.certificate import Certificate, Figures, models_of
+from services.embodiment.certify.tolerances import MOST_CONTACT, Tolerances
 from services.embodiment.recheck.embodiment import Certifier
 from services.physics.oracle import Kinematics
 
@@ -18,8 +20,25 @@ SAME_FIGURE = 1e-6
 COUNTED = "distance queries"
 """How a figure's name begins that says how much was computed, not what was found."""
 
+AT_LEAST = frozenset({"margin", "engaged"})
+"""Tolerances that demand the more, the larger they are; of the others it is the other way round."""
+
 OF_THE_CASE = ("environment", "state", "robot", "task", "tee_class")
 """Inputs of a verdict that the twin and the task give."""
+
+
+def loosened(tolerances: Tolerances) -> Iterator[str]:
+    """Which tolerances allow what this version never does; another contact may have been asked for."""
+    ours = Tolerances()
+    for field in fields(Tolerances):
+        value, bound = getattr(tolerances, field.name), getattr(ours, field.name)
+        if field.name in AT_LEAST:
+            kept, allowed = bound <= value < math.inf, f"at least {bound:g}"
+        else:
+            bound = MOST_CONTACT if field.name == "contact" else bound
+            kept, allowed = 0 <= value <= bound, f"0 to {bound:g}"
+        if not kept:  # also what is not a number
+            yield f"the certificate's tolerance '{field.name}' is {value:g}, allowed is {allowed}"
 
 
 def twin_differs(checker: Certifier) -> Iterator[str]:

@@ -176,7 +176,7 @@ def shift_a_waypoint(said: Said) -> None:
 
 def loosen(said: Said) -> None:
     assert isinstance(said["tolerances"], dict)
-    said["tolerances"]["contact"] = 1.0
+    said["tolerances"]["contact"] = 0.05
 
 
 def improve(said: Said) -> None:
