@@ -32,7 +32,7 @@ from services.physics.oracle import Kinematics
 Array = NDArray[np.float64]
 Start = tuple[float, float, float]
 
-EMBODIMENT_VERSION = "2"
+EMBODIMENT_VERSION = "3"
 """Raised whenever an answer of this oracle may change."""
 
 ANY_START = "where and as the motion begins"

@@ -44,7 +44,7 @@ class Certificate:
         start: Base pose x, y [m], yaw [rad] at which the robot had to start, parked; None if any would do.
         motion: As executed: between samples it is the cubic Hermite spline.
         figures: What was kept, and by how much: name → (value, unit).
-        nearest: What comes nearest, one sentence for each scope.
+        nearest: What comes nearest, one sentence for each scope; and what was not seen.
     """
 
     models: tuple[tuple[Iri, str], tuple[Iri, str]]

@@ -14,6 +14,7 @@ from services.embodiment.certify.certificate import Certificate, models_of
 from services.embodiment.certify.collisions import collisions
 from services.embodiment.certify.findings import Findings
 from services.embodiment.certify.held.hold import Hold, begin
+from services.embodiment.certify.inside import inside
 from services.embodiment.certify.limits import drive_limits, joint_limits, kitchen_keeps
 from services.embodiment.certify.motion import of_another_robot, rests, whole_motion
 from services.embodiment.certify.motion import start as starts
@@ -41,7 +42,7 @@ class Certified:
 
     @property
     def nearest(self) -> tuple[str, ...]:
-        """What comes nearest, in words."""
+        """What comes nearest, and what the check could not see, in words."""
         return self.certificate.nearest
 
     def artefact(self) -> Artefact:
@@ -113,6 +114,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     hold, held = _hold(checked, container, motion.gripper)
     findings.add(held)
     findings.add(collisions(checked, hold))
+    findings.add(inside(checked))
     findings.add(_end(scene, pieces, container))
     if findings.violations:
         if in_full:

@@ -34,7 +34,7 @@ class Findings:
 
     Attributes:
         figures: Name → (value, unit).
-        nearest: What comes nearest, one sentence for each kind of pair.
+        nearest: What comes nearest, one sentence for each kind of pair; and what was not seen.
         slack: Kind of pair → distance beyond what has to be kept, at least [m].
     """
 

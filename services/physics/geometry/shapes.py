@@ -29,8 +29,9 @@ def surface(geometry: Geometry) -> tuple[coal.CollisionGeometry, ...]:
 
     For kitchens, whose cabinets and drawers are hollow: a hull would fill them. A body that lies
     wholly inside a closed mesh touches no triangle and reads as free; it cannot get there from
-    outside without crossing the surface, which a check of the motion between samples sees. The
-    depth of a penetration is that into single triangles, at least that of the crossing.
+    outside without crossing the surface, which a check of the motion between samples sees, and
+    whether it begins there is asked of `geometry.inside`. The depth of a penetration is that into
+    single triangles: too little, never too much.
     """
     if geometry.shape is ShapeType.MESH:
         return (_triangles(geometry.mesh_file, geometry.mesh_hash, geometry.size),)

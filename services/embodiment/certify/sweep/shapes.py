@@ -58,7 +58,7 @@ class Shapes:
 
     def distances(self, placed: Placed, span: Indices, pairs: Indices) -> Array:
         """Signed distances of pairs of shapes, shape (M, 2): negative is depth, shape (M,) [m]."""
-        one, other = self._frames(placed, span, pairs[:, 0]), self._frames(placed, span, pairs[:, 1])
+        one, other = self.frames(placed, span, pairs[:, 0]), self.frames(placed, span, pairs[:, 1])
         return np.array([self._distance(*item) for item in zip(pairs.tolist(), *one, *other, strict=True)])
 
     def depth(self, placed: Placed, span: int, pair: tuple[int, int]) -> float | None:
@@ -69,7 +69,7 @@ class Shapes:
             own = self._faces_of(shape)
             if own is None:
                 return None
-            rotation, origin = self._frames(placed, at, np.array([shape]))
+            rotation, origin = self.frames(placed, at, np.array([shape]))
             polyhedra.append(placed_faces(own, rotation[0], origin[0]))
         return deepest(*polyhedra)
 
@@ -99,10 +99,10 @@ class Shapes:
     def _pair(self, placed: Placed, pair: tuple[int, int], shift: Array) -> tuple[Array, ...]:
         """Rotation and origin of both shapes at the first configuration, the first one moved."""
         span = np.zeros(1, dtype=np.intp)
-        one, other = (self._frames(placed, span, np.array([shape])) for shape in pair)
+        one, other = (self.frames(placed, span, np.array([shape])) for shape in pair)
         return one[0][0], one[1][0] + shift, other[0][0], other[1][0]
 
-    def _frames(self, placed: Placed, span: Indices, shape: Indices) -> tuple[Array, Array]:
+    def frames(self, placed: Placed, span: Indices, shape: Indices) -> tuple[Array, Array]:
         """Rotations and origins of shapes in the world, shapes (M, 3, 3) and (M, 3)."""
         rotation = placed.rotation[span, self.carrier[shape]]
         origin = placed.origin[span, self.carrier[shape]]

@@ -1,0 +1,80 @@
+"""What is wholly inside a closed mesh touches none of its triangles, and is refused all the same."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from numpy.typing import NDArray
+
+from predicates.case import Quantity
+from sdt_kg.twin import Twin
+from services.embodiment.certify import Certified
+from tests.services.embodiment.gantry import gantry_twin, opening
+from tests.services.embodiment.judging import judge, refusal
+
+pytestmark = pytest.mark.oracle
+
+HALL = """<link name="hall"><collision><geometry><mesh filename="{file}"/></geometry></collision></link>
+<joint name="hall_joint" type="fixed"><parent link="world"/><child link="hall"/>
+<origin xyz="{xyz}"/></joint>"""
+AROUND = (6.0, 6.0, 6.0)  # [m] about the gantry and all its way
+Faces = NDArray[np.int64]
+
+
+def hall(folder: Path, *solids: trimesh.Trimesh, xyz: str = "0 0 0") -> Twin:
+    file = folder / "hall.stl"
+    trimesh.util.concatenate(solids).export(file)
+    return gantry_twin(folder, HALL.format(file=file, xyz=xyz))
+
+
+def box(
+    faces: slice | Faces = slice(None), *, turned: slice = slice(0), size: float = 1.0
+) -> trimesh.Trimesh:
+    """A box about the origin: some of its twelve faces, some of these looking the other way."""
+    whole = trimesh.creation.box(np.array(AROUND) * size)
+    chosen = whole.faces[faces].copy()
+    chosen[turned] = chosen[turned][:, ::-1]
+    return trimesh.Trimesh(whole.vertices, chosen, process=False)
+
+
+@pytest.mark.parametrize(
+    "solids",
+    [
+        (box(),),
+        (box(turned=slice(None)),),
+        (box(turned=slice(0, 5)),),
+        (box(), box(turned=slice(None))),
+        (box(), box(size=1.1)),
+    ],
+    ids=["outwards", "inwards", "at random", "from both sides", "in each other"],
+)
+def test_who_begins_inside_a_closed_mesh_is_refused(
+    tmp_path: Path, solids: tuple[trimesh.Trimesh, ...]
+) -> None:
+    found = refusal(hall(tmp_path, *solids), opening(), Quantity.DISTANCE)
+    assert len(found) > 0
+    assert all("begins wholly inside hall, a closed mesh" in one.reason for one in found)
+    assert found[0].evidence is not None
+    assert found[0].evidence.time == 0
+
+
+def test_a_mesh_that_is_not_closed_has_no_inside_and_the_verdict_says_so(tmp_path: Path) -> None:
+    verdict = judge(hall(tmp_path, box(slice(0, 11))), opening())
+    assert isinstance(verdict, Certified)
+    assert [note for note in verdict.nearest if "not closed" in note and note.endswith("hall")]
+
+
+def test_a_room_whose_walls_have_a_thickness_is_a_cavity(tmp_path: Path) -> None:
+    verdict = judge(hall(tmp_path, box(size=1.1), box(turned=slice(None))), opening())
+    assert isinstance(verdict, Certified)
+    assert [note for note in verdict.nearest if "cavity" in note and note.endswith("hall")]
+
+
+def test_a_mesh_elsewhere_changes_nothing(tmp_path: Path) -> None:
+    away = judge(hall(tmp_path, box(), xyz="-5 0 0"), opening())
+    (tmp_path / "plain").mkdir()
+    plain = judge(gantry_twin(tmp_path / "plain"), opening())
+    assert isinstance(away, Certified)
+    assert isinstance(plain, Certified)
+    assert away.nearest == plain.nearest
