@@ -4,12 +4,15 @@ import math
 from collections.abc import Callable
 
 from predicates.case import Answer, Case, Kind, Outcome, Verdict
-from predicates.record.inputs import BUDGET_INPUT, Inputs
+from predicates.record.inputs import BUDGET_INPUT, NOT_HASHED, Inputs
 from predicates.record.stored import StoredVerdict
+from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
 
 Recall = Callable[[Iri], StoredVerdict | None]
 """What is stored under a verdict's IRI."""
+
+REMEDY = "the store was changed: sdt recheck tells what of it holds; judge again into another store"
 
 _KINDS = {
     "satisfies_request": {Kind.SEMANTIC},
@@ -27,9 +30,30 @@ def answers_again(stored: StoredVerdict, inputs: Inputs) -> bool:
 
     A refusal that rests on a search answers only for a budget not above its own: a longer search
     may find what a shorter one did not.
+
+    Raises:
+        InputError: The record is of another question, or contradicts itself.
     """
+    if _decisive(stored.inputs) != _decisive(inputs):
+        raise InputError(f"the record of {stored.iri} has other inputs than its IRI", remedy=REMEDY)
+    if not _is_coherent(stored):
+        what = f"says {stored.outcome.value}, and its answers and diagnoses do not"
+        raise InputError(f"the record of {stored.iri} {what}", remedy=REMEDY)
     searched = stored.outcome is Outcome.NOT_CERTIFIED and not any(each.proof for each in stored.diagnoses)
     return not searched or budget_of(inputs) <= budget_of(stored.inputs)
+
+
+def _decisive(inputs: Inputs) -> dict[str, str]:
+    """The inputs which the IRI is the hash of."""
+    return {name: value for name, value in inputs if name not in NOT_HASHED}
+
+
+def _is_coherent(stored: StoredVerdict) -> bool:
+    """Whether the outcome is what Eq. (4) makes of the rest: certified without a reason against it."""
+    holds = stored.satisfies_request is True and stored.causes is True and stored.can_perform is True
+    if stored.outcome is Outcome.CERTIFIED:
+        return holds and not stored.diagnoses
+    return bool(stored.diagnoses)
 
 
 def recalled(stored: StoredVerdict, asked: Case, inputs: Inputs) -> Verdict:
