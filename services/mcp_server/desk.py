@@ -85,18 +85,22 @@ class Desk:
     kept: dict[Iri, bytes] = field(default_factory=dict[Iri, bytes])
 
     def service(self, kitchen: str | None) -> Service:
-        """A kitchen by name; may be left out where there is one.
+        """A kitchen by name, with the errors of `kitchen_name`."""
+        return self.services[self.kitchen_name(kitchen)]
+
+    def kitchen_name(self, kitchen: str | None) -> str:
+        """Under which a kitchen was loaded; may be left out where there is one.
 
         Raises:
             UnknownEntityError: None of that name.
         """
         if kitchen is None and len(self.services) == 1:
-            return next(iter(self.services.values()))
+            return next(iter(self.services))
         if kitchen is None:
             raise InputError("no kitchen is named", allowed=", ".join(self.services), remedy="give 'kitchen'")
         if kitchen not in self.services:
             raise UnknownEntityError("kitchen", kitchen, self.services)
-        return self.services[kitchen]
+        return kitchen
 
     @staticmethod
     def robot(service: Service, robot: str | None) -> Iri:

@@ -150,9 +150,8 @@ def _shortened(verdict: Json, most: int) -> Json:
 def _head(desk: Desk, do: str, asked: arguments.Judged) -> Head:
     """The question for the process that judges; tasks, states and edits are checked there."""
     service = desk.service(asked.kitchen)
-    twin = service.twin
-    names = {"kitchen": twin.name(twin.environment), "robot": twin.name(desk.robot(service, asked.robot))}
-    return asked.model_dump() | {"do": do, **names}
+    robot = service.twin.name(desk.robot(service, asked.robot))
+    return asked.model_dump() | {"do": do, "kitchen": desk.kitchen_name(asked.kitchen), "robot": robot}
 
 
 def _known(desk: Desk, verdict: str) -> Iri:
