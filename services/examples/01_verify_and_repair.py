@@ -5,7 +5,7 @@
 The server is `sdt mcp`, started here as an agent's host starts it, and asked over standard input and output.
 No language model is needed to close the loop: every reason carries a quantity, its value, its bound, the
 time and the entity, and that is enough to repair by. The motion is one that was certified, then spoiled in
-three ways at once: it starts 0.3 m beside where the robot stands, one waypoint takes the tool off the
+three ways at once: it starts 5 cm beside where the robot stands, one waypoint takes the tool off the
 handle, and it is twice as fast as the robot can be.
 
     reason                                      repair, from its evidence
@@ -53,9 +53,9 @@ def certified() -> Arrays:
 def spoiled(motion: Arrays) -> Arrays:
     """The same, beside where the robot stands, off the handle at one waypoint, and twice as fast."""
     base, arm = motion["base"].copy(), motion["robot_positions"].copy()
-    base[:, 0] += 0.3
+    base[:, 0] += 0.05
     middle = (int(motion["phase_starts"][-1]) + len(arm)) // 2
-    arm[middle, list(motion["robot_joint_names"]).index(_elbow(motion))] -= 0.1
+    arm[middle, list(motion["robot_joint_names"]).index(_elbow(motion))] -= 0.02
     return _stretched({**motion, "base": base, "robot_positions": arm}, 0.5)
 
 

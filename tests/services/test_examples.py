@@ -5,6 +5,8 @@ import importlib.util
 from pathlib import Path
 from types import ModuleType
 
+import pytest
+
 FOLDER = Path(__file__).resolve().parents[2] / "services" / "examples"
 
 
@@ -17,6 +19,8 @@ def example(name: str) -> ModuleType:
     return module
 
 
+@pytest.mark.oracle
+@pytest.mark.slow
 def test_a_spoiled_motion_is_refused_repaired_by_its_diagnoses_and_certified() -> None:
     outcomes = asyncio.run(example("01_verify_and_repair").main())
     assert outcomes == ["not_certified", "not_certified", "not_certified", "certified"]
