@@ -123,6 +123,22 @@ def _requests(twin: Twin, step: Step) -> list[Request]:
     return [Request(step.verb, each) for each in twin.containers() if (step.verb, each.iri) not in met]
 
 
+@dataclass(frozen=True, slots=True)
+class _Try:
+    """One search for a step, and what becomes of the rules with it."""
+
+    seed: int
+    verdict: Verdict
+    leg: Leg | None
+    value: float | None
+    answers: list[RuleAnswer]
+
+    @property
+    def clean(self) -> bool:
+        """Whether it is certified and breaks no rule."""
+        return self.leg is not None and all(each.standing is not Standing.BROKEN for each in self.answers)
+
+
 class _Run:
     """A sequence on its way."""
 
@@ -131,6 +147,7 @@ class _Run:
         self.twin = service.twin
         self.steps: list[StepResult] = []
         self.legs: list[Leg] = []
+        self._answers: list[RuleAnswer] = []
         self._queries, self._clearance = InGraph(service.twin), Swept(robot)
         self._ends: list[Rule] = [each for each in specification.rules if _at_the_end(each)]
         self._depends = any(isinstance(each, KeepsDistance) for each in specification.rules)
@@ -138,23 +155,27 @@ class _Run:
 
     def take(self, request: Request) -> bool:
         """Judge one more step; whether it is certified."""
-        began, found = time.perf_counter(), list[tuple[int, Verdict, Leg | None, float | None, bool]]()
+        began, found = time.perf_counter(), list[_Try]()
         for seed in self._seeds(began):
-            verdict = self._judged(request, seed)
-            leg = self._leg(verdict)
-            clean = leg is not None and not self._breaks(leg)
-            found.append((seed, verdict, leg, self._value(verdict), clean))
-            if self.specification.quality is None and (clean or leg is None or not self._depends):
+            found.append(self._tried(request, seed))
+            certified, clean = found[-1].leg is not None, found[-1].clean
+            if self.specification.quality is None and (clean or not certified or not self._depends):
                 break
-        seed, verdict, leg, value, _ = self._best(found)
-        compared = sum(each[4] for each in found)
-        self.steps.append(StepResult(request, verdict, seed, len(found), compared, value))
-        if leg is None:
+        best, compared = self._best(found), sum(each.clean for each in found)
+        self.steps.append(StepResult(request, best.verdict, best.seed, len(found), compared, best.value))
+        if best.leg is None:
             return False
-        self.legs.append(leg)
-        assert isinstance(verdict.case.final, State), "what is certified has a final state"
-        self.twin = self.twin.at(verdict.case.final)
+        self.legs.append(best.leg)
+        self._answers = best.answers
+        assert isinstance(best.verdict.case.final, State), "what is certified has a final state"
+        self.twin = self.twin.at(best.verdict.case.final)
         return True
+
+    def _tried(self, request: Request, seed: int) -> "_Try":
+        verdict = self._judged(request, seed)
+        leg = self._leg(verdict)
+        answers = [] if leg is None else self._checked(self._always, [*self.legs, leg])
+        return _Try(seed, verdict, leg, self._value(verdict), answers)
 
     def _seeds(self, began: float) -> Iterator[int]:
         """Seeds from the policy's on, while there is budget; the first in any case."""
@@ -175,10 +196,6 @@ class _Run:
             return None
         return Leg.of(len(self.steps) + 1, self.twin, body)
 
-    def _breaks(self, leg: Leg) -> bool:
-        answers = self._checked(self._always, [*self.legs, leg])
-        return any(each.standing is Standing.BROKEN for each in answers)
-
     def _checked(self, rules: Sequence[Rule], legs: Sequence[Leg]) -> list[RuleAnswer]:
         return [checked(rule, legs, self._clearance, self._queries) for rule in rules]
 
@@ -190,14 +207,12 @@ class _Run:
         assert isinstance(body, BodyMotion)
         return measured(quality, body, performed)
 
-    def _best(
-        self, found: list[tuple[int, Verdict, Leg | None, float | None, bool]]
-    ) -> tuple[int, Verdict, Leg | None, float | None, bool]:
+    def _best(self, found: Sequence["_Try"]) -> "_Try":
         """Certified and clean before certified before refused; among equals the best by J, then the first."""
         best, quality = found[0], self.specification.quality
         for each in found[1:]:
-            mine, its = (each[4], each[2] is not None), (best[4], best[2] is not None)
-            value, other = each[3], best[3]
+            mine, its = (each.clean, each.leg is not None), (best.clean, best.leg is not None)
+            value, other = each.value, best.value
             improves = (
                 quality is not None and value is not None and (other is None or better(quality, value, other))
             )
@@ -208,8 +223,8 @@ class _Run:
     def result(self, expected: int, seconds: float) -> TaskResult:
         """What the steps and rules add up to."""
         complete = len(self.steps) == expected and len(self.legs) == expected
-        rules = self._always + (self._ends if complete else [])
-        answers = self._checked(rules, self.legs) if self.legs else []
+        ends = self._checked(self._ends, self.legs) if complete and self.legs else []
+        answers = [*self._answers, *ends]
         broken = first_broken(answers)
         outcome = self._outcome(complete, answers)
         diagnoses = [] if broken is None or broken.diagnosis is None else [broken.diagnosis]

@@ -1,7 +1,13 @@
-"""Whether a query can do no more with a number than to compare it."""
+"""Whether a query can do no more with a number than to compare it, and with which numbers."""
 
 import re
-from typing import Final
+from typing import Any, Final, cast
+
+import rdflib
+from pyparsing import ParseBaseException
+from rdflib.plugins.sparql import prepareQuery
+
+from sdt_kg.iri import PREFIXES, Iri
 
 WORDS: Final = frozenset(
     {
@@ -51,6 +57,35 @@ def only_compares(sparql: str) -> bool:
 def numbers_in(sparql: str) -> list[float]:
     """Numbers that the query spells."""
     return [float(part) for kind, part in _tokens(sparql) if kind == "number"]
+
+
+def predicates_in(sparql: str) -> frozenset[Iri] | None:
+    """Predicates of all its triple patterns; None where one is a variable or a path, or if in doubt."""
+    try:
+        algebra: Any = prepareQuery(sparql, initNs=PREFIXES).algebra  # rdflib does not type it
+    except ParseBaseException:  # what two parsers do not agree on
+        return None
+    found: set[Iri] = set()
+    for predicate in _predicates(algebra):
+        if not isinstance(predicate, rdflib.URIRef):
+            return None
+        found.add(str(predicate))
+    return frozenset(found)
+
+
+def _predicates(part: Any) -> list[object]:  # noqa: ANN401 - a tree of rdflib's own kinds
+    """Predicates of the triple patterns anywhere in a part of an algebra."""
+    found: list[object] = []
+    parts: Any = part
+    if isinstance(part, dict):  # an algebra's node, whose own get() answers for what it lacks
+        if "triples" in part:
+            for triples in parts["triples"]:  # each one triple, or several in a row
+                found += triples[1::3]
+        parts = list(parts.values())
+    if isinstance(parts, list | tuple):
+        for each in cast("list[Any]", parts):
+            found += _predicates(each)
+    return found
 
 
 def _tokens(sparql: str) -> list[tuple[str, str]]:

@@ -8,13 +8,14 @@ between them, and it is told so.
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import Final
 
 import numpy as np
 import pyoxigraph as ox
 
 from predicates.case import Diagnosis, Evidence, Kind, Quantity
-from predicates.specification.comparing import numbers_in, only_compares
+from predicates.specification.comparing import numbers_in, only_compares, predicates_in
 from predicates.specification.cubic import Array
 from predicates.specification.leg import Leg
 from predicates.specification.model import Demand, QueryRule, Scope
@@ -42,10 +43,11 @@ class InGraph:
 
     def __init__(self, twin: Twin) -> None:
         entities = twin.entities
-        values = (value_of(term) for graph in entities.graphs for _, _, term in entities.store.triples(graph))
-        self._numbers = {
-            float(each) for each in values if isinstance(each, int | float) and not isinstance(each, bool)
-        }
+        self._numbers: dict[Iri, set[float]] = {}
+        for _, predicate, term in chain.from_iterable(map(entities.store.triples, entities.graphs)):
+            value = value_of(term)
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                self._numbers.setdefault(predicate, set()).add(float(value))
 
     def answer(self, rule: QueryRule, legs: Sequence[Leg]) -> RuleAnswer:
         """What became of the rule."""
@@ -82,8 +84,14 @@ class InGraph:
         if not joints:
             return iter([(float(leg.trajectory.times[0]), leg.twin)]), True
         others = [at for joint, at in leg.twin.state.items() if joint != joints[0]]
-        marks = np.unique([*self._numbers, *others, *numbers_in(rule.sparql)])
+        marks = np.unique([*self._comparable(rule.sparql), *others, *numbers_in(rule.sparql)])
         return _cells(leg, joints[0], positions[:, moving[0]], marks), True
+
+    def _comparable(self, sparql: str) -> set[float]:
+        """Numbers of the graph that the query can lay hands on: of its predicates, or else all."""
+        named = predicates_in(sparql)
+        of = self._numbers.keys() if named is None else self._numbers.keys() & named
+        return set[float]().union(*(self._numbers[each] for each in of))
 
 
 def _cells(leg: Leg, joint: Iri, values: Array, marks: Array) -> Iterator[Asked]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from predicates.case import Kind
-from predicates.specification.comparing import only_compares
+from predicates.specification.comparing import only_compares, predicates_in
 from predicates.specification.leg import Leg
 from predicates.specification.model import (
     Demand,
@@ -172,3 +172,13 @@ def test_what_only_compares_is() -> None:
     assert only_compares(
         "# why\nSELECT * { ?c a sdt:Door ; sdt:hasJoint ?j . ?j sdt:position ?p FILTER (?p >= 0.5) }"
     )
+
+
+def test_numbers_are_those_of_the_predicates_that_a_query_names() -> None:
+    sparql = "ASK { ?j sdt:position ?p FILTER NOT EXISTS { ?j sdt:openFrom ?f } OPTIONAL { ?j a ?k } }"
+    named = predicates_in(sparql)
+    assert named is not None
+    assert sorted(each.rsplit("#", 1)[1] for each in named) == ["openFrom", "position", "type"]
+    assert predicates_in("ASK { ?j ?any ?p }") is None
+    nested = "ASK { { SELECT ?j { ?j sdt:closedTo ?x } } MINUS { ?j sdt:upperLimit ?u } }"
+    assert len(predicates_in(nested) or ()) == 2
