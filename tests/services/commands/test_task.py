@@ -193,3 +193,22 @@ def test_a_missing_file_is_named_and_ready_tasks_are_told(sdt) -> None:
 def test_ready_tasks_fit_a_kitchen(name: str) -> None:
     twin = load("b" if "# Kitchen b" in ready()[name].read_text() else "a").twin
     assert specification_of(twin, name).steps
+
+
+@pytest.mark.oracle
+def test_a_real_robot_that_holds_a_handle_is_near_to_it(sdt, tmp_path: Path) -> None:
+    drawer = "sink_area_left_middle_drawer_main"
+    handle = drawer.replace("main", "handle")
+    near = f't:near a law:KeepsDistance ; law:bodyName "{handle}" ; law:leastDistance 0.1 .'
+    far = 't:far a law:KeepsDistance ; law:bodyName "iai_fridge_door" ; law:leastDistance 0.05 .'
+    text = task("law:keeps t:near , t:far .", near, far).replace("low_drawer", drawer)
+    path = tmp_path / "task.ttl"
+    path.write_text(text)
+    done = sdt("task", str(path), "--kitchen", "b", "--robot", "pr2", "--budget", "5", "--json")
+    assert (done.code, done.json["outcome"]) == (1, "not_certified"), done.err
+    assert [step["outcome"] for step in done.json["steps"]] == ["certified"]
+    standing = {rule["rule"].rsplit(" ", 1)[1]: rule["standing"] for rule in done.json["rules"]}
+    assert standing == {handle: "broken", "iai_fridge_door": "kept"}
+    evidence = done.json["first_broken"]["diagnosis"]["evidence"]
+    assert evidence["value"] < 0.1 <= evidence["bound"]
+    assert evidence["time"] > 0
