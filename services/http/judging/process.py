@@ -7,7 +7,6 @@ import logging
 import signal
 import socket
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,6 +15,7 @@ import pyoxigraph as ox
 
 from predicates.case import Answer, Outcome, Verdict
 from predicates.record import Record, StoredVerdict, diagnosis_json, read_verdict, to_json, to_record
+from predicates.record.recall import Recall
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri
@@ -56,7 +56,7 @@ def main(descriptor: int) -> None:
         return
 
 
-def _answered(judge: "Judge", head: Head, recall: Callable[[Iri], StoredVerdict | None]) -> Head:
+def _answered(judge: "Judge", head: Head, recall: Recall) -> Head:
     try:
         if head["do"] == "compute":
             return judge.compute(head, recall)
@@ -105,12 +105,12 @@ class Judge:
             )
         return {"answers": [_caused(answer) for answer in service.causes(head["task"], motion)]}
 
-    def achieve(self, head: Head, recall: Callable[[Iri], StoredVerdict | None]) -> Head:
+    def achieve(self, head: Head, recall: Recall) -> Head:
         """Verdicts, and the records of those that are new."""
         drive = Drive(head["drive"]) if head["drive"] else None
         base = tuple(head["base"]) if head["base"] else None
         policy = Policy(drive, base, head["budget"], head["seed"])
-        service = replace(self._under(head["kitchen"], tuple(head["states"]), policy), recall=recall)
+        service = self._under(head["kitchen"], tuple(head["states"]), policy, recall)
         robots = [service.robot(head["robot"])] if head["robot"] else service.twin.robots
         verdicts: list[Verdict] = []
         for robot in robots:
@@ -122,17 +122,19 @@ class Judge:
         }
         return reply | ({"motions": [_certified(each) for each in verdicts]} if head["motions"] else {})
 
-    def compute(self, head: Head, recall: Callable[[Iri], StoredVerdict | None]) -> Head:
+    def compute(self, head: Head, recall: Recall) -> Head:
         """What a query can touch and nobody has judged yet, judged within bounds."""
         keeper = _Keeper(recall)
         loaded = replace(self.loaded, states=tuple(head["states"]))
         computed = compute(head["query"], loaded, Bounds(head["budget"], head["limit"]), keeper)
         return {"computed": computed.to_json(), "records": keeper.records}
 
-    def _under(self, kitchen: str, states: tuple[str, ...], policy: Policy) -> Service:
+    def _under(self, kitchen: str, states: tuple[str, ...], policy: Policy, recall: Recall) -> Service:
         """The kitchen in this state under this policy; the last few keep their scenes."""
         key = (kitchen, states, policy)
-        service = self._kept.pop(key, None) or replace(self.services[kitchen].at(*states), policy=policy)
+        service = self._kept.pop(key, None)
+        if service is None:
+            service = replace(self.services[kitchen].at(*states), policy=policy, recall=recall)
         while len(self._kept) >= KEPT:
             del self._kept[next(iter(self._kept))]
         self._kept[key] = service
@@ -146,7 +148,7 @@ class _Keeper:
         records: IRI and N-Quads of each new verdict.
     """
 
-    def __init__(self, recall: Callable[[Iri], StoredVerdict | None]) -> None:
+    def __init__(self, recall: Recall) -> None:
         self._recall = recall
         self.records: list[tuple[Iri, str]] = []
 
