@@ -23,7 +23,7 @@ from predicates.specification.rules import RuleAnswer, Standing, text
 from sdt_kg.history.events import events_along
 from sdt_kg.history.records import event_triples, first_triples
 from sdt_kg.history.trajectory import Trajectory
-from sdt_kg.iri import ID, PREFIXES, Iri
+from sdt_kg.iri import ID, PREFIXES, SDT, Iri
 from sdt_kg.store import value_of
 from sdt_kg.twin import Twin
 
@@ -122,7 +122,7 @@ def _over_events(rule: QueryRule, legs: Sequence[Leg]) -> RuleAnswer:
     merged.extend(ox.Quad(each.subject, each.predicate, each.object) for each in store)
     opened = [each.iri for each in legs[0].twin.containers() if _is_open_at_first(legs[0], each.iri)]
     _say(merged, first_triples(RUN, opened))
-    exact = not any(word in rule.sparql.lower() for word in ("time", "sample"))
+    exact = _knows_no_clock(rule.sparql)
     how = BY_EVENTS if exact else f"{BY_EVENTS}, their times to within a sample"
     wrong = rule.demand is Demand.NEVER
     last, before, number = legs[-1], 0, 0
@@ -145,6 +145,14 @@ def _over_events(rule: QueryRule, legs: Sequence[Leg]) -> RuleAnswer:
         return RuleAnswer(text(rule), Standing.KEPT, how)
     reason = f"'{text(rule)}' is not broken, but asks when, and times of events are those of samples"
     return RuleAnswer(text(rule), Standing.UNBOUNDED, how, Diagnosis(Kind.SEMANTIC, reason))
+
+
+def _knows_no_clock(sparql: str) -> bool:
+    """Whether the query can tell only the order of events: their times and counts are those of samples."""
+    named = predicates_in(sparql)
+    if named is None or named & {SDT + "time", SDT + "sample"}:
+        return False
+    return SDT + "step" not in named or (only_compares(sparql) and not numbers_in(sparql))
 
 
 def _is_open_at_first(leg: Leg, container: Iri) -> bool:

@@ -139,8 +139,9 @@ def test_events_between_samples_count() -> None:
     found = ask(query(opened, over=Scope.EVENTS), BUMP)
     assert (found.standing, found.time) == (Standing.BROKEN, 0.5)
     assert ask(query(opened.replace("low", "high"), over=Scope.EVENTS), BUMP).standing is Standing.KEPT
-    when = "ASK { ?event a sdt:Opened ; sdt:time ?time FILTER (?time < 0.1) }"
-    assert ask(query(when, over=Scope.EVENTS), BUMP).standing is Standing.UNBOUNDED
+    for tells in ("sdt:time", "sdt:step", "?any"):
+        when = f"ASK {{ ?event a sdt:Opened ; {tells} ?when FILTER (?when < 0.1) }}"
+        assert ask(query(when, over=Scope.EVENTS), BUMP).standing is Standing.UNBOUNDED
 
 
 def test_the_first_of_several_broken_rules_is_named() -> None:
