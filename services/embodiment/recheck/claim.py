@@ -23,6 +23,9 @@ COUNTED = "distance queries"
 AT_LEAST = frozenset({"margin", "engaged"})
 """Tolerances that demand the more, the larger they are; of the others it is the other way round."""
 
+MOST_DEMANDED = 0.1
+"""[m] More than anybody keeps: checking it would only take long."""
+
 OF_THE_CASE = ("environment", "state", "robot", "task", "tee_class")
 """Inputs of a verdict that the twin and the task give."""
 
@@ -32,8 +35,10 @@ def loosened(tolerances: Tolerances) -> Iterator[str]:
     ours = Tolerances()
     for field in fields(Tolerances):
         value, bound = getattr(tolerances, field.name), getattr(ours, field.name)
-        if field.name in AT_LEAST:
-            kept, allowed = bound <= value < math.inf, f"at least {bound:g}"
+        if field.name == "resolution":
+            kept, allowed = value == bound, f"{bound:g}"
+        elif field.name in AT_LEAST:
+            kept, allowed = bound <= value <= MOST_DEMANDED, f"{bound:g} to {MOST_DEMANDED:g}"
         else:
             bound = MOST_CONTACT if field.name == "contact" else bound
             kept, allowed = 0 <= value <= bound, f"0 to {bound:g}"
