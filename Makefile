@@ -12,13 +12,13 @@ demo: .venv
 
 ## test: lint, types, import contracts, then all tests
 test: .venv lint
-	$(BIN)/pytest -p no:benchmark --ignore=tests/benchmarks --ignore=tests/soak
+	$(BIN)/pytest -n auto --dist loadgroup -p no:benchmark --ignore=tests/benchmarks --ignore=tests/soak
 
 ## lint: format, rules, types and import contracts
 lint: .venv
 	$(BIN)/ruff format --check
 	$(BIN)/ruff check
-	$(BIN)/pyright
+	$(BIN)/pyright --threads
 	$(BIN)/lint-imports
 
 ## bench: figures, never assertions on time; the JSON is kept

@@ -13,6 +13,18 @@ from services.table import TableResult, cells, run
 PROJECT = Path(__file__).resolve().parent.parent
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tests that share something expensive run in the same process: Table 1, a bus server, a file's own."""
+    for item in items:
+        shared = "table1" if "table1" in getattr(item, "fixturenames", ()) else _shared(item.path)
+        item.add_marker(pytest.mark.xdist_group(shared))
+
+
+def _shared(path: Path) -> str:
+    """What the tests of a file share: a bus server for all files of its folder, else the file."""
+    return str(path.parent if path.parent.name == "bus" else path)
+
+
 @pytest.fixture(scope="session")
 def reference() -> Path:
     """Folder of the reference data; the test is skipped, visibly, where it is absent."""
