@@ -1,11 +1,13 @@
 """Errors that a certificate tolerates leave the motion certified; depths are those of deepest points."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import coal
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from sdt_kg.load import load_twin
 from services.embodiment.certify import Certified
@@ -55,9 +57,7 @@ def test_a_base_elsewhere_by_what_is_tolerated_still_opens(
     assert isinstance(verdict, Certified), verdict.diagnoses
 
 
-def depth(
-    one: coal.CollisionGeometry, other: coal.CollisionGeometry, offset: tuple[float, float, float]
-) -> float:
+def depth(one: coal.CollisionGeometry, other: coal.CollisionGeometry, offset: Sequence[float]) -> float:
     polyhedra = [faces(one), faces(other)]
     assert polyhedra[0] is not None
     assert polyhedra[1] is not None
@@ -75,3 +75,18 @@ def test_depth_is_that_of_the_deepest_point() -> None:
     assert depth(cube, rod, (0, 0, 0.58)) == pytest.approx(0.02, abs=1e-9)  # its end, 20 mm in
     assert depth(cube, coal.Sphere(0.05), (0.14, 0, 0)) == pytest.approx(0.01, abs=5e-4)
     assert depth(cube, coal.Cylinder(0.05, 0.4), (0.14, 0, 0)) == pytest.approx(0.01, abs=1e-4)
+
+
+def test_depth_of_what_is_round_is_right_to_a_fifth_of_a_millimetre_whatever_its_size() -> None:
+    # A ball's deepest point in another ball is its point nearest to that one's centre.
+    ball, aslant = coal.Sphere(0.3), (0.23, -0.31, 0.11)
+    assert depth(ball, ball, aslant) == pytest.approx(0.6 - np.linalg.norm(aslant), abs=2e-4)
+    # A capsule leans by 45° over the middle of a block whose upper face is at z = 0.
+    block, capsule = faces(coal.Box(4.0, 4.0, 4.0)), faces(coal.Capsule(0.3, 0.3))
+    assert block is not None
+    assert capsule is not None
+    leaning = Rotation.from_euler("x", 45, degrees=True).as_matrix()
+    found = deepest(
+        placed(capsule, leaning, np.array((0, 0, 0.2))), placed(block, np.eye(3), np.array((0, 0, -2.0)))
+    )
+    assert found == pytest.approx(0.3 + 0.15 * np.sqrt(0.5) - 0.2, abs=2e-4)
