@@ -18,6 +18,7 @@ from services.embodiment.certify.inside import inside
 from services.embodiment.certify.limits import drive_limits, joint_limits, kitchen_keeps
 from services.embodiment.certify.motion import of_another_robot, rests, whole_motion
 from services.embodiment.certify.motion import start as starts
+from services.embodiment.certify.pressed import pressed
 from services.embodiment.certify.robustness import tolerated
 from services.embodiment.certify.survey import survey
 from services.embodiment.certify.sweep.kinematics import joint_axes
@@ -154,6 +155,7 @@ def _hold(checked: Subject, container: Container, name: str) -> tuple[Hold | Non
     if hold is not None:
         findings.add(hold.follows())
         findings.add(hold.keeps_fingers())
+        findings.add(pressed(checked, hold))
     return hold, findings
 
 

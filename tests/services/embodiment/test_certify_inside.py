@@ -8,10 +8,12 @@ import trimesh
 from numpy.typing import NDArray
 
 from predicates.case import Quantity
+from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified
-from tests.services.embodiment.gantry import gantry_twin, opening
+from tests.services.embodiment.gantry import FOLDER, gantry_twin, opening
 from tests.services.embodiment.judging import judge, refusal
+from tests.services.embodiment.mutations import gripped
 
 pytestmark = pytest.mark.oracle
 
@@ -78,3 +80,16 @@ def test_a_mesh_elsewhere_changes_nothing(tmp_path: Path) -> None:
     assert isinstance(away, Certified)
     assert isinstance(plain, Certified)
     assert away.nearest == plain.nearest
+
+
+def test_fingers_in_a_handle_of_many_small_triangles_are_as_deep_as_in_a_solid_one(tmp_path: Path) -> None:
+    bar = trimesh.creation.box((0.01, 0.2, 0.01))
+    small = trimesh.remesh.subdivide_to_size(bar.vertices, bar.faces, 0.004)
+    trimesh.Trimesh(*small).export(tmp_path / "bar.stl")
+    cell, solid = (FOLDER / "cell.urdf").read_text(), '<box size="0.01 0.2 0.01"/>'
+    meshed = cell.replace(solid, f'<mesh filename="{tmp_path / "bar.stl"}"/>', 1)
+    (tmp_path / "cell.urdf").write_text(meshed)
+    twin = load_twin(tmp_path / "cell.urdf", [FOLDER / "gantry.urdf"])
+    assert isinstance(judge(twin, gripped(0.0035)), Certified)  # 1.5 mm deep in a bar of 10 mm
+    found = refusal(twin, gripped(0.0005), Quantity.DISTANCE)
+    assert min(one.evidence.value for one in found if one.evidence) == pytest.approx(-0.0045, abs=1e-5)
