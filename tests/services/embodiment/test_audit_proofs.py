@@ -1,0 +1,73 @@
+"""No box of joint positions in which a posture has the handle in hand can be refuted, whatever is claimed."""
+
+import numpy as np
+import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
+import pytest
+
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError
+from sdt_kg.iri import joint_iri
+from sdt_kg.load import load_twin
+from services.embodiment.body.world import World
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check.check import _all_far
+from services.embodiment.proof_check.interval import exact
+from services.embodiment.proof_check.mechanics import Placement
+from services.embodiment.proof_check.statement import Statement, Target
+from services.physics.model import Scene
+
+pytestmark = pytest.mark.oracle
+
+WITHIN = 0.999  # [1] of each tolerance, all of them used at once
+WIDTHS = (0.0, 1e-6, 1e-3, 0.03, 0.3, 3.0)  # [rad or m]
+
+
+def any_way(rng: np.random.Generator) -> np.ndarray:
+    way = rng.normal(size=3)
+    return way / np.linalg.norm(way)
+
+
+def slipped(
+    frame: np.ndarray, place: np.ndarray, turn: np.ndarray, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray]:
+    """A handle (rotation, middle) after the tool has slipped and turned on it as far as it may."""
+    by = pin.exp3(any_way(rng) * Tolerances().tool_angle * WITHIN)
+    shift = any_way(rng) * Tolerances().tool_position * WITHIN
+    return by @ turn, by @ (place - frame) + frame + shift
+
+
+@pytest.mark.parametrize(
+    ("robot", "drive"), [("pr2", Drive.FIXED), ("tiago_dual", Drive.OMNI), ("stretch", Drive.FIXED)]
+)
+def test_a_posture_that_holds_a_handle_is_in_no_refuted_box(robot: str, drive: Drive) -> None:
+    twin, rng = load_twin("b", [robot]), np.random.default_rng(8)
+    iri = twin.robots[0]
+    scene = Scene(twin, iri)
+    world = World(scene)
+    statement = Statement(twin, iri, twin.container("iai_fridge_door"), drive, (0.3, -0.2, 0.7), Tolerances())
+    for number in range(3):
+        gripper = statement.grippers[number % len(statement.grippers)]
+        arm = statement.arm(gripper)
+        assert arm is not None
+        low, high = (np.array([getattr(one, end) for one in arm.chain.links]) for end in ("lower", "upper"))
+        truth = np.where(rng.random(len(low)) < 0.3, rng.choice([low, high]), rng.uniform(low, high))
+        named = dict(zip((one.name for one in arm.chain.links), truth.tolist(), strict=True))
+        base = [named.pop(name, 0.0) for name in ("base_x", "base_y", "base_yaw")]
+        for finger in gripper.finger_joints:
+            k = scene.coordinate[joint_iri(robot, finger.joint)]
+            named[finger.joint] = rng.uniform(scene.bounds.lower[k], scene.bounds.upper[k])
+        q = scene.q(base, named)
+        tool = scene.placement(q, scene.tool_frame(gripper.name)).translation
+        rotations, places = world.frames(q)
+        shape = rng.choice(world.shapes_of([f"{iri}/body/{name}" for name in gripper.fingers]))
+        joint = world.boxes[0][shape]
+        corner = world.boxes[2][shape] + world.boxes[1][shape] @ (rng.choice([-1, 1], 3) * world.half[shape])
+        touched = rotations[joint] @ corner + places[joint] + any_way(rng) * Tolerances().contact * WITHIN
+        half, turn = rng.uniform(0.002, 0.008, 3), pin.exp3(any_way(rng))
+        turn, middle = slipped(tool, touched + turn @ (rng.choice([-1, 1], 3) * half), turn, rng)
+        target = Target((Placement(exact(turn), exact(middle)),), half[None])
+        for width in WIDTHS:
+            ends = truth - width * rng.random(len(low)), truth + width * rng.random(len(low))
+            for leaf in range(len(low) + 1):
+                with pytest.raises(InputError, match=r"come as near|come to the handle"):
+                    _all_far(arm, target, [(*ends, leaf)], statement.level)
