@@ -6,6 +6,8 @@ finger: its vertices, and the middles of its triangles. It is looked at at many 
 them, and the verdict says so; the sweep still sees what passes through large triangles.
 """
 
+from functools import lru_cache
+
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +50,9 @@ def pressed(checked: Subject, hold: Hold) -> Findings:
     return findings
 
 
+@lru_cache(maxsize=64)
 def _points(mesh: coal.BVHModelBase) -> Array:
+    """Vertices and middles of triangles in the mesh's frame, shape (K, 3) [m]; kept, so not to be changed."""
     vertices = np.array(mesh.vertices())
     corners = np.array([[face[k] for k in range(3)] for face in map(mesh.tri_indices, range(mesh.num_tris))])
     return np.vstack((np.unique(vertices, axis=0), vertices[corners].mean(axis=1)))
