@@ -10,9 +10,12 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Self
 
+import pyoxigraph as ox
 import zenoh
 
+from predicates.record import read_verdict
 from sdt_kg.errors import SdtError
+from sdt_kg.iri import local_name
 from services.bus import keys
 from services.bus.keys import Meta, Part, Verb
 from services.bus.messages import (
@@ -123,12 +126,15 @@ class Server:
         self._declared.clear()
 
     def _publish(self, kept: Kept) -> None:
-        """A verdict as an event."""
+        """A verdict as an event of its twin."""
+        iri, quads = kept
+        twin = local_name(read_verdict(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri).environment)
+        if twin not in self._twins:
+            return
         with self._lock:
             self._sequence += 1
-            sequence = self._sequence
-        for twin in self._twins:
-            self._session.put(keys.event(twin, "verdict", sequence), kept[1], encoding="application/n-quads")
+            key = keys.event(twin, "verdict", self._sequence)
+        self._session.put(key, quads, encoding="application/n-quads")
 
     def _asked(self, query: zenoh.Query) -> None:
         """A question: enqueued, or refused at once."""
