@@ -287,7 +287,10 @@ class Swept:
         sweep = Sweep(about.timeline, about.kinematics, about.shapes, Pairs(pairs, least, least, np.inf))
         found = sweep.run(0, tolerances.resolution)
         if found.first is not None:
-            link = scene.solids[found.first.pair[0]].body
-            keeps = False if found.first.resolved else None
-            return Approach(keeps, found.first.value, found.first.time, link)
+            # What is not resolved at first may be seen to be broken later: a break is a break.
+            seen, worst = found.first, found.worst
+            if not seen.resolved and worst is not None and worst.value < worst.least:
+                seen = worst
+            keeps = False if seen.resolved else None
+            return Approach(keeps, seen.value, seen.time, scene.solids[seen.pair[0]].body)
         return Approach(keeps=None, time=found.gave_up) if found.gave_up is not None else Approach(keeps=True)

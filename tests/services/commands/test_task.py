@@ -205,7 +205,7 @@ def test_a_real_robot_that_holds_a_handle_is_near_to_it(sdt, tmp_path: Path) -> 
     path = tmp_path / "task.ttl"
     path.write_text(text)
     done = sdt("task", str(path), "--kitchen", "b", "--robot", "pr2", "--budget", "5", "--json")
-    assert (done.code, done.json["outcome"]) == (1, "not_certified"), done.err
+    assert (done.code, done.json["outcome"]) == (1, "not_certified"), done.json
     assert [step["outcome"] for step in done.json["steps"]] == ["certified"]
     standing = {rule["rule"].rsplit(" ", 1)[1]: rule["standing"] for rule in done.json["rules"]}
     assert standing == {handle: "broken", "iai_fridge_door": "kept"}
