@@ -24,13 +24,10 @@ from services.commands.options import (
     seed_option,
     states_option,
 )
-from services.commands.show import print_json
-from services.commands.verdicts import print_verdict
+from services.commands.verdicts import told
 from services.motions import read_motion, write_motion
 from services.requests import parse_base
 from services.store.files import SavedVerdicts
-
-SOME_NOT_EXIT, ABSTAINED_EXIT = 1, 3
 
 
 @click.command()
@@ -119,19 +116,7 @@ def achieve(
         _write_motion(verdicts, motion_out)
     if certificate:
         _write_certificate(verdicts, certificate)
-    if as_json:
-        print_json(objects)
-    else:
-        for each in objects:
-            print_verdict(each)
-    raise SystemExit(_exit_code(verdicts))
-
-
-def _exit_code(verdicts: Sequence[Verdict]) -> int:
-    outcomes = {verdict.outcome for verdict in verdicts}
-    if outcomes == {Outcome.CERTIFIED}:
-        return 0
-    return ABSTAINED_EXIT if outcomes == {Outcome.ABSTAINED} else SOME_NOT_EXIT
+    raise SystemExit(told(objects, as_json=as_json))
 
 
 def _write_certificate(verdicts: Sequence[Verdict], path: Path) -> None:

@@ -8,10 +8,9 @@ import click
 
 from services.commands.options import json_flag, states_option
 from services.commands.show import print_json, print_rows
-from services.commands.verdicts import print_verdict
+from services.commands.verdicts import told
 
 ENDPOINT = "tcp/127.0.0.1:7447"
-SOME_NOT_EXIT, ABSTAINED_EXIT = 1, 3
 
 connect_option = click.option(
     "--connect",
@@ -80,7 +79,7 @@ def ask(
             return 0
         if verb == "achieve":
             found = to.achieve(text, robot, *states, drive=drive, budget=budget)
-            return _verdicts(found.objects, as_json=as_json)
+            return told(found.objects, as_json=as_json)
         rows = {"satisfies": lambda: [each.model_dump() for each in to.satisfies(*states)]}
         rows["causes"] = lambda: [to.causes(text, *states).model_dump(mode="json", exclude={"motions"})]
         rows["health"] = to.health
@@ -110,18 +109,6 @@ def _rows(rows: list[dict[str, object]], *, as_json: bool, columns: tuple[str, .
     else:
         print_rows(rows, columns or tuple(rows[0] if rows else ()), "table")
     return 0
-
-
-def _verdicts(objects: tuple[dict[str, object], ...], *, as_json: bool) -> int:
-    if as_json:
-        print_json(list(objects))
-    else:
-        for each in objects:
-            print_verdict(each)
-    outcomes = {each["outcome"] for each in objects}
-    if outcomes == {"certified"}:
-        return 0
-    return ABSTAINED_EXIT if outcomes == {"abstained"} else SOME_NOT_EXIT
 
 
 @click.command()

@@ -1,12 +1,29 @@
 """A verdict's JSON object in words."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import click
 
+from services.commands.show import print_json
+
 Json = dict[str, Any]  # what `predicates.record.to_json` gives
 
+SOME_NOT_EXIT, ABSTAINED_EXIT = 1, 3
 PREDICATES = ("satisfies_request", "causes", "can_perform")
+
+
+def told(objects: Sequence[Json], *, as_json: bool) -> int:
+    """Print the verdicts; the exit code: 0 all certified, 1 some not, 3 all abstained."""
+    if as_json:
+        print_json(list(objects))
+    else:
+        for each in objects:
+            print_verdict(each)
+    outcomes = {each["outcome"] for each in objects}
+    if outcomes == {"certified"}:
+        return 0
+    return ABSTAINED_EXIT if outcomes == {"abstained"} else SOME_NOT_EXIT
 
 
 def print_verdict(verdict: Json) -> None:
