@@ -31,6 +31,7 @@ from services.bus.messages import (
     encode,
 )
 from services.bus.problems import Problem, ProblemType, problem, problem_of
+from services.bus.replies import reply
 from services.bus.sweeps import Sweeps
 from services.bus.work.deadlines import Deadlines
 from services.bus.work.jobs import Done, Kept, Task, Waiter
@@ -63,15 +64,9 @@ class Question:
         """Reply, and let the asker know that this was all."""
         if isinstance(outcome, Done) and len(outcome.payload) > MAX_REPLY:
             outcome = problem(ProblemType.TOO_LARGE, f"the answer has {len(outcome.payload)} bytes")
-        with self.query:
-            try:
-                if isinstance(outcome, Done):
-                    self.query.reply(self.reply_key, outcome.payload, encoding=outcome.encoding)
-                else:
-                    log.info("%s %s %s: %s", self.header.id, self.twin, self.verb.value, outcome.detail)
-                    self.query.reply_err(outcome.model_dump_json().encode(), encoding=JSON)
-            except zenoh.ZError as error:  # the asker has gone
-                log.info("%s %s: nobody took the reply: %s", self.header.id, self.verb.value, error)
+        if isinstance(outcome, Problem):
+            log.info("%s %s %s: %s", self.header.id, self.twin, self.verb.value, outcome.detail)
+        reply(self.query, self.reply_key, outcome)
 
 
 class Server:

@@ -1,6 +1,5 @@
 """An oracle on its own: answers the bus until it is closed."""
 
-import logging
 import time
 import uuid
 from collections.abc import Callable, Iterator
@@ -11,15 +10,14 @@ import zenoh
 from sdt_kg.errors import SdtError
 from services.bus import keys
 from services.bus.keys import Oracle
-from services.bus.messages import CBOR, JSON, MAX_REQUEST, Header, decode
+from services.bus.messages import CBOR, MAX_REQUEST, Header, decode
 from services.bus.oracles.handler import OracleSetup
 from services.bus.problems import Problem, ProblemType, TooLargeError, problem, problem_of
+from services.bus.replies import reply
 from services.bus.work.deadlines import Deadlines
 from services.bus.work.jobs import Done, Task, Waiter
 from services.bus.work.memory import NoMemory
 from services.bus.work.pool import Pool
-
-log = logging.getLogger(__name__)
 
 WAITING = 32
 """Questions that may wait for the oracle's worker."""
@@ -61,14 +59,4 @@ def _understood(query: zenoh.Query, answer: Callable[[Done | Problem], None]) ->
 
 
 def _answerer(query: zenoh.Query) -> Callable[[Done | Problem], None]:
-    def answer(outcome: Done | Problem) -> None:
-        with query:
-            try:
-                if isinstance(outcome, Done):
-                    query.reply(query.key_expr, outcome.payload, encoding=outcome.encoding)
-                else:
-                    query.reply_err(outcome.model_dump_json().encode(), encoding=JSON)
-            except zenoh.ZError as error:  # the asker has gone
-                log.info("nobody took the reply: %s", error)
-
-    return answer
+    return lambda outcome: reply(query, str(query.key_expr), outcome)

@@ -1,0 +1,23 @@
+"""Answering a Zenoh query: once, and so that the asker knows that this was all."""
+
+import logging
+
+import zenoh
+
+from services.bus.messages import JSON
+from services.bus.problems import Problem
+from services.bus.work.jobs import Done
+
+log = logging.getLogger(__name__)
+
+
+def reply(query: zenoh.Query, key: str, outcome: Done | Problem) -> None:
+    """The reply or the error is sent under the key, and the query is over."""
+    with query:
+        try:
+            if isinstance(outcome, Done):
+                query.reply(key, outcome.payload, encoding=outcome.encoding)
+            else:
+                query.reply_err(outcome.model_dump_json().encode(), encoding=JSON)
+        except zenoh.ZError as error:  # the asker has gone
+            log.info("nobody took the reply under %s: %s", key, error)
