@@ -1,6 +1,7 @@
 """Fixtures for all tests."""
 
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 from sdt_kg.annotation import Drive
 from services.app import Policy
 from services.table import TableResult, cells, run
+from tests.browser import Browser, installed, started
 
 PROJECT = Path(__file__).resolve().parent.parent
 
@@ -32,6 +34,15 @@ def reference() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no reference data at {folder}: set SDT_REFERENCE")
     return folder
+
+
+@pytest.fixture
+def browser() -> Iterator[Browser]:
+    """Headless Chromium with an empty profile; the test is skipped, visibly, where it is not installed."""
+    if not installed():
+        pytest.skip("no chromium and chromedriver on the PATH: apt-get install chromium chromium-driver")
+    with started() as one:
+        yield one
 
 
 @dataclass(frozen=True)

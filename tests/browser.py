@@ -1,0 +1,98 @@
+"""A real headless Chromium, and what pages asked of it: requests, console messages, pictures."""
+
+import json
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from ipaddress import ip_address
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from selenium.webdriver import Chrome, ChromeOptions, ChromeService
+
+# Chromium's own calls home are switched off, so that a foreign request is one of the page's.
+QUIET = (
+    "--headless=new",
+    "--no-sandbox",
+    "--no-first-run",
+    "--disable-quic",
+    "--disable-sync",
+    "--disable-component-update",
+    "--disable-background-networking",
+    "--disable-dev-shm-usage",
+    "--hide-scrollbars",
+    # Software WebGL: machines of tests have no graphics card.
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+)
+LOCAL_SCHEMES = {"about", "blob", "chrome", "data", "devtools", "file"}
+
+
+@dataclass(frozen=True)
+class Browser:
+    """Chromium with one window. What is read from a log is taken out of it."""
+
+    driver: Chrome
+
+    def resize(self, width: int, height: int) -> None:
+        """The page is width × height px, as on a phone or a laptop (a window cannot be narrower than 500)."""
+        self.driver.execute_cdp_cmd(
+            "Emulation.setDeviceMetricsOverride",
+            {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False},
+        )
+
+    def console_errors(self) -> list[str]:
+        """What the page wrote on the console as an error since the last call."""
+        return [str(each["message"]) for each in self.driver.get_log("browser") if each["level"] == "SEVERE"]
+
+    def foreign_requests(self) -> list[str]:
+        """Addresses beyond this machine asked for since the last call."""
+        return [url for url in self._requests() if not _is_local(url)]
+
+    def _requests(self) -> Iterator[str]:
+        for entry in self.driver.get_log("performance"):
+            message = json.loads(str(entry["message"]))["message"]
+            if message["method"] == "Network.requestWillBeSent":
+                yield message["params"]["request"]["url"]
+            elif message["method"] == "Network.webSocketCreated":
+                yield message["params"]["url"]
+
+    def picture(self, path: Path) -> None:
+        """The whole page as PNG."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self.driver.save_screenshot(str(path))
+
+
+def _is_local(url: str) -> bool:
+    parts = urlsplit(url)
+    if parts.scheme in LOCAL_SCHEMES:
+        return True
+    host = parts.hostname or ""
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def installed() -> bool:
+    """Chromium and its driver are on the PATH."""
+    return shutil.which("chromium") is not None and shutil.which("chromedriver") is not None
+
+
+@contextmanager
+def started(width: int = 1280, height: int = 720) -> Iterator[Browser]:
+    """A browser with an empty profile, gone at the end."""
+    options = ChromeOptions()
+    options.binary_location = str(shutil.which("chromium"))
+    for argument in (*QUIET, f"--window-size={width},{height}"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    driver = Chrome(options=options, service=ChromeService(shutil.which("chromedriver")))
+    try:
+        browser = Browser(driver)
+        browser.resize(width, height)
+        yield browser
+    finally:
+        driver.quit()
