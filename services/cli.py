@@ -1,80 +1,70 @@
 """The `sdt` command."""
 
 import sys
+import traceback
 from importlib.metadata import version
 
 import click
 
 from sdt_kg.errors import InputError, SdtError
-from services.commands import (
-    achieve,
-    ask,
-    branch,
-    bus,
-    kitchens,
-    learn,
-    mcp,
-    ontology,
-    place,
-    reason,
-    recheck,
-    robot,
-    serve,
-    table,
-    task,
-    whatif,
-    why,
+from services.commands.exits import MEANING, Exit
+from services.commands.lazy import LazyGroup, Listed
+
+HERE = "services.commands"
+SECTIONS = {
+    "Kitchens and robots": {
+        "containers": Listed(f"{HERE}.kitchens.models:containers", "What counts as a container, its limits."),
+        "scope": Listed(f"{HERE}.kitchens.models:scope", "Is it inside the class D_artic? (SHACL)"),
+        "graph": Listed(f"{HERE}.kitchens.models:graph", "Write the twin as RDF."),
+        "robot": Listed(f"{HERE}.kitchens.robot:robot", "A first annotation for a robot of your own."),
+        "query": Listed(f"{HERE}.graphs.query:query", "SPARQL over a twin or over saved verdicts."),
+        "reason": Listed(f"{HERE}.graphs.reason:reason", "Is it consistent, and what follows from it?"),
+        "ontology": Listed(f"{HERE}.graphs.ontology:ontology_command", "The ontology as one page."),
+    },
+    "The Law": {
+        "achieve": Listed(f"{HERE}.law.achieve:achieve", "Can this robot do that task? Makes or verifies τ."),
+        "satisfies": Listed(f"{HERE}.law.predicates:satisfies", "Which requests does a state meet?"),
+        "causes": Listed(f"{HERE}.law.predicates:causes", "Which motions would cause a task? No robot."),
+        "place": Listed(f"{HERE}.law.place:place", "Where may the base stand for a task?"),
+        "table": Listed(f"{HERE}.law.table:table", "Every container of some kitchens for some robots."),
+        "task": Listed(f"{HERE}.law.task:task_command", "Steps, rules on the way, the best motion by J."),
+        "learn": Listed(f"{HERE}.law.learn:learn_command", "Which joint moves what was seen?"),
+        "whatif": Listed(f"{HERE}.law.whatif:whatif", "The same question in another world."),
+    },
+    "Saved verdicts and branches": {
+        "why": Listed(f"{HERE}.saved.why:why_command", "A stored verdict in plain words."),
+        "recheck": Listed(f"{HERE}.saved.recheck:recheck", "Verify certificates and proofs again."),
+        "branch": Listed(f"{HERE}.graphs.branch:branch", "Edit a kitchen; every edit is a branch."),
+        "diff": Listed(f"{HERE}.graphs.branch:diff", "How two twins differ, in sentences."),
+        "patch": Listed(f"{HERE}.graphs.branch:patch", "Apply or undo a difference."),
+    },
+    "Services": {
+        "serve": Listed(f"{HERE}.network.serve:serve", "SPARQL, graphs, JSON and pages over HTTP; Zenoh."),
+        "ask": Listed(f"{HERE}.network.bus:ask", "Ask a server over Zenoh."),
+        "oracle": Listed(f"{HERE}.network.bus:oracle", "Answer for Causes or CanPerform on the bus."),
+        "router": Listed(f"{HERE}.network.bus:router", "Route between servers, oracles and askers."),
+        "mcp": Listed(f"{HERE}.network.mcp:mcp_command", "Tools for agents (MCP)."),
+    },
+}
+"""Each subcommand once, where the help lists it; imported when it is run."""
+
+CLOSING = "Exit codes:\n" + "\n".join(f"  {code.value:<11}{text}" for code, text in MEANING.items())
+
+
+@click.group(
+    cls=LazyGroup,
+    sections=SECTIONS,
+    closing=CLOSING,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
 )
-
-BAD_INPUT_EXIT = 2
-NO_ORACLE_EXIT = 4
-INTERRUPTED_EXIT = 130
-
-
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
 @click.version_option(version("sdt-kg"), prog_name="sdt")
 def sdt() -> None:
-    r"""Certify that a robot's body motion will achieve a task.
+    """Certify that a robot's body motion will achieve a task.
 
     A verdict is certified when three predicates hold: SatisfiesRequest (the final state meets the request),
     Causes (physics under the motion ends there) and CanPerform (the robot can do it inside its limits and
     without collision). Everything is relative to the class D_artic: outside it the answer is 'abstained'.
-
-    \b
-    Exit codes   0 done, all certified or in scope    2 bad input
-                 1 some not certified                 3 abstained, out of scope
-                 4 an oracle is unavailable
     """
-
-
-for command in (
-    kitchens.containers,
-    kitchens.graph,
-    kitchens.scope,
-    ask.query,
-    ask.satisfies,
-    ask.causes,
-    achieve.achieve,
-    recheck.recheck,
-    place.place,
-    learn.learn_command,
-    table.table,
-    task.task_command,
-    robot.robot,
-    whatif.whatif,
-    bus.ask,
-    bus.oracle,
-    bus.router,
-    why.why_command,
-    ontology.ontology_command,
-    serve.serve,
-    mcp.mcp_command,
-    branch.branch,
-    branch.diff,
-    branch.patch,
-    reason.reason,
-):
-    sdt.add_command(command)
 
 
 def main() -> None:
@@ -83,15 +73,34 @@ def main() -> None:
         sdt.main(standalone_mode=False)
     except click.ClickException as error:
         error.show()
-        sys.exit(error.exit_code)
+        sys.exit(Exit.BAD_INPUT)
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted: verdicts which were finished are saved", err=True)
-        sys.exit(INTERRUPTED_EXIT)
+        sys.exit(Exit.INTERRUPTED)
     except SdtError as error:
         click.echo(f"error: {error}", err=True)
-        sys.exit(BAD_INPUT_EXIT if isinstance(error, InputError) else NO_ORACLE_EXIT)
+        sys.exit(Exit.BAD_INPUT if isinstance(error, InputError) else Exit.NO_ORACLE)
     except BrokenPipeError:
         sys.stderr.close()
+        sys.exit(Exit.BROKEN_PIPE)
+    except OSError as error:
+        _exit_for_file(error)
+    except Exception:  # noqa: BLE001 - the edge: told whole, with a code that no verdict has
+        _exit_for_bug()
+
+
+def _exit_for_file(error: OSError) -> None:
+    """A file that was named and cannot be read or written is bad input; anything else is not."""
+    if error.filename is None:
+        _exit_for_bug()
+    click.echo(f"error: {error.filename}: {(error.strerror or 'cannot be used').lower()}", err=True)
+    sys.exit(Exit.BAD_INPUT)
+
+
+def _exit_for_bug() -> None:
+    traceback.print_exc()
+    click.echo("this is a bug of sdt, and no verdict; please report the lines above", err=True)
+    sys.exit(Exit.BUG)
 
 
 if __name__ == "__main__":

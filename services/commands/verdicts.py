@@ -5,11 +5,11 @@ from typing import Any
 
 import click
 
+from services.commands.exits import Exit
 from services.commands.show import print_json
 
 Json = dict[str, Any]  # what `predicates.record.to_json` gives
 
-SOME_NOT_EXIT, ABSTAINED_EXIT = 1, 3
 PREDICATES = ("satisfies_request", "causes", "can_perform")
 
 
@@ -22,8 +22,8 @@ def told(objects: Sequence[Json], *, as_json: bool) -> int:
             print_verdict(each)
     outcomes = {each["outcome"] for each in objects}
     if outcomes == {"certified"}:
-        return 0
-    return ABSTAINED_EXIT if outcomes == {"abstained"} else SOME_NOT_EXIT
+        return Exit.DONE
+    return Exit.ABSTAINED if outcomes == {"abstained"} else Exit.NO
 
 
 def print_verdict(verdict: Json) -> None:

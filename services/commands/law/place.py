@@ -5,6 +5,7 @@ import click
 from sdt_kg.errors import InputError
 from sdt_kg.task import UNKNOWN
 from services.app import load
+from services.commands.exits import Exit
 from services.commands.options import (
     KITCHEN_HELP,
     ROBOT_HELP,
@@ -16,8 +17,6 @@ from services.commands.options import (
 )
 from services.commands.show import print_json
 from services.requests import parse_task
-
-NONE_EXIT = 1
 
 
 @click.command()
@@ -60,4 +59,4 @@ def place(
     else:
         for line in answer.lines(found):
             click.echo(line)
-    raise SystemExit(0 if found.spots else NONE_EXIT)
+    raise SystemExit(0 if found.spots else Exit.NO)

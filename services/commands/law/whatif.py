@@ -10,6 +10,7 @@ from predicates.record import diagnosis_json, to_json
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from services.app import Policy, load
+from services.commands.exits import Exit
 from services.commands.options import (
     KITCHEN_HELP,
     ROBOT_HELP,
@@ -28,7 +29,6 @@ SCAN = 8
 """Shares of the change that are tried first."""
 TOLERANCE = 0.01
 """[1] Of the share of the change, to which the smallest one is told."""
-SOME_NOT_EXIT = 1
 WORDS = {True: "yes", False: "no", None: "not asked"}
 
 
@@ -86,7 +86,7 @@ def whatif(
         print_json(said)
     else:
         _print_contrast(said)
-    raise SystemExit(0 if found.counterfactual.outcome.value == "certified" else SOME_NOT_EXIT)
+    raise SystemExit(0 if found.counterfactual.outcome.value == "certified" else Exit.NO)
 
 
 def _judged(world: World, task: str) -> Verdict:
@@ -117,7 +117,7 @@ def _turned(world: World, task: str, changes: tuple[Change, ...], *, as_json: bo
         print_json(said)
     else:
         _print_turn(said)
-    return 0 if found.after is not None else SOME_NOT_EXIT
+    return 0 if found.after is not None else Exit.NO
 
 
 def _amount(change: Change, world: World, share: float) -> str:

@@ -12,7 +12,8 @@ from predicates.learn.phases import Plain
 from sdt_kg.errors import InputError
 from sdt_kg.mechanism import Pose
 from services.app import Service, load
-from services.commands.learned import (
+from services.commands.exits import Exit
+from services.commands.law.learned import (
     kitchen_row,
     learned_row,
     proposal_row,
@@ -25,8 +26,6 @@ from services.commands.show import print_json
 from services.commands.verdicts import Json
 from services.learning import branch_triples, held_by, placed, proposal_for, seen_in, write_branch
 from services.tracks import read_track
-
-NOT_REPLAYED_EXIT = 1
 
 
 @click.command("learn")
@@ -107,7 +106,7 @@ def learn_command(
     else:
         _show(row)
     if kitchen is not None and not row["kitchen"]["replayed"] and not row["accepted"]:
-        raise SystemExit(NOT_REPLAYED_EXIT)
+        raise SystemExit(Exit.NO)
 
 
 def _show(row: Json) -> None:

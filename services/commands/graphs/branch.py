@@ -12,8 +12,8 @@ from sdt_kg.history.diff import difference, quads_of_twin
 from sdt_kg.history.patch import patch_of, read_patch
 from sdt_kg.history.records import record_graph
 from sdt_kg.iri import local_name
+from services.commands.graphs.saved_graphs import checked_format, graph_of, write_graph
 from services.commands.options import ROBOT_HELP, annotation_option, json_flag, kitchen_argument
-from services.commands.saved_graphs import checked_format, graph_of, write_graph
 from services.commands.show import print_json, print_rows
 from services.edits import EDITS, parse_edit, twin_of
 

@@ -9,6 +9,7 @@ from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin
 from sdt_kg.scope import D_ARTIC, report_turtle, violations
 from sdt_kg.twin import Container
+from services.commands.exits import Exit
 from services.commands.options import ROBOT_HELP, annotation_option, json_flag, kitchen_argument
 from services.commands.show import console, print_json, print_rows
 
@@ -25,7 +26,6 @@ COLUMNS = (
     "acceleration",
 )
 GRAPH_FORMATS = {".ttl": "turtle", ".trig": "trig", ".nq": "nquads"}
-OUT_OF_SCOPE_EXIT = 3
 
 
 @click.command()
@@ -110,4 +110,4 @@ def scope(kitchen: str, robot: str | None, annotation: str | None, form: str, as
             + (f", robot {robot}" if robot else "")
         )
     if rows:
-        raise SystemExit(OUT_OF_SCOPE_EXIT)
+        raise SystemExit(Exit.ABSTAINED)

@@ -12,6 +12,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from services.app import Policy, load
+from services.commands.exits import Exit
 from services.commands.options import (
     KITCHEN_HELP,
     ROBOT_HELP,
@@ -26,8 +27,6 @@ from services.commands.show import print_json
 from services.commands.verdicts import Json, diagnosis_text
 from services.requests import parse_base
 from services.specifications import StepResult, TaskResult, achieve_task, ready, specification_of
-
-SOME_NOT_EXIT, ABSTAINED_EXIT = 1, 3
 
 BETWEEN = (
     "each step is certified by itself: the robot begins it at its start pose, parked; its way back there "
@@ -82,8 +81,8 @@ def task_command(
         print_json(said)
     else:
         _print(said)
-    exits = {Outcome.CERTIFIED: 0, Outcome.ABSTAINED: ABSTAINED_EXIT}
-    raise SystemExit(exits.get(result.outcome, SOME_NOT_EXIT))
+    exits = {Outcome.CERTIFIED: 0, Outcome.ABSTAINED: Exit.ABSTAINED}
+    raise SystemExit(exits.get(result.outcome, Exit.NO))
 
 
 def result_json(result: TaskResult) -> Json:

@@ -6,12 +6,11 @@ from pathlib import Path
 import click
 
 from sdt_kg.iri import local_name
+from services.commands.exits import Exit
+from services.commands.graphs.saved_graphs import checked_format, graph_of, write_graph
 from services.commands.options import ROBOT_HELP, annotation_option, json_flag
-from services.commands.saved_graphs import checked_format, graph_of, write_graph
 from services.commands.show import print_json
 from services.store.reason import Engine, Reasoned, default_engine, reasoned
-
-INCONSISTENT_EXIT = 1
 
 
 @click.command()
@@ -53,7 +52,7 @@ def reason(
     else:
         _say(found)
     if not found.consistent:
-        raise SystemExit(INCONSISTENT_EXIT)
+        raise SystemExit(Exit.NO)
     if output is not None:
         graph.extend(found.quads())
         write_graph(output, graph)

@@ -10,13 +10,12 @@ from sdt_kg.iri import Iri
 from sdt_kg.load import load_twin
 from sdt_kg.state import State
 from sdt_kg.twin import Twin
+from services.commands.exits import Exit
 from services.commands.options import json_flag
 from services.commands.show import print_json
 from services.embodiment.recheck import Rechecked, Saved, recheck_artefact, recheck_verdict
 from services.embodiment.recheck.check import TwinOf
 from services.embodiment.recheck.saved import FORMATS, Entry, by_name
-
-DOES_NOT_HOLD_EXIT = 1
 
 
 @click.command()
@@ -60,7 +59,7 @@ def recheck(
         print_json([_json(each) for each in results])
     else:
         _print(results, without)
-    raise SystemExit(0 if all(each.holds for each in results) else DOES_NOT_HOLD_EXIT)
+    raise SystemExit(0 if all(each.holds for each in results) else Exit.NO)
 
 
 def _given(kitchen: str | None, robot: str | None, annotation: str | None) -> TwinOf | None:

@@ -1,0 +1,1 @@
+"""Graphs: queries, branches, differences, reasoning, the ontology's page."""

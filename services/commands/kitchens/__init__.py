@@ -1,0 +1,1 @@
+"""Kitchens and robots, before any question of motion."""

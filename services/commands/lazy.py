@@ -1,0 +1,92 @@
+"""A group whose subcommands are imported when they are run, so that help and completion are at once."""
+
+from collections.abc import Iterator, Mapping, MutableMapping
+from dataclasses import dataclass
+from importlib import import_module
+
+import click
+from click.shell_completion import CompletionItem
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """A subcommand as the group's help lists it.
+
+    Attributes:
+        place: `module:attribute` of the command.
+        help: What it does, in half a line.
+    """
+
+    place: str
+    help: str
+
+    def load(self) -> click.Command:
+        """The command, imported."""
+        module, attribute = self.place.split(":")
+        return getattr(import_module(module), attribute)
+
+
+class LazyGroup(click.Group):
+    """A group of listed subcommands, in sections.
+
+    Attributes:
+        sections: Title of each section, and its subcommands by name.
+        closing: What the help says at the end, line by line.
+    """
+
+    def __init__(
+        self, sections: Mapping[str, Mapping[str, Listed]], closing: str, **attributes: object
+    ) -> None:
+        super().__init__(**attributes)  # pyright: ignore[reportArgumentType]  # those of click.Group
+        self.sections, self.closing = sections, closing
+        self.commands = _Loading(
+            {name: each for section in sections.values() for name, each in section.items()}
+        )
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """The sections as they are listed, with nothing imported."""
+        del ctx
+        width = max(len(name) for section in self.sections.values() for name in section)
+        for title, section in self.sections.items():
+            with formatter.section(title):
+                formatter.write_dl([(f"{name:<{width}}", each.help) for name, each in section.items()])
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """The closing lines, not wrapped."""
+        del ctx
+        formatter.write("\n")
+        for line in self.closing.splitlines():
+            formatter.write(f"{line}\n")
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Names of subcommands, with nothing imported."""
+        found = [
+            CompletionItem(name, help=each.help)
+            for section in self.sections.values()
+            for name, each in section.items()
+            if name.startswith(incomplete)
+        ]
+        return [*found, *click.Command.shell_complete(self, ctx, incomplete)]
+
+
+class _Loading(MutableMapping[str, click.Command]):
+    """Subcommands by name, each imported when it is looked up."""
+
+    def __init__(self, listed: Mapping[str, Listed]) -> None:
+        self._listed: dict[str, Listed | click.Command] = dict(listed)
+
+    def __getitem__(self, name: str) -> click.Command:
+        found = self._listed[name]
+        return found.load() if isinstance(found, Listed) else found
+
+    def __setitem__(self, name: str, command: click.Command) -> None:
+        self._listed[name] = command
+
+    def __delitem__(self, name: str) -> None:
+        del self._listed[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._listed)
+
+    def __len__(self) -> int:
+        return len(self._listed)

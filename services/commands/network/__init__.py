@@ -1,0 +1,1 @@
+"""Services: HTTP, Zenoh, tools for agents."""

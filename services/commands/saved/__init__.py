@@ -1,0 +1,1 @@
+"""Verdicts that were kept: told, and checked again."""
