@@ -65,6 +65,7 @@ class Settings:
         workers: Processes that evaluate queries.
         judges: Processes that judge cases.
         warm: Whether they are started at once, rather than with the first case.
+        viewer: Address of the 3D page, `http://127.0.0.1:8090` say, to which pages link; None without one.
     """
 
     hosts: frozenset[str] = frozenset(LOOPBACK_NAMES)
@@ -76,6 +77,7 @@ class Settings:
     workers: int = 2
     judges: int = 1
     warm: bool = False
+    viewer: str | None = None
 
 
 def host_names(address: Address, others: Iterable[str] = ()) -> frozenset[str]:

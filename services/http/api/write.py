@@ -5,7 +5,7 @@ import json
 from typing import Final
 
 import pyoxigraph as ox
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, FastAPI, Request
 
 from predicates.record import Record
 from sdt_kg.errors import InputError, UnknownEntityError
@@ -21,6 +21,7 @@ from services.http.api.models import (
     StateBody,
 )
 from services.http.api.read import Json, state_json, world_of
+from services.http.world import World
 from services.requests import parse_state
 from services.store.files import graph_of
 from services.store.workers import Asked
@@ -54,7 +55,12 @@ async def achieve(request: Request, body: AchieveBody) -> Json:
 
     This is the only way in which a verdict gets into the graph: what somebody else judged is not taken.
     """
-    world = world_of(request)
+    return await judged(request.app, body)
+
+
+async def judged(app: FastAPI, body: AchieveBody) -> Json:
+    """The verdicts, which are kept by then."""
+    world: World = app.state.world
     kitchen = world.kitchen(body.kitchen)
     question = {
         "do": "achieve",
@@ -62,7 +68,7 @@ async def achieve(request: Request, body: AchieveBody) -> Json:
         "states": [*kitchen.states, *body.state],
         **body.model_dump(exclude={"kitchen", "state", "seconds"}),
     }
-    reply = await request.app.state.judges.judge(question, body.seconds)
+    reply = await app.state.judges.judge(question, body.seconds)
     for iri, quads in reply.pop("records"):
         await world.write_verdict(_record(iri, quads))
     return reply
