@@ -3,12 +3,15 @@
 import sys
 import traceback
 from importlib.metadata import version
+from pathlib import Path
 
 import click
 
 from sdt_kg.errors import InputError, SdtError
 from services.commands.exits import MEANING, Exit
 from services.commands.lazy import LazyGroup, Listed
+from services.configuration.read import settings
+from services.configuration.settle import default_map
 
 HERE = "services.commands"
 SECTIONS = {
@@ -27,6 +30,9 @@ SECTIONS = {
         "causes": Listed(f"{HERE}.law.predicates:causes", "Which motions would cause a task? No robot."),
         "place": Listed(f"{HERE}.law.place:place", "Where may the base stand for a task?"),
         "table": Listed(f"{HERE}.law.table:table", "Every container of some kitchens for some robots."),
+        "sweep": Listed(
+            f"{HERE}.law.sweep:sweep", "Many cases: a grid, a CSV or a query; resumed if stopped."
+        ),
         "task": Listed(f"{HERE}.law.task:task_command", "Steps, rules on the way, the best motion by J."),
         "learn": Listed(f"{HERE}.law.learn:learn_command", "Which joint moves what was seen?"),
         "whatif": Listed(f"{HERE}.law.whatif:whatif", "The same question in another world."),
@@ -37,6 +43,9 @@ SECTIONS = {
         "branch": Listed(f"{HERE}.graphs.branch:branch", "Edit a kitchen; every edit is a branch."),
         "diff": Listed(f"{HERE}.graphs.branch:diff", "How two twins differ, in sentences."),
         "patch": Listed(f"{HERE}.graphs.branch:patch", "Apply or undo a difference."),
+    },
+    "This program": {
+        "config": Listed("services.configuration.command:config", "Settings, and where each comes from."),
     },
     "Services": {
         "serve": Listed(f"{HERE}.network.serve:serve", "SPARQL, graphs, JSON and pages over HTTP; Zenoh."),
@@ -57,14 +66,25 @@ CLOSING = "Exit codes:\n" + "\n".join(f"  {code.value:<11}{text}" for code, text
     closing=CLOSING,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
 )
+@click.option(
+    "--config",
+    type=click.Path(path_type=Path),
+    metavar="FILE.toml",
+    help="Settings; else SDT_CONFIG, ./sdt.toml, ~/.config/sdt/config.toml (sdt config --help).",
+)
 @click.version_option(version("sdt-kg"), prog_name="sdt")
-def sdt() -> None:
+@click.pass_context
+def sdt(context: click.Context, config: Path | None) -> None:
     """Certify that a robot's body motion will achieve a task.
 
     A verdict is certified when three predicates hold: SatisfiesRequest (the final state meets the request),
     Causes (physics under the motion ends there) and CanPerform (the robot can do it inside its limits and
     without collision). Everything is relative to the class D_artic: outside it the answer is 'abstained'.
     """
+    context.obj = said = settings(tuple(sdt.commands), config)
+    name = context.invoked_subcommand
+    if name is not None and name in sdt.commands:
+        context.default_map = {name: default_map(name, sdt.commands[name], said)}
 
 
 def main() -> None:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from services.ontology_page import page
-from tests.services.commands.conftest import Done
+from tests.services.conftest import Done
 
 
 def test_the_page_is_written_or_printed(tmp_path: Path, sdt: Callable[..., Done]) -> None:

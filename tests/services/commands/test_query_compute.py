@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.services.commands.conftest import Done
+from tests.services.conftest import Done
 
 SMALL = Path(__file__).resolve().parents[2] / "small"
 KITCHEN, ROBOT = str(SMALL / "b.urdf"), str(SMALL / "pr2.urdf")

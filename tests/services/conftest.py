@@ -1,6 +1,7 @@
 """Run `sdt` as a person does, in this process."""
 
 import json
+import os
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -27,6 +28,8 @@ class Done:
 @pytest.fixture
 def sdt(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., Done]:
     """`sdt("containers", "b")` → exit code, standard output, standard error."""
+
+    monkeypatch.setenv("SDT_CONFIG", os.devnull)  # whoever runs the tests may have settings
 
     def run(*arguments: str) -> Done:
         monkeypatch.setattr(sys, "argv", ["sdt", *arguments])
