@@ -1,0 +1,142 @@
+r"""What pushes back at a container's handle: parameters as intervals, and the rigid body that moves.
+
+With q the container's own joint, 0 closed, r the distance of the handle from the axis (1 for a slide):
+
+.. math::
+    r F = M \ddot q + m w \gamma(q) + k (q - q_0) + L(q) + S(q) + (b + d(q, \dot q)) \dot q + \lambda
+
+M = m u κ with κ and γ from the twin's shapes (Pinocchio), u and w factors that say how far mass may be
+from uniform; L a latch that pulls shut and lets go over its width; S and d a soft closer, which pulls
+within its range and damps closing there; λ friction: within ± break-away at rest, ± Coulomb while sliding.
+"""
+
+from dataclasses import astuple, dataclass, fields
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.iri import Iri
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Values:
+    """One value of each parameter, in SI units of the joint: N and m for a slide, N m and rad for a hinge.
+
+    Attributes:
+        mass: Of all that moves, contents included [kg].
+        inertia: u, share of the inertia that uniform mass would have.
+        weight: w, share of the moment of weight that uniform mass would have.
+        coulomb: Friction while sliding.
+        break_away: Friction that rest can bear; not below `coulomb`.
+        viscous: b, per speed.
+        stiffness: k of the spring.
+        latch: Force with which the latch holds at the lower stop.
+        closer: Pull of the soft closer towards the lower stop.
+        closer_damping: d, per speed, while closing.
+    """
+
+    mass: float
+    inertia: float
+    weight: float
+    coulomb: float
+    break_away: float
+    viscous: float
+    stiffness: float
+    latch: float
+    closer: float
+    closer_damping: float
+
+    def array(self) -> Array:
+        """In the order of the attributes."""
+        return np.array(astuple(self))
+
+
+NAMES = tuple(each.name for each in fields(Values))
+
+
+@dataclass(frozen=True, slots=True)
+class ForceModel:
+    """I_Φ of one mechanism: every value between two.
+
+    Attributes:
+        lower, upper: Least and largest value of each parameter.
+        rest: Position at which the spring is at rest [rad or m].
+        latch_width: Way over which the latch lets go [rad or m].
+        closer_range: Way from the lower stop within which the soft closer works [rad or m].
+        allowed: Force at the handle that is allowed [N].
+        iri: Individual that says so.
+    """
+
+    lower: Values
+    upper: Values
+    rest: float
+    latch_width: float
+    closer_range: float
+    allowed: float
+    iri: Iri = ""
+
+    def corners(self) -> list[Values]:
+        """Every combination of ends, for refuting: never a proof of anything about what lies between."""
+        ends = [
+            (low, high) if low < high else (low,)
+            for low, high in zip(astuple(self.lower), astuple(self.upper), strict=True)
+        ]
+        found = (Values(*each) for each in product(*ends))
+        return [each for each in found if each.coulomb <= each.break_away]
+
+    def middle(self) -> Values:
+        """The middle of every interval."""
+        return Values(*((self.lower.array() + self.upper.array()) / 2).tolist())
+
+    def __contains__(self, values: Values) -> bool:
+        low, high = self.lower.array(), self.upper.array()
+        inside = bool(((low <= values.array()) & (values.array() <= high)).all())
+        return inside and values.coulomb <= values.break_away
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """The rigid body that a container's joint moves, for one kilogram of it.
+
+    Attributes:
+        prismatic: Whether the joint slides.
+        inertia: κ [m² for a hinge, 1 for a slide].
+        cosine, sine, constant: γ(q) = cosine · cos q + sine · sin q + constant: the joint force that
+            holds one kilogram against gravity [N m/kg or N/kg].
+        lever: Least and largest distance of the handle's surface from the axis [m]; 1 for a slide.
+    """
+
+    prismatic: bool
+    inertia: float
+    cosine: float
+    sine: float
+    constant: float
+    lever: tuple[float, float]
+
+    def weight(self, q: Array) -> Array:
+        """γ(q), shape of q."""
+        return self.cosine * np.cos(q) + self.sine * np.sin(q) + self.constant
+
+
+@dataclass(frozen=True, slots=True)
+class Mechanics:
+    """All that forces at a container's handle depend on.
+
+    Attributes:
+        joint: IRI of the container's own joint.
+        lower, upper: Its stops [rad or m].
+    """
+
+    joint: Iri
+    forces: ForceModel
+    load: Load
+    lower: float
+    upper: float
+
+    @property
+    def unit(self) -> str:
+        """Unit of a force of the joint."""
+        return "N" if self.load.prismatic else "N m"
