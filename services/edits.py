@@ -1,8 +1,11 @@
 """What people type, turned into edits of a twin; and the twin that a name, file or store stands for."""
 
 import math
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final
+
+import numpy as np
 
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import (
@@ -19,8 +22,10 @@ from sdt_kg.history import (
 )
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.load import load_twin, model_name
-from sdt_kg.mechanism import Geometry, Pose, ShapeType
+from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, Pose, ShapeType
+from sdt_kg.scenes.build import pose_of
 from sdt_kg.twin import Twin
+from sdt_kg.urdf.meshes import mesh_hash
 from services.motions import read_motion
 from services.requests import parse_state
 from services.store.files import is_saved_graph, readable
@@ -29,12 +34,15 @@ EDITS: Final = {
     "move": "move:JOINT=VALUE (a position, open or closed)",
     "set": "set:JOINT.PROPERTY=NUMBER (upperLimit, velocityLimit …)",
     "pose": "pose:JOINT=X,Y,Z[,ROLL,PITCH,YAW]",
+    "furniture": "furniture:NAME=DX,DY[,DZ[,YAW]] (a body with all on it, or what a container is part of)",
     "box": "box:NAME=SX,SY,SZ@X,Y,Z[,YAW]",
+    "mesh": "mesh:NAME=FILE[*SCALE]@X,Y,Z[,YAW] (an obstacle of triangles: .stl, .obj, .dae)",
     "without": "without:NAME (of an obstacle or robot)",
     "robot": "robot:NAME (bundled, or a path)",
     "follow": "follow:MOTION.npz (joint values, or a body motion)",
 }
 POSE_NUMBERS: Final = (3, 6)
+MESHES: Final = (".stl", ".obj", ".dae")
 
 
 def twin_of(source: str, robots: tuple[str, ...] = (), annotation: str | None = None) -> Twin:
@@ -80,9 +88,7 @@ def parse_edit(twin: Twin, text: str) -> Edit:
         return moved(
             {joint: at for joint, at in after.items() if at != twin.state[joint] and joint not in followers}
         )
-    if verb == "set":
-        return _set(twin, name, value, text)
-    return _placed(twin, verb, name, value, text)
+    return _MAKERS[verb](twin, name, value, text)
 
 
 def _without(twin: Twin, name: str) -> Edit:
@@ -102,22 +108,91 @@ def _set(twin: Twin, name: str, value: str, text: str) -> Edit:
     whole, dot, what = name.rpartition(".")
     if not dot:
         raise InputError(f"'{text}' names no property", allowed=EDITS["set"])
-    (number,) = _numbers(value, (1,), text)
+    (number,) = numbers_of(value, (1,), text)
     return changed(twin, _joint(twin, whole), **{what: number})
 
 
-def _placed(twin: Twin, verb: str, name: str, value: str, text: str) -> Edit:
-    if verb == "pose":
-        numbers = _numbers(value, POSE_NUMBERS, text)
-        return posed(twin, _joint(twin, name), _pose(numbers))
+def _posed(twin: Twin, name: str, value: str, text: str) -> Edit:
+    return posed(twin, _joint(twin, name), _pose(numbers_of(value, POSE_NUMBERS, text)))
+
+
+def _furniture(twin: Twin, name: str, value: str, text: str) -> Edit:
+    """A body and all that hangs on it are elsewhere, turned about the vertical through the body's frame."""
+    x, y, *more = numbers_of(value, (2, 3, 4), text)
+    height, yaw = ([*more, 0.0, 0.0])[:2]
+    kitchen = twin.mechanism(twin.environment)
+    joint = _piece(twin, name)
+    root_T_parent = np.eye(4)
+    for each in _above(kitchen, joint.parent):
+        if each.type is not JointType.FIXED:
+            raise InputError(f"'{name}' hangs on {each.child}, which moves", allowed="what stands still")
+        root_T_parent = each.origin.matrix() @ root_T_parent
+    root_T_child = root_T_parent @ joint.origin.matrix()
+    turn = _pose([0.0, 0.0, 0.0, 0.0, 0.0, yaw]).matrix()[:3, :3]
+    root_T_child[:3, :3] = turn @ root_T_child[:3, :3]
+    root_T_child[:3, 3] += (x, y, height)
+    pose = pose_of(np.linalg.inv(root_T_parent) @ root_T_child)
+    return posed(twin, joint_iri(kitchen.name, joint.name), pose)
+
+
+def _piece(twin: Twin, name: str) -> Joint:
+    """The joint of a body; of a container that of the piece of furniture on which it hangs."""
+    kitchen = twin.mechanism(twin.environment)
+    above = {each.child: each for each in kitchen.joints}
+    containers = {each.name: each for each in twin.containers()}
+    if name in containers:
+        name = kitchen.joint(local_name(containers[name].joint)).parent
+        while name in above and above[name].type is not JointType.FIXED:
+            name = above[name].parent
+    if name not in above:
+        raise UnknownEntityError("piece of furniture", name, above)
+    return above[name]
+
+
+def _above(kitchen: Mechanism, body: str) -> Iterator[Joint]:
+    """The joints between a body and the root, from the body up."""
+    above = {each.child: each for each in kitchen.joints}
+    while body in above:
+        yield above[body]
+        body = above[body].parent
+
+
+def _box(twin: Twin, name: str, value: str, text: str) -> Edit:
     size, _, place = value.partition("@")
-    sides = _numbers(size, (3,), text)
+    sides = numbers_of(size, (3,), text)
     if min(sides) <= 0:
         raise InputError(f"'{text}' has a side that is not above 0", allowed=EDITS["box"])
-    numbers = _numbers(place or "0,0,0", (3, 4), text)
     box = Geometry(ShapeType.BOX, Pose(), tuple(sides))
-    yaw = numbers[3:] or [0.0]
-    return obstacle(twin, name, [box], _pose([*numbers[:3], 0.0, 0.0, *yaw]))
+    return obstacle(twin, name, [box], _upright(place, text))
+
+
+def _mesh(twin: Twin, name: str, value: str, text: str) -> Edit:
+    """A mesh is read where it lies: what the one who types may read."""
+    reference, _, place = value.rpartition("@")
+    file, _, factor = reference.partition("*")
+    path = Path(file).expanduser().resolve()
+    if not path.is_file() or path.suffix.lower() not in MESHES:
+        raise InputError(f"no mesh '{file}'", allowed=EDITS["mesh"])
+    (scale,) = numbers_of(factor or "1", (1,), text)
+    if scale <= 0:
+        raise InputError(f"'{text}' has a scale that is not above 0", allowed=EDITS["mesh"])
+    shape = Geometry(ShapeType.MESH, Pose(), (scale, scale, scale), str(path), mesh_hash(path))
+    return obstacle(twin, name, [shape], _upright(place, text))
+
+
+def _upright(place: str, text: str) -> Pose:
+    """Pose of x, y, z [m] and, where given, yaw [rad]."""
+    x, y, z, *yaw = numbers_of(place or "0,0,0", (3, 4), text)
+    return _pose([x, y, z, 0.0, 0.0, *(yaw or [0.0])])
+
+
+_MAKERS: Final[dict[str, Callable[[Twin, str, str, str], Edit]]] = {
+    "set": _set,
+    "pose": _posed,
+    "furniture": _furniture,
+    "box": _box,
+    "mesh": _mesh,
+}
 
 
 def _joint(twin: Twin, name: str) -> Iri:
@@ -133,7 +208,17 @@ def _joint(twin: Twin, name: str) -> Iri:
     return joint_iri(owner, joint)
 
 
-def _numbers(text: str, counts: tuple[int, ...], whole: str) -> list[float]:
+def numbers_of(text: str, counts: tuple[int, ...], whole: str) -> list[float]:
+    """The finite numbers of a text with commas between.
+
+    Args:
+        text: The numbers.
+        counts: How many they may be.
+        whole: What they are part of, for the error.
+
+    Raises:
+        InputError: They are not so many, or not numbers.
+    """
     try:
         numbers = [float(part) for part in text.split(",")]
     except ValueError:

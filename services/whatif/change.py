@@ -1,24 +1,23 @@
-"""What people type as a counterfactual edit, turned into another world: twin, robot or policy."""
+"""Changes of a world: all at once, or by a share where there is something between nothing and all of it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from sdt_kg.annotation import Drive
-from sdt_kg.entities import Replacement
 from sdt_kg.errors import InputError
-from sdt_kg.history import Rewritten, posed
-from sdt_kg.iri import SDT, Iri, joint_iri, local_name
-from sdt_kg.load import load_twin, model_name
+from sdt_kg.history import posed
+from sdt_kg.iri import joint_iri, local_name
 from sdt_kg.mechanism import Joint, Pose
 from sdt_kg.twin import Container, Twin
-from services.app import Service
-from services.edits import EDITS, parse_edit
+from services.edits import EDITS, numbers_of
 from services.requests import parse_base, parse_state
+from services.whatif.payload import FORM
+from services.whatif.whole import WHOLE
+from services.whatif.world import World
 
-TWIN_EDITS: Final = ("move", "set", "pose", "box", "without")
+TWIN_EDITS: Final = ("move", "set", "pose", "furniture", "box", "mesh", "without")
 
 KINDS: Final = {
     "robot": "robot:NAME (another robot does it: bundled, or a path)",
@@ -28,27 +27,13 @@ KINDS: Final = {
     "handle": "handle:CONTAINER=DX,DY,DZ (its handle is moved, in the frame of its body) [m]",
     "jam": "jam:CONTAINER (its joint is stuck)",
     "broken": "broken:GRIPPER (the robot cannot use it)",
+    "payload": f"{FORM} (a box is in it: it cannot be used, and the box must touch nothing) [m, kg]",
     **{name: EDITS[name] for name in TWIN_EDITS},
 }
 """Kind → how it is written, and what it means."""
 
-
-@dataclass(frozen=True, slots=True)
-class World:
-    """Where a question is asked, and of whom.
-
-    Attributes:
-        service: Kitchen, robots and policy.
-        robot: Bundled name or path, as loaded.
-    """
-
-    service: Service
-    robot: str
-
-    @property
-    def robot_iri(self) -> Iri:
-        """IRI of the robot that is asked about."""
-        return self.service.robot(model_name(self.robot))
+OF_ROBOT: Final = frozenset({"robot", "kitchen", "broken", "payload"})
+"""Kinds that make another world for each robot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,12 +65,12 @@ def parse_change(text: str) -> Change:
     kind, colon, rest = text.partition(":")
     if kind not in KINDS or not colon or not rest:
         raise InputError(f"'{text}' is no edit", allowed="; ".join(KINDS.values()))
-    if kind in _WHOLE:
-        whole = _WHOLE[kind]
+    if kind in WHOLE:
+        whole = WHOLE[kind]
         return Change(text, lambda world, share: whole(world, rest) if share > 0 else world)
-    if kind in {"move", "set", "base", "handle"}:
+    if kind in _ENDS:
         return _gradual(text, kind, rest)
-    return Change(text, lambda world, share: _twin_edited(world, text) if share > 0 else world)
+    return Change(text, lambda world, share: world.edited(text) if share > 0 else world)
 
 
 def changed(world: World, changes: tuple[Change, ...], share: float = 1.0) -> World:
@@ -93,6 +78,11 @@ def changed(world: World, changes: tuple[Change, ...], share: float = 1.0) -> Wo
     for change in changes:
         world = change.at(world, share)
     return world
+
+
+def depends_on_robot(text: str) -> bool:
+    """Whether the edit's world is another one for each robot that is asked about."""
+    return text.partition(":")[0] in OF_ROBOT
 
 
 def _gradual(text: str, kind: str, rest: str) -> Change:
@@ -108,10 +98,10 @@ def _gradual(text: str, kind: str, rest: str) -> Change:
         values = ",".join(repr(float(each)) for each in numbers(world, share))
         if kind == "base":
             base = parse_base(values)
-            return _under(world, base=base)
+            return world.under(base=base)
         if kind == "handle":
             return _handle_moved(world, name, numbers(world, share))
-        return _twin_edited(world, f"{kind}:{name}={values}")
+        return world.edited(f"{kind}:{name}={values}")
 
     def amount(world: World, share: float) -> str:
         values = ",".join(f"{each:.4g}" for each in numbers(world, share))
@@ -134,7 +124,7 @@ def _move_ends(world: World, name: str, value: str) -> tuple[np.ndarray, np.ndar
 def _set_ends(world: World, name: str, value: str) -> tuple[np.ndarray, np.ndarray]:
     joint_name, _, what = name.rpartition(".")
     twin = world.service.twin
-    (end,) = _numbers(value, 1)
+    (end,) = numbers_of(value, (1,), f"set:{name}={value}")
     joint = _joint_named(twin, joint_name)
     now = {
         "lowerLimit": joint.limits.lower,
@@ -158,24 +148,22 @@ def _base_ends(world: World, name: str, value: str) -> tuple[np.ndarray, np.ndar
 
 def _handle_ends(world: World, name: str, value: str) -> tuple[np.ndarray, np.ndarray]:
     world.service.twin.container(name)
-    return np.zeros(3), np.array(_numbers(value, 3))
+    return np.zeros(3), np.array(numbers_of(value, (3,), f"handle:{name}={value}"))
 
 
-_ENDS: Final = {"move": _move_ends, "set": _set_ends, "base": _base_ends, "handle": _handle_ends}
+def _furniture_ends(world: World, name: str, value: str) -> tuple[np.ndarray, np.ndarray]:
+    del world, name
+    end = np.array(numbers_of(value, (2, 3, 4), f"furniture: {value}"))
+    return np.zeros(len(end)), end
 
 
-def _twin_edited(world: World, text: str) -> World:
-    twin = world.service.twin
-    return _in(world, parse_edit(twin, text).applied(twin))
-
-
-def _in(world: World, twin: Twin) -> World:
-    return replace(world, service=replace(world.service, twin=twin))
-
-
-def _under(world: World, **policy: object) -> World:
-    service = world.service
-    return replace(world, service=replace(service, policy=replace(service.policy, **policy)))
+_ENDS: Final = {
+    "move": _move_ends,
+    "set": _set_ends,
+    "base": _base_ends,
+    "handle": _handle_ends,
+    "furniture": _furniture_ends,
+}
 
 
 def _handle_moved(world: World, name: str, by: np.ndarray) -> World:
@@ -187,7 +175,7 @@ def _handle_moved(world: World, name: str, by: np.ndarray) -> World:
     x, y, z = np.add(origin.position, by)
     pose = Pose((float(x), float(y), float(z)), origin.orientation)
     iri = joint_iri(twin.name(twin.environment), joint.name)
-    return _in(world, posed(twin, iri, pose).applied(twin))
+    return world.with_twin(posed(twin, iri, pose).applied(twin))
 
 
 def _carrying(twin: Twin, container: Container) -> Joint:
@@ -201,67 +189,8 @@ def _carrying(twin: Twin, container: Container) -> Joint:
     return joints[0]
 
 
-def _jammed(world: World, name: str) -> World:
-    twin = world.service.twin
-    joint = local_name(twin.container(name).active_joint)
-    return _twin_edited(world, f"set:{joint}.velocityLimit=0")
-
-
-def _broken(world: World, name: str) -> World:
-    """The robot has the gripper no longer."""
-    twin, robot = world.service.twin, world.robot_iri
-    names = [each.name for each in twin.robot(robot).grippers]
-    if name not in names:
-        raise InputError(f"no gripper '{name}'", allowed=", ".join(names))
-    if len(names) == 1:
-        raise InputError(f"'{name}' is the robot's only gripper", allowed="a robot with another one left")
-    triples = twin.entities.store.triples(twin.entities.asserted[robot])
-    lost = frozenset(
-        each for each in triples if each[1] == SDT + "hasGripper" and local_name(each[2].value) == name
-    )
-    by = Replacement(robot, lost, frozenset(), f"gripper {name} is broken")
-    return _in(world, Rewritten(by).applied(twin))
-
-
-def _other_robot(world: World, name: str) -> World:
-    twin = world.service.twin
-    if model_name(name) not in [twin.name(each) for each in twin.robots]:
-        twin = parse_edit(twin, f"robot:{name}").applied(twin)
-    return replace(_in(world, twin), robot=name)
-
-
-def _other_kitchen(world: World, name: str) -> World:
-    return _in(world, load_twin(name, [world.robot]))
-
-
-def _other_drive(world: World, name: str) -> World:
-    try:
-        return _under(world, drive=Drive(name))
-    except ValueError:
-        raise InputError(f"no drive '{name}'", allowed=", ".join(each.value for each in Drive)) from None
-
-
-_WHOLE: Final = {
-    "robot": _other_robot,
-    "kitchen": _other_kitchen,
-    "drive": _other_drive,
-    "jam": _jammed,
-    "broken": _broken,
-}
-
-
 def _joint_named(twin: Twin, name: str) -> Joint:
     joints = {each.name: each for each in twin.mechanism(twin.environment).joints}
     if name not in joints:
         raise InputError(f"no joint '{name}' in the kitchen", allowed="a joint of sdt containers --all")
     return joints[name]
-
-
-def _numbers(text: str, count: int) -> list[float]:
-    try:
-        numbers = [float(each) for each in text.split(",")]
-    except ValueError:
-        numbers = []
-    if len(numbers) != count or not all(np.isfinite(numbers)):
-        raise InputError(f"'{text}' is not {count} finite number(s)", allowed="as X,Y,Z")
-    return numbers

@@ -1,0 +1,141 @@
+"""Edits as typed: what is moved is where it is said, different things commute, undoing restores."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from sdt_kg.errors import InputError
+from sdt_kg.history import History
+from sdt_kg.iri import body_iri, local_name
+from sdt_kg.mechanism import JointType, Mechanism
+from sdt_kg.twin import Twin
+from services.app import Policy, Service
+from services.edits import parse_edit
+from services.whatif import World, changed, parse_change
+from tests.small import small_twin
+
+TWIN = small_twin("a", ("pr2",))
+WORLD = World(Service(TWIN, Policy()), "pr2")
+NUMBERS = st.floats(-2, 2).map(lambda each: round(each, 3))
+SIZES = st.floats(0.01, 1).map(lambda each: round(each, 3))
+
+
+def place_of(kitchen: Mechanism, body: str) -> np.ndarray:
+    """root_T_body with every joint at 0."""
+    above = {each.child: each for each in kitchen.joints}
+    root_T_body = np.eye(4)
+    while body in above:
+        root_T_body = above[body].origin.matrix() @ root_T_body
+        body = above[body].parent
+    return root_T_body
+
+
+def fixed_bodies(twin: Twin) -> list[str]:
+    """Bodies that hang on the root by fixed joints alone."""
+    kitchen = twin.mechanism(twin.environment)
+    still = {kitchen.root}
+    for joint in kitchen.joints:
+        if joint.type is JointType.FIXED and joint.parent in still:
+            still.add(joint.child)
+    return sorted(still - {kitchen.root})
+
+
+def hash_of(twin: Twin) -> tuple[str, str]:
+    return twin.content_hash(twin.environment), repr(twin.state.positions)
+
+
+def test_furniture_is_moved_and_turned_where_it_stands_with_all_on_it() -> None:
+    body = fixed_bodies(TWIN)[0]
+    kitchen = TWIN.mechanism(TWIN.environment)
+    after = parse_edit(TWIN, f"furniture:{body}=0.3,-0.2,0.1,{math.pi / 2}").applied(TWIN)
+    moved = after.mechanism(after.environment)
+    before_T, after_T = place_of(kitchen, body), place_of(moved, body)
+    np.testing.assert_allclose(after_T[:3, 3] - before_T[:3, 3], (0.3, -0.2, 0.1), atol=1e-12)
+    turn = after_T[:3, :3] @ before_T[:3, :3].T
+    np.testing.assert_allclose(turn, ((0, -1, 0), (1, 0, 0), (0, 0, 1)), atol=1e-12)
+    child = next((each.child for each in kitchen.joints if each.parent == body), None)
+    if child is not None:
+        relative = np.linalg.inv(before_T) @ place_of(kitchen, child)
+        np.testing.assert_allclose(np.linalg.inv(after_T) @ place_of(moved, child), relative, atol=1e-12)
+
+
+def test_what_hangs_on_a_door_is_no_furniture() -> None:
+    handle = local_name(TWIN.containers()[0].handle)
+    with pytest.raises(InputError, match="which moves"):
+        parse_edit(TWIN, f"furniture:{handle}=1,0")
+
+
+def test_a_mesh_is_an_obstacle_with_its_content_in_the_hash(tmp_path) -> None:
+    worlds = []
+    for height in (1, 2):
+        file = tmp_path / f"{height}.stl"
+        corners = f"vertex 0 0 0\nvertex 1 0 0\nvertex 0 0 {height}\n"
+        file.write_text(f"solid a\nfacet normal 0 1 0\nouter loop\n{corners}endloop\nendfacet\nendsolid a\n")
+        worlds.append(changed(WORLD, (parse_change(f"mesh:sail={file}*0.5@1,2,0"),)))
+    twins = [each.service.twin for each in worlds]
+    assert len({hash_of(TWIN), *map(hash_of, twins)}) == 3
+    shapes = {each.name: each.collision for each in twins[0].mechanism(TWIN.environment).bodies}
+    assert shapes["sail"][0].size == (0.5, 0.5, 0.5)
+
+
+def test_a_payload_takes_the_gripper_and_may_touch_that_hand_alone() -> None:
+    robot = TWIN.robots[0]
+    names = [each.name for each in TWIN.robot(robot).grippers]
+    if len(names) < 2:
+        with pytest.raises(InputError, match="only gripper"):
+            changed(WORLD, (parse_change(f"payload:{names[0]}=0.1,0.1,0.1"),))
+        return
+    after = changed(WORLD, (parse_change(f"payload:{names[0]}=0.1,0.1,0.2,1.5"),)).service.twin
+    assert [each.name for each in after.robot(robot).grippers] == names[1:]
+    (body,) = (each for each in after.mechanism(robot).bodies if each.name == f"{names[0]}_payload")
+    assert body.inertia is not None
+    assert body.inertia.mass == 1.5
+    touching = {
+        other
+        for pair in after.robot(robot).allowed_contacts - TWIN.robot(robot).allowed_contacts
+        for other in pair
+    }
+    assert touching >= set(TWIN.robot(robot).grippers[0].fingers) | {body.name}
+    assert body_iri(after.name(robot), body.name)
+
+
+BODIES, JOINTS = fixed_bodies(TWIN), [local_name(each.joint) for each in TWIN.containers()]
+EDITS = st.one_of(
+    st.builds(
+        lambda name, x, y, z, side: (name, f"box:{name}={side},{side},{side}@{x},{y},{z}"),
+        st.sampled_from(["crate", "chair", "bin"]),
+        *[NUMBERS] * 3,
+        SIZES,
+    ),
+    st.builds(
+        lambda name, x, y: (name, f"furniture:{name}={x},{y}"), st.sampled_from(BODIES), *[NUMBERS] * 2
+    ),
+    st.builds(lambda name, v: (name, f"set:{name}.velocityLimit={v}"), st.sampled_from(JOINTS), SIZES),
+    st.builds(
+        lambda each, share: (each.name + " state", f"move:{each.name}={round(share * each.upper, 4)}"),
+        st.sampled_from(TWIN.containers()),
+        st.floats(0.05, 1),
+    ),
+)
+
+
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.lists(EDITS, min_size=2, max_size=3, unique_by=lambda each: each[0]), st.randoms())
+def test_edits_of_different_entities_commute(edits: list[tuple[str, str]], random) -> None:
+    texts = [each[1] for each in edits]
+    other = random.sample(texts, len(texts))
+    made = [changed(WORLD, tuple(map(parse_change, each))).service.twin for each in (texts, other)]
+    assert hash_of(made[0]) == hash_of(made[1])
+
+
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(EDITS)
+def test_an_undone_edit_restores_the_content(edit: tuple[str, str]) -> None:
+    history = History.of(TWIN)
+    history, made = history.derived(history.first, parse_edit(TWIN, edit[1]))
+    _, back = history.undone(made)
+    assert back.content_hash == history.first.content_hash
+    assert hash_of(back.twin) == hash_of(TWIN)
