@@ -1,55 +1,25 @@
 """Many cases at once: every container of some kitchens for some robots, in worker processes."""
 
-import os
 import resource
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from predicates.case import Outcome, Verdict
-from predicates.record import Record, to_json, to_record
+from predicates.record import to_json, to_record
 from predicates.record.recall import Recall, nothing_stored
-from sdt_kg.errors import InputError
-from sdt_kg.load import load_twin, model_name
+from sdt_kg.errors import OracleUnavailableError
+from sdt_kg.load import model_name
 from sdt_kg.motion import BodyMotion
-from services.app import Policy, Service, load
+from services.app import Policy
 from services.motions import write_motion
-from services.requests import state_joints
-
-
-@dataclass(frozen=True, slots=True)
-class Cell:
-    """One case of the table, small enough to travel to a worker process."""
-
-    kitchen: str
-    robot: str
-    task: str
-    states: tuple[str, ...]
-    policy: Policy
-
-    @property
-    def file_name(self) -> str:
-        """Where the case's certified body motion is kept, in a folder of motions."""
-        container = self.task.partition(":")[2]
-        return f"{model_name(self.kitchen)}_{model_name(self.robot)}_{container}.npz"
-
-
-@dataclass(frozen=True, slots=True)
-class CellResult:
-    """What a worker found: the verdict as the JSON object of `sdt achieve`, and as triples."""
-
-    cell: Cell
-    verdict: dict[str, object]
-    record: Record
-
-    @property
-    def stored(self) -> bool:
-        """Whether the verdict was answered from the store, and is not to be written again."""
-        return bool(self.verdict["stored"])
-
+from services.sweep.cell import Cell, CellResult
+from services.sweep.engines import processes
+from services.sweep.plan import Axes, grid
+from services.sweep.run import run as swept
+from services.sweep.worker import stored_verdict, verdict_of
 
 Keep = Callable[[Cell, Verdict], CellResult]
 
@@ -97,23 +67,8 @@ def cells(
     Raises:
         InputError: Two models share a name, or a state names a joint which no kitchen has.
     """
-    for models in (kitchens, robots):
-        names = [model_name(model) for model in models]
-        if len(set(names)) < len(names):
-            raise InputError(f"two models share a name: {', '.join(names)}", allowed="each model once")
-    found: list[Cell] = []
-    used: set[str] = set()
-    for kitchen in kitchens:
-        twin = load_twin(kitchen)
-        own = tuple(state_joints(twin, states))
-        used.update(own)
-        for robot in robots:
-            tasks = (f"{verb}:{container.name}" for container in twin.containers())
-            found += [Cell(kitchen, robot, task, own, policy) for task in tasks]
-    unused = set(states) - used
-    if unused:
-        raise InputError(f"no kitchen of the table has a joint for: {', '.join(sorted(unused))}")
-    return found
+    axes = Axes((verb,), (tuple(states),), (policy,))
+    return list(grid(kitchens, robots, axes).cells)
 
 
 def run(
@@ -155,26 +110,19 @@ def _results(judge: Callable[[Cell], CellResult], cases: Sequence[Cell], jobs: i
     if jobs == 1:
         yield from map(judge, cases)
         return
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
-    with ProcessPoolExecutor(jobs) as pool:
-        futures: list[Future[CellResult]] = [pool.submit(judge, case) for case in cases]
-        try:
-            for future in as_completed(futures):
-                yield future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    for found in swept(cases, processes(jobs), judging=judge):
+        if not isinstance(found, CellResult):
+            raise OracleUnavailableError(f"{found.cell.task}, {found.cell.robot}: {found.reason}")
+        yield found
 
 
 def _stored(cell: Cell, recall: Recall, keep: Keep) -> CellResult | None:
-    service = replace(_service(cell.kitchen, cell.robot, cell.states, cell.policy), recall=recall)
-    verdicts = service.stored(cell.task)
-    return None if verdicts is None else keep(cell, verdicts[0])
+    verdict = stored_verdict(cell, recall)
+    return None if verdict is None else keep(cell, verdict)
 
 
 def _judge(cell: Cell, keep: Keep) -> CellResult:
-    (verdict,) = _service(cell.kitchen, cell.robot, cell.states, cell.policy).achieve(cell.task)
-    return keep(cell, verdict)
+    return keep(cell, verdict_of(cell))
 
 
 def _kept(cell: Cell, verdict: Verdict, motions: Path | None) -> CellResult:
@@ -183,12 +131,6 @@ def _kept(cell: Cell, verdict: Verdict, motions: Path | None) -> CellResult:
     if motions is not None and verdict.outcome is Outcome.CERTIFIED and isinstance(body_motion, BodyMotion):
         write_motion(motions / cell.file_name, body_motion)
     return CellResult(cell, to_json(verdict), to_record(verdict))
-
-
-@lru_cache(maxsize=2)
-def _service(kitchen: str, robot: str, states: tuple[str, ...], policy: Policy) -> Service:
-    """Loaded once in each worker for the cases that follow each other."""
-    return load(kitchen, [robot], state=states, policy=policy)
 
 
 def _cpu_seconds() -> float:

@@ -1,0 +1,64 @@
+"""One case of many, small enough to travel to a worker, and what became of it."""
+
+from dataclasses import dataclass
+
+from predicates.record import Record
+from sdt_kg.load import model_name
+from services.app import Policy
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One case: one container of a kitchen in a state, one robot, one policy.
+
+    Attributes:
+        kitchen: Bundled name or path, as every worker can load it.
+        robot: Likewise.
+        task: `open:CONTAINER` or `close:CONTAINER`.
+        states: `JOINT=VALUE` texts; empty is everything closed.
+    """
+
+    kitchen: str
+    robot: str
+    task: str
+    states: tuple[str, ...]
+    policy: Policy
+
+    @property
+    def container(self) -> str:
+        """Name of the container."""
+        return self.task.partition(":")[2]
+
+    @property
+    def file_name(self) -> str:
+        """Where the case's certified body motion is kept, in a folder of motions."""
+        return f"{model_name(self.kitchen)}_{model_name(self.robot)}_{self.container}.npz"
+
+
+@dataclass(frozen=True, slots=True)
+class CellResult:
+    """What a worker found: the verdict as the JSON object of `sdt achieve`, and as triples."""
+
+    cell: Cell
+    verdict: dict[str, object]
+    record: Record
+
+    @property
+    def stored(self) -> bool:
+        """Whether the verdict was answered from the store, and is not to be written again."""
+        return bool(self.verdict["stored"])
+
+
+@dataclass(frozen=True, slots=True)
+class Unjudged:
+    """There is no verdict about the case: an oracle failed, or its process died twice.
+
+    Attributes:
+        reason: What was wrong.
+    """
+
+    cell: Cell
+    reason: str
+
+
+Found = CellResult | Unjudged

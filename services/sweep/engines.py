@@ -1,0 +1,108 @@
+"""Who judges: processes of this machine, or a Dask cluster; each as an executor that can be opened anew."""
+
+import multiprocessing as mp
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from sdt_kg.errors import InputError, OracleUnavailableError
+
+AHEAD = 2
+"""Cases for each worker that are handed out at once: one is judged, one waits."""
+CONNECT = "10 s"
+"""A Dask scheduler may take to answer."""
+
+
+@dataclass(frozen=True, slots=True)
+class Engine:
+    """An executor that can be opened, and opened anew when a worker has broken it.
+
+    Attributes:
+        open: A new executor.
+        at_once: Cases that are handed out at a time.
+        end: Ends an executor at once, with the case that it is at.
+    """
+
+    open: Callable[[], Executor]
+    at_once: int
+    end: Callable[[Executor], None]
+
+
+def processes(count: int) -> Engine:
+    """So many processes of this machine; they end with the one that started them."""
+    # Each process has one core; a library's own threads would be in each other's way.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    # Forked: a new interpreter would import for seconds what is here already.
+    context = mp.get_context("fork")
+
+    def opened() -> Executor:
+        return ProcessPoolExecutor(count, context, _begin)
+
+    return Engine(opened, AHEAD * count, _killed)
+
+
+def _begin() -> None:
+    """The process ends with the one that started it, and at once when the user interrupts."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = mp.parent_process()
+    assert parent is not None, "in a worker"
+    parent.join()
+    os._exit(1)
+
+
+def _killed(executor: Executor) -> None:
+    """The processes are gone: what they were judging is judged again when the sweep is resumed."""
+    executor.shutdown(wait=False, cancel_futures=True)
+    for child in mp.active_children():
+        child.kill()
+
+
+@contextmanager
+def dask(address: str) -> Iterator[Engine]:
+    """The workers of the Dask cluster at an address, which have to have sdt-kg and the models.
+
+    Raises:
+        InputError: Dask is not installed, or the address is none.
+        OracleUnavailableError: No scheduler answers there, or it has no worker.
+    """
+    client = _client(address)
+    try:
+        workers = sum(client.nthreads().values())
+        if not workers:
+            raise OracleUnavailableError(f"the Dask scheduler at {address} has no worker")
+        # Not pure: a case that is handed out again is judged again.
+        yield Engine(lambda: client.get_executor(pure=False), AHEAD * workers, _cancelled)
+    finally:
+        client.close()
+
+
+def _client(address: str) -> Any:  # noqa: ANN401 - distributed has no types
+    try:
+        from distributed import Client  # noqa: PLC0415 - an extra
+    except ModuleNotFoundError as error:
+        if error.name != "distributed":
+            raise
+        raise InputError(
+            "Dask is not installed",
+            allowed="sdt-kg with its extra",
+            remedy="pip install 'sdt-kg[cluster]'",
+        ) from None
+    try:
+        return Client(address, timeout=CONNECT, set_as_default=False)
+    except ValueError as error:
+        raise InputError(f"'{address}' is no address: {error}", allowed="tcp://HOST:PORT") from None
+    except (OSError, TimeoutError) as error:
+        raise OracleUnavailableError(f"no Dask scheduler answers at {address}: {error}") from None
+
+
+def _cancelled(executor: Executor) -> None:
+    executor.shutdown(wait=False)

@@ -1,0 +1,217 @@
+"""Which cases: every combination of what is varied, kitchen by kitchen, as workers keep what they load."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+from typing import TypeVar
+
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError, UnknownEntityError
+from sdt_kg.load import load_twin, model_name, model_path
+from sdt_kg.task import Verb
+from sdt_kg.twin import Twin
+from services.app import DEFAULT_BUDGET, Policy
+from services.requests import parse_state, parse_task, state_joints
+from services.sweep.cell import Cell
+
+T = TypeVar("T")
+Base = tuple[float, float, float]
+States = tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Axes:
+    """What is varied in every kitchen.
+
+    Attributes:
+        tasks: `open`, `close` for every container, or `open:CONTAINER`.
+        states: `JOINT=VALUE` texts of each start state; the empty one is everything closed.
+        policies: Drive, base pose, budget and seed.
+    """
+
+    tasks: tuple[str, ...] = ("open",)
+    states: tuple[States, ...] = ((),)
+    policies: tuple[Policy, ...] = (Policy(),)
+
+
+@dataclass(frozen=True, slots=True)
+class Models:
+    """What a kitchen can be swept over: names of its robots and containers."""
+
+    kitchen: str
+    robots: tuple[str, ...]
+    containers: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Cases that are counted before the first is made; they can be gone through again.
+
+    Attributes:
+        total: How many.
+        cells: In the order in which they are handed out.
+    """
+
+    total: int
+    cells: Iterable[Cell]
+
+
+@dataclass(frozen=True, slots=True)
+class Combined:
+    """Every combination in one kitchen; made one by one, a million of them are no list."""
+
+    kitchen: str
+    robots: tuple[str, ...]
+    axes: Axes
+
+    def __len__(self) -> int:
+        axes = self.axes
+        return len(self.robots) * len(axes.states) * len(axes.policies) * len(axes.tasks)
+
+    def __iter__(self) -> Iterator[Cell]:
+        """The kitchen's cases; those that follow each other have the same robot, state and policy."""
+        axes = self.axes
+        for robot, states, policy, task in product(self.robots, axes.states, axes.policies, axes.tasks):
+            yield Cell(self.kitchen, robot, task, states, policy)
+
+
+@dataclass(frozen=True, slots=True)
+class _Chained:
+    parts: tuple[Combined, ...]
+
+    def __iter__(self) -> Iterator[Cell]:
+        for part in self.parts:
+            yield from part
+
+
+def combined(models: Models, axes: Axes) -> Combined:
+    """Every robot, state, policy and task of one kitchen; a task without a container is about each.
+
+    Raises:
+        UnknownEntityError: A task names a container that the kitchen has not.
+        InputError: A task is none of D_artic's.
+    """
+    tasks: list[str] = []
+    for text in axes.tasks:
+        verb, _, name = text.partition(":")
+        if verb not in {each.value for each in Verb}:
+            allowed = ", ".join(f"{each.value}[:CONTAINER]" for each in Verb)
+            raise InputError(f"no task type '{verb}'", allowed=allowed)
+        if name and name not in models.containers:
+            raise UnknownEntityError("container", name, models.containers)
+        tasks += [f"{verb}:{each}" for each in ([name] if name else models.containers)]
+    varied = Axes(_once(tasks), _once(axes.states), _once(axes.policies))
+    return Combined(models.kitchen, models.robots, varied)
+
+
+def grid(kitchens: Sequence[str], robots: Sequence[str], axes: Axes) -> Plan:
+    """Every combination in every kitchen.
+
+    A state text or task that names a joint or container applies to those kitchens which have it.
+
+    Raises:
+        InputError: Two models share a name, or no kitchen has a joint or container that is named.
+        UnknownEntityError: A model that is not there.
+    """
+    known = Known()
+    known.check_robots(robots)
+    check_names(kitchens)
+    parts = tuple(_part(known.twin(kitchen), kitchen, tuple(robots), axes) for kitchen in kitchens)
+    _all_used(
+        {text for states in axes.states for text in states},
+        (text for part in parts for states in part.axes.states for text in states),
+        "joint",
+    )
+    _all_used(
+        {text for text in axes.tasks if ":" in text},
+        (text for part in parts for text in part.axes.tasks),
+        "container",
+    )
+    return Plan(sum(map(len, parts)), _Chained(parts))
+
+
+def policies(
+    drives: Sequence[Drive | None] = (None,),
+    bases: Sequence[Base | None] = (None,),
+    seeds: Sequence[int] = (0,),
+    budget: float = DEFAULT_BUDGET,
+) -> tuple[Policy, ...]:
+    """Every combination of these."""
+    return tuple(Policy(drive, base, budget, seed) for drive, base, seed in product(drives, bases, seeds))
+
+
+@dataclass(slots=True)
+class Known:
+    """What was loaded to check cases against; each kitchen once, without robots."""
+
+    _twins: dict[str, Twin] = field(default_factory=dict[str, Twin])
+    _checked: set[tuple[str, ...]] = field(default_factory=set[tuple[str, ...]])
+
+    def twin(self, kitchen: str) -> Twin:
+        """The kitchen.
+
+        Raises:
+            UnknownEntityError, InputError: It is not there, or not valid.
+        """
+        if kitchen not in self._twins:
+            self._twins[kitchen] = load_twin(kitchen)
+        return self._twins[kitchen]
+
+    @staticmethod
+    def check_robots(robots: Sequence[str]) -> None:
+        """Each robot is there.
+
+        Raises:
+            UnknownEntityError: One is not.
+            InputError: Two have the same name.
+        """
+        check_names(robots)
+        for robot in robots:
+            model_path("robot", robot)
+
+    def check(self, cell: Cell) -> None:
+        """The kitchen has the container and the joints that the case names.
+
+        Raises:
+            InputError: It has not; the nearest names are told.
+        """
+        twin = self.twin(cell.kitchen)
+        checks = {
+            ("robot", cell.robot): lambda: model_path("robot", cell.robot),
+            ("task", cell.kitchen, cell.task): lambda: parse_task(twin, cell.task),
+            ("state", cell.kitchen, *cell.states): lambda: parse_state(twin, cell.states),
+        }
+        for key, check in checks.items():
+            if key not in self._checked:
+                check()
+                self._checked.add(key)
+
+
+def check_names(models: Sequence[str]) -> None:
+    """No two models have the same name: they would be one in the graph.
+
+    Raises:
+        InputError: Two have.
+    """
+    names = [model_name(model) for model in models]
+    if len(set(names)) < len(names):
+        raise InputError(f"two models share a name: {', '.join(names)}", allowed="each model once")
+
+
+def _part(twin: Twin, kitchen: str, robots: tuple[str, ...], axes: Axes) -> Combined:
+    containers = tuple(container.name for container in twin.containers())
+    here = tuple(text for text in axes.tasks if ":" not in text or text.partition(":")[2] in containers)
+    states = tuple(tuple(state_joints(twin, texts)) for texts in axes.states)
+    for texts in states:
+        parse_state(twin, texts)
+    return combined(Models(kitchen, robots, containers), Axes(here, states, axes.policies))
+
+
+def _all_used(given: set[str], used: Iterable[str], what: str) -> None:
+    unused = given - set(used)
+    if unused:
+        raise InputError(f"no kitchen of these has a {what} for: {', '.join(sorted(unused))}")
+
+
+def _once(values: Iterable[T]) -> tuple[T, ...]:
+    return tuple(dict.fromkeys(values))

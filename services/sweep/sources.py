@@ -1,0 +1,164 @@
+"""Cases that somebody has listed: rows of a CSV file, or of a query over kitchens or saved verdicts."""
+
+import csv
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Final
+
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError, UnknownEntityError
+from sdt_kg.iri import local_name
+from sdt_kg.load import load_twin, model_name
+from services.app import Policy
+from services.requests import parse_base
+from services.store.files import query_saved
+from services.sweep.cell import Cell
+from services.sweep.plan import Axes, Known, Plan
+
+COLUMNS: Final = ("kitchen", "robot", "container", "task", "state", "drive", "base", "budget", "seed")
+"""Of a row; what it leaves out is taken from the options, each of their combinations."""
+STATE_SEPARATOR: Final = ";"
+
+Row = Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """Rows turned into cases.
+
+    Attributes:
+        kitchens: Sources for rows without a kitchen; one of them may be named by its model's name.
+        robots: Likewise.
+        axes: For what a row leaves out.
+    """
+
+    kitchens: tuple[str, ...]
+    robots: tuple[str, ...]
+    axes: Axes
+    _known: Known = field(default_factory=Known)
+
+    def plan(self, rows: Iterable[tuple[str, Row]]) -> Plan:
+        """The cases of the rows, each once; each row with the place where it was found.
+
+        Raises:
+            InputError: A row names what is not there; the message says where.
+        """
+        found: dict[Cell, None] = {}
+        for where, row in rows:
+            try:
+                for cell in self._cells(row):
+                    self._known.check(cell)
+                    found[cell] = None
+            except InputError as error:
+                what = f"{where}: {error.what}"
+                raise InputError(what, allowed=error.allowed, remedy=error.remedy) from None
+        if not found:
+            raise InputError("there is no row, so there is no case", allowed="one row for each case")
+        return Plan(len(found), tuple(found))
+
+    def _cells(self, row: Row) -> Iterator[Cell]:
+        for kitchen in _models(row, "kitchen", self.kitchens):
+            for robot in _models(row, "robot", self.robots):
+                for states in _states(row, self.axes):
+                    for policy in self.axes.policies:
+                        for task in self._tasks(row, kitchen):
+                            yield Cell(kitchen, robot, task, states, _policy(row, policy))
+
+    def _tasks(self, row: Row, kitchen: str) -> Iterator[str]:
+        """The row's task about its container, or about each where it names none."""
+        for text in [row["task"].lower()] if "task" in row else self.axes.tasks:
+            verb, _, name = text.partition(":")
+            name = row.get("container", name)
+            if name:
+                yield f"{verb}:{name}"
+            else:
+                yield from (f"{verb}:{each.name}" for each in self._known.twin(kitchen).containers())
+
+
+def csv_rows(file: Path) -> Iterator[tuple[str, Row]]:
+    """Rows of a CSV file with a head; an empty cell is left out.
+
+    Raises:
+        InputError: The head has a column that means nothing here, or a row is longer than it.
+    """
+    try:
+        with file.open(newline="", encoding="utf-8-sig") as opened:
+            reader = csv.DictReader(opened)
+            _check_columns(reader.fieldnames or (), str(file))
+            for row in reader:
+                if None in row:
+                    raise InputError(f"{file} line {reader.line_num} has more cells than the head")
+                yield f"{file} line {reader.line_num}", _filled(row)
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{file} is no CSV: {error}", allowed="UTF-8 text with a head") from None
+
+
+def query_rows(
+    sparql: str, kitchens: Sequence[str], robots: Sequence[str], store: str | None
+) -> Iterator[tuple[str, Row]]:
+    """Rows of a SELECT over a store, or over each kitchen with its robots; an IRI is its last part.
+
+    Raises:
+        QueryError: It is no query that reads.
+        InputError: It selects a column that means nothing here.
+    """
+    if store is not None:
+        columns, rows = query_saved(store, sparql)
+        _check_columns(columns, "the query")
+        yield from ((f"row {number} of the query", _named(row)) for number, row in enumerate(rows, 1))
+        return
+    for kitchen in kitchens:
+        columns, rows = load_twin(kitchen, robots).query(sparql)
+        _check_columns(columns, "the query")
+        for number, row in enumerate(rows, 1):
+            yield f"row {number} of the query over {kitchen}", {"kitchen": kitchen, **_named(row)}
+
+
+def _check_columns(columns: Iterable[str], where: str) -> None:
+    for column in columns:
+        if column not in COLUMNS:
+            raise UnknownEntityError("column", column, COLUMNS, f"{where} may have: {', '.join(COLUMNS)}")
+
+
+def _filled(row: Mapping[str, str | None]) -> Row:
+    return {name: value.strip() for name, value in row.items() if value and value.strip()}
+
+
+def _named(row: Mapping[str, object]) -> Row:
+    """Values as text; of an IRI the last part, which is the name of a model, container or term."""
+    texts = {name: str(value) for name, value in row.items() if value is not None}
+    return {name: local_name(text) if "://" in text else text for name, text in texts.items()}
+
+
+def _models(row: Row, kind: str, given: Sequence[str]) -> Sequence[str]:
+    """The model that the row names, as it was given, else as a bundled name or path; or each given."""
+    if kind not in row:
+        if not given:
+            raise InputError(f"the row names no {kind}", remedy=f"a column '{kind}', or --{kind}s")
+        return given
+    return [next((each for each in given if model_name(each) == row[kind]), row[kind])]
+
+
+def _states(row: Row, axes: Axes) -> Sequence[tuple[str, ...]]:
+    if "state" not in row:
+        return axes.states
+    return [tuple(text.strip() for text in row["state"].split(STATE_SEPARATOR) if text.strip())]
+
+
+def _policy(row: Row, policy: Policy) -> Policy:
+    """The policy with what the row says otherwise."""
+    try:
+        if "drive" in row:
+            policy = replace(policy, drive=Drive(row["drive"]))
+        if "budget" in row:
+            policy = replace(policy, budget=float(row["budget"]))
+        if "seed" in row:
+            policy = replace(policy, seed=int(row["seed"]))
+    except ValueError as error:
+        drives = ", ".join(each.value for each in Drive)
+        allowed = f"drive: {drives}; budget: seconds; seed: a whole number"
+        raise InputError(str(error), allowed=allowed) from None
+    if not policy.budget > 0:
+        raise InputError(f"a budget of {policy.budget:g} s", allowed="more than 0")
+    return replace(policy, base=parse_base(row["base"].replace(" ", ","))) if "base" in row else policy

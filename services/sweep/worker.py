@@ -1,0 +1,70 @@
+"""What a worker does with a case; what is loaded once is kept for the cases that follow."""
+
+import logging
+import threading
+from dataclasses import replace
+from functools import lru_cache
+
+from predicates.case import Verdict
+from predicates.record import to_json, to_record
+from predicates.record.recall import Recall
+from sdt_kg.errors import SdtError
+from sdt_kg.load import load_twin
+from sdt_kg.twin import Twin
+from services.app import Policy, Service
+from services.sweep.cell import Cell, CellResult, Found, Unjudged
+
+TWINS_KEPT = 16
+"""Kitchens with a robot that a worker keeps."""
+SERVICES_KEPT = 4
+"""Combinations of kitchen, robot, state and policy whose scenes a worker keeps."""
+
+_turn = threading.Lock()
+_log = logging.getLogger("sdt.sweep")
+
+
+def judge(cell: Cell) -> Found:
+    """The verdict about the case; a worker with several threads judges one case at a time."""
+    with _turn:
+        try:
+            verdict = verdict_of(cell)
+            return CellResult(cell, to_json(verdict), to_record(verdict))
+        except SdtError as error:
+            return Unjudged(cell, str(error))
+        except Exception:  # noqa: BLE001 - the edge of a worker: logged, and answered as a failure
+            _log.exception("%s could not be judged", cell)
+            return Unjudged(cell, "the case could not be judged; the worker's log says why")
+
+
+def verdict_of(cell: Cell) -> Verdict:
+    """CanAchieve of the case's one container."""
+    (verdict,) = service_of(cell).achieve(cell.task)
+    return verdict
+
+
+def stored(cell: Cell, recall: Recall) -> CellResult | None:
+    """The verdict that is kept of the case, found by the hash of all its inputs; None: judge it."""
+    verdict = stored_verdict(cell, recall)
+    return None if verdict is None else CellResult(cell, to_json(verdict), to_record(verdict))
+
+
+def stored_verdict(cell: Cell, recall: Recall) -> Verdict | None:
+    """The same, as a value."""
+    verdicts = replace(service_of(cell), recall=recall).stored(cell.task)
+    return None if verdicts is None else verdicts[0]
+
+
+def service_of(cell: Cell) -> Service:
+    """The Law over the case's kitchen with its robot, in its state and under its policy."""
+    return _service(cell.kitchen, cell.robot, cell.states, cell.policy)
+
+
+@lru_cache(maxsize=SERVICES_KEPT)
+def _service(kitchen: str, robot: str, states: tuple[str, ...], policy: Policy) -> Service:
+    service = Service(_twin(kitchen, robot), policy)
+    return service.at(*states) if states else service
+
+
+@lru_cache(maxsize=TWINS_KEPT)
+def _twin(kitchen: str, robot: str) -> Twin:
+    return load_twin(kitchen, [robot])

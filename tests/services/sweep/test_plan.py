@@ -1,0 +1,96 @@
+"""Cases come from a grid, a CSV file or a query; what they name is checked before anything is judged."""
+
+from itertools import islice
+from pathlib import Path
+
+import pytest
+
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError, QueryError, UnknownEntityError
+from services.sweep.cell import Cell
+from services.sweep.plan import Axes, Combined, grid, policies
+from services.sweep.sources import Listed, csv_rows, query_rows
+
+DOOR = "iai_fridge_door"
+BOTH = Axes(("open", "close"), ((), (f"{DOOR}=open",)), policies([Drive.OMNI, Drive.FIXED], seeds=[1, 2, 3]))
+
+
+def listed() -> Listed:
+    return Listed(("b",), ("pr2", "stretch"), Axes())
+
+
+def rows_of(tmp_path: Path, text: str) -> list[Cell]:
+    file = tmp_path / "cases.csv"
+    file.write_text(text)
+    return list(listed().plan(csv_rows(file)).cells)
+
+
+def test_a_grid_is_every_combination_kitchen_by_kitchen_and_robot_by_robot() -> None:
+    plan = grid(["b"], ["pr2", "stretch"], BOTH)
+    cells = list(plan.cells)
+    assert plan.total == len(cells) == len(set(cells)) == 2 * 2 * 2 * 6 * 17
+    assert [cell.robot for cell in cells] == ["pr2"] * 408 + ["stretch"] * 408
+
+
+def test_a_million_cases_are_counted_and_begun_without_a_list() -> None:
+    many = Axes(tuple(f"open:{number}" for number in range(100)), ((),) * 100, policies(seeds=range(100)))
+    part = Combined("b", ("pr2",), many)
+    assert len(part) == 1_000_000
+    assert [cell.container for cell in islice(part, 2)] == ["0", "1"]
+
+
+def test_a_state_that_a_kitchen_has_not_is_left_out_there_and_refused_where_none_has_it() -> None:
+    plan = grid(["a", "b"], ["pr2"], Axes(states=((f"{DOOR}=open",),)))
+    assert {cell.states for cell in plan.cells if cell.kitchen == "a"} == {()}
+    with pytest.raises(InputError, match="no kitchen of these has a joint for: iai_fridge_door=open"):
+        grid(["a"], ["pr2"], Axes(states=((f"{DOOR}=open",),)))
+
+
+def test_a_row_takes_from_the_options_what_it_leaves_out(tmp_path: Path) -> None:
+    found = rows_of(tmp_path, f"robot,container,seed,state\npr2,{DOOR},7,{DOOR}=0.1; all=closed\n,{DOOR},,\n")
+    assert found[0].states == (f"{DOOR}=0.1", "all=closed")
+    assert found[0].policy.seed == 7
+    assert [(cell.robot, cell.task) for cell in found[1:]] == [
+        ("pr2", f"open:{DOOR}"),
+        ("stretch", f"open:{DOOR}"),
+    ]
+
+
+def test_a_case_that_is_listed_twice_is_one_case(tmp_path: Path) -> None:
+    assert len(rows_of(tmp_path, f"robot,task\npr2,open:{DOOR}\npr2,open:{DOOR}\n")) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            "robot,task\npr2,open:iai_fridge_dor\n",
+            r"line 2: no container named 'iai_fridge_dor'.*iai_fridge_door",
+        ),
+        ("robot,task\npr3,open\n", "line 2: no robot named 'pr3'"),
+        ("robot,task\npr2,push\n", "line 2: no task type 'push'"),
+        ("robot,task,drive\npr2,open,flying\n", "line 2: .*flying.*omni"),
+        ("robot,task,budget\npr2,open,-1\n", "line 2: a budget of -1 s"),
+        ("robot,tsk\npr2,open\n", "no column named 'tsk'.*task"),
+        ("robot,task\npr2,open,1\n", "line 2 has more cells than the head"),
+        ("robot,task\n", "there is no row"),
+        ("robot,state\npr2,iai_fridge_door=wide\n", "line 2: 'iai_fridge_door=wide' has no number"),
+    ],
+)
+def test_a_wrong_row_says_where_and_what_is_allowed(tmp_path: Path, text: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        rows_of(tmp_path, text)
+
+
+def test_a_query_over_the_twin_chooses_the_cases() -> None:
+    sparql = "SELECT ?robot ?container { ?container a sdt:Door . ?robot a sdt:Robot }"
+    found = list(listed().plan(query_rows(sparql, ["b"], ["pr2", "stretch"], None)).cells)
+    assert len(found) == 3 * 2
+    assert {cell.robot for cell in found} == {"pr2", "stretch"}
+
+
+def test_a_query_that_selects_something_else_or_writes_is_refused() -> None:
+    with pytest.raises(UnknownEntityError, match="no column named 'door'"):
+        list(query_rows("SELECT ?door { ?door a sdt:Door }", ["b"], [], None))
+    with pytest.raises(QueryError):
+        list(query_rows("DELETE WHERE { ?a ?b ?c }", ["b"], [], None))
