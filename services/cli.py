@@ -45,6 +45,7 @@ SECTIONS = {
         "patch": Listed(f"{HERE}.graphs.branch:patch", "Apply or undo a difference."),
     },
     "This program": {
+        "doctor": Listed("services.doctor.command:doctor", "Is all well here, and what is to be done?"),
         "config": Listed("services.configuration.command:config", "Settings, and where each comes from."),
     },
     "Services": {

@@ -7,6 +7,7 @@ ROBOT_HELP = "Bundled robot (pr2, tiago_dual, stretch) or path of a URDF or xacr
 
 kitchen_argument = click.argument("kitchen")
 json_flag = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+csv_flag = click.option("--csv", "as_csv", is_flag=True, help="Print CSV.")
 states_option = click.option(
     "--state",
     "states",

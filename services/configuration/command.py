@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from sdt_kg.errors import InputError, UnknownEntityError
-from services.commands.options import json_flag
+from services.commands.options import csv_flag, json_flag
 from services.commands.show import print_json, print_rows
 from services.configuration.read import LOCAL, Settings, places
 from services.configuration.schema import schema
@@ -36,7 +36,7 @@ def commands_of(context: click.Context) -> dict[str, click.Command]:
 
 @config.command()
 @click.argument("command", required=False)
-@click.option("--csv", "as_csv", is_flag=True, help="Print CSV.")
+@csv_flag
 @json_flag
 @click.pass_context
 def show(context: click.Context, command: str | None, *, as_csv: bool, as_json: bool) -> None:

@@ -29,17 +29,17 @@ ONE_CASE: Final = ("achieve", "place", "task", "whatif")
 SHARED: Final = {
     each.name: each
     for each in (
-        Shared("kitchen", "kitchen", ONE_CASE, '"b"', "bundled name or path of a model"),
-        Shared("robot", "robot", ONE_CASE, '"pr2"', "bundled name or path of a model"),
+        Shared("kitchen", "kitchen", (*ONE_CASE, "doctor"), '"b"', "bundled name or path of a model"),
+        Shared("robot", "robot", (*ONE_CASE, "doctor"), '"pr2"', "bundled name or path of a model"),
         Shared("drive", "drive", ("achieve", "table", "task", "whatif"), '"omni"', "how the base moves"),
         Shared("budget", "budget", (*ONE_CASE, "table", "ask"), "20.0", "seconds of search a container"),
         Shared("seed", "seed", (*ONE_CASE, "table"), "0", "of the search"),
         Shared("jobs", "jobs", ("table", "query"), "2", "worker processes"),
-        Shared("store", "store", ("achieve", "table"), '"verdicts"', "where verdicts are kept"),
+        Shared("store", "store", ("achieve", "table", "doctor"), '"verdicts"', "where verdicts are kept"),
         Shared(
             "connect",
             "connect",
-            ("ask", "oracle"),
+            ("ask", "oracle", "doctor"),
             '"tcp/127.0.0.1:7447"',
             "the bus",
         ),

@@ -1,0 +1,100 @@
+"""Java, compiled loops, memory, disk."""
+
+import os
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import services
+from services.doctor.finding import Finding, Standing, well
+
+LEAST_MEMORY = 1.0
+"""[GB] A worker process with a kitchen and a robot takes about 0.4 GB (measured: resident, kitchen a)."""
+LEAST_DISK = 0.5
+"""[GB] A table of 132 verdicts takes about 0.05 GB with certificates; the rest is for temporary files."""
+GB = 1e9
+_KEPT = re.compile(r"njit\(cache=True")
+
+
+def machine() -> Iterator[Finding]:
+    """Findings about what is outside Python."""
+    yield _java()
+    yield _kernels()
+    free = free_memory()
+    if free is not None:
+        yield memory(free)
+    for place in dict.fromkeys((Path.cwd(), Path(tempfile.gettempdir()))):
+        yield _disk(place)
+
+
+def free_memory() -> float | None:
+    """[GB] What this process may still take, a container's limit minded; None where it is not told."""
+    told = Path("/proc/meminfo")
+    if not told.is_file():
+        return None
+    rows = dict(line.split(":", 1) for line in told.read_text().splitlines() if ":" in line)
+    free = float(rows["MemAvailable"].split()[0]) * 1024 / GB
+    limit, used = (Path("/sys/fs/cgroup") / f"memory.{name}" for name in ("max", "current"))
+    if limit.is_file() and used.is_file() and limit.read_text().strip() != "max":
+        free = min(free, (float(limit.read_text()) - float(used.read_text())) / GB)
+    return free
+
+
+def memory(free: float) -> Finding:
+    """Whether so much [GB] is enough."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    says = f"{free:.1f} GB free, {cores} cores"
+    if free >= LEAST_MEMORY:
+        return well("memory", says)
+    remedy = "fewer worker processes (--jobs 1), or end other programs"
+    return Finding("memory", Standing.TO_DO, says, remedy)
+
+
+def _java() -> Finding:
+    found = shutil.which("java")
+    if found:
+        return well("java", f"{found}: sdt reason decides OWL 2 DL (HermiT)")
+    return Finding(
+        "java",
+        Standing.OPTIONAL,
+        "not there: sdt reason uses OWL 2 RL, which misses some contradictions",
+        "install a Java runtime, version 17 say, for HermiT",
+    )
+
+
+def _kernels() -> Finding:
+    """Whether inner loops are compiled already."""
+    root = Path(str(services.__file__)).parent
+    sources = [path for path in root.rglob("*.py") if _KEPT.search(path.read_text(encoding="utf-8"))]
+    ready = [path for path in sources if _compiled(path)]
+    says = f"{len(ready)} of {len(sources)} modules with loops are compiled and kept"
+    if len(ready) == len(sources):
+        return well("compiled loops", says)
+    return Finding(
+        "compiled loops",
+        Standing.OPTIONAL,
+        f"{says}: the first question that needs another waits for it, up to a minute or two",
+        "sdt achieve --kitchen b --robot pr2 --task open:sink_area_left_middle_drawer_main, once",
+    )
+
+
+def _compiled(source: Path) -> bool:
+    """Whether an index of compiled loops is there which is not older than the source."""
+    elsewhere = os.environ.get("NUMBA_CACHE_DIR")
+    folders = [source.parent / "__pycache__"]
+    if elsewhere:
+        folders = [each.parent for each in Path(elsewhere).rglob(f"{source.stem}.*.nbi")]
+    kept = [each for folder in folders for each in folder.glob(f"{source.stem}.*.nbi")]
+    return any(each.stat().st_mtime >= source.stat().st_mtime for each in kept)
+
+
+def _disk(place: Path) -> Finding:
+    free, about = shutil.disk_usage(place).free / GB, f"disk {place}"
+    says = f"{free:.1f} GB free" + ("" if os.access(place, os.W_OK) else ", and not writable")
+    if free >= LEAST_DISK and os.access(place, os.W_OK):
+        return well(about, says)
+    return Finding(
+        about, Standing.TO_DO, says, "make room, or work in another folder (TMPDIR for temporary files)"
+    )

@@ -1,0 +1,88 @@
+"""Every finding that asks for something says what to do, and the exit code says whether there is one."""
+
+import socket
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from sdt_kg.iri import LAW
+from services.bus.sessions import open_session
+from services.doctor import machine, packages
+from services.doctor.finding import Standing
+from services.doctor.places import bus, stores
+from tests.services.conftest import Done
+
+RDF_TYPE = "http://www.w3.org/1999/02/22-rdf-syntax-ns#type"
+
+
+def free_endpoint() -> str:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+
+
+def test_what_is_missing_is_said_with_what_to_do(sdt: Callable[..., Done], tmp_path: Path) -> None:
+    empty = tmp_path / "empty.urdf"
+    empty.write_text('<robot name="empty"><link name="l"/></robot>')
+    done = sdt("doctor", "--json", "--kitchen", str(empty), "--robot", str(empty), "--store", "gone.trig")
+    found = {each["about"]: each for each in done.json["findings"]}
+    to_do = {about for about, each in found.items() if each["standing"] == "to do"}
+    assert to_do == {f"kitchen {empty}", f"robot {empty}", "store gone.trig"}
+    assert (done.code, done.json["well"]) == (1, False)
+    assert [about for about, each in found.items() if each["standing"] != "well" and not each["remedy"]] == []
+    bundled = ("kitchen a", "kitchen b", "robot pr2", "robot stretch", "robot tiago_dual")
+    assert {found[about]["standing"] for about in bundled} == {"well"}
+    assert "27 containers" in found["kitchen a"]["says"]
+    assert "pin 4" in found["solvers"]["says"]
+
+
+def test_missing_extras_are_no_reason_to_do_anything() -> None:
+    found = packages.extra("ros", [("rosbags", "99")])
+    assert (found.standing, found.remedy) == (Standing.OPTIONAL, "pip install 'sdt-kg[ros]'")
+
+
+@pytest.mark.parametrize(
+    ("name", "least", "said"),
+    [("numpy", "1.26", ""), ("numpy", "99", "older than 99"), ("not-there", "1", "missing")],
+)
+def test_a_package_is_missing_too_old_or_right(name: str, least: str, said: str) -> None:
+    lacks = packages.lacks(name, least)
+    assert said in lacks
+    assert bool(lacks) == bool(said)
+
+
+def test_versions_are_compared_as_numbers() -> None:
+    assert packages.numbers("2.10.0rc1") > packages.numbers("2.9")
+    assert packages.numbers("5") == packages.numbers("5.0")
+
+
+def test_every_requirement_is_understood() -> None:
+    core, extras = packages.declared()
+    assert ("numpy", "2.2") in core
+    assert ("viser", "1.1") in extras["view"]
+    assert "dev" not in extras
+
+
+def test_little_memory_is_something_to_do() -> None:
+    found = machine.memory(0.2)
+    assert found.standing is Standing.TO_DO
+    assert "--jobs 1" in found.remedy
+
+
+def test_the_verdicts_of_a_store_are_counted(tmp_path: Path) -> None:
+    path = tmp_path / "kept.nq"
+    path.write_text(f"<a:a> <{RDF_TYPE}> <{LAW}Verdict> <a:g> .\n")
+    (found,) = stores([str(path)])
+    assert (found.standing, found.says) == (Standing.WELL, "1 verdict")
+
+
+def test_nobody_on_the_bus_and_no_bus_are_different() -> None:
+    endpoint = free_endpoint()
+    (nobody,) = bus(endpoint, None, ["b"])
+    assert nobody.standing is Standing.TO_DO
+    with open_session(listen=endpoint, mode="router"):
+        found = {each.about: each.standing for each in bus(endpoint, None, ["b"])}
+    assert found[f"bus {endpoint}"] is Standing.WELL
+    assert found["oracle canperform"] is Standing.OPTIONAL
+    assert found["server of b"] is Standing.OPTIONAL
