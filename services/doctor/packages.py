@@ -44,7 +44,7 @@ def packages() -> Iterator[Finding]:
                 f"pip uninstall {other}; pip install --force-reinstall {meant}",
             )
     for name, needed in extras.items():
-        yield extra(name, needed)
+        yield of_extra(name, needed)
 
 
 def declared() -> tuple[list[tuple[str, str]], dict[str, list[tuple[str, str]]]]:
@@ -120,7 +120,7 @@ def _loading() -> Finding:
     )
 
 
-def extra(name: str, needed: list[tuple[str, str]]) -> Finding:
+def of_extra(name: str, needed: list[tuple[str, str]]) -> Finding:
     """Whether an extra is there; that it is not is no reason to do anything."""
     wrong = [said for package, least in needed if (said := lacks(package, least))]
     if not wrong:

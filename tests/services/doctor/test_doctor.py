@@ -38,7 +38,7 @@ def test_what_is_missing_is_said_with_what_to_do(sdt: Callable[..., Done], tmp_p
 
 
 def test_missing_extras_are_no_reason_to_do_anything() -> None:
-    found = packages.extra("ros", [("rosbags", "99")])
+    found = packages.of_extra("ros", [("rosbags", "99")])
     assert (found.standing, found.remedy) == (Standing.OPTIONAL, "pip install 'sdt-kg[ros]'")
 
 
