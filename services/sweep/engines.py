@@ -2,6 +2,7 @@
 
 import multiprocessing as mp
 import os
+import re
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -14,6 +15,7 @@ from sdt_kg.errors import InputError, OracleUnavailableError
 
 AHEAD = 2
 """Cases for each worker that are handed out at once: one is judged, one waits."""
+_ADDRESS = re.compile(r"(tcp|tls)://[^/\s]+:\d{1,5}")
 CONNECT = "10 s"
 """A Dask scheduler may take to answer."""
 
@@ -86,6 +88,8 @@ def dask(address: str) -> Iterator[Engine]:
 
 
 def _client(address: str) -> Any:  # noqa: ANN401 - distributed has no types
+    if not _ADDRESS.fullmatch(address):
+        raise InputError(f"'{address}' is no address of a Dask scheduler", allowed="tcp://HOST:PORT")
     try:
         from distributed import Client  # noqa: PLC0415 - an extra
     except ModuleNotFoundError as error:
@@ -98,8 +102,6 @@ def _client(address: str) -> Any:  # noqa: ANN401 - distributed has no types
         ) from None
     try:
         return Client(address, timeout=CONNECT, set_as_default=False)
-    except ValueError as error:
-        raise InputError(f"'{address}' is no address: {error}", allowed="tcp://HOST:PORT") from None
     except (OSError, TimeoutError) as error:
         raise OracleUnavailableError(f"no Dask scheduler answers at {address}: {error}") from None
 
