@@ -35,7 +35,7 @@ SECTIONS = {
         ),
         "task": Listed(f"{HERE}.law.task:task_command", "Steps, rules on the way, the best motion by J."),
         "learn": Listed(f"{HERE}.law.learn:learn_command", "Which joint moves what was seen?"),
-        "whatif": Listed(f"{HERE}.law.whatif:whatif", "The same question in another world."),
+        "whatif": Listed("services.codesign.command.whatif:whatif", "The same question in another world."),
     },
     "Saved verdicts and branches": {
         "why": Listed(f"{HERE}.saved.why:why_command", "A stored verdict in plain words."),

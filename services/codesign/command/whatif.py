@@ -1,6 +1,7 @@
 """`sdt whatif`: the same question in another world, and the smallest change that turns the answer."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import click
 
@@ -10,6 +11,8 @@ from predicates.record import diagnosis_json, to_json
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from services.app import Policy, load
+from services.codesign.command.grid import asked_of, judged, told
+from services.commands.completion.types import KITCHEN, ROBOT, TASK
 from services.commands.exits import Exit
 from services.commands.options import (
     KITCHEN_HELP,
@@ -33,15 +36,29 @@ WORDS = {True: "yes", False: "no", None: "not asked"}
 
 
 @click.command(epilog="SPEC is " + "; ".join(KINDS.values()) + ".")
-@click.option("--kitchen", help=KITCHEN_HELP)
-@click.option("--robot", help=ROBOT_HELP)
-@click.option("--task", metavar="TASK", help="open:CONTAINER or close:CONTAINER.")
+@click.option("--kitchen", type=KITCHEN, help=KITCHEN_HELP)
+@click.option("--robot", type=ROBOT, help=ROBOT_HELP)
+@click.option("--task", type=TASK, metavar="TASK", help="open:CONTAINER or close:CONTAINER.")
 @click.option(
     "--edit",
     "edits",
     multiple=True,
     metavar="SPEC",
     help="What is otherwise; 'help' lists the kinds. Repeatable.",
+)
+@click.option(
+    "--grid",
+    is_flag=True,
+    help="Every combination: each --edit is an axis of alternatives with ' | ' between them; --kitchen and "
+    "--robot may be several with commas, --task may be open or close without a container.",
+)
+@click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Processes of a grid.")
+@click.option(
+    "--csv",
+    "csv_file",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write every case of a grid as CSV.",
 )
 @click.option(
     "--turn", is_flag=True, help="Search the smallest share of the edits at which the outcome turns."
@@ -58,6 +75,9 @@ def whatif(
     robot: str | None,
     task: str | None,
     edits: tuple[str, ...],
+    grid: bool,
+    jobs: int,
+    csv_file: Path | None,
     turn: bool,
     states: tuple[str, ...],
     base: str | None,
@@ -68,7 +88,8 @@ def whatif(
 ) -> None:
     """Would ROBOT achieve TASK if things were otherwise? Says what differs and which predicate turns.
 
-    Exit 0 if the other world's verdict is certified (with --turn: if a turn was found), else 1.
+    Exit 0 if the other world's verdict is certified (with --turn: if a turn was found; with --grid: always),
+    else 1.
     """
     if "help" in edits:
         click.echo("\n".join(KINDS.values()))
@@ -76,6 +97,10 @@ def whatif(
     if kitchen is None or robot is None or task is None or not edits:
         raise InputError("--kitchen, --robot, --task and --edit are needed", remedy="--edit help lists edits")
     policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed)
+    if grid:
+        made = judged(asked_of(kitchen, robot, task, edits, states, policy), jobs)
+        told(made, csv_file, as_json=as_json)
+        return
     world = World(load(kitchen, [robot], state=states, policy=policy), robot)
     changes = tuple(parse_change(text) for text in edits)
     if turn:

@@ -1,0 +1,1 @@
+"""`sdt whatif` and `sdt codesign`."""

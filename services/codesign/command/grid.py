@@ -1,0 +1,73 @@
+"""`sdt whatif --grid`: many cases in many worlds."""
+
+from contextlib import ExitStack
+from pathlib import Path
+
+import click
+
+from sdt_kg.errors import InputError
+from services.app import Policy
+from services.codesign.cells import Cell, Grid
+from services.codesign.grid import Asked, run, worlds_of
+from services.codesign.report import CELL_COLUMNS, cell_rows, counts, reuse_lines, to_json, turned_rows
+from services.commands.show import csv_text, print_json, print_rows, progress
+
+TURNED_COLUMNS = ("world", "kitchen", "robot", "container", "outcome", "predicates", "why")
+
+
+def asked_of(  # noqa: PLR0917 - what the command was told
+    kitchens: str,
+    robots: str,
+    task: str,
+    edits: tuple[str, ...],
+    states: tuple[str, ...],
+    policy: Policy,
+) -> Asked:
+    """What a grid is about, as it is typed.
+
+    Raises:
+        InputError: No such verb, or an edit that is none.
+    """
+    verb, _, containers = task.partition(":")
+    if verb not in {"open", "close"}:
+        raise InputError(f"no task type '{verb}'", allowed="open, close, open:CONTAINER,CONTAINER")
+    return Asked(
+        tuple(kitchens.split(",")),
+        tuple(robots.split(",")),
+        verb,
+        worlds_of(edits),
+        policy,
+        states,
+        tuple(containers.split(",")) if containers else (),
+    )
+
+
+def judged(asked: Asked, jobs: int) -> Grid:
+    """All cells, with a bar on a terminal."""
+    with ExitStack() as stack:
+        bar = stack.enter_context(progress("cases", 0))
+
+        def report(cell: Cell) -> None:
+            if bar:
+                bar.update(bar.task_ids[0], advance=1, now=f"{cell.robot} {cell.container}")
+
+        return run(asked, jobs, report)
+
+
+def told(grid: Grid, csv_file: Path | None, *, as_json: bool) -> None:
+    """Print what was found."""
+    if csv_file:
+        csv_file.write_text(csv_text(cell_rows(grid), CELL_COLUMNS))
+    if as_json:
+        print_json(to_json(grid))
+        return
+    rows = counts(grid)
+    print_rows(rows, tuple(rows[0]), "table")
+    turned = turned_rows(grid)
+    if turned:
+        click.echo("\nwhat turns:\n")
+        print_rows(turned, TURNED_COLUMNS, "table")
+    click.echo("")
+    for line in reuse_lines(grid):
+        click.echo(line)
+    click.echo(f"\n{len(grid.cells)} cases in {grid.seconds:.0f} s ({grid.cpu_seconds:.0f} s of CPU)")

@@ -1,0 +1,205 @@
+"""Product grids: every container, for every robot, in every combination of edits, in worker processes."""
+
+import os
+import resource
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from itertools import product
+
+from sdt_kg.errors import InputError
+from sdt_kg.load import load_twin, model_name
+from services.app import Policy, load
+from services.codesign.cells import Cell, Found, Grid, How
+from services.codesign.judge import Judge, judged_as_it_is
+from services.requests import state_joints
+from services.whatif import World, changed, depends_on_robot, parse_change
+
+Base = dict[tuple[str, str, str], Found]
+Report = Callable[[Cell], None]
+
+BAR = " | "
+"""Between the alternatives of one axis."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What a grid is about.
+
+    Attributes:
+        kitchens, robots: Bundled names or paths.
+        verb: `open` or `close`.
+        worlds: Combinations of edits, each a world; the world as it is is not among them.
+        states: Start state, see `parse_state`; a joint's state is that of the kitchens that have it.
+        containers: By name; empty: all.
+    """
+
+    kitchens: tuple[str, ...]
+    robots: tuple[str, ...]
+    verb: str
+    worlds: tuple[tuple[str, ...], ...]
+    policy: Policy
+    states: tuple[str, ...] = ()
+    containers: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """Some cells of one kitchen and world, for one process."""
+
+    kitchen: str
+    robots: tuple[str, ...]
+    containers: tuple[str, ...]
+    edits: tuple[str, ...]
+
+
+def worlds_of(axes: Sequence[str]) -> tuple[tuple[str, ...], ...]:
+    """Every choice of one alternative, or of nothing, on each axis; but not of nothing on all of them.
+
+    Raises:
+        InputError: An axis has no edit, or one that is none.
+    """
+    choices: list[tuple[str, ...]] = []
+    for axis in axes:
+        alternatives = tuple(each.strip() for each in axis.split(BAR.strip()))
+        for each in alternatives:
+            parse_change(each)
+        if len(set(alternatives)) < len(alternatives):
+            raise InputError(f"'{axis}' has an edit twice", allowed=f"different edits, with '{BAR}' between")
+        choices.append(("", *alternatives))
+    made = (tuple(filter(None, each)) for each in product(*choices))
+    return tuple(each for each in made if each)
+
+
+def run(asked: Asked, jobs: int, report: Report = lambda cell: None) -> Grid:
+    """All cells, the worlds as they are first; each is reported as soon as it is there.
+
+    Raises:
+        InputError: A kitchen, robot, state or container that is not there.
+    """
+    began, cpu_began = time.perf_counter(), _cpu_seconds()
+    names = _containers(asked)
+    first = [
+        Job(kitchen, (robot,), (container,), ())
+        for kitchen in asked.kitchens
+        for robot in asked.robots
+        for container in names[kitchen]
+    ]
+    cells = list(_results(partial(_as_it_is, asked), first, jobs, report))
+    base: Base = {each.key: each.found for each in cells}
+    more = [
+        Job(kitchen, asked.robots, names[kitchen], edits)
+        for kitchen in asked.kitchens
+        for edits in asked.worlds
+    ]
+    cells += _results(partial(_otherwise, asked, base), more, jobs, report)
+    worlds = {edits: number for number, edits in enumerate(((), *asked.worlds))}
+    order = {(each.kitchen, each.robots[0], each.containers[0]): n for n, each in enumerate(first)}
+    cells.sort(key=lambda each: (worlds[each.edits], order[each.key]))
+    return Grid(cells, time.perf_counter() - began, _cpu_seconds() - cpu_began)
+
+
+def _containers(asked: Asked) -> dict[str, tuple[str, ...]]:
+    """Kitchen → names of the containers that are asked about."""
+    found: dict[str, tuple[str, ...]] = {}
+    states: set[str] = set()
+    for kitchen in asked.kitchens:
+        twin = load_twin(kitchen)
+        own = tuple(each.name for each in twin.containers())
+        found[kitchen] = tuple(each for each in own if each in asked.containers) if asked.containers else own
+        states.update(state_joints(twin, asked.states))
+    unknown = set(asked.containers) - {name for names in found.values() for name in names}
+    if unknown:
+        raise InputError(f"no kitchen has a container {', '.join(sorted(unknown))}")
+    if unused := set(asked.states) - states:
+        raise InputError(f"no kitchen has a joint for: {', '.join(sorted(unused))}")
+    for models in (asked.kitchens, asked.robots):
+        if len({model_name(each) for each in models}) < len(models):
+            raise InputError(f"two models share a name: {', '.join(models)}", allowed="each model once")
+    return found
+
+
+def _results(
+    work: Callable[[Job], list[Cell]], todo: Sequence[Job], jobs: int, report: Report
+) -> Iterator[Cell]:
+    for cells in _lists(work, todo, jobs):
+        for cell in cells:
+            report(cell)
+            yield cell
+
+
+def _lists(work: Callable[[Job], list[Cell]], todo: Sequence[Job], jobs: int) -> Iterator[list[Cell]]:
+    if jobs == 1:
+        yield from map(work, todo)
+        return
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    with ProcessPoolExecutor(jobs) as pool:
+        futures: list[Future[list[Cell]]] = [pool.submit(work, each) for each in todo]
+        try:
+            for future in as_completed(futures):
+                yield future.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _as_it_is(asked: Asked, job: Job) -> list[Cell]:
+    ground = _world(job.kitchen, asked.robots, _own(asked, job.kitchen), asked.policy)
+    (robot,), (container,) = job.robots, job.containers
+    found = judged_as_it_is(replace(ground, robot=robot), asked.verb, container)
+    return [Cell(job.kitchen, robot, container, (), found)]
+
+
+def _otherwise(asked: Asked, base: Base, job: Job) -> list[Cell]:
+    """All cells of one kitchen in an edited world; the edit is made once where it is of the kitchen alone."""
+    ground = _world(job.kitchen, asked.robots, _own(asked, job.kitchen), asked.policy)
+    changes = tuple(parse_change(each) for each in job.edits)
+    known = {each.iri: each for each in base.values()}
+    apart = any(depends_on_robot(each) for each in job.edits)
+    made: World | InputError | None = None
+    cells: list[Cell] = []
+    for robot in job.robots:
+        before = replace(ground, robot=robot)
+        if made is None or apart:
+            try:
+                made = changed(before, changes)
+            except InputError as error:
+                made = error
+        if isinstance(made, InputError):
+            none = _no_world(made)
+            cells += [Cell(job.kitchen, robot, each, job.edits, none) for each in job.containers]
+            continue
+        judge = Judge(before, made if apart else replace(made, robot=robot), known)
+        for each in job.containers:
+            found = _found(judge, asked.verb, each, base[job.kitchen, robot, each])
+            cells.append(Cell(job.kitchen, robot, each, job.edits, found))
+    return cells
+
+
+def _found(judge: Judge, verb: str, container: str, base: Found) -> Found:
+    try:
+        return judge.judged(verb, container, base)
+    except InputError as error:  # the container is gone, say
+        return _no_world(error)
+
+
+def _no_world(error: InputError) -> Found:
+    said: dict[str, object] = {"kind": "no world", "reason": str(error), "evidence": None, "proof": False}
+    return Found("", None, How.NO_WORLD, {}, ({**said, "search": None},))
+
+
+def _own(asked: Asked, kitchen: str) -> tuple[str, ...]:
+    return tuple(state_joints(load_twin(kitchen), asked.states)) if asked.states else ()
+
+
+@lru_cache(maxsize=2)
+def _world(kitchen: str, robots: tuple[str, ...], states: tuple[str, ...], policy: Policy) -> World:
+    """Loaded once in each worker for the jobs that follow each other."""
+    return World(load(kitchen, robots, state=states, policy=policy), robots[0])
+
+
+def _cpu_seconds() -> float:
+    usages = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
