@@ -1,0 +1,1 @@
+"""What a report shows on a page: tables, figures, and the page itself."""

@@ -1,0 +1,1 @@
+"""How a notebook becomes a report: found, given its parameters, run, written."""

@@ -1,0 +1,1 @@
+"""What is drawn of a kitchen, its robots and their motions, in a page and on paper."""
