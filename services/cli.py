@@ -1,7 +1,5 @@
 """The `sdt` command."""
 
-import contextlib
-import os
 import sys
 import traceback
 from importlib.metadata import version
@@ -10,14 +8,10 @@ from pathlib import Path
 import click
 
 from sdt_kg.errors import InputError, SdtError
-from services.commands.completion.shells import register, words
 from services.commands.exits import MEANING, Exit
 from services.commands.lazy import LazyGroup, Listed
 from services.configuration.read import settings
 from services.configuration.settle import default_map
-
-COMPLETE = "_SDT_COMPLETE"
-"""Variable by which a shell asks for completion, as click names it."""
 
 HERE = "services.commands"
 SECTIONS = {
@@ -53,7 +47,6 @@ SECTIONS = {
     },
     "This program": {
         "doctor": Listed("services.doctor.command:doctor", "Is all well here, and what is to be done?"),
-        "completion": Listed(f"{HERE}.completion.command:completion", "Completion for bash, zsh and fish."),
         "config": Listed("services.configuration.command:config", "Settings, and where each comes from."),
     },
     "Services": {
@@ -99,7 +92,7 @@ def sdt(context: click.Context, config: Path | None) -> None:
 def main() -> None:
     """Run `sdt`; a typed error becomes one line on standard error and an exit code."""
     try:
-        sdt.main(prog_name="sdt", standalone_mode=False, obj=_completing())
+        sdt.main(standalone_mode=False)
     except click.ClickException as error:
         error.show()
         sys.exit(Exit.BAD_INPUT)
@@ -116,18 +109,6 @@ def main() -> None:
         _exit_for_file(error)
     except Exception:  # noqa: BLE001 - the edge: told whole, with a code that no verdict has
         _exit_for_bug()
-
-
-def _completing() -> dict[str, object] | None:
-    """What completion in a shell needs to know; nothing where no shell asks."""
-    if COMPLETE not in os.environ:
-        return None
-    register()
-    kitchen = None
-    with contextlib.suppress(InputError):  # nobody asked for an error
-        said = settings(tuple(sdt.commands))
-        kitchen = said.environment.get("SDT_KITCHEN") or said.shared.get("kitchen")
-    return {"kitchen": kitchen, "words": words()[1:]}
 
 
 def _exit_for_file(error: OSError) -> None:
