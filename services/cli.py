@@ -1,5 +1,7 @@
 """The `sdt` command."""
 
+import contextlib
+import os
 import sys
 import traceback
 from importlib.metadata import version
@@ -8,10 +10,14 @@ from pathlib import Path
 import click
 
 from sdt_kg.errors import InputError, SdtError
+from services.commands.completion.shells import register, words
 from services.commands.exits import MEANING, Exit
 from services.commands.lazy import LazyGroup, Listed
 from services.configuration.read import settings
 from services.configuration.settle import default_map
+
+COMPLETE = "_SDT_COMPLETE"
+"""Variable by which a shell asks for completion, as click names it."""
 
 HERE = "services.commands"
 SECTIONS = {
@@ -47,6 +53,7 @@ SECTIONS = {
     },
     "This program": {
         "doctor": Listed("services.doctor.command:doctor", "Is all well here, and what is to be done?"),
+        "completion": Listed(f"{HERE}.completion.command:completion", "Completion for bash, zsh and fish."),
         "config": Listed("services.configuration.command:config", "Settings, and where each comes from."),
     },
     "Services": {
@@ -92,7 +99,7 @@ def sdt(context: click.Context, config: Path | None) -> None:
 def main() -> None:
     """Run `sdt`; a typed error becomes one line on standard error and an exit code."""
     try:
-        sdt.main(standalone_mode=False)
+        sdt.main(prog_name="sdt", standalone_mode=False, obj=_completing())
     except click.ClickException as error:
         error.show()
         sys.exit(Exit.BAD_INPUT)
@@ -109,6 +116,18 @@ def main() -> None:
         _exit_for_file(error)
     except Exception:  # noqa: BLE001 - the edge: told whole, with a code that no verdict has
         _exit_for_bug()
+
+
+def _completing() -> dict[str, object] | None:
+    """What completion in a shell needs to know; nothing where no shell asks."""
+    if COMPLETE not in os.environ:
+        return None
+    register()
+    kitchen = None
+    with contextlib.suppress(InputError):  # nobody asked for an error
+        said = settings(tuple(sdt.commands))
+        kitchen = said.environment.get("SDT_KITCHEN") or said.shared.get("kitchen")
+    return {"kitchen": kitchen, "words": words()[1:]}
 
 
 def _exit_for_file(error: OSError) -> None:

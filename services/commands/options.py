@@ -2,15 +2,18 @@
 
 import click
 
+from services.commands.completion.types import KITCHEN, STATE
+
 KITCHEN_HELP = "Bundled kitchen (a, b) or path of a URDF, xacro, MJCF, SDF or saved twin (.nq, .trig)."
 ROBOT_HELP = "Bundled robot (pr2, tiago_dual, stretch) or path of a URDF or xacro."
 
-kitchen_argument = click.argument("kitchen")
+kitchen_argument = click.argument("kitchen", type=KITCHEN)
 json_flag = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 csv_flag = click.option("--csv", "as_csv", is_flag=True, help="Print CSV.")
 states_option = click.option(
     "--state",
     "states",
+    type=STATE,
     multiple=True,
     metavar="JOINT=VALUE",
     help="Start state: a joint or container at a position [rad or m], open or closed; all=open, all=closed, "

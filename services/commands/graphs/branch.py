@@ -12,6 +12,7 @@ from sdt_kg.history.diff import difference, quads_of_twin
 from sdt_kg.history.patch import patch_of, read_patch
 from sdt_kg.history.records import record_graph
 from sdt_kg.iri import local_name
+from services.commands.completion.types import ROBOT
 from services.commands.graphs.saved_graphs import checked_format, graph_of, write_graph
 from services.commands.options import ROBOT_HELP, annotation_option, json_flag, kitchen_argument
 from services.commands.show import print_json, print_rows
@@ -20,7 +21,7 @@ from services.edits import EDITS, parse_edit, twin_of
 SHORT_KEY = 12
 """[characters] Of a hash, as it is shown."""
 
-robots_option = click.option("--robot", "robots", multiple=True, help=ROBOT_HELP + " Repeatable.")
+robots_option = click.option("--robot", "robots", multiple=True, type=ROBOT, help=ROBOT_HELP + " Repeatable.")
 
 
 @click.command(epilog="EDIT is " + "; ".join(EDITS.values()) + ".")

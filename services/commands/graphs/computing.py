@@ -13,6 +13,7 @@ from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.load import load_twin, model_path
 from sdt_kg.store import Row, checked_query, rows_of
 from services.app import Policy
+from services.commands.completion.types import KITCHEN, ROBOT
 from services.commands.options import KITCHEN_HELP, ROBOT_HELP, drive_option, states_option
 from services.commands.show import print_json, print_rows
 from services.compute import Bounds, Computed, Loaded, compute
@@ -46,9 +47,15 @@ def compute_options(command: Callable[..., Any]) -> Callable[..., Any]:  # a cli
     options = (
         click.option("--compute", "computes", is_flag=True, help="First run the cases that the query needs."),
         click.option(
-            "--kitchen", "kitchens", multiple=True, help=KITCHEN_HELP + " Repeatable; else a and b."
+            "--kitchen",
+            "kitchens",
+            multiple=True,
+            type=KITCHEN,
+            help=KITCHEN_HELP + " Repeatable; else a and b.",
         ),
-        click.option("--robot", "robots", multiple=True, help=ROBOT_HELP + " Repeatable; else all bundled."),
+        click.option(
+            "--robot", "robots", multiple=True, type=ROBOT, help=ROBOT_HELP + " Repeatable; else all bundled."
+        ),
         states_option,
         drive_option,
         click.option(

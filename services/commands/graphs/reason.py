@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from sdt_kg.iri import local_name
+from services.commands.completion.types import ROBOT
 from services.commands.exits import Exit
 from services.commands.graphs.saved_graphs import checked_format, graph_of, write_graph
 from services.commands.options import ROBOT_HELP, annotation_option, json_flag
@@ -15,7 +16,7 @@ from services.store.reason import Engine, Reasoned, default_engine, reasoned
 
 @click.command()
 @click.argument("source", metavar="KITCHEN|STORE")
-@click.option("--robot", "robots", multiple=True, help=ROBOT_HELP + " Repeatable.")
+@click.option("--robot", "robots", multiple=True, type=ROBOT, help=ROBOT_HELP + " Repeatable.")
 @annotation_option
 @click.option(
     "--engine",

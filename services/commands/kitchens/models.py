@@ -9,6 +9,7 @@ from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin
 from sdt_kg.scope import D_ARTIC, report_turtle, violations
 from sdt_kg.twin import Container
+from services.commands.completion.types import ROBOT
 from services.commands.exits import Exit
 from services.commands.options import ROBOT_HELP, annotation_option, json_flag, kitchen_argument
 from services.commands.show import console, print_json, print_rows
@@ -72,7 +73,7 @@ def container_row(container: Container) -> dict[str, object]:
 
 @click.command()
 @kitchen_argument
-@click.option("--robot", "robots", multiple=True, help=ROBOT_HELP + " Repeatable.")
+@click.option("--robot", "robots", multiple=True, type=ROBOT, help=ROBOT_HELP + " Repeatable.")
 @annotation_option
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE.ttl|.trig|.nq")
 def graph(kitchen: str, robots: tuple[str, ...], annotation: str | None, output: Path) -> None:
@@ -86,7 +87,7 @@ def graph(kitchen: str, robots: tuple[str, ...], annotation: str | None, output:
 
 @click.command()
 @kitchen_argument
-@click.option("--robot", help=ROBOT_HELP)
+@click.option("--robot", type=ROBOT, help=ROBOT_HELP)
 @annotation_option
 @click.option("--format", "form", type=click.Choice(["text", "turtle"]), default="text", show_default=True)
 @json_flag

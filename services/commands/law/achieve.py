@@ -13,6 +13,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.motion import BodyMotion
 from services.app import Policy, load
+from services.commands.completion.types import KITCHEN, ROBOT, TASK
 from services.commands.options import (
     KITCHEN_HELP,
     ROBOT_HELP,
@@ -31,9 +32,11 @@ from services.store.files import SavedVerdicts
 
 
 @click.command()
-@click.option("--kitchen", required=True, help=KITCHEN_HELP)
-@click.option("--robot", required=True, help=ROBOT_HELP)
-@click.option("--task", required=True, metavar="TASK", help="open, close, open:CONTAINER, close:CONTAINER.")
+@click.option("--kitchen", required=True, type=KITCHEN, help=KITCHEN_HELP)
+@click.option("--robot", required=True, type=ROBOT, help=ROBOT_HELP)
+@click.option(
+    "--task", required=True, type=TASK, metavar="TASK", help="open, close, open:CONTAINER, close:CONTAINER."
+)
 @click.option(
     "--motion",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),

@@ -12,6 +12,7 @@ from predicates.learn.phases import Plain
 from sdt_kg.errors import InputError
 from sdt_kg.mechanism import Pose
 from services.app import Service, load
+from services.commands.completion.types import CONTAINER, KITCHEN
 from services.commands.exits import Exit
 from services.commands.law.learned import (
     kitchen_row,
@@ -30,8 +31,13 @@ from services.tracks import read_track
 
 @click.command("learn")
 @click.argument("track", type=click.Path(path_type=Path))
-@click.option("--kitchen", metavar="KITCHEN", help=KITCHEN_HELP)
-@click.option("--container", metavar="NAME", help="Whose motion it is; without it, the one that fits best.")
+@click.option("--kitchen", metavar="KITCHEN", type=KITCHEN, help=KITCHEN_HELP)
+@click.option(
+    "--container",
+    type=CONTAINER,
+    metavar="NAME",
+    help="Whose motion it is; without it, the one that fits best.",
+)
 @states_option
 @click.option(
     "--at",

@@ -5,6 +5,7 @@ import click
 from sdt_kg.errors import InputError
 from sdt_kg.task import UNKNOWN
 from services.app import load
+from services.commands.completion.types import KITCHEN, ROBOT, TASK
 from services.commands.exits import Exit
 from services.commands.options import (
     KITCHEN_HELP,
@@ -20,9 +21,9 @@ from services.requests import parse_task
 
 
 @click.command()
-@click.option("--kitchen", required=True, help=KITCHEN_HELP)
-@click.option("--robot", required=True, help=ROBOT_HELP)
-@click.option("--task", required=True, metavar="TASK", help="open:CONTAINER or close:CONTAINER.")
+@click.option("--kitchen", required=True, type=KITCHEN, help=KITCHEN_HELP)
+@click.option("--robot", required=True, type=ROBOT, help=ROBOT_HELP)
+@click.option("--task", required=True, type=TASK, metavar="TASK", help="open:CONTAINER or close:CONTAINER.")
 @states_option
 @annotation_option
 @budget_option

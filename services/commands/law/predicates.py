@@ -11,6 +11,7 @@ from sdt_kg.iri import local_name
 from sdt_kg.motion import Motion
 from sdt_kg.task import Task
 from services.app import load
+from services.commands.completion.types import TASK
 from services.commands.exits import Exit
 from services.commands.options import json_flag, kitchen_argument, states_option
 from services.commands.show import console, print_json, print_rows
@@ -32,7 +33,9 @@ def satisfies(kitchen: str, states: tuple[str, ...], as_json: bool) -> None:
 
 @click.command()
 @kitchen_argument
-@click.option("--task", required=True, metavar="TASK", help="open, close, open:CONTAINER, close:CONTAINER.")
+@click.option(
+    "--task", required=True, type=TASK, metavar="TASK", help="open, close, open:CONTAINER, close:CONTAINER."
+)
 @states_option
 @click.option(
     "--motion",

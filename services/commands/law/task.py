@@ -12,6 +12,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from services.app import Policy, load
+from services.commands.completion.types import KITCHEN, ROBOT
 from services.commands.exits import Exit
 from services.commands.options import (
     KITCHEN_HELP,
@@ -41,8 +42,8 @@ NOMINAL = (
     "task", epilog="Ready tasks: sdt task --list. How to write one: predicates/specification/README.md."
 )
 @click.argument("source", metavar="FILE.ttl|NAME", required=False)
-@click.option("--kitchen", help=KITCHEN_HELP)
-@click.option("--robot", help=ROBOT_HELP)
+@click.option("--kitchen", type=KITCHEN, help=KITCHEN_HELP)
+@click.option("--robot", type=ROBOT, help=ROBOT_HELP)
 @click.option("--list", "lists", is_flag=True, help="Ready tasks, and nothing else.")
 @states_option
 @click.option("--base", metavar="X,Y,YAW", help="Start pose of the base [m, m, rad], for every step.")

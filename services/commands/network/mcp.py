@@ -6,12 +6,15 @@ import sys
 import click
 
 from sdt_kg.errors import InputError
+from services.commands.completion.types import KITCHEN, ROBOT
 from services.commands.options import KITCHEN_HELP, ROBOT_HELP
 
 
 @click.command("mcp")
-@click.option("--kitchen", "kitchens", multiple=True, required=True, help=KITCHEN_HELP + " Repeatable.")
-@click.option("--robot", "robots", multiple=True, required=True, help=ROBOT_HELP + " Repeatable.")
+@click.option(
+    "--kitchen", "kitchens", multiple=True, required=True, type=KITCHEN, help=KITCHEN_HELP + " Repeatable."
+)
+@click.option("--robot", "robots", multiple=True, required=True, type=ROBOT, help=ROBOT_HELP + " Repeatable.")
 @click.option(
     "--connect",
     metavar="PROTOCOL/HOST:PORT",

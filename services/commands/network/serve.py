@@ -5,6 +5,7 @@ from pathlib import Path
 
 import click
 
+from services.commands.completion.types import KITCHEN, ROBOT
 from services.commands.options import KITCHEN_HELP, ROBOT_HELP
 
 
@@ -23,8 +24,8 @@ from services.commands.options import KITCHEN_HELP, ROBOT_HELP
     help="Serve what is saved there and keep what is written: a directory, FILE.trig, FILE.nq (kept when the "
     "service ends), http://HOST of an Oxigraph, or http://HOST/QUERY,http://HOST/UPDATE.",
 )
-@click.option("--kitchen", "kitchens", multiple=True, help=KITCHEN_HELP + " Repeatable.")
-@click.option("--robot", "robots", multiple=True, help=ROBOT_HELP + " Repeatable.")
+@click.option("--kitchen", "kitchens", multiple=True, type=KITCHEN, help=KITCHEN_HELP + " Repeatable.")
+@click.option("--robot", "robots", multiple=True, type=ROBOT, help=ROBOT_HELP + " Repeatable.")
 @click.option(
     "--token-file",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),

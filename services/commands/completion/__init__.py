@@ -1,0 +1,1 @@
+"""Completion in the shell: commands, options, and names as the twin has them."""
