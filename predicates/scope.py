@@ -1,20 +1,20 @@
-"""Params(G) ∈ I_Φ: whether a case lies inside the TEE class D_artic."""
+"""Params(G) ∈ I_Φ: whether a case lies inside a TEE class."""
 
 from predicates.case import Case, Diagnosis, Evidence, Kind, Quantity
 from sdt_kg.iri import LAW, Iri, local_name
-from sdt_kg.scope import D_ARTIC, Violation, violations
+from sdt_kg.scope import D_ARTIC, TEE_CLASSES, TeeClass, Violation, violations
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container
 
 
-def out_of_scope(case: Case, container: Container) -> list[Diagnosis]:
+def out_of_scope(case: Case, container: Container, tee: TeeClass = D_ARTIC) -> list[Diagnosis]:
     """Why the case is outside D: one diagnosis for each SHACL result, empty inside.
 
     Being outside refutes nothing, so no diagnosis is a proof.
     """
     robot = case.robot if isinstance(case.robot, str) else None
     verb = verb_iri(case.task.verb) if isinstance(case.task, Task) else None
-    return [_diagnosis(each) for each in violations(case.twin, container, robot, verb)]
+    return [outside(each, tee) for each in violations(case.twin, container, robot, verb, tee)]
 
 
 def verb_iri(verb: Verb) -> Iri:
@@ -22,18 +22,23 @@ def verb_iri(verb: Verb) -> Iri:
     return LAW + verb.value.capitalize()
 
 
-def tee_class_hash() -> str:
+def tee_class_hash(tee: TeeClass = D_ARTIC) -> str:
     """Hash of D: its constants and shapes."""
-    return D_ARTIC.content_hash()
+    return tee.content_hash()
 
 
-def _diagnosis(violation: Violation) -> Diagnosis:
+def tee_class_of_hash(found: str) -> TeeClass | None:
+    """The class that has this hash; None for one of another version."""
+    return next((each for each in TEE_CLASSES if each.content_hash() == found), None)
+
+
+def outside(violation: Violation, tee: TeeClass) -> Diagnosis:
     """A SHACL result as a diagnosis; its numbers, where it has any, as evidence."""
     path = "" if violation.path is None else f" {local_name(violation.path)}"
-    reason = f"outside D_artic: {local_name(violation.focus)}{path}: {violation.message}"
+    reason = f"outside {tee.name}: {local_name(violation.focus)}{path}: {violation.message}"
     value, bound = _number(violation.value), _number(violation.bound)
     evidence = Evidence(
-        Quantity.LIMIT, value, bound, "1", entity=violation.focus, scope=D_ARTIC.name, path=violation.path
+        Quantity.LIMIT, value, bound, "1", entity=violation.focus, scope=tee.name, path=violation.path
     )
     return Diagnosis(Kind.OUT_OF_SCOPE, reason, evidence, violation=violation)
 

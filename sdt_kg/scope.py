@@ -20,7 +20,7 @@ from rdflib.term import Node
 
 import ontology
 from sdt_kg.annotate import tee_triples
-from sdt_kg.iri import LAW, RDF, SH, TEE, Iri
+from sdt_kg.iri import LAW, RDF, SDT, SH, TEE, Iri, local_name
 from sdt_kg.store import Term, Value
 from sdt_kg.triples import Facts
 from sdt_kg.twin import Container, Twin
@@ -36,6 +36,7 @@ _BOUNDS: Final = {
     "ClassConstraintComponent": "class",
     "InConstraintComponent": "in",
     "LessThanConstraintComponent": "lessThan",
+    "LessThanOrEqualsConstraintComponent": "lessThanOrEquals",
     "MaxCountConstraintComponent": "maxCount",
     "MaxExclusiveConstraintComponent": "maxExclusive",
     "MaxInclusiveConstraintComponent": "maxInclusive",
@@ -85,8 +86,14 @@ class TeeClass:
         return Facts(tee_triples())
 
     @cached_property
+    def refined(self) -> "TeeClass | None":
+        """The wider class whose shapes and constants hold here too."""
+        wider = self._facts.iris(self.iri, TEE + "refines")
+        return TeeClass(wider[0], local_name(wider[0])) if wider else None
+
+    @cached_property
     def shapes(self) -> rdflib.Graph:
-        """The shapes file."""
+        """The shapes file, without those of a class that it refines."""
         return rdflib.Graph().parse(data=self._shapes_text(), format="turtle")
 
     @cached_property
@@ -101,16 +108,18 @@ class TeeClass:
 
     def number(self, name: str) -> float:
         """A constant of the class: openFraction, closedTolerance, defaultAcceleration."""
-        return self._facts.number(self.iri, TEE + name)
+        own = self.refined.number(name) if self.refined is not None else None
+        return self._facts.number(self.iri, TEE + name, own)
 
     def content_hash(self) -> str:
-        """SHA-256 of its constants and shapes; part of every verdict's hash.
+        """SHA-256 of its constants and shapes, and of what it refines; part of every verdict's hash.
 
         What `tee.ttl` says about its own terms, labels and comments say, decides no verdict.
         """
         own = (each for each in tee_triples() if each[0] == self.iri and each[1].startswith(TEE))
         constants = sorted(f"{s} {p} {o}" for s, p, o in own)
-        return hashlib.sha256("\n".join((*constants, self._shapes_text())).encode()).hexdigest()
+        wider = () if self.refined is None else (self.refined.content_hash(),)
+        return hashlib.sha256("\n".join((*constants, self._shapes_text(), *wider)).encode()).hexdigest()
 
     def _shapes_text(self) -> str:
         file = self._facts.one(self.iri, TEE + "shapesFile")
@@ -118,33 +127,42 @@ class TeeClass:
 
 
 D_ARTIC: Final = TeeClass(TEE + "D_artic", "D_artic")
+D_ARTIC_DYN: Final = TeeClass(TEE + "D_artic_dyn", "D_artic_dyn")
+TEE_CLASSES: Final = (D_ARTIC, D_ARTIC_DYN)
 
 
 def violations(
-    twin: Twin, container: Container, robot: Iri | None = None, verb: Iri | None = None
+    twin: Twin,
+    container: Container,
+    robot: Iri | None = None,
+    verb: Iri | None = None,
+    tee: TeeClass = D_ARTIC,
 ) -> list[Violation]:
-    """How the request lies outside D_artic; empty inside.
+    """How the request lies outside the class, and outside those that it refines; empty inside.
 
     Args:
         twin: The kitchen, and the robot if there is one.
         container: What the request is about.
         robot: Left out, R is not checked.
         verb: `law:Open` or `law:Close`; left out, T is not checked.
+        tee: D.
     """
-    asked = ["Environment", "Physics"]
-    asked += ["Robot"] if robot is not None else []
+    wider = [] if tee.refined is None else violations(twin, container, robot, verb, tee.refined)
+    asked = ["Environment", "Physics", *(["Robot"] if robot is not None else [])]
     asked += ["Task"] if verb is not None else []
-    expected = [shape for part in asked for shape in D_ARTIC.shapes_of(part)]
-    return list(_checked(frozenset(request_graph(twin, container, robot, verb)), tuple(expected)))
+    expected = tuple(shape for part in asked for shape in tee.shapes_of(part))
+    return [*wider, *_checked(tee, frozenset(request_graph(twin, container, robot, verb, tee)), expected)]
 
 
-@lru_cache(maxsize=8)
-def _checked(triples: frozenset[tuple[Node, Node, Node]], expected: tuple[Iri, ...]) -> tuple[Violation, ...]:
+@lru_cache(maxsize=16)
+def _checked(
+    tee: TeeClass, triples: frozenset[tuple[Node, Node, Node]], expected: tuple[Iri, ...]
+) -> tuple[Violation, ...]:
     """Violations of a request's graph; kept, since a motion is found and verified for the same request."""
     data = rdflib.Graph()
     for triple in triples:
         data.add(triple)
-    return tuple(check(data, D_ARTIC.shapes, list(expected)))
+    return tuple(check(data, tee.shapes, list(expected)))
 
 
 def pyshacl_report(data: rdflib.Graph, shapes: rdflib.Graph) -> rdflib.Graph:
@@ -192,9 +210,9 @@ def _violation(data: rdflib.Graph, shapes: rdflib.Graph, report: rdflib.Graph, r
 
     focus, path, source = one("focusNode"), one("resultPath"), one("sourceShape")
     component = str(one("sourceConstraintComponent"))
-    parameter = _BOUNDS.get(component.removeprefix(SH))
-    bound = None if parameter is None else shapes.value(source, _SH[parameter])
-    if parameter == "lessThan" and focus is not None and bound is not None:
+    parameter = _BOUNDS.get(component.removeprefix(SH), "")
+    bound = shapes.value(source, _SH[parameter]) if parameter else None
+    if parameter.startswith("lessThan") and focus is not None and bound is not None:
         bound = data.value(focus, bound)
     return Violation(
         focus=str(focus),
@@ -217,18 +235,24 @@ def _value(node: Node | None) -> Value:
 
 
 def request_graph(
-    twin: Twin, container: Container, robot: Iri | None = None, verb: Iri | None = None
+    twin: Twin,
+    container: Container,
+    robot: Iri | None = None,
+    verb: Iri | None = None,
+    tee: TeeClass = D_ARTIC,
 ) -> rdflib.Graph:
-    """What the graph says of the individuals that the request is about, as far as D_artic asks."""
+    """What the graph says of the individuals that the request is about, as far as the class asks."""
     facts = twin.entities.facts
     subjects = [twin.environment, container.iri, *facts.iris(container.iri, "hasHandle")]
     subjects += facts.iris(container.iri, "hasJoint")
+    if SDT + "hasForceModel" in tee.mentioned:
+        subjects += [model for each in subjects for model in facts.iris(each, "hasForceModel")]
     if robot is not None:
         subjects += [robot, *facts.iris(robot, "hasGripper")]
     graph = rdflib.Graph()
     for subject in subjects:
         for name, term in facts.about(subject):
-            if name in D_ARTIC.mentioned:
+            if name in tee.mentioned:
                 graph.add((rdflib.URIRef(subject), rdflib.URIRef(name), _node(term)))
     if verb is not None:
         task = rdflib.URIRef(_TASK)

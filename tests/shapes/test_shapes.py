@@ -8,11 +8,11 @@ from rdflib.namespace import RDF, SH
 from rdflib.term import Node, URIRef
 
 import ontology
-from sdt_kg.scope import D_ARTIC, Violation, check
+from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN, TeeClass, Violation, check
 from tests.shapes.engines import ENGINES
 
 PAIRS = Path(__file__).parent
-FILES = ("d_artic", "sdt")
+FILES = ("d_artic", "d_artic_dyn", "sdt")
 
 
 def shapes(name: str) -> rdflib.Graph:
@@ -42,7 +42,7 @@ def results(name: str, shape: URIRef, data: rdflib.Graph) -> list[Violation]:
 
 
 def test_there_are_shapes_and_no_pair_without_a_shape() -> None:
-    assert len(SHAPES) == 21
+    assert len(SHAPES) == 23
     files = {path.relative_to(PAIRS) for path in PAIRS.glob("*/*.ttl")}
     expected = {twin(*each, kind).relative_to(PAIRS) for each in SHAPES for kind in ("pass", "fail")}
     assert files == expected
@@ -85,10 +85,11 @@ def test_a_typo_in_a_target_lets_nothing_pass(name: str, shape: URIRef) -> None:
     assert str(shape) in {each.focus for each in check(data, graph, [str(shape)])}
 
 
-def test_every_shape_of_d_artic_belongs_to_a_part_of_d() -> None:
+@pytest.mark.parametrize("tee", [D_ARTIC, D_ARTIC_DYN], ids=lambda tee: tee.name)
+def test_every_shape_of_a_class_belongs_to_a_part_of_it(tee: TeeClass) -> None:
     parts = ("Task", "Environment", "Robot", "Physics")
-    named = {shape for part in parts for shape in D_ARTIC.shapes_of(part)}
-    assert named == set(map(str, targeted("d_artic")))
+    named = {shape for part in parts for shape in tee.shapes_of(part)}
+    assert named == set(map(str, targeted(tee.name.lower())))
 
 
 @pytest.mark.parametrize("name", FILES)
