@@ -8,8 +8,8 @@ import pyoxigraph as ox
 
 import kitchens
 import robots as bundled_robots
-from sdt_kg.annotate import TEE_GRAPH, annotate, tee_triples
-from sdt_kg.annotation_files import Chosen, chosen_kitchen, chosen_robot, described
+from sdt_kg.annotating.annotate import TEE_GRAPH, annotate, tee_triples
+from sdt_kg.annotating.files import Chosen, chosen_kitchen, chosen_robot, described
 from sdt_kg.entities import Entities
 from sdt_kg.errors import AnnotationError, GraphError, InputError, UnknownEntityError
 from sdt_kg.iri import Iri, graph_iri, local_name, model_iri

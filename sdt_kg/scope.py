@@ -19,7 +19,7 @@ from rdflib.namespace import RDF as RDF_NS
 from rdflib.term import Node
 
 import ontology
-from sdt_kg.annotate import tee_triples
+from sdt_kg.annotating.annotate import tee_triples
 from sdt_kg.iri import LAW, RDF, SDT, SH, TEE, Iri, local_name
 from sdt_kg.store import Term, Value
 from sdt_kg.triples import Facts

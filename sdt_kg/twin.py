@@ -8,8 +8,8 @@ import pyoxigraph as ox
 import rdflib
 
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
-from sdt_kg.container import Container, LeftOut
 from sdt_kg.entities import Entities, Replacement, query_text
+from sdt_kg.entities.container import Container, LeftOut
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.interchange import Owl, Quads, owlready_ontology, quads_of, rebuilt
 from sdt_kg.iri import PREFIXES, Iri, local_name

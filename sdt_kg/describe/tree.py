@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sdt_kg.annotating.panels import corners
 from sdt_kg.mechanism import Joint, JointType, Mechanism
-from sdt_kg.panels import corners
 
 Matrix = NDArray[np.float64]
 

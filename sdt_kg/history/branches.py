@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import pyoxigraph as ox
 
-from sdt_kg.annotate import TEE_GRAPH
+from sdt_kg.annotating.annotate import TEE_GRAPH
 from sdt_kg.entities import Entities, query_text, state_iri
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history.edits import Edit, Followed, key_of

@@ -13,7 +13,7 @@ import pyoxigraph as ox
 import rdflib
 from rdflib.graph import DATASET_DEFAULT_GRAPH_ID
 
-from sdt_kg.annotate import TEE_GRAPH, annotate, tee_triples
+from sdt_kg.annotating.annotate import TEE_GRAPH, annotate, tee_triples
 from sdt_kg.entities import Entities, state_iri
 from sdt_kg.errors import GraphError, StateError, UnknownEntityError
 from sdt_kg.iri import SDT, TEE, Iri, graph_iri, local_name, model_iri

@@ -11,7 +11,7 @@ from sdt_kg.triples.annotation import missing_of, read_kitchen, read_robot
 from sdt_kg.triples.facts import Facts
 from sdt_kg.triples.from_mechanism import mechanism_triples
 from sdt_kg.triples.to_mechanism import read_mechanism_of
-from sdt_kg.vocabulary import fits, properties
+from sdt_kg.triples.vocabulary import fits, properties
 
 _INDEX: Final = SDT + "index"
 

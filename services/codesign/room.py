@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Final
 
 from sdt_kg.annotation import Drive
-from sdt_kg.container import Container
+from sdt_kg.entities.container import Container
 from sdt_kg.iri import Iri, body_iri
 from sdt_kg.twin import Twin
 from services.codesign.again import drive_of

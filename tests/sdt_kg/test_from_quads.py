@@ -7,7 +7,7 @@ import pyoxigraph as ox
 import pytest
 import rdflib
 
-from sdt_kg.annotate import TEE_GRAPH
+from sdt_kg.annotating.annotate import TEE_GRAPH
 from sdt_kg.errors import GraphError, UnknownEntityError
 from sdt_kg.iri import SDT, graph_iri, joint_iri, model_iri
 from sdt_kg.load import load_twin

@@ -12,17 +12,17 @@ from typing import Final
 import pyoxigraph as ox
 
 import ontology
-from sdt_kg.annotate import TEE_GRAPH, annotate
+from sdt_kg.annotating.annotate import TEE_GRAPH, annotate
 from sdt_kg.annotation import RobotAnnotation
-from sdt_kg.container import Container, container_of
-from sdt_kg.coupling import Coupling
+from sdt_kg.entities.container import Container, container_of
+from sdt_kg.entities.coupling import Coupling
 from sdt_kg.errors import GraphError, InputError, UnknownEntityError
 from sdt_kg.iri import SDT, Iri, graph_iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.state import State
 from sdt_kg.store import MemoryStore, Store, Triple, Value, double, rows_of, term_of
 from sdt_kg.triples import Facts, checked_model, read_mechanism_of
-from sdt_kg.vocabulary import fits, properties
+from sdt_kg.triples.vocabulary import fits, properties
 
 KEPT_STATES: Final = 256
 """State graphs that a store keeps at a time; a dropped one is written again when asked for."""

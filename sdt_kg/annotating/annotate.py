@@ -13,8 +13,8 @@ from typing import Final
 import pyoxigraph as ox
 
 import ontology
+from sdt_kg.annotating.panels import panel_triples
 from sdt_kg.iri import ID, RDF, SDT, TEE, Iri, graph_iri, local_name
-from sdt_kg.panels import panel_triples
 from sdt_kg.store import Store, Triple
 
 TEE_GRAPH: Final = TEE.removesuffix("#")

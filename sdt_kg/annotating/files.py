@@ -18,8 +18,8 @@ from sdt_kg.triples import Facts
 from sdt_kg.triples.annotation import missing_of
 from sdt_kg.triples.facts import TYPE
 from sdt_kg.triples.from_mechanism import pose_triples
+from sdt_kg.triples.vocabulary import DRIVES, fits, properties
 from sdt_kg.urdf import parse_xml
-from sdt_kg.vocabulary import DRIVES, fits, properties
 
 
 @dataclass(frozen=True, slots=True)

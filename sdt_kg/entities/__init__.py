@@ -1,0 +1,5 @@
+"""What a twin says whatever its state, shared by all its branches."""
+
+from sdt_kg.entities.entities import KEPT_STATES, Entities, Replacement, query_text, state_iri
+
+__all__ = ["KEPT_STATES", "Entities", "Replacement", "query_text", "state_iri"]
