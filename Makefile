@@ -35,7 +35,7 @@ ifdef UV
 	$(UV) pip install --quiet --python $(BIN)/python -c constraints.txt -e '.[dev]'
 else
 	$(PYTHON) -m venv --clear .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -c constraints.txt -e '.[dev]'
 endif
 	@# The inner loops are compiled once, here, so that no question waits for it.
 	$(BIN)/sdt achieve --kitchen b --robot pr2 --task open:sink_area_left_middle_drawer_main >/dev/null
