@@ -3,13 +3,26 @@
 The worlds are whatever the caller can judge: another robot, a half-open door, an obstacle, a limit.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
 
-from predicates.case import Answer, Diagnosis, Verdict
+from predicates.case import Answer, Diagnosis, Outcome, Verdict
 from predicates.record.report import answers
 
-Judge = Callable[[float], Verdict]
+
+class Judged(Protocol):
+    """What came of a question: a verdict, or what was kept of one."""
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """What the Law says; None where there is no such world."""
+        ...
+
+
+V = TypeVar("V", bound=Judged)
+
+Judge = Callable[[float], V]
 """The verdict after this share of a change: 0 is the world as it is, 1 the whole change."""
 
 
@@ -46,15 +59,15 @@ class Contrast:
 
 
 @dataclass(frozen=True, slots=True)
-class Tried:
+class Tried(Generic[V]):
     """One verdict on the way."""
 
     share: float
-    verdict: Verdict
+    verdict: V
 
 
 @dataclass(frozen=True, slots=True)
-class Turn:
+class Turn(Generic[V]):
     """The smallest share of a change that turns the outcome, or that none was found.
 
     Attributes:
@@ -64,9 +77,9 @@ class Turn:
             may turn and turn back unseen: what is found is minimal among what was tried.
     """
 
-    before: Tried
-    after: Tried | None
-    tried: tuple[Tried, ...]
+    before: Tried[V]
+    after: Tried[V] | None
+    tried: tuple[Tried[V], ...]
 
     @property
     def gap(self) -> float:
@@ -74,7 +87,7 @@ class Turn:
         return 1.0 if self.after is None else self.after.share - self.before.share
 
 
-def smallest_turn(judge: Judge, scan: int, tolerance: float) -> Turn:
+def smallest_turn(judge: Judge[V], scan: int, tolerance: float) -> Turn[V]:
     """The smallest share at which the outcome turns, exact to within the tolerance.
 
     Shares k / scan are judged in order until one turns; then the interval before it is halved.
@@ -84,23 +97,67 @@ def smallest_turn(judge: Judge, scan: int, tolerance: float) -> Turn:
         scan: Steps of the first scan, at least 1.
         tolerance: Of the share, above 0.
     """
-    tried = [Tried(0.0, judge(0.0))]
-    outcome = tried[0].verdict.outcome
-    low, high = tried[0], None
+    return nearest_turns([judge], judge(0.0), scan, tolerance)[0]
+
+
+def nearest_turns(
+    judges: Sequence[Judge[V]],
+    actual: V,
+    scan: int,
+    tolerance: float,
+    late: Callable[[], bool] = lambda: False,
+) -> tuple[Turn[V], ...]:
+    """For each direction of change the smallest share that turns the outcome, if none turns it sooner.
+
+    Shares k / scan are judged in all directions in turn until one turns; then, where one did, the
+    interval before it is halved. A direction that did not turn by then is not followed further.
+
+    Args:
+        judges: One for each direction.
+        actual: The verdict at share 0.
+        scan: Steps of the first scan, at least 1.
+        tolerance: Of the share, above 0.
+        late: Whether to stop; then gaps are what they are.
+    """
+    tried = [[Tried(0.0, actual)] for _ in judges]
     for step in range(1, scan + 1):
-        tried.append(Tried(step / scan, judge(step / scan)))
-        if tried[-1].verdict.outcome is not outcome:
-            high = tried[-1]
+        for judge, own in zip(judges, tried, strict=True):
+            if not late():
+                own.append(Tried(step / scan, judge(step / scan)))
+        if any(_turned(own[-1], actual) for own in tried):
             break
-        low = tried[-1]
-    while high is not None and high.share - low.share > tolerance:
+    for judge, own in zip(judges, tried, strict=True):
+        if _turned(own[-1], actual):
+            own.extend(_halved(judge, own[-2], own[-1], actual, tolerance, late))
+            own.sort(key=lambda each: each.share)
+    return tuple(_turn(own, actual) for own in tried)
+
+
+def _halved(  # noqa: PLR0913, PLR0917 - an interval, and when to stop
+    judge: Judge[V], low: Tried[V], high: Tried[V], actual: V, tolerance: float, late: Callable[[], bool]
+) -> list[Tried[V]]:
+    """What is tried between a share at which the outcome is as it is and one at which it is another."""
+    tried: list[Tried[V]] = []
+    while high.share - low.share > tolerance and not late():
         share = (low.share + high.share) / 2
         tried.append(Tried(share, judge(share)))
-        if tried[-1].verdict.outcome is outcome:
-            low = tried[-1]
-        else:
+        if _turned(tried[-1], actual):
             high = tried[-1]
-    return Turn(low, high, tuple(sorted(tried, key=lambda each: each.share)))
+        else:
+            low = tried[-1]
+    return tried
+
+
+def _turned(one: Tried[V], actual: V) -> bool:
+    return one.verdict.outcome is not actual.outcome
+
+
+def _turn(tried: list[Tried[V]], actual: V) -> Turn[V]:
+    """Of what was tried in one direction, by share."""
+    first = next((k for k, each in enumerate(tried) if _turned(each, actual)), None)
+    if first is None:
+        return Turn(tried[-1], None, tuple(tried))
+    return Turn(tried[first - 1], tried[first], tuple(tried))
 
 
 def _holds(answer: Answer | None) -> bool | None:

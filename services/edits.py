@@ -7,10 +7,12 @@ from typing import Final
 
 import numpy as np
 
+from sdt_kg.entities import Replacement
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import (
     Edit,
     Followed,
+    Rewritten,
     TakenAway,
     Trajectory,
     brought,
@@ -20,7 +22,7 @@ from sdt_kg.history import (
     posed,
     without_obstacle,
 )
-from sdt_kg.iri import Iri, joint_iri, local_name
+from sdt_kg.iri import Iri, body_iri, joint_iri, local_name
 from sdt_kg.load import load_twin, model_name
 from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, Pose, ShapeType
 from sdt_kg.scenes.build import pose_of
@@ -38,6 +40,7 @@ EDITS: Final = {
     "box": "box:NAME=SX,SY,SZ@X,Y,Z[,YAW]",
     "mesh": "mesh:NAME=FILE[*SCALE]@X,Y,Z[,YAW] (an obstacle of triangles: .stl, .obj, .dae)",
     "without": "without:NAME (of an obstacle or robot)",
+    "clear": "clear:BODY (of the kitchen, with all on it: nothing can run into it any more)",
     "robot": "robot:NAME (bundled, or a path)",
     "follow": "follow:MOTION.npz (joint values, or a body motion)",
 }
@@ -75,6 +78,8 @@ def parse_edit(twin: Twin, text: str) -> Edit:
         raise InputError(f"'{text}' is no edit", allowed="; ".join(EDITS.values()))
     if verb == "without":
         return _without(twin, rest)
+    if verb == "clear":
+        return _clear(twin, rest)
     if verb == "robot":
         return _robot(twin, rest)
     if verb == "follow":
@@ -94,6 +99,27 @@ def parse_edit(twin: Twin, text: str) -> Edit:
 def _without(twin: Twin, name: str) -> Edit:
     robots = {twin.name(robot): robot for robot in twin.robots}
     return TakenAway(robots[name]) if name in robots else without_obstacle(twin, name)
+
+
+def _clear(twin: Twin, name: str) -> Edit:
+    """A body and all that hangs on it have no shape any more."""
+    kitchen = twin.mechanism(twin.environment)
+    names = [each.name for each in kitchen.bodies]
+    if name not in names:
+        raise UnknownEntityError("body", name, names)
+    gone = {name}
+    for joint in kitchen.joints:  # parents before children
+        if joint.parent in gone:
+            gone.add(joint.child)
+    shapes = tuple(f"{body_iri(kitchen.name, each)}/collision/" for each in gone)
+    removed = frozenset(
+        triple
+        for triple in twin.entities.store.triples(twin.entities.asserted[twin.environment])
+        if triple[0].startswith(shapes) or triple[2].value.startswith(shapes)
+    )
+    if not removed:
+        raise InputError(f"'{name}' has no shape", allowed="a body that something can run into")
+    return Rewritten(Replacement(twin.environment, removed, frozenset(), f"{name} cleared away"))
 
 
 def _robot(twin: Twin, name: str) -> Edit:

@@ -8,6 +8,7 @@ and every pair with a shape that the edit touches.
 
 from copy import copy
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -23,6 +24,9 @@ from services.embodiment.certify.check import Certified, certify
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.oracle import WholeBody, container_of
 from services.physics.model import Scene
+
+FREEDOM: Final = (Drive.FIXED, Drive.DIFFERENTIAL, Drive.OMNI)
+"""Each base moves as those before it can, and otherwise too."""
 
 
 @dataclass(frozen=True, slots=True)

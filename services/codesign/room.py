@@ -1,19 +1,14 @@
 """Whether one world has room for no motion that another has none for: then nothing is searched again."""
 
 from dataclasses import replace
-from typing import Final
 
-from sdt_kg.annotation import Drive
 from sdt_kg.entities.container import Container
 from sdt_kg.iri import Iri, body_iri
 from sdt_kg.twin import Twin
-from services.codesign.again import drive_of
+from services.codesign.again import FREEDOM, drive_of
 from services.codesign.cells import How
 from services.codesign.touched import Touched
 from services.whatif import World
-
-FREEDOM: Final = (Drive.FIXED, Drive.DIFFERENTIAL, Drive.OMNI)
-"""Each base moves as those before it can, and otherwise too."""
 
 
 def reusable(before: World, after: World, container: str, found: Touched) -> How | None:

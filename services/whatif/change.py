@@ -17,7 +17,7 @@ from services.whatif.payload import FORM
 from services.whatif.whole import WHOLE
 from services.whatif.world import World
 
-TWIN_EDITS: Final = ("move", "set", "pose", "furniture", "box", "mesh", "without")
+TWIN_EDITS: Final = ("move", "set", "pose", "furniture", "box", "mesh", "without", "clear")
 
 KINDS: Final = {
     "robot": "robot:NAME (another robot does it: bundled, or a path)",

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from predicates.case import Case, Outcome, Verdict
-from predicates.counterfactual import Contrast, smallest_turn
+from predicates.counterfactual import Contrast, nearest_turns, smallest_turn
 from predicates.law import law
 from sdt_kg.task import Task, Verb
 from services.physics.oracle import Kinematics
@@ -67,3 +67,28 @@ def test_every_share_is_judged_once(scan: int) -> None:
 
     smallest_turn(judge, scan, 0.01)
     assert len(shares) == len(set(shares))
+
+
+@given(ends=st.lists(st.floats(0.01, 2), min_size=1, max_size=3), scan=st.integers(1, 6))
+def test_of_several_directions_those_that_turn_first_are_told_to_within_the_tolerance(
+    ends: list[float], scan: int
+) -> None:
+    judges = [lambda share, end=end: REFUSED if share >= end else CERTIFIED for end in ends]
+    found = nearest_turns(judges, CERTIFIED, scan, 0.01)
+    turned = [
+        (each.after.share, end) for each, end in zip(found, ends, strict=True) if each.after is not None
+    ]
+    assert bool(turned) == (min(ends) <= 1)
+    assert all(share - 0.01 <= end <= share for share, end in turned)
+    assert not turned or min(end for _, end in turned) == min(ends)
+
+
+def test_a_search_that_is_late_says_how_far_it_came() -> None:
+    shares: list[float] = []
+
+    def judge(share: float) -> Verdict:
+        shares.append(share)
+        return CERTIFIED
+
+    (found,) = nearest_turns([judge], CERTIFIED, 4, 0.1, lambda: len(shares) == 2)
+    assert (found.after, found.before.share, shares) == (None, 0.5, [0.25, 0.5])

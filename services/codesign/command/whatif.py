@@ -12,6 +12,8 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from services.app import Policy, load
 from services.codesign.command.grid import asked_of, judged, told
+from services.codesign.command.turn import print_turned, turned_json
+from services.codesign.turning import Question, turned
 from services.commands.completion.types import KITCHEN, ROBOT, TASK
 from services.commands.exits import Exit
 from services.commands.options import (
@@ -52,7 +54,13 @@ WORDS = {True: "yes", False: "no", None: "not asked"}
     help="Every combination: each --edit is an axis of alternatives with ' | ' between them; --kitchen and "
     "--robot may be several with commas, --task may be open or close without a container.",
 )
-@click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="Processes of a grid.")
+@click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    default=1,
+    show_default=True,
+    help="Processes of a grid, or of --turn.",
+)
 @click.option(
     "--csv",
     "csv_file",
@@ -61,7 +69,17 @@ WORDS = {True: "yes", False: "no", None: "not asked"}
     help="Write every case of a grid as CSV.",
 )
 @click.option(
-    "--turn", is_flag=True, help="Search the smallest share of the edits at which the outcome turns."
+    "--turn",
+    is_flag=True,
+    help="Search the smallest share of the edits at which the outcome turns; without --edit, the smallest "
+    "change of every kind that is looked at.",
+)
+@click.option(
+    "--within",
+    type=click.FloatRange(min=1),
+    default=30.0,
+    show_default=True,
+    help="Seconds for --turn without --edit.",
 )
 @states_option
 @click.option("--base", metavar="X,Y,YAW", help="Start pose of the base [m, m, rad].")
@@ -79,6 +97,7 @@ def whatif(
     jobs: int,
     csv_file: Path | None,
     turn: bool,
+    within: float,
     states: tuple[str, ...],
     base: str | None,
     drive: str | None,
@@ -94,13 +113,17 @@ def whatif(
     if "help" in edits:
         click.echo("\n".join(KINDS.values()))
         return
-    if kitchen is None or robot is None or task is None or not edits:
+    if kitchen is None or robot is None or task is None or not (edits or turn):
         raise InputError("--kitchen, --robot, --task and --edit are needed", remedy="--edit help lists edits")
     policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed)
     if grid:
         made = judged(asked_of(kitchen, robot, task, edits, states, policy), jobs)
         told(made, csv_file, as_json=as_json)
         return
+    if not edits:
+        found = turned(Question(kitchen, robot, task, states, policy), within, jobs)
+        print_json(turned_json(found)) if as_json else print_turned(found)
+        raise SystemExit(0 if any(each.turn is not None for each in found.sought) else Exit.NO)
     world = World(load(kitchen, [robot], state=states, policy=policy), robot)
     changes = tuple(parse_change(text) for text in edits)
     if turn:

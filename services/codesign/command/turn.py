@@ -1,0 +1,119 @@
+"""`sdt whatif --turn` without `--edit`: the smallest change of each family."""
+
+import click
+
+from services.codesign.cells import Found, Json
+from services.codesign.turning import Sought, Trial, Turned
+from services.commands.verdicts import diagnosis_text
+
+WORDS = {True: "yes", False: "no", None: "not asked"}
+
+
+def turned_json(found: Turned) -> Json:
+    """The object that `--json` prints."""
+    return {
+        "kitchen": found.question.kitchen,
+        "robot": found.question.robot,
+        "task": found.question.task,
+        "actual": found_json(found.actual),
+        "families": [_sought_json(each, found.actual) for each in found.sought],
+        "seconds": round(found.seconds, 3),
+    }
+
+
+def found_json(found: Found) -> Json:
+    """An outcome with its predicates and reasons."""
+    return {
+        "iri": found.iri,
+        "outcome": None if found.outcome is None else found.outcome.value,
+        "holds": found.holds,
+        "diagnoses": list(found.diagnoses),
+    }
+
+
+def _sought_json(one: Sought, actual: Found) -> Json:
+    said: Json = {
+        "family": one.family.name,
+        "found": one.turn is not None,
+        "edit": None if one.turn is None else one.turn.edit,
+        "not_yet": None if one.not_yet is None else one.not_yet.edit,
+        "verdict": None if one.turn is None else found_json(one.turn.found),
+        "differs": None if one.turn is None else contrast(actual, one.turn.found),
+        "sure": sure(one),
+        "range": one.family.range,
+        "resolution": one.family.resolution,
+        "stopped": one.stopped,
+        "impossible": one.impossible,
+    }
+    said["tried"] = [
+        {"edit": each.edit, "outcome": _outcome(each), "proved": each.found.is_proved} for each in one.tried
+    ]
+    return said
+
+
+def _outcome(trial: Trial) -> str:
+    assert trial.found.outcome is not None, "a trial was judged"
+    return trial.found.outcome.value
+
+
+def contrast(actual: Found, other: Found) -> Json:
+    """Predicates that answer otherwise, and the reasons that are gone or new."""
+    reasons = [{(each["kind"], each["reason"]) for each in one.diagnoses} for one in (actual, other)]
+    return {
+        "predicates": [
+            {"predicate": name, "actual": before, "counterfactual": other.holds.get(name)}
+            for name, before in actual.holds.items()
+            if before is not other.holds.get(name)
+        ],
+        "no_longer": [each for each in actual.diagnoses if (each["kind"], each["reason"]) not in reasons[1]],
+        "now": [each for each in other.diagnoses if (each["kind"], each["reason"]) not in reasons[0]],
+    }
+
+
+def sure(one: Sought) -> str:
+    """How sure the answer of a family is, in words."""
+    if one.impossible:
+        return f"not possible here: {one.impossible}"
+    if one.turn is not None:
+        whole = "certified" if not one.turn.found.diagnoses else "proved" if one.turn.found.is_proved else ""
+        return (
+            f"{whole or 'searched'}; smaller ones were searched, not proved"
+            if one.family.scan
+            else (whole or "searched")
+        )
+    if one.is_proved:
+        return "proved: each is refused by a proof"
+    return "searched, not proved" + ("; the time ended before all was tried" if one.stopped else "")
+
+
+def print_turned(found: Turned) -> None:
+    """The verdict as it is, then each family."""
+    question, actual = found.question, found.actual
+    assert actual.outcome is not None, "the world as it is was judged"
+    click.echo(f"as it is   {actual.outcome.value}  {question.task}  {question.robot} in {question.kitchen}")
+    for each in actual.diagnoses:
+        click.echo(f"  {diagnosis_text(each)}")
+    for one in found.sought:
+        _print_sought(one, actual)
+    turned = sum(each.turn is not None for each in found.sought)
+    click.echo(
+        f"{turned} of {len(found.sought)} kinds of change turn the outcome; "
+        f"{sum(len(each.tried) for each in found.sought)} worlds were judged in {found.seconds:.0f} s"
+    )
+
+
+def _print_sought(one: Sought, actual: Found) -> None:
+    click.echo(f"{one.family.name}?")
+    if one.turn is None:
+        click.echo(f"  none found ({sure(one)})")
+    else:
+        click.echo(f"  {one.turn.edit}  →  {_outcome(one.turn)} ({sure(one)})")
+        if one.not_yet is not None:
+            click.echo(f"  not yet at {one.not_yet.edit}")
+        said = contrast(actual, one.turn.found)
+        for each in said["predicates"]:  # pyright: ignore[reportGeneralTypeIssues]  # made above
+            before, after = WORDS[each["actual"]], WORDS[each["counterfactual"]]
+            click.echo(f"  {each['predicate']}: {before}, otherwise {after}")
+        for each in said["now"]:  # pyright: ignore[reportGeneralTypeIssues]  # made above
+            click.echo(f"  now: {diagnosis_text(each)}")
+    click.echo(f"  looked at: {one.family.range}; {one.family.resolution}")

@@ -1,0 +1,167 @@
+"""Which edits are looked at where none is named: families, each with its range and its resolution."""
+
+from dataclasses import dataclass
+
+from predicates.case import Outcome, Verdict
+from sdt_kg.iri import Iri, body_iri, local_name
+from sdt_kg.twin import Container, Twin
+from services.codesign.again import FREEDOM, drive_of
+from services.whatif import World
+
+ROBOTS = ("pr2", "tiago_dual", "stretch")
+HANDLE_RANGE = 0.3
+"""[m] By which a handle is moved at most: about the height of a cabinet door's free half."""
+HEIGHT_RANGE = 0.5
+"""[m] By which a piece of furniture is raised or lowered at most."""
+MOST_CLEARED = 3
+"""[1] Bodies that are cleared one by one: those which the reasons of the refusal name."""
+GRADUAL_SCAN = 2
+"""[1] Steps of the first scan in each direction; the rest of the time halves."""
+LENGTH_TOLERANCE = 0.02
+"""[m] To which a length is told."""
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """Edits of one kind, the ones that are less first.
+
+    Attributes:
+        name: What it asks, in words.
+        edits: Whole edits, each tried; or gradual ones, directions of one change.
+        scan: Steps of the first scan of gradual edits; 0: edits are whole.
+        tolerance: [1] Of the share of gradual edits.
+        range: What was looked at, in words.
+        resolution: How finely, in words.
+    """
+
+    name: str
+    edits: tuple[str, ...]
+    scan: int = 0
+    tolerance: float = 0.0
+    range: str = ""
+    resolution: str = ""
+
+
+def families(world: World, verdict: Verdict, container: Container) -> list[Family]:
+    """What is looked at for a verdict; what gives way where it is refused, what breaks it where it holds."""
+    found = [_robots(world), _drives(world), _states(world, verdict, container)]
+    if verdict.outcome is not Outcome.CERTIFIED:
+        found.append(_clearing(world, verdict, container))
+    found += [_handle(container), _height(container)]
+    return [each for each in found if each.edits]
+
+
+def _robots(world: World) -> Family:
+    own = world.service.twin.name(world.robot_iri)
+    others = tuple(each for each in ROBOTS if each != own)
+    names = tuple(f"robot:{each}" for each in others)
+    return Family("which robot", names, range="the bundled robots: " + ", ".join(others), resolution="each")
+
+
+def _drives(world: World) -> Family:
+    """Every other drive, the one with more freedom first."""
+    now = drive_of(world.service.policy, world.service.twin, world.robot_iri)
+    others = tuple(each.value for each in reversed(FREEDOM) if each is not now)
+    names = tuple(f"drive:{each}" for each in others)
+    return Family("which drive", names, range=", ".join(others), resolution="each")
+
+
+def _states(world: World, verdict: Verdict, container: Container) -> Family:
+    """Other containers that stand open, closed; and those which a reason names, opened."""
+    twin = world.service.twin
+    edits: list[str] = []
+    for each in twin.containers():
+        if each.active_joint == container.active_joint:
+            continue
+        if twin.state[each.joint] > each.closed_to:
+            edits.append(f"move:{each.name}=closed")
+        elif _moved_by(twin, each) & named(verdict):
+            edits.append(f"move:{each.name}=open")
+    listed = ", ".join(each.partition(":")[2] for each in edits)
+    return Family(
+        "which other door or drawer is moved",
+        tuple(edits),
+        range=f"those that stand open, closed; those that a reason names, opened: {listed}",
+        resolution="all the way, one at a time",
+    )
+
+
+def _clearing(world: World, verdict: Verdict, container: Container) -> Family:
+    """Obstacles that were put there, and bodies which a reason names."""
+    twin = world.service.twin
+    kitchen = twin.mechanism(twin.environment)
+    own = _moved_by(twin, container)
+    obstacles = {each.child for each in kitchen.joints if each.name == f"{each.child}_obstacle"}
+    blamed = [local_name(each) for each in sorted(named(verdict) - own) if _is_shaped(twin, each)]
+    bodies = list(dict.fromkeys([*sorted(obstacles & set(blamed)), *blamed, *sorted(obstacles)]))
+    edits = tuple(f"clear:{each}" for each in bodies[:MOST_CLEARED])
+    listed = ", ".join(bodies[:MOST_CLEARED])
+    return Family(
+        "which obstacle is cleared",
+        edits,
+        range=f"obstacles that were put there, and what the reasons name: {listed}",
+        resolution="one at a time, with all that hangs on it",
+    )
+
+
+def _handle(container: Container) -> Family:
+    steps = ("0,0,{}", "0,0,-{}", "0,{},0", "0,-{},0")
+    edits = tuple(f"handle:{container.name}={each.format(HANDLE_RANGE)}" for each in steps)
+    return Family(
+        "where its handle is",
+        edits,
+        GRADUAL_SCAN,
+        LENGTH_TOLERANCE / HANDLE_RANGE,
+        f"along ±z and ±y of its body, to {HANDLE_RANGE} m",
+        f"steps of {HANDLE_RANGE / GRADUAL_SCAN:.2f} m until one turns, then {LENGTH_TOLERANCE} m",
+    )
+
+
+def _height(container: Container) -> Family:
+    edits = tuple(f"furniture:{container.name}=0,0,{sign}{HEIGHT_RANGE}" for sign in ("", "-"))
+    return Family(
+        "at which height it is",
+        edits,
+        GRADUAL_SCAN,
+        LENGTH_TOLERANCE / HEIGHT_RANGE,
+        f"up and down to {HEIGHT_RANGE} m, with the piece of furniture that it is part of",
+        f"steps of {HEIGHT_RANGE / GRADUAL_SCAN:.2f} m until one turns, then {LENGTH_TOLERANCE} m",
+    )
+
+
+def base_family(start: tuple[float, float, float], spots: list[tuple[float, float, float]]) -> Family:
+    """From where the robot starts towards poses at which a base that stands still is certified."""
+    edits = tuple("base:{:.4f},{:.4f},{:.4f}".format(*each) for each in spots)
+    lengths = [((x - start[0]) ** 2 + (y - start[1]) ** 2) ** 0.5 for x, y, _ in spots]
+    return Family(
+        "where the base starts",
+        edits,
+        2 * GRADUAL_SCAN,
+        min(1.0, LENGTH_TOLERANCE * 5 / max([*lengths, LENGTH_TOLERANCE])),
+        "straight towards base poses that are certified with a fixed base",
+        f"quarters of the way until one turns, then {LENGTH_TOLERANCE * 5} m",
+    )
+
+
+def named(verdict: Verdict) -> set[Iri]:
+    """Bodies that the reasons of a refusal name, or that a joint which they name carries."""
+    found: set[Iri] = set()
+    for each in verdict.diagnoses:
+        if each.evidence is not None and each.evidence.scope != "self":
+            found.update(each.evidence.links or ())
+    return {each for each in found if each.startswith(verdict.case.twin.environment + "/")}
+
+
+def _moved_by(twin: Twin, container: Container) -> set[Iri]:
+    """The container's body and what hangs on it."""
+    kitchen = twin.mechanism(twin.environment)
+    moved = {local_name(container.iri)}
+    for joint in kitchen.joints:  # parents before children
+        if joint.parent in moved:
+            moved.add(joint.child)
+    return {body_iri(kitchen.name, each) for each in moved}
+
+
+def _is_shaped(twin: Twin, body: Iri) -> bool:
+    kitchen = twin.mechanism(twin.environment)
+    return any(body_iri(kitchen.name, each.name) == body and each.collision for each in kitchen.bodies)

@@ -1,0 +1,229 @@
+"""The smallest change that turns a verdict where nobody names one: every family of edits, within a time."""
+
+import time
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import lru_cache, partial
+
+from predicates.counterfactual import Tried, Turn, nearest_turns
+from sdt_kg.errors import InputError
+from sdt_kg.task import Task
+from sdt_kg.twin import Container
+from services.app import Policy, load
+from services.codesign.again import start_of
+from services.codesign.cells import Found, How, found_of
+from services.codesign.families import Family, base_family, families
+from services.codesign.judge import one_of
+from services.embodiment.place import place
+from services.physics.model import Scene
+from services.requests import parse_task
+from services.whatif import Change, World, changed, parse_change
+
+Start = tuple[float, float, float]
+
+EACH = 1.5
+"""[s] Of search for each edit that is tried: what was refused so was searched, no more."""
+PLACING = 4.0
+"""[s] For base poses towards which the start is moved."""
+SPOTS = 2
+"""[1] Base poses towards which the start is moved: the nearest."""
+FOR_ACTUAL = 0.3
+"""[1] Of the time at most for the verdict as it is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What is asked, in a form that travels between processes."""
+
+    kitchen: str
+    robot: str
+    task: str
+    states: tuple[str, ...]
+    policy: Policy
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """An edit that was tried, and what came of it."""
+
+    edit: str
+    found: Found
+
+
+@dataclass(frozen=True, slots=True)
+class Sought:
+    """What one family gave.
+
+    Attributes:
+        turn: The smallest edit that turns the outcome; None: none was found.
+        not_yet: The edit before it, which does not; None: it is a whole one.
+        tried: Everything that was judged, in order.
+        stopped: Whether the time ended before the family did.
+        impossible: Why the family's edits cannot be made here; empty where they can.
+    """
+
+    family: Family
+    turn: Trial | None = None
+    not_yet: Trial | None = None
+    tried: tuple[Trial, ...] = ()
+    stopped: bool = False
+    impossible: str = ""
+
+    @property
+    def is_proved(self) -> bool:
+        """Whether no edit of the family turns the outcome: each was tried, and refused by a proof."""
+        every = not self.family.scan and not self.stopped and bool(self.tried)
+        return every and self.turn is None and all(each.found.is_proved for each in self.tried)
+
+
+@dataclass(frozen=True, slots=True)
+class Turned:
+    """The verdict as it is, and the smallest change of each family.
+
+    Attributes:
+        seconds: Wall time [s].
+    """
+
+    question: Question
+    actual: Found
+    sought: tuple[Sought, ...]
+    seconds: float
+
+
+def turned(question: Question, within: float, jobs: int) -> Turned:
+    """The smallest change of each family that turns the verdict, within so many seconds.
+
+    Raises:
+        InputError: The task is about more than one container, or something has no such name.
+    """
+    began = time.time()
+    world = _world(question)
+    container = container_asked(world, question.task)
+    ground = world.under(budget=min(question.policy.budget, FOR_ACTUAL * within))
+    verdict = one_of(ground.service.achieve(question.task, world.robot_iri))
+    actual = found_of(verdict, How.LAW, verdict.seconds)
+    work = partial(_sought, question, actual, began + within)
+    todo: list[Family | None] = [*families(world, verdict, container), None]
+    sought = _all(work, todo, jobs)
+    return Turned(question, actual, tuple(each for each in sought if each.family.edits), time.time() - began)
+
+
+def container_asked(world: World, text: str) -> Container:
+    """The one container of the task.
+
+    Raises:
+        InputError: It is about none, or about several.
+    """
+    task: Task = parse_task(world.service.twin, text)
+    if not isinstance(task.container, str):
+        raise InputError(f"'{text}' is several questions", allowed="one container, open:CONTAINER say")
+    return world.service.twin.container(task.container)
+
+
+def _all(work: Callable[[Family | None], Sought], todo: list[Family | None], jobs: int) -> list[Sought]:
+    """In the order of the families, whichever is done first."""
+    if jobs == 1:
+        return list(map(work, todo))
+    with ProcessPoolExecutor(jobs) as pool:
+        numbers = {pool.submit(work, each): number for number, each in enumerate(todo)}
+        done = {numbers[future]: future.result() for future in as_completed(numbers)}
+    return [done[number] for number in sorted(done)]
+
+
+@lru_cache(maxsize=2)
+def _world(question: Question) -> World:
+    """Loaded once in each process."""
+    service = load(question.kitchen, [question.robot], state=question.states, policy=question.policy)
+    return World(service, question.robot)
+
+
+def _sought(question: Question, actual: Found, until: float, family: Family | None) -> Sought:
+    """What one family gives; None stands for base poses, which have to be found first."""
+    ground = _world(question).under(budget=min(EACH, question.policy.budget))
+    if family is None:
+        start = _start(ground, question.task)
+        ground = ground.under(base=start)
+        family = base_family(start, _spots(ground, question.task, start, until))
+    try:
+        search = _gradual if family.scan else _whole
+        return search(ground, question.task, actual, until, family)
+    except InputError as error:
+        return Sought(family, impossible=str(error))
+
+
+def _whole(world: World, task: str, actual: Found, until: float, family: Family) -> Sought:
+    """Each edit, until one turns the outcome."""
+    tried: list[Trial] = []
+    for text in family.edits:
+        if time.time() > until:
+            return Sought(family, tried=tuple(tried), stopped=True)
+        try:
+            tried.append(Trial(text, _judged(changed(world, (parse_change(text),)), task)))
+        except InputError:  # this robot has no such gripper, that joint stands there already
+            continue
+        if tried[-1].found.outcome is not actual.outcome:
+            return Sought(family, tried[-1], tried=tuple(tried))
+    return Sought(
+        family, tried=tuple(tried), impossible="" if tried else "none of its edits can be made here"
+    )
+
+
+def _gradual(world: World, task: str, actual: Found, until: float, family: Family) -> Sought:
+    """The smallest share over all directions."""
+    changes = [parse_change(text) for text in family.edits]
+    judges = [partial(_at, world, task, change) for change in changes]
+    turns = nearest_turns(judges, actual, family.scan, family.tolerance, lambda: time.time() > until)
+    tried = [_trials(world, change, turn) for change, turn in zip(changes, turns, strict=True)]
+    listed = tuple(trial for own in tried for _, trial in own)
+    found = [(turn.after.share, k) for k, turn in enumerate(turns) if turn.after is not None]
+    stopped = time.time() > until
+    if not found:
+        return Sought(family, tried=listed, stopped=stopped)
+    _, best = min(found)
+    own = tried[best]
+    first = next(n for n, (share, _) in enumerate(own) if share == min(found)[0])
+    not_yet = own[first - 1][1] if first else Trial(_amount(world, changes[best], 0.0), actual)
+    return Sought(family, own[first][1], not_yet, listed, stopped)
+
+
+def _trials(world: World, change: Change, turn: Turn[Found]) -> list[tuple[float, Trial]]:
+    """Share and trial of all that was tried in one direction, but for nothing of the change."""
+    tried: tuple[Tried[Found], ...] = turn.tried
+    return [
+        (each.share, Trial(_amount(world, change, each.share), each.verdict))
+        for each in tried
+        if each.share > 0
+    ]
+
+
+def _amount(world: World, change: Change, share: float) -> str:
+    assert change.amount is not None, "of gradual edits there is less"
+    return change.amount(world, share)
+
+
+def _at(world: World, task: str, change: Change, share: float) -> Found:
+    return _judged(change.at(world, share), task)
+
+
+def _judged(world: World, task: str) -> Found:
+    began = time.process_time()
+    verdict = one_of(world.service.achieve(task, world.robot_iri))
+    return found_of(verdict, How.LAW, time.process_time() - began)
+
+
+def _start(world: World, task: str) -> Start:
+    service = world.service
+    container = container_asked(world, task)
+    return start_of(service.policy, Scene(service.twin, world.robot_iri), container)
+
+
+def _spots(world: World, task: str, start: Start, until: float) -> list[Start]:
+    """The nearest base poses from which a base that stands still is certified."""
+    service, left = world.service, min(PLACING, until - time.time())
+    if left <= 0:
+        return []
+    asked = parse_task(service.twin, task)
+    found = place(service.twin, world.robot_iri, asked, budget=left, seed=service.policy.seed, enough=SPOTS)
+    spots = ((each.x, each.y, each.yaw) for each in found.spots)
+    return sorted(spots, key=lambda spot: (spot[0] - start[0]) ** 2 + (spot[1] - start[1]) ** 2)[:SPOTS]

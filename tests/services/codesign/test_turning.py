@@ -1,0 +1,88 @@
+"""Which changes are looked at where none is named, and how sure what they give is said to be."""
+
+import pytest
+
+from predicates.case import Outcome
+from predicates.law import law
+from sdt_kg.annotation import Drive
+from services.app import Policy, Service, load
+from services.codesign.cells import Found, How
+from services.codesign.command.turn import sure
+from services.codesign.families import Family, base_family, families
+from services.codesign.judge import one_of
+from services.codesign.turning import Sought, Trial
+from services.physics.oracle import Kinematics
+from services.requests import parse_task
+from services.whatif import World, changed, parse_change
+from tests.small import small_twin
+from tests.small.lift import Lift
+
+PROOF = ({"kind": "embodiment", "reason": "too high", "evidence": None, "proof": True, "search": None},)
+SEARCH = ({**PROOF[0], "proof": False},)
+WHOLE = Family("which robot", ("robot:a", "robot:b"))
+GRADUAL = Family("which height", ("furniture:x=0,0,1",), 2, 0.1)
+
+
+def refused(said=SEARCH) -> Trial:
+    return Trial("robot:a", Found("", Outcome.NOT_CERTIFIED, How.LAW, {}, said))
+
+
+def test_only_whole_edits_that_are_all_refused_by_proofs_are_proved_to_turn_nothing() -> None:
+    assert "proved: each" in sure(Sought(WHOLE, tried=(refused(PROOF), refused(PROOF))))
+    for one in (
+        Sought(WHOLE, tried=(refused(PROOF), refused())),
+        Sought(WHOLE, tried=(refused(PROOF),), stopped=True),
+        Sought(GRADUAL, tried=(refused(PROOF), refused(PROOF))),
+        Sought(WHOLE),
+    ):
+        assert sure(one).startswith("searched, not proved")
+
+
+def test_a_turn_into_a_refusal_is_called_certified_by_nobody() -> None:
+    assert sure(Sought(WHOLE, refused())) == "searched"
+    assert sure(Sought(WHOLE, refused(PROOF))) == "proved"
+    certified = Trial("robot:a", Found("", Outcome.CERTIFIED, How.LAW, {}))
+    assert sure(Sought(WHOLE, certified)) == "certified"
+    assert sure(Sought(GRADUAL, certified)) == "certified; smaller ones were searched, not proved"
+
+
+def test_a_family_whose_edits_were_not_all_tried_in_time_says_so() -> None:
+    assert "the time ended" in sure(Sought(GRADUAL, tried=(refused(),), stopped=True))
+
+
+def test_base_poses_are_told_to_a_tenth_of_a_metre() -> None:
+    family = base_family((0, 0, 0), [(2, 0, 0), (0, 1, 0)])
+    assert family.edits == ("base:2.0000,0.0000,0.0000", "base:0.0000,1.0000,0.0000")
+    assert family.tolerance * 2 == pytest.approx(0.1)
+
+
+@pytest.mark.oracle
+def test_what_a_refusal_names_is_cleared_and_a_door_that_stands_open_is_closed() -> None:
+    world = World(load("b", ["pr2"], policy=Policy(Drive.OMNI, budget=2)), "pr2")
+    edits = ("box:crate=0.4,0.4,1@0.6,0.5,0.5", "move:iai_fridge_door=0.5")
+    world = changed(world, tuple(map(parse_change, edits)))
+    container = world.service.twin.container("sink_area_trash_drawer_main")
+    verdict = one_of(world.service.achieve(f"open:{container.name}", world.robot_iri))
+    assert verdict.outcome is Outcome.NOT_CERTIFIED
+    found = {each.name: each for each in families(world, verdict, container)}
+    assert found["which obstacle is cleared"].edits[0] == "clear:crate"
+    assert "move:iai_fridge_door=closed" in found["which other door or drawer is moved"].edits
+    cleared = changed(world, (parse_change("clear:crate"),))
+    assert one_of(cleared.service.achieve(f"open:{container.name}", world.robot_iri)).diagnoses == ()
+
+
+def test_of_a_verdict_that_holds_nothing_is_cleared() -> None:
+    twin = small_twin("b", ("pr2",))
+    world = World(Service(twin), "pr2")
+    container = twin.containers()[0]
+    verdict = _certified(world, container.name)
+    names = [each.name for each in families(world, verdict, container)]
+    assert "which obstacle is cleared" not in names
+    assert {"which robot", "where its handle is", "at which height it is"} <= set(names)
+
+
+def _certified(world: World, container: str):
+    case = world.service.case(parse_task(world.service.twin, f"open:{container}"), world.robot_iri)
+    verdict = one_of(law(case, Kinematics(), Lift()))
+    assert verdict.outcome is Outcome.CERTIFIED
+    return verdict
