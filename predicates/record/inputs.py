@@ -28,7 +28,7 @@ def inputs_of(case: Case, physics: Physics, embodiment: Embodiment | None) -> In
     twin, robot = case.twin, case.robot
     inputs = [
         ("environment", f"{twin.environment} {twin.content_hash(twin.environment)}"),
-        ("state", _state_hash(twin.state)),
+        ("state", state_hash(twin.state)),
         ("robot", f"{robot} {twin.content_hash(robot)}" if isinstance(robot, str) else UNKNOWN_INPUT),
         ("task", _task_text(case.task)),
         ("motion", _motion_hash(case.motion)),
@@ -59,7 +59,8 @@ def _array_text(array: Array) -> str:
     return f"{array.shape} {array.astype('<f8').tobytes().hex()}\n"
 
 
-def _state_hash(state: State) -> str:
+def state_hash(state: State) -> str:
+    """What the input of a state says: the hash of its positions."""
     return _digest(f"{joint} {float(position).hex()}\n" for joint, position in sorted(state.positions))
 
 
@@ -97,5 +98,5 @@ def _final_hash(final: State | Region | Unknown) -> str:
     if isinstance(final, Unknown):
         return UNKNOWN_INPUT
     if isinstance(final, State):
-        return _state_hash(final)
+        return state_hash(final)
     return _digest(f"{joint} {each.lower.hex()} {each.upper.hex()}\n" for joint, each in final.intervals)

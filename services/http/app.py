@@ -16,11 +16,16 @@ from services.http import problems
 from services.http.api import read, write
 from services.http.gate import Gate
 from services.http.judging.pool import Judges
-from services.http.pages import home
+from services.http.pages.asking import Asking
+from services.http.pages.errors import told
+from services.http.pages.session import Sessions
+from services.http.pages.site import site
+from services.http.pages.view import routes
+from services.http.pages.writing.recheck import Rechecks
 from services.http.protocol.graphs import graphs
 from services.http.protocol.openapi import document
 from services.http.protocol.sparql import sparql
-from services.http.resources import identified
+from services.http.resources import about, identified
 from services.http.settings import Settings
 from services.http.world import World
 
@@ -42,6 +47,7 @@ def create_app(world: World, settings: Settings, beside: Beside | None = None) -
             yield
         finally:
             await asyncio.to_thread(other.__exit__, None, None, None)
+            await app.state.asking.close()
             if warming is not None:
                 await asyncio.wait([warming])
             await judges.close()
@@ -56,14 +62,16 @@ def create_app(world: World, settings: Settings, beside: Beside | None = None) -
         lifespan=life,
     )
     app.state.world, app.state.settings = world, settings
-    problems.install(app)
+    app.state.asking, app.state.rechecks, app.state.sessions = Asking(app), Rechecks(world), Sessions()
+    problems.install(app, told)
     app.router.routes += [
-        Route("/", _home),
+        *site(),
         Route("/sparql", sparql, methods=["GET", "POST"]),
         Route("/sparql/", sparql, methods=["GET", "POST"]),
         Route("/graphs", graphs),
         Route("/graphs/{name:path}", graphs),
         Route("/id/{name:path}", identified),
+        *routes("/about", about),
         Route("/healthz", _health),
         Route("/readyz", _ready),
         Route("/version", _version),
@@ -73,10 +81,6 @@ def create_app(world: World, settings: Settings, beside: Beside | None = None) -
     app.openapi = partial(document, app)
     app.add_middleware(Gate, settings=settings)
     return app
-
-
-async def _home(request: Request) -> Response:
-    return home(request)
 
 
 async def _health(request: Request) -> Response:

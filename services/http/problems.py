@@ -2,7 +2,7 @@
 
 import logging
 import secrets
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from fastapi import FastAPI
 from fastapi.exceptions import RequestValidationError
@@ -59,15 +59,19 @@ def problem(
     return JSONResponse(body, status, dict(headers or {}), MEDIA)
 
 
+def status_of(error: SdtError) -> int:
+    """HTTP status of a typed error."""
+    if isinstance(error, RefusedError):
+        return error.status
+    if isinstance(error, LimitError):
+        return LIMIT_STATUS[error.limit]
+    return next(status for kind, status in ERROR_STATUS if isinstance(error, kind))
+
+
 def of_error(error: SdtError) -> Response:
     """A typed error as a problem."""
-    headers: dict[str, str] = {}
-    if isinstance(error, RefusedError):
-        status, headers = error.status, error.headers
-    elif isinstance(error, LimitError):
-        status = LIMIT_STATUS[error.limit]
-    else:
-        status = next(status for kind, status in ERROR_STATUS if isinstance(error, kind))
+    status = status_of(error)
+    headers = error.headers if isinstance(error, RefusedError) else {}
     if isinstance(error, BusyError):
         headers = {"Retry-After": "1"}
     title = type(error).__name__.removesuffix("Error")
@@ -79,27 +83,26 @@ def of_error(error: SdtError) -> Response:
     )
 
 
-def install(app: FastAPI) -> None:
-    """Every error of the app is answered as a problem."""
+def install(app: FastAPI, told: Callable[[Request, Response], Response]) -> None:
+    """Every error of the app is answered as a problem, or as `told` makes a page of it."""
 
     @app.exception_handler(SdtError)
     async def typed(request: Request, error: SdtError) -> Response:  # pyright: ignore[reportUnusedFunction]
-        return of_error(error)
+        return told(request, of_error(error))
 
     @app.exception_handler(RequestValidationError)
     async def invalid(request: Request, error: RequestValidationError) -> Response:  # pyright: ignore[reportUnusedFunction]
         faults = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in error.errors()]
-        return problem(422, "Invalid", "; ".join(faults))
+        return told(request, problem(422, "Invalid", "; ".join(faults)))
 
     @app.exception_handler(HTTPException)
     async def plain(request: Request, error: HTTPException) -> Response:  # pyright: ignore[reportUnusedFunction]
-        return problem(
-            error.status_code, str(error.detail), f"{request.method} {request.url.path}", error.headers
-        )
+        detail = f"{request.method} {request.url.path}"
+        return told(request, problem(error.status_code, str(error.detail), detail, error.headers))
 
     @app.exception_handler(Exception)
     async def unforeseen(request: Request, error: Exception) -> Response:  # pyright: ignore[reportUnusedFunction]
-        return unexpected(request.method, request.url.path, error)
+        return told(request, unexpected(request.method, request.url.path, error))
 
 
 def unexpected(method: str, path: str, error: Exception) -> Response:

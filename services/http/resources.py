@@ -4,39 +4,79 @@ import pyoxigraph as ox
 from starlette.requests import Request
 from starlette.responses import Response
 
-from sdt_kg.errors import InputError
 from sdt_kg.iri import ID, LAW, PREFIXES, RDF, Iri
-from services.http.pages import resource
+from services.http.pages.entity import entity
+from services.http.pages.verdicts.one import verdict
+from services.http.pages.view import MEDIA, View, answered
 from services.http.problems import RefusedError
 from services.http.protocol.exchange import check_acceptable, respond, serialized
-from services.http.protocol.graphs import graph_response
+from services.http.protocol.graphs import graph_quads, graph_response
 from services.http.protocol.negotiate import HTML
 from services.store.workers import Asked, Workers
 from services.store.workers.evaluate import GRAPHS
-from services.why import why
 
+RDF_MEDIA = {
+    "ttl": "text/turtle",
+    "nt": "application/n-triples",
+    "trig": "application/trig",
+    "jsonld": "application/ld+json",
+}
+"""Ending of an address → format, for who cannot send an Accept header."""
 MOST = 2000
 """Quads of a page, each way."""
 
 
 async def identified(request: Request) -> Response:
-    """The resource whose IRI ends like this URL."""
+    """The resource whose IRI ends like this URL; with `.json` or `.csv` after it, the data of its page."""
     workers: Workers = request.app.state.world.workers
     raw: bytes = request.scope.get("raw_path") or request.scope["path"].encode()
     iri = ID + raw.decode("ascii", "replace").partition("?")[0].removeprefix("/id/")
     taken = check_acceptable(request, (*GRAPHS, HTML))
     if iri.startswith(f"{ID}graph/") and taken[0] != HTML:
         return await graph_response(request, iri)
-    answered = await workers.ask(Asked("about", iri, rows=MOST))
-    quads = list(ox.parse(answered.body, format=ox.RdfFormat.N_QUADS))
-    if iri.startswith(f"{ID}graph/"):
-        quads += await _graph(workers, iri)
+    quads = await _about(workers, iri)
+    stem, _, ending = iri.rpartition(".")
+    if not quads and ending in {*MEDIA, *RDF_MEDIA}:
+        quads, iri = await _about(workers, stem), stem
+        if quads and ending in MEDIA:
+            return answered(request, await _view(request, iri, quads), MEDIA[ending])
+        taken = (RDF_MEDIA.get(ending, taken[0]),)
+        if quads and iri.startswith(f"{ID}graph/"):
+            return respond(request, await workers.ask(Asked("graph", iri, accepted=taken)))
     if not quads:
         raise RefusedError(404, f"nothing is known about <{iri}>", remedy="/sparql answers what is")
     if taken[0] == HTML:
-        return resource(iri, quads, await _story(workers, iri, quads))
+        return answered(request, await _view(request, iri, quads), HTML)
     triples = list(dict.fromkeys(quad.triple for quad in quads))
     return respond(request, serialized(triples, taken[0], PREFIXES))
+
+
+async def about(request: Request) -> View:
+    """The page of whatever has the IRI of the parameter: of a term of a vocabulary, say."""
+    iri = request.query_params.get("iri", "")
+    if not iri or any(each in iri for each in ' <>"{}|\\^`'):
+        raise RefusedError(400, f"'{iri[:200]}' is no IRI", allowed="the parameter 'iri'")
+    quads = await _about(request.app.state.world.workers, iri)
+    if not quads:
+        raise RefusedError(404, f"nothing is known about <{iri}>", remedy="/console answers what is")
+    return await _view(request, iri, quads)
+
+
+async def _about(workers: Workers, iri: Iri) -> list[ox.Quad]:
+    """Quads that mention an IRI, and if it is a graph's, what is in it."""
+    asked = await workers.ask(Asked("about", iri, rows=MOST))
+    quads = list(ox.parse(asked.body, format=ox.RdfFormat.N_QUADS))
+    return quads + (await _graph(workers, iri) if iri.startswith(f"{ID}graph/") else [])
+
+
+async def _view(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
+    """The page of a verdict, or of anything else."""
+    kind = (ox.NamedNode(iri), ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + "Verdict"))
+    for quad in quads:
+        if (quad.subject, quad.predicate, quad.object) == kind and isinstance(quad.graph_name, ox.NamedNode):
+            workers: Workers = request.app.state.world.workers
+            return verdict(request, iri, await graph_quads(workers, quad.graph_name.value))
+    return entity(request, iri, quads, MOST)
 
 
 async def _graph(workers: Workers, iri: Iri) -> list[ox.Quad]:
@@ -45,23 +85,3 @@ async def _graph(workers: Workers, iri: Iri) -> list[ox.Quad]:
     subjects = {quad.subject: None for quad in ox.parse(answered.body, format=ox.RdfFormat.N_TRIPLES)}
     node, says = ox.NamedNode(iri), ox.NamedNode("http://purl.org/dc/terms/subject")
     return [ox.Quad(node, says, subject, node) for subject in list(subjects)[:MOST]]
-
-
-async def _story(workers: Workers, iri: Iri, quads: list[ox.Quad]) -> str:
-    """A verdict in plain words; empty for anything else."""
-    kind = (ox.NamedNode(iri), ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + "Verdict"))
-    for quad in quads:
-        if (quad.subject, quad.predicate, quad.object) == kind and isinstance(quad.graph_name, ox.NamedNode):
-            try:
-                return why(await verdict_quads(workers, quad.graph_name.value), iri)
-            except InputError as error:
-                return f"This record cannot be read: {error}"
-    return ""
-
-
-async def verdict_quads(workers: Workers, graph: Iri) -> list[ox.Quad]:
-    """The quads of a named graph."""
-    answered = await workers.ask(Asked("graph", graph, accepted=("application/n-triples",)))
-    node = ox.NamedNode(graph)
-    parsed = ox.parse(answered.body, format=ox.RdfFormat.N_TRIPLES)
-    return [ox.Quad(quad.subject, quad.predicate, quad.object, node) for quad in parsed]

@@ -12,7 +12,7 @@ from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import Iri, local_name, verdict_iri
 from sdt_kg.task import Task
 from services.http.kitchens import Kitchen
-from services.http.resources import verdict_quads
+from services.http.protocol.graphs import graph_quads
 from services.http.world import World
 from services.store.files import graph_of
 from services.store.workers import Asked
@@ -141,7 +141,7 @@ async def why_verdict(request: Request, iri: str) -> Json:
 
 
 async def _told(world: World, iri: Iri) -> str:
-    quads = await verdict_quads(world.workers, graph_of(iri))
+    quads = await graph_quads(world.workers, graph_of(iri))
     if not quads:
         raise UnknownEntityError("verdict", iri, (), "GET /api/v1/verdicts lists them")
     return await asyncio.to_thread(why, quads, iri)

@@ -6,10 +6,9 @@ from typing import Final
 
 import pyoxigraph as ox
 from starlette.requests import Request
-from starlette.responses import Response
+from starlette.responses import RedirectResponse, Response
 
 from sdt_kg.iri import DCTERMS, PREFIXES, RDF, RDFS, XSD, Iri
-from services.http.pages import home
 from services.http.protocol.exchange import check_acceptable, respond, serialized
 from services.http.protocol.negotiate import HTML
 from services.store.workers import Asked
@@ -31,10 +30,10 @@ Triples = Iterator[tuple[Iri, Iri, ox.NamedNode | ox.Literal]]
 
 
 async def description(request: Request) -> Response:
-    """The service described, as RDF or as a page."""
+    """The service described, as RDF; for people, the console."""
     taken = check_acceptable(request, (*GRAPHS, HTML))
     if taken[0] == HTML:
-        return home(request)
+        return RedirectResponse("/console", 303, {"Vary": "Accept"})
     endpoint = f"{request.url.scheme}://{request.headers['host']}/sparql"
     counts, whole = await _counts(request)
     triples = [

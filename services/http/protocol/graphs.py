@@ -4,9 +4,11 @@ Indirect: `/graphs?graph=IRI` and `/graphs?default`. Direct: `/graphs/NAME`, whe
 IRI of the graph.
 """
 
+import pyoxigraph as ox
 from starlette.requests import Request
 from starlette.responses import Response
 
+from sdt_kg.iri import Iri
 from services.http.problems import RefusedError
 from services.http.protocol.describe import description
 from services.http.protocol.exchange import check_acceptable, own_url, query_string, respond, single
@@ -38,3 +40,11 @@ async def graph_response(request: Request, graph: str) -> Response:
     if not answered.found:
         raise RefusedError(404, f"there is no graph <{graph}>", remedy="/graphs describes what there is")
     return respond(request, answered)
+
+
+async def graph_quads(workers: Workers, graph: Iri) -> list[ox.Quad]:
+    """The quads of a named graph."""
+    answered = await workers.ask(Asked("graph", graph, accepted=("application/n-triples",)))
+    node = ox.NamedNode(graph)
+    parsed = ox.parse(answered.body, format=ox.RdfFormat.N_TRIPLES)
+    return [ox.Quad(quad.subject, quad.predicate, quad.object, node) for quad in parsed]

@@ -1,0 +1,1 @@
+"""A kitchen as a whole: which robot achieves what, and what there is."""

@@ -1,0 +1,198 @@
+"""Cells of the matrix: how the case of a robot and a container stands, by the verdicts that are kept."""
+
+import asyncio
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Final
+
+from predicates.record.inputs import UNKNOWN_INPUT, state_hash
+from predicates.scope import verb_iri
+from sdt_kg.iri import Iri, local_name
+from sdt_kg.twin import Twin
+from services.http.pages.asking import Asking, Wish
+from services.http.pages.feasibility.asked import Asked
+from services.http.pages.kinds import Standing, standings
+from services.http.pages.stored import rows
+from services.http.pages.view import Json
+from services.http.world import World
+
+TURNED: Final = "turned to the handle"
+"""How the input of a start ends that is the kitchen's."""
+COMPARED: Final = (
+    "tee_class", "physics", "embodiment", "embodiment.tolerances", "embodiment.margins",
+    "embodiment.grasp set", "embodiment.seed",
+)  # fmt: skip
+"""Inputs which all cells should share; where one differs, its cell says so."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A verdict about one cell.
+
+    Attributes:
+        inputs: Name → value.
+    """
+
+    iri: Iri
+    robot: Iri
+    container: Iri
+    drive: str
+    outcome: str
+    kinds: str
+    proved: bool
+    reasons: str
+    inputs: dict[str, str]
+
+    @property
+    def rank(self) -> tuple[int, float]:
+        """Which verdict a cell shows: the one that claims most, and of searches the longest."""
+        claims = {"Certified": 3, "Abstained": 1}.get(self.outcome, 2 if self.proved else 0)
+        budget = self.inputs.get("embodiment.budget", "0 s").removesuffix(" s")
+        return claims, float(budget)
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """Verdicts about the cells of a matrix, and what is not among them.
+
+    Attributes:
+        shown: About the models that are served, with the drive that is asked about.
+        other_drives: Drive → how many more there are that differ in it.
+        stale: How many there are about models of these names that were different.
+    """
+
+    shown: list[Found]
+    other_drives: dict[str, int]
+    stale: int
+
+
+async def kept_verdicts(world: World, asked: Asked) -> Kept:
+    """Verdicts about the cells, and what else there is."""
+    state = ("text", state_hash(asked.twin.state))
+    verdicts, inputs, models = await asyncio.gather(
+        rows(world, "matrix", state=state, task=("iri", verb_iri(asked.verb))),
+        rows(world, "matrix_inputs", state=state),
+        asyncio.to_thread(_models, asked.twin),
+    )
+    used: dict[Iri, dict[str, str]] = defaultdict(dict)
+    for row in inputs:
+        used[row["verdict"]][row["name"]] = row["value"]
+    found = [
+        Found(
+            row["verdict"],
+            row["robot"],
+            row["container"],
+            row["drive"],
+            local_name(row["outcome"]),
+            row.get("kinds", ""),
+            row.get("proved") == "true",
+            row.get("reasons", ""),
+            used[row["verdict"]],
+        )
+        for row in verdicts
+    ]
+    about = [each for each in found if _is_about(each, asked)]
+    current = [each for each in about if _is_current(each, models)]
+    shown = [each for each in current if asked.drive_of(each.robot) in {None, each.drive}]
+    drives = Counter(each.drive for each in current)
+    others = {
+        drive: count for drive, count in sorted((drives - Counter(each.drive for each in shown)).items())
+    }
+    return Kept(shown, others, len(about) - len(current))
+
+
+def _models(twin: Twin) -> dict[str, str]:
+    """IRI of each model → the input by which verdicts name it with its content."""
+    return {model: f"{model} {twin.content_hash(model)}" for model in (twin.environment, *twin.robots)}
+
+
+def _is_about(found: Found, asked: Asked) -> bool:
+    """Whether a motion was to be found, in this kitchen, from its start."""
+    given = {found.inputs.get(name) for name in ("motion", "body_motion")} != {UNKNOWN_INPUT}
+    environment = found.inputs.get("environment", "").partition(" ")[0]
+    if given or environment != asked.twin.environment:
+        return False
+    return found.inputs.get("embodiment.start", "").endswith(TURNED)
+
+
+def _is_current(found: Found, models: dict[str, str]) -> bool:
+    """Whether it is about the models as they are served."""
+    environment, robot = found.inputs.get("environment", ""), found.inputs.get("robot", "")
+    if environment != models[environment.partition(" ")[0]]:
+        return False
+    return robot == models.get(found.robot, robot)
+
+
+def _chosen(found: Iterable[Found]) -> dict[tuple[Iri, Iri], list[Found]]:
+    """Robot and container → its verdicts, the one to be shown first."""
+    groups: dict[tuple[Iri, Iri], list[Found]] = defaultdict(list)
+    for each in sorted(found, key=lambda each: (each.rank, each.iri), reverse=True):
+        groups[each.robot, each.container].append(each)
+    return groups
+
+
+def cells_of(asked: Asked, robots: Iterable[Iri], found: list[Found], asking: Asking) -> Iterator[Json]:
+    """A row for each container and robot."""
+    chosen, common = _chosen(found), common_settings(found)
+    for container in asked.twin.containers():
+        for robot in robots:
+            name = local_name(robot)
+            cell: Json = {
+                "kitchen": asked.kitchen.name,
+                "robot": name,
+                "container": container.name,
+                "container_kind": container.kind,
+                "task": asked.verb.value,
+                "drive": asked.drive_of(robot),
+            }
+            verdicts = chosen.get((robot, container.iri), [])
+            if verdicts:
+                yield cell | _judged(verdicts, common)
+            else:
+                wish = asked.wish(name, container.name) if robot in asked.twin.robots else None
+                yield cell | _unjudged(wish, asking)
+
+
+def _judged(verdicts: list[Found], common: dict[str, str]) -> Json:
+    first = verdicts[0]
+    stand = standings(first.outcome, first.kinds)
+    differs = [name for name, value in common.items() if first.inputs.get(name, value) != value]
+    return {
+        "drive": first.drive,
+        "standing": stand[0].value.key if stand else Standing.NO_VERDICT.value.key,
+        "kinds": [each.value.key for each in stand if each is not Standing.CERTIFIED],
+        "proved": None if first.outcome == "Certified" else first.proved,
+        "reason": first.reasons or None,
+        "others": len(verdicts) - 1,
+        # Both cannot be right: whoever sees it has to look at their versions.
+        "disagree": first.outcome == "Certified" and any(each.proved for each in verdicts),
+        "differs": [name.removeprefix("embodiment.") for name in differs],
+        "verdict": first.iri,
+    }
+
+
+def _unjudged(wish: Wish | None, asking: Asking) -> Json:
+    """How a case stands that has no verdict; a robot which is not loaded cannot be asked about."""
+    standing = Standing.NOT_JUDGED if wish is None else asking.standing(wish)
+    return {
+        "standing": standing.value.key,
+        "kinds": [],
+        "proved": None,
+        "reason": None if wish is None else asking.refusal(wish),
+        "others": 0,
+        "disagree": False,
+        "differs": [],
+        "verdict": None,
+    }
+
+
+def common_settings(found: list[Found]) -> dict[str, str]:
+    """What most cells share of the inputs that do not belong to their case."""
+    common: dict[str, str] = {}
+    firsts = [each[0] for each in _chosen(found).values()]
+    for name in COMPARED:
+        counted = Counter(each.inputs[name] for each in firsts if name in each.inputs)
+        if counted:
+            common[name] = counted.most_common(1)[0][0]
+    return common

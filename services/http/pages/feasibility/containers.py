@@ -1,0 +1,80 @@
+"""Containers of a kitchen: how they move, where they are, and what is not counted."""
+
+import asyncio
+import math
+from typing import Final
+
+from starlette.requests import Request
+
+from sdt_kg.iri import local_name
+from sdt_kg.task import Task, Verb
+from services.app import Service
+from services.http.pages.feasibility.asked import Asked, asked_of, moved
+from services.http.pages.view import Json, View
+
+COLUMNS: Final = (
+    "name", "kind", "joint", "handle", "lower", "upper", "open_from", "closed_to", "position", "is",
+    "driven_by", "velocity", "acceleration", "iri",
+)  # fmt: skip
+
+
+async def containers(request: Request) -> View:
+    """The page of a kitchen's containers, in a state."""
+    asked = asked_of(request, request.app.state.world)
+    met, left_out = await asyncio.gather(
+        asyncio.to_thread(_met, asked.kitchen.service.at(*asked.states)),
+        asyncio.to_thread(asked.twin.left_out),
+    )
+    listed = _listed(asked, met)
+    data: Json = {
+        "kitchen": asked.kitchen.name,
+        "iri": asked.twin.environment,
+        "state": list(asked.states),
+        "moved": moved(asked.twin),
+        "containers": listed,
+        "left_out": [
+            {"joint": local_name(each.joint), "body": local_name(each.body), "reason": each.reason}
+            for each in left_out
+        ],
+        "notes": list(asked.twin.notes),
+    }
+    return View("containers", data, listed, COLUMNS)
+
+
+def _met(service: Service) -> dict[str, str]:
+    """Container → `open` or `closed`, by the requests that the state meets; in between it is not here."""
+    words = {Verb.OPEN: "open", Verb.CLOSE: "closed"}
+    tasks = (answer.case.task for answer in service.satisfies())
+    return {
+        task.container: words[task.verb]
+        for task in tasks
+        if isinstance(task, Task) and isinstance(task.container, str)
+    }
+
+
+def _listed(asked: Asked, met: dict[str, str]) -> list[Json]:
+    return [
+        {
+            "name": each.name,
+            "iri": each.iri,
+            "kind": each.kind,
+            "joint": local_name(each.joint),
+            "driven_by": None if each.joint == each.active_joint else local_name(each.active_joint),
+            "handle": local_name(each.handle),
+            "unit": "rad" if each.kind == "door" else "m",
+            "lower": _finite(each.lower),
+            "upper": _finite(each.upper),
+            "open_from": _finite(each.open_from),
+            "closed_to": _finite(each.closed_to),
+            "velocity": _finite(each.velocity),
+            "acceleration": _finite(each.acceleration),
+            "position": asked.twin.state.get(each.joint),
+            "is": met.get(each.iri, "in between"),
+        }
+        for each in asked.twin.containers()
+    ]
+
+
+def _finite(value: float) -> float | None:
+    """JSON has no infinity: a limit that is not there is null."""
+    return value if math.isfinite(value) else None

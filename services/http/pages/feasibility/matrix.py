@@ -1,0 +1,119 @@
+"""The feasibility matrix: every container of a kitchen for every robot, as far as anybody has judged it."""
+
+from collections import Counter
+from itertools import accumulate
+from typing import Final
+from urllib.parse import urlencode
+
+from starlette.requests import Request
+
+from sdt_kg.errors import InputError
+from sdt_kg.iri import Iri, local_name
+from services.http.pages.feasibility.asked import Asked, asked_of, moved
+from services.http.pages.feasibility.cells import cells_of, common_settings, kept_verdicts
+from services.http.pages.kinds import LEGEND, Standing
+from services.http.pages.view import Json, View, here
+from services.http.world import World
+
+COLUMNS: Final = (
+    "kitchen", "robot", "container", "container_kind", "task", "drive", "standing", "kinds", "proved",
+    "reason", "others", "disagree", "differs", "verdict",
+)  # fmt: skip
+SHOWN: Final = ("all", "certified", "not certified", "not judged")
+"""Which rows are shown; whatever is shown, all are counted."""
+IN_PROGRESS: Final = {Standing.WAITING.value.key, Standing.BEING_JUDGED.value.key}
+OPEN: Final = {Standing.NOT_JUDGED.value.key, Standing.NO_VERDICT.value.key, *IN_PROGRESS}
+
+
+async def matrix(request: Request) -> View:
+    """The page of a kitchen."""
+    world: World = request.app.state.world
+    asked = asked_of(request, world)
+    shown = _choice(request, "show", SHOWN, "all")
+    kept = await kept_verdicts(world, asked)
+    found = kept.shown
+    robots = list(dict.fromkeys([*asked.twin.robots, *sorted(each.robot for each in found)]))
+    common = common_settings(found)
+    cells = list(cells_of(asked, robots, found, request.app.state.asking))
+    data: Json = {
+        "kitchen": asked.kitchen.name,
+        "iri": asked.twin.environment,
+        "task": asked.verb.value,
+        "drive": asked.drive.value if asked.drive else None,
+        "state": list(asked.states),
+        "moved": moved(asked.twin),
+        "robots": [_robot(asked, robot, cells) for robot in robots],
+        "cells": cells,
+        "settings": common,
+        "about_other_models": kept.stale,
+        "with_other_drives": kept.other_drives,
+    }
+    more = {
+        "lines": _lines(asked, robots, cells, shown),
+        "legend": LEGEND,
+        "show": shown,
+        "shows": [(each, here(request, show=None if each == "all" else each)) for each in SHOWN],
+        "in_progress": any(each["standing"] in IN_PROGRESS for each in cells),
+        "refused": [each for each in cells if each["reason"]],
+        "total": len(asked.twin.containers()),
+        "askable": [local_name(robot) for robot in asked.twin.robots],
+        "drive_links": [
+            (count, drive, here(request, drive=drive)) for drive, count in kept.other_drives.items()
+        ],
+        "state_query": f"?{urlencode([('state', each) for each in asked.states])}" if asked.states else "",
+    }
+    return View("matrix", data, cells, COLUMNS, more, script=True)
+
+
+def _robot(asked: Asked, robot: Iri, cells: list[Json]) -> Json:
+    """A column: how many of its cells stand how, and where each group begins in a bar of them."""
+    own = [each for each in cells if each["robot"] == local_name(robot)]
+    counts = Counter(each["standing"] for each in own)
+    found = {each.value.key: counts[each.value.key] for each in Standing if counts[each.value.key]}
+    starts = accumulate(found.values(), initial=0)
+    return {
+        "name": local_name(robot),
+        "iri": robot,
+        "drive": asked.drive_of(robot),
+        "loaded": robot in asked.twin.robots,
+        "containers": len(own),
+        "standings": found,
+        "unjudged": sum(found.get(each, 0) for each in OPEN - IN_PROGRESS),
+        "bar": [[key, start, count] for (key, count), start in zip(found.items(), starts, strict=False)],
+    }
+
+
+def _lines(asked: Asked, robots: list[Iri], cells: list[Json], shown: str) -> list[Json]:
+    """The rows of the matrix that are shown: a container and its cells."""
+    width = len(robots)
+    lines = [
+        {"container": container, "cells": cells[index * width : (index + 1) * width]}
+        for index, container in enumerate(asked.twin.containers())
+    ]
+    return [
+        line
+        for line in lines
+        if not width or any(_is_shown(cell["standing"], shown) for cell in line["cells"])
+    ]
+
+
+def _is_shown(standing: str, shown: str) -> bool:
+    certified, unknown = standing == Standing.CERTIFIED.value.key, standing in OPEN
+    return {
+        "all": True,
+        "certified": certified,
+        "not certified": not certified and not unknown,
+        "not judged": unknown,
+    }[shown]
+
+
+def _choice(request: Request, name: str, allowed: tuple[str, ...], default: str) -> str:
+    """A parameter that has one of some values.
+
+    Raises:
+        InputError: It has another.
+    """
+    value = request.query_params.get(name, default)
+    if value not in allowed:
+        raise InputError(f"no '{name}' of '{value}'", allowed=", ".join(allowed))
+    return value

@@ -1,0 +1,1 @@
+"""Verdicts that are kept: their list, and each in plain words."""

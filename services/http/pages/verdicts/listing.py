@@ -1,0 +1,110 @@
+"""The list of verdicts, some at a time."""
+
+from typing import Any, Final
+from urllib.parse import quote
+
+from starlette.requests import Request
+
+from predicates.scope import verb_iri
+from sdt_kg.errors import InputError, UnknownEntityError
+from sdt_kg.iri import LAW, Iri, body_iri, local_name, model_iri
+from sdt_kg.task import Verb
+from services.http.api.read import OUTCOMES, SPELLED
+from services.http.pages.kinds import standings
+from services.http.pages.stored import rows
+from services.http.pages.view import Json, View, here
+from services.http.world import World
+
+PAGE: Final = 200
+"""Verdicts at a time; the query asks for one more, to know whether there are more."""
+COLUMNS: Final = (
+    "kitchen", "robot", "task", "container", "outcome", "kinds", "proved", "drive", "seconds", "verdict",
+)  # fmt: skip
+FILTERS: Final = ("kitchen", "robot", "container", "task", "outcome")
+
+
+async def listing(request: Request) -> View:
+    """Verdicts by kitchen, container and robot, from where the page before ended."""
+    world: World = request.app.state.world
+    wanted = {name: request.query_params.get(name, "").strip() for name in FILTERS}
+    after = request.query_params.get("after", "")
+    known = {f"of_{name}": ("text", value) for name, value in _iris(world, wanted).items()}
+    found = await rows(world, "verdicts", after=("text", after), **known)
+    listed = [_row(each) for each in found[:PAGE]]
+    more = found[PAGE - 1]["key"] if len(found) > PAGE else None
+    following = here(request, after=more) if more else None
+    data: Json = {"filters": wanted, "verdicts": listed, "next": following}
+    shown: Json = {
+        "choices": {
+            "kitchen": list(world.kitchens),
+            "robot": sorted(
+                {local_name(robot) for kitchen in world.kitchens.values() for robot in kitchen.twin.robots}
+            ),
+            "task": [each.value for each in Verb],
+            "outcome": list(OUTCOMES),
+        },
+        "first": here(request, after=None) if after else None,
+        "page_size": PAGE,
+    }
+    return View("verdicts", data, listed, COLUMNS, shown)
+
+
+def _iris(world: World, wanted: dict[str, str]) -> dict[str, Iri]:
+    """IRI of what each filter names; the empty text where it asks for nothing.
+
+    Raises:
+        UnknownEntityError: No such task or outcome.
+        InputError: A container without its kitchen, where several are served.
+    """
+    task, outcome = wanted["task"], wanted["outcome"]
+    if task and task not in {each.value for each in Verb}:
+        raise UnknownEntityError("task", task, [each.value for each in Verb])
+    if outcome and outcome not in OUTCOMES:
+        raise UnknownEntityError("outcome", outcome, OUTCOMES)
+    return {
+        "environment": model_iri(wanted["kitchen"]) if wanted["kitchen"] else "",
+        "robot": model_iri(wanted["robot"]) if wanted["robot"] else "",
+        "container": _container(world, wanted["kitchen"], wanted["container"]),
+        "task": verb_iri(Verb(task)) if task else "",
+        "outcome": LAW + OUTCOMES[outcome] if outcome else "",
+    }
+
+
+def _container(world: World, kitchen: str, container: str) -> Iri:
+    """IRI of a container by its name, in the kitchen that is named, else in the one that has it."""
+    if not container:
+        return ""
+    if kitchen:
+        return body_iri(kitchen, container)
+    having = [
+        each.name
+        for each in world.kitchens.values()
+        if any(container == one.name for one in each.twin.containers())
+    ]
+    if len(having) > 1 or (not having and len(world.kitchens) != 1):
+        raise InputError(
+            f"'{container}' may be of several kitchens" if having else f"no kitchen here has a '{container}'",
+            allowed=", ".join(having or world.kitchens) or "none is served",
+            remedy="name the kitchen too",
+        )
+    return body_iri(having[0] if having else next(iter(world.kitchens)), container)
+
+
+def _row(row: dict[str, str]) -> Json:
+    found: dict[str, Any] = {
+        "kitchen": local_name(row["environment"]),
+        "robot": local_name(row["robot"]) if "robot" in row else None,
+        "task": local_name(row["task"]).lower() if "task" in row else None,
+        "container": local_name(row["container"]) if "container" in row else None,
+        "outcome": SPELLED[local_name(row["outcome"])],
+        "kinds": [
+            each.value.key
+            for each in standings(local_name(row["outcome"]), row.get("kinds", ""))
+            if each.value.key != "certified"
+        ],
+        "proved": None if local_name(row["outcome"]) == "Certified" else row.get("proved") == "true",
+        "drive": row.get("drive"),
+        "seconds": round(float(row["seconds"]), 3),
+        "verdict": row["verdict"],
+    }
+    return found | {"link": "/id/verdict/" + quote(local_name(row["verdict"]))}

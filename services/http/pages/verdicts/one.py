@@ -1,0 +1,197 @@
+"""One verdict: what was asked, what each predicate says, why, on what it rests, and how to check it again."""
+
+import hashlib
+import math
+from typing import Final
+
+import pyoxigraph as ox
+from starlette.requests import Request
+
+from predicates.case import Artefact, Diagnosis, Evidence, Outcome
+from predicates.record import StoredVerdict, read_verdict
+from predicates.record.facts import Facts
+from predicates.record.inputs import UNKNOWN_INPUT
+from sdt_kg.errors import InputError
+from sdt_kg.iri import ID, LAW, Iri, local_name
+from services.http.pages.kinds import Standing
+from services.http.pages.terms import Cell, iri_cell
+from services.http.pages.view import Json, View
+from services.http.pages.writing.recheck import Rechecks
+from services.why import PREDICATES, outcome, question, sections
+
+EVIDENCE: Final = (
+    "diagnosis",
+    "kind",
+    "quantity",
+    "of",
+    "value",
+    "bound",
+    "unit",
+    "time",
+    "proved",
+    "reason",
+)
+TOLD: Final = ("Asked", "Notes", "To check again")
+"""Parts of the story that are shown as they are told on the shell."""
+
+
+def verdict(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
+    """The page of a verdict, whose graph these quads are; a damaged record says so and claims nothing."""
+    try:
+        return _read(request, iri, quads)
+    except InputError as error:
+        return View("damaged", {"iri": iri, "name": local_name(iri), "damage": str(error)}, (), EVIDENCE)
+
+
+def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
+    stored, facts = read_verdict(quads, iri), Facts(quads)
+    told = {each.title: list(each.lines) for each in sections(quads, iri)}
+    headline, means = next(iter(told.items()))
+    evidence = [_evidence(index, each) for index, each in enumerate(stored.diagnoses, 1)]
+    data: Json = {
+        "iri": iri,
+        "name": local_name(iri),
+        "question": question(stored),
+        "outcome": stored.outcome.value,
+        "means": " ".join(means),
+        "kitchen": local_name(stored.environment),
+        "robot": local_name(stored.robot) if stored.robot else None,
+        "task": stored.verb.value if stored.verb else None,
+        "container": local_name(stored.container) if stored.container else None,
+        "drive": facts.text(iri, LAW + "drive"),
+        "predicates": _predicates(stored, facts),
+        "diagnoses": evidence,
+        "margins": [
+            {"name": name, "value": _finite(value), "unit": unit}
+            for name, (value, unit) in stored.figures.items()
+        ],
+        "artefact": _artefact(stored.artefact),
+        "inputs": {name: value for name, value in stored.inputs if value != UNKNOWN_INPUT},
+        "seconds": stored.seconds,
+        "why": told,
+        "recheck": rechecks(request).known(iri, quads),
+    }
+    shown: Json = {
+        "headline": headline,
+        "outcome_words": outcome(stored),
+        "standings": _standings(stored),
+        "proved": any(each.proof for each in stored.diagnoses),
+        "told": {name: told[name] for name in TOLD if name in told},
+        "links": _links(stored),
+        "answers": [
+            (name, f"/id/{iri.removeprefix(ID)}/answer/{index}")
+            for index, (name, holds) in enumerate(_holds(stored), 1)
+            if holds is not None
+        ],
+        "path": "/id/" + iri.removeprefix(ID),
+        "graph": "/id/graph/verdict/" + local_name(iri),
+        "used": _used(stored),
+        "commands": [each for each in told.get("To check again", []) if each.startswith("sdt ")],
+    }
+    return View("verdict", data, evidence, EVIDENCE, shown)
+
+
+def rechecks(request: Request) -> Rechecks:
+    """What was checked again since the service began."""
+    return request.app.state.rechecks
+
+
+def _standings(stored: StoredVerdict) -> list[str]:
+    """Keys of the marks of the verdict."""
+    if stored.outcome is Outcome.CERTIFIED:
+        return [Standing.CERTIFIED.value.key]
+    return list(dict.fromkeys(each.kind.value for each in stored.diagnoses))
+
+
+def _predicates(stored: StoredVerdict, facts: Facts) -> list[Json]:
+    """The three relations of Eq. (4), in its order."""
+    answers = {
+        local_name(facts.needed(of, LAW + "predicate")): of for of in facts.all(stored.iri, LAW + "answer")
+    }
+    return [
+        {
+            "name": name,
+            "holds": answer,
+            "means": meaning,
+            "answered_by": facts.text(answers[name], LAW + "version") if name in answers else None,
+            "seconds": facts.number(answers[name], LAW + "seconds") if name in answers else None,
+        }
+        for (name, answer), meaning in zip(_holds(stored), PREDICATES.values(), strict=True)
+    ]
+
+
+def _holds(stored: StoredVerdict) -> list[tuple[str, bool | None]]:
+    """What each predicate says; None where it was not asked."""
+    said = (stored.satisfies_request, stored.causes, stored.can_perform)
+    return list(zip(PREDICATES, said, strict=True))
+
+
+def _evidence(index: int, diagnosis: Diagnosis) -> Json:
+    """A diagnosis with what it rests on: a measurement, a SHACL result, a proof or a search."""
+    row: Json = {
+        "diagnosis": index,
+        "kind": diagnosis.kind.value,
+        "reason": diagnosis.reason,
+        "proved": diagnosis.proof,
+        "search": None,
+        "shape": None,
+    }
+    search, violation = diagnosis.search, diagnosis.violation
+    if search is not None:
+        row["search"] = {
+            "seeds": search.seeds,
+            "branches": search.branches,
+            "placements": search.placements,
+            "seconds": round(search.seconds, 3),
+        }
+    if violation is not None:
+        path = local_name(violation.path) if violation.path else "shape"
+        bound = None if violation.bound is None else str(violation.bound)
+        value = None if violation.value is None else str(violation.value)
+        row |= {"quantity": path, "of": [violation.focus], "value": value, "bound": bound}
+        return row | {"unit": None, "time": None, "shape": violation.shape}
+    return row | _measured(diagnosis.evidence)
+
+
+def _measured(evidence: Evidence | None) -> Json:
+    if evidence is None:
+        return dict.fromkeys(("quantity", "value", "bound", "unit", "time")) | {"of": []}
+    entities = evidence.links or ((evidence.entity,) if evidence.entity else ())
+    return {
+        "quantity": evidence.quantity.value.replace("_", " "),
+        "of": list(entities),
+        "value": _finite(evidence.value),
+        "bound": _finite(evidence.bound),
+        "unit": evidence.unit,
+        "time": evidence.time,
+    }
+
+
+def _artefact(artefact: Artefact | None) -> Json | None:
+    if artefact is None:
+        return None
+    return {
+        "kind": artefact.kind.value,
+        "bytes": len(artefact.content),
+        "sha256": hashlib.sha256(artefact.content).hexdigest(),
+    }
+
+
+def _links(stored: StoredVerdict) -> list[tuple[str, Cell]]:
+    """What the verdict is about."""
+    named = (("kitchen", stored.environment), ("robot", stored.robot), ("container", stored.container))
+    return [(name, iri_cell(iri)) for name, iri in named if iri]
+
+
+def _used(stored: StoredVerdict) -> list[tuple[str, str]]:
+    """Inputs by name, as the verdict's IRI is their hash; the embodiment's without its prefix."""
+    return [
+        (name.replace("_", " ").replace("embodiment.", ""), value.replace(ID, ""))
+        for name, value in stored.inputs
+        if value != UNKNOWN_INPUT
+    ]
+
+
+def _finite(value: float) -> float | None:
+    """JSON has no infinity and no NaN."""
+    return value if math.isfinite(value) else None
