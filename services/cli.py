@@ -58,6 +58,7 @@ SECTIONS = {
     },
     "Services": {
         "serve": Listed(f"{HERE}.network.serve:serve", "SPARQL, graphs, JSON and pages over HTTP; Zenoh."),
+        "view": Listed("services.viewer.command:view", "The 3D page: kitchens, motions, verdicts."),
         "ask": Listed(f"{HERE}.network.bus:ask", "Ask a server over Zenoh."),
         "oracle": Listed(f"{HERE}.network.bus:oracle", "Answer for Causes or CanPerform on the bus."),
         "router": Listed(f"{HERE}.network.bus:router", "Route between servers, oracles and askers."),

@@ -1,0 +1,63 @@
+"""`sdt view`: the 3D page."""
+
+import threading
+
+import click
+
+from sdt_kg.errors import InputError
+from services.commands.options import KITCHEN_HELP, ROBOT_HELP
+
+KITCHENS = ("b", "a")
+ROBOTS = ("pr2", "tiago_dual", "stretch")
+
+
+@click.command()
+@click.option(
+    "--http",
+    "address",
+    default="127.0.0.1:8090",
+    show_default=True,
+    metavar="HOST:PORT",
+    help="Where to listen.",
+)
+@click.option("--kitchen", "kitchens", multiple=True, help=KITCHEN_HELP + " Repeatable; by default b and a.")
+@click.option("--robot", "robots", multiple=True, help=ROBOT_HELP + " Repeatable; by default all bundled.")
+@click.option(
+    "--budget",
+    type=click.FloatRange(0.5, 600.0),
+    default=20.0,
+    show_default=True,
+    help="Seconds of a search.",
+)
+@click.option(
+    "--judges", type=click.IntRange(1, 16), default=1, show_default=True, help="Processes that judge."
+)
+@click.option(
+    "--allow-host", "hosts", multiple=True, metavar="NAME", help="Another name of this service. Repeatable."
+)
+@click.option("--unprotected", is_flag=True, help="Also where other machines reach it: whoever does may ask.")
+def view(
+    *,
+    address: str,
+    kitchens: tuple[str, ...],
+    robots: tuple[str, ...],
+    budget: float,
+    judges: int,
+    hosts: tuple[str, ...],
+    unprotected: bool,
+) -> None:
+    """Look at kitchens, robots, motions and verdicts in 3D, in a browser.
+
+    Choose a case, press Check, play the motion that was certified, or see what is in its way; drag an
+    obstacle, half-open a door, move the base: the verdict follows. Nothing leaves this machine.
+    """
+    try:
+        from services.viewer.running import Offer, running  # noqa: PLC0415 - its library is an extra
+    except ModuleNotFoundError as error:
+        raise InputError(
+            f"the 3D page needs {error.name}, not installed here", remedy="pip install 'sdt-kg[view]'"
+        ) from None
+    offer = Offer(kitchens or KITCHENS, robots or ROBOTS, budget)
+    with running(address, offer, judges, hosts, unprotected=unprotected) as page:
+        click.echo(f"{page.url}  (Ctrl-C ends it)", err=True)
+        threading.Event().wait()

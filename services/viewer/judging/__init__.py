@@ -1,0 +1,1 @@
+"""Judging for the page: questions as values, processes that answer them, points for the picture."""

@@ -1,0 +1,184 @@
+"""The process that judges for the page: one job at a time over a socket.
+
+Run as `python -m services.viewer.judging.judge DESCRIPTOR`.
+"""
+
+import copy
+import logging
+import signal
+import sys
+from collections import OrderedDict
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Final
+
+from predicates.case import Answer
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError, NoModeError, SdtError
+from sdt_kg.iri import Iri
+from sdt_kg.motion import Motion
+from sdt_kg.task import Task
+from sdt_kg.twin import Twin
+from services.app import Policy, Service
+from services.embodiment.oracle import WholeBody
+from services.motions import read_motion
+from services.physics.model import Scene
+from services.physics.oracle import Kinematics
+from services.store.workers.confine import die_with_parent
+from services.viewer.judging.places import Places
+from services.viewer.judging.question import (
+    Answered,
+    Job,
+    Judged,
+    Opening,
+    Paths,
+    PathsAsked,
+    Place,
+    Question,
+    Trouble,
+    Warmed,
+)
+from services.viewer.judging.telling import told
+
+KEPT: Final = 6
+"""Policies whose scenes are kept."""
+SCENES: Final = 3
+"""Scenes that are kept for measuring."""
+WARMING: Final = 1.0
+"""[s] Of search that warming may take."""
+
+_log = logging.getLogger("sdt.view.judge")
+
+
+def main(descriptor: int) -> None:
+    """Answer until the channel is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    die_with_parent()
+    judge = Judge()
+    with Connection(descriptor) as channel:
+        while True:
+            try:
+                job: Job = channel.recv()
+            except (EOFError, ConnectionError):
+                return
+            channel.send(_answered(judge, job))
+
+
+def _answered(judge: "Judge", job: Job) -> Answered:
+    try:
+        return judge.answer(job)
+    except (SdtError, NoModeError) as error:
+        return Trouble(str(error))
+    except Exception:  # noqa: BLE001 - the edge of a process: logged, and answered as a failure
+        _log.exception("a case could not be judged")
+        return Trouble("the case could not be judged; the log of the service says why")
+
+
+@dataclass(slots=True)
+class Kept:
+    """Φ and R that keep the scenes which they have built."""
+
+    _physics: Kinematics = field(default_factory=Kinematics)
+    _bodies: OrderedDict[Policy, WholeBody] = field(default_factory=OrderedDict[Policy, WholeBody])
+
+    def physics(self) -> Kinematics:
+        """Φ."""
+        return self._physics
+
+    def embodiment(self, policy: Policy) -> WholeBody:
+        """R under a policy; it begins with the scenes that the last one had."""
+        if policy not in self._bodies:
+            last = next(reversed(self._bodies.values()), None)
+            body = WholeBody(policy.drive, policy.base, policy.budget, policy.seed, policy.any_start)
+            if last is not None:
+                # The scenes do not depend on the policy.
+                shared = copy.copy(last)
+                shared.drive, shared.start, shared.budget = body.drive, body.start, body.budget
+                shared.seed, shared.any_start, shared.tolerances = body.seed, body.any_start, body.tolerances
+                body = shared
+            self._bodies[policy] = body
+        self._bodies.move_to_end(policy)
+        while len(self._bodies) > KEPT:
+            self._bodies.popitem(last=False)
+        return self._bodies[policy]
+
+
+@dataclass(slots=True)
+class Judge:
+    """The Law over the places that are asked about."""
+
+    _places: Places = field(default_factory=Places)
+    _kept: Kept = field(default_factory=Kept)
+    _scenes: list[Scene] = field(default_factory=list[Scene])
+
+    def answer(self, job: Job) -> Answered:
+        """What a job asks for.
+
+        Raises:
+            SdtError: What the shell would say.
+        """
+        if isinstance(job, Question):
+            return self._judged(job)
+        if isinstance(job, PathsAsked):
+            return self._paths(job.place)
+        self._warm(job)
+        return None
+
+    def _service(self, place: Place, policy: Policy) -> Service:
+        return Service(self._places.twin(place), policy, oracles=self._kept)
+
+    def _warm(self, job: Warmed) -> None:
+        """A first case is judged, so that the next one finds everything loaded and compiled."""
+        service = self._service(job.place, Policy(budget=WARMING))
+        drawers = [each for each in service.twin.containers() if each.kind == "drawer"]
+        for container in (drawers or service.twin.containers())[:1]:
+            next(service.achieve(f"open:{container.name}"), None)
+            self._scene(service.twin, service.robot(None))
+
+    def _scene(self, twin: Twin, robot: Iri) -> Scene:
+        """The scene of a twin, in which points are measured; the last few are kept."""
+        found = next((one for one in self._scenes if one.twin is twin), None) or Scene(twin, robot)
+        self._scenes = [found, *(one for one in self._scenes if one is not found)][:SCENES]
+        return found
+
+    def _paths(self, place: Place) -> Paths:
+        twin = self._places.twin(place)
+        openings: list[Opening] = []
+        refused: list[tuple[str, str]] = []
+        for answer in Service(twin, oracles=self._kept).causes("open"):
+            container = twin.container(_container(answer))
+            motion = answer.case.motion
+            if answer.holds and isinstance(motion, Motion):
+                opening = Opening(container.name, container.handle, motion.of, motion.values[:, 0].copy())
+                openings.append(opening)
+            else:
+                refused.append((container.name, answer.diagnoses[0].reason))
+        return Paths(tuple(openings), tuple(refused))
+
+    def _judged(self, question: Question) -> Judged:
+        policy = Policy(
+            drive=None if question.drive is None else Drive(question.drive),
+            base=question.base,
+            budget=question.budget,
+            any_start=question.any_start,
+        )
+        service = self._service(question.place, policy)
+        robot = service.robot(None)
+        motion = read_motion(Path(question.motion), service.twin, robot) if question.motion else None
+        found = list(service.achieve(question.task, robot, motion))
+        if len(found) != 1:
+            raise InputError(f"'{question.task}' is {len(found)} questions", allowed="one container")
+        return told(question, found[0], service.twin, lambda: self._scene(service.twin, robot))
+
+
+def _container(answer: Answer) -> Iri:
+    task = answer.case.task
+    assert isinstance(task, Task), "Causes names the task"
+    assert isinstance(task.container, str), "and the container, of each answer"
+    return task.container
+
+
+if __name__ == "__main__":
+    logging.basicConfig(format="%(name)s: %(message)s")
+    main(int(sys.argv[1]))

@@ -1,0 +1,1 @@
+"""What is drawn, as values; nothing here knows a browser, an oracle or a clock."""

@@ -1,0 +1,73 @@
+"""The page with its judges, from start to end."""
+
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+
+from sdt_kg.errors import InputError
+from sdt_kg.load import model_name, model_path
+from services.app import DEFAULT_BUDGET
+from services.http.settings import Address
+from services.viewer.desk import Desk
+from services.viewer.judging.judges import Judges
+from services.viewer.judging.question import Place, Warmed
+from services.viewer.page import Page
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """What can be chosen; the first of each is shown first.
+
+    Attributes:
+        kitchens, robots: Bundled names or paths.
+        budget: Of a search [s].
+    """
+
+    kitchens: tuple[str, ...]
+    robots: tuple[str, ...]
+    budget: float = DEFAULT_BUDGET
+
+
+@contextmanager
+def running(
+    address: str, offer: Offer, judges: int = 1, hosts: tuple[str, ...] = (), *, unprotected: bool = False
+) -> Iterator[Page]:
+    """The page listens; at the end nothing of it is left.
+
+    Args:
+        address: HOST:PORT; port 0 is any free one.
+        offer: What can be chosen.
+        judges: Processes that judge; they get ready while the page loads.
+        hosts: Other names of this service.
+        unprotected: Whether it may listen where other machines reach it.
+
+    Raises:
+        InputError: A model that is none, a port that is taken, an address that others could reach.
+    """
+    where = Address.of(address)
+    if not (where.is_loopback or unprotected):
+        raise InputError(
+            f"{where.host} can be reached from other machines, and the page knows no passwords",
+            allowed="a loopback address",
+            remedy="put a proxy with passwords in front of it, or say --unprotected",
+        )
+    kitchens, robots = _named("kitchen", offer.kitchens), _named("robot", offer.robots)
+    first = Place(offer.kitchens[0], offer.robots[0])
+    with closing(Judges(judges, Warmed(first))) as judging:
+        desk = Desk(kitchens, robots, judging, offer.budget)
+        twin = desk.twin(first)
+        desk.kitchen(twin, first.kitchen)
+        desk.robot(twin, first.robot)
+        with closing(Page(where, desk, hosts)) as page:
+            yield page
+
+
+def _named(kind: str, sources: tuple[str, ...]) -> dict[str, str]:
+    """Name as it is shown → source."""
+    found: dict[str, str] = {}
+    for source in sources:
+        model_path(kind, source)
+        if model_name(source) in found:
+            raise InputError(f"two {kind}s are named '{model_name(source)}'", allowed="each name once")
+        found[model_name(source)] = source
+    return found
