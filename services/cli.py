@@ -42,6 +42,7 @@ SECTIONS = {
         "task": Listed(f"{HERE}.law.task:task_command", "Steps, rules on the way, the best motion by J."),
         "learn": Listed(f"{HERE}.law.learn:learn_command", "Which joint moves what was seen?"),
         "whatif": Listed("services.codesign.command.whatif:whatif", "The same question in another world."),
+        "codesign": Listed("services.codesign.command.codesign:codesign", "Which robot for which kitchen?"),
     },
     "Saved verdicts and branches": {
         "why": Listed(f"{HERE}.saved.why:why_command", "A stored verdict in plain words."),
@@ -98,25 +99,47 @@ def sdt(context: click.Context, config: Path | None) -> None:
 
 
 def main() -> None:
-    """Run `sdt`; a typed error becomes one line on standard error and an exit code."""
+    """Run `sdt` as a program."""
+    sys.exit(run())
+
+
+def run(words: list[str] | None = None) -> int:
+    """Run `sdt` with these words, or those of the process, and tell its exit code.
+
+    A typed error becomes one line on standard error.
+    """
     try:
-        sdt.main(prog_name="sdt", standalone_mode=False, obj=_completing())
-    except click.ClickException as error:
-        error.show()
-        sys.exit(Exit.BAD_INPUT)
-    except (click.Abort, KeyboardInterrupt):
-        click.echo("interrupted: verdicts which were finished are saved", err=True)
-        sys.exit(Exit.INTERRUPTED)
-    except SdtError as error:
-        click.echo(f"error: {error}", err=True)
-        sys.exit(Exit.BAD_INPUT if isinstance(error, InputError) else Exit.NO_ORACLE)
-    except BrokenPipeError:
-        sys.stderr.close()
-        sys.exit(Exit.BROKEN_PIPE)
-    except OSError as error:
-        _exit_for_file(error)
-    except Exception:  # noqa: BLE001 - the edge: told whole, with a code that no verdict has
-        _exit_for_bug()
+        sdt.main(words, prog_name="sdt", standalone_mode=False, obj=_completing())
+    except SystemExit as stop:
+        return stop.code if isinstance(stop.code, int) else Exit.DONE
+    except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001 - the edge: each is told, none swallowed
+        return _told(error)
+    return Exit.DONE
+
+
+def _told(error: BaseException) -> int:
+    """Say what went wrong on standard error; the exit code."""
+    line, code = "", Exit.BAD_INPUT
+    match error:
+        case click.ClickException():
+            error.show()
+        case click.Abort() | KeyboardInterrupt():
+            line, code = "interrupted: verdicts which were finished are saved", Exit.INTERRUPTED
+        case InputError():
+            line = f"error: {error}"
+        case SdtError():
+            line, code = f"error: {error}", Exit.NO_ORACLE
+        case BrokenPipeError():
+            sys.stderr.close()
+            return Exit.BROKEN_PIPE
+        case OSError(filename=str(path), strerror=str(what)):
+            line = f"error: {path}: {what.lower()}"
+        case _:
+            traceback.print_exception(error)
+            line, code = "this is a bug of sdt, and no verdict; please report the lines above", Exit.BUG
+    if line:
+        click.echo(line, err=True)
+    return code
 
 
 def _completing() -> dict[str, object] | None:
@@ -129,20 +152,6 @@ def _completing() -> dict[str, object] | None:
         said = settings(tuple(sdt.commands))
         kitchen = said.environment.get("SDT_KITCHEN") or said.shared.get("kitchen")
     return {"kitchen": kitchen, "words": words()[1:]}
-
-
-def _exit_for_file(error: OSError) -> None:
-    """A file that was named and cannot be read or written is bad input; anything else is not."""
-    if error.filename is None:
-        _exit_for_bug()
-    click.echo(f"error: {error.filename}: {(error.strerror or 'cannot be used').lower()}", err=True)
-    sys.exit(Exit.BAD_INPUT)
-
-
-def _exit_for_bug() -> None:
-    traceback.print_exc()
-    click.echo("this is a bug of sdt, and no verdict; please report the lines above", err=True)
-    sys.exit(Exit.BUG)
 
 
 if __name__ == "__main__":
