@@ -16,10 +16,16 @@ from pydantic import ValidationError
 from predicates.record import StoredVerdict, read_verdicts
 from sdt_kg.store import Row, rows_of
 from services.bus import keys
-from services.bus.keys import Meta, Part, Verb
-from services.bus.messages import (
+from services.bus.keys import Meta, Part
+from services.bus.sessions import open_session
+from services.judging.codec import (
     CBOR,
     JSON,
+    decode,
+    encode,
+    encode_cbor,
+)
+from services.judging.messages import (
     AchieveRequest,
     CausesReply,
     CausesRequest,
@@ -33,14 +39,11 @@ from services.bus.messages import (
     SatisfiesRequest,
     SweepRequest,
     TextReply,
+    Verb,
     VerdictsReply,
     WhyRequest,
-    decode,
-    encode,
-    encode_cbor,
 )
-from services.bus.problems import BusUnavailableError, Problem, ProblemType, error_of, problem
-from services.bus.sessions import open_session
+from services.judging.problems import BusUnavailableError, Problem, ProblemType, error_of, problem
 
 R = TypeVar("R", bound=Reply)
 

@@ -18,24 +18,10 @@ import re
 from enum import Enum
 
 from sdt_kg.errors import InputError
+from services.judging.messages import Verb
 
 ROOT = "sdt/v1"
 _CHUNK = re.compile(r"[A-Za-z0-9_.-]+")
-
-
-class Verb(Enum):
-    """What can be asked."""
-
-    SELECT = "select"
-    ASK = "ask"
-    CONSTRUCT = "construct"
-    DESCRIBE = "describe"
-    SATISFIES = "satisfies"
-    CAUSES = "causes"
-    CANPERFORM = "canperform"
-    CANACHIEVE = "canachieve"
-    WHY = "why"
-    SWEEP = "sweep"
 
 
 class Oracle(Enum):

@@ -4,9 +4,9 @@ import logging
 
 import zenoh
 
-from services.bus.messages import JSON
-from services.bus.problems import Problem
-from services.bus.work.jobs import Done
+from services.judging.codec import JSON
+from services.judging.jobs import Done
+from services.judging.problems import Problem
 
 log = logging.getLogger(__name__)
 

@@ -3,8 +3,9 @@
 from importlib.metadata import version
 
 from services.bus import keys
-from services.bus.messages import CBOR, JSON, REPLIES, REQUESTS, SCHEMA, Header
-from services.bus.problems import Problem
+from services.judging.codec import CBOR, JSON
+from services.judging.messages import REPLIES, REQUESTS, SCHEMA, Header
+from services.judging.problems import Problem
 
 Object = dict[str, object]
 

@@ -17,26 +17,22 @@ from predicates.record import read_verdict
 from sdt_kg.errors import SdtError
 from sdt_kg.iri import local_name
 from services.bus import keys
-from services.bus.keys import Meta, Part, Verb
-from services.bus.messages import (
+from services.bus.keys import Meta, Part
+from services.bus.replies import reply
+from services.bus.sweeps import Sweeps
+from services.http.memory import Memory
+from services.judging.codec import (
     CBOR,
     JSON,
     MAX_REPLY,
     MAX_REQUEST,
-    SCHEMA,
-    Header,
-    QueryRequest,
-    SweepRequest,
     decode,
     encode,
 )
-from services.bus.problems import Problem, ProblemType, problem, problem_of
-from services.bus.replies import reply
-from services.bus.sweeps import Sweeps
-from services.bus.work.deadlines import Deadlines
-from services.bus.work.jobs import Done, Kept, Task, Waiter
-from services.bus.work.memory import Memory
-from services.bus.work.pool import Pool
+from services.judging.jobs import Done, Kept, Task, Waiter
+from services.judging.messages import SCHEMA, Header, QueryRequest, SweepRequest, Verb
+from services.judging.pool import Pool
+from services.judging.problems import Problem, ProblemType, problem, problem_of
 from services.store.workers import Answered, Asked, Limit, LimitError
 
 log = logging.getLogger(__name__)
@@ -80,15 +76,13 @@ class Server:
         self,
         session: zenoh.Session,
         pool: Pool,
-        deadlines: Deadlines,
         memory: Memory,
         sweeps: Sweeps,
     ) -> None:
         self.instance = uuid.uuid4().hex[:12]
         self._session, self._sweeps = session, sweeps
         self._twins = tuple(sweeps.catalogue)
-        self._pool, self._deadlines = pool, deadlines
-        self._memory = memory
+        self._pool, self._memory = pool, memory
         self._declared: list[zenoh.Queryable[None] | zenoh.LivelinessToken] = []
         self._sequence = 0
         self._lock = threading.Lock()
@@ -168,14 +162,15 @@ class Server:
             started = self._sweeps.start(question.twin, decode(SweepRequest, payload, encoding))
             waiter.answer(Done(encode(started), JSON))
             return
-        task = Task(question.twin, question.verb.value, payload, encoding, question.header.deadline_ms / 1000)
+        seconds, present = question.header.deadline_ms / 1000, self._memory.world.kitchens[question.twin]
+        task = Task(question.twin, question.verb.value, payload, encoding, seconds, present.moved)
         self._pool.submit(task, waiter, share=True)
 
     def _query(self, verb: Verb, request: QueryRequest, waiter: Waiter) -> None:
         def done(future: "Future[Answered]") -> None:
             waiter.answer(_answered(future))
 
-        self._deadlines.watch(waiter)
+        self._pool.deadlines.watch(waiter)
         self._memory.ask(Asked("query", request.query, ACCEPTED[verb]), done)
 
     def _asked_job(self, query: zenoh.Query) -> None:
@@ -212,7 +207,7 @@ class Server:
                 "seconds": round(time.monotonic() - self._began, 3),
                 "queued": self._pool.queued,
                 "answered": counts.answered,
-                "late": self._deadlines.missed,
+                "late": self._pool.deadlines.missed,
                 "crashed": counts.crashed,
                 "refused": counts.refused,
                 "workers": len(self._pool.pids()),

@@ -7,7 +7,7 @@ from pathlib import Path
 import zenoh
 
 from sdt_kg.errors import InputError
-from services.bus.problems import BusUnavailableError, ProblemType, problem
+from services.judging.problems import BusUnavailableError, ProblemType, problem
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 

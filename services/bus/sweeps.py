@@ -5,15 +5,19 @@ import threading
 import time
 import uuid
 from collections import OrderedDict
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
+from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, UnknownEntityError
-from services.bus.messages import JSON, AchieveRequest, JobReply, SweepRequest, VerdictsReply, decode, encode
-from services.bus.problems import Problem
-from services.bus.work.jobs import Done, Job, Task, Waiter
-from services.bus.work.pool import Pool
+from services.judging.codec import JSON, decode, encode
+from services.judging.jobs import Done, Job, Task, Waiter
+from services.judging.messages import AchieveRequest, JobReply, SweepRequest, VerdictsReply
+from services.judging.pool import Pool
+from services.judging.problems import Problem
+from services.sweep.cell import Cell
+from services.sweep.plan import Axes, Models, combined, policies
 
 AT_ONCE = 4
 """Cases of one sweep that are in the pool at once: others get their turn too."""
@@ -21,18 +25,12 @@ MARGIN = 60.0
 """[s] A case may take beyond its budget of search."""
 JOBS_KEPT = 100
 """Finished jobs that can still be asked about."""
+MOST = 10_000
+"""Cases of one job: their verdicts are held until they are fetched."""
 PAUSE = 0.5
 """[s] Before a case is offered again to a pool that was full."""
 
 State = Literal["queued", "running", "done", "cancelled", "failed"]
-
-
-@dataclass(frozen=True, slots=True)
-class Models:
-    """What one twin can be swept over: names of its robots and containers."""
-
-    robots: tuple[str, ...]
-    containers: tuple[str, ...]
 
 
 @dataclass(slots=True, eq=False)
@@ -77,7 +75,10 @@ class Sweeps:
         for robot in request.robots:
             if robot not in models.robots:
                 raise UnknownEntityError("robot", robot, models.robots)
-        cases = list(_cases(request, request.robots or models.robots, models.containers))
+        chosen = replace(models, robots=tuple(request.robots) or models.robots)
+        cases = combined(chosen, _axes(request))
+        if len(cases) > MOST:
+            raise InputError(f"{len(cases)} cases", allowed=f"{MOST} in a job", remedy="sdt sweep")
         sweep = Sweep(uuid.uuid4().hex[:16], twin, len(cases))
         self._jobs[sweep.id] = sweep
         while len(self._jobs) > JOBS_KEPT:
@@ -116,7 +117,7 @@ class Sweeps:
             raise InputError(f"no job '{job}'", allowed="the id that rpc/sweep gave, on the same server")
         return self._jobs[job]
 
-    def _run(self, sweep: Sweep, cases: Sequence[AchieveRequest]) -> None:
+    def _run(self, sweep: Sweep, cases: Iterable[Cell]) -> None:
         """Offer the cases, a few at a time, until all are answered or the job is cancelled."""
         sweep.state = "running"
         slots = threading.Semaphore(AT_ONCE)
@@ -124,7 +125,7 @@ class Sweeps:
             slots.acquire()
             if sweep.state == "cancelled":
                 return
-            self._offer(sweep, case, slots.release)
+            self._offer(sweep, _request(case), slots.release)
         for _ in range(AT_ONCE):
             slots.acquire()
         if sweep.state == "running":
@@ -152,15 +153,23 @@ class Sweeps:
             sweep.running = {each for each in sweep.running if not each.over} | {job}
 
 
-def _cases(
-    request: SweepRequest, robots: Sequence[str], containers: Sequence[str]
-) -> Iterator[AchieveRequest]:
-    for robot in robots:
-        for container in containers:
-            yield AchieveRequest(
-                task=f"{request.verb}:{container}",
-                robot=robot,
-                state=request.state,
-                drive=request.drive,
-                budget=request.budget,
-            )
+def _axes(request: SweepRequest) -> Axes:
+    """What the request varies."""
+    drives = [Drive(each) for each in request.drives] or [Drive(request.drive) if request.drive else None]
+    return Axes(
+        tasks=tuple(request.tasks) or (request.verb,),
+        states=tuple((*request.state, *each) for each in request.starts) or (tuple(request.state),),
+        policies=policies(drives, seeds=request.seeds, budget=request.budget),
+    )
+
+
+def _request(cell: Cell) -> AchieveRequest:
+    drive = cell.policy.drive
+    return AchieveRequest(
+        task=cell.task,
+        robot=cell.robot,
+        state=list(cell.states),
+        drive=None if drive is None else drive.value,
+        budget=cell.policy.budget,
+        seed=cell.policy.seed,
+    )

@@ -4,18 +4,22 @@ import asyncio
 import platform
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractContextManager, asynccontextmanager, nullcontext
+from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
+from typing import Protocol
 
 from fastapi import FastAPI
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
+from services.app import Oracles
 from services.http import problems
 from services.http.api import read, write
 from services.http.gate import Gate
-from services.http.judging.pool import Judges
+from services.http.judges import Judges, setup_of
+from services.http.memory import Memory
 from services.http.pages.asking import Asking
 from services.http.pages.errors import told
 from services.http.pages.session import Sessions
@@ -28,9 +32,24 @@ from services.http.protocol.sparql import sparql
 from services.http.resources import about, identified
 from services.http.settings import Settings
 from services.http.world import World
+from services.judging.pool import Pool
 
-Beside = Callable[[World, asyncio.AbstractEventLoop], AbstractContextManager[object]]
-"""What is served beside HTTP over the same world, whose workers belong to that loop."""
+
+class Beside(Protocol):
+    """What is served beside HTTP, over the same world and by the same processes.
+
+    Attributes:
+        oracles: How those processes get their oracles; None: they judge by themselves.
+    """
+
+    @property
+    def oracles(self) -> Callable[[], Oracles] | None: ...
+
+    def __call__(
+        self, world: World, pool: Pool, loop: asyncio.AbstractEventLoop
+    ) -> AbstractContextManager[object]:
+        """Serve until the context ends; the world's workers belong to the loop."""
+        ...
 
 
 def create_app(world: World, settings: Settings, beside: Beside | None = None) -> FastAPI:
@@ -38,12 +57,15 @@ def create_app(world: World, settings: Settings, beside: Beside | None = None) -
 
     @asynccontextmanager
     async def life(app: FastAPI) -> AsyncIterator[None]:
-        judges = app.state.judges = Judges(world.setup(), settings.judges, world.recall)
+        loop = asyncio.get_running_loop()
+        setup = replace(setup_of(world), oracles=beside.oracles if beside else None)
+        judges = app.state.judges = Judges(Pool(setup, settings.judges, Memory(world, loop)))
         await world.start()
-        warming = asyncio.create_task(judges.warm()) if settings.warm else None
-        other = nullcontext() if beside is None else beside(world, asyncio.get_running_loop())
+        other = beside(world, judges.pool, loop) if beside else nullcontext()
+        warming = None
         try:
             await asyncio.to_thread(other.__enter__)
+            warming = asyncio.create_task(judges.warm()) if settings.warm else None
             yield
         finally:
             await asyncio.to_thread(other.__exit__, None, None, None)

@@ -69,6 +69,11 @@ class Kitchen:
         free = (joint for joint in self.twin.state if joint not in followers)
         return tuple(f"{local_name(joint)}={self.twin.state[joint]!r}" for joint in free)
 
+    @property
+    def moved(self) -> tuple[str, ...]:
+        """The present state as texts, if something was moved; else none, and the kitchen is as loaded."""
+        return () if self.present is None else self.states
+
     def begun(self) -> "Kitchen":
         """The kitchen with a history."""
         if self.history is not None:

@@ -53,12 +53,6 @@ class World:
         """No process is left."""
         await self.workers.close()
 
-    def setup(self) -> dict[str, object]:
-        """What a process has to load that judges."""
-        kitchens = self.kitchens.values()
-        robots = next(iter(kitchens)).robots if kitchens else ()
-        return {"kitchens": {each.name: each.source for each in kitchens}, "robots": list(robots)}
-
     async def recall(self, verdict: Iri) -> bytes:
         """The graph of a verdict as N-Quads; empty where it is not kept."""
         graph = graph_of(verdict)

@@ -1,6 +1,7 @@
 """What the tools ask: kitchens to read, workers that answer SPARQL, a process that judges, kept verdicts."""
 
 import asyncio
+import json
 from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
@@ -13,11 +14,14 @@ from sdt_kg.errors import InputError, QueryError, UnknownEntityError
 from sdt_kg.iri import Iri
 from sdt_kg.load import model_name
 from services.app import Service, load
-from services.http.judging.pool import Judges
+from services.http.judges import Judges
 from services.http.problems import RefusedError
+from services.judging.codec import JSON
+from services.judging.jobs import Kept, Task
+from services.judging.pool import Pool
+from services.mcp_server.judge import Head, JudgeSetup
 from services.store.files import graph_of
 from services.store.workers import Asked, Delta, Limits, NotAcceptableError, Workers, bulk, drop, put
-from services.store.workers.frames import Head
 
 ROWS: Final = 10_000
 """Of a query's answer, shown or not; with more there is none."""
@@ -62,10 +66,14 @@ class Setup:
             found[name] = load(source, self.robots)
         return found
 
-    def head(self) -> Head:
-        """For the process that judges."""
-        sources = {model_name(each): each for each in self.kitchens}
-        return {"kitchens": sources, "robots": list(self.robots), "connect": self.connect}
+    def judging(self) -> JudgeSetup:
+        """What the process that judges loads."""
+        if self.connect is None:
+            return JudgeSetup(self.kitchens, self.robots)
+        from services.bus.oracles.remote import OnBus  # noqa: PLC0415 - most need no bus
+        from services.bus.sessions import Reach  # noqa: PLC0415 - see above
+
+        return JudgeSetup(self.kitchens, self.robots, OnBus(Reach(self.connect)))
 
 
 @dataclass
@@ -143,8 +151,9 @@ class Desk:
             RefusedError: There is no answer in time; the process is killed.
             OracleUnavailableError: The process died or could not judge, or too many are waiting.
         """
+        task = Task(question["kitchen"], question["do"], json.dumps(question).encode(), JSON, seconds)
         try:
-            reply = await self.judges.judge(question, seconds)
+            done = await self.judges.answer(task)
         except RefusedError:
             raise RefusedError(
                 504,
@@ -152,23 +161,39 @@ class Desk:
                 allowed=f"'budget' and {FIRST:g} s more",
                 remedy="ask again, about one container, or with another 'budget'",
             ) from None
-        for iri, quads in reply["records"]:
-            await self._keep(iri, quads.encode())
-        return reply
+        return json.loads(done.payload)
 
-    async def recall(self, verdict: Iri) -> bytes:
-        """The graph of a kept verdict as N-Quads; empty where it is not kept."""
-        return self.kept.get(verdict, b"")
+
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    """The verdicts of a session, as the threads of the pool see them.
+
+    Attributes:
+        graphs: Verdict → its graph as N-Quads, oldest first.
+        workers: They belong to the loop.
+    """
+
+    graphs: dict[Iri, bytes]
+    workers: Workers
+    loop: asyncio.AbstractEventLoop
+
+    def recall(self, iri: Iri) -> bytes | None:
+        """The graph of a kept verdict."""
+        return self.graphs.get(iri)
+
+    def keep(self, kept: Iterable[Kept]) -> None:
+        """The verdicts can be asked about; what is judged anew is better than what it replaces."""
+        for iri, quads in kept:
+            asyncio.run_coroutine_threadsafe(self._keep(iri, quads), self.loop).result()
 
     async def _keep(self, verdict: Iri, quads: bytes) -> None:
-        """The verdict can be asked about; what is judged anew is better than what it replaces."""
-        self.kept.pop(verdict, None)
-        self.kept[verdict] = quads
+        self.graphs.pop(verdict, None)
+        self.graphs[verdict] = quads
         triples = (quad.triple for quad in ox.parse(quads, format=ox.RdfFormat.N_QUADS))
         await self.workers.apply(put(graph_of(verdict), _lines(triples), instead=True))
-        while len(self.kept) > KEPT:
-            oldest = next(iter(self.kept))
-            del self.kept[oldest]
+        while len(self.graphs) > KEPT:
+            oldest = next(iter(self.graphs))
+            del self.graphs[oldest]
             await self.workers.apply(drop(graph_of(oldest)))
 
 
@@ -177,11 +202,7 @@ async def opened(setup: Setup, services: dict[str, Service]) -> AsyncIterator[De
     """A desk whose processes are there, until it is closed."""
     workers = Workers(count=1, limits=Limits(seconds=QUERY_SECONDS, rows=ROWS, size=QUERY_SIZE))
     kept: dict[Iri, bytes] = {}
-
-    async def recall(verdict: Iri) -> bytes:
-        return kept.get(verdict, b"")
-
-    judges = Judges(setup.head(), 1, recall, "services.mcp_server.judge")
+    judges = Judges(Pool(setup.judging(), 1, _Kept(kept, workers, asyncio.get_running_loop())))
     desk = Desk(services, workers, judges, kept)
     try:
         models = [bulk(each.twin.serialize("nquads")) for each in services.values()]

@@ -12,8 +12,8 @@ from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import Iri, verdict_iri
 from services.mcp_server import arguments
 from services.mcp_server.desk import FIRST, Desk
+from services.mcp_server.judge import Head
 from services.mcp_server.report import LIMIT, Json, Report, size
-from services.store.workers.frames import Head
 from services.why import MEANS, Section, sections
 
 MOST_MOTION: Final = 8_000_000

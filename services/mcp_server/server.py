@@ -22,8 +22,8 @@ from pydantic import ValidationError
 
 from sdt_kg.errors import InputError, OracleUnavailableError, SdtError
 from services.app import Service
-from services.bus.problems import RETRYABLE, ProblemType
 from services.http.problems import RefusedError
+from services.judging.problems import RETRYABLE, ProblemType
 from services.mcp_server import arguments, examples, judging, reading
 from services.mcp_server.desk import Desk, Setup, opened
 from services.mcp_server.report import LIMIT, Json, Report

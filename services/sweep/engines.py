@@ -51,10 +51,15 @@ def processes(count: int) -> Engine:
 def _begin() -> None:
     """The process ends with the one that started it, and at once when the user interrupts."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    end_with_parent()
 
 
-def _end_with_parent() -> None:
+def end_with_parent() -> None:
+    """From now on this process ends soon after the one that started it, whatever it is doing."""
+    threading.Thread(target=_ended_with_parent, daemon=True).start()
+
+
+def _ended_with_parent() -> None:
     parent = mp.parent_process()
     assert parent is not None, "in a worker"
     parent.join()

@@ -13,7 +13,6 @@ from sdt_kg.errors import SdtError
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Twin
 from services.bus.keys import Oracle
-from services.bus.messages import CBOR, from_cbor, to_cbor
 from services.bus.oracles.codec import (
     Plain,
     answer_plain,
@@ -24,8 +23,9 @@ from services.bus.oracles.codec import (
     region_value,
     replayed_plain,
 )
-from services.bus.problems import Problem, ProblemType, problem, problem_of
-from services.bus.work.jobs import Done, Handler, Task
+from services.judging.codec import CBOR, from_cbor, to_cbor
+from services.judging.jobs import Done, Handler, Task
+from services.judging.problems import Problem, ProblemType, problem, problem_of
 
 log = logging.getLogger(__name__)
 

@@ -16,10 +16,9 @@ from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.state import Region
 from sdt_kg.twin import Container, Twin
-from services.app import Policy
+from services.app import Oracles, Policy
 from services.bus import keys
 from services.bus.keys import Oracle
-from services.bus.messages import CBOR, JSON, Header, encode, from_cbor, to_cbor
 from services.bus.oracles.codec import (
     Plain,
     answer_value,
@@ -31,7 +30,16 @@ from services.bus.oracles.codec import (
     replayed_value,
 )
 from services.bus.oracles.handler import UNKNOWN_TWIN
-from services.bus.problems import (
+from services.bus.sessions import Reach
+from services.judging.codec import (
+    CBOR,
+    JSON,
+    encode,
+    from_cbor,
+    to_cbor,
+)
+from services.judging.messages import Header
+from services.judging.problems import (
     BusUnavailableError,
     ConflictError,
     Problem,
@@ -166,6 +174,18 @@ class RemoteEmbodiment:
         seconds = self.policy.budget + MARGIN
         plain = {"policy": policy_plain(self.policy), "case": case_plain(case)}
         return answer_value(case.twin, self.callers.call("perform", case.twin, seconds, **plain))
+
+
+@dataclass(frozen=True, slots=True)
+class OnBus:
+    """How a process that judges gets its oracles: a session of its own; picklable."""
+
+    reach: Reach
+
+    def __call__(self) -> Oracles:
+        """The oracles that are reached."""
+        oracles = BusOracles.on(self.reach())
+        return oracles  # pyright: ignore[reportReturnType]  # it caches what the Protocol has as an attribute
 
 
 @dataclass(frozen=True, slots=True)

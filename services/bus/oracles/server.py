@@ -10,14 +10,13 @@ import zenoh
 from sdt_kg.errors import SdtError
 from services.bus import keys
 from services.bus.keys import Oracle
-from services.bus.messages import CBOR, MAX_REQUEST, Header, decode
 from services.bus.oracles.handler import OracleSetup
-from services.bus.problems import Problem, ProblemType, TooLargeError, problem, problem_of
 from services.bus.replies import reply
-from services.bus.work.deadlines import Deadlines
-from services.bus.work.jobs import Done, Task, Waiter
-from services.bus.work.memory import NoMemory
-from services.bus.work.pool import Pool
+from services.judging.codec import CBOR, MAX_REQUEST, decode
+from services.judging.jobs import Done, NoMemory, Task, Waiter
+from services.judging.messages import Header
+from services.judging.pool import Pool
+from services.judging.problems import Problem, ProblemType, TooLargeError, problem, problem_of
 
 WAITING = 32
 """Questions that may wait for the oracle's worker."""
@@ -27,8 +26,8 @@ WAITING = 32
 def oracle(session: zenoh.Session, kind: Oracle, workers: int = 1) -> Iterator[str]:
     """The name of an oracle that answers over the session until the context ends."""
     instance = uuid.uuid4().hex[:12]
-    deadlines = Deadlines()
-    pool = Pool(OracleSetup(kind), workers, WAITING, deadlines, NoMemory())
+    pool = Pool(OracleSetup(kind), workers, NoMemory(), WAITING)
+    pool.warm()
 
     def asked(query: zenoh.Query) -> None:
         answer = _answerer(query)
@@ -45,7 +44,6 @@ def oracle(session: zenoh.Session, kind: Oracle, workers: int = 1) -> Iterator[s
         token.undeclare()
         queryable.undeclare()
         pool.close()
-        deadlines.close()
 
 
 def _understood(query: zenoh.Query, answer: Callable[[Done | Problem], None]) -> tuple[Task, Waiter]:

@@ -106,9 +106,9 @@ def serve(
         click.echo(f"http://{where.host}:{port}  kitchens: {names}; {_writing(settings.token)}", err=True)
         beside = None
         if bus is not None:
-            from services.bus.serving import Options, beside_http  # noqa: PLC0415 - see above
+            from services.bus.serving import BesideHttp  # noqa: PLC0415 - see above
 
-            beside = beside_http(bus, Options(judges, oracles, bus_config))
+            beside = BesideHttp(bus, bus_config, oracles)
             click.echo(f"bus at {bus}", err=True)
         run(world, settings, listening, beside)
 

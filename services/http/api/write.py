@@ -7,7 +7,6 @@ from typing import Final
 import pyoxigraph as ox
 from fastapi import APIRouter, FastAPI, Request
 
-from predicates.record import Record
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import Edit, changed, moved
 from sdt_kg.iri import DCTERMS, ID, RDF, SDT, XSD, Iri, graph_iri, local_name, part_iri
@@ -21,9 +20,18 @@ from services.http.api.models import (
     StateBody,
 )
 from services.http.api.read import Json, state_json, world_of
+from services.http.judges import Judges, question
 from services.http.world import World
+from services.judging.messages import (
+    AchieveRequest,
+    CausesReply,
+    CausesRequest,
+    ComputeReply,
+    ComputeRequest,
+    Verb,
+    VerdictsReply,
+)
 from services.requests import parse_state
-from services.store.files import graph_of
 from services.store.workers import Asked
 
 SOSA: Final = "http://www.w3.org/ns/sosa/"
@@ -38,15 +46,22 @@ router = APIRouter(prefix="/api/v1")
 async def causes(request: Request, body: CausesBody) -> list[Json]:
     """Motions that would cause the task, or whether the given one does; no robot, nothing is written."""
     kitchen = world_of(request).kitchen(body.kitchen)
-    question = {
-        "do": "causes",
-        "kitchen": kitchen.name,
-        "states": [*kitchen.states, *body.state],
-        "task": body.task,
-        "motion": body.motion,
-    }
-    reply = await request.app.state.judges.judge(question, body.seconds)
-    return reply["answers"]
+    asked = CausesRequest(task=body.task, state=body.state, motion=body.motion)
+    judges: Judges = request.app.state.judges
+    found = await judges.ask(
+        question(Verb.CAUSES, kitchen.name, asked, body.seconds, kitchen.moved), CausesReply
+    )
+    answers = zip(found.tasks, found.holds, found.diagnoses, found.motions, strict=True)
+    return [
+        {
+            "task": task and task.verb,
+            "container": task and task.container,
+            "holds": holds,
+            "diagnoses": diagnoses,
+            "motion": motion,
+        }
+        for task, holds, diagnoses, motion in answers
+    ]
 
 
 @router.post("/achieve")
@@ -62,16 +77,13 @@ async def judged(app: FastAPI, body: AchieveBody) -> Json:
     """The verdicts, which are kept by then."""
     world: World = app.state.world
     kitchen = world.kitchen(body.kitchen)
-    question = {
-        "do": "achieve",
-        "kitchen": kitchen.name,
-        "states": [*kitchen.states, *body.state],
-        **body.model_dump(exclude={"kitchen", "state", "seconds"}),
-    }
-    reply = await app.state.judges.judge(question, body.seconds)
-    for iri, quads in reply.pop("records"):
-        await world.write_verdict(_record(iri, quads))
-    return reply
+    asked = AchieveRequest(**body.model_dump(exclude={"kitchen", "seconds"}))
+    judges: Judges = app.state.judges
+    reply = await judges.ask(
+        question(Verb.CANACHIEVE, kitchen.name, asked, body.seconds, kitchen.moved), VerdictsReply
+    )
+    found: Json = {"verdicts": reply.verdicts}
+    return found | {"motions": reply.motions} if body.motions else found
 
 
 @router.post("/query")
@@ -90,26 +102,13 @@ async def query(request: Request, body: QueryBody) -> Json:
             allowed="one kitchen, or all as they were loaded",
             remedy="POST /api/v1/achieve about one case at a time",
         )
-    states = [text for name in moved_ones for text in world.kitchens[name].states]
-    question = {"do": "compute", "states": states, **body.model_dump()}
-    reply = await request.app.state.judges.judge(question, body.budget + GRACE)
-    for iri, quads in reply["records"]:
-        await world.write_verdict(_record(iri, quads))
+    states = tuple(text for name in moved_ones for text in world.kitchens[name].states)
+    wanted = ComputeRequest(**body.model_dump())
+    judges: Judges = request.app.state.judges
+    reply = await judges.ask(question(Verb.COMPUTE, "", wanted, body.budget + GRACE, states), ComputeReply)
     answered = await world.workers.ask(asked)
     results = json.loads(answered.body) if "json" in answered.media else answered.body.decode()
-    return {"computed": reply["computed"], "results": results}
-
-
-def _record(iri: Iri, quads: str) -> Record:
-    parsed = ox.parse(quads, format=ox.RdfFormat.N_QUADS)
-    triples = [(quad.subject, quad.predicate.value, quad.object) for quad in parsed]
-    named = tuple(
-        (subject.value, predicate, value)
-        for subject, predicate, value in triples
-        if isinstance(subject, ox.NamedNode) and isinstance(value, ox.NamedNode | ox.Literal)
-    )
-    assert len(named) == len(triples), "no blank nodes in data"
-    return Record(iri, graph_of(iri), named)
+    return {"computed": reply.computed, "results": results}
 
 
 @router.post("/state")

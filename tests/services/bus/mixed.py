@@ -15,10 +15,10 @@ import zenoh
 
 from sdt_kg.errors import InputError, OracleUnavailableError
 from services.bus.client import Connection
-from services.bus.messages import MAX_REQUEST
-from services.bus.problems import BusError
 from services.bus.server import Server
 from services.bus.sessions import open_session
+from services.judging.codec import MAX_REQUEST
+from services.judging.problems import BusError
 
 DRAWER = "sink_area_left_middle_drawer_main"
 CLIENTS = 8

@@ -13,9 +13,9 @@ from predicates.record import to_json
 from sdt_kg.errors import InputError, OracleUnavailableError
 from services.app import Policy, load
 from services.bus.client import Connection, connect
-from services.bus.messages import MAX_REQUEST
-from services.bus.problems import DeadlineError, RequestError, TooLargeError
 from services.bus.server import Server
+from services.judging.codec import MAX_REQUEST
+from services.judging.problems import DeadlineError, RequestError, TooLargeError
 from tests.services.bus.conftest import free_endpoint
 
 pytestmark = pytest.mark.oracle

@@ -12,19 +12,17 @@ from hypothesis.extra.numpy import arrays
 from sdt_kg.errors import InputError, OracleUnavailableError
 from services.bus import keys
 from services.bus.keys import Verb
-from services.bus.messages import (
+from services.bus.schema import asyncapi
+from services.judging.codec import (
     CBOR,
-    AchieveRequest,
-    CausesRequest,
-    Header,
     decode,
     encode,
     encode_cbor,
     from_cbor,
     to_cbor,
 )
-from services.bus.problems import ProblemType, error_of, problem, problem_of
-from services.bus.schema import asyncapi
+from services.judging.messages import AchieveRequest, CausesRequest, Header
+from services.judging.problems import ProblemType, error_of, problem, problem_of
 
 
 @given(arrays(np.float64, st.tuples(st.integers(0, 5), st.integers(0, 4))))

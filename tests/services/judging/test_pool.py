@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from services.bus.problems import Problem, ProblemType
-from services.bus.work.deadlines import Deadlines
-from services.bus.work.jobs import Done, Kept, Task, Waiter
-from services.bus.work.pool import Pool
-from tests.services.bus.handlers import obedient
+from services.judging.jobs import Done, Kept, Task, Waiter
+from services.judging.pool import Pool
+from services.judging.problems import Problem, ProblemType
+from tests.services.judging.handlers import obedient
 
 SOON = 60.0
 """[s] Long after everything here is over."""
@@ -50,19 +49,18 @@ class Asker:
 
 
 @contextmanager
-def pool_of(size: int, waiting: int = 8) -> Iterator[tuple[Asker, Shelf, Deadlines]]:
-    shelf, deadlines = Shelf(), Deadlines()
-    pool = Pool(obedient, size, waiting, deadlines, shelf)
+def pool_of(size: int, waiting: int = 8) -> Iterator[tuple[Asker, Shelf]]:
+    shelf = Shelf()
+    pool = Pool(obedient, size, shelf, waiting)
     try:
-        yield Asker(pool), shelf, deadlines
+        yield Asker(pool), shelf
     finally:
         pool.close()
-        deadlines.close()
 
 
 @pytest.fixture(scope="module")
 def asker() -> Iterator[Asker]:
-    with pool_of(1) as (one, _, _):
+    with pool_of(1) as (one, _):
         yield one
 
 
@@ -109,7 +107,7 @@ def test_two_equal_questions_at_once_are_computed_once(asker: Asker, tmp_path: P
 
 
 def test_a_full_queue_refuses_at_once_and_says_when_to_come_back() -> None:
-    with pool_of(1, waiting=1) as (asker, _, _):
+    with pool_of(1, waiting=1) as (asker, _):
         running = asker.send("sleep 1")
         time.sleep(0.3)
         waits = asker.send("next")
@@ -122,13 +120,13 @@ def test_a_full_queue_refuses_at_once_and_says_when_to_come_back() -> None:
 
 
 def test_what_is_acknowledged_is_kept_first() -> None:
-    with pool_of(1) as (asker, shelf, _):
+    with pool_of(1) as (asker, shelf):
         assert text(asker.ask("keep verdict")) == "kept"
         assert "verdict" in shelf.kept
 
 
 def test_a_cancelled_job_frees_its_worker() -> None:
-    with pool_of(1) as (asker, _, _):
+    with pool_of(1) as (asker, _):
         answers: queue.Queue[Done | Problem] = queue.Queue()
         waiter = Waiter(time.monotonic() + 60, answers.put)
         job = asker.pool.submit(Task("b", "do", b"sleep 60", "text/plain", 60), waiter)
@@ -139,6 +137,6 @@ def test_a_cancelled_job_frees_its_worker() -> None:
 
 
 def test_closing_answers_everybody() -> None:
-    with pool_of(1) as (asker, _, _):
+    with pool_of(1) as (asker, _):
         waiting = [asker.send("sleep 60", 100), asker.send("never", 100)]
     assert {kind(each()) for each in waiting} <= {ProblemType.UNAVAILABLE, ProblemType.CONFLICT}

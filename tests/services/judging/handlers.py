@@ -6,8 +6,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from services.bus.problems import Problem
-from services.bus.work.jobs import Done, Task
+from services.judging.jobs import Done, Task
+from services.judging.problems import Problem
 
 
 class Obedient:

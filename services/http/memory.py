@@ -5,41 +5,17 @@ import threading
 from collections.abc import Callable, Coroutine, Iterable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import pyoxigraph as ox
 
 from predicates.record import Record
-from services.bus.work.jobs import Kept
 from services.http.world import World, lines
+from services.judging.jobs import Kept
 from services.store.files import graph_of
 from services.store.workers import Answered, Asked
 
 T = TypeVar("T")
-
-
-class Keeper(Protocol):
-    """What workers' verdicts are kept in."""
-
-    def recall(self, iri: str) -> bytes | None:
-        """The verdict's graph as N-Quads, if it is kept."""
-        ...
-
-    def keep(self, kept: Iterable[Kept]) -> None:
-        """The verdicts are stored; what was there already stays as it is."""
-        ...
-
-
-class NoMemory:
-    """Of an oracle: it makes no verdicts."""
-
-    def recall(self, iri: str) -> None:
-        """Nothing."""
-        del iri
-
-    def keep(self, kept: Iterable[Kept]) -> None:
-        """Nothing is ever given to be kept."""
-        del kept
 
 
 class Memory:

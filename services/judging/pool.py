@@ -9,13 +9,15 @@ import queue
 import threading
 from collections.abc import Callable
 
-from services.bus.problems import ProblemType, problem
-from services.bus.work.deadlines import Deadlines
-from services.bus.work.jobs import Counts, Handler, Job, Task, Waiter
-from services.bus.work.lane import GRACE, START_TIME, Lane
-from services.bus.work.memory import Keeper
+from services.judging.deadlines import Deadlines
+from services.judging.jobs import Counts, Handler, Job, Keeper, Task, Waiter
+from services.judging.lane import GRACE, START_TIME, Lane
+from services.judging.problems import ProblemType, problem
 
-Key = tuple[str, str, bytes, str]
+WAITING = 64
+"""Jobs that may wait for a process."""
+
+Key = tuple[str, str, bytes, str, tuple[str, ...]]
 
 
 class Pool:
@@ -23,34 +25,38 @@ class Pool:
 
     Attributes:
         counts: For health reports.
+        deadlines: Answers whoever's time is up; of questions that need no process too.
     """
 
     def __init__(
         self,
         make_handler: Callable[[], Handler],
         size: int,
-        waiting: int,
-        deadlines: Deadlines,
         memory: Keeper,
+        waiting: int = WAITING,
     ) -> None:
-        """Start the workers; returns when all are ready.
+        """Processes are started with the first jobs, or by `warm`.
 
         Args:
             make_handler: Called in each worker's process; has to be picklable.
             size: Worker processes.
-            waiting: Jobs that may wait; one more is refused.
-            deadlines: Answers a waiter whose time is up.
             memory: Keeps verdicts; a reply is sent when its verdicts are kept.
+            waiting: Jobs that may wait; one more is refused.
         """
-        self._jobs: queue.Queue[Job | None] = queue.Queue(maxsize=waiting)
+        self._jobs: queue.Queue[Job] = queue.Queue(maxsize=waiting)
         self.counts = Counts()
         self._lanes = [Lane(make_handler, self._jobs, memory, self.counts) for _ in range(size)]
         self._lock = threading.Lock()
         self._shared: dict[Key, Job] = {}
-        self._deadlines = deadlines
+        self.deadlines = Deadlines()
         for lane in self._lanes:
             lane.start()
-        for lane in self._lanes:
+
+    def warm(self, count: int | None = None) -> None:
+        """So many processes are ready, or all."""
+        for lane in self._lanes[:count]:
+            lane.warming.set()
+        for lane in self._lanes[:count]:
             lane.ready.wait(START_TIME)
 
     @property
@@ -63,8 +69,8 @@ class Pool:
 
         Where too many jobs wait, the waiter is told so at once.
         """
-        key = (task.twin, task.verb, task.payload, task.encoding)
-        self._deadlines.watch(waiter)
+        key = (task.twin, task.verb, task.payload, task.encoding, task.states)
+        self.deadlines.watch(waiter)
         with self._lock:
             running = self._shared.get(key) if share else None
             if running is not None and running.join(waiter):
@@ -94,7 +100,7 @@ class Pool:
                 job = self._jobs.get_nowait()
             except queue.Empty:
                 break
-            if job is not None:
-                job.answer(problem(ProblemType.UNAVAILABLE, "the server is stopping"))
+            job.answer(problem(ProblemType.UNAVAILABLE, "the server is stopping"))
         for lane in self._lanes:
             lane.join(GRACE + 2.0)
+        self.deadlines.close()

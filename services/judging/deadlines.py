@@ -3,8 +3,8 @@
 import threading
 import time
 
-from services.bus.problems import ProblemType, problem
-from services.bus.work.jobs import Waiter
+from services.judging.jobs import Waiter
+from services.judging.problems import ProblemType, problem
 
 TICK = 0.01
 """[s] How late a deadline may be noticed."""

@@ -1,17 +1,19 @@
-"""One worker process and the thread that feeds it."""
+"""One process that judges, and the thread that feeds it."""
 
 import logging
 import multiprocessing as mp
 import queue
+import signal
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 
-from services.bus.problems import Problem, ProblemType, problem
-from services.bus.work.jobs import Counts, Done, Handler, Job, Task, Wanted
-from services.bus.work.memory import Keeper
+from services.judging.jobs import Counts, Done, Handler, Job, Keeper, Wanted
+from services.judging.problems import Problem, ProblemType, problem
+from services.sweep.engines import end_with_parent
 
 log = logging.getLogger(__name__)
 
@@ -21,17 +23,24 @@ START_TIME = 120.0
 """[s] How long a worker may take to load its kitchens."""
 TICK = 0.02
 """[s] How often a lane looks whether a running job was cancelled or is late."""
+PAUSE = 0.1
+"""[s] How often a lane without a job looks whether it is to be warmed or to stop."""
 TRIES = 2
 """A job whose worker dies is tried once more."""
 
 
 class Lane(threading.Thread):
-    """One worker process and the thread that feeds it."""
+    """One worker process, started with the first job or when it is warmed, and the thread that feeds it.
+
+    Attributes:
+        warming: Set to have the process started before there is a job.
+        ready: Set when the process has loaded everything, or could not.
+    """
 
     def __init__(
         self,
         make_handler: Callable[[], Handler],
-        jobs: "queue.Queue[Job | None]",
+        jobs: "queue.Queue[Job]",
         memory: Keeper,
         counts: Counts,
     ) -> None:
@@ -40,7 +49,7 @@ class Lane(threading.Thread):
         self._memory, self._counts = memory, counts
         self._process: BaseProcess | None = None
         self._pipe: Connection | None = None
-        self.ready, self.stopping = threading.Event(), threading.Event()
+        self.warming, self.ready, self.stopping = threading.Event(), threading.Event(), threading.Event()
 
     @property
     def pid(self) -> int | None:
@@ -49,16 +58,21 @@ class Lane(threading.Thread):
 
     def run(self) -> None:
         """Feed the worker until told to stop."""
-        self._start()
-        self.ready.set()
         while not self.stopping.is_set():
-            try:
-                job = self._jobs.get(timeout=0.1)
-            except queue.Empty:
-                continue
+            job = self._next()
+            if self._process is None and (job is not None or self.warming.is_set()):
+                self._start()
+                self.ready.set()
             if job is not None:
                 self._serve(job)
         self._kill()
+
+    def _next(self) -> Job | None:
+        """The next job; None for now."""
+        try:
+            return self._jobs.get(timeout=PAUSE)
+        except queue.Empty:
+            return None
 
     def _serve(self, job: Job) -> None:
         for tries_left in reversed(range(TRIES)):
@@ -78,9 +92,8 @@ class Lane(threading.Thread):
         pipe = self._pipe
         if pipe is None:
             return False
-        task = job.task
         try:
-            pipe.send(Task(task.twin, task.verb, task.payload, task.encoding, left))
+            pipe.send(replace(job.task, seconds=left))
             while True:
                 if not pipe.poll(TICK):
                     if self._given_up(job):
@@ -141,6 +154,8 @@ class Lane(threading.Thread):
 
 def work(pipe: Connection, make_handler: Callable[[], Handler]) -> None:
     """Main of a worker's process: load, say ready, answer until the parent is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_parent()
     handler = make_handler()
     pipe.send("ready")
 
@@ -151,6 +166,6 @@ def work(pipe: Connection, make_handler: Callable[[], Handler]) -> None:
     while True:
         try:
             task = pipe.recv()
-        except (EOFError, KeyboardInterrupt):
+        except EOFError:
             return
         pipe.send(handler(task, recall))

@@ -1,14 +1,16 @@
 """A question on its way to a worker process, and who waits for its answer."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from services.bus.problems import Problem
+from services.judging.problems import Problem
 
 Kept = tuple[str, bytes]
 """IRI of a verdict, and its graph as N-Quads."""
+Quads = Callable[[str], bytes | None]
+"""What is stored under a verdict's IRI, as N-Quads."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,6 +19,7 @@ class Task:
 
     Attributes:
         seconds: That are left until the deadline.
+        states: The kitchen's present state as texts; the request's own come after it.
     """
 
     twin: str
@@ -24,6 +27,7 @@ class Task:
     payload: bytes
     encoding: str
     seconds: float
+    states: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,9 +49,33 @@ class Wanted:
 class Handler(Protocol):
     """What a worker does with a task; made once in the worker's process."""
 
-    def __call__(self, task: Task, recall: Callable[[str], bytes | None]) -> Done | Problem:
+    def __call__(self, task: Task, recall: Quads) -> Done | Problem:
         """Answer the task; `recall` asks the parent for a verdict's stored N-Quads."""
         ...
+
+
+class Keeper(Protocol):
+    """What workers' verdicts are kept in."""
+
+    def recall(self, iri: str) -> bytes | None:
+        """The verdict's graph as N-Quads, if it is kept."""
+        ...
+
+    def keep(self, kept: Iterable[Kept]) -> None:
+        """The verdicts are stored; what was there already stays as it is."""
+        ...
+
+
+class NoMemory:
+    """Of an oracle: it makes no verdicts."""
+
+    def recall(self, iri: str) -> None:
+        """Nothing."""
+        del iri
+
+    def keep(self, kept: Iterable[Kept]) -> None:
+        """Nothing is ever given to be kept."""
+        del kept
 
 
 @dataclass(slots=True, eq=False)

@@ -46,6 +46,7 @@ class Problem(BaseModel):
         retryable: Whether the same request may succeed later.
         retry_after: Seconds to wait before asking again, where that is known.
         report: Id under which the server logged it.
+        what, allowed, remedy: The detail of an invalid request in its parts.
     """
 
     model_config = ConfigDict(extra="ignore")
@@ -56,6 +57,9 @@ class Problem(BaseModel):
     retryable: bool
     retry_after: float | None = Field(default=None, ge=0)
     report: str = ""
+    what: str = ""
+    allowed: str = ""
+    remedy: str = ""
 
     @property
     def kind(self) -> ProblemType:
@@ -114,7 +118,7 @@ class RequestError(InputError):
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
-        super().__init__(problem.detail)
+        super().__init__(problem.what or problem.detail, allowed=problem.allowed, remedy=problem.remedy)
 
 
 _ERRORS: dict[ProblemType, type[BusError]] = {
@@ -148,7 +152,10 @@ def problem_of(error: SdtError) -> Problem:
     )
     if isinstance(error, OracleUnavailableError):
         kind = ProblemType.UNAVAILABLE
-    return problem(kind, str(error))
+    said = problem(kind, str(error))
+    if not isinstance(error, InputError):
+        return said
+    return said.model_copy(update={"what": error.what, "allowed": error.allowed, "remedy": error.remedy})
 
 
 def error_of(said: Problem) -> SdtError:

@@ -1,1 +1,0 @@
-"""Processes that work for the bus: who waits, who works, what is kept."""

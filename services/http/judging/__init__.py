@@ -1,1 +1,0 @@
-"""Cases judged in processes that can be killed at their deadline."""

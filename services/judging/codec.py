@@ -1,0 +1,107 @@
+"""Bytes ↔ values; no I/O.
+
+A payload is JSON, or CBOR where the encoding says so; in CBOR, arrays may be RFC 8746 typed arrays
+(tag 86, little-endian float64; tag 40 around it for more than one dimension).
+"""
+
+import json
+from typing import Any, TypeVar
+
+import cbor2
+import numpy as np
+from pydantic import BaseModel, ValidationError
+
+from sdt_kg.errors import InputError
+from services.judging.messages import SCHEMA, Message
+
+M = TypeVar("M", bound=Message)
+
+JSON, CBOR = "application/json", "application/cbor"
+MAX_REQUEST = 16 * 2**20
+"""[bytes] A body motion of 10,000 samples and 50 joints is 4 MB."""
+MAX_REPLY = 64 * 2**20
+"""[bytes] Rows of a query, verdicts with their quads."""
+MAX_CELLS = 4_000_000
+"""Numbers in one array."""
+
+_MULTI_DIMENSIONAL, _FLOAT64_LE = 40, 86
+
+
+def encode(message: BaseModel) -> bytes:
+    """The message as JSON."""
+    return message.model_dump_json(by_alias=True).encode()
+
+
+def encode_cbor(message: BaseModel) -> bytes:
+    """The message as CBOR; arrays as typed arrays."""
+    return to_cbor(message.model_dump(by_alias=True))
+
+
+def to_cbor(value: object) -> bytes:
+    """Plain values and float64 arrays as CBOR."""
+    return cbor2.dumps(value, default=_array_to_cbor)
+
+
+def decode(kind: type[M], payload: bytes, encoding: str = JSON) -> M:
+    """The message in a payload.
+
+    Raises:
+        InputError: No JSON or CBOR, a field is missing or wrong, or another major version.
+    """
+    if len(payload) > MAX_REPLY:
+        raise InputError(f"a message of {len(payload)} bytes", allowed=f"at most {MAX_REPLY}")
+    raw = from_cbor(payload) if encoding == CBOR else _from_json(payload)
+    if not isinstance(raw, dict):
+        raise InputError(f"the message is a {type(raw).__name__}", allowed="an object with named fields")
+    version = str(raw.get("schema", SCHEMA))
+    if version.partition(".")[0] != SCHEMA.partition(".")[0]:
+        raise InputError(f"the message has the schema {version}", allowed=SCHEMA)
+    try:
+        return kind.model_validate(raw)
+    except ValidationError as error:
+        wrong = error.errors(include_url=False, include_input=False, include_context=False)
+        first = wrong[0]
+        where = ".".join(str(each) for each in first["loc"])
+        more = f" (and {len(wrong) - 1} more)" if len(wrong) > 1 else ""
+        raise InputError(f"'{where}' of {kind.__name__}: {first['msg']}{more}") from None
+
+
+def _from_json(payload: bytes) -> object:
+    try:
+        return json.loads(payload or b"{}", parse_constant=_no_constant)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"the payload is no JSON: {error}", allowed=f"{JSON} or {CBOR}") from None
+
+
+def _no_constant(name: str) -> None:
+    raise ValueError(f"{name} is not JSON")
+
+
+def from_cbor(payload: bytes) -> Any:  # noqa: ANN401 - what CBOR carries
+    """Plain values and float64 arrays.
+
+    Raises:
+        InputError: The bytes are no CBOR, or have a tag that is not ours.
+    """
+    try:
+        return cbor2.loads(payload, tag_hook=_array_from_cbor)
+    except (cbor2.CBORError, ValueError, RecursionError) as error:
+        raise InputError(f"the payload is no CBOR: {error}", allowed=f"{JSON} or {CBOR}") from None
+
+
+def _array_to_cbor(encoder: Any, value: object) -> None:  # noqa: ANN401 - cbor2's encoder has no public protocol
+    if not isinstance(value, np.ndarray):
+        raise TypeError(f"a {type(value).__name__} in a message")
+    flat = cbor2.CBORTag(_FLOAT64_LE, np.ascontiguousarray(value, dtype="<f8").tobytes())
+    encoder.encode(flat if value.ndim == 1 else cbor2.CBORTag(_MULTI_DIMENSIONAL, [list(value.shape), flat]))
+
+
+def _array_from_cbor(tag: cbor2.CBORTag, immutable: bool = False) -> object:
+    del immutable
+    if tag.tag == _FLOAT64_LE and isinstance(tag.value, bytes):
+        return np.frombuffer(tag.value, dtype="<f8") if tag.value else np.zeros(0)
+    if tag.tag == _MULTI_DIMENSIONAL:
+        shape, flat = tag.value
+        if isinstance(flat, np.ndarray) and int(np.prod(shape)) == flat.size <= MAX_CELLS:
+            return flat.reshape(tuple(int(each) for each in shape))
+    raise ValueError(f"tag {tag.tag} is not a float64 array")

@@ -1,0 +1,220 @@
+"""What a process that judges does with each verb: a request message in, a reply message out."""
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import pyoxigraph as ox
+
+from predicates.case import Verdict
+from predicates.record import Record, StoredVerdict, read_verdict, to_json, to_record
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError, SdtError, UnknownEntityError
+from sdt_kg.iri import Iri
+from sdt_kg.load import model_name
+from sdt_kg.task import UNKNOWN
+from sdt_kg.twin import Twin
+from services.app import Oracles, Policy, Service, load
+from services.compute import compute
+from services.compute.run import Bounds, Loaded
+from services.judging.answers import (
+    body_arrays,
+    caused,
+    motion_given,
+    n_quads,
+    replied,
+    stated,
+)
+from services.judging.codec import decode
+from services.judging.jobs import Done, Handler, Quads
+from services.judging.jobs import Task as Asked
+from services.judging.messages import (
+    REQUESTS,
+    AchieveRequest,
+    CausesRequest,
+    ComputeReply,
+    ComputeRequest,
+    Message,
+    PlaceReply,
+    PlaceRequest,
+    SatisfiesRequest,
+    TextReply,
+    Verb,
+    VerdictsReply,
+    WhyRequest,
+)
+from services.judging.problems import Problem, ProblemType, problem, problem_of
+from services.requests import parse_task
+from services.why import why
+
+log = logging.getLogger(__name__)
+
+SERVICES_KEPT = 4
+"""Combinations of state and policy whose scenes a worker keeps."""
+LEAST_BUDGET = 0.01
+"""[s] Of search, however near the deadline is."""
+
+Key = tuple[str, tuple[str, ...], Policy]
+
+
+def nothing(iri: Iri) -> None:
+    """A server that keeps no verdicts."""
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What each process loads: picklable, and makes the process's handler.
+
+    Attributes:
+        kitchens: Names or paths.
+        robots: Names or paths, loaded with every kitchen.
+        oracles: Made once in each process: who answers for Φ and R; None: the process itself.
+    """
+
+    kitchens: tuple[str, ...]
+    robots: tuple[str, ...]
+    oracles: Callable[[], Oracles] | None = None
+
+    def __call__(self) -> Handler:
+        """Load everything."""
+        services = {model_name(each): load(each, self.robots) for each in self.kitchens}
+        if self.oracles is not None:
+            oracles = self.oracles()
+            services = {name: replace(each, oracles=oracles) for name, each in services.items()}
+        return Judge(services, Loaded(self.kitchens, self.robots))
+
+
+@dataclass(slots=True)
+class Judge:
+    """The Law in a process of its own.
+
+    Attributes:
+        services: By the kitchen's name.
+        loaded: The same, as a computation loads it.
+    """
+
+    services: dict[str, Service]
+    loaded: Loaded
+    _kept: dict[Key, Service] = field(default_factory=dict[Key, Service])
+    _recall: Quads = nothing
+
+    def __call__(self, task: Asked, recall: Quads) -> Done | Problem:
+        """The reply to a question, or what is wrong with it."""
+        try:
+            request = decode(REQUESTS[Verb(task.verb)], task.payload, task.encoding)
+            self._recall = recall
+            return self._answered(request, task)
+        except SdtError as error:
+            return problem_of(error)
+        except Exception:
+            log.exception("a worker failed at %s", task.verb)
+            return problem(ProblemType.INTERNAL, f"{task.verb} failed; the server's log says why")
+
+    def _answered(self, request: Message, asked: Asked) -> Done:
+        if isinstance(request, AchieveRequest):
+            return self._achieve(request, asked)
+        if isinstance(request, ComputeRequest):
+            return self._compute(request, asked)
+        if isinstance(request, WhyRequest):
+            return replied(self._why(request.iri), asked.encoding)
+        if isinstance(request, PlaceRequest):
+            return replied(self._place(request, asked), asked.encoding)
+        if isinstance(request, SatisfiesRequest):
+            return replied(stated(self._at(asked, request.state)), asked.encoding)
+        assert isinstance(request, CausesRequest), "the server sends no others"
+        return replied(caused(self._at(asked, request.state), request, asked.encoding), asked.encoding)
+
+    def _service(self, twin: str) -> Service:
+        if twin not in self.services:
+            raise UnknownEntityError("kitchen", twin, self.services, "the server did not load it")
+        return self.services[twin]
+
+    def _at(self, asked: Asked, state: list[str]) -> Service:
+        """The kitchen as it is now, moved on to the state."""
+        return self._service(asked.twin).at(*asked.states, *state)
+
+    def _achieve(self, request: AchieveRequest, asked: Asked) -> Done:
+        """Verdicts; those that are stored are not judged again."""
+        budget = min(request.budget, max(asked.seconds, LEAST_BUDGET))
+        drive = Drive(request.drive) if request.drive else None
+        policy = Policy(drive, request.base, budget, request.seed)
+        service = self._under(asked.twin, (*asked.states, *request.state), policy)
+        robots = [service.robot(request.robot)] if request.robot else service.twin.robots
+        verdicts: list[Verdict] = []
+        for robot in robots:
+            motion = motion_given(service, request.motion, robot)
+            verdicts += service.achieve(request.task, robot, motion)
+        records = [(verdict.iri, n_quads(to_record(verdict))) for verdict in verdicts]
+        reply = VerdictsReply(
+            verdicts=[to_json(verdict) for verdict in verdicts],
+            quads=b"".join(quads for _, quads in records).decode() if request.quads else None,
+            motions=[body_arrays(each, asked.encoding) for each in verdicts] if request.motions else None,
+        )
+        fresh = (kept for verdict, kept in zip(verdicts, records, strict=True) if not verdict.stored)
+        return replace(replied(reply, asked.encoding), records=tuple(fresh))
+
+    def _compute(self, request: ComputeRequest, asked: Asked) -> Done:
+        """What a query can touch and nobody has judged yet, judged within bounds."""
+        keeper = _Keeper(self._stored)
+        loaded = replace(self.loaded, states=asked.states)
+        computed = compute(request.query, loaded, Bounds(request.budget, request.limit), keeper)
+        reply = ComputeReply(computed=computed.to_json())
+        return replace(replied(reply, asked.encoding), records=tuple(keeper.records))
+
+    def _place(self, request: PlaceRequest, asked: Asked) -> PlaceReply:
+        """Certified base poses, and the map of what is known about others."""
+        from services.embodiment.place import answer, place  # noqa: PLC0415 - seldom asked, loads much
+
+        service = self._at(asked, request.state)
+        task = parse_task(service.twin, request.task)
+        if task.container is UNKNOWN:
+            raise InputError(
+                f"'{request.task}' names no container", allowed="open:CONTAINER, close:CONTAINER"
+            )
+        budget = min(request.budget, max(asked.seconds, LEAST_BUDGET))
+        found = place(service.twin, service.robot(request.robot), task, budget, request.seed)
+        return PlaceReply(placement=answer.to_json(found))
+
+    def _why(self, iri: Iri) -> TextReply:
+        quads = self._recall(iri)
+        if quads is None:
+            raise UnknownEntityError("verdict", iri, (), "select ?v { ?v a law:Verdict } lists what is kept")
+        return TextReply(text=why(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri))
+
+    def _under(self, twin: str, state: tuple[str, ...], policy: Policy) -> Service:
+        """The kitchen in this state under this policy; the last few keep their scenes."""
+        key = (twin, state, policy)
+        kept = self._kept.pop(key, None)
+        if kept is None:
+            kept = replace(self._service(twin).at(*state), policy=policy, recall=self._stored)
+        while len(self._kept) >= SERVICES_KEPT:
+            del self._kept[next(iter(self._kept))]
+        self._kept[key] = kept
+        return kept
+
+    def _stored(self, iri: Iri) -> StoredVerdict | None:
+        quads = self._recall(iri)
+        return None if quads is None else read_verdict(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri)
+
+
+class _Keeper:
+    """Where a computation finds verdicts, and what it wants to be kept.
+
+    Attributes:
+        records: IRI and N-Quads of each new verdict.
+    """
+
+    def __init__(self, recall: Callable[[Iri], StoredVerdict | None]) -> None:
+        self._recall = recall
+        self.records: list[tuple[Iri, bytes]] = []
+
+    def stored(self, verdict: Iri) -> StoredVerdict | None:
+        """What the server holds of the verdict."""
+        return self._recall(verdict)
+
+    def add_twin(self, twin: Twin) -> None:
+        """The server has its twins already."""
+
+    def add_record(self, record: Record) -> None:
+        """To be kept when the computation is done."""
+        self.records.append((record.verdict, n_quads(record)))
