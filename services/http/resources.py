@@ -32,23 +32,33 @@ async def identified(request: Request) -> Response:
     raw: bytes = request.scope.get("raw_path") or request.scope["path"].encode()
     iri = ID + raw.decode("ascii", "replace").partition("?")[0].removeprefix("/id/")
     taken = check_acceptable(request, (*GRAPHS, HTML))
-    if iri.startswith(f"{ID}graph/") and taken[0] != HTML:
-        return await graph_response(request, iri)
-    quads = await _about(workers, iri)
     stem, _, ending = iri.rpartition(".")
+    if iri.startswith(f"{ID}graph/") and taken[0] != HTML:
+        return await _graph_in(request, iri, stem, RDF_MEDIA.get(ending))
+    quads = await _about(workers, iri)
     if not quads and ending in {*MEDIA, *RDF_MEDIA}:
+        if ending in RDF_MEDIA and stem.startswith(f"{ID}graph/"):
+            return await _graph_in(request, iri, stem, RDF_MEDIA[ending])
         quads, iri = await _about(workers, stem), stem
         if quads and ending in MEDIA:
             return answered(request, await _view(request, iri, quads), MEDIA[ending])
         taken = (RDF_MEDIA.get(ending, taken[0]),)
-        if quads and iri.startswith(f"{ID}graph/"):
-            return respond(request, await workers.ask(Asked("graph", iri, accepted=taken)))
     if not quads:
         raise RefusedError(404, f"nothing is known about <{iri}>", remedy="/sparql answers what is")
     if taken[0] == HTML:
         return answered(request, await _view(request, iri, quads), HTML)
     triples = list(dict.fromkeys(quad.triple for quad in quads))
     return respond(request, serialized(triples, taken[0], PREFIXES))
+
+
+async def _graph_in(request: Request, iri: Iri, stem: Iri, media: str | None) -> Response:
+    """A graph as the reader accepts it, or as the ending of its address has it."""
+    if media is not None:
+        workers: Workers = request.app.state.world.workers
+        found = await workers.ask(Asked("graph", stem, accepted=(media,)))
+        if found.found:
+            return respond(request, found)
+    return await graph_response(request, iri)
 
 
 async def about(request: Request) -> View:

@@ -91,7 +91,7 @@ async def _download(media: str, request: Request) -> Response:
 async def _console(request: Request) -> Response:
     """The page; a query that is wrong or too much is told on it, with the status that it has elsewhere."""
     text = _query(request)
-    shown: Json = {"query": START if text is None else with_prefixes(text), "examples": examples()}
+    shown: Json = {"query": with_prefixes(START if text is None else text), "examples": examples()}
     shown |= {"example_links": _example_links(), "answer": None, "problem": None, "forms": []}
     status = 200
     if text is not None and text.strip():

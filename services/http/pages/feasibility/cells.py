@@ -113,7 +113,7 @@ def _is_about(found: Found, asked: Asked) -> bool:
     environment = found.inputs.get("environment", "").partition(" ")[0]
     if given or environment != asked.twin.environment:
         return False
-    return found.inputs.get("embodiment.start", "").endswith(TURNED)
+    return found.inputs.get("embodiment.start", TURNED).endswith(TURNED)
 
 
 def _is_current(found: Found, models: dict[str, str]) -> bool:
