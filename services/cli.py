@@ -43,6 +43,7 @@ SECTIONS = {
         "learn": Listed(f"{HERE}.law.learn:learn_command", "Which joint moves what was seen?"),
         "whatif": Listed("services.codesign.command.whatif:whatif", "The same question in another world."),
         "codesign": Listed("services.codesign.command.codesign:codesign", "Which robot for which kitchen?"),
+        "codesign": Listed("services.codesign.command.codesign:codesign", "Which robot for which kitchen?"),
     },
     "Saved verdicts and branches": {
         "why": Listed(f"{HERE}.saved.why:why_command", "A stored verdict in plain words."),

@@ -1,4 +1,4 @@
-"""Every smallest change that is told is certified when it is asked for by name, within the time a case has."""
+"""Every smallest change that is told is certified when it is asked for by name, in the time of a case."""
 
 import time
 

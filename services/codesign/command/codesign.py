@@ -1,0 +1,144 @@
+"""`sdt codesign`: which robot for which kitchen, and what would have to be otherwise."""
+
+import os
+from contextlib import ExitStack
+from pathlib import Path
+
+import click
+
+from sdt_kg.annotation import Drive
+from services.app import Policy
+from services.codesign.cells import Cell
+from services.codesign.design import Design, Plan, Step, designed, to_json
+from services.codesign.grid import Asked
+from services.commands.options import budget_option, drive_option, json_flag, seed_option, states_option
+from services.commands.show import csv_text, print_json, print_rows, progress
+from services.whatif import parse_change
+
+COVER_COLUMNS = ("kitchen", "robot", "certified", "of", "missing")
+
+
+@click.command()
+@click.option(
+    "--kitchen",
+    "kitchens",
+    default="a,b",
+    show_default=True,
+    help="Bundled kitchens or paths, comma-separated.",
+)
+@click.option(
+    "--robot",
+    "robots",
+    default="pr2,tiago_dual,stretch",
+    show_default=True,
+    help="Bundled robots or paths, comma-separated.",
+)
+@click.option("--task", "verb", type=click.Choice(["open", "close"]), default="open", show_default=True)
+@click.option(
+    "--edit",
+    "edits",
+    multiple=True,
+    metavar="SPEC",
+    help="An edit that a plan may take (sdt whatif --edit help); without it they are looked for. Repeatable.",
+)
+@click.option("--no-plan", is_flag=True, help="Only what is certified as things are.")
+@click.option(
+    "--within",
+    type=click.FloatRange(min=1),
+    default=30.0,
+    show_default=True,
+    help="Seconds to look for edits, for each refusal.",
+)
+@drive_option
+@states_option
+@budget_option
+@seed_option
+@click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    default=os.cpu_count() or 1,
+    show_default="all cores",
+    help="Worker processes.",
+)
+@click.option(
+    "--csv", "csv_file", type=click.Path(path_type=Path), metavar="FILE", help="Write the covers as CSV."
+)
+@json_flag
+def codesign(
+    *,
+    kitchens: str,
+    robots: str,
+    verb: str,
+    edits: tuple[str, ...],
+    no_plan: bool,
+    within: float,
+    drive: str | None,
+    states: tuple[str, ...],
+    budget: float,
+    seed: int,
+    jobs: int,
+    csv_file: Path | None,
+    as_json: bool,
+) -> None:
+    """Which robot opens most of a kitchen, which robots together, and which few edits the rest needs.
+
+    Everything counted is certified; covers are greedy, so a smaller one may exist. Exit 0.
+    """
+    for each in edits:
+        parse_change(each)
+    policy = Policy(Drive(drive) if drive else None, None, budget, seed)
+    asked = Asked(tuple(kitchens.split(",")), tuple(robots.split(",")), verb, (), policy, states)
+    with ExitStack() as stack:
+        bar = stack.enter_context(progress(f"{verb}()", 0))
+
+        def report(cell: Cell) -> None:
+            if bar:
+                bar.update(bar.task_ids[0], advance=1, now=f"{cell.robot} {cell.container}")
+
+        found = designed(asked, jobs, edits, within, not no_plan, report)
+    if csv_file:
+        csv_file.write_text(csv_text(_rows(found), COVER_COLUMNS))
+    if as_json:
+        print_json(to_json(found))
+    else:
+        _print(found)
+
+
+def _rows(found: Design) -> list[dict[str, object]]:
+    return [
+        {
+            "kitchen": each.kitchen,
+            "robot": each.robot,
+            "certified": len(each.certified),
+            "of": each.of,
+            "missing": ", ".join(name for name, _ in each.missing),
+        }
+        for each in found.covers
+    ]
+
+
+def _print(found: Design) -> None:
+    print_rows(_rows(found), COVER_COLUMNS, "table")
+    for kitchen, steps in found.together:
+        said = ", then ".join(f"{each.what} ({_more(each)})" for each in steps)
+        covered = steps[-1].covered if steps else 0
+        of = next(each.of for each in found.covers if each.kitchen == kitchen)
+        click.echo(f"\nkitchen {kitchen}, robots together: {covered} of {of}: {said or 'none'}")
+    for plan in found.plans:
+        _print_plan(plan)
+    click.echo("\ngreedy over certified verdicts: a smaller cover may exist")
+
+
+def _more(step: Step) -> str:
+    return f"{len(step.gained)} more" + (f", {len(step.lost)} less" if step.lost else "")
+
+
+def _print_plan(plan: Plan) -> None:
+    click.echo(f"\nkitchen {plan.kitchen} for {plan.robot}, edits one after the other:")
+    for step in plan.steps:
+        lost = f"; no longer {', '.join(step.lost)}" if step.lost else ""
+        click.echo(f"  {step.what}: {', '.join(step.gained)}{lost}  → {step.covered} of {plan.of}")
+    if not plan.steps:
+        click.echo(f"  none of {len(plan.candidates)} candidates gains anything")
+    for name, reason in plan.missing:
+        click.echo(f"  still not certified: {name}: {reason}")

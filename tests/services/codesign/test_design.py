@@ -1,0 +1,67 @@
+"""Covers are greedy over what is certified; a plan's edits are judged in one world, one after the other."""
+
+import pytest
+
+from predicates.case import Outcome
+from services.app import Policy
+from services.codesign.cells import Cell, Found, Grid, How
+from services.codesign.design import covers_of, designed, together_in
+from services.codesign.grid import Asked
+from services.codesign.report import counts, reuse, turned_rows
+
+REASON = ({"kind": "embodiment", "reason": "too high", "evidence": None, "proof": False, "search": None},)
+DOES = {"one": "abcd", "two": "cdef", "three": "fg"}
+
+
+def cell(robot: str, container: str, certified: bool, edits=(), how=How.LAW) -> Cell:
+    outcome = Outcome.CERTIFIED if certified else Outcome.NOT_CERTIFIED
+    holds = {"satisfiesRequest": True, "causes": True, "canPerform": certified}
+    return Cell("k", robot, container, edits, Found("", outcome, how, holds, () if certified else REASON))
+
+
+GRID = Grid([cell(robot, each, each in does) for robot, does in DOES.items() for each in "abcdefg"])
+
+
+def test_the_robot_that_does_most_comes_first_and_says_what_it_lacks() -> None:
+    covers = covers_of(GRID)
+    assert [(each.robot, len(each.certified), each.of) for each in covers] == [
+        ("one", 4, 7),
+        ("two", 4, 7),
+        ("three", 2, 7),
+    ]
+    assert covers[2].missing == tuple((each, "too high (searched)") for each in "abcde")
+
+
+def test_robots_together_are_taken_by_how_much_they_add() -> None:
+    steps = together_in("k", covers_of(GRID))
+    assert [(each.what, "".join(each.gained), each.covered) for each in steps] == [
+        ("one", "abcd", 4),
+        ("three", "fg", 6),
+        ("two", "e", 7),
+    ]
+    without = [each for each in covers_of(GRID) if each.robot != "three"]
+    assert together_in("k", without)[-1].covered == 6
+
+
+def test_a_grid_says_what_turned_and_counts_as_reused_only_what_was_not_searched_again() -> None:
+    edits = ("box:crate=1,1,1",)
+    cells = [cell("one", "a", True), cell("one", "b", False)]
+    cells += [cell("one", "a", False, edits), cell("one", "b", False, edits, How.LESS_ROOM)]
+    grid = Grid(cells)
+    assert [(each["container"], each["predicates"]) for each in turned_rows(grid)] == [
+        ("a", "canPerform yes → no")
+    ]
+    assert counts(grid)[1]["k one"] == "0 / 2 (-1)"
+    assert (reuse(grid)["without_a_search"], reuse(grid)["cases"]) == (1, 2)
+
+
+@pytest.mark.oracle
+@pytest.mark.slow
+def test_the_drawer_behind_the_dishwasher_door_is_planned_by_opening_that_door() -> None:
+    drawer, door = "dishwasher_drawer_middle", "cabinet7_door_bottom_left"
+    asked = Asked(("a",), ("stretch",), "open", (), Policy(budget=5), (), (drawer, "cabinet9_drawer_top"))
+    edits = ("furniture:wardrobe=0.5,0", f"move:{door}=open")
+    (plan,) = designed(asked, 1, edits).plans
+    assert [(each.what, each.gained, each.covered) for each in plan.steps] == [
+        (f"move:{door}=open", (drawer,), 2)
+    ]
