@@ -43,7 +43,6 @@ SECTIONS = {
         "learn": Listed(f"{HERE}.law.learn:learn_command", "Which joint moves what was seen?"),
         "whatif": Listed("services.codesign.command.whatif:whatif", "The same question in another world."),
         "codesign": Listed("services.codesign.command.codesign:codesign", "Which robot for which kitchen?"),
-        "codesign": Listed("services.codesign.command.codesign:codesign", "Which robot for which kitchen?"),
     },
     "Saved verdicts and branches": {
         "why": Listed(f"{HERE}.saved.why:why_command", "A stored verdict in plain words."),
@@ -54,6 +53,7 @@ SECTIONS = {
         "patch": Listed(f"{HERE}.graphs.branch:patch", "Apply or undo a difference."),
     },
     "This program": {
+        "tour": Listed("services.tour.command:tour", "A walk through the four usage modes on kitchen B."),
         "doctor": Listed("services.doctor.command:doctor", "Is all well here, and what is to be done?"),
         "completion": Listed(f"{HERE}.completion.command:completion", "Completion for bash, zsh and fish."),
         "config": Listed("services.configuration.command:config", "Settings, and where each comes from."),

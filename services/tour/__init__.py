@@ -1,0 +1,1 @@
+"""A walk through the four usage modes on kitchen B, with commands that really run."""
