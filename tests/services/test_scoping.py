@@ -1,0 +1,72 @@
+"""Which containers are in which TEE class, what is lacking, and where intervals end."""
+
+import rdflib
+
+import ontology
+from sdt_kg.iri import TEE, local_name
+from services.commands.exits import Exit
+from services.commands.kitchens.explain import explain
+from services.scoping import Lack, Membership, scope_map, tee_classes
+from tests.small import small_twin
+
+TWIN = small_twin("a", ("pr2",))
+DRAWER = next(each for each in TWIN.containers() if each.kind == "drawer")
+
+
+def member(twin, tee: str = "D_artic") -> Membership:
+    (found,) = (
+        each for each in scope_map(twin).members if (each.container, each.tee.name) == (DRAWER.name, tee)
+    )
+    return found
+
+
+def lacks(twin, path: str) -> Lack:
+    (found,) = (each for each in member(twin).lacks if each.path and local_name(each.path) == path)
+    return found
+
+
+def test_the_classes_are_those_of_tee_ttl_wider_ones_first() -> None:
+    graph = rdflib.Graph().parse(ontology.path("tee.ttl"))
+    named = {str(each) for each in graph.subjects(rdflib.RDF.type, rdflib.URIRef(TEE + "TeeClass"))}
+    classes = tee_classes()
+    assert {each.iri for each in classes} == named
+    for position, each in enumerate(classes):
+        assert each.refined is None or each.refined in classes[:position]
+
+
+def test_a_drawer_that_is_too_long_says_by_how_much() -> None:
+    found = lacks(TWIN.with_edit(DRAWER.joint, upperLimit=4.0), "upperLimit")
+    assert (found.value, found.bound) == (4.0, 3.15)
+    assert abs(found.missing - 0.85) < 1e-12
+    assert found.demanded == "≤ 3.15"
+    assert not found.is_unmeasured
+
+
+def test_what_nobody_measured_is_asked_for_with_its_interval() -> None:
+    found = lacks(TWIN.with_edit(DRAWER.joint, velocityLimit=None), "velocityLimit")
+    assert found.is_unmeasured
+    assert found.demanded == "> 0, ≤ 10"
+
+
+def test_forces_that_nobody_measured_are_what_keeps_a_container_out_of_the_narrower_class() -> None:
+    found = member(TWIN, "D_artic_dyn")
+    assert not found.holds
+    (model,) = (each for each in found.lacks if each.path and local_name(each.path) == "hasForceModel")
+    assert model.is_unmeasured
+    assert "coulombFrictionFrom" in model.demanded
+
+
+def test_the_end_of_an_interval_is_as_far_as_the_value_is_from_its_bound() -> None:
+    found = member(TWIN.with_edit(DRAWER.joint, velocityLimit=9.75))
+    assert found.holds
+    (end,) = (each for each in found.ends if local_name(each.path) == "velocityLimit")
+    assert (end.value, end.bound, end.room) == (9.75, 10.0, 0.25)
+    shares = [each.share for each in found.ends]
+    assert shares == sorted(shares)
+
+
+def test_the_map_of_a_kitchen_is_printed_with_what_is_left_out(capsys) -> None:
+    assert explain("b", None, None, None, as_json=False) == Exit.DONE
+    out = capsys.readouterr().out
+    for text in ("D_artic_dyn", "refines", "where the interval ends", "no containers, and why"):
+        assert text in out
