@@ -1,0 +1,57 @@
+"""What a grid reuses is true in the edited world: certified in full there, or found by no search there."""
+
+from collections import Counter
+
+import pytest
+
+from predicates.case import Outcome
+from services.app import Policy, Service, load
+from services.codesign.cells import Cell, How
+from services.codesign.grid import Asked, run, worlds_of
+from services.codesign.judge import motion_of
+from services.whatif import World, changed, parse_change
+
+pytestmark = [pytest.mark.oracle, pytest.mark.slow]
+
+EDITS = (
+    "box:crate=0.4,0.4,0.9@0.6,1.2,0.45 | box:bin=0.3,0.3,0.7@0.7,0.3,0.35 | "
+    "box:lamp=0.2,0.2,1.8@0.4,2.2,0.9 | move:iai_fridge_door=open | handle:iai_fridge_door=0,0,0.1 | "
+    "furniture:kitchen_island=0.2,0 | jam:sink_area_left_middle_drawer_main | drive:omni | broken:left | payload:right=0.1,0.1,0.2"
+)
+ASKED = Asked(("b",), ("pr2", "stretch"), "open", worlds_of([EDITS]), Policy(budget=5))
+
+
+@pytest.fixture(scope="module")
+def grid():
+    return run(ASKED, 2)
+
+
+def _service(cell: Cell) -> tuple[Service, World]:
+    world = World(load(cell.kitchen, [cell.robot], policy=ASKED.policy), cell.robot)
+    after = changed(world, tuple(map(parse_change, cell.edits)))
+    return after.service, after
+
+
+def test_every_motion_certified_by_touched_pairs_alone_is_certified_in_full(grid) -> None:
+    again = [each for each in grid.edited() if each.found.how is How.AGAIN]
+    assert len(again) > 100
+    for cell in again:
+        service, after = _service(cell)
+        motion = motion_of(cell.found)
+        (verdict,) = service.achieve(f"open:{cell.container}", after.robot_iri, motion)
+        assert verdict.outcome is Outcome.CERTIFIED, (cell.edits, cell.robot, cell.container)
+
+
+def test_no_search_finds_what_was_refused_without_one(grid) -> None:
+    reused = [each for each in grid.edited() if each.found.how in {How.LESS_ROOM, How.NOTHING, How.CAUSES}]
+    assert Counter(each.found.how for each in reused)[How.LESS_ROOM] > 0
+    for cell in reused:
+        service, after = _service(cell)
+        (verdict,) = service.achieve(f"open:{cell.container}", after.robot_iri)
+        assert verdict.outcome is cell.found.outcome, (cell.edits, cell.robot, cell.container)
+
+
+def test_each_case_is_there_once_and_no_refusal_is_without_a_reason(grid) -> None:
+    keys = [(each.key, each.edits) for each in grid.cells]
+    assert len(keys) == len(set(keys)) == 2 * 17 * 11
+    assert all(each.found.diagnoses for each in grid.cells if each.found.outcome is not Outcome.CERTIFIED)
