@@ -6,7 +6,6 @@ import threading
 import time
 import uuid
 from concurrent.futures import Future
-from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Self
 
@@ -18,19 +17,16 @@ from sdt_kg.errors import SdtError
 from sdt_kg.iri import local_name
 from services.bus import keys
 from services.bus.keys import Meta, Part
-from services.bus.replies import reply
+from services.bus.question import OTHER, Question, understood
 from services.bus.sweeps import Sweeps
 from services.http.memory import Memory
 from services.judging.codec import (
-    CBOR,
     JSON,
-    MAX_REPLY,
-    MAX_REQUEST,
     decode,
     encode,
 )
 from services.judging.jobs import Done, Kept, Task, Waiter
-from services.judging.messages import SCHEMA, Header, QueryRequest, SweepRequest, Verb
+from services.judging.messages import SCHEMA, QueryRequest, SweepRequest, Verb
 from services.judging.pool import Pool
 from services.judging.problems import Problem, ProblemType, problem, problem_of
 from services.store.workers import Answered, Asked, Limit, LimitError
@@ -44,25 +40,6 @@ ACCEPTED = {
     Verb.DESCRIBE: ("application/n-triples",),
 }
 """Media types of the replies to queries."""
-
-
-@dataclass(frozen=True, slots=True)
-class Question:
-    """A Zenoh query that is to be answered once."""
-
-    query: zenoh.Query
-    twin: str
-    verb: Verb
-    header: Header
-    reply_key: str
-
-    def answer(self, outcome: Done | Problem) -> None:
-        """Reply, and let the asker know that this was all."""
-        if isinstance(outcome, Done) and len(outcome.payload) > MAX_REPLY:
-            outcome = problem(ProblemType.TOO_LARGE, f"the answer has {len(outcome.payload)} bytes")
-        if isinstance(outcome, Problem):
-            log.info("%s %s %s: %s", self.header.id, self.twin, self.verb.value, outcome.detail)
-        reply(self.query, self.reply_key, outcome)
 
 
 class Server:
@@ -128,42 +105,30 @@ class Server:
     def _asked(self, query: zenoh.Query) -> None:
         """A question: enqueued, or refused at once."""
         key = str(query.key_expr)
-        verb, twin = keys.asked(key), keys.twin_of(key)
-        header = Header()
+        verb = keys.asked(key)
+        question = understood(query, verb.value if verb else OTHER, self._pool.telemetry, self.instance)
+        if question is None:
+            return
+        if verb is None:
+            question.answer(problem(ProblemType.INVALID_REQUEST, f"'{key}' asks for no known verb"))
+            return
         try:
-            if query.attachment is not None:
-                header = decode(Header, query.attachment.to_bytes())
-            question = Question(query, twin, verb or Verb.ASK, header, self._reply_key(query, key))
-            if verb is None:
-                question.answer(problem(ProblemType.INVALID_REQUEST, f"'{key}' asks for no known verb"))
-                return
-            self._enqueue(question, b"" if query.payload is None else query.payload.to_bytes())
+            self._enqueue(verb, question)
         except SdtError as error:
-            Question(query, twin, verb or Verb.ASK, header, key).answer(problem_of(error))
+            question.answer(problem_of(error))
 
-    def _reply_key(self, query: zenoh.Query, key: str) -> str:
-        """With the responder's name in it, where the asker takes such a key."""
-        named = query.accepts_replies() == zenoh.ReplyKeyExpr.ANY and not key.endswith(self.instance)
-        return f"{key}/{self.instance}" if named else key
-
-    def _enqueue(self, question: Question, payload: bytes) -> None:
-        if len(payload) > MAX_REQUEST:
-            question.answer(
-                problem(ProblemType.TOO_LARGE, f"the request has {len(payload)} bytes; at most {MAX_REQUEST}")
-            )
+    def _enqueue(self, verb: Verb, question: Question) -> None:
+        payload, encoding = question.payload, question.encoding
+        waiter = question.waiter()
+        if verb in ACCEPTED:
+            self._query(verb, decode(QueryRequest, payload, encoding), waiter)
             return
-        encoding = CBOR if str(question.query.encoding or JSON).startswith(CBOR) else JSON
-        deadline = time.monotonic() + question.header.deadline_ms / 1000
-        waiter = Waiter(deadline, question.answer)
-        if question.verb in ACCEPTED:
-            self._query(question.verb, decode(QueryRequest, payload, encoding), waiter)
-            return
-        if question.verb is Verb.SWEEP:
+        if verb is Verb.SWEEP:
             started = self._sweeps.start(question.twin, decode(SweepRequest, payload, encoding))
             waiter.answer(Done(encode(started), JSON))
             return
-        seconds, present = question.header.deadline_ms / 1000, self._memory.world.kitchens[question.twin]
-        task = Task(question.twin, question.verb.value, payload, encoding, seconds, present.moved)
+        states = self._memory.world.kitchens[question.twin].moved
+        task = Task(question.twin, verb.value, payload, encoding, question.seconds, states, question.origin)
         self._pool.submit(task, waiter, share=True)
 
     def _query(self, verb: Verb, request: QueryRequest, waiter: Waiter) -> None:
@@ -176,7 +141,9 @@ class Server:
     def _asked_job(self, query: zenoh.Query) -> None:
         """Progress, result or cancellation of a sweep; answered at once, it costs nothing."""
         key = str(query.key_expr)
-        question = Question(query, keys.twin_of(key), Verb.SWEEP, Header(), key)
+        question = understood(query, "job", self._pool.telemetry, self.instance)
+        if question is None:
+            return
         named = keys.job_of(key)
         if named is None:
             question.answer(problem(ProblemType.INVALID_REQUEST, f"'{key}' names no part of a job"))
@@ -211,6 +178,7 @@ class Server:
                 "crashed": counts.crashed,
                 "refused": counts.refused,
                 "workers": len(self._pool.pids()),
+                "metrics": self._pool.telemetry.metrics.to_json(),
             }
         from services.bus.schema import asyncapi  # noqa: PLC0415 - seldom asked for
 

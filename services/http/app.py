@@ -20,6 +20,7 @@ from services.http.api import read, write
 from services.http.gate import Gate
 from services.http.judges import Judges, setup_of
 from services.http.memory import Memory
+from services.http.observed import Observed, metrics
 from services.http.pages.asking import Asking
 from services.http.pages.errors import told
 from services.http.pages.session import Sessions
@@ -59,9 +60,10 @@ def create_app(world: World, settings: Settings, beside: Beside | None = None) -
     async def life(app: FastAPI) -> AsyncIterator[None]:
         loop = asyncio.get_running_loop()
         setup = replace(setup_of(world), oracles=beside.oracles if beside else None)
-        judges = app.state.judges = Judges(Pool(setup, settings.judges, Memory(world, loop)))
+        pool = Pool(setup, settings.judges, Memory(world, loop), telemetry=settings.telemetry)
+        judges = app.state.judges = Judges(pool)
         await world.start()
-        other = beside(world, judges.pool, loop) if beside else nullcontext()
+        other = beside(world, pool, loop) if beside else nullcontext()
         warming = None
         try:
             await asyncio.to_thread(other.__enter__)
@@ -83,7 +85,7 @@ def create_app(world: World, settings: Settings, beside: Beside | None = None) -
         redoc_url=None,
         lifespan=life,
     )
-    app.state.world, app.state.settings = world, settings
+    app.state.world, app.state.settings, app.state.telemetry = world, settings, settings.telemetry
     app.state.asking, app.state.rechecks, app.state.sessions = Asking(app), Rechecks(world), Sessions()
     problems.install(app, told)
     app.router.routes += [
@@ -97,11 +99,13 @@ def create_app(world: World, settings: Settings, beside: Beside | None = None) -
         Route("/healthz", _health),
         Route("/readyz", _ready),
         Route("/version", _version),
+        Route("/metrics", metrics),
     ]
     app.include_router(read.router)
     app.include_router(write.router)
     app.openapi = partial(document, app)
     app.add_middleware(Gate, settings=settings)
+    app.add_middleware(Observed, telemetry=settings.telemetry)
     return app
 
 

@@ -14,6 +14,7 @@ from services.judging.messages import Message, Reply, Verb
 from services.judging.pool import Pool
 from services.judging.problems import Problem, ProblemType, error_of
 from services.store.workers import BusyError
+from services.telemetry.origin import current
 
 R = TypeVar("R", bound=Reply)
 
@@ -34,7 +35,7 @@ def question(verb: Verb, twin: str, request: Message, seconds: float, states: tu
         seconds: After which nobody waits, and the process is stopped.
         states: The kitchen's present state as texts.
     """
-    return Task(twin, verb.value, encode(request), JSON, seconds, states)
+    return Task(twin, verb.value, encode(request), JSON, seconds, states, current())
 
 
 class Judges:

@@ -9,6 +9,7 @@ from typing import Final, Self
 
 from sdt_kg.errors import InputError
 from services.store.workers import Limits
+from services.telemetry.told import Telemetry
 
 LOOPBACK_NAMES: Final = ("localhost", "127.0.0.1", "[::1]")
 SHORTEST_TOKEN: Final = 16
@@ -65,6 +66,7 @@ class Settings:
         workers: Processes that evaluate queries.
         judges: Processes that judge cases.
         warm: Whether they are started at once, rather than with the first case.
+        telemetry: What is counted and traced.
         viewer: Address of the 3D page, `http://127.0.0.1:8090` say, to which pages link; None without one.
     """
 
@@ -77,6 +79,7 @@ class Settings:
     workers: int = 2
     judges: int = 1
     warm: bool = False
+    telemetry: Telemetry = field(default_factory=Telemetry, repr=False)
     viewer: str | None = None
 
 

@@ -1,11 +1,14 @@
 """A question on its way to a worker process, and who waits for its answer."""
 
 import threading
+import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Protocol
 
 from services.judging.problems import Problem
+from services.telemetry.metrics import Judged
+from services.telemetry.origin import NOBODY, Origin
 
 Kept = tuple[str, bytes]
 """IRI of a verdict, and its graph as N-Quads."""
@@ -20,6 +23,7 @@ class Task:
     Attributes:
         seconds: That are left until the deadline.
         states: The kitchen's present state as texts; the request's own come after it.
+        origin: The request that it is done for.
     """
 
     twin: str
@@ -28,15 +32,17 @@ class Task:
     encoding: str
     seconds: float
     states: tuple[str, ...] = ()
+    origin: Origin = NOBODY
 
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """What a worker sends back at the end: the reply's payload, and what is to be stored."""
+    """What a worker sends back at the end: the reply's payload, what is to be stored and to be counted."""
 
     payload: bytes
     encoding: str
     records: tuple[Kept, ...] = ()
+    judged: tuple[Judged, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,11 +114,16 @@ class Waiter:
 
 @dataclass(slots=True, eq=False)
 class Job:
-    """A task on its way through the pool, for one waiter or for several that ask the same."""
+    """A task on its way through the pool, for one waiter or for several that ask the same.
+
+    Attributes:
+        asked: When it came, on the monotonic clock [s].
+    """
 
     task: Task
     waiters: list[Waiter]
     cancelled: threading.Event = field(default_factory=threading.Event)
+    asked: float = field(default_factory=time.monotonic)
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _finished: bool = False
 

@@ -8,6 +8,7 @@ import pyoxigraph as ox
 
 from predicates.case import Verdict
 from predicates.record import Record, StoredVerdict, read_verdict, to_json, to_record
+from predicates.record.report import times
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError, UnknownEntityError
 from sdt_kg.iri import Iri
@@ -45,6 +46,7 @@ from services.judging.messages import (
 )
 from services.judging.problems import Problem, ProblemType, problem, problem_of
 from services.requests import parse_task
+from services.telemetry.metrics import Judged
 from services.why import why
 
 log = logging.getLogger(__name__)
@@ -151,7 +153,8 @@ class Judge:
             motions=[body_arrays(each, asked.encoding) for each in verdicts] if request.motions else None,
         )
         fresh = (kept for verdict, kept in zip(verdicts, records, strict=True) if not verdict.stored)
-        return replace(replied(reply, asked.encoding), records=tuple(fresh))
+        judged = tuple(Judged(each.outcome.value, each.stored, times(each)) for each in verdicts)
+        return replace(replied(reply, asked.encoding), records=tuple(fresh), judged=judged)
 
     def _compute(self, request: ComputeRequest, asked: Asked) -> Done:
         """What a query can touch and nobody has judged yet, judged within bounds."""

@@ -14,6 +14,9 @@ from multiprocessing.process import BaseProcess
 from services.judging.jobs import Counts, Done, Handler, Job, Keeper, Wanted
 from services.judging.problems import Problem, ProblemType, problem
 from services.sweep.engines import end_with_parent
+from services.telemetry import logs
+from services.telemetry.origin import within
+from services.telemetry.told import Telemetry
 
 log = logging.getLogger(__name__)
 
@@ -43,10 +46,11 @@ class Lane(threading.Thread):
         jobs: "queue.Queue[Job]",
         memory: Keeper,
         counts: Counts,
+        telemetry: Telemetry,
     ) -> None:
         super().__init__(name="lane", daemon=True)
         self._make_handler, self._jobs = make_handler, jobs
-        self._memory, self._counts = memory, counts
+        self._memory, self._counts, self._telemetry = memory, counts, telemetry
         self._process: BaseProcess | None = None
         self._pipe: Connection | None = None
         self.warming, self.ready, self.stopping = threading.Event(), threading.Event(), threading.Event()
@@ -64,8 +68,17 @@ class Lane(threading.Thread):
                 self._start()
                 self.ready.set()
             if job is not None:
-                self._serve(job)
+                self._told(job)
         self._kill()
+
+    def _told(self, job: Job) -> None:
+        """The job is served, and a span says from when to when."""
+        began, task = time.monotonic(), job.task
+        span = self._telemetry.spans.begin(
+            f"judge {task.verb}", task.origin.traceparent, twin=task.twin, waited=began - job.asked
+        )
+        self._serve(job)
+        span.end(request=task.origin.request)
 
     def _next(self) -> Job | None:
         """The next job; None for now."""
@@ -120,6 +133,8 @@ class Lane(threading.Thread):
     def _finish(self, job: Job, said: Done | Problem) -> None:
         if isinstance(said, Done) and said.records:
             self._memory.keep(said.records)
+        if isinstance(said, Done):
+            self._telemetry.metrics.judged(said.judged)
         self._counts.answered += 1
         job.answer(said)
 
@@ -131,7 +146,7 @@ class Lane(threading.Thread):
         context = mp.get_context("forkserver")
         context.set_forkserver_preload([self._make_handler.__module__])
         ours, theirs = context.Pipe()
-        process = context.Process(target=work, args=(theirs, self._make_handler), daemon=True)
+        process = context.Process(target=work, args=(theirs, self._make_handler, logs.is_json()), daemon=True)
         process.start()
         theirs.close()
         self._process, self._pipe = process, ours
@@ -152,10 +167,11 @@ class Lane(threading.Thread):
         self._process = self._pipe = None
 
 
-def work(pipe: Connection, make_handler: Callable[[], Handler]) -> None:
+def work(pipe: Connection, make_handler: Callable[[], Handler], json_logs: bool) -> None:
     """Main of a worker's process: load, say ready, answer until the parent is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent()
+    logs.configure(logs.Form.JSON if json_logs else logs.Form.TEXT)
     handler = make_handler()
     pipe.send("ready")
 
@@ -168,4 +184,5 @@ def work(pipe: Connection, make_handler: Callable[[], Handler]) -> None:
             task = pipe.recv()
         except EOFError:
             return
-        pipe.send(handler(task, recall))
+        with within(task.origin):
+            pipe.send(handler(task, recall))

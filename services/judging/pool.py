@@ -13,6 +13,8 @@ from services.judging.deadlines import Deadlines
 from services.judging.jobs import Counts, Handler, Job, Keeper, Task, Waiter
 from services.judging.lane import GRACE, START_TIME, Lane
 from services.judging.problems import ProblemType, problem
+from services.telemetry.metrics import Metrics
+from services.telemetry.told import Telemetry
 
 WAITING = 64
 """Jobs that may wait for a process."""
@@ -25,6 +27,7 @@ class Pool:
 
     Attributes:
         counts: For health reports.
+        telemetry: What is counted and traced.
         deadlines: Answers whoever's time is up; of questions that need no process too.
     """
 
@@ -34,6 +37,7 @@ class Pool:
         size: int,
         memory: Keeper,
         waiting: int = WAITING,
+        telemetry: Telemetry | None = None,
     ) -> None:
         """Processes are started with the first jobs, or by `warm`.
 
@@ -42,15 +46,28 @@ class Pool:
             size: Worker processes.
             memory: Keeps verdicts; a reply is sent when its verdicts are kept.
             waiting: Jobs that may wait; one more is refused.
+            telemetry: What is counted and traced; None: counted only.
         """
         self._jobs: queue.Queue[Job] = queue.Queue(maxsize=waiting)
         self.counts = Counts()
-        self._lanes = [Lane(make_handler, self._jobs, memory, self.counts) for _ in range(size)]
+        self.telemetry = telemetry or Telemetry()
+        self._lanes = [
+            Lane(make_handler, self._jobs, memory, self.counts, self.telemetry) for _ in range(size)
+        ]
         self._lock = threading.Lock()
         self._shared: dict[Key, Job] = {}
         self.deadlines = Deadlines()
+        self._told(self.telemetry.metrics)
         for lane in self._lanes:
             lane.start()
+
+    def _told(self, metrics: Metrics) -> None:
+        """The pool's own figures are read when metrics are asked for."""
+        metrics.gauge("sdt_jobs_waiting", lambda: self.queued)
+        metrics.gauge("sdt_processes", lambda: len(self.pids()))
+        metrics.gauge("sdt_process_deaths_total", lambda: self.counts.crashed, "counter")
+        metrics.gauge("sdt_jobs_refused_total", lambda: self.counts.refused, "counter")
+        metrics.gauge("sdt_deadlines_missed_total", lambda: self.deadlines.missed, "counter")
 
     def warm(self, count: int | None = None) -> None:
         """So many processes are ready, or all."""
@@ -74,6 +91,7 @@ class Pool:
         with self._lock:
             running = self._shared.get(key) if share else None
             if running is not None and running.join(waiter):
+                self.telemetry.metrics.count("sdt_shared_total")
                 return running
             job = Job(task, [waiter])
             if share:

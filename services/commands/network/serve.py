@@ -66,6 +66,21 @@ from services.commands.options import KITCHEN_HELP, ROBOT_HELP
 @click.option(
     "--judges", type=click.IntRange(min=1), default=1, show_default=True, help="Processes that judge cases."
 )
+@click.option(
+    "--log",
+    "log_form",
+    type=click.Choice(["text", "json"]),
+    default="text",
+    show_default=True,
+    help="Standard error: warnings as lines, or every request as a JSON object with its id.",
+)
+@click.option(
+    "--spans",
+    "spans_file",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE.jsonl",
+    help="Append OpenTelemetry spans; a request's traceparent is taken up. Nothing leaves the machine.",
+)
 def serve(
     *,
     address: str,
@@ -80,6 +95,8 @@ def serve(
     oracles: bool,
     bus_config: Path | None,
     judges: int,
+    log_form: str,
+    spans_file: Path | None,
 ) -> None:
     """Serve kitchens and verdicts: SPARQL at /sparql, graphs at /graphs, JSON at /api/v1, pages at /."""
     from services.http.kitchens import open_kitchens  # noqa: PLC0415 - other commands need no web framework
@@ -88,7 +105,11 @@ def serve(
     from services.http.world import World  # noqa: PLC0415 - see above
     from services.store.files import opened  # noqa: PLC0415 - see above
     from services.store.workers import Limits, Workers  # noqa: PLC0415 - see above
+    from services.telemetry import logs  # noqa: PLC0415 - see above
+    from services.telemetry.spans import SpansInFile  # noqa: PLC0415 - see above
+    from services.telemetry.told import Telemetry  # noqa: PLC0415 - see above
 
+    logs.configure(logs.Form(log_form))
     where = Address.of(address)
     limits = Limits(seconds=timeout)
     settings = Settings(
@@ -98,6 +119,7 @@ def serve(
         limits=limits,
         judges=judges,
         warm=bool(kitchens),
+        telemetry=Telemetry(spans=SpansInFile(spans_file)) if spans_file else Telemetry(),
     )
     with closing(bound(where)) as listening, closing(opened(store)) if store else nullcontext() as archive:
         world = World(open_kitchens(kitchens, robots), Workers(settings.workers, limits), archive)
