@@ -16,7 +16,7 @@ from sdt_kg.iri import PREFIXES, Iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.state import State
 from sdt_kg.store import Row, Triple, Value, checked_query, rows_of, term_of
-from sdt_kg.triples import read_kitchen, read_mechanism_of, read_robot
+from sdt_kg.triples import read_mechanism_of, read_robot
 
 __all__ = ["Container", "LeftOut", "Twin"]
 
@@ -154,8 +154,8 @@ class Twin:
         return cached[robot]
 
     def kitchen(self) -> KitchenAnnotation:
-        """Annotation of the kitchen, read back from the graph alone."""
-        return read_kitchen(self.entities.facts, self.environment)
+        """Annotation of the kitchen, read back from the graph alone (cached)."""
+        return self.entities.kitchen
 
     def _known(self, model: Iri) -> Iri:
         if model not in self.entities.asserted:

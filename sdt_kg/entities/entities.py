@@ -13,7 +13,7 @@ import pyoxigraph as ox
 
 import ontology
 from sdt_kg.annotating.annotate import TEE_GRAPH, annotate
-from sdt_kg.annotation import RobotAnnotation
+from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
 from sdt_kg.entities.container import Container, container_of
 from sdt_kg.entities.coupling import Coupling
 from sdt_kg.errors import GraphError, InputError, UnknownEntityError
@@ -21,7 +21,7 @@ from sdt_kg.iri import SDT, Iri, graph_iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.state import State
 from sdt_kg.store import MemoryStore, Store, Triple, Value, double, rows_of, term_of
-from sdt_kg.triples import Facts, checked_model, read_mechanism_of
+from sdt_kg.triples import Facts, checked_model, read_kitchen, read_mechanism_of
 from sdt_kg.triples.vocabulary import fits, properties
 
 KEPT_STATES: Final = 256
@@ -92,6 +92,11 @@ class Entities:
     def annotations(self) -> dict[Iri, RobotAnnotation]:
         """Annotations of robots read back so far."""
         return {}
+
+    @cached_property
+    def kitchen(self) -> KitchenAnnotation:
+        """Annotation of the kitchen."""
+        return read_kitchen(self.facts, self.environment)
 
     @cached_property
     def _states(self) -> "OrderedDict[State, Iri]":

@@ -4,7 +4,6 @@ import hashlib
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from importlib.metadata import version
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,15 +23,16 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.grasp import grasp_settings
 from services.embodiment.hold.kit import Kits
 from services.embodiment.plan import Planned, Planner, Setting
+from services.embodiment.prove import boxes
 from services.embodiment.report import refusal
 from services.embodiment.ways.roads import Roads
 from services.physics.model import Scene
-from services.physics.oracle import Kinematics
+from services.physics.oracle import Kinematics, version_of
 
 Array = NDArray[np.float64]
 Start = tuple[float, float, float]
 
-EMBODIMENT_VERSION = "3"
+EMBODIMENT_VERSION = "4"
 """Raised whenever an answer of this oracle may change."""
 
 ANY_START = "where and as the motion begins"
@@ -83,7 +83,7 @@ class WholeBody:
 
     @property
     def version(self) -> str:
-        return f"whole body {EMBODIMENT_VERSION}, pin {version('pin')}, coal {version('coal')}"
+        return f"whole body {EMBODIMENT_VERSION}, pin {version_of('pin')}, coal {version_of('coal')}"
 
     def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
         start = self.start or twin.kitchen().start
@@ -201,6 +201,7 @@ class WholeBody:
         """Compilation costs no budget."""
         if not self._compiled:
             warm(world, kits.of(world.scene.annotation.grippers[0]).limb)
+            boxes.warm()
             self._compiled = True
 
     def _world(self, twin: Twin, robot: Iri) -> tuple[World, Kits, dict[str, Roads]]:

@@ -245,7 +245,7 @@ class Scene:
 
     def parked(self, joint: Joint) -> float:
         """Position of a robot joint when driving: as annotated, else 0 or the limit nearest to it."""
-        rest = float(np.clip(0.0, joint.limits.lower, joint.limits.upper))
+        rest = min(max(0.0, joint.limits.lower), joint.limits.upper)
         return self.annotation.parked.get(joint.name, rest)
 
     def tool_frame(self, gripper: str) -> str:

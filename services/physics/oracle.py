@@ -1,6 +1,7 @@
 """Kinematics: the Physics protocol, in process."""
 
 from collections.abc import Iterator
+from functools import cache
 from importlib.metadata import version
 
 from predicates.oracle import Replayed
@@ -24,6 +25,12 @@ MODELS_KEPT = 4
 """[1] Kitchens whose models are kept."""
 
 
+@cache
+def version_of(package: str) -> str:
+    """The version of an installed package; looked for once."""
+    return version(package)
+
+
 class Kinematics:
     """Φ of Eq. (6): rigid-body kinematics of the kitchen, built from the twin."""
 
@@ -34,7 +41,7 @@ class Kinematics:
 
     @property
     def version(self) -> str:
-        return f"kinematics {KINEMATICS_VERSION}, pin {version('pin')}"
+        return f"kinematics {KINEMATICS_VERSION}, pin {version_of('pin')}"
 
     def replay(self, twin: Twin, motion: Motion) -> Replayed:
         model = self._of(twin)

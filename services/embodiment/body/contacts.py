@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
 from services.embodiment.body.kernels import forward, joint_pose, matmul, moved, place_boxes
-from services.physics.geometry.convex import OTHER, bounds
+from services.physics.geometry.convex import OTHER, bounds, parted
 
 FREE, HIT, UNSURE = 0, 1, 2
 """What is known of two shapes; UNSURE is left for an exact check."""
@@ -22,6 +22,9 @@ _compiled = njit(cache=True, fastmath=False)
 @_compiled
 def judged(shapes, a, b, ra, ca, rb, cb, margin, work):
     """(FREE | HIT | UNSURE, distance [m] that the two shapes have at least, where they are free)."""
+    low = parted(shapes, a, b, ra, ca, rb, cb)
+    if low > margin:
+        return FREE, low
     low, _ = bounds(shapes, a, b, ra, ca, rb, cb, margin, margin, work)
     if low > margin:
         return FREE, low
@@ -114,14 +117,22 @@ def walk(a, b, margin, shapes, radius, row, still, along, way, found, owner, tot
     From a configuration at which the pair is farther apart than the margin, those are left out in
     which the two cannot have come near enough.
     """
-    size, i, j = along[0].shape[0], row[a], row[b]
+    at_r, at_c = along
+    size, i, j = at_r.shape[0], row[a], row[b]
+    near = radius[a] + radius[b]
     k = 0
     while k < size:
-        ra, ca = (along[0][k, i], along[1][k, i]) if i >= 0 else (still[0][a], still[1][a])
-        rb, cb = (along[0][k, j], along[1][k, j]) if j >= 0 else (still[0][b], still[1][b])
-        x, y, z = ca[0] - cb[0], ca[1] - cb[1], ca[2] - cb[2]
-        apart = math.sqrt(x * x + y * y + z * z) - radius[a] - radius[b]
+        x, y, z = still[1][a, 0], still[1][a, 1], still[1][a, 2]
+        if i >= 0:
+            x, y, z = at_c[k, i, 0], at_c[k, i, 1], at_c[k, i, 2]
+        if j >= 0:
+            x, y, z = x - at_c[k, j, 0], y - at_c[k, j, 1], z - at_c[k, j, 2]
+        else:
+            x, y, z = x - still[1][b, 0], y - still[1][b, 1], z - still[1][b, 2]
+        apart = math.sqrt(x * x + y * y + z * z) - near
         if apart <= margin:
+            ra, ca = (at_r[k, i], at_c[k, i]) if i >= 0 else (still[0][a], still[1][a])
+            rb, cb = (at_r[k, j], at_c[k, j]) if j >= 0 else (still[0][b], still[1][b])
             state, apart = judged(shapes, a, b, ra, ca, rb, cb, margin, work)
             if state == HIT:
                 return k, total
@@ -159,20 +170,34 @@ def boxed(shapes, row, still, along, low, high):
 
 
 @_compiled
-def _overlap(low, high, s, bottom, top, margin):
-    beside = low[s, 0] > top[0] + margin or high[s, 0] < bottom[0] - margin
-    beside = beside or low[s, 1] > top[1] + margin or high[s, 1] < bottom[1] - margin
-    return not (beside or low[s, 2] > top[2] + margin or high[s, 2] < bottom[2] - margin)
+def beside(low, high, s, e, margin):
+    """Whether the boxes of two shapes are farther apart than the margin along an axis of the world."""
+    apart = low[s, 0] > high[e, 0] + margin or high[s, 0] < low[e, 0] - margin
+    apart = apart or low[s, 1] > high[e, 1] + margin or high[s, 1] < low[e, 1] - margin
+    return apart or low[s, 2] > high[e, 2] + margin or high[s, 2] < low[e, 2] - margin
 
 
 @_compiled
-def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, found, owner):
+def _first(row, still, along, way):
+    """Each shape's centre at the first configuration, and the way that it comes in all [m]."""
+    count, last = row.shape[0], way.shape[0] - 1
+    centre, ways = still[1].copy(), np.zeros(count)
+    for s in range(count):
+        if row[s] >= 0:
+            ways[s] = way[last, row[s]]
+            for i in range(3):
+                centre[s, i] = along[1][0, row[s], i]
+    return centre, ways
+
+
+@_compiled
+def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, largest, found, owner):
     """(configuration of a contact or −1, number of unsure pairs) along qs (K, nq).
 
     Shapes before `split` are the kitchen's. margins[robot shape, kitchen shape] is the distance
-    demanded, negative where the pair may touch; `own` is (the robot's own pairs, their margins).
-    Unsure pairs are in `found`, the configuration of each in `owner`; a contact is in found[0]. More
-    unsure pairs than `found` holds: the number returned tells.
+    demanded, negative where the pair may touch, and `largest` the largest of them; `own` is (the robot's
+    own pairs, their margins). Unsure pairs are in `found`, the configuration of each in `owner`; a contact
+    is in found[0]. More unsure pairs than `found` holds: the number returned tells.
     """
     count = boxes[0].shape[0]
     r, p = np.empty((tree[0].shape[0], 3, 3)), np.empty((tree[0].shape[0], 3))
@@ -184,23 +209,31 @@ def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, found, 
     along, work, total = (at_r, at_c), np.zeros((8, 4)), 0
     low, high = np.empty((count, 3)), np.empty((count, 3))
     boxed(shapes, row, still, along, low, high)
-    bottom, top, largest = np.full(3, math.inf), np.full(3, -math.inf), margins.max()
+    bottom, top = np.full(3, math.inf), np.full(3, -math.inf)
     for s in range(split, count):
         for i in range(3):
             bottom[i], top[i] = min(bottom[i], low[s, i]), max(top[i], high[s, i])
     for e in range(split):
-        if not _overlap(low, high, e, bottom, top, largest):
+        far = False
+        for i in range(3):
+            far = far or low[e, i] > top[i] + largest or high[e, i] < bottom[i] - largest
+        if far:
             continue
         for s in range(split, count):
             margin = margins[s - split, e]
-            if margin < 0.0 or not _overlap(low, high, s, low[e], high[e], margin):
+            if margin < 0.0 or beside(low, high, s, e, margin):
                 continue
             k, total = walk(s, e, margin, shapes, radius, row, still, along, way, found, owner, total, work)
             if k >= 0:
                 found[0, 0], found[0, 1] = s, e
                 return k, total
+    centre, ways = _first(row, still, along, inner)
     for n in range(own[0].shape[0]):
         a, b = own[0][n, 0], own[0][n, 1]
+        x, y, z = centre[a, 0] - centre[b, 0], centre[a, 1] - centre[b, 1], centre[a, 2] - centre[b, 2]
+        near = radius[a] + radius[b] + own[1][n] + ways[a] + ways[b]
+        if x * x + y * y + z * z > near * near:
+            continue
         k, total = walk(a, b, own[1][n], shapes, radius, row, still, along, inner, found, owner, total, work)
         if k >= 0:
             found[0, 0], found[0, 1] = a, b

@@ -7,7 +7,7 @@ from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no 
 
 from services.embodiment.body.contacts import FREE, HIT, UNSURE, judged
 from services.embodiment.body.kernels import forward, matmul, moved
-from services.physics.geometry.convex import OTHER, bounds
+from services.physics.geometry.convex import OTHER, bounds, parted
 
 _compiled = njit(cache=True, fastmath=False)
 
@@ -62,10 +62,10 @@ def touching_many(hand, seen, tools, kitchen, split, radius, shapes, margins, fo
 
 @_compiled
 def gaps(q, tree, boxes, shapes, fingers, handle, tool, goal, out):
-    """Distance of each finger shape from the handle's is in `out`; NaN where they are in each other.
+    """Distance of each finger shape from the handle's is in `out`; negative where they are in each other.
 
-    The hand is moved so that `tool`, its tool's pose (rotation, translation) at q, becomes `goal`. NaN
-    also says that a shape is no convex one.
+    How deep they are is that of their own boxes, at least. The hand is moved so that `tool`, its tool's
+    pose (rotation, translation) at q, becomes `goal`. NaN says that a shape is no convex one.
     """
     joint, local_r, local_c = boxes
     count = tree[0].shape[0]
@@ -85,7 +85,47 @@ def gaps(q, tree, boxes, shapes, fingers, handle, tool, goal, out):
             matmul(r[joint[h]], local_r[h], rb)
             moved(r[joint[h]], p[joint[h]], local_c[h], cb)
             low, _ = bounds(shapes, s, h, ra, ca, rb, cb, math.inf, -math.inf, work)
-            if low == -math.inf or shapes[0][s] == OTHER or shapes[0][h] == OTHER:
+            if shapes[0][s] == OTHER or shapes[0][h] == OTHER:
                 out[n] = math.nan
                 break
+            if low == -math.inf:
+                low = min(parted(shapes, s, h, ra, ca, rb, cb), 0.0)
             out[n] = min(out[n], low)
+
+
+@_compiled
+def closing(opened, way, tree, boxes, shapes, fingers, handle, tool, goal, sides, touch, rounds):
+    """Share in [0, 1] of `way` from `opened` at which the gap has fallen to `touch`; −1 if it does not.
+
+    The gap is that of the side, of the two in `sides` (2, fingers), whose nearest finger is farther
+    away. Regula falsi (Illinois). NaN says that a shape is no convex one.
+    """
+    out = np.empty(fingers.shape[0])
+    low, at_low, high, at_high = 0.0, 0.0, 1.0, 0.0
+    for n in range(rounds + 2):
+        share = float(n) if n < 2 else (low * at_high - high * at_low) / (at_high - at_low)
+        gaps(opened + share * way, tree, boxes, shapes, fingers, handle, tool, goal, out)
+        at = -math.inf
+        for side in range(2):
+            nearest = math.inf
+            for i in range(out.shape[0]):
+                if sides[side, i]:
+                    if math.isnan(out[i]):
+                        return math.nan
+                    nearest = min(nearest, out[i])
+            at = max(at, nearest - touch)
+        if n == 0:
+            at_low = at
+            if at <= 0.0:
+                return -1.0
+        elif n == 1:
+            at_high = at
+            if at > 0.0:
+                return -1.0
+        elif at > 0.0:
+            low, at_low, at_high = share, at, at_high / 2
+        else:
+            high, at_high, at_low = share, at, at_low / 2
+            if at > -touch:
+                break
+    return high

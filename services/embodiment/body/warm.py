@@ -46,4 +46,7 @@ def warm(world: World, limb: Limb) -> None:
         one,
     )
     tool = limb.tool(x)
-    hands.gaps(limb.q(x), world.tree, world.boxes, world.shapes, one, one, tool, tool, np.empty(1))
+    scene = world.tree, world.boxes, world.shapes, one, one, tool, tool
+    hands.gaps(limb.q(x), *scene, np.empty(1))
+    hands.closing(limb.q(x), limb.q(x), *scene, np.ones((2, 1), np.bool_), 0.0, 0)
+    world.standing(limb.q(x)[None], demands)

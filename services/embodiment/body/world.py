@@ -4,7 +4,7 @@ Compiled code decides pairs of convex shapes; pairs with a mesh whose box is nea
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
@@ -22,7 +22,7 @@ Pair = tuple[int, int]
 
 MAY_TOUCH = -1.0  # as a margin: the pair is not looked at
 ROOM = 4096  # unsure pairs that one batch may leave; a batch with more is halved
-COARSE = 8  # every how many of many configurations are looked at first
+COARSE = (64, 8)  # every how many of many configurations are looked at first, and then
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,11 +33,16 @@ class Rules:
         environment: Shape (robot shapes, kitchen shapes); MAY_TOUCH where contact is allowed.
         pairs: Self pairs that are looked at, shape (P, 2).
         own: Their distances, shape (P,).
+        largest: Of the distances in `environment`.
     """
 
     environment: Array
     pairs: NDArray[np.int64]
     own: Array
+    largest: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "largest", float(self.environment.max(initial=0.0)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,14 +82,17 @@ class World:
         )
         self.joint_T_shape = [one.joint_T_shape for one in solids]
         self.body = [one.body for one in solids]
+        self._shapes: dict[Iri, list[int]] = {}
+        for i, body in enumerate(self.body):
+            self._shapes.setdefault(body, []).append(i)
         self._base = int(scene.base[2]) + 1
         self._found = np.zeros((ROOM, 2), np.int64)
         self._owner = np.zeros(ROOM, np.int64)
 
     def shapes_of(self, bodies: Iterable[Iri]) -> NDArray[np.int64]:
         """Indices of the shapes of these bodies."""
-        wanted = set(bodies)
-        return np.array([i for i, body in enumerate(self.body) if body in wanted], dtype=np.int64)
+        found = (i for body in set(bodies) for i in self._shapes.get(body, ()))
+        return np.array(sorted(found), dtype=np.int64)
 
     def frames(self, q: Array) -> tuple[Array, Array]:
         """World poses of all joint frames: rotations (J, 3, 3) and translations (J, 3)."""
@@ -98,7 +106,7 @@ class World:
         Not always that of the first such configuration: a few are looked at before the others, and
         compiled checks come before exact ones.
         """
-        for stride in (COARSE, 1) if len(configurations) > COARSE else (1,):
+        for stride in (*(each for each in COARSE if each < len(configurations)), 1):
             some = configurations[::stride]
             contact = self._contact(np.ascontiguousarray(some), rules)  # one memory layout, one compilation
             if contact is not None:
@@ -116,6 +124,7 @@ class World:
             self._base,
             (rules.pairs, rules.own),
             rules.environment,
+            rules.largest,
             self._found,
             self._owner,
         )
@@ -143,6 +152,7 @@ class World:
             self.radius,
             self.shapes,
             rules.environment,
+            rules.largest,
             states,
         )
         alone = Rules(rules.environment, rules.pairs[:0], rules.own[:0])

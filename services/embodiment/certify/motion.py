@@ -161,7 +161,7 @@ def start(
 
     Finger joints may be anywhere.
     """
-    findings, q = Findings(), pieces.c[0, 0]
+    findings, q, turns = Findings(), pieces.c[0, 0], joint_axes(scene)[1]
     parked = scene.q(q[scene.base] if base is None else base, {})
     off = q - parked
     yaw = scene.base[2]
@@ -172,7 +172,7 @@ def start(
         robot = k >= scene.base[0]
         if (robot and base is None) or int(scene.coupling.source[k]) in fingers:
             continue
-        turning = bool(joint_axes(scene)[1][k])
+        turning = bool(turns[k])
         most = tolerances.start_angle if turning else tolerances.start_position
         if abs(off[k]) > most:
             unit, whose = ("rad" if turning else "m"), ("parked" if robot else "the kitchen's state")

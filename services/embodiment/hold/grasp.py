@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.iri import joint_iri
 from services.embodiment.body import hands
+from services.embodiment.body.kernels import rotation
 from services.embodiment.body.limb import Limb
 from services.embodiment.body.world import World
 from services.embodiment.hold.handle import Bar
@@ -54,8 +55,9 @@ class Grasp:
 
 
 def _turned(axis: Array, angle: float, vector: Array) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    return c * vector + s * np.cross(axis, vector) + (1 - c) * (axis @ vector) * axis
+    turn = np.empty((3, 3))
+    rotation(axis, angle, turn)
+    return turn @ vector
 
 
 def grasp_settings() -> str:
@@ -92,9 +94,15 @@ def _choices() -> tuple[tuple[int, int, int, int, int], ...]:
 def _turn(bar: Bar, pitch: float, tilt: float, flip: int) -> Array:
     """Rotation of the tool in the frame of the bar's joint."""
     approach = _turned(bar.along, pitch, -bar.outward)
-    closing = flip * np.cross(bar.along, approach)
+    closing = flip * cross(bar.along, approach)
     approach = _turned(closing, tilt, approach)
-    return np.stack([approach, closing, np.cross(approach, closing)], axis=1)
+    return np.stack([approach, closing, cross(approach, closing)], axis=1)
+
+
+def cross(one: Array, other: Array) -> Array:
+    """Cross product of two vectors (3,); numpy's own spends most of its time on moving axes."""
+    (a, b, c), (x, y, z) = one.tolist(), other.tolist()
+    return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
 class Hand:
@@ -112,7 +120,8 @@ class Hand:
         self.fingers = fingers
         self._tool = limb.tool(np.zeros(len(limb.lower)))
         self._left = self._left_side()
-        self._open, self._closing = self._closings()
+        self._open, self._closing_ways = self._closings()
+        self._moved = [self._moved_by(k) for k in range(len(limb.gripper.finger_joints))]
         self._seen: dict[bytes, tuple[Array, Array]] = {}
         open_at, closed_at = (self.shapes_seen(self.configuration(share))[1] for share in (0.0, 1.0))
         away = np.maximum(np.linalg.norm(open_at, axis=1), np.linalg.norm(closed_at, axis=1))
@@ -200,26 +209,40 @@ class Hand:
     def _close(self, handle: NDArray[np.int64], tool_r: Array, tool_p: Array) -> list[float] | None:
         """Shares at which the fingers touch."""
         count = len(self.limb.gripper.finger_joints)
-        if count == 1:
-            share = root(lambda s: max(self._sides(self._gaps([s], handle, tool_r, tool_p))))
-            return None if share is None else [share]
-        shares = []
+        shares: list[float] = []
         for k in range(count):
-            mine = self._moved_by(k)
-            unit = np.eye(count)[k]
-            share = root(lambda s, u=unit, m=mine: self._gaps(list(s * u), handle, tool_r, tool_p)[m].min())
+            sides = np.stack([self._left, ~self._left] if count == 1 else [self._moved[k]] * 2)
+            share = self._closing(k, sides, handle, tool_r, tool_p)
             if share is None:
                 return None
             shares.append(share)
         return shares
 
+    def _closing(
+        self, k: int, sides: NDArray[np.bool_], handle: NDArray[np.int64], tool_r: Array, tool_p: Array
+    ) -> float | None:
+        """Share of finger joint k at which the side that is farther touches."""
+        world, unit = self.world, np.eye(self._closing_ways.shape[1])[k]
+        goal = np.ascontiguousarray(tool_r), np.ascontiguousarray(tool_p)
+        shapes, way = (world.shapes, self.fingers, handle), self._closing_ways[:, k].copy()
+        scene = world.tree, world.boxes, *shapes, self._tool, goal
+        share = hands.closing(self._open, way, *scene, sides, TOUCH, ROUNDS)
+        if not np.isnan(share):
+            return None if share < 0 else float(share)
+
+        def gap(share: float) -> float:
+            gaps = self._gaps(list(share * unit), handle, tool_r, tool_p)
+            return max(float(gaps[side].min(initial=np.inf)) for side in sides)
+
+        return root(gap)
+
     def _gaps(self, shares: list[float], handle: NDArray[np.int64], tool_r: Array, tool_p: Array) -> Array:
         """Distance of each finger shape from the handle."""
-        q, out, world = self._open + self._closing @ shares, np.empty(len(self.fingers)), self.world
+        q, out, world = self._open + self._closing_ways @ shares, np.empty(len(self.fingers)), self.world
         goal = np.ascontiguousarray(tool_r), np.ascontiguousarray(tool_p)
         shapes = world.shapes, self.fingers, handle
         hands.gaps(q, world.tree, world.boxes, *shapes, self._tool, goal, out)
-        if np.isnan(out).any():
+        if not (out >= 0).all():
             pairs = np.stack(np.meshgrid(self.fingers, handle, indexing="ij"), axis=-1)
             gaps = world.distances(pairs.reshape(-1, 2), *self.placed(q, tool_r, tool_p))
             return gaps.reshape(pairs.shape[:2]).min(axis=1)

@@ -179,3 +179,11 @@ def divide(low, high, chain, reach, upright, tool, boxes, level, slack, tree):
         highs[depth + 1, split] = middle
         depth += 2
     return FOUND, written
+
+
+def warm() -> None:
+    """`divide` has run once, with the types in which it is used."""
+    turn, zero, one = np.eye(3)[None], np.zeros((1, 3)), np.zeros(1)
+    chain = turn, zero, zero, np.zeros(1, np.bool_)
+    tool, boxes = (np.eye(3), np.zeros(3), np.zeros(3)), (turn, zero, zero)
+    divide(one, one, chain, one, 0, tool, boxes, False, 0.0, np.zeros(1, dtype=np.uint8))

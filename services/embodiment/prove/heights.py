@@ -6,6 +6,7 @@ hinge a link may point anywhere, so it adds its whole length up and down.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ Array = NDArray[np.float64]
 
 SLACK = 0.005  # [m] beyond what certification tolerates: contact 2 mm, overhang, rounding
 UPRIGHT = 1e-9  # [1] deviation of a hinge's axis from the vertical that counts as none
+KEPT = 8  # limbs whose span is kept
 CHECKED = 9  # values of the container at which heights are compared
 
 
@@ -80,8 +82,9 @@ def heights(world: World, joint: int) -> Heights:
     return at
 
 
+@lru_cache(maxsize=KEPT)
 def span(world: World, limb: Limb) -> tuple[float, float]:
-    """Heights that no point of the limb's fingers can go below and above [m]."""
+    """Heights that no point of the limb's fingers can go below and above [m]; kept for other containers."""
     lows, highs = [], []
     for shape in world.shapes_of(limb.fingers):
         at = heights(world, int(world.boxes[0][shape]))
@@ -92,9 +95,8 @@ def span(world: World, limb: Limb) -> tuple[float, float]:
     return min(lows), max(highs)
 
 
-def handle_span(world: World, mechanics: Mechanics, value: float) -> tuple[float, float]:
-    """Heights of a box around the handle with the container at a value [m]."""
-    q = mechanics.put(world.scene.q((0.0, 0.0, 0.0), {}), np.array([value]))[0]
+def handle_span(world: World, mechanics: Mechanics, q: Array) -> tuple[float, float]:
+    """Heights of a box around the handle at scene configuration q [m]."""
     r, p = world.frames(q)
     joint, local_r, centre = world.boxes
     lows, highs = [], []
@@ -114,8 +116,9 @@ def out_of_reach(world: World, mechanics: Mechanics, limbs: list[Limb], values: 
         return False
     spans = [span(world, limb) for limb in limbs]
     lowest, highest = min(low for low, _ in spans), max(high for _, high in spans)
-    for value in np.linspace(values[0], values[-1], CHECKED):
-        low, high = handle_span(world, mechanics, float(value))
+    somewhere = world.scene.q((0.0, 0.0, 0.0), {})
+    for q in mechanics.put(somewhere, np.linspace(values[0], values[-1], CHECKED)):
+        low, high = handle_span(world, mechanics, q)
         if max(low - highest, lowest - high) > SLACK + world.scene.annotation.overhang:
             return True
     return False

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
-from services.physics.geometry.convex import OTHER, bounds
+from services.physics.geometry.convex import OTHER, bounds, parted
 
 SHUT, ASKED, LEFT = 0, 1, 2
 """Of an item: a bound says enough, its distance is known, its distance is left to be asked for."""
@@ -65,68 +65,105 @@ def place(q, v, parents, offsets, axes, revolute, rotation, origin, axis, omega,
 
 
 @_compiled
-def shift(u, i, j, c, radius, path, revolute, placed, spans):
-    """How far points of a ball about c on carrier i can move against carrier j during span u [m]."""
-    _, origin, axis, omega, linear = placed
-    start, end, moves, v_max, a_max = spans
-    moved, rate = 0.0, 0.0
+def shift(u, i, j, c, radius, path, revolute, placed, spans, levers):
+    """How far points of a ball about c on carrier i can move against carrier j during span u [m].
+
+    `levers` is room, shape (K,).
+    """
+    moved = _first_order(u, i, j, c, radius, path, revolute, placed, spans, levers)
+    return _second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, moved)
+
+
+@_compiled
+def _first_order(u, i, j, c, radius, path, revolute, placed, spans, levers):
+    """The bound from positions alone; each joint's lever is in `levers`."""
+    origin, axis, moves = placed[1], placed[2], spans[2]
+    moved = 0.0
     for k in range(1, path.shape[0]):
-        if path[i, k] != path[j, k]:
-            moved += _lever(u, k, c, radius, revolute, origin, axis) * moves[u, k - 1]
-            rate += v_max[u, k - 1] if revolute[k] else 0.0
+        if path[i, k] == path[j, k]:
+            continue
+        levers[k] = 1.0
+        if revolute[k]:
+            ax, ay, az = axis[u, k, 0], axis[u, k, 1], axis[u, k, 2]
+            x, y, z = c[0] - origin[u, k, 0], c[1] - origin[u, k, 1], c[2] - origin[u, k, 2]
+            x, y, z = y * az - z * ay, z * ax - x * az, x * ay - y * ax
+            levers[k] = math.sqrt(x * x + y * y + z * z) + radius
+        moved += levers[k] * moves[u, k - 1]
+    return moved
+
+
+@_compiled
+def _second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, moved):
+    """The bound `moved`, or the sharper one of Taylor's formula."""
+    omega, linear = placed[3], placed[4]
+    start, end, _, v_max, a_max = spans
     if path.shape[0] == 1 or not math.isfinite(v_max[u, 0]):
         return moved
-    gain, speed = 0.0, 0.0
+    gain, speed, rate = 0.0, 0.0, 0.0
     for k in range(1, path.shape[0]):
         if path[i, k] != path[j, k]:
-            reach = _lever(u, k, c, radius, revolute, origin, axis) + (moved if revolute[k] else 0.0)
+            reach = levers[k] + (moved if revolute[k] else 0.0)
+            rate += v_max[u, k - 1] if revolute[k] else 0.0
             gain += reach * a_max[u, k - 1]
             speed += reach * v_max[u, k - 1]
     bend = gain + 2.0 * rate * speed
-    w = omega[u, i] - omega[u, j]
-    x = linear[u, i, 0] - linear[u, j, 0] + w[1] * c[2] - w[2] * c[1]
-    y = linear[u, i, 1] - linear[u, j, 1] + w[2] * c[0] - w[0] * c[2]
-    z = linear[u, i, 2] - linear[u, j, 2] + w[0] * c[1] - w[1] * c[0]
-    spin = math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+    wx, wy, wz = (
+        omega[u, i, 0] - omega[u, j, 0],
+        omega[u, i, 1] - omega[u, j, 1],
+        omega[u, i, 2] - omega[u, j, 2],
+    )
+    x = linear[u, i, 0] - linear[u, j, 0] + wy * c[2] - wz * c[1]
+    y = linear[u, i, 1] - linear[u, j, 1] + wz * c[0] - wx * c[2]
+    z = linear[u, i, 2] - linear[u, j, 2] + wx * c[1] - wy * c[0]
+    spin = math.sqrt(wx * wx + wy * wy + wz * wz)
     half = (end[u] - start[u]) / 2.0
     return min(moved, half * (math.sqrt(x * x + y * y + z * z) + spin * radius + half * bend / 2.0))
 
 
 @_compiled
-def _lever(u, k, c, radius, revolute, origin, axis):
-    if not revolute[k]:
-        return 1.0
-    a, o = axis[u, k], origin[u, k]
-    x, y, z = c[0] - o[0], c[1] - o[1], c[2] - o[2]
-    x, y, z = y * a[2] - z * a[1], z * a[0] - x * a[2], x * a[1] - y * a[0]
-    return math.sqrt(x * x + y * y + z * z) + radius
+def _middle(u, s, shapes, placed, c):
+    """The centre of shape s in the world is in c."""
+    carrier, centre = shapes[0][s], shapes[2]
+    rotation, origin = placed[0], placed[1]
+    x, y, z = centre[s, 0], centre[s, 1], centre[s, 2]
+    for i in range(3):
+        c[i] = (
+            origin[u, carrier, i]
+            + rotation[u, carrier, i, 0] * x
+            + rotation[u, carrier, i, 1] * y
+            + rotation[u, carrier, i, 2] * z
+        )
 
 
 @_compiled
-def _put(u, s, shapes, placed, r, c, half):
-    """Pose of shape s in the world in r, c; half extents of its box along the world's axes in half."""
-    carrier, rotation, centre, size, _ = shapes
-    frame = placed[0][u, carrier[s]]
-    _product(frame, rotation[s], r)
+def _turn(u, s, shapes, placed, r, half):
+    """Rotation of shape s in the world is in r; half extents of its box along the world's axes in half."""
+    carrier, own, size, rotation = shapes[0][s], shapes[1], shapes[3], placed[0]
     for i in range(3):
-        c[i], half[i] = placed[1][u, carrier[s], i], 0.0
+        half[i] = 0.0
         for k in range(3):
-            c[i] += frame[i, k] * centre[s, k]
+            r[i, k] = (
+                rotation[u, carrier, i, 0] * own[s, 0, k]
+                + rotation[u, carrier, i, 1] * own[s, 1, k]
+                + rotation[u, carrier, i, 2] * own[s, 2, k]
+            )
             half[i] += abs(r[i, k]) * size[s, k]
 
 
 @_compiled
 def swept(shapes, placed, spans, path, revolute, low, high):
     """Corners of boxes that contain each shape all through each span are in low, high (U, S, 3)."""
-    r, c, half = np.empty((3, 3)), np.empty(3), np.empty(3)
+    r, c, half, levers = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty(path.shape[0])
     for u in range(low.shape[0]):
         for s in range(low.shape[1]):
             carrier = shapes[0][s]
             if carrier == 0 and u > 0:
-                low[u, s], high[u, s] = low[0, s], high[0, s]
+                for i in range(3):
+                    low[u, s, i], high[u, s, i] = low[0, s, i], high[0, s, i]
                 continue
-            _put(u, s, shapes, placed, r, c, half)
-            moved = shift(u, carrier, 0, c, shapes[4][s], path, revolute, placed, spans)
+            _middle(u, s, shapes, placed, c)
+            _turn(u, s, shapes, placed, r, half)
+            moved = shift(u, carrier, 0, c, shapes[4][s], path, revolute, placed, spans, levers)
             for i in range(3):
                 low[u, s, i], high[u, s, i] = c[i] - half[i] - moved, c[i] + half[i] + moved
 
@@ -143,10 +180,13 @@ def starting(pairs, low, high, least, which, pair):
                 for i in range(3):
                     bottom[i], top[i] = min(bottom[i], low[u, s, i]), max(top[i], high[u, s, i])
         for s in range(low.shape[1]):
-            near[s] = _meet(low[u, s], high[u, s], bottom, top, least)
+            near[s] = True
+            for i in range(3):
+                beside = low[u, s, i] - least > top[i] or bottom[i] > high[u, s, i] + least
+                near[s] = near[s] and not beside
         for n in range(pairs.shape[0]):
             s, e = pairs[n, 0], pairs[n, 1]
-            if near[e] and _meet(low[u, s], high[u, s], low[u, e], high[u, e], least):
+            if near[e] and _meet(low, high, u, s, e, least):
                 if count < which.shape[0]:
                     which[count], pair[count] = u, n
                 count += 1
@@ -154,10 +194,11 @@ def starting(pairs, low, high, least, which, pair):
 
 
 @_compiled
-def _meet(low, high, bottom, top, least):
-    beside = low[0] - least > top[0] or bottom[0] > high[0] + least
-    beside = beside or low[1] - least > top[1] or bottom[1] > high[1] + least
-    return not (beside or low[2] - least > top[2] or bottom[2] > high[2] + least)
+def _meet(low, high, u, s, e, least):
+    for i in range(3):
+        if low[u, s, i] - least > high[u, e, i] or low[u, e, i] > high[u, s, i] + least:
+            return False
+    return True
 
 
 @_compiled
@@ -172,28 +213,32 @@ def look(items, pairs, keep, shapes, convex, placed, spans, path, revolute, slac
     precision, hopeless, shortest = limits
     one_r, one_c, one_half = np.empty((3, 3)), np.empty(3), np.empty(3)
     two_r, two_c, two_half = np.empty((3, 3)), np.empty(3), np.empty(3)
-    work = np.zeros((8, 4))
+    work, levers = np.zeros((8, 4)), np.empty(path.shape[0])
     for n in range(items[0].shape[0]):
         p, u = items[0][n], items[1][n]
         a, b = pairs[p, 0], pairs[p, 1]
-        _put(u, a, shapes, placed, one_r, one_c, one_half)
-        _put(u, b, shapes, placed, two_r, two_c, two_half)
-        outside, deepest, length = 0.0, -math.inf, 0.0
-        for i in range(3):
-            away = abs(two_c[i] - one_c[i])
-            gap = away - one_half[i] - two_half[i]
-            outside += max(gap, 0.0) ** 2
-            deepest = max(deepest, gap)
-            length += away * away
-        between[n] = math.sqrt(length)
-        floor = math.sqrt(outside) if outside > 0.0 else deepest
-        floor = max(floor, between[n] - shapes[4][a] - shapes[4][b])
+        i, j, radius = shapes[0][a], shapes[0][b], shapes[4][a]
+        _middle(u, a, shapes, placed, one_c)
+        _middle(u, b, shapes, placed, two_c)
+        x, y, z = two_c[0] - one_c[0], two_c[1] - one_c[1], two_c[2] - one_c[2]
+        between[n] = math.sqrt(x * x + y * y + z * z)
+        floor = between[n] - radius - shapes[4][b]
         least = keep[1][p] if spans[0][u] >= keep[2] else keep[0][p]
-        moved = shift(u, shapes[0][a], shapes[0][b], one_c, shapes[4][a], path, revolute, placed, spans)
+        enough = max(slack - precision, 0.0)
+        moved = _first_order(u, i, j, one_c, radius, path, revolute, placed, spans, levers)
+        if floor - moved - least <= enough:
+            moved = _second_order(u, i, j, one_c, radius, path, revolute, placed, spans, levers, moved)
         approach[n], distance[n], done[n] = moved, floor, SHUT
+        if floor - moved - least > enough:
+            continue
         wide = spans[1][u] - spans[0][u] > shortest
         if between[n] < moved + least and moved > hopeless and wide:
             continue
+        _turn(u, a, shapes, placed, one_r, one_half)
+        _turn(u, b, shapes, placed, two_r, two_half)
+        floor = max(floor, _apart(one_c, one_half, two_c, two_half))
+        floor = max(floor, parted(convex, a, b, one_r, one_c, two_r, two_c))
+        distance[n] = floor
         low = floor - moved - least
         if low >= slack - precision and (low > 0.0 or spans[0][u] >= open_until):
             continue
@@ -204,3 +249,14 @@ def look(items, pairs, keep, shapes, convex, placed, spans, path, revolute, slac
         low, _ = bounds(convex, a, b, one_r, one_c, two_r, two_c, enough, -math.inf, work)
         if low > -math.inf:
             done[n], distance[n] = ASKED, low
+
+
+@_compiled
+def _apart(one_c, one_half, two_c, two_half):
+    """Distance of two boxes along the world's axes; negative is what parts them where they overlap."""
+    outside, deepest = 0.0, -math.inf
+    for i in range(3):
+        gap = abs(two_c[i] - one_c[i]) - one_half[i] - two_half[i]
+        outside += max(gap, 0.0) ** 2
+        deepest = max(deepest, gap)
+    return math.sqrt(outside) if outside > 0.0 else deepest

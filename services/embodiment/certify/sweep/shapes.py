@@ -44,6 +44,7 @@ class Shapes:
         # cached guess makes answers depend on history); the result is cleared at each call.
         self._request, self._result = coal.DistanceRequest(), coal.DistanceResult()
         self._faces: dict[int, Faces | None] = {}
+        self._first: tuple[Placed | None, dict[int, tuple[Array, Array]]] = (None, {})
 
     def centres(self, placed: Placed, span: Indices, shape: Indices) -> Array:
         """Centres in the world of one shape at one configuration for each item, shape (M, 3) [m]."""
@@ -98,9 +99,18 @@ class Shapes:
 
     def _pair(self, placed: Placed, pair: tuple[int, int], shift: Array) -> tuple[Array, ...]:
         """Rotation and origin of both shapes at the first configuration, the first one moved."""
-        span = np.zeros(1, dtype=np.intp)
-        one, other = (self.frames(placed, span, np.array([shape])) for shape in pair)
-        return one[0][0], one[1][0] + shift, other[0][0], other[1][0]
+        (one_R, one_p), (other_R, other_p) = (self._at_first(placed, shape) for shape in pair)
+        return one_R, one_p + shift, other_R, other_p
+
+    def _at_first(self, placed: Placed, shape: int) -> tuple[Array, Array]:
+        """Rotation and origin of a shape at the first configuration; kept until others are asked about."""
+        if self._first[0] is not placed:
+            self._first = placed, {}
+        known = self._first[1]
+        if shape not in known:
+            rotation, origin = self.frames(placed, np.zeros(1, dtype=np.intp), np.array([shape]))
+            known[shape] = rotation[0], origin[0]
+        return known[shape]
 
     def frames(self, placed: Placed, span: Indices, shape: Indices) -> tuple[Array, Array]:
         """Rotations and origins of shapes in the world, shapes (M, 3, 3) and (M, 3)."""
