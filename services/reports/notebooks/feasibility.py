@@ -53,8 +53,8 @@ feasibility.durations(found)
 # %% [markdown]
 # ## What is not certified, and why
 #
-# *Proved*: a sound bound excludes every motion of the class. *Not proved*: the search gave up. That denies
-# nothing: more seconds, another start or another robot may do it.
+# *Proved*: a sound bound excludes every motion of the class. *Measured*: the motion that was made breaks a
+# bound. *Not proved*: the search gave up, which denies nothing: more seconds or another start may do it.
 
 # %%
 feasibility.refusals(found)

@@ -3,7 +3,7 @@
 import csv
 import html
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from services.reports.scene.colors import COLORS, css
@@ -70,7 +70,7 @@ class Table:
     rows: tuple[tuple[object, ...], ...]
 
     @staticmethod
-    def of(name: str, caption: str, rows: Sequence[dict[str, object]]) -> "Table":
+    def of(name: str, caption: str, rows: Sequence[Mapping[str, object]]) -> "Table":
         """The table of rows that have the same keys."""
         columns = tuple(rows[0]) if rows else ()
         return Table(name, caption, columns, tuple(tuple(each.values()) for each in rows))

@@ -1,8 +1,10 @@
 """A notebook run from top to bottom: parameters in, outputs out, typed errors as on the shell."""
 
+import logging
 import sys
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from copy import deepcopy
 from typing import Final
 
@@ -45,7 +47,7 @@ def executed(notebook: Notebook, values: Mapping[str, Value]) -> NotebookNode:
         SdtError: It ended with another error of this project.
         BrokenReportError: It ended with anything else.
     """
-    with own_interpreter() as manager, warnings.catch_warnings():
+    with own_interpreter() as manager, warnings.catch_warnings(), _quiet():
         # papermill closes what it opened when its own collector runs; no concern of a report.
         warnings.simplefilter("ignore", ResourceWarning)
         try:
@@ -63,6 +65,18 @@ def executed(notebook: Notebook, values: Mapping[str, Value]) -> NotebookNode:
         except DeadKernelError:
             what = f"the process of the report {notebook.name} was ended from outside"
             raise SdtError(f"{what}: too little memory, most often") from None
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Papermill says nothing of parameters whose comments it cannot read: the catalogue reads them itself."""
+    log = logging.getLogger("papermill")
+    before = log.level
+    log.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        log.setLevel(before)
 
 
 def _told(notebook: Notebook, error: PapermillExecutionError) -> Exception:

@@ -14,7 +14,7 @@ from services.reports.scene.view import View
 Array = NDArray[np.float64]
 
 LIGHT = np.array([0.36, 0.48, 0.80])
-AMBIENT, DIRECT, UPWARD = 0.55, 0.25, 0.20
+AMBIENT, DIRECT, UPWARD = 0.64, 0.20, 0.16
 """[1] As in viewer.js."""
 
 NEAR_EDGE = 0.01

@@ -97,7 +97,7 @@
     precision highp float; in vec3 world; uniform vec4 color; uniform float lit; out vec4 shown;
     void main() {
       vec3 n = normalize(cross(dFdx(world), dFdy(world)));
-      float light = 0.55 + 0.25 * abs(dot(n, vec3(0.36, 0.48, 0.80))) + 0.20 * abs(n.z);
+      float light = 0.64 + 0.20 * abs(dot(n, vec3(0.36, 0.48, 0.80))) + 0.16 * abs(n.z);
       shown = vec4(color.rgb * mix(1.0, light, lit), color.a);
     }`));
   gl.linkProgram(program);

@@ -27,7 +27,7 @@ MARGINS = {
 
 MEANS = {
     "certified": "certified",
-    "not_certified": "not certified, not proved",
+    "not_certified": "not certified",
     "proved": "proved impossible in D_artic",
     "abstained": "abstained",
 }
@@ -103,8 +103,8 @@ def matrix_figure(found: Judgements) -> Figure:
         handles = [Patch(facecolor=COLORS[name], label=text) for name, text in MEANS.items() if name in shown]
         axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1.0), ncols=4, borderaxespad=0.2)
     caption = (
-        f"{found.verb}() in kitchen {kitchen}. S, C, E: SatisfiesRequest, Causes, CanPerform is the first that"
-        " fails; A: abstained, outside D_artic."
+        f"{found.verb}() in kitchen {kitchen}. S, C, E: SatisfiesRequest, Causes, CanPerform is the first"
+        " that fails; A: abstained, outside D_artic."
     )
     return Figure("feasibility_matrix", caption, drawing)
 

@@ -34,12 +34,21 @@ def color(verdict: Verdict) -> str:
 
 
 def said(verdict: Verdict) -> str:
-    """Outcome in two or three words; a refusal says whether it is proved."""
+    """Outcome in two or three words; a refusal says on what its first failure rests."""
     if verdict.outcome is Outcome.CERTIFIED:
         return "certified"
     if verdict.outcome is Outcome.ABSTAINED:
         return "abstained"
-    return f"{failed(verdict)}, {'proved' if is_proved(verdict) else 'not proved'}"
+    return f"{failed(verdict)}, {ground(verdict)}"
+
+
+def ground(verdict: Verdict) -> str:
+    """`proved`, `measured` of a motion that was given or made, or `not proved`: a search that gave up."""
+    if is_proved(verdict):
+        return "proved"
+    kind = failed(verdict)
+    own = [each for each in verdict.diagnoses if each.kind.value.replace("_", " ") == kind]
+    return "not proved" if all(each.search is not None for each in own) else "measured"
 
 
 def cell(verdict: Verdict, clip: str = "") -> Cell:
