@@ -193,9 +193,14 @@ def template(name: str) -> jinja2.Template:
         "breakable": breakable,
         "id_link": id_link,
         "local": local_name,
-        "query": urlencode,
+        "query": query_text,
     }
     return environment.get_template(f"{name}.html")
+
+
+def query_text(words: Mapping[str, str | None]) -> str:
+    """The query of an address; what is empty is left out."""
+    return urlencode({name: value for name, value in words.items() if value})
 
 
 def breakable(name: str) -> str:

@@ -13,6 +13,7 @@ from predicates.record.facts import Facts
 from predicates.record.inputs import UNKNOWN_INPUT
 from sdt_kg.errors import InputError
 from sdt_kg.iri import ID, LAW, Iri, local_name
+from services.http.pages.feasibility.cells import TURNED
 from services.http.pages.kinds import Standing
 from services.http.pages.terms import Cell, iri_cell
 from services.http.pages.view import Json, View
@@ -59,6 +60,10 @@ def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
         "task": stored.verb.value if stored.verb else None,
         "container": local_name(stored.container) if stored.container else None,
         "drive": facts.text(iri, LAW + "drive"),
+        "state": [
+            f"{local_name(facts.needed(of, LAW + 'entity'))}={facts.measured(of, LAW + 'value')!r}"
+            for of in facts.all(iri, LAW + "jointPosition")
+        ],
         "predicates": _predicates(stored, facts),
         "diagnoses": evidence,
         "margins": [
@@ -76,7 +81,7 @@ def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
         "outcome_words": outcome(stored),
         "standings": _standings(stored),
         "proved": any(each.proof for each in stored.diagnoses),
-        "told": {name: told[name] for name in TOLD if name in told},
+        "told": {name: told.get(name, []) for name in TOLD},
         "links": _links(stored),
         "answers": [
             (name, f"/id/{iri.removeprefix(ID)}/answer/{index}")
@@ -85,6 +90,7 @@ def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
         ],
         "path": "/id/" + iri.removeprefix(ID),
         "graph": "/id/graph/verdict/" + local_name(iri),
+        "base": _base(stored),
         "used": _used(stored),
         "commands": [each for each in told.get("To check again", []) if each.startswith("sdt ")],
     }
@@ -181,6 +187,12 @@ def _links(stored: StoredVerdict) -> list[tuple[str, Cell]]:
     """What the verdict is about."""
     named = (("kitchen", stored.environment), ("robot", stored.robot), ("container", stored.container))
     return [(name, iri_cell(iri)) for name, iri in named if iri]
+
+
+def _base(stored: StoredVerdict) -> str | None:
+    """Where the base starts, if that is not the kitchen's own start."""
+    start = dict(stored.inputs).get("embodiment.start", TURNED)
+    return None if start.endswith(TURNED) or "," not in start else start.replace(" ", "")
 
 
 def _used(stored: StoredVerdict) -> list[tuple[str, str]]:
