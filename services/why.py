@@ -160,8 +160,10 @@ def _asked(verdict: StoredVerdict, facts: Facts) -> Iterator[str]:
 
 
 def _start(text: str) -> str:
-    """x, y, yaw as the embodiment oracle writes them."""
+    """x, y, yaw as the embodiment oracle writes them, or its sentence where there are none."""
     values, _, turned = text.partition(", turned")
+    if values.count(",") != 2:
+        return text
     x, y, yaw = values.split(", ")
     return f"x {x} m, y {y} m, " + ("turned to the handle" if turned else f"yaw {yaw} rad") + ", arms parked"
 
@@ -274,7 +276,10 @@ def _command(verdict: StoredVerdict, facts: Facts) -> str:
     drive = inputs.get("embodiment.drive")
     words += ["--drive", drive] if drive else []
     start = inputs.get("embodiment.start", "turned")
-    words += [] if "turned" in start else ["--base", start.replace(" ", "")]
+    if start.count(",") == 2:
+        words += ["--base", start.replace(" ", "")]
+    elif "turned" not in start:
+        words.append("--any-start")
     for name in ("budget", "seed"):
         value = inputs.get(f"embodiment.{name}")
         words += [f"--{name}", value.removesuffix(" s")] if value else []

@@ -111,3 +111,26 @@ def test_a_verdict_is_found_by_the_beginning_of_its_hash_if_that_is_one() -> Non
     for unknown in ("", "zzz", "https://example.org/id/verdict/zz"):
         with pytest.raises(UnknownEntityError, match="no verdict named"):
             why(store, unknown)
+
+
+STARTS = {
+    "0, 1, 0, turned to the handle": (
+        "x 0 m, y 1 m, turned to the handle, arms parked",
+        "--drive omni --budget 1.0 --seed 0",
+    ),
+    "0, 1, 0.5": ("x 0 m, y 1 m, yaw 0.5 rad, arms parked", "--base 0,1,0.5"),
+    "where and as the motion begins": ("where and as the motion begins", "--any-start"),
+}
+
+
+@pytest.mark.parametrize("start", STARTS)
+def test_every_start_is_told_and_goes_into_the_command(start: str) -> None:
+    class Starting(Lift):
+        def settings(self, twin, robot):
+            return (*super().settings(twin, robot), ("start", start), ("seed", "0"))
+
+    case = Case(TWIN, robot=TWIN.robots[0], task=Task(Verb.OPEN, TWIN.container("low_drawer").iri))
+    (made,) = law(case, Kinematics(), Starting())
+    text, (words, options) = told(made), STARTS[start]
+    assert f"start of the base: {words}\n" in text
+    assert options in text
