@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity
 from predicates.meant import containers_meant, moved_by, tasks_meant, unit_of
-from predicates.oracle import Physics
+from predicates.oracle import Physics, tee_class_of
 from predicates.satisfies_request import demanded, met_requests, threshold
 from predicates.scope import out_of_scope
 from sdt_kg.errors import NoModeError
@@ -45,7 +45,8 @@ def causes(case: Case, physics: Physics) -> Iterator[Answer]:
 
 def _verified(case: Case, motion: Motion, physics: Physics) -> Answer:
     """What the given motion causes."""
-    outside = [each for container in containers_meant(case) for each in out_of_scope(case, container)]
+    tee = tee_class_of(physics)
+    outside = [each for container in containers_meant(case) for each in out_of_scope(case, container, tee)]
     if outside:
         return Answer(case, holds=False, diagnoses=tuple(outside))
     replayed = physics.replay(case.twin, motion)
@@ -56,12 +57,13 @@ def _verified(case: Case, motion: Motion, physics: Physics) -> Answer:
     certain = all(each.proof for each in replayed.violations)
     diagnoses += _missed(case, case.final, replayed.final, proof=certain)
     solved = replace(case, motion=replayed.motion, final=replayed.final)
-    return Answer(solved, holds=not diagnoses, diagnoses=tuple(diagnoses))
+    return Answer(solved, not diagnoses, tuple(diagnoses), replayed.notes, figures=replayed.figures)
 
 
 def _found(case: Case, task: Task, container: Container, physics: Physics) -> Answer:
     """A motion of the container that causes what the task demands."""
-    refusals = [*out_of_scope(case, container), *_nothing_to_cause(case, task, container)]
+    outside = out_of_scope(case, container, tee_class_of(physics))
+    refusals = [*outside, *_nothing_to_cause(case, task, container)]
     if refusals:
         final = case.final if refusals[0].kind is Kind.OUT_OF_SCOPE else case.twin.state
         return Answer(replace(case, final=final), holds=False, diagnoses=tuple(refusals))
@@ -76,8 +78,8 @@ def _reached(case: Case, final: State | Region, physics: Physics) -> Answer:
         names = ", ".join(map(local_name, joints)) or "nothing"
         reason = f"nothing to cause by one motion: {names} would move"
         return Answer(case, holds=False, diagnoses=(Diagnosis(Kind.CAUSAL, reason, proof=True),))
-    moved = moved_by(case.twin, joints[0])
-    outside = [each for container in moved for each in out_of_scope(case, container)]
+    moved, tee = moved_by(case.twin, joints[0]), tee_class_of(physics)
+    outside = [each for container in moved for each in out_of_scope(case, container, tee)]
     if outside:
         return Answer(case, holds=False, diagnoses=tuple(outside))
     if case.twin.state in goal:
@@ -92,7 +94,7 @@ def _generated(case: Case, goal: Region, physics: Physics) -> Answer:
         replayed = physics.replay(case.twin, motion)
         diagnoses = replayed.violations + _missed(case, goal, replayed.final, proof=False)
         solved = replace(case, motion=replayed.motion, final=replayed.final)
-        return Answer(solved, holds=not diagnoses, diagnoses=diagnoses)
+        return Answer(solved, not diagnoses, diagnoses, replayed.notes, figures=replayed.figures)
     reason = "the physics found no motion into the goal"
     return Answer(case, holds=False, diagnoses=(Diagnosis(Kind.CAUSAL, reason),))
 

@@ -167,8 +167,8 @@ def _verdict(asked: Case, answers: Answers, began: float, inputs: Inputs) -> Ver
     satisfied, caused, performed = answers
     diagnoses = [each for answer in answers if answer is not None for each in answer.diagnoses]
     case = _solved(asked, answers)
-    if caused is not None and _outside(caused):
-        outcome, satisfied, caused = Outcome.ABSTAINED, None, None
+    if any(answer is not None and _outside(answer) for answer in answers):
+        outcome, satisfied, caused, performed = Outcome.ABSTAINED, None, None, None
     elif all(answer is not None and answer.holds for answer in answers):
         outcome = Outcome.CERTIFIED
     else:

@@ -1,12 +1,13 @@
 """What the relations need of the world, as Protocols; `services` fulfils them."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, field
+from typing import Protocol, runtime_checkable
 
 from predicates.case import Answer, Case, Diagnosis
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.scope import D_ARTIC, TeeClass
 from sdt_kg.state import Region, State
 from sdt_kg.twin import Container, Twin
 
@@ -21,11 +22,15 @@ class Replayed:
         violations: What the motion does that the kitchen cannot: limits of position, velocity and
             acceleration, a start elsewhere, poses that leave the joint's motion; the first and the
             worst of each. `final` is then where the motion would end, held by the joint's limits.
+        notes: What a reader should know of how it was judged.
+        figures: Bounds that were found: name → (value, unit).
     """
 
     final: State
     motion: Motion
     violations: tuple[Diagnosis, ...] = ()
+    notes: tuple[str, ...] = ()
+    figures: dict[str, tuple[float, str]] = field(default_factory=dict[str, tuple[float, str]])
 
 
 class Physics(Protocol):
@@ -52,6 +57,21 @@ class Physics(Protocol):
     def carried(self, twin: Twin, body_motion: BodyMotion, container: Container) -> Motion:
         """τ of the container's own joint under a body motion: as it says, or as its gripper drags it."""
         ...
+
+
+@runtime_checkable
+class OfClass(Protocol):
+    """A Φ that says of which class D it is a part."""
+
+    @property
+    def tee_class(self) -> TeeClass:
+        """D."""
+        ...
+
+
+def tee_class_of(physics: Physics) -> TeeClass:
+    """The class that a question to this Φ is about: its own, D_artic where it says none."""
+    return physics.tee_class if isinstance(physics, OfClass) else D_ARTIC
 
 
 class Embodiment(Protocol):

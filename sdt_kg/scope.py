@@ -270,9 +270,9 @@ def _node(term: Term) -> Node:
     return rdflib.Literal(term.value, datatype=rdflib.URIRef(term.datatype.value))
 
 
-def report_turtle(twin: Twin, robot: Iri | None = None) -> str:
+def report_turtle(twin: Twin, robot: Iri | None = None, tee: TeeClass = D_ARTIC) -> str:
     """SHACL validation report of all containers, as Turtle."""
-    found = {each: None for container in twin.containers() for each in violations(twin, container, robot)}
+    found = {each: None for one in twin.containers() for each in violations(twin, one, robot, tee=tee)}
     graph = rdflib.Graph()
     graph.bind("sh", SH)
     report = rdflib.URIRef(f"{twin.environment}/scope")

@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Iterable
 
 from predicates.case import Case
-from predicates.oracle import Embodiment, Physics
+from predicates.oracle import Embodiment, Physics, tee_class_of
 from predicates.scope import tee_class_hash
 from sdt_kg.iri import Iri
 from sdt_kg.iri import verdict_iri as iri_of
@@ -34,7 +34,7 @@ def inputs_of(case: Case, physics: Physics, embodiment: Embodiment | None) -> In
         ("motion", _motion_hash(case.motion)),
         ("body_motion", _body_motion_hash(case.body_motion)),
         ("final", _final_hash(case.final)),
-        ("tee_class", tee_class_hash()),
+        ("tee_class", tee_class_hash(tee_class_of(physics))),
         ("physics", physics.version),
     ]
     if embodiment is not None and isinstance(robot, str):

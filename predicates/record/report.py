@@ -1,8 +1,10 @@
 """Verdicts as JSON objects, with names instead of IRIs."""
 
 from predicates.case import Answer, Diagnosis, Evidence, Verdict
+from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import local_name
 from sdt_kg.motion import BodyMotion
+from sdt_kg.scope import TeeClass
 from sdt_kg.task import Task
 
 SIGNIFICANT = 6
@@ -51,11 +53,17 @@ def drive(verdict: Verdict) -> str | None:
     return verdict.case.twin.robot(robot).drive.value if isinstance(robot, str) else None
 
 
+def tee_class(verdict: Verdict) -> TeeClass | None:
+    """The class D that the verdict is relative to; None for one of another version."""
+    return tee_class_of_hash(dict(verdict.inputs).get("tee_class", ""))
+
+
 def to_json(verdict: Verdict) -> dict[str, object]:
     """The object that `sdt achieve --json` prints for one verdict."""
     case = verdict.case
     task = case.task if isinstance(case.task, Task) else None
     container = task.container if task is not None and isinstance(task.container, str) else None
+    tee = tee_class(verdict)
     holds = {name: None if answer is None else answer.holds for name, answer in answers(verdict).items()}
     return {
         "kitchen": local_name(case.twin.environment),
@@ -68,6 +76,7 @@ def to_json(verdict: Verdict) -> dict[str, object]:
         "can_perform": holds["canPerform"],
         "gripper": gripper(verdict),
         "drive": drive(verdict),
+        "tee_class": None if tee is None else tee.name,
         "diagnoses": [diagnosis_json(each) for each in verdict.diagnoses],
         "figures": {name: [_rounded(value), unit] for name, (value, unit) in figures(verdict).items()},
         "notes": list(notes(verdict)),

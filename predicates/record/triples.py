@@ -9,7 +9,7 @@ from predicates.case import Diagnosis, Evidence, Verdict
 from predicates.record.artefacts import artefact_triples
 from predicates.record.explained import answer_triples, scope_triples, state_triples
 from predicates.record.recall import budget_of
-from predicates.record.report import answers, drive, figures, gripper, notes
+from predicates.record.report import answers, drive, figures, gripper, notes, tee_class
 from predicates.record.stored import DIAGNOSIS_CLASS, OUTCOME_TERM
 from predicates.scope import verb_iri
 from sdt_kg.iri import LAW, PROV, RDF, Iri, graph_iri, local_name, part_iri
@@ -131,6 +131,8 @@ def _case(verdict: Verdict) -> Iterator[Triple]:
     """What was asked, and what was solved for."""
     subject, case = verdict.iri, verdict.case
     yield subject, LAW + "environment", _node(case.twin.environment)
+    if (tee := tee_class(verdict)) is not None:
+        yield subject, LAW + "teeClass", _node(tee.iri)
     if isinstance(case.robot, str):
         yield subject, LAW + "robot", _node(case.robot)
     if isinstance(case.task, Task):

@@ -8,7 +8,7 @@ from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Outcome, Qu
 from predicates.causes import STATE_TOLERANCE, causes
 from predicates.law import law
 from predicates.meant import unit_of
-from predicates.oracle import Embodiment, Physics
+from predicates.oracle import Embodiment, Physics, tee_class_of
 from predicates.questions import with_carried
 from predicates.record.inputs import inputs_of, verdict_iri
 from predicates.scope import out_of_scope
@@ -50,7 +50,7 @@ def _opened_to(
     goal = Region(((container.joint, Interval(position - STATE_TOLERANCE, position + STATE_TOLERANCE)),))
     asked = replace(case, final=goal)
     inputs = inputs_of(asked, physics, embodiment)
-    outside = out_of_scope(case, container)
+    outside = out_of_scope(case, container, tee_class_of(physics))
     refused = outside or _nothing_to_cause(asked, container, goal)
     if refused:
         outcome = Outcome.ABSTAINED if outside else Outcome.NOT_CERTIFIED

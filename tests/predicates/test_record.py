@@ -27,6 +27,7 @@ KEYS = [
     "can_perform",
     "gripper",
     "drive",
+    "tee_class",
     "diagnoses",
     "figures",
     "notes",
