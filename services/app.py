@@ -81,6 +81,23 @@ class Service:
         """The same kitchen with these joints elsewhere: `JOINT=VALUE`, `all=open`, and so on."""
         return replace(self, twin=self.twin.at(parse_state(self.twin, states)))
 
+    def with_forces(self, file: Path | None = None) -> "Service":
+        """The same relative to D_artic_dyn: a Φ with forces, and a robot that has to bear them.
+
+        Args:
+            file: Turtle that gives joints force models; None takes what the twin has, else what is
+                bundled for its kitchen.
+
+        Raises:
+            InputError: Other oracles answer, which know no forces.
+            AnnotationError: The file is no force data of this kitchen.
+        """
+        if self.oracles is not None:
+            raise InputError("oracles elsewhere know no forces", allowed="D_artic_dyn in process")
+        from services.dynamics.data import with_forces  # noqa: PLC0415 - only where forces are asked about
+
+        return replace(self, twin=with_forces(self.twin, file), oracles=_Forces())
+
     def satisfies(self) -> Iterator[Answer]:
         """Every request which the present state meets: SatisfiesRequest, backwards."""
         return satisfies_request(Case(self.twin, final=self.twin.state))
@@ -141,19 +158,9 @@ class Service:
     @cached_property
     def embodiment(self) -> Embodiment:
         """CanPerform's oracle, in process unless there are others."""
-        policy = self.policy
         if self.oracles is not None:
-            return self.oracles.embodiment(policy)
-        from services.embodiment.oracle import WholeBody  # noqa: PLC0415 - not needed without a robot
-
-        return WholeBody(
-            drive=policy.drive,
-            start=policy.base,
-            budget=policy.budget,
-            seed=policy.seed,
-            any_start=policy.any_start,
-            contact=policy.contact,
-        )
+            return self.oracles.embodiment(self.policy)
+        return _whole_body(self.policy)
 
     def case(
         self, task: str | Task, robot: str | Iri | None, motion: Motion | BodyMotion | None = None
@@ -166,6 +173,34 @@ class Service:
 
     def _task(self, task: str | Task) -> Task:
         return task if isinstance(task, Task) else parse_task(self.twin, task)
+
+
+@dataclass(frozen=True)
+class _Forces:
+    """Who answers where forces count."""
+
+    def physics(self) -> Physics:
+        from services.dynamics.oracle import Dynamics  # noqa: PLC0415 - only where forces are asked about
+
+        return Dynamics()
+
+    def embodiment(self, policy: Policy) -> Embodiment:
+        from services.dynamics.robot.bearing import Bearing  # noqa: PLC0415 - only where forces are asked about
+
+        return Bearing(_whole_body(policy))
+
+
+def _whole_body(policy: Policy) -> Embodiment:
+    from services.embodiment.oracle import WholeBody  # noqa: PLC0415 - not needed without a robot
+
+    return WholeBody(
+        drive=policy.drive,
+        start=policy.base,
+        budget=policy.budget,
+        seed=policy.seed,
+        any_start=policy.any_start,
+        contact=policy.contact,
+    )
 
 
 def _with_motion(verdict: Verdict) -> Verdict:

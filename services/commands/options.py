@@ -1,5 +1,7 @@
 """Options that several subcommands share, each spelled once."""
 
+from pathlib import Path
+
 import click
 
 from services.commands.completion.types import KITCHEN, STATE
@@ -39,6 +41,19 @@ save_option = click.option(
     metavar="STORE",
     help="Keep verdicts as triples: FILE.trig, FILE.nq, a directory, http://HOST of an Oxigraph, or "
     "http://HOST/QUERY,http://HOST/UPDATE of any SPARQL server.",
+)
+tee_option = click.option(
+    "--tee",
+    type=click.Choice(["d_artic", "d_artic_dyn"], case_sensitive=False),
+    default="d_artic",
+    show_default=True,
+    help="The class that verdicts are relative to: kinematics alone, or with forces that push back.",
+)
+forces_option = click.option(
+    "--forces",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="FILE.ttl",
+    help="What pushes back in the kitchen, for d_artic_dyn; without it, what is bundled.",
 )
 annotation_option = click.option(
     "--annotation",

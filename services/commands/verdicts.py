@@ -37,6 +37,7 @@ def print_verdict(verdict: Json) -> None:
             click.echo(f"    {_evidence_text(diagnosis['evidence'])}")
     _line("gripper", verdict["gripper"])
     _line("drive", verdict["drive"])
+    _line("class", verdict.get("tee_class"))
     for name, (value, unit) in verdict["figures"].items():
         _line(name, f"{value:g}" + ("" if unit == "1" else f" {unit}"))
     for note in verdict["notes"]:

@@ -4,15 +4,25 @@ from pathlib import Path
 
 import click
 
+from predicates.oracle import tee_class_of
 from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin
-from sdt_kg.scope import D_ARTIC, report_turtle, violations
+from sdt_kg.scope import report_turtle, violations
 from sdt_kg.twin import Container
+from services.app import load
 from services.commands.completion.types import ROBOT
 from services.commands.exits import Exit
-from services.commands.options import ROBOT_HELP, annotation_option, json_flag, kitchen_argument
+from services.commands.options import (
+    ROBOT_HELP,
+    annotation_option,
+    forces_option,
+    json_flag,
+    kitchen_argument,
+    tee_option,
+)
 from services.commands.show import console, print_json, print_rows
+from services.commands.tee_class import in_class
 
 COLUMNS = (
     "name",
@@ -89,25 +99,37 @@ def graph(kitchen: str, robots: tuple[str, ...], annotation: str | None, output:
 @kitchen_argument
 @click.option("--robot", type=ROBOT, help=ROBOT_HELP)
 @annotation_option
+@tee_option
+@forces_option
 @click.option("--format", "form", type=click.Choice(["text", "turtle"]), default="text", show_default=True)
 @json_flag
-def scope(kitchen: str, robot: str | None, annotation: str | None, form: str, as_json: bool) -> None:
-    """SHACL report: does KITCHEN (with a robot) lie inside D_artic? Exit 0 in scope, 3 not."""
-    twin = load_twin(kitchen, [robot] if robot else [], annotation=annotation)
+def scope(
+    *,
+    kitchen: str,
+    robot: str | None,
+    annotation: str | None,
+    tee: str,
+    forces: Path | None,
+    form: str,
+    as_json: bool,
+) -> None:
+    """SHACL report: does KITCHEN (with a robot) lie inside the class? Exit 0 in scope, 3 not."""
+    service = in_class(load(kitchen, [robot] if robot else [], annotation=annotation), tee, forces)
+    twin, asked = service.twin, tee_class_of(service.physics)
     rows: list[dict[str, object]] = []
     for container in twin.containers():
-        for each in violations(twin, container, twin.robots[0] if robot else None):
+        for each in violations(twin, container, twin.robots[0] if robot else None, tee=asked):
             row = {"focus": local_name(each.focus), "path": local_name(each.path or ""), "value": each.value}
             rows.append({"container": container.name, **row, "bound": each.bound, "message": each.message})
     if as_json:
-        print_json({"class": D_ARTIC.iri, "in_scope": not rows, "violations": rows})
+        print_json({"class": asked.iri, "in_scope": not rows, "violations": rows})
     elif form == "turtle":
-        click.echo(report_turtle(twin, twin.robots[0] if robot else None))
+        click.echo(report_turtle(twin, twin.robots[0] if robot else None, asked))
     elif rows:
         print_rows(rows, ("container", "focus", "path", "value", "bound", "message"), "table")
     else:
         click.echo(
-            f"in scope of D_artic: {len(twin.containers())} containers"
+            f"in scope of {asked.name}: {len(twin.containers())} containers"
             + (f", robot {robot}" if robot else "")
         )
     if rows:

@@ -20,11 +20,14 @@ from services.commands.options import (
     annotation_option,
     budget_option,
     drive_option,
+    forces_option,
     json_flag,
     save_option,
     seed_option,
     states_option,
+    tee_option,
 )
+from services.commands.tee_class import in_class
 from services.commands.verdicts import told
 from services.motions import read_motion, write_motion
 from services.requests import parse_base
@@ -59,6 +62,8 @@ from services.store.files import SavedVerdicts
     help="Start pose of the base [m, m, rad]; without it the kitchen's, turned to the handle.",
 )
 @drive_option
+@tee_option
+@forces_option
 @annotation_option
 @budget_option
 @seed_option
@@ -87,6 +92,8 @@ def achieve(
     states: tuple[str, ...],
     base: str | None,
     drive: str | None,
+    tee: str,
+    forces: Path | None,
     annotation: str | None,
     budget: float,
     seed: int,
@@ -103,6 +110,7 @@ def achieve(
     """
     policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed, any_start, contact)
     service = load(kitchen, [robot], annotation=annotation, state=states, policy=policy)
+    service = in_class(service, tee, forces)
     given = read_motion(motion, service.twin, service.robot(None)) if motion else None
     verdicts: list[Verdict] = []
     with ExitStack() as stack:

@@ -13,8 +13,15 @@ from sdt_kg.task import Task
 from services.app import load
 from services.commands.completion.types import TASK
 from services.commands.exits import Exit
-from services.commands.options import json_flag, kitchen_argument, states_option
+from services.commands.options import (
+    forces_option,
+    json_flag,
+    kitchen_argument,
+    states_option,
+    tee_option,
+)
 from services.commands.show import console, print_json, print_rows
+from services.commands.tee_class import in_class
 from services.commands.verdicts import Json
 from services.motions import read_motion, write_motion
 
@@ -46,6 +53,8 @@ def satisfies(kitchen: str, states: tuple[str, ...], as_json: bool) -> None:
 @click.option(
     "--motion-out", type=click.Path(path_type=Path), metavar="FILE.npz", help="Write the first motion found."
 )
+@tee_option
+@forces_option
 @json_flag
 def causes(
     *,
@@ -54,13 +63,15 @@ def causes(
     states: tuple[str, ...],
     motion: Path | None,
     motion_out: Path | None,
+    tee: str,
+    forces: Path | None,
     as_json: bool,
 ) -> None:
     """Motions that would cause TASK, or what a given motion causes; no robot.
 
     Exit 0 if all would, 1 if some would not, 3 if all are out of scope.
     """
-    service = load(kitchen, state=states)
+    service = in_class(load(kitchen, state=states), tee, forces)
     given = read_motion(motion, service.twin) if motion else None
     if given is not None and not isinstance(given, Motion):
         raise InputError(
@@ -69,17 +80,22 @@ def causes(
     answers = list(service.causes(task, given))
     if motion_out:
         _write_first(answers, motion_out)
-    rows = [_answer_row(answer) for answer in answers]
+    rows: list[Json] = [{**_answer_row(answer), "tee_class": tee} for answer in answers]
     if as_json:
         print_json(rows)
     else:
         for row in rows:
             row["why"] = "; ".join(each["reason"] for each in row["diagnoses"])
-        print_rows(rows, ("task", "container", "outcome", "start", "end", "duration", "why"), "table")
+            row |= {f"{name} [{unit}]": value for name, (value, unit) in row["figures"].items()}
+        figures = dict.fromkeys(f"{n} [{u}]" for row in rows for n, (_, u) in row["figures"].items())
+        columns = ("task", "container", "outcome", "start", "end", "duration", *figures, "why")
+        print_rows(rows, columns, "table")
+        for note in dict.fromkeys(note for row in rows for note in row["notes"]):
+            click.echo(f"note: {note}")
     _exit(rows)
 
 
-def _exit(rows: list[dict[str, object]]) -> None:
+def _exit(rows: list[Json]) -> None:
     outcomes = {row["outcome"] for row in rows}
     if outcomes == {"out_of_scope"}:
         raise SystemExit(Exit.ABSTAINED)
@@ -110,4 +126,5 @@ def _answer_row(answer: Answer) -> Json:
     if isinstance(case.motion, Motion) and not case.motion.is_poses:
         values = case.motion.values[:, 0]
         row |= {"start": float(values[0]), "end": float(values[-1]), "duration": float(case.motion.times[-1])}
+    row |= {"figures": dict(answer.figures), "notes": list(answer.notes)}
     return row | {"diagnoses": [diagnosis_json(each) for each in answer.diagnoses]}

@@ -15,8 +15,8 @@ import mujoco
 import numpy as np
 import pytest
 
+from services.dynamics.forward.simulate import simulate
 from services.dynamics.model import Array, ForceModel, Load, Mechanics, Values
-from services.dynamics.simulate import simulate
 
 TIMES = np.linspace(0.0, 3.0, 601)
 STEP = 5e-4

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sdt_kg.errors import MotionError, OracleRejectedError
-from services.dynamics.simulate import simulate
+from services.dynamics.forward.simulate import simulate
 from tests.services.dynamics.mechanisms import NOTHING, UPPER, slide
 
 TIMES = np.linspace(0.0, 1.0, 51)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sdt_kg.errors import MotionError, OracleRejectedError
-from services.dynamics.compiled import simulated
+from services.dynamics.forward.compiled import simulated
 from services.dynamics.model import Array, Mechanics, Values
 
 FIRST_STEP = 1e-3

@@ -1,0 +1,78 @@
+"""Bounds of position, speed and acceleration over short spans of τ, between its samples too."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sdt_kg.motion import Motion
+from services.dynamics.model import Array
+from services.embodiment.proof_check.interval import Interval
+from services.physics.spline import at_rest_velocities
+
+ROUNDING = 1e-12
+"""[1] Share of a motion's own figures by which bounds are widened: more than evaluating a cubic errs."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cells:
+    """Spans of a motion, in order; every array has the shape (C,).
+
+    Attributes:
+        begin, end: Times [s].
+        q, v, a: Bounds of position, speed and acceleration within each span.
+        rests: Whether nothing moves in it.
+    """
+
+    begin: Array
+    end: Array
+    q: Interval
+    v: Interval
+    a: Interval
+    rests: "np.ndarray[tuple[int], np.dtype[np.bool_]]"
+
+
+def cells(motion: Motion, parts: int) -> Cells:
+    """The motion's cubic pieces, each cut into equal parts.
+
+    On a piece of duration h, u in [0, 1]: q = c0 + c1 u + c2 u² + c3 u³. Acceleration is linear, speed has
+    at most one extremum, and position is monotone wherever speed keeps its sign; else it is bounded by speed.
+    """
+    times, values = motion.times, motion.values[:, 0]
+    given = motion.velocities
+    speeds = (at_rest_velocities(times, motion.values) if given is None else given)[:, 0]
+    h = np.diff(times)
+    step, v0, v1 = np.diff(values), speeds[:-1] * h, speeds[1:] * h
+    c0, c1, c2, c3 = values[:-1], v0, 3 * step - 2 * v0 - v1, v0 + v1 - 2 * step
+    edges = np.linspace(0.0, 1.0, parts + 1)
+    low, high = np.broadcast_to(edges[:-1], (len(h), parts)), np.broadcast_to(edges[1:], (len(h), parts))
+    h, c0, c1, c2, c3 = (each[:, None] for each in (h, c0, c1, c2, c3))
+
+    def speed(u: Array) -> Array:
+        return (c1 + u * (2 * c2 + u * 3 * c3)) / h
+
+    def position(u: Array) -> Array:
+        return c0 + u * (c1 + u * (c2 + u * c3))
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turn = np.nan_to_num(-c2 / (3 * c3), nan=0.0, posinf=0.0, neginf=0.0)
+    v = _hull(speed(low), speed(high), speed(np.clip(turn, low, high)))
+    a = _hull((2 * c2 + 6 * c3 * low) / h**2, (2 * c2 + 6 * c3 * high) / h**2)
+    swing = np.where((v.lo < 0) & (v.hi > 0), np.maximum(-v.lo, v.hi) * h * (high - low), 0.0)
+    ends = _hull(position(low), position(high))
+    q = Interval(ends.lo - swing, ends.hi + swing)
+    rests = (c1 == 0) & (c2 == 0) & (c3 == 0) & np.ones_like(low, dtype=bool)
+    began = times[:-1, None]
+    begin, end = (began + h * low).ravel(), (began + h * high).ravel()
+    return Cells(begin, end, _widened(q, rests), _widened(v, rests), _widened(a, rests), rests.ravel())
+
+
+def _hull(*values: Array) -> Interval:
+    return Interval(np.minimum.reduce(values), np.maximum.reduce(values))
+
+
+def _widened(bounds: Interval, rests: Array) -> Interval:
+    """Flat, and wider by rounding, but exact where nothing moves."""
+    scale = np.where(
+        rests, 0.0, ROUNDING * max(float(np.abs(bounds.lo).max()), float(np.abs(bounds.hi).max()))
+    )
+    return Interval((bounds.lo - scale).ravel(), (bounds.hi + scale).ravel())

@@ -1,0 +1,69 @@
+"""Force data: which `.ttl` says what pushes back in a kitchen, and the twin that knows it.
+
+Force data are no part of a kitchen's own annotation: verdicts of D_artic do not depend on them, and keep
+their IRIs whatever is measured later.
+"""
+
+from pathlib import Path
+
+import pyoxigraph as ox
+
+import kitchens
+from sdt_kg.entities import Replacement
+from sdt_kg.errors import AnnotationError
+from sdt_kg.iri import SDT, local_name
+from sdt_kg.store import Triple
+from sdt_kg.twin import Twin
+
+HAS_FORCE_MODEL = SDT + "hasForceModel"
+
+
+def with_forces(twin: Twin, file: Path | None = None) -> Twin:
+    """The twin with its force data: the file's, else the bundled ones of its kitchen.
+
+    A kitchen that has none stays as it is: then nothing of it lies inside D_artic_dyn, and the shapes say so.
+
+    Raises:
+        AnnotationError: The file is not Turtle, has blank nodes, or speaks of another kitchen.
+        GraphError: It uses a property that `sdt.ttl` does not have, or one twice.
+    """
+    name = local_name(twin.environment)
+    bundled = kitchens.path(f"{name}/dynamics/{name}.ttl")
+    if file is None and (_has_forces(twin) or not bundled.is_file()):
+        return twin
+    chosen = file or bundled
+    triples = frozenset(_triples(chosen))
+    _check(twin, chosen, triples)
+    note = f"force data of {chosen.name}"
+    return twin.rewritten(Replacement(twin.environment, frozenset(), triples, note))
+
+
+def _has_forces(twin: Twin) -> bool:
+    facts = twin.entities.facts
+    return any(facts.iris(each.joint, "hasForceModel") for each in twin.containers())
+
+
+def _triples(file: Path) -> list[Triple]:
+    found: list[Triple] = []
+    try:
+        for quad in ox.parse(file.read_bytes(), format=ox.RdfFormat.TURTLE):
+            subject, value = quad.subject, quad.object
+            if not isinstance(subject, ox.NamedNode) or not isinstance(value, ox.NamedNode | ox.Literal):
+                raise AnnotationError(
+                    f"{file} has a blank node", allowed="IRIs, so that a verdict can name them"
+                )
+            found.append((subject.value, quad.predicate.value, value))
+    except (OSError, SyntaxError) as error:
+        raise AnnotationError(f"{file} cannot be read ({error})", allowed="a Turtle file") from error
+    return found
+
+
+def _check(twin: Twin, file: Path, triples: frozenset[Triple]) -> None:
+    joints = {each.joint for each in twin.containers()}
+    about = {subject for subject, name, _ in triples if name == HAS_FORCE_MODEL}
+    if not about:
+        what = f"{file} gives no joint a force model"
+        raise AnnotationError(what, allowed="JOINT sdt:hasForceModel MODEL")
+    if unknown := sorted(about - joints):
+        what = f"{file} speaks of {unknown[0]}, which moves no container of {local_name(twin.environment)}"
+        raise AnnotationError(what, allowed=", ".join(sorted(joints)[:3]) + " …")

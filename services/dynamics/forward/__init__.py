@@ -1,0 +1,1 @@
+"""Forward dynamics: where a container goes under forces at its handle."""

@@ -1,0 +1,139 @@
+"""The rigid body that a container's joint moves, for one kilogram of it: inertia, weight and lever."""
+
+import math
+
+import numpy as np
+import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
+
+from sdt_kg.errors import OracleRejectedError
+from sdt_kg.iri import joint_iri, local_name
+from sdt_kg.mechanism import Body, Geometry, ShapeType
+from sdt_kg.twin import Container, Twin
+from services.dynamics.model import Array, Load
+from services.physics.geometry.shapes import surface
+from services.physics.tree import UNIVERSE, Model, Part, se3
+
+
+def load_of(model: Model, twin: Twin, container: Container) -> Load:
+    """What moves with the container's own joint, everything else being where the state has it.
+
+    Where the twin gives the moved bodies inertias, mass is spread as they say; else evenly over their
+    collision shapes (a mesh: over its box).
+
+    Args:
+        model: Built from the twin's environment.
+        twin: The kitchen in its state.
+        container: A container with a joint of its own.
+
+    Raises:
+        OracleRejectedError: Nothing that moves has a shape or an inertia, or the handle has no shape.
+    """
+    index = model.model.getJointId(container.joint)
+    _place(model, twin)
+    body = _unit_inertia(model, index)
+    prismatic = model.model.joints[index].shortname().startswith("JointModelP")
+    parent = model.model.parents[index]
+    world_T_joint = model.data.oMi[parent] * model.model.jointPlacements[index]
+    single = pin.Model()
+    single.addJoint(UNIVERSE, model.model.joints[index], world_T_joint, container.joint)
+    single.appendBodyToJoint(1, body, pin.SE3.Identity())
+    data, still = single.createData(), np.zeros(1)
+    weights = [
+        float(pin.rnea(single, data, np.array([q]), still, still)[0]) for q in (0.0, math.pi / 2, math.pi)
+    ]
+    pushed = float(pin.rnea(single, data, still, still, np.ones(1))[0]) - weights[0]
+    lever = (1.0, 1.0) if prismatic else _lever(model.part, _axis(model, index), container)
+    if prismatic:
+        return Load(True, pushed, 0.0, 0.0, weights[0], lever)
+    constant = (weights[0] + weights[2]) / 2
+    return Load(False, pushed, weights[0] - constant, weights[1] - constant, constant, lever)
+
+
+def _place(model: Model, twin: Twin) -> None:
+    """The model's data is where the state has the kitchen."""
+    name = model.part.mechanism.name
+    at = [twin.state.get(joint_iri(name, each.name), 0.0) for each in model.part.joints]
+    pin.forwardKinematics(model.model, model.data, np.array(at))
+
+
+def _unit_inertia(model: Model, index: int) -> pin.Inertia:
+    """Of one kilogram of all that hangs on the joint, in the joint's frame."""
+    part, below = model.part, set(model.model.subtrees[index])
+    bodies = [each for each in part.mechanism.bodies if part.attached[each.name][0] in below]
+    given = any(each.inertia is not None and each.inertia.mass > 0 for each in bodies)
+    total = pin.Inertia.Zero()
+    own = model.data.oMi[index].inverse()
+    for each in bodies:
+        joint, joint_T_body = part.attached[each.name]
+        body_inertia = _given(each) if given else _uniform(each)
+        if body_inertia.mass > 0:
+            total += (own * model.data.oMi[joint] * joint_T_body).act(body_inertia)
+    if total.mass <= 0:
+        name = local_name(model.model.names[index])
+        raise OracleRejectedError(f"nothing that {name} moves has an inertia or a shape with volume")
+    return pin.Inertia(1.0, total.lever, total.inertia / total.mass)
+
+
+def _given(body: Body) -> pin.Inertia:
+    if body.inertia is None:
+        return pin.Inertia.Zero()
+    xx, xy, xz, yy, yz, zz = body.inertia.moments
+    moments = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return se3(body.inertia.pose).act(pin.Inertia(body.inertia.mass, np.zeros(3), moments))
+
+
+def _uniform(body: Body) -> pin.Inertia:
+    """Of density 1 over the collision shapes."""
+    total = pin.Inertia.Zero()
+    for geometry in body.collision:
+        if geometry.shape is ShapeType.MESH:
+            middle, half = _box(geometry)
+            shape = pin.Inertia.FromBox(float(np.prod(2 * half)), *(2 * half).tolist())
+            total += (se3(geometry.pose) * pin.SE3(np.eye(3), middle)).act(shape)
+        else:
+            (one,) = surface(geometry)
+            moments = one.computeMomentofInertiaRelatedToCOM()
+            total += se3(geometry.pose).act(pin.Inertia(one.computeVolume(), one.computeCOM(), moments))
+    return total
+
+
+def _box(geometry: Geometry) -> tuple[Array, Array]:
+    """Middle and half extents of the geometry's own box, in its frame [m]."""
+    (shape,) = surface(geometry)
+    box = shape.aabb_local
+    return (box.min_ + box.max_) / 2, (box.max_ - box.min_) / 2
+
+
+def _axis(model: Model, index: int) -> Array:
+    """Unit vector of the hinge in its frame."""
+    joint = next(
+        each
+        for each in model.part.joints
+        if joint_iri(model.part.mechanism.name, each.name) == model.model.names[index]
+    )
+    axis = np.array(joint.axis)
+    return axis / np.linalg.norm(axis)
+
+
+def _lever(part: Part, axis: Array, container: Container) -> tuple[float, float]:
+    """Least and largest distance of the handle's shapes from the hinge's axis, by their boxes [m].
+
+    A box lies within the largest of its corners' distances from its middle, seen along the axis.
+    """
+    name = local_name(container.handle)
+    body = next(each for each in part.mechanism.bodies if each.name == name)
+    _, joint_T_body = part.attached[name]
+    across = np.eye(3) - np.outer(axis, axis)
+    found: list[tuple[float, float]] = []
+    for geometry in body.collision:
+        middle, half = _box(geometry)
+        joint_T_shape = joint_T_body * se3(geometry.pose)
+        corners = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T * half
+        spread = float(np.linalg.norm(corners @ joint_T_shape.rotation.T @ across, axis=1).max())
+        at = float(np.linalg.norm(across @ joint_T_shape.act(middle)))
+        found.append((max(at - spread, 0.0), at + spread))
+    if not found:
+        raise OracleRejectedError(
+            f"the handle {name} has no shape, so its distance from the hinge is unknown"
+        )
+    return min(low for low, _ in found), max(high for _, high in found)

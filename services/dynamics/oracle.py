@@ -1,0 +1,119 @@
+"""Dynamics: the Physics protocol of D_artic_dyn, in process."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from predicates.case import Diagnosis, Kind
+from predicates.meant import moved_by
+from predicates.oracle import Replayed
+from predicates.scope import outside
+from sdt_kg.errors import OracleRejectedError
+from sdt_kg.iri import Iri, local_name
+from sdt_kg.mechanism import Mechanism
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.scope import D_ARTIC_DYN, TeeClass, Violation
+from sdt_kg.state import Region
+from sdt_kg.twin import Container, Twin
+from services.dynamics.judge import forced
+from services.dynamics.model import Mechanics
+from services.dynamics.need import need
+from services.dynamics.parameters import followers, mechanics_of
+from services.physics.oracle import Kinematics
+from services.physics.tree import Model, build
+
+DYNAMICS_VERSION = "1"
+"""Raised whenever an answer of this oracle may change."""
+
+SLOWER = (1.0, 2.0, 4.0, 8.0)
+"""[1] By which the times of a generated motion are stretched, until the force that it needs is allowed."""
+
+ONE_JOINT = "https://example.org/tee/d_artic_dyn#JointShape"
+"""The shape that a joint with followers does not keep."""
+
+
+class Dynamics:
+    """Φ of Eq. (6) with forces: kinematics, and at the handle what the force model demands."""
+
+    def __init__(self) -> None:
+        self._kinematics = Kinematics()
+        self._models: list[tuple[Mechanism, Model]] = []
+
+    @property
+    def tee_class(self) -> TeeClass:
+        """D_artic_dyn: whoever asks this Φ asks about that class."""
+        return D_ARTIC_DYN
+
+    @property
+    def version(self) -> str:
+        return f"dynamics {DYNAMICS_VERSION}, {self._kinematics.version}"
+
+    def replay(self, twin: Twin, motion: Motion) -> Replayed:
+        replayed = self._kinematics.replay(twin, motion)
+        container = _container(twin, replayed.motion.of)
+        model = self._model(twin)
+        if others := followers(model, container):
+            names = ", ".join(map(local_name, others))
+            what = f"{names} moves with it: forces are known of joints that move alone"
+            violation = Violation(container.joint, None, None, None, what, ONE_JOINT)
+            return replace(replayed, violations=(*replayed.violations, outside(violation, D_ARTIC_DYN)))
+        found = forced(mechanics_of(model, twin, container), container, replayed.motion)
+        violations, open_questions = _decided((*replayed.violations, *found.diagnoses))
+        notes = (*replayed.notes, *found.notes, *open_questions)
+        return replace(replayed, violations=violations, notes=notes, figures=found.figures)
+
+    def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:
+        for motion in self._kinematics.generate(twin, goal):
+            container, model = _container(twin, motion.of), self._model(twin)
+            if followers(model, container):
+                yield motion
+                continue
+            yield _slow_enough(mechanics_of(model, twin, container), motion)
+
+    def carried(self, twin: Twin, body_motion: BodyMotion, container: Container) -> Motion:
+        return self._kinematics.carried(twin, body_motion, container)
+
+    def mechanics(self, twin: Twin, container: Container) -> Mechanics:
+        """All that forces at the container's handle depend on."""
+        return mechanics_of(self._model(twin), twin, container)
+
+    def _model(self, twin: Twin) -> Model:
+        mechanism = twin.mechanism(twin.environment)
+        for known, model in self._models:
+            if known is mechanism:
+                return model
+        self._models = [(mechanism, build(mechanism)), *self._models[:3]]
+        return self._models[0][1]
+
+
+def _container(twin: Twin, joint: Iri) -> Container:
+    """The container that the joint moves.
+
+    Raises:
+        OracleRejectedError: None does: there is no handle at which a force could act.
+    """
+    moved = moved_by(twin, joint)
+    if not moved:
+        raise OracleRejectedError(f"{local_name(joint)} moves no container, so no handle has a force")
+    return moved[0]
+
+
+def _decided(found: tuple[Diagnosis, ...]) -> tuple[tuple[Diagnosis, ...], tuple[str, ...]]:
+    """The diagnoses, and as notes the abstentions that a failure for every value makes idle."""
+    failures = tuple(each for each in found if each.kind is not Kind.OUT_OF_SCOPE)
+    if not failures:
+        return found, ()
+    return failures, tuple(each.reason for each in found if each.kind is Kind.OUT_OF_SCOPE)
+
+
+def _slow_enough(mechanics: Mechanics, motion: Motion) -> Motion:
+    """The motion, slower where that spares force; the slowest where nothing helps."""
+    slowed = motion
+    for stretch in SLOWER:
+        slowed = replace(motion, times=motion.times * stretch)
+        if motion.velocities is not None:
+            slowed = replace(slowed, velocities=np.asarray(motion.velocities / stretch))
+        if need(mechanics, slowed).most <= mechanics.forces.allowed:
+            break
+    return slowed

@@ -1,0 +1,119 @@
+"""CanPerform (Eq. 7) of D_artic_dyn: the robot performs the motion, and bears the force that it takes."""
+
+from dataclasses import replace
+
+from predicates.case import Answer, Case, Diagnosis, Kind
+from predicates.meant import moved_by
+from predicates.oracle import Embodiment
+from predicates.scope import outside
+from sdt_kg.errors import OracleRejectedError
+from sdt_kg.iri import Iri, local_name
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.scope import D_ARTIC_DYN, Violation
+from sdt_kg.twin import Container, Twin
+from services.dynamics.oracle import Dynamics
+from services.dynamics.robot.checks import Bound, checks
+from services.dynamics.robot.load import moments
+from services.physics.model import Scene
+
+BEARING_VERSION = "1"
+"""Raised whenever an answer of this oracle may change."""
+
+LOOKED_AT = "forces of the robot are looked at at samples and halfway; its hand pulls along the path"
+
+UNDECIDED = "https://example.org/tee/d_artic_dyn#ForceModelShape"
+"""The shape whose intervals are too wide for this robot."""
+
+
+class Bearing:
+    """The Embodiment protocol on top of another: what that finds must also be borne.
+
+    Args:
+        inner: Who finds and certifies body motions.
+    """
+
+    def __init__(self, inner: Embodiment) -> None:
+        self._inner, self._dynamics = inner, Dynamics()
+
+    @property
+    def version(self) -> str:
+        return f"bearing {BEARING_VERSION}, {self._inner.version}"
+
+    def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
+        return self._inner.settings(twin, robot)
+
+    def perform(self, case: Case) -> Answer:
+        answer = self._inner.perform(case)
+        body = answer.case.body_motion
+        if not answer.holds or not isinstance(body, BodyMotion) or not isinstance(case.robot, str):
+            return answer
+        return self._borne(answer, body, case.robot, _container(answer.case))
+
+    def _borne(self, answer: Answer, body: BodyMotion, robot: Iri, container: Container) -> Answer:
+        """The answer, refused or left open where the robot does not surely bear the force."""
+        twin = answer.case.twin
+        scene = Scene(twin, robot)
+        mechanics = self._dynamics.mechanics(twin, container)
+        carried = self._dynamics.carried(twin, body, container)
+        asked = checks(scene, twin, body.gripper)
+        worst: dict[tuple[str, Iri], Bound] = {}
+        for moment in moments(scene, body, container, carried, mechanics):
+            for bound in (each for check in asked.of for each in check(moment)):
+                key = bound.name, bound.entity
+                worst[key] = _worse(worst.get(key), bound)
+        found = [each for bound in worst.values() for each in _judged(bound, mechanics.forces.iri)]
+        refusals = tuple(each for each in found if each.kind is Kind.EMBODIMENT)
+        figures = answer.figures | _nearest(list(worst.values()))
+        notes = (*answer.notes, *asked.missing, *((LOOKED_AT,) if asked.of else ()))
+        diagnoses = refusals or tuple(found)
+        if not diagnoses:
+            return replace(answer, notes=notes, figures=figures)
+        case = replace(answer.case, body_motion=body)
+        return replace(
+            answer, case=case, holds=False, diagnoses=diagnoses, notes=notes, figures={}, artefact=None
+        )
+
+
+def _worse(known: Bound | None, bound: Bound) -> Bound:
+    """The least that every value makes of it and the most that any does, at the moment of the most."""
+    if known is None:
+        return bound
+    later = bound if bound.most > known.most else known
+    return replace(later, least=max(known.least, bound.least))
+
+
+def _judged(bound: Bound, forces: Iri) -> list[Diagnosis]:
+    """Nothing if it is kept; a refusal if no value keeps it; else an abstention."""
+    if bound.most <= bound.bound:
+        return []
+    if bound.least > bound.bound:
+        reason = (
+            f"{bound.name} is {bound.least:.1f} {bound.unit} or more in the motion that was found, "
+            f"{bound.bound:g} {bound.unit} allowed; another motion may ask less"
+        )
+        return [Diagnosis(Kind.EMBODIMENT, reason, bound.evidence(bound.least))]
+    what = (
+        f"the intervals leave open whether the robot bears it: {bound.name} is between {bound.least:.1f} "
+        f"and {bound.most:.1f} {bound.unit}, {bound.bound:g} {bound.unit} allowed"
+    )
+    violation = Violation(forces, None, bound.most, bound.bound, what, UNDECIDED)
+    found = outside(violation, D_ARTIC_DYN)
+    return [replace(found, reason=f"outside {D_ARTIC_DYN.name}: {what}", evidence=bound.evidence(bound.most))]
+
+
+def _nearest(bounds: list[Bound]) -> dict[str, tuple[float, str]]:
+    """The bound that is used most, as shares of it; bounds of 0 by their distance."""
+    shares = [(each.most / each.bound, each) for each in bounds if each.bound > 0]
+    if not shares:
+        return {}
+    share, nearest = max(shares, key=lambda each: each[0])
+    return {f"share of {nearest.name} that is used": (share, "1")}
+
+
+def _container(case: Case) -> Container:
+    if not isinstance(case.motion, Motion):
+        raise OracleRejectedError("CanPerform of D_artic_dyn was asked without a motion of a container")
+    moved = moved_by(case.twin, case.motion.of)
+    if not moved:
+        raise OracleRejectedError(f"{local_name(case.motion.of)} moves no container")
+    return moved[0]
