@@ -4,8 +4,9 @@ import threading
 
 import click
 
-from sdt_kg.errors import InputError
+from services.commands.completion.types import KITCHEN, ROBOT
 from services.commands.options import KITCHEN_HELP, ROBOT_HELP
+from services.viewer.beside import check_extra
 
 KITCHENS = ("b", "a")
 ROBOTS = ("pr2", "tiago_dual", "stretch")
@@ -20,8 +21,16 @@ ROBOTS = ("pr2", "tiago_dual", "stretch")
     metavar="HOST:PORT",
     help="Where to listen.",
 )
-@click.option("--kitchen", "kitchens", multiple=True, help=KITCHEN_HELP + " Repeatable; by default b and a.")
-@click.option("--robot", "robots", multiple=True, help=ROBOT_HELP + " Repeatable; by default all bundled.")
+@click.option(
+    "--kitchen",
+    "kitchens",
+    type=KITCHEN,
+    multiple=True,
+    help=KITCHEN_HELP + " Repeatable; by default b and a.",
+)
+@click.option(
+    "--robot", "robots", type=ROBOT, multiple=True, help=ROBOT_HELP + " Repeatable; by default all bundled."
+)
 @click.option(
     "--budget",
     type=click.FloatRange(0.5, 600.0),
@@ -51,12 +60,9 @@ def view(
     Choose a case, press Check, play the motion that was certified, or see what is in its way; drag an
     obstacle, half-open a door, move the base: the verdict follows. Nothing leaves this machine.
     """
-    try:
-        from services.viewer.running import Offer, running  # noqa: PLC0415 - its library is an extra
-    except ModuleNotFoundError as error:
-        raise InputError(
-            f"the 3D page needs {error.name}, not installed here", remedy="pip install 'sdt-kg[view]'"
-        ) from None
+    check_extra()
+    from services.viewer.running import Offer, running  # noqa: PLC0415 - its library is an extra
+
     offer = Offer(kitchens or KITCHENS, robots or ROBOTS, budget)
     with running(address, offer, judges, hosts, unprotected=unprotected) as page:
         click.echo(f"{page.url}  (Ctrl-C ends it)", err=True)

@@ -12,6 +12,8 @@ from services.viewer.doors.gate import serve
 from services.viewer.session import Session
 
 LABEL: Final = "sdt"
+LEAVING: Final = 2.0
+"""[s] A session may take to end."""
 MOST_PEOPLE: Final = 32
 """At a time; each has a thread and a scene."""
 
@@ -33,9 +35,7 @@ class Page:
         self._lock = threading.Lock()
         self._desk = desk
         self._server = serve(address, LABEL, hosts)
-        self._server.scene.configure_environment_map(None)
-        self._server.scene.configure_default_lights(cast_shadow=False)
-        self._server.scene.add_light_hemisphere("/light", ground_color=(150, 150, 160), intensity=1.6)
+        _light(self._server.scene)
         self._server.scene.world_axes.visible = False
         self._server.on_client_connect(self._arrived)
         self._server.on_client_disconnect(self._left)
@@ -44,9 +44,12 @@ class Page:
 
     def close(self) -> None:
         """Nobody is served any longer."""
-        self._server.stop()
-        for session in list(self._sessions.values()):
+        sessions = list(self._sessions.values())
+        for session in sessions:
             session.leave()
+        for session in sessions:
+            session.join(LEAVING)
+        self._server.stop()
 
     async def _arrived(self, client: viser.ClientHandle) -> None:
         with self._lock:
@@ -69,3 +72,11 @@ class Page:
         connection = self._server._websock_server._live_connections.get(client.client_id)
         request = None if connection is None else connection.request
         return "" if request is None else request.path
+
+
+def _light(scene: viser.SceneApi) -> None:
+    """Plain light for all: viser's own, with its shadows and its picture of a city, is slow without a GPU."""
+    scene.configure_environment_map(None)
+    scene.configure_default_lights(enabled=False)
+    scene.add_light_hemisphere("/light/sky", ground_color=(120, 120, 130), intensity=2.2)
+    scene.add_light_directional("/light/sun", intensity=1.4, cast_shadow=False, position=(-2.0, -3.0, 6.0))

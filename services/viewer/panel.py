@@ -1,5 +1,6 @@
 """What one person can choose and read beside the scene; nothing here knows what it is for."""
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
@@ -162,4 +163,4 @@ class Panel:
             control.visible = there
         if duration is not None:
             self.time.value = 0.0
-            self.time.max = max(duration, 0.01)
+            self.time.max = max(math.ceil(100 * duration) / 100, 0.01)

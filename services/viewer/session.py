@@ -28,6 +28,8 @@ TICK: Final = 0.25
 SETTLE: Final = 0.4
 """[s] After the last change before the verdict follows."""
 OVER: Final = "leave"
+WAITING: Final = "Waiting: others have asked before."
+GETTING_READY: Final = "Waiting: the judge gets ready (after an installation it compiles, for a minute)."
 
 _log = logging.getLogger("sdt.view")
 
@@ -62,7 +64,8 @@ class Session(threading.Thread):
         self.tell(OVER)
 
     def run(self) -> None:
-        self._safely(self._open)
+        with self._client.atomic():  # one picture, not one for each control
+            self._safely(self._open)
         last = time.monotonic()
         while True:
             try:
@@ -224,7 +227,8 @@ class Session(threading.Thread):
     def _progress(self, ticket: Ticket, now: float) -> None:
         budget = self._chooser.choice.budget
         if ticket.began is None:
-            self._panel.status.content = "Waiting for a judge …"
+            ready = self._desk.judges.ready
+            self._panel.status.content = WAITING if ready else GETTING_READY
             return
         spent = now - ticket.began
         self._panel.progress.value = min(100 * spent / budget, 100.0)

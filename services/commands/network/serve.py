@@ -1,6 +1,7 @@
 """`sdt serve`: kitchens, verdicts and the Law over HTTP."""
 
 from contextlib import closing, nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -64,6 +65,12 @@ from services.commands.options import KITCHEN_HELP, ROBOT_HELP
     help="Zenoh configuration with TLS, users or access control; see services/bus/config.",
 )
 @click.option(
+    "--view",
+    "view_address",
+    metavar="HOST:PORT",
+    help="The 3D page too, 127.0.0.1:8090 say, for the same kitchens and robots; pages link to it.",
+)
+@click.option(
     "--judges", type=click.IntRange(min=1), default=1, show_default=True, help="Processes that judge cases."
 )
 @click.option(
@@ -94,6 +101,7 @@ def serve(
     bus: str | None,
     oracles: bool,
     bus_config: Path | None,
+    view_address: str | None,
     judges: int,
     log_form: str,
     spans_file: Path | None,
@@ -108,6 +116,7 @@ def serve(
     from services.telemetry import logs  # noqa: PLC0415 - see above
     from services.telemetry.spans import SpansInFile  # noqa: PLC0415 - see above
     from services.telemetry.told import Telemetry  # noqa: PLC0415 - see above
+    from services.viewer.beside import page_beside  # noqa: PLC0415 - see above
 
     logs.configure(logs.Form(log_form))
     where = Address.of(address)
@@ -121,7 +130,12 @@ def serve(
         warm=bool(kitchens),
         telemetry=Telemetry(spans=SpansInFile(spans_file)) if spans_file else Telemetry(),
     )
-    with closing(bound(where)) as listening, closing(opened(store)) if store else nullcontext() as archive:
+    with (
+        closing(bound(where)) as listening,
+        closing(opened(store)) if store else nullcontext() as archive,
+        page_beside(view_address, kitchens, robots) as viewer,
+    ):
+        settings = replace(settings, viewer=viewer)
         world = World(open_kitchens(kitchens, robots), Workers(settings.workers, limits), archive)
         names = ", ".join(world.kitchens) or "none"
         port = listening.getsockname()[1]
@@ -132,6 +146,8 @@ def serve(
 
             beside = BesideHttp(bus, bus_config, oracles)
             click.echo(f"bus at {bus}", err=True)
+        if viewer is not None:
+            click.echo(f"3D page at {viewer}", err=True)
         run(world, settings, listening, beside)
 
 

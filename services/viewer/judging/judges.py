@@ -80,6 +80,11 @@ class Judges:
         self._line.put((_ORDER[type(job)], next(self._number), ticket))
         return ticket
 
+    @property
+    def ready(self) -> bool:
+        """Whether some process has everything loaded and compiled."""
+        return any(lane.ready.is_set() for lane in self._lanes)
+
     def close(self) -> None:
         """No process is left."""
         for lane in self._lanes:
@@ -102,11 +107,12 @@ class _Lane(threading.Thread):
         self._line, self._first = line, first
         self.process: subprocess.Popen[bytes] | None = None
         self._channel: Connection | None = None
-        self.stopping = threading.Event()
+        self.stopping, self.ready = threading.Event(), threading.Event()
 
     def run(self) -> None:
         self._begin()
         self._answered(Ticket(self._first, lambda _: None))
+        self.ready.set()
         while not self.stopping.is_set():
             _, _, ticket = self._line.get()
             if ticket is None:

@@ -53,7 +53,7 @@ def collision_surfaces(mechanism: Mechanism, *, hulls: bool) -> dict[str, Surfac
             triangles (kitchens).
     """
     return {
-        body.name: _joined(_pieces(geometry, hulls) for geometry in body.collision)
+        body.name: joined(_pieces(geometry, hulls) for geometry in body.collision)
         for body in mechanism.bodies
         if body.collision
     }
@@ -74,7 +74,7 @@ def visual_surfaces(urdf: Path) -> dict[str, Surface]:
         visuals = [_visual(each, urdf, where) for each in link.findall("visual")]
         surfaces = [_pieces(each, hulls=False) for each in visuals if each is not None]
         if surfaces:
-            found[link.get("name", "")] = _joined(surfaces)
+            found[link.get("name", "")] = joined(surfaces)
     return found
 
 
@@ -142,7 +142,7 @@ def _mesh(geometry: Geometry, hulls: bool) -> Surface:
     from services.physics.geometry.shapes import solids, surface  # noqa: PLC0415 - loads coal, for meshes alone
 
     shapes = solids(geometry) if hulls else surface(geometry)
-    return _joined(_triangles(shape) for shape in shapes)
+    return joined(_triangles(shape) for shape in shapes)
 
 
 def _triangles(shape: Coal) -> Surface:
@@ -163,7 +163,8 @@ def _outward(points: Array, faces: NDArray[np.int32], normals: Array) -> Indices
     return np.where(inward[:, None], faces[:, ::-1], faces).astype(np.uint32)
 
 
-def _joined(surfaces: Iterable[Surface]) -> Surface:
+def joined(surfaces: Iterable[Surface]) -> Surface:
+    """All of them as one."""
     parts = list(surfaces)
     first = np.cumsum([0, *(len(each.vertices) for each in parts)])
     return Surface(

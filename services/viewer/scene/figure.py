@@ -8,11 +8,15 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from services.viewer.picture.looks import Colour, Looks
+from services.viewer.picture.shapes import Surface, joined
 
 Array = NDArray[np.float64]
 
 STILL = 1e-9
 """[m, 1] A frame that moved by less is not sent again."""
+
+SWELL = 0.002
+"""[m] By so much a body that is painted stands out."""
 
 
 class Figure:
@@ -44,33 +48,48 @@ class Figure:
             path = f"{self._frames[frame.parent].name}/{k}"
             self._frames.append(scene.add_frame(path, show_axes=False))
             self._poses.append(np.eye(4))
-        self.collision = self._meshes(scene, looks.collision, "collision", opacity)
-        self.visual = self._meshes(scene, looks.visual, "visual", opacity)
-        for mesh in self.visual.values():
-            mesh.visible = False
+        self._scene, self._opacity = scene, opacity
+        self._painted: list[viser.MeshHandle] = []
+        self._last: tuple[frozenset[str], Colour] = (frozenset(), (0, 0, 0))
+        self._collision: list[tuple[bool, viser.MeshHandle]] = []
+        self._visual: list[viser.MeshHandle] = []
+        self._build()
 
-    def _meshes(
-        self, scene: viser.SceneApi, surfaces: Mapping, kind: str, opacity: float | None
-    ) -> dict[str, viser.MeshHandle]:
-        found: dict[str, viser.MeshHandle] = {}
-        for number, (body, surface) in enumerate(surfaces.items()):
-            if body not in self.looks.skeleton.carried:
-                continue
-            frame, frame_T_body = self.looks.skeleton.carried[body]
-            position, wxyz = _pose(frame_T_body)
-            found[body] = scene.add_mesh_simple(
-                f"{self._frames[frame].name}/{kind}{number}",
-                surface.vertices.astype(np.float32),
-                surface.faces,
-                color=self._colours[body],
-                opacity=opacity,
-                flat_shading=kind == "collision",
-                side="front" if kind == "collision" else "double",
-                cast_shadow=opacity is None,
-                position=position,
-                wxyz=wxyz,
-            )
-        return found
+    def _build(self) -> None:
+        """One node for all that moves together and has one colour: a browser is slow with many."""
+        groups: dict[tuple[int, Colour, bool], list[str]] = {}
+        for body in self.looks.collision:
+            frame, _ = self.looks.skeleton.carried[body]
+            groups.setdefault((frame, self._colours[body], body in self.looks.visual), []).append(body)
+        for number, ((frame, colour, covered), bodies) in enumerate(groups.items()):
+            surface = joined(self._in_frame(self.looks.collision[body], body) for body in bodies)
+            node = self._mesh(f"{self._frames[frame].name}/c{number}", surface, colour, flat=True)
+            self._collision.append((covered, node))
+        for number, (body, surface) in enumerate(self.looks.visual.items()):
+            if body in self.looks.skeleton.carried:
+                name = f"{self._frames[self.looks.skeleton.carried[body][0]].name}/v{number}"
+                node = self._mesh(name, self._in_frame(surface, body), self._colours[body], flat=False)
+                node.visible = False
+                self._visual.append(node)
+
+    def _in_frame(self, surface: Surface, body: str) -> Surface:
+        _, frame_T_body = self.looks.skeleton.carried[body]
+        return Surface(surface.vertices @ frame_T_body[:3, :3].T + frame_T_body[:3, 3], surface.faces)
+
+    def _mesh(
+        self, name: str, surface: Surface, colour: Colour, *, flat: bool, opacity: float | None = None
+    ) -> viser.MeshHandle:
+        return self._scene.add_mesh_simple(
+            name,
+            surface.vertices.astype(np.float32),
+            surface.faces,
+            color=colour,
+            opacity=self._opacity if opacity is None else opacity,
+            flat_shading=flat,
+            side="front" if flat else "double",
+            cast_shadow=False,
+            receive_shadow=False,
+        )
 
     def move(self, positions: Mapping[str, float], world_T_root: Array) -> None:
         """The mechanism stands there, in that posture."""
@@ -81,18 +100,24 @@ class Figure:
 
     def paint(self, bodies: Iterable[str], colour: Colour) -> None:
         """These bodies have that colour, and the others their own."""
-        painted = set(bodies)
-        for meshes in (self.collision, self.visual):
-            for body, mesh in meshes.items():
-                mesh.color = colour if body in painted else self._colours[body]
+        wanted = frozenset(bodies) & self.looks.collision.keys(), colour
+        if wanted == self._last:
+            return
+        self._last = wanted
+        for node in self._painted:
+            node.remove()
+        self._painted = []
+        for number, body in enumerate(sorted(wanted[0])):
+            name = f"{self._frames[self.looks.skeleton.carried[body][0]].name}/p{number}"
+            surface = self._in_frame(_swollen(self.looks.collision[body]), body)
+            self._painted.append(self._mesh(name, surface, colour, flat=True, opacity=1.0))
 
     def show(self, *, collision: bool, visual: bool) -> None:
         """Show what is judged, or what bodies look like; a body without looks shows what is judged."""
-        for body, mesh in self.visual.items():
-            mesh.visible = visual
-            del body
-        for body, mesh in self.collision.items():
-            mesh.visible = collision or (visual and body not in self.visual)
+        for node in self._visual:
+            node.visible = visual
+        for covered, node in self._collision:
+            node.visible = collision or (visual and not covered)
 
     @property
     def visible(self) -> bool:
@@ -106,6 +131,13 @@ class Figure:
     def remove(self) -> None:
         """Nothing of it is in the scene."""
         self._frames[0].remove()
+
+
+def _swollen(surface: Surface) -> Surface:
+    """The surface, a little larger, so that it is seen over what it covers."""
+    centre = surface.centre
+    away = surface.vertices - centre
+    return Surface(centre + away + SWELL * np.sign(away), surface.faces)
 
 
 def _pose(matrix: Array) -> tuple[tuple[float, float, float], tuple[float, float, float, float]]:

@@ -32,8 +32,10 @@ THICK = 0.012
 """[m] Of a line."""
 GHOST = 0.35
 """[1] Opacity of a ghost."""
-EYES = 2.6
+EYES = 2.9
 """[m] Height of the camera."""
+ASIDE = 0.7
+"""[m] The camera is so far to the robot's right, so that the robot does not hide what it does."""
 BEHIND = 1.5
 """[m] From the robot's start to the camera."""
 AWAY = (0.2, 3.0, 5.5)
@@ -89,6 +91,7 @@ class Stage:
         away = float(np.linalg.norm(aside))
         aside = aside / away if away > AWAY[0] else np.array([-1.0, 0.0])
         ground = middle[:2] + aside * min(max(away + BEHIND, AWAY[1]), AWAY[2])
+        ground = ground + ASIDE * np.array([-aside[1], aside[0]])
         camera = self._client.camera
         camera.position = (float(ground[0]), float(ground[1]), EYES)
         camera.look_at = (float(middle[0]), float(middle[1]), float(middle[2]))
