@@ -13,6 +13,7 @@ class Quality(Enum):
 
     TIME = "Time"
     ENERGY = "Energy"
+    WORK = "MechanicalWork"
     PATH_LENGTH = "PathLength"
     BASE_TRAVEL = "BaseTravel"
     CLEARANCE = "SmallestClearance"

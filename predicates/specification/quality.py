@@ -1,6 +1,6 @@
 """J: qualities of a certified body motion."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
@@ -13,6 +13,7 @@ from sdt_kg.motion import BodyMotion
 UNITS: Final = {
     Quality.TIME: "s",
     Quality.ENERGY: "1/s3",
+    Quality.WORK: "J",
     Quality.PATH_LENGTH: "rad and m",
     Quality.BASE_TRAVEL: "m",
     Quality.CLEARANCE: "m",
@@ -28,14 +29,22 @@ SMALLEST: Final = "smallest distance, "
 CLEARANCES: Final = (SMALLEST + "environment", SMALLEST + "self")
 
 
-def measured(quality: Quality, motion: BodyMotion, performed: Answer) -> float | None:
+Work = Callable[[BodyMotion], float | None]
+"""Mechanical work of a body motion [J]; None where masses are not known."""
+
+
+def measured(
+    quality: Quality, motion: BodyMotion, performed: Answer, work: Work = lambda motion: None
+) -> float | None:
     """J of a certified body motion, in the unit of `UNITS`; None where its oracle does not measure it.
 
     TIME from the first sample to the last; ENERGY the integral of squared acceleration over joints and
     base, exact on the splines; PATH_LENGTH the way of all robot joints, from extremum to extremum, base
     apart; BASE_TRAVEL the way of the base's origin over the floor, by quadrature; CLEARANCE the
-    certified smallest distance to the kitchen or itself, allowed contact apart.
+    certified smallest distance to the kitchen or itself, allowed contact apart; WORK what `work` says.
     """
+    if quality is Quality.WORK:
+        return work(motion)
     if quality is Quality.CLEARANCE:
         figures = [performed.figures[name][0] for name in CLEARANCES if name in performed.figures]
         return min(figures) if figures else None

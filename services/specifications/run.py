@@ -5,8 +5,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 import ontology
 from predicates.case import Answer, Diagnosis, Kind, Outcome, Verdict
 from predicates.satisfies_request import met_requests
@@ -15,7 +13,7 @@ from predicates.specification.model import Demand, KeepsDistance, QueryRule, Rul
 from predicates.specification.quality import better, measured, total
 from predicates.specification.queries import InGraph
 from predicates.specification.read import read_specification
-from predicates.specification.rules import Approach, RuleAnswer, Standing, checked, first_broken
+from predicates.specification.rules import RuleAnswer, Standing, checked, first_broken
 from predicates.specification.step import Request, judged
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import Iri
@@ -23,6 +21,7 @@ from sdt_kg.motion import BodyMotion
 from sdt_kg.state import State
 from sdt_kg.twin import Twin
 from services.app import Service
+from services.specifications.clearance import Swept
 
 MOST_MOTIONS = 8
 """[1] Seeds that are tried for a step, if the budget lasts, where motions are compared by J, or where one
@@ -205,7 +204,14 @@ class _Run:
             return None
         assert isinstance(performed, Answer)
         assert isinstance(body, BodyMotion)
-        return measured(quality, body, performed)
+        return measured(quality, body, performed, self._work)
+
+    def _work(self, motion: BodyMotion) -> float | None:
+        """Of a motion that begins in the present state."""
+        from services.physics.model import Scene  # noqa: PLC0415 - loads the oracle
+        from services.specifications.work import mechanical_work  # noqa: PLC0415 - see above
+
+        return mechanical_work(Scene(self.twin, self.robot), motion)
 
     def _best(self, found: Sequence["_Try"]) -> "_Try":
         """Certified and clean before certified before refused; among equals the best by J, then the first."""
@@ -260,37 +266,3 @@ class _Run:
 
 def _at_the_end(rule: Rule) -> bool:
     return isinstance(rule, QueryRule) and rule.demand is Demand.AT_THE_END
-
-
-@dataclass(frozen=True, slots=True)
-class Swept:
-    """Clearance by the certifier's sweep and shapes."""
-
-    robot: Iri
-
-    def keeps(self, leg: Leg, body: Iri, distance: float) -> Approach:
-        """Whether the robot, in its shapes that contain it, keeps the distance, between samples too."""
-        from services.embodiment.certify.motion import whole_motion  # noqa: PLC0415 - loads the oracle
-        from services.embodiment.certify.sweep.clearance import Pairs, Sweep  # noqa: PLC0415
-        from services.embodiment.certify.sweep.subject import subject  # noqa: PLC0415
-        from services.embodiment.certify.tolerances import Tolerances  # noqa: PLC0415
-        from services.physics.model import Scene  # noqa: PLC0415
-
-        scene, tolerances = Scene(leg.twin, self.robot), Tolerances()
-        pieces, _ = whole_motion(scene, leg.motion, tolerances)
-        about = subject(scene, pieces, tolerances)
-        solids = [k for k, one in enumerate(scene.solids) if one.body == body]
-        pairs = scene.environment_pairs[np.isin(scene.environment_pairs[:, 1], solids)]
-        if not len(pairs):
-            return Approach(keeps=None)
-        least = np.full(len(pairs), distance + scene.annotation.overhang)
-        sweep = Sweep(about.timeline, about.kinematics, about.shapes, Pairs(pairs, least, least, np.inf))
-        found = sweep.run(0, tolerances.resolution)
-        if found.first is not None:
-            # What is not resolved at first may be seen to be broken later: a break is a break.
-            seen, worst = found.first, found.worst
-            if not seen.resolved and worst is not None and worst.value < worst.least:
-                seen = worst
-            keeps = False if seen.resolved else None
-            return Approach(keeps, seen.value, seen.time, scene.solids[seen.pair[0]].body)
-        return Approach(keeps=None, time=found.gave_up) if found.gave_up is not None else Approach(keeps=True)

@@ -1,0 +1,44 @@
+r"""Mechanical work of a body motion: J of Π, as far as the robot's model gives masses.
+
+:math:`W = \int \sum_j |\tau_j \dot q_j|\,dt` over joints and base, with :math:`\tau` from inverse dynamics:
+inertia and gravity of the robot's bodies. Without friction, motors, and what the container resists with.
+What a joint gives back is not credited. By quadrature: |·| has kinks.
+"""
+
+import numpy as np
+import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
+
+from sdt_kg.motion import BodyMotion
+from services.embodiment.certify.motion import whole_motion
+from services.embodiment.certify.tolerances import Tolerances
+from services.physics.model import Scene
+
+NODES = 8
+"""[1] Of the Gauss rule on each piece of the motion."""
+
+
+def mechanical_work(scene: Scene, motion: BodyMotion) -> float | None:
+    """[J] Work of joints and base; None where the mass of a body of the base is not known."""
+    bodies = scene.robot.mechanism.bodies
+    unknown = {body.name for body in bodies if body.collision and body.inertia is None}
+    if _carried_with(scene, scene.annotation.base_body) & unknown:
+        return None
+    pieces, _ = whole_motion(scene, motion, Tolerances())
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    count = len(pieces.start)
+    which = np.repeat(np.arange(count), NODES)
+    share = np.tile((nodes + 1) / 2, count)
+    q, v, a = pieces.at(which, share * pieces.duration[which])
+    model, own = scene.model, np.arange(scene.base[0], scene.model.nq)
+    data = model.createData()
+    powers = np.empty(len(which))
+    for n in range(len(which)):
+        torques = pin.rnea(model, data, q[n], v[n], a[n])
+        powers[n] = np.abs(torques[own] * v[n, own]).sum()
+    return float((powers * np.tile(weights / 2, count) * pieces.duration[which]).sum())
+
+
+def _carried_with(scene: Scene, body: str) -> set[str]:
+    """Bodies that are rigid with one."""
+    joint, _ = scene.robot.attached[body]
+    return {name for name, (other, _) in scene.robot.attached.items() if other == joint}
