@@ -6,6 +6,7 @@ import numpy as np
 
 from predicates.case import Diagnosis, Evidence, Kind, Quantity, Search
 from sdt_kg.iri import local_name
+from sdt_kg.mechanism import JointType
 from services.embodiment.body.world import World
 from services.embodiment.plan import Planner
 
@@ -32,6 +33,8 @@ def refusal(
         one, other = evidence.links
         reason += f", most often because {local_name(one)} is too near to {local_name(other)}"
     found = [Diagnosis(Kind.EMBODIMENT, reason, evidence, search=search)]
+    if not planner.holdings and (farthest := _farthest(planner)) is not None:
+        found.append(Diagnosis(Kind.EMBODIMENT, *farthest, search=search))
     if planner.late():
         reason = f"the search was stopped after {search.seconds:.1f} s, its budget"
         found.append(Diagnosis(Kind.EMBODIMENT, reason, spent, search=search))
@@ -65,6 +68,35 @@ def _stage(planner: Planner, rejected: bool) -> tuple[str, Counter[Pair]]:
     if planner.rough:
         return _rough(planner), nothing
     return _blocked(planner) if planner.holdings else _unheld(planner)
+
+
+def _farthest(planner: Planner) -> tuple[str, Evidence] | None:
+    """How far the container came in hand at best, and what stopped it."""
+    tallies = [attempt.searcher.tally for attempt in planner.attempts]
+    ways = [tally.farthest for tally in tallies if tally.farthest is not None]
+    if not ways:
+        return None
+    best = max(ways, key=lambda way: way.index)
+    setting, world = planner.setting, planner.setting.world
+    values = planner.attempts[0].searcher.problem.values
+    at, last, joint = float(values[best.index]), float(values[-1]), setting.container.joint
+    slides = world.scene.kitchen.mechanism.joint(local_name(joint)).type is JointType.PRISMATIC
+    unit, links, why = "m" if slides else "rad", None, "the reach of the arm within its limits"
+    if best.shapes is not None:
+        links = world.body[best.shapes[0]], world.body[best.shapes[1]]
+        why = f"{local_name(links[0])}, which comes too near to {local_name(links[1])}"
+    share = 100 * best.index / (len(values) - 1)
+    reason = (
+        f"at best {setting.container.name} was followed in hand from {values[0]:.3g} to {at:.3g} {unit}, "
+        f"{share:.0f} % of the way to {last:.3g} {unit}; what stopped it: {why}"
+    )
+    scope = "" if links is None else _scope(world, links)
+    return reason, Evidence(Quantity.POSITION, at, last, unit, entity=joint, links=links, scope=scope)
+
+
+def _scope(world: World, links: tuple[str, str]) -> str:
+    own = all(body.startswith(world.scene.robot_iri) for body in links)
+    return "self" if own else "environment"
 
 
 def _unheld(planner: Planner) -> tuple[str, Counter[Pair]]:
@@ -124,12 +156,5 @@ def _evidence(world: World, counts: Counter[Pair]) -> Evidence | None:
     for (a, b), count in counts.items():
         bodies[world.body[a], world.body[b]] += count
     links, _ = bodies.most_common(1)[0]
-    own = all(body.startswith(world.scene.robot_iri) for body in links)
-    return Evidence(
-        Quantity.COUNT,
-        float(np.sum(list(bodies.values()))),
-        0.0,
-        "1",
-        links=links,
-        scope="self" if own else "environment",
-    )
+    count = float(np.sum(list(bodies.values())))
+    return Evidence(Quantity.COUNT, count, 0.0, "1", links=links, scope=_scope(world, links))

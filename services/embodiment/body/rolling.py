@@ -145,11 +145,19 @@ def roll(
 
     None where the tool cannot be kept on them.
     """
+    path = rolled(limb, x, target, weight, limits)
+    return path if len(path) == len(target[0]) else None
+
+
+def rolled(
+    limb: Limb, x: Array, target: tuple[Array, Array], weight: Array, limits: tuple[Array, Array]
+) -> Array:
+    """The same, up to the last of the tool poses at which the tool can be kept on them."""
     roller = Roller(limb, weight, limits)
     path = np.empty((len(target[0]), len(x)))
     for k, (rotation, translation) in enumerate(zip(*target, strict=True)):
         following = roller.step(x, np.ascontiguousarray(rotation), np.ascontiguousarray(translation))
         if following is None:
-            return None
+            return path[:k]
         path[k] = x = following
     return path

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from sdt_kg.annotation import Drive
 from services.embodiment.body import ik
 from services.embodiment.body.limb import BASE, Limb
-from services.embodiment.body.rolling import roll
+from services.embodiment.body.rolling import rolled
 
 Array = NDArray[np.float64]
 
@@ -49,10 +49,21 @@ def mobility(limb: Limb) -> Array:
 def track(
     limb: Limb, x: Array, target: tuple[Array, Array], base: Base, limits: tuple[Array, Array]
 ) -> Array | None:
-    """Variables at each of the tool poses (K, 3, 3), (K, 3), from x near the first, shape (K, n)."""
+    """Variables at each of the tool poses (K, 3, 3), (K, 3), from x near the first, shape (K, n).
+
+    None where the tool cannot be kept on them.
+    """
+    path = tracked(limb, x, target, base, limits)
+    return path if len(path) == len(target[0]) else None
+
+
+def tracked(
+    limb: Limb, x: Array, target: tuple[Array, Array], base: Base, limits: tuple[Array, Array]
+) -> Array:
+    """The same, up to the last of the tool poses at which the tool can be kept on them."""
     weight = mobility(limb)
     if base is Base.ROLLS:
-        return roll(limb, x, target, weight, limits)
+        return rolled(limb, x, target, weight, limits)
     chain, start = limb.chain, x
     if base is Base.STANDS:
         weight[BASE] = 0.0
@@ -62,8 +73,7 @@ def track(
     path = np.empty((len(target[0]), len(x)))
     rotation, translation = np.ascontiguousarray(target[0]), np.ascontiguousarray(target[1])
     done = ik.follow(start, rotation, translation, chain, weight, *limits, STEPS, EXACT, JUMP, path)
-    if done < len(path):
-        return None
+    path = path[:done]
     if base is Base.STRAIGHT:
         way = path[:, 0].copy()
         path[:, 0], path[:, 1] = x[0] + np.cos(x[2]) * way, x[1] + np.sin(x[2]) * way

@@ -16,7 +16,7 @@ from sdt_kg.annotation import Drive
 from services.embodiment.body import ik
 from services.embodiment.body.limb import BASE, Limb
 from services.embodiment.body.rolling import telescope
-from services.embodiment.body.track import EXACT, Base, bases, mobility, track
+from services.embodiment.body.track import EXACT, Base, bases, mobility, tracked
 from services.embodiment.body.world import Contact, Rules, World
 from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.handle import Mechanics
@@ -90,6 +90,19 @@ class Holding:
     style: str
 
 
+@dataclass(frozen=True, slots=True)
+class Farthest:
+    """How far a handle was held at best by paths that do not hold it to the end.
+
+    Attributes:
+        index: Of the last waypoint at which all is well, from the first on.
+        shapes: What comes too near at the next; None where limits end the path.
+    """
+
+    index: int
+    shapes: tuple[int, int] | None
+
+
 @dataclass(slots=True)
 class Tally:
     """What a search has tried, and the contacts and failures it met."""
@@ -100,6 +113,7 @@ class Tally:
     paths: int = 0
     broken: int = 0
     contacts: Counter[tuple[str, int, int]] = field(default_factory=Counter[tuple[str, int, int]])
+    farthest: Farthest | None = None
 
     def met(self, stage: str, contact: Contact) -> None:
         """One more contact at a stage."""
@@ -188,22 +202,41 @@ class Searcher:
                 yield Holding(self.limb, grasp, xs, rest, "carried, the arm still")
                 return
         for base in self.bases:
-            xs = self._followed(x, grasp, pivot, base)
+            xs = self._followed(x, grasp, rest, pivot, base)
             if xs is None:
                 self.tally.broken += 1
             elif self.free(xs, rest):
                 yield Holding(self.limb, grasp, xs, rest, f"followed, {base.value}")
                 return
 
-    def _followed(self, x: Array, grasp: Grasp, pivot: int, base: Base) -> Array | None:
+    def _followed(self, x: Array, grasp: Grasp, rest: Array, pivot: int, base: Base) -> Array | None:
         """Path through all waypoints from the pivot both ways, shape (K, n)."""
         tool_r, tool_p = grasp.tool(self.problem.handle_r, self.problem.handle_p)
         limits = self.lower, self.upper
-        on = track(self.limb, x, (tool_r[pivot:], tool_p[pivot:]), base, limits)
-        if on is None:
+        back = tracked(self.limb, x, (tool_r[pivot::-1], tool_p[pivot::-1]), base, limits)
+        if len(back) <= pivot:
             return None
-        back = track(self.limb, x, (tool_r[pivot::-1], tool_p[pivot::-1]), base, limits)
-        return None if back is None else np.concatenate([back[:0:-1], on])
+        on = tracked(self.limb, x, (tool_r[pivot:], tool_p[pivot:]), base, limits)
+        path = np.concatenate([back[:0:-1], on])
+        if len(path) == len(tool_p):
+            return path
+        if len(path) - 1 > self._came():
+            q = self.problem.mechanics.put_each(self.limb.q(path, rest), self.problem.values[: len(path)])
+            self._ended(q, self.world.contact(q, self.rules))
+        return None
+
+    def _came(self) -> int:
+        """The last waypoint of the farthest path."""
+        return -1 if self.tally.farthest is None else self.tally.farthest.index
+
+    def _ended(self, q: Array, contact: Contact | None) -> None:
+        """A path from the first waypoint on ends where q does, or before at a contact, if there is one."""
+        last, shapes = len(q) - 1, None
+        while contact is not None and contact.index - 1 > self._came():
+            last, shapes = contact.index - 1, contact.shapes
+            contact = self.world.contact(q[: contact.index], self.rules)
+        if contact is None and last > self._came():
+            self.tally.farthest = Farthest(last, shapes)
 
     def free(self, xs: Array, rest: Array) -> bool:
         """Whether the path touches nothing that it may not."""
@@ -212,4 +245,5 @@ class Searcher:
         contact = self.world.contact(q, self.rules)
         if contact is not None:
             self.tally.met("path", contact)
+            self._ended(q, contact)
         return contact is None

@@ -154,6 +154,12 @@ def test_a_search_that_gave_up_says_so_and_proves_nothing() -> None:
     assert not first.proof
     assert first.search is not None
     assert first.search.seeds > 1000
+    came = answer.diagnoses[1]
+    assert not came.proof
+    assert "what stopped it" in came.reason
+    assert came.evidence is not None
+    assert came.evidence.quantity is Quantity.POSITION
+    assert 0 < came.evidence.value < came.evidence.bound == pytest.approx(1.38)  # 0.92 · 1.5 rad
 
 
 def test_a_required_time_that_joints_cannot_keep_is_refused() -> None:
