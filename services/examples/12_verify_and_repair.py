@@ -1,6 +1,6 @@
 """An agent proposes a body motion, is refused with typed reasons, repairs what they name, and is certified.
 
-    python services/examples/01_verify_and_repair.py
+    python services/examples/12_verify_and_repair.py
 
 The server is `sdt mcp`, started here as an agent's host starts it, and asked over standard input and output.
 No language model is needed to close the loop: every reason carries a quantity, its value, its bound, the
