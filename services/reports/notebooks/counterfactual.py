@@ -9,9 +9,7 @@
 kitchen = "b"  # bundled (a, b) or a path
 robots = "pr2,stretch"  # bundled names or paths, comma-separated
 task = "open:sink_area_dish_washer_door"  # open:NAME or close:NAME
-edits = (
-    "set:sink_area_dish_washer_door_joint.upperLimit=1.2; jam:sink_area_dish_washer_door"  # separated by ;
-)
+edits = "set:sink_area_dish_washer_door_joint.upperLimit=1.2; jam:sink_area_dish_washer_door"  # by ;
 together = False  # whether all edits make one other world, instead of one each
 turn = "set:sink_area_dish_washer_door_joint.upperLimit=1.2"  # of which the smallest share is searched
 steps = 2  # of the first scan of that share

@@ -61,7 +61,7 @@ def executed(notebook: Notebook, values: Mapping[str, Value]) -> NotebookNode:
                 kernel_manager_class=manager,
             )
         except PapermillExecutionError as error:
-            raise _told(notebook, error) from None
+            raise told_as(notebook, error) from None
         except DeadKernelError:
             what = f"the process of the report {notebook.name} was ended from outside"
             raise SdtError(f"{what}: too little memory, most often") from None
@@ -79,7 +79,7 @@ def _quiet() -> Iterator[None]:
         log.setLevel(before)
 
 
-def _told(notebook: Notebook, error: PapermillExecutionError) -> Exception:
+def told_as(notebook: Notebook, error: PapermillExecutionError) -> Exception:
     """The error with which a cell ended, as this process would have raised it."""
     kind = TYPED.get(error.ename)
     if kind is None:
