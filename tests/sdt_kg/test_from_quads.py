@@ -9,7 +9,7 @@ import rdflib
 
 from sdt_kg.annotating.annotate import TEE_GRAPH
 from sdt_kg.errors import GraphError, UnknownEntityError
-from sdt_kg.iri import SDT, graph_iri, joint_iri, model_iri
+from sdt_kg.iri import SDT, TEE, graph_iri, joint_iri, model_iri
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from tests.sdt_kg.conftest import link
@@ -101,6 +101,22 @@ BODY = f"{model_iri('k')}/body/cupboard_drawer"
 RULE_11 = graph_iri("inferred", "k/r11_thresholds")
 
 
+def without(store: ox.Store, tee_class: str) -> None:
+    """Take away what `tee.ttl` says of a class."""
+    graph = ox.NamedNode(TEE_GRAPH)
+    for quad in list(store.quads_for_pattern(ox.NamedNode(TEE + tee_class), None, None, graph)):
+        store.remove(quad)
+
+
+def test_what_was_saved_before_a_class_was_added_is_read(drawer: Path) -> None:
+    twin = load_twin(drawer)
+    store = store_of(twin)
+    size = len(store)
+    without(store, "D_artic_dyn")
+    assert len(store) < size
+    assert described(Twin.from_quads(store)) == described(twin)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -109,6 +125,7 @@ RULE_11 = graph_iri("inferred", "k/r11_thresholds")
         (lambda store: rewrite(store, "openFrom", None), "without 'slide openFrom 0.45'"),
         (lambda store: store.remove_graph(ox.NamedNode(RULE_11)), "r11_thresholds> without"),
         (lambda store: store.remove_graph(ox.NamedNode(TEE_GRAPH)), "constants of D_artic differ"),
+        (lambda store: without(store, "D_artic"), "constants of D_artic differ"),
         (lambda store: rewrite(store, "position", 0.2), "its name is not the hash of its positions"),
         (lambda store: rewrite(store, "position", None), "lacks joints .*: slide"),
         (lambda store: rewrite(store, "axisX", None), "'k' is not whole: .*axisX"),
