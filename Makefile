@@ -4,7 +4,7 @@ BIN := .venv/bin
 UV := $(shell command -v uv 2>/dev/null)
 export OMP_NUM_THREADS := 1
 
-.PHONY: demo test lint bench soak clean
+.PHONY: demo test lint bench soak screenshots clean
 
 ## demo: Table 1 of the paper, three robots in two kitchens, every verdict saved as triples
 demo: .venv
@@ -28,6 +28,13 @@ bench: .venv
 ## soak: whole tables with reference models, other tasks, states and drives
 soak: .venv
 	$(BIN)/pytest -p no:benchmark tests/soak
+
+## screenshots: every page and report as a picture, to be looked at; needs chromium and chromium-driver
+screenshots: .venv demo.trig
+	$(BIN)/python -m tests.screenshots screenshots demo.trig
+
+demo.trig:
+	$(MAKE) demo
 
 .venv: pyproject.toml constraints.txt
 ifdef UV
