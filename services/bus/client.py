@@ -11,39 +11,39 @@ from typing import Any, TypeVar
 import numpy as np
 import pyoxigraph as ox
 import zenoh
-from pydantic import ValidationError
 
 from predicates.record import StoredVerdict, read_verdicts
 from sdt_kg.store import Row, rows_of
 from services.bus import keys
 from services.bus.keys import Meta, Part
+from services.bus.replies import problem_in
 from services.bus.sessions import open_session
-from services.judging.codec import (
-    CBOR,
-    JSON,
-    decode,
-    encode,
-    encode_cbor,
-)
+from services.judging.codec import CBOR, JSON, decode, encode, encode_cbor
 from services.judging.messages import (
     AchieveRequest,
-    CausesReply,
     CausesRequest,
     Header,
-    JobReply,
+    HistoryRequest,
     Message,
-    MetRequest,
+    PlaceRequest,
     QueryRequest,
-    Reply,
-    SatisfiesReply,
     SatisfiesRequest,
     SweepRequest,
-    TextReply,
     Verb,
-    VerdictsReply,
     WhyRequest,
 )
 from services.judging.problems import BusUnavailableError, Problem, ProblemType, error_of, problem
+from services.judging.replies import (
+    CausesReply,
+    HistoryReply,
+    JobReply,
+    MetRequest,
+    PlaceReply,
+    Reply,
+    SatisfiesReply,
+    TextReply,
+    VerdictsReply,
+)
 
 R = TypeVar("R", bound=Reply)
 
@@ -142,6 +142,18 @@ class Connection:
         """A kept verdict in plain words."""
         return self._typed(Verb.WHY, WhyRequest(iri=iri), TextReply)[0].text
 
+    def place(self, task: str, robot: str | None = None, *state: str, **search: Any) -> dict[str, Any]:  # noqa: ANN401 - fields of PlaceRequest
+        """Where the base may stand for a task: the object of `sdt place --json`; search: budget, seed."""
+        request = PlaceRequest(task=task, robot=robot, state=list(state), **search)
+        return self._typed(Verb.PLACE, request, PlaceReply)[0].placement
+
+    def history(
+        self, kind: str = "verdict", after: int = 0, epoch: str = "", limit: int = 100
+    ) -> HistoryReply:
+        """Events of `verdict` or `state` after a sequence number; a gap is told."""
+        asked = {"kind": kind, "after": after, "epoch": epoch, "limit": limit}
+        return self._typed(Verb.HISTORY, HistoryRequest.model_validate(asked), HistoryReply)[0]
+
     def sweep(self, verb: str = "open", *state: str, **policy: Any) -> JobReply:  # noqa: ANN401 - fields of SweepRequest
         """A job that judges every container for every robot (or `robots=[...]`)."""
         request = SweepRequest.model_validate({"verb": verb, "state": list(state), **policy})
@@ -163,7 +175,7 @@ class Connection:
         for reply in self.session.get(keys.job(self.twin, job, part), timeout=self.deadline):
             if reply.ok is not None:
                 return reply.ok.payload.to_bytes()
-            said = None if reply.err is None else _problem(reply.err)
+            said = None if reply.err is None else problem_in(reply.err)
             if said is not None:
                 raise error_of(said)
         raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, f"nobody answers for job {job}"))
@@ -233,22 +245,12 @@ class Connection:
             if reply.ok is not None:
                 return reply.ok.payload.to_bytes(), keys.instance_of(str(reply.ok.key_expr))
             if reply.err is not None:
-                return _problem(reply.err)
+                return problem_in(reply.err)
         return None
 
 
 class _Anything(Message, extra="allow"):
     """Whatever a server says of itself."""
-
-
-def _problem(error: zenoh.ReplyError) -> Problem | None:
-    """What the server says; None where Zenoh itself says that time is up."""
-    if not str(error.encoding).startswith(JSON):
-        return None
-    try:
-        return Problem.model_validate_json(error.payload.to_bytes())
-    except ValidationError:
-        return problem(ProblemType.INTERNAL, "the server's error is not readable")
 
 
 def _arrays(motion: Mapping[str, object] | None) -> dict[str, Any] | None:

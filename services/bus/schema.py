@@ -4,8 +4,9 @@ from importlib.metadata import version
 
 from services.bus import keys
 from services.judging.codec import CBOR, JSON
-from services.judging.messages import REPLIES, REQUESTS, SCHEMA, Header
+from services.judging.messages import REQUESTS, SCHEMA, Header
 from services.judging.problems import Problem
+from services.judging.replies import REPLIES
 
 Object = dict[str, object]
 

@@ -2,36 +2,30 @@
 
 import json
 import logging
-import threading
 import time
 import uuid
-from concurrent.futures import Future
+from asyncio import Future
 from importlib.metadata import version
 from typing import Self
 
-import pyoxigraph as ox
 import zenoh
 
-from predicates.record import read_verdict
 from sdt_kg.errors import SdtError
-from sdt_kg.iri import local_name
 from services.bus import keys
+from services.bus.history import Herald
 from services.bus.keys import Meta, Part
 from services.bus.question import OTHER, Question, understood
 from services.bus.sweeps import Sweeps
 from services.http.memory import Memory
-from services.judging.codec import (
-    JSON,
-    decode,
-    encode,
-)
-from services.judging.jobs import Done, Kept, Task, Waiter
-from services.judging.messages import SCHEMA, QueryRequest, SweepRequest, Verb
+from services.judging.codec import JSON, decode, encode
+from services.judging.jobs import Done, Task, Waiter
+from services.judging.messages import SCHEMA, HistoryRequest, QueryRequest, SweepRequest, Verb
 from services.judging.pool import Pool
 from services.judging.problems import Problem, ProblemType, problem, problem_of
 from services.store.workers import Answered, Asked, Limit, LimitError
 
 log = logging.getLogger(__name__)
+_VERSION = version("sdt-kg")  # read once: it takes half a millisecond
 
 ACCEPTED = {
     Verb.SELECT: ("application/sparql-results+json",),
@@ -61,13 +55,12 @@ class Server:
         self._twins = tuple(sweeps.catalogue)
         self._pool, self._memory = pool, memory
         self._declared: list[zenoh.Queryable[None] | zenoh.LivelinessToken] = []
-        self._sequence = 0
-        self._lock = threading.Lock()
+        self._herald: Herald | None = None
         self._began = time.monotonic()
 
     def start(self) -> Self:
         """Questions are answered from now on; the liveliness tokens come last."""
-        self._memory.listen(self._publish)
+        self._herald = Herald(self._session, self._memory, self._twins)
         for twin in self._twins:
             for tail in ("*", f"*/{self.instance}"):
                 key = f"{keys.ROOT}/{twin}/rpc/{tail}"
@@ -90,17 +83,8 @@ class Server:
         for each in reversed(self._declared):
             each.undeclare()
         self._declared.clear()
-
-    def _publish(self, kept: Kept) -> None:
-        """A verdict as an event of its twin."""
-        iri, quads = kept
-        twin = local_name(read_verdict(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri).environment)
-        if twin not in self._twins:
-            return
-        with self._lock:
-            self._sequence += 1
-            key = keys.event(twin, "verdict", self._sequence)
-        self._session.put(key, quads, encoding="application/n-quads")
+        if self._herald is not None:
+            self._herald.close()
 
     def _asked(self, query: zenoh.Query) -> None:
         """A question: enqueued, or refused at once."""
@@ -127,12 +111,16 @@ class Server:
             started = self._sweeps.start(question.twin, decode(SweepRequest, payload, encoding))
             waiter.answer(Done(encode(started), JSON))
             return
+        if verb is Verb.HISTORY:
+            assert self._herald is not None, "started"
+            self._herald.tell(question, decode(HistoryRequest, payload, encoding))
+            return
         states = self._memory.world.kitchens[question.twin].moved
         task = Task(question.twin, verb.value, payload, encoding, question.seconds, states, question.origin)
         self._pool.submit(task, waiter, share=True)
 
     def _query(self, verb: Verb, request: QueryRequest, waiter: Waiter) -> None:
-        def done(future: "Future[Answered]") -> None:
+        def done(future: Future[Answered]) -> None:
             waiter.answer(_answered(future))
 
         self._pool.deadlines.watch(waiter)
@@ -166,7 +154,7 @@ class Server:
 
     def _meta(self, part: Meta) -> dict[str, object]:
         if part is Meta.VERSION:
-            return {"instance": self.instance, "schema": SCHEMA, "version": version("sdt-kg")}
+            return {"instance": self.instance, "schema": SCHEMA, "version": _VERSION}
         if part is Meta.HEALTH:
             counts = self._pool.counts
             return {
@@ -185,7 +173,7 @@ class Server:
         return asyncapi()
 
 
-def _answered(future: "Future[Answered]") -> Done | Problem:
+def _answered(future: Future[Answered]) -> Done | Problem:
     """A query's answer in SPARQL's own formats, or what is wrong."""
     try:
         answered = future.result()

@@ -13,9 +13,10 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, UnknownEntityError
 from services.judging.codec import JSON, decode, encode
 from services.judging.jobs import Done, Job, Task, Waiter
-from services.judging.messages import AchieveRequest, JobReply, SweepRequest, VerdictsReply
+from services.judging.messages import AchieveRequest, SweepRequest
 from services.judging.pool import Pool
 from services.judging.problems import Problem
+from services.judging.replies import JobReply, VerdictsReply
 from services.sweep.cell import Cell
 from services.sweep.plan import Axes, Models, combined, policies
 

@@ -10,9 +10,10 @@ from services.http.world import World
 from services.judging.codec import JSON, decode, encode
 from services.judging.jobs import Done, Task, Waiter
 from services.judging.judge import Setup
-from services.judging.messages import Message, Reply, Verb
+from services.judging.messages import Message, Verb
 from services.judging.pool import Pool
 from services.judging.problems import Problem, ProblemType, error_of
+from services.judging.replies import Reply
 from services.store.workers import BusyError
 from services.telemetry.origin import current
 

@@ -2,8 +2,8 @@
 
 import asyncio
 import threading
+from asyncio import Future
 from collections.abc import Callable, Coroutine, Iterable, Iterator
-from concurrent.futures import Future
 from contextlib import contextmanager
 from typing import TypeVar
 
@@ -28,6 +28,7 @@ class Memory:
 
     def __init__(self, world: World, loop: asyncio.AbstractEventLoop) -> None:
         self.world, self.loop = world, loop
+        self._tasks: set[asyncio.Task[Answered]] = set()
 
     def listen(self, listener: Callable[[Kept], None]) -> None:
         """Call the listener with every verdict that is kept from now on, by whomever."""
@@ -37,14 +38,24 @@ class Memory:
         """The verdict's graph as N-Quads, if it is kept."""
         return self._run(self.world.recall(iri)) or None
 
+    def quads(self, graph: str) -> bytes:
+        """A named graph as N-Quads; empty where there is none."""
+        return self._run(self.world.quads(graph))
+
     def keep(self, kept: Iterable[Kept]) -> None:
         """The verdicts are stored and asked about; what was there already stays as it is."""
         for iri, quads in kept:
             self._run(self.world.write_verdict(_record(iri, quads)))
 
-    def ask(self, asked: Asked, done: Callable[["Future[Answered]"], None]) -> None:
+    def ask(self, asked: Asked, done: Callable[[Future[Answered]], None]) -> None:
         """Ask, and call `done` from the loop's thread."""
-        asyncio.run_coroutine_threadsafe(self.world.workers.ask(asked), self.loop).add_done_callback(done)
+        self.loop.call_soon_threadsafe(self._begin, asked, done)
+
+    def _begin(self, asked: Asked, done: Callable[[Future[Answered]], None]) -> None:
+        task = self.loop.create_task(self.world.workers.ask(asked))
+        self._tasks.add(task)  # the loop holds no task by itself
+        task.add_done_callback(self._tasks.discard)
+        task.add_done_callback(done)
 
     def _run(self, doing: Coroutine[object, object, T]) -> T:
         return asyncio.run_coroutine_threadsafe(doing, self.loop).result()

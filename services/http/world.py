@@ -36,6 +36,7 @@ class World:
         archive: Where writes are kept; None keeps them until the service ends.
         version: How often something was written.
         listeners: Called with every verdict that is kept.
+        movers: Called with a kitchen whose present state is another one now.
     """
 
     kitchens: dict[str, Kitchen]
@@ -43,6 +44,7 @@ class World:
     archive: QuadStore | None = None
     version: int = 0
     listeners: list[Callable[[Record], None]] = field(default_factory=list[Callable[[Record], None]])
+    movers: list[Callable[[Kitchen], None]] = field(default_factory=list[Callable[[Kitchen], None]])
     _lock: asyncio.Lock = field(default_factory=asyncio.Lock)
 
     async def start(self) -> None:
@@ -55,7 +57,10 @@ class World:
 
     async def recall(self, verdict: Iri) -> bytes:
         """The graph of a verdict as N-Quads; empty where it is not kept."""
-        graph = graph_of(verdict)
+        return await self.quads(graph_of(verdict))
+
+    async def quads(self, graph: Iri) -> bytes:
+        """A named graph as N-Quads; empty where there is none."""
         held = await self.workers.ask(Asked("graph", graph, accepted=("application/n-triples",)))
         name = ox.NamedNode(graph)
         parsed = ox.parse(held.body, format=ox.RdfFormat.N_TRIPLES)
@@ -90,6 +95,8 @@ class World:
             if after.state_graph != before.state_graph:
                 await self.workers.apply(hide(before.state_graph))
             self.kitchens[after.name] = after
+            for mover in self.movers:
+                mover(after)
             return after
 
     async def branch(self, name: str | None, edit: Callable[[Twin], Edit], parent: Iri | None) -> Branch:

@@ -15,7 +15,8 @@ from sdt_kg.task import Task
 from services.app import Service
 from services.judging.codec import CBOR, JSON, encode, encode_cbor
 from services.judging.jobs import Done
-from services.judging.messages import CausesReply, CausesRequest, MetRequest, Reply, SatisfiesReply
+from services.judging.messages import CausesRequest
+from services.judging.replies import CausesReply, MetRequest, Reply, SatisfiesReply
 from services.motions.files import arrays_of, motion_of
 
 Arrays = dict[str, Any]

@@ -18,14 +18,7 @@ from sdt_kg.twin import Twin
 from services.app import Oracles, Policy, Service, load
 from services.compute import compute
 from services.compute.run import Bounds, Loaded
-from services.judging.answers import (
-    body_arrays,
-    caused,
-    motion_given,
-    n_quads,
-    replied,
-    stated,
-)
+from services.judging.answers import body_arrays, caused, motion_given, n_quads, replied, stated
 from services.judging.codec import decode
 from services.judging.jobs import Done, Handler, Quads
 from services.judging.jobs import Task as Asked
@@ -33,18 +26,15 @@ from services.judging.messages import (
     REQUESTS,
     AchieveRequest,
     CausesRequest,
-    ComputeReply,
     ComputeRequest,
     Message,
-    PlaceReply,
     PlaceRequest,
     SatisfiesRequest,
-    TextReply,
     Verb,
-    VerdictsReply,
     WhyRequest,
 )
 from services.judging.problems import Problem, ProblemType, problem, problem_of
+from services.judging.replies import ComputeReply, PlaceReply, TextReply, VerdictsReply
 from services.requests import parse_task
 from services.telemetry.metrics import Judged
 from services.why import why
@@ -133,7 +123,8 @@ class Judge:
 
     def _at(self, asked: Asked, state: list[str]) -> Service:
         """The kitchen as it is now, moved on to the state."""
-        return self._service(asked.twin).at(*asked.states, *state)
+        service, texts = self._service(asked.twin), (*asked.states, *state)
+        return service.at(*texts) if texts else service
 
     def _achieve(self, request: AchieveRequest, asked: Asked) -> Done:
         """Verdicts; those that are stored are not judged again."""

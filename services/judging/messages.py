@@ -1,4 +1,4 @@
-"""What can be asked, and what is answered: the same over Zenoh and over HTTP.
+"""What can be asked: the same over Zenoh and over HTTP.
 
 Unknown fields are tolerated, an unknown major version of the schema is refused.
 """
@@ -27,6 +27,7 @@ class Verb(Enum):
     PLACE = "place"
     COMPUTE = "compute"
     SWEEP = "sweep"
+    HISTORY = "history"
 
 
 class Message(BaseModel):
@@ -163,85 +164,19 @@ class SweepRequest(Stated):
     budget: float = Field(default=20.0, gt=0, le=3600)
 
 
-class Reply(Message):
-    """What all replies share: which server answered."""
-
-    instance: str = ""
-
-
-class MetRequest(BaseModel):
-    """A request that a state meets."""
-
-    verb: str
-    container: str
-
-
-class SatisfiesReply(Reply):
-    """Of satisfies."""
-
-    requests: list[MetRequest]
-
-
-class CausesReply(Reply):
-    """Of causes: one answer for each motion.
+class HistoryRequest(Message):
+    """Events that were published after one that the asker has seen.
 
     Attributes:
-        tasks: What each answer is about; the container as an IRI.
-        motions: τ where it holds: joint, times [s], values [rad or m].
+        after: Its sequence number; 0: from the oldest that is kept.
+        epoch: Of the reply from which that number is; empty: not known.
+        limit: Events in one reply.
     """
 
-    tasks: list[MetRequest | None] = Field(default_factory=list)
-    holds: list[bool]
-    diagnoses: list[list[dict[str, Any]]]
-    motions: list[dict[str, Any] | None]
-
-
-class VerdictsReply(Reply):
-    """Of canachieve and canperform: the objects of `sdt achieve --json`.
-
-    Attributes:
-        quads: The verdicts as N-Quads, where asked for.
-        motions: Γ of each verdict, where asked for and certified: arrays as in a motion file.
-    """
-
-    verdicts: list[dict[str, Any]]
-    quads: str | None = None
-    motions: list[dict[str, Any] | None] | None = None
-
-
-class PlaceReply(Reply):
-    """Of place: the object of `sdt place --json`."""
-
-    placement: dict[str, Any]
-
-
-class ComputeReply(Reply):
-    """Of compute.
-
-    Attributes:
-        computed: What was judged, and what was left out and why.
-    """
-
-    computed: dict[str, Any]
-
-
-class TextReply(Reply):
-    """Of why."""
-
-    text: str
-
-
-class JobReply(Reply):
-    """Of sweep, and of progress.
-
-    Attributes:
-        state: queued, running, done, cancelled or failed.
-    """
-
-    job: str
-    state: Literal["queued", "running", "done", "cancelled", "failed"]
-    done: int = 0
-    total: int = 0
+    kind: Literal["verdict", "state"] = "verdict"
+    after: int = Field(default=0, ge=0)
+    epoch: str = Field(default="", max_length=64)
+    limit: int = Field(default=100, ge=1, le=1000)
 
 
 REQUESTS: dict[Verb, type[Message]] = {
@@ -257,14 +192,5 @@ REQUESTS: dict[Verb, type[Message]] = {
     Verb.PLACE: PlaceRequest,
     Verb.COMPUTE: ComputeRequest,
     Verb.SWEEP: SweepRequest,
-}
-REPLIES: dict[Verb, type[Reply]] = {  # the queries' replies are SPARQL's own
-    Verb.SATISFIES: SatisfiesReply,
-    Verb.CAUSES: CausesReply,
-    Verb.CANPERFORM: VerdictsReply,
-    Verb.CANACHIEVE: VerdictsReply,
-    Verb.WHY: TextReply,
-    Verb.PLACE: PlaceReply,
-    Verb.COMPUTE: ComputeReply,
-    Verb.SWEEP: JobReply,
+    Verb.HISTORY: HistoryRequest,
 }

@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any
 
 import zenoh
-from pydantic import ValidationError
 
 from predicates.case import Answer, Case
 from predicates.oracle import Replayed
@@ -30,24 +29,13 @@ from services.bus.oracles.codec import (
     replayed_value,
 )
 from services.bus.oracles.handler import UNKNOWN_TWIN
+from services.bus.replies import problem_in
 from services.bus.sessions import Reach
-from services.judging.codec import (
-    CBOR,
-    JSON,
-    encode,
-    from_cbor,
-    to_cbor,
-)
+from services.judging.codec import CBOR, encode, from_cbor, to_cbor
 from services.judging.messages import Header
-from services.judging.problems import (
-    BusUnavailableError,
-    ConflictError,
-    Problem,
-    ProblemType,
-    error_of,
-    problem,
-)
+from services.judging.problems import BusUnavailableError, ConflictError, ProblemType, error_of, problem
 
+_LATE = problem(ProblemType.UNAVAILABLE, "the oracle gave no answer in time")
 LIVE_TIMEOUT = 1.0
 """[s] For the question which oracles are there."""
 QUICK = 60.0
@@ -119,7 +107,7 @@ class Callers:
             if reply.ok is not None:
                 return from_cbor(reply.ok.payload.to_bytes())
             if reply.err is not None:
-                raise error_of(_problem(reply.err))
+                raise error_of(problem_in(reply.err) or _LATE)
         waited = time.monotonic() - began
         said = f"{self.kind.value} oracle {instance} gave no answer within {waited:.1f} s"
         raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, said))
@@ -222,13 +210,3 @@ def _twin_plain(twin: Twin, *, whole: bool = False) -> Plain:
             "robots": list(twin.robots),
         }
     return plain
-
-
-def _problem(error: zenoh.ReplyError) -> Problem:
-    """What the oracle says, or what its silence means: a time-out of Zenoh is no JSON."""
-    if not str(error.encoding).startswith(JSON):
-        return problem(ProblemType.UNAVAILABLE, "the oracle gave no answer in time")
-    try:
-        return Problem.model_validate_json(error.payload.to_bytes())
-    except ValidationError:
-        return problem(ProblemType.INTERNAL, "the oracle's error is not readable")

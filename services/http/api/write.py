@@ -22,15 +22,8 @@ from services.http.api.models import (
 from services.http.api.read import Json, state_json, world_of
 from services.http.judges import Judges, question
 from services.http.world import World
-from services.judging.messages import (
-    AchieveRequest,
-    CausesReply,
-    CausesRequest,
-    ComputeReply,
-    ComputeRequest,
-    Verb,
-    VerdictsReply,
-)
+from services.judging.messages import AchieveRequest, CausesRequest, ComputeRequest, Verb
+from services.judging.replies import CausesReply, ComputeReply, VerdictsReply
 from services.requests import parse_state
 from services.store.workers import Asked
 

@@ -178,3 +178,11 @@ def test_a_sweep_goes_on_in_the_background_and_can_be_cancelled(connection: Conn
     assert connection.satisfies(), "the worker is free again"
     with pytest.raises(InputError, match="no job"):
         connection.progress("unknown")
+
+
+def test_the_map_of_base_positions_is_asked_over_the_bus(connection: Connection) -> None:
+    found = connection.place(f"open:{DRAWER}", "pr2", budget=1.0)
+    assert found["container"].endswith(DRAWER)
+    assert {cell["status"] for cell in found["map"]["cells"]} & {"certified", "unknown", "blocked"}
+    with pytest.raises(RequestError, match="names no container"):
+        connection.place("open", "pr2")

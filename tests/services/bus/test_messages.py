@@ -13,14 +13,7 @@ from sdt_kg.errors import InputError, OracleUnavailableError
 from services.bus import keys
 from services.bus.keys import Verb
 from services.bus.schema import asyncapi
-from services.judging.codec import (
-    CBOR,
-    decode,
-    encode,
-    encode_cbor,
-    from_cbor,
-    to_cbor,
-)
+from services.judging.codec import CBOR, decode, encode, encode_cbor, from_cbor, to_cbor
 from services.judging.messages import AchieveRequest, CausesRequest, Header
 from services.judging.problems import ProblemType, error_of, problem, problem_of
 
