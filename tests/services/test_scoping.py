@@ -1,5 +1,6 @@
 """Which containers are in which TEE class, what is lacking, and where intervals end."""
 
+import pytest
 import rdflib
 
 import ontology
@@ -65,8 +66,16 @@ def test_the_end_of_an_interval_is_as_far_as_the_value_is_from_its_bound() -> No
     assert shares == sorted(shares)
 
 
-def test_the_map_of_a_kitchen_is_printed_with_what_is_left_out(capsys) -> None:
+def test_the_map_of_a_kitchen_is_printed_with_what_is_left_out(capsys: pytest.CaptureFixture[str]) -> None:
     assert explain("b", None, None, None, as_json=False) == Exit.DONE
     out = capsys.readouterr().out
     for text in ("D_artic_dyn", "refines", "where the interval ends", "no containers, and why"):
         assert text in out
+
+
+def test_the_command_explains_as_json_and_refuses_nonsense(sdt) -> None:
+    done = sdt("scope", "b", "--explain", "--json")
+    assert done.code == 0, done.err
+    counts = {each["name"]: (each["in"], each["of"]) for each in done.json["classes"]}
+    assert counts["D_artic"] == (17, 17)
+    assert sdt("scope", "no-such-kitchen", "--explain").code == 2
