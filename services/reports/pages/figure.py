@@ -58,6 +58,7 @@ class Figure:
         dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None, "ModDate": None}}.get(form, {})
         with mpl.rc_context(STYLE):
             self.drawing.savefig(out, format=form, dpi=DPI, metadata=dated)
+        self.drawing.set_layout_engine("none")  # laid out now, and not once more for the next form
         return out.getvalue()
 
     def html(self, svg: bytes) -> str:
