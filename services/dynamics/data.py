@@ -9,9 +9,10 @@ from pathlib import Path
 import pyoxigraph as ox
 
 import kitchens
+import robots
 from sdt_kg.entities import Replacement
 from sdt_kg.errors import AnnotationError
-from sdt_kg.iri import SDT, local_name
+from sdt_kg.iri import SDT, Iri, local_name
 from sdt_kg.store import Triple
 from sdt_kg.twin import Twin
 
@@ -19,23 +20,48 @@ HAS_FORCE_MODEL = SDT + "hasForceModel"
 
 
 def with_forces(twin: Twin, file: Path | None = None) -> Twin:
-    """The twin with its force data: the file's, else the bundled ones of its kitchen.
+    """The twin with force data: of its kitchen the file's, else the bundled ones; of bundled robots theirs.
 
-    A kitchen that has none stays as it is: then nothing of it lies inside D_artic_dyn, and the shapes say so.
+    A kitchen that has none stays as it is: then nothing of it lies inside D_artic_dyn, and the shapes say
+    so. Of a robot that has none nothing is checked, and the verdict says so.
 
     Raises:
         AnnotationError: The file is not Turtle, has blank nodes, or speaks of another kitchen.
         GraphError: It uses a property that `sdt.ttl` does not have, or one twice.
     """
-    name = local_name(twin.environment)
-    bundled = kitchens.path(f"{name}/dynamics/{name}.ttl")
-    if file is None and (_has_forces(twin) or not bundled.is_file()):
+    for robot in twin.robots:
+        twin = _with_efforts(twin, robot)
+    chosen = file or _bundled(twin)
+    if chosen is None:
         return twin
-    chosen = file or bundled
     triples = frozenset(_triples(chosen))
     _check(twin, chosen, triples)
     note = f"force data of {chosen.name}"
     return twin.rewritten(Replacement(twin.environment, frozenset(), triples, note))
+
+
+def _bundled(twin: Twin) -> Path | None:
+    """The bundled force data of a bundled kitchen; None where it has its own, or is only called like one."""
+    name = local_name(twin.environment)
+    file = kitchens.path(f"{name}/dynamics/{name}.ttl")
+    if _has_forces(twin) or not file.is_file():
+        return None
+    about = {subject for subject, predicate, _ in _triples(file) if predicate == HAS_FORCE_MODEL}
+    return file if about <= {each.joint for each in twin.containers()} else None
+
+
+def _with_efforts(twin: Twin, robot: Iri) -> Twin:
+    """The twin with what is bundled of a robot's efforts, if all of it fits and none is there yet."""
+    name = local_name(robot)
+    file = robots.path(f"{name}/dynamics/{name}.ttl")
+    facts = twin.entities.facts
+    joints = facts.having("partOf", robot)
+    if not file.is_file() or any(facts.all(joint, "effortLimitKnown") for joint in joints):
+        return twin
+    triples = frozenset(_triples(file))
+    if not {subject for subject, _, _ in triples} <= {robot, *joints}:
+        return twin
+    return twin.rewritten(Replacement(robot, frozenset(), triples, f"efforts of {name}"))
 
 
 def _has_forces(twin: Twin) -> bool:

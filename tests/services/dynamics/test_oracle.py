@@ -1,0 +1,177 @@
+"""Φ of D_artic_dyn in the Law: a failure of its own, abstentions, and verdicts of D_artic untouched."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from predicates.case import Answer, Case, Kind, Outcome, Quantity, Verdict
+from predicates.causes import causes
+from predicates.law import law
+from predicates.record import to_json, to_record
+from sdt_kg.errors import AnnotationError, InputError, OracleRejectedError
+from sdt_kg.iri import LAW, local_name
+from sdt_kg.motion import Motion
+from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN
+from sdt_kg.task import Task, Verb
+from sdt_kg.twin import Twin
+from services import load
+from services.dynamics.data import with_forces
+from services.dynamics.oracle import Dynamics
+from services.physics.oracle import Kinematics
+from tests.services.dynamics.forced import DATA, RUNNERS, edited, forced_twin
+from tests.small import FOLDER, small_twin
+
+PHYSICS = Dynamics()
+
+
+def asked(twin: Twin, container: str = "top_drawer", verb: Verb = Verb.OPEN) -> Case:
+    return Case(twin, task=Task(verb, twin.container(container).iri))
+
+
+def answered(twin: Twin, container: str = "top_drawer", verb: Verb = Verb.OPEN) -> Answer:
+    (answer,) = causes(asked(twin, container, verb), PHYSICS)
+    return answer
+
+
+def judged(twin: Twin, container: str = "top_drawer") -> Verdict:
+    (verdict,) = law(asked(twin, container), PHYSICS)
+    return verdict
+
+
+def test_a_drawer_that_needs_less_than_is_allowed_opens_and_the_bound_is_told() -> None:
+    answer = answered(forced_twin())
+    assert answer.holds
+    most, unit = answer.figures["handle force, at most"]
+    assert (8 <= most <= 60, unit) == (True, "N")
+    assert "for every value of force model runners" in answer.notes[0]
+
+
+def test_excessive_force_is_a_causal_failure_of_its_own() -> None:
+    answer = answered(edited(RUNNERS, latchForce=(176, 200)))
+    (diagnosis,) = answer.diagnoses
+    assert diagnosis.kind is Kind.CAUSAL
+    assert diagnosis.proof
+    assert "top_drawer opens, but needs 180.0 N where 60 N is allowed" in diagnosis.reason
+    evidence = diagnosis.evidence
+    assert evidence is not None
+    assert (evidence.quantity, evidence.unit, evidence.bound, evidence.time) == (Quantity.FORCE, "N", 60, 0.0)
+    assert evidence.value == pytest.approx(180)
+    assert local_name(evidence.entity or "") == "top_drawer_handle"
+    assert judged(edited(RUNNERS, latchForce=(176, 200))).outcome is Outcome.NOT_CERTIFIED
+
+
+def test_where_the_intervals_leave_it_open_the_law_abstains() -> None:
+    verdict = judged(edited(RUNNERS, latchForce=(20, 200)))
+    assert verdict.outcome is Outcome.ABSTAINED
+    (diagnosis,) = verdict.diagnoses
+    assert "leave open whether top_drawer needs more than 60 N" in diagnosis.reason
+    assert diagnosis.violation is not None
+    assert diagnosis.violation.focus == RUNNERS
+    assert not diagnosis.proof
+
+
+@pytest.mark.parametrize("name", ["massSpread", "breakAwayFrictionTo", "allowedHandleForce"])
+def test_a_missing_parameter_is_out_of_scope_with_its_shacl_result_and_never_guessed(name: str) -> None:
+    verdict = judged(edited(RUNNERS, **{name: None}))
+    assert verdict.outcome is Outcome.ABSTAINED
+    assert name in {local_name(each.violation.path or "") for each in verdict.diagnoses if each.violation}
+
+
+def test_without_force_data_nothing_is_in_scope() -> None:
+    answer = answered(small_twin("b"))
+    assert {each.kind for each in answer.diagnoses} == {Kind.OUT_OF_SCOPE}
+    with pytest.raises(OracleRejectedError, match="0 force models"):
+        PHYSICS.mechanics(small_twin("b"), small_twin("b").container("top_drawer"))
+
+
+def test_a_door_that_falls_further_open_when_let_go_is_open_all_the_same() -> None:
+    answer = answered(forced_twin(), "oven_door")
+    assert answer.holds
+    assert "when let go oven_door moves further open, or may" in answer.notes
+
+
+def test_a_drawer_that_springs_back_when_let_go_is_not_opened() -> None:
+    answer = answered(edited(RUNNERS, springStiffness=(60, 60)))
+    (diagnosis,) = answer.diagnoses
+    assert diagnosis.kind is Kind.CAUSAL
+    assert "does not stay: it moves shut" in diagnosis.reason
+    unsure = answered(edited(RUNNERS, springStiffness=(10, 60)))
+    assert [each.kind for each in unsure.diagnoses] == [Kind.OUT_OF_SCOPE]
+
+
+def test_a_door_that_would_fall_from_where_it_begins_is_no_state_to_ask_about() -> None:
+    twin = forced_twin().at({forced_twin().container("oven_door").joint: 1.0})
+    verdict = judged(twin, "oven_door")
+    assert verdict.outcome is Outcome.ABSTAINED
+    assert "does not surely stay where it begins" in verdict.diagnoses[0].reason
+
+
+def test_a_failure_for_every_value_outweighs_what_is_left_open() -> None:
+    answer = answered(edited(RUNNERS, latchForce=(176, 200), springStiffness=(10, 60)))
+    assert [each.kind for each in answer.diagnoses] == [Kind.CAUSAL]
+    assert any("may move shut" in note for note in answer.notes)
+
+
+def test_a_motion_is_made_slower_where_that_spares_force() -> None:
+    heavy = edited(RUNNERS, movedMass=(60, 60))
+    quick, slow = answered(forced_twin()).case.motion, answered(heavy).case.motion
+    assert isinstance(quick, Motion)
+    assert isinstance(slow, Motion)
+    assert slow.times[-1] == pytest.approx(2 * quick.times[-1])
+
+
+def test_modes_agree_about_forces() -> None:
+    made = answered(forced_twin())
+    assert isinstance(made.case.motion, Motion)
+    (again,) = causes(replace(asked(forced_twin()), motion=made.case.motion), PHYSICS)
+    assert (again.holds, again.figures) == (made.holds, made.figures)
+
+
+def test_too_much_force_is_proved_for_times_that_are_demanded_only() -> None:
+    heavy, motion = edited(RUNNERS, movedMass=(120, 120)), answered(forced_twin()).case.motion
+    assert isinstance(motion, Motion)
+    (proposed,) = causes(replace(asked(heavy), motion=motion), PHYSICS)
+    (demanded,) = causes(replace(asked(heavy), motion=replace(motion, timed=True)), PHYSICS)
+    assert [each.proof for each in (*proposed.diagnoses, *demanded.diagnoses)] == [False, True]
+
+
+def test_the_verdict_says_its_class_and_that_of_d_artic_is_what_it_was() -> None:
+    (kinematic,) = law(asked(small_twin("b")), Kinematics())
+    dynamic = judged(forced_twin())
+    assert dict(kinematic.inputs)["tee_class"] == D_ARTIC.content_hash()
+    assert dict(dynamic.inputs)["tee_class"] == D_ARTIC_DYN.content_hash()
+    assert (to_json(kinematic)["tee_class"], to_json(dynamic)["tee_class"]) == ("D_artic", "D_artic_dyn")
+    for verdict, tee in ((kinematic, D_ARTIC), (dynamic, D_ARTIC_DYN)):
+        said = [value for _, name, value in to_record(verdict).triples if name == LAW + "teeClass"]
+        assert [each.value for each in said] == [tee.iri]
+    (same,) = law(asked(forced_twin()), Kinematics())
+    assert len({kinematic.iri, dynamic.iri, same.iri}) == 3
+
+
+def test_force_data_change_no_verdict_of_d_artic() -> None:
+    plain, forced = load(FOLDER / "b.urdf"), load(FOLDER / "b.urdf").with_forces(DATA)
+    assert plain.twin.content_hash(plain.twin.environment) != forced.twin.content_hash(
+        forced.twin.environment
+    )
+    assert (
+        load("b").twin.entities.facts.all(
+            "https://example.org/id/b/joint/iai_fridge_door_joint", "hasForceModel"
+        )
+        == []
+    )
+
+
+def test_force_data_of_another_kitchen_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(AnnotationError, match="moves no container of a"):
+        with_forces(small_twin("a"), DATA)
+    (tmp_path / "no.ttl").write_text("<https://example.org/x> a <https://example.org/y> .")
+    with pytest.raises(AnnotationError, match="gives no joint a force model"):
+        with_forces(small_twin("b"), tmp_path / "no.ttl")
+    assert with_forces(small_twin("b")) is small_twin("b")
+
+
+def test_other_oracles_know_no_forces() -> None:
+    service = replace(load(FOLDER / "b.urdf"), oracles=load(FOLDER / "b.urdf").with_forces(DATA).oracles)
+    with pytest.raises(InputError, match="know no forces"):
+        service.with_forces(DATA)
