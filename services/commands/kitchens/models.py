@@ -17,13 +17,12 @@ from services.commands.kitchens.explain import explain
 from services.commands.options import (
     ROBOT_HELP,
     annotation_option,
-    csv_flag,
     forces_option,
     json_flag,
     kitchen_argument,
     tee_option,
 )
-from services.commands.show import console, csv_is_asked, print_json, print_rows
+from services.commands.show import console, print_json, print_rows
 from services.commands.tee_class import in_class
 
 COLUMNS = (
@@ -46,7 +45,6 @@ GRAPH_FORMATS = {".ttl": "turtle", ".trig": "trig", ".nq": "nquads"}
 @click.option(
     "--all", "show_all", is_flag=True, help="Also the handled joints that are left out, with the reason."
 )
-@csv_flag
 @json_flag
 def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
     """The counted containers of KITCHEN, their joints, handles and limits."""
