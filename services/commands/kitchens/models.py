@@ -62,9 +62,6 @@ def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
     if as_json:
         print_json(counted + left_out)
         return
-    if csv_is_asked():
-        print_rows(counted + left_out, (*COLUMNS, *(("left_out", "reason") if show_all else ())), "csv")
-        return
     print_rows(counted, COLUMNS, "table")
     if show_all:
         console().print()
@@ -113,7 +110,6 @@ def graph(kitchen: str, robots: tuple[str, ...], annotation: str | None, output:
     help="Every class: who is in which, what would bring the others in, where intervals end. Exit 0 if every "
     "container is in some class.",
 )
-@csv_flag
 @json_flag
 def scope(
     *,
@@ -140,7 +136,7 @@ def scope(
         print_json({"class": asked.iri, "in_scope": not rows, "violations": rows})
     elif form == "turtle":
         click.echo(report_turtle(twin, twin.robots[0] if robot else None, asked))
-    elif rows or csv_is_asked():
+    elif rows:
         print_rows(rows, ("container", "focus", "path", "value", "bound", "message"), "table")
     else:
         click.echo(
