@@ -5,13 +5,20 @@ from pathlib import Path
 import click
 
 from services.commands.completion.types import KITCHEN, STATE
+from services.commands.show import CSV
 
 KITCHEN_HELP = "Bundled kitchen (a, b) or path of a URDF, xacro, MJCF, SDF or saved twin (.nq, .trig)."
 ROBOT_HELP = "Bundled robot (pr2, tiago_dual, stretch) or path of a URDF or xacro."
 
 kitchen_argument = click.argument("kitchen", type=KITCHEN)
 json_flag = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-csv_flag = click.option("--csv", "as_csv", is_flag=True, help="Print CSV.")
+csv_flag = click.option(
+    "--csv",
+    is_flag=True,
+    expose_value=False,
+    callback=lambda context, _, asked: context.meta.update({CSV: asked}),
+    help="Print CSV.",
+)
 states_option = click.option(
     "--state",
     "states",

@@ -16,6 +16,9 @@ from rich.text import Text
 PIPE_WIDTH = 400
 """[characters] Wide enough that nothing is cut on a pipe, where no terminal tells its width."""
 
+CSV = "sdt.csv"
+"""Key in click's context: the reader asked for CSV (`csv_flag`)."""
+
 Row = Mapping[str, object]
 
 
@@ -24,13 +27,25 @@ def console() -> Console:
     return Console() if sys.stdout.isatty() else Console(width=PIPE_WIDTH, no_color=True)
 
 
+def csv_is_asked() -> bool:
+    """Whether the command that runs was asked for CSV."""
+    context = click.get_current_context(silent=True)
+    return context is not None and bool(context.meta.get(CSV))
+
+
 def print_json(value: object) -> None:
     """JSON on standard output."""
+    if csv_is_asked():
+        raise click.UsageError("--json and --csv: one of them")
     click.echo(json.dumps(value, indent=2, ensure_ascii=False))
 
 
 def print_rows(rows: Sequence[Row], columns: Sequence[str], form: str) -> None:
-    """Rows as `table`, `csv` or `json`; the columns are shown even where there is no row."""
+    """Rows as `table`, `csv` or `json`; the columns are shown even where there is no row.
+
+    A table is CSV where the reader asked for that with `csv_flag`.
+    """
+    form = "csv" if form == "table" and csv_is_asked() else form
     if form == "json":
         print_json([{column: row.get(column) for column in columns} for row in rows])
     elif form == "csv":

@@ -6,17 +6,41 @@ from typing import Any
 import click
 
 from services.commands.exits import Exit
-from services.commands.show import print_json
+from services.commands.show import csv_is_asked, print_json, print_rows
 
 Json = dict[str, Any]  # what `predicates.record.to_json` gives
 
 PREDICATES = ("satisfies_request", "causes", "can_perform")
+
+COLUMNS = (
+    "kitchen",
+    "robot",
+    "task",
+    "container",
+    "outcome",
+    *PREDICATES,
+    "gripper",
+    "why",
+    "proof",
+    "seconds",
+    "iri",
+)
+"""Of a verdict on one line."""
+
+
+def verdict_row(verdict: Json) -> Json:
+    """A verdict's JSON object on one line."""
+    diagnoses = verdict["diagnoses"]
+    why = "; ".join(diagnosis_text(each) for each in diagnoses)
+    return verdict | {"why": why, "proof": any(each["proof"] for each in diagnoses)}
 
 
 def told(objects: Sequence[Json], *, as_json: bool) -> int:
     """Print the verdicts; the exit code: 0 all certified, 1 some not, 3 all abstained."""
     if as_json:
         print_json(list(objects))
+    elif csv_is_asked():
+        print_rows([verdict_row(each) for each in objects], COLUMNS, "csv")
     else:
         for each in objects:
             print_verdict(each)

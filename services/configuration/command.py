@@ -39,7 +39,7 @@ def commands_of(context: click.Context) -> dict[str, click.Command]:
 @csv_flag
 @json_flag
 @click.pass_context
-def show(context: click.Context, command: str | None, *, as_csv: bool, as_json: bool) -> None:
+def show(context: click.Context, command: str | None, *, as_json: bool) -> None:
     """What is set, and by whom; with COMMAND, every option of it. The whole file is checked."""
     said, commands = context.find_object(Settings), commands_of(context)
     assert said is not None
@@ -53,11 +53,11 @@ def show(context: click.Context, command: str | None, *, as_csv: bool, as_json: 
         for each in found[name]
         if command or each.source is not Source.DEFAULT
     ]
-    print_rows(rows, COLUMNS, "json" if as_json else "csv" if as_csv else "table")
+    print_rows(rows, COLUMNS, "json" if as_json else "table")
     unknown = _unknown(said, commands)
     for name in unknown:
         click.echo(f"note: {name} is no variable of a setting", err=True)
-    if not rows and not (as_json or as_csv):
+    if not rows:
         click.echo("nothing is set; sdt config init writes an example", err=True)
 
 
@@ -86,6 +86,7 @@ def schema_command(context: click.Context) -> None:
 
 
 @config.command()
+@csv_flag
 @json_flag
 @click.pass_context
 def path(context: click.Context, *, as_json: bool) -> None:

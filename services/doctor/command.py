@@ -8,7 +8,7 @@ import click
 
 from services.commands.exits import Exit
 from services.commands.options import KITCHEN_HELP, ROBOT_HELP, csv_flag, json_flag
-from services.commands.show import console, print_json, print_rows
+from services.commands.show import console, csv_is_asked, print_json, print_rows
 from services.configuration.read import Settings
 from services.doctor.finding import Finding, Standing, well
 from services.doctor.machine import machine
@@ -46,7 +46,6 @@ def doctor(
     places: tuple[str, ...],
     connect: str | None,
     bus_config: Path | None,
-    as_csv: bool,
     as_json: bool,
 ) -> None:
     """Look whether all is well here: packages, extras, Java, models, settings, stores, bus, memory, disk.
@@ -73,7 +72,7 @@ def doctor(
     ]
     if as_json:
         print_json({"well": not to_do, "findings": rows})
-    elif as_csv:
+    elif csv_is_asked():
         print_rows(rows, COLUMNS, "csv")
     else:
         _print(findings)

@@ -14,7 +14,7 @@ from sdt_kg.history.records import record_graph
 from sdt_kg.iri import local_name
 from services.commands.completion.types import ROBOT
 from services.commands.graphs.saved_graphs import checked_format, graph_of, write_graph
-from services.commands.options import ROBOT_HELP, annotation_option, json_flag, kitchen_argument
+from services.commands.options import ROBOT_HELP, annotation_option, csv_flag, json_flag, kitchen_argument
 from services.commands.show import print_json, print_rows
 from services.edits import EDITS, parse_edit, twin_of
 
@@ -30,6 +30,7 @@ robots_option = click.option("--robot", "robots", multiple=True, type=ROBOT, hel
 @robots_option
 @annotation_option
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE.trig|.nq")
+@csv_flag
 @json_flag
 def branch(
     *,

@@ -8,7 +8,7 @@ import click
 from sdt_kg.errors import InputError
 from services.app import load
 from services.commands.graphs.computing import Asked, compute_options, print_computed, refuse_without_compute
-from services.commands.options import json_flag
+from services.commands.options import csv_flag, json_flag
 from services.commands.show import print_rows
 from services.store.files import is_saved_graph, query_saved
 
@@ -27,6 +27,7 @@ from services.store.files import is_saved_graph, query_saved
     "--format", "form", type=click.Choice(["table", "csv", "json"]), default="table", show_default=True
 )
 @compute_options
+@csv_flag
 @json_flag
 def query(
     *,

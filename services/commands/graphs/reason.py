@@ -9,8 +9,8 @@ from sdt_kg.iri import local_name
 from services.commands.completion.types import ROBOT
 from services.commands.exits import Exit
 from services.commands.graphs.saved_graphs import checked_format, graph_of, write_graph
-from services.commands.options import ROBOT_HELP, annotation_option, json_flag
-from services.commands.show import print_json
+from services.commands.options import ROBOT_HELP, annotation_option, csv_flag, json_flag
+from services.commands.show import csv_is_asked, print_json, print_rows
 from services.store.reason import Engine, Reasoned, default_engine, reasoned
 
 
@@ -30,6 +30,7 @@ from services.store.reason import Engine, Reasoned, default_engine, reasoned
     metavar="FILE.trig|.nq",
     help="Write the graph with the inferred types in a named graph of their own.",
 )
+@csv_flag
 @json_flag
 def reason(
     *,
@@ -50,6 +51,8 @@ def reason(
     found = reasoned(graph, default_engine() if engine is None else Engine(engine))
     if as_json:
         print_json(_row(found))
+    elif csv_is_asked():
+        print_rows([{"individual": a, "type": b} for a, b in found.types], ("individual", "type"), "csv")
     else:
         _say(found)
     if not found.consistent:

@@ -17,12 +17,13 @@ from services.commands.kitchens.explain import explain
 from services.commands.options import (
     ROBOT_HELP,
     annotation_option,
+    csv_flag,
     forces_option,
     json_flag,
     kitchen_argument,
     tee_option,
 )
-from services.commands.show import console, print_json, print_rows
+from services.commands.show import console, csv_is_asked, print_json, print_rows
 from services.commands.tee_class import in_class
 
 COLUMNS = (
@@ -45,6 +46,7 @@ GRAPH_FORMATS = {".ttl": "turtle", ".trig": "trig", ".nq": "nquads"}
 @click.option(
     "--all", "show_all", is_flag=True, help="Also the handled joints that are left out, with the reason."
 )
+@csv_flag
 @json_flag
 def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
     """The counted containers of KITCHEN, their joints, handles and limits."""
@@ -61,6 +63,9 @@ def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
     ]
     if as_json:
         print_json(counted + left_out)
+        return
+    if csv_is_asked():
+        print_rows(counted + left_out, (*COLUMNS, *(("left_out", "reason") if show_all else ())), "csv")
         return
     print_rows(counted, COLUMNS, "table")
     if show_all:
@@ -110,6 +115,7 @@ def graph(kitchen: str, robots: tuple[str, ...], annotation: str | None, output:
     help="Every class: who is in which, what would bring the others in, where intervals end. Exit 0 if every "
     "container is in some class.",
 )
+@csv_flag
 @json_flag
 def scope(
     *,
@@ -136,7 +142,7 @@ def scope(
         print_json({"class": asked.iri, "in_scope": not rows, "violations": rows})
     elif form == "turtle":
         click.echo(report_turtle(twin, twin.robots[0] if robot else None, asked))
-    elif rows:
+    elif rows or csv_is_asked():
         print_rows(rows, ("container", "focus", "path", "value", "bound", "message"), "table")
     else:
         click.echo(

@@ -12,6 +12,7 @@ from predicates.record import to_json
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.motion import BodyMotion
+from sdt_kg.task import UNKNOWN
 from services.app import Policy, load
 from services.commands.completion.types import KITCHEN, ROBOT, TASK
 from services.commands.options import (
@@ -19,6 +20,7 @@ from services.commands.options import (
     ROBOT_HELP,
     annotation_option,
     budget_option,
+    csv_flag,
     drive_option,
     forces_option,
     json_flag,
@@ -27,10 +29,11 @@ from services.commands.options import (
     states_option,
     tee_option,
 )
+from services.commands.show import progress
 from services.commands.tee_class import in_class
 from services.commands.verdicts import told
 from services.motions import read_motion, write_motion
-from services.requests import parse_base
+from services.requests import parse_base, parse_task
 from services.store.files import SavedVerdicts
 
 
@@ -80,6 +83,7 @@ from services.store.files import SavedVerdicts
     metavar="FILE",
     help="Write what re-verifies the verdict, for sdt recheck.",
 )
+@csv_flag
 @json_flag
 def achieve(
     *,
@@ -118,8 +122,13 @@ def achieve(
         if saved:
             saved.add_twin(service.twin)
             service = replace(service, recall=saved.stored)
+        of_all = parse_task(service.twin, task).container is UNKNOWN
+        count = len(service.twin.containers()) if of_all and given is None else 1
+        bar = stack.enter_context(progress(task, count)) if count > 1 else None
         for verdict in service.achieve(task, motion=given):
             verdicts.append(verdict)
+            if bar:
+                bar.update(bar.task_ids[0], advance=1, now=verdict.outcome.value)
             if saved and not verdict.stored:
                 saved.add(verdict)
     objects = [to_json(verdict) for verdict in verdicts]

@@ -14,13 +14,14 @@ from services.app import load
 from services.commands.completion.types import TASK
 from services.commands.exits import Exit
 from services.commands.options import (
+    csv_flag,
     forces_option,
     json_flag,
     kitchen_argument,
     states_option,
     tee_option,
 )
-from services.commands.show import console, print_json, print_rows
+from services.commands.show import console, csv_is_asked, print_json, print_rows
 from services.commands.tee_class import in_class
 from services.commands.verdicts import Json
 from services.motions import read_motion, write_motion
@@ -29,6 +30,7 @@ from services.motions import read_motion, write_motion
 @click.command()
 @kitchen_argument
 @states_option
+@csv_flag
 @json_flag
 def satisfies(kitchen: str, states: tuple[str, ...], as_json: bool) -> None:
     """The requests which a state of KITCHEN meets (SatisfiesRequest, backwards)."""
@@ -55,6 +57,7 @@ def satisfies(kitchen: str, states: tuple[str, ...], as_json: bool) -> None:
 )
 @tee_option
 @forces_option
+@csv_flag
 @json_flag
 def causes(
     *,
@@ -91,7 +94,7 @@ def causes(
         columns = ("task", "container", "outcome", "start", "end", "duration", *figures, "why")
         print_rows(rows, columns, "table")
         for note in dict.fromkeys(note for row in rows for note in row["notes"]):
-            click.echo(f"note: {note}")
+            click.echo(f"note: {note}", err=csv_is_asked())
     _exit(rows)
 
 

@@ -21,25 +21,11 @@ from services.commands.options import (
     states_option,
 )
 from services.commands.show import csv_text, print_json, print_rows, progress
-from services.commands.verdicts import Json, diagnosis_text
+from services.commands.verdicts import COLUMNS, Json, verdict_row
 from services.store.files import SavedVerdicts
 from services.table import CellResult, TableResult, cells, run
 
-CSV_COLUMNS = (
-    "kitchen",
-    "robot",
-    "task",
-    "container",
-    "outcome",
-    "satisfies_request",
-    "causes",
-    "can_perform",
-    "gripper",
-    "why",
-    "proof",
-    "seconds",
-    "iri",
-)
+STDOUT = Path("-")
 
 
 @click.command()
@@ -72,7 +58,11 @@ CSV_COLUMNS = (
     help="Write each certified body motion to DIR.",
 )
 @click.option(
-    "--csv", "csv_file", type=click.Path(path_type=Path), metavar="FILE", help="Write every case as CSV."
+    "--csv",
+    "csv_file",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write every case as CSV; - prints it in place of the table.",
 )
 @json_flag
 def table(
@@ -94,6 +84,8 @@ def table(
 
     With --save, what was judged before is answered from there. Exit 0 whenever every case got a verdict.
     """
+    if as_json and csv_file == STDOUT:
+        raise click.UsageError("--json and --csv -: one of them")
     policy = Policy(Drive(drive) if drive else None, None, budget, seed)
     cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)
     with ExitStack() as stack:
@@ -112,14 +104,30 @@ def table(
 
         result = run(cases, jobs, report, motions, saved.stored if saved else nothing_stored)
     objects = [each.verdict for each in result.results]
+    _say(result, objects, csv_file, save, as_json=as_json)
+
+
+def _say(
+    result: TableResult, objects: Sequence[Json], csv_file: Path | None, save: str | None, *, as_json: bool
+) -> None:
+    """The table, as JSON, as CSV or for people."""
     if csv_file:
-        csv_file.write_text(csv_text([_row(each) for each in objects], CSV_COLUMNS))
+        _write_csv(csv_file, objects)
     if as_json:
         print_json(result.to_json())
-    else:
+    elif csv_file != STDOUT:
         _print_table(result, objects)
         if save:
             click.echo(f"verdicts as triples: {save}")
+
+
+def _write_csv(path: Path, objects: Sequence[Json]) -> None:
+    """Every case, a line each."""
+    text = csv_text([verdict_row(each) for each in objects], COLUMNS)
+    if path == STDOUT:
+        click.echo(text, nl=False)
+    else:
+        path.write_text(text, encoding="utf-8")
 
 
 def _add_twins(saved: SavedVerdicts, kitchens: Sequence[str], robots: Sequence[str]) -> None:
@@ -137,7 +145,7 @@ def _print_table(result: TableResult, objects: Sequence[dict[str, object]]) -> N
     print_rows(rows, ("kitchen", *robots), "table")
     drives = Counter((str(each["robot"]), str(each["drive"])) for each in objects)
     click.echo("\nbase: " + ", ".join(f"{robot} {drive}" for robot, drive in drives))
-    missing = [_row(each) for each in objects if each["outcome"] != "certified"]
+    missing = [verdict_row(each) for each in objects if each["outcome"] != "certified"]
     if missing:
         click.echo("\nnot certified, and why:\n")
         print_rows(missing, ("kitchen", "robot", "container", "outcome", "why"), "table")
@@ -146,10 +154,3 @@ def _print_table(result: TableResult, objects: Sequence[dict[str, object]]) -> N
     click.echo(
         f"\n{len(objects)} verdicts{kept} in {result.seconds:.0f} s ({result.cpu_seconds:.0f} s of CPU)"
     )
-
-
-def _row(verdict: Json) -> Json:
-    """A verdict's JSON object on one line."""
-    diagnoses = verdict["diagnoses"]
-    why = "; ".join(diagnosis_text(each) for each in diagnoses)
-    return verdict | {"why": why, "proof": any(each["proof"] for each in diagnoses)}

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from services.commands.options import json_flag, states_option
+from services.commands.options import csv_flag, json_flag, states_option
 from services.commands.show import print_json, print_rows
 from services.commands.verdicts import told
 
@@ -49,6 +49,7 @@ config_option = click.option(
     show_default=True,
     help="Seconds after which nobody waits any more.",
 )
+@csv_flag
 @json_flag
 def ask(
     *,

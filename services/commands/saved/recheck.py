@@ -11,8 +11,8 @@ from sdt_kg.load import load_twin
 from sdt_kg.state import State
 from sdt_kg.twin import Twin
 from services.commands.exits import Exit
-from services.commands.options import json_flag
-from services.commands.show import print_json
+from services.commands.options import csv_flag, json_flag
+from services.commands.show import csv_is_asked, print_json, print_rows
 from services.embodiment.recheck import Rechecked, Saved, recheck_artefact, recheck_verdict
 from services.embodiment.recheck.check import TwinOf
 from services.embodiment.recheck.saved import FORMATS, Entry, by_name
@@ -30,6 +30,7 @@ from services.embodiment.recheck.saved import FORMATS, Entry, by_name
 )
 @click.option("--robot", help="Take the robot from here; its content must agree.")
 @click.option("--annotation", type=click.Path(exists=True, dir_okay=False), help="Annotation of that robot.")
+@csv_flag
 @json_flag
 def recheck(
     *,
@@ -57,6 +58,9 @@ def recheck(
         )
     if as_json:
         print_json([_json(each) for each in results])
+    elif csv_is_asked():
+        rows = [{**_json(each), "reasons": "; ".join(each.reasons)} for each in results]
+        print_rows(rows, ("of", "about", "kind", "holds", "reasons", "seconds"), "csv")
     else:
         _print(results, without)
     raise SystemExit(0 if all(each.holds for each in results) else Exit.NO)

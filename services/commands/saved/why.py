@@ -7,8 +7,8 @@ from predicates.record import read_verdicts
 from sdt_kg.errors import InputError
 from sdt_kg.iri import LAW, local_name
 from sdt_kg.store import rows_of
-from services.commands.options import json_flag
-from services.commands.show import print_json, print_rows
+from services.commands.options import csv_flag, json_flag
+from services.commands.show import csv_is_asked, print_json, print_rows
 from services.store.files import is_saved_graph, readable
 from services.why import SHORT_KEY, outcome, question, sections, verdicts_of, why
 
@@ -16,6 +16,7 @@ from services.why import SHORT_KEY, outcome, question, sections, verdicts_of, wh
 @click.command(name="why")
 @click.argument("verdict", metavar="IRI|FILE|STORE")
 @click.option("--store", metavar="FILE|STORE", help="Where the verdict of that IRI is saved.")
+@csv_flag
 @json_flag
 def why_command(verdict: str, store: str | None, as_json: bool) -> None:
     """Tell a stored verdict in plain words: what was asked, each answer, the reasons, how to check again.
@@ -36,7 +37,10 @@ def why_command(verdict: str, store: str | None, as_json: bool) -> None:
         _list(saved, as_json)
         return
     iri = known[0] if iri is None else iri
-    if as_json:
+    if csv_is_asked():
+        rows = [{"section": each.title, "line": line} for each in sections(saved, iri) for line in each.lines]
+        print_rows(rows, ("section", "line"), "csv")
+    elif as_json:
         print_json([{"title": each.title, "lines": list(each.lines)} for each in sections(saved, iri)])
     else:
         click.echo(why(saved, iri))

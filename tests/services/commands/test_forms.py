@@ -1,0 +1,128 @@
+"""Every command says what it says as JSON and CSV too, and ends with a code of the one table."""
+
+import csv
+import io
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import click
+import pytest
+
+from services.cli import sdt as root
+from services.commands.exits import MEANING, Exit
+from tests.services.conftest import Done
+
+DOOR = "open:iai_fridge_door"
+STUCK = ("achieve", "--kitchen", "b", "--robot", "stretch", "--drive", "fixed", "--task", DOOR)
+
+ENDS = {
+    "containers": (["containers", "b"], Exit.DONE),
+    "scope": (["scope", "b"], Exit.DONE),
+    "scope, outside": (["scope", "outside.urdf"], Exit.ABSTAINED),
+    "query": (["query", "b", "SELECT ?door { ?door a sdt:Door }"], Exit.DONE),
+    "satisfies": (["satisfies", "b"], Exit.DONE),
+    "causes": (["causes", "b", "--task", DOOR], Exit.DONE),
+    "causes not": (["causes", "b", "--task", DOOR, "--state", "iai_fridge_door=open"], Exit.NO),
+    "causes outside": (["causes", "outside.urdf", "--task", "open"], Exit.ABSTAINED),
+    "achieve not": ([*STUCK], Exit.NO),
+    "why": (["why", "kept.trig"], Exit.DONE),
+    "recheck": (["recheck", "kept.trig"], Exit.DONE),
+    "branch": (["branch", "b", "move:iai_fridge_door=open"], Exit.DONE),
+    "config show": (["config", "show", "achieve"], Exit.DONE),
+    "config path": (["config", "path"], Exit.DONE),
+}
+PLAIN = {
+    "graph": (["graph", "b", "-o", "x.ttl"], Exit.DONE),
+    "diff": (["diff", "b", "b@iai_fridge_door=open"], Exit.DONE),
+    "unknown command": (["achive"], Exit.BAD_INPUT),
+    "unreadable file": (["graph", "b", "-o", "no/such/folder.ttl"], Exit.BAD_INPUT),
+    "nobody on the bus": (["ask", "b", "health", "--connect", "tcp/127.0.0.1:9"], Exit.NO_ORACLE),
+    "no such server": (["query", "http://127.0.0.1:9", "ASK { ?a ?b ?c }"], Exit.NO_ORACLE),
+    "json and csv": (["containers", "b", "--json", "--csv"], Exit.BAD_INPUT),
+}
+# Whatever the axis is called, the shape wants a positive range: 0..0.005 is closed and open at once.
+OUTSIDE = """<robot name="outside"><link name="room"/><link name="box_door"/><link name="box_handle"/>
+<joint name="box_door_joint" type="revolute"><parent link="room"/><child link="box_door"/><axis xyz="0 0 1"/>
+<limit lower="0" upper="0.005" effort="1" velocity="1"/></joint>
+<joint name="h" type="fixed"><parent link="box_door"/><child link="box_handle"/></joint></robot>"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A kitchen outside D_artic, and a verdict with its proof."""
+    folder = tmp_path_factory.mktemp("forms")
+    (folder / "outside.urdf").write_text(OUTSIDE)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SDT_CONFIG", "/dev/null")
+        from services.cli import run  # noqa: PLC0415 - after the setting
+
+        assert run([*STUCK, "--save", str(folder / "kept.trig")]) == Exit.NO
+    return folder
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("name", ENDS)
+def test_a_command_speaks_json_and_csv_and_ends_as_documented(
+    sdt: Callable[..., Done], folder: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.chdir(folder)
+    words, code = ENDS[name]
+    as_json, as_csv = sdt(*words, "--json"), sdt(*words, "--csv")
+    assert (as_json.code, as_csv.code) == (code, code), as_json.err + as_csv.err
+    assert as_json.json is not None
+    head, *rows = csv.reader(io.StringIO(as_csv.out))
+    assert len(head) > 0
+    assert {len(row) for row in rows} <= {len(head)}
+
+
+@pytest.mark.parametrize("name", PLAIN)
+def test_a_command_ends_as_documented(
+    sdt: Callable[..., Done], folder: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.chdir(folder)
+    words, code = PLAIN[name]
+    done = sdt(*words)
+    assert done.code == code, done
+    assert "Traceback" not in done.err
+
+
+def all_commands() -> Iterator[tuple[str, click.Command]]:
+    for name, command in root.commands.items():
+        if isinstance(command, click.Group):
+            yield from ((f"{name} {sub}", each) for sub, each in command.commands.items())
+        else:
+            yield name, command
+
+
+SILENT = {
+    "completion", "config init", "config schema", "graph", "mcp", "ontology", "oracle", "patch",
+    "robot describe", "router", "serve", "tour", "view",
+}  # fmt: skip
+"""They write a file, print a script or schema, or run until they are stopped."""
+
+
+def test_every_command_that_tells_something_tells_it_as_json() -> None:
+    without = {
+        name
+        for name, command in all_commands()
+        if "--json" not in {option for each in command.params for option in each.opts}
+    }
+    assert without == SILENT
+
+
+def test_the_help_lists_every_exit_code_and_every_command(sdt: Callable[..., Done]) -> None:
+    out = sdt("--help").out
+    for code, meaning in MEANING.items():
+        assert f"  {code.value:<11}{meaning}" in out
+    assert [name for name in root.commands if f"\n  {name} " not in out] == []
+
+
+def test_a_bug_is_no_verdict(sdt: Callable[..., Done], monkeypatch: pytest.MonkeyPatch) -> None:
+    @click.command()
+    def broken() -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setitem(root.commands, "broken", broken)
+    done = sdt("broken")
+    assert done.code == Exit.BUG
+    assert "ZeroDivisionError" in done.err
