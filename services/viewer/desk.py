@@ -10,7 +10,7 @@ from typing import Final
 from sdt_kg.errors import UrdfError
 from sdt_kg.iri import Iri
 from sdt_kg.load import bundled
-from sdt_kg.scope import D_ARTIC
+from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN
 from sdt_kg.twin import Twin
 from services.app import DEFAULT_BUDGET
 from services.viewer.judging.judges import Judges
@@ -22,7 +22,7 @@ from services.viewer.picture.skeleton import Skeleton
 
 KEPT: Final = 16
 """Models whose looks are kept."""
-CLASSES: Final = (D_ARTIC.name,)
+CLASSES: Final = (D_ARTIC.name, D_ARTIC_DYN.name)
 """TEE classes that the Law can be asked about."""
 
 

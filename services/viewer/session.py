@@ -40,6 +40,7 @@ class Session(threading.Thread):
     def __init__(self, client: viser.ClientHandle, desk: Desk, wanted: dict[str, str]) -> None:
         super().__init__(daemon=True, name=f"sdt-view-{client.client_id}")
         self._client, self._desk, self._wanted = client, desk, wanted
+        self._gone = threading.Event()
         self._line: queue.SimpleQueue[str] = queue.SimpleQueue()
         self._due_names: set[str] = set()
         self._lock = threading.Lock()
@@ -61,6 +62,7 @@ class Session(threading.Thread):
 
     def leave(self) -> None:
         """The person is gone."""
+        self._gone.set()
         self.tell(OVER)
 
     def run(self) -> None:
@@ -68,6 +70,7 @@ class Session(threading.Thread):
             self._safely(self._open)
         last = time.monotonic()
         while True:
+            ran = self._showing.film.playing
             try:
                 name = self._line.get(timeout=self._pause())
             except queue.Empty:
@@ -77,7 +80,7 @@ class Session(threading.Thread):
             if name == OVER:
                 break
             now = time.monotonic()
-            since, last = now - last, now
+            since, last = now - last if ran else 0.0, now
             if name:
                 self._safely(lambda done=name: self._do(done))
             self._safely(lambda passed=since: self._tick(passed))
@@ -94,6 +97,8 @@ class Session(threading.Thread):
 
     def _safely(self, act: Callable[[], None]) -> None:
         """The page lives on, whatever happens; what was wrong with the input is said as on the shell."""
+        if self._gone.is_set():
+            return
         try:
             act()
         except SdtError as error:

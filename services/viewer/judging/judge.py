@@ -18,6 +18,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, NoModeError, SdtError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import Motion
+from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN
 from sdt_kg.task import Task
 from sdt_kg.twin import Twin
 from services.app import Policy, Service
@@ -87,12 +88,13 @@ class Kept:
         return self._physics
 
     def embodiment(self, policy: Policy) -> WholeBody:
-        """R under a policy; it begins with the scenes that the last one had."""
+        """R under a policy; it begins with the scenes of another one with the same drive and seed."""
         if policy not in self._bodies:
-            last = next(reversed(self._bodies.values()), None)
+            like = (policy.drive, policy.seed)
+            last = next((each for of, each in self._bodies.items() if (of.drive, of.seed) == like), None)
             body = WholeBody(policy.drive, policy.base, policy.budget, policy.seed, policy.any_start)
             if last is not None:
-                # The scenes do not depend on the policy.
+                # Scenes and roads depend on drive and seed alone.
                 shared = copy.copy(last)
                 shared.drive, shared.start, shared.budget = body.drive, body.start, body.budget
                 shared.seed, shared.any_start, shared.tolerances = body.seed, body.any_start, body.tolerances
@@ -110,6 +112,7 @@ class Judge:
 
     _places: Places = field(default_factory=Places)
     _kept: Kept = field(default_factory=Kept)
+    _forced: tuple[tuple[Place, Policy], Service] | None = None
     _scenes: list[Scene] = field(default_factory=list[Scene])
 
     def answer(self, job: Job) -> Answered:
@@ -127,6 +130,18 @@ class Judge:
 
     def _service(self, place: Place, policy: Policy) -> Service:
         return Service(self._places.twin(place), policy, oracles=self._kept)
+
+    def _relative(self, question: Question, policy: Policy) -> Service:
+        """The service, asked relative to the question's class."""
+        if question.tee == D_ARTIC.name:
+            return self._service(question.place, policy)
+        if question.tee != D_ARTIC_DYN.name:
+            classes = f"{D_ARTIC.name}, {D_ARTIC_DYN.name}"
+            raise InputError(f"no TEE class '{question.tee}'", allowed=classes)
+        key = (question.place, policy)
+        if self._forced is None or self._forced[0] != key:
+            self._forced = key, Service(self._places.twin(question.place), policy).with_forces()
+        return self._forced[1]
 
     def _warm(self, job: Warmed) -> None:
         """A first case is judged, so that the next one finds everything loaded and compiled."""
@@ -163,7 +178,7 @@ class Judge:
             budget=question.budget,
             any_start=question.any_start,
         )
-        service = self._service(question.place, policy)
+        service = self._relative(question, policy)
         robot = service.robot(None)
         motion = read_motion(Path(question.motion), service.twin, robot) if question.motion else None
         found = list(service.achieve(question.task, robot, motion))

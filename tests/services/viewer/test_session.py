@@ -1,0 +1,165 @@
+"""What people at the page do, and what they are shown; in the page's own protocol, without a browser."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from viser import _messages as wire
+
+from services.app import load
+from services.motions import write_motion
+from services.viewer.page import Page
+from services.viewer.running import Offer, running
+from tests.services.viewer.visitor import Visitor
+
+DRAWER = "sink_area_left_middle_drawer_main"
+
+
+@pytest.fixture(scope="module")
+def page() -> Iterator[Page]:
+    with running("127.0.0.1:0", Offer(("b", "a"), ("pr2", "stretch"))) as one:
+        yield one
+
+
+def red(visitor: Visitor) -> list[object]:
+    """Colours of what stands out in the ghost."""
+    painted = [
+        each for name, each in list(visitor.nodes.items()) if name.startswith("/ghost") and "/p" in name
+    ]
+    return [each["props"]["color"] for each in painted]
+
+
+@pytest.fixture
+def visitor(page: Page) -> Iterator[Visitor]:
+    with Visitor(page.port, f"/case/kitchen=b;robot=pr2;task=open:{DRAWER}") as one:
+        one.waits_for("Ready.")
+        yield one
+
+
+@pytest.mark.oracle
+def test_a_drawer_is_certified_and_its_motion_plays(visitor: Visitor) -> None:
+    assert "Choose kitchen, robot and container" in visitor.reads()
+    visitor.until(lambda: "/paths" in visitor.nodes, "handle paths")
+    visitor.clicks("Check")
+    said = visitor.waits_for("CERTIFIED")
+    assert f"Can pr2 open {DRAWER} in kitchen b?" in said
+    assert "drive → approach → grasp → follow" in said.replace("*", "")
+    assert visitor.value("Look at") == "the whole motion"
+    visitor.sets("Speed", "8x")
+    base = visitor.nodes["/robot"]
+    visitor.until(lambda: visitor.value("Time [s]") > 10, "it plays by itself")
+    assert base["position"] != (0.0, 0.0, 0.0)
+    looks = visitor.control("Look at")[1]["options"]
+    pair = next(each for each in looks if "handle" in each)
+    visitor.sets("Look at", pair)
+    visitor.until(lambda: "/marks/0/line" in visitor.nodes, "a line at the closest pair")
+    visitor.clicks("Save the verdict (.trig)")
+    visitor.until(lambda: bool(visitor.files), "a file")
+    assert visitor.files[0]["filename"].endswith(".trig")
+
+
+@pytest.mark.oracle
+def test_the_verdict_follows_a_change_and_says_until_then_that_it_is_old(visitor: Visitor) -> None:
+    visitor.clicks("Check")
+    visitor.waits_for("CERTIFIED")
+    visitor.sets("Robot", "stretch")
+    visitor.waits_for("Something was changed since")
+    assert "Can stretch open" in visitor.waits_for("Can stretch open")
+    assert "Something was changed since" not in visitor.reads()
+    visitor.sets("Verdict follows", False)
+    visitor.sets("A box stands there", True)
+    visitor.waits_for("Something was changed since")
+    x, y, _ = visitor.nodes["/gizmo/box"]["position"]
+    visitor.send(wire.TransformControlsUpdateMessage("/gizmo/box", (1, 0, 0, 0), (x + 5.0, y, 0.0), "0"))
+    assert visitor.nodes["/gizmo/box/body"]["props"]["dimensions"] == [0.4, 0.4, 0.9]
+
+
+@pytest.mark.oracle
+def test_a_start_inside_furniture_is_refused_with_a_ghost_and_red_links(visitor: Visitor) -> None:
+    visitor.sets("Base pose", "as set below")
+    visitor.sets("x, y, yaw", (1.2, 0.9, 0.0))
+    visitor.clicks("Check")
+    said = visitor.waits_for("NOT CERTIFIED")
+    assert "parked at its start pose" in said
+    visitor.until(lambda: red(visitor) == [[205, 28, 28]], "a red link of a ghost")
+    assert visitor.nodes["/ghost"]["position"][:2] == pytest.approx((1.2, 0.9))
+    visitor.until(lambda: "/marks/0/line" in visitor.nodes, "a line over the gap")
+
+
+@pytest.mark.oracle
+def test_a_motion_is_judged_as_it_is_and_shown_where_it_breaks_a_rule(
+    visitor: Visitor, tmp_path: Path
+) -> None:
+    service = load("b", ["pr2"])
+    (verdict,) = service.achieve(f"open:{DRAWER}")
+    motion = verdict.case.body_motion
+    assert not isinstance(motion, type(None))
+    good = tmp_path / "good.npz"
+    write_motion(good, motion)  # pyright: ignore[reportArgumentType]
+    with np.load(good) as arrays:
+        spoilt = {name: arrays[name] for name in arrays.files}
+    elbow = list(spoilt["robot_joint_names"]).index("l_elbow_flex_joint")
+    middle = slice(len(spoilt["times"]) // 3, 2 * len(spoilt["times"]) // 3)
+    spoilt["robot_positions"][middle, elbow] = 1.0  # beyond its upper limit
+    bad = tmp_path / "bad.npz"
+    np.savez(bad, **spoilt)
+    visitor.opens("A motion", "good.npz", good.read_bytes())
+    assert "motion: the robot's motion was given" in visitor.waits_for("CERTIFIED")
+    visitor.opens("A motion", "bad.npz", bad.read_bytes())
+    said = visitor.waits_for("NOT CERTIFIED")
+    assert "l_elbow_flex_joint" in said
+    visitor.until(lambda: "/ghost" in visitor.nodes, "a ghost where it breaks the rule")
+    visitor.clicks("Leave the motion")
+    visitor.waits_for("motion: to be found")
+
+
+@pytest.mark.oracle
+def test_what_is_no_input_is_said_as_on_the_shell_and_the_page_lives_on(visitor: Visitor) -> None:
+    visitor.opens(
+        "A kitchen (.urdf)", "broken.urdf", b"<robot name='r'><link name='a'/><link name='b'/></robot>"
+    )
+    visitor.waits_for("2 links without parent: 'a', 'b'; allowed: one root")
+    visitor.opens("A kitchen (.urdf)", "empty.urdf", b"<robot name='r'><link name='a'/></robot>")
+    visitor.waits_for("has no container")
+    assert visitor.value("Kitchen") == "b"
+    visitor.opens("A motion", "wrong.csv", b"time,elbow\n0,0\n1,zero\n")
+    visitor.waits_for("'zero' in the column elbow of line 3 is no number")
+    visitor.clicks("Leave the motion")
+    visitor.clicks("Check")
+    visitor.waits_for("CERTIFIED")
+
+
+@pytest.mark.oracle
+def test_two_people_do_not_share_what_they_choose_or_see(page: Page, visitor: Visitor) -> None:
+    with Visitor(page.port) as other:
+        other.waits_for("Ready.")
+        other.sets("Kitchen", "a")
+        other.until(lambda: "cabinet" in str(other.value("Container")), "a container of kitchen a")
+        visitor.clicks("Check")
+        visitor.waits_for("CERTIFIED")
+        assert visitor.value("Kitchen") == "b"
+        assert visitor.value("Container") == DRAWER
+        assert "CERTIFIED" not in other.reads()
+
+
+@pytest.mark.parametrize(
+    ("case", "words"),
+    [
+        ("kitchen=%2Fetc%2Fpasswd", "no kitchen named '/etc/passwd'"),
+        ("robot=pr3", "no robot named 'pr3'; allowed: did you mean 'pr2'"),
+        ("task=fly", "no task type 'fly'"),
+        ("state=oven=9", "oven"),
+    ],
+)
+def test_a_wrong_link_is_said_and_the_page_opens(page: Page, case: str, words: str) -> None:
+    with Visitor(page.port, f"/case/{case}") as one:
+        one.until(lambda: any(words in each for each in one.said), words)
+        assert one.value("Kitchen") == "b"
+
+
+def test_a_browser_cannot_open_the_tunnel(page: Page, visitor: Visitor) -> None:
+    visitor.send(wire.ShareUrlRequest())
+    visitor.sets("Request", "close")
+    visitor.until(lambda: "close" in str(visitor.reads()), "the page goes on")
+    assert page._server._share_tunnel is None
