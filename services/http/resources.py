@@ -5,7 +5,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from sdt_kg.iri import ID, LAW, PREFIXES, RDF, Iri
-from services.http.pages.entity import entity
+from services.http.pages.graph.entity import entity
 from services.http.pages.verdicts.one import verdict
 from services.http.pages.view import MEDIA, View, answered
 from services.http.problems import RefusedError

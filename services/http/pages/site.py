@@ -2,9 +2,10 @@
 
 from starlette.routing import Route
 
-from services.http.pages.console import console_routes
 from services.http.pages.feasibility.containers import containers
 from services.http.pages.feasibility.matrix import matrix
+from services.http.pages.graph.console import console_routes
+from services.http.pages.graph.vocabulary import ontology_page
 from services.http.pages.home import home
 from services.http.pages.session import sign_in, sign_out
 from services.http.pages.verdicts.listing import listing
@@ -26,5 +27,6 @@ def site() -> list[Route]:
         Route("/sign-in", sign_in, methods=["POST"]),
         *routes("/sign-in", sign_in_page, table=False),
         Route("/sign-out", sign_out, methods=["POST"]),
+        Route("/ontology", ontology_page),
         Route("/static/{name}", static),
     ]

@@ -53,9 +53,9 @@ def case(browser: Browser, robot: str, container: str):
 def test_pages_are_usable_on_a_laptop_on_a_phone_and_by_keyboard(browser: Browser, address: str) -> None:
     driver = browser.driver
     for name, link in links(address).items():
+        driver.get(address + link)
         for width, height in ((1280, 720), (390, 844)):
             browser.resize(width, height)
-            driver.get(address + link)
             wide = driver.execute_script("return document.documentElement.scrollWidth")
             assert wide <= width, (name, width, wide)
         driver.find_element(By.TAG_NAME, "body").send_keys(Keys.TAB)

@@ -7,7 +7,7 @@ from urllib.parse import urlencode
 
 import pyoxigraph as ox
 
-from services.http.pages.console import examples, with_prefixes
+from services.http.pages.graph.console import examples, with_prefixes
 from services.http.world import lines
 from services.store.workers import put
 from tests.services.pages.conftest import LEFT_OPEN, PAGE, text_of, verdict_link

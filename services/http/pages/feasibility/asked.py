@@ -1,17 +1,22 @@
 """What a page about a kitchen is asked: its state, the task, the drive."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 from starlette.requests import Request
 
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
+from sdt_kg.scope import D_ARTIC, TEE_CLASSES, TeeClass
 from sdt_kg.task import Verb
 from sdt_kg.twin import Twin
 from services.http.kitchens import Kitchen
 from services.http.pages.asking import Wish
 from services.http.world import World
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +29,7 @@ class Asked:
         states: Texts of that state, on top of the present one.
         verb: Of the task.
         drive: How all bases move; None takes each robot's own.
+        tee: The class D that verdicts are to be relative to.
     """
 
     kitchen: Kitchen
@@ -31,6 +37,7 @@ class Asked:
     states: tuple[str, ...]
     verb: Verb
     drive: Drive | None
+    tee: TeeClass = D_ARTIC
 
     def drive_of(self, robot: Iri) -> str | None:
         """How a robot's base moves; None for a robot which is not loaded."""
@@ -38,8 +45,10 @@ class Asked:
             return self.drive.value
         return self.twin.robot(robot).drive.value if robot in self.twin.robots else None
 
-    def wish(self, robot: str, container: str) -> Wish:
-        """One case of it, to be judged."""
+    def wish(self, robot: str, container: str) -> Wish | None:
+        """One case of it, to be judged; None for a class that the judges of this service do not ask about."""
+        if self.tee != D_ARTIC or robot not in map(local_name, self.twin.robots):
+            return None
         pinned = (*self.kitchen.states, *self.states)
         drive = None if self.drive is None else self.drive.value
         return Wish(self.kitchen.name, robot, f"{self.verb.value}:{container}", pinned, drive)
@@ -49,24 +58,38 @@ def asked_of(request: Request, world: World) -> Asked:
     """What the URL asks about.
 
     Raises:
-        InputError: No such kitchen, task, drive or state.
+        InputError: No such kitchen, task, drive, class or state.
     """
-    kitchen = world.kitchen(request.path_params["kitchen"])
-    states = tuple(each for text in request.query_params.getlist("state") for each in text.split())
-    return asked_about(
-        kitchen, request.query_params.get("task", ""), request.query_params.get("drive", ""), states
+    return asked_about(world.kitchen(request.path_params["kitchen"]), request.query_params.multi_items())
+
+
+def asked_about(kitchen: Kitchen, fields: Sequence[tuple[str, str]]) -> Asked:
+    """What the fields of a URL or form ask: task, drive, class, state."""
+    wanted = dict(fields)
+    states = tuple(each for name, text in fields if name == "state" for each in text.split())
+    verbs, drives = {each.value: each for each in Verb}, {each.value: each for each in Drive}
+    classes = {each.name: each for each in TEE_CLASSES}
+    return Asked(
+        kitchen,
+        kitchen.service.at(*states).twin if states else kitchen.twin,
+        states,
+        _one(verbs, "task type", wanted.get("task")) or Verb.OPEN,
+        _one(drives, "drive", wanted.get("drive")),
+        _one(classes, "class", wanted.get("class")) or D_ARTIC,
     )
 
 
-def asked_about(kitchen: Kitchen, task: str, drive: str, states: tuple[str, ...]) -> Asked:
-    """A kitchen, verb, drive and state, as people type them."""
-    twin = kitchen.service.at(*states).twin if states else kitchen.twin
-    verbs, drives = [each.value for each in Verb], [each.value for each in Drive]
-    if task and task not in verbs:
-        raise InputError(f"no task type '{task}'", allowed=", ".join(verbs))
-    if drive and drive not in drives:
-        raise InputError(f"no drive '{drive}'", allowed=", ".join(drives))
-    return Asked(kitchen, twin, states, Verb(task) if task else Verb.OPEN, Drive(drive) if drive else None)
+def _one(known: Mapping[str, T], what: str, name: str | None) -> T | None:
+    """What has this name; None without one.
+
+    Raises:
+        InputError: Nothing has.
+    """
+    if not name:
+        return None
+    if name not in known:
+        raise InputError(f"no {what} '{name}'", allowed=", ".join(known))
+    return known[name]
 
 
 def moved(twin: Twin) -> list[str]:

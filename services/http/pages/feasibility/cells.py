@@ -4,11 +4,13 @@ import asyncio
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from typing import Final
 
 from predicates.record.inputs import UNKNOWN_INPUT, state_hash
-from predicates.scope import verb_iri
+from predicates.scope import tee_class_hash, verb_iri
 from sdt_kg.iri import Iri, local_name
+from sdt_kg.scope import TEE_CLASSES
 from sdt_kg.twin import Twin
 from services.http.pages.asking import Asking, Wish
 from services.http.pages.feasibility.asked import Asked
@@ -20,7 +22,7 @@ from services.http.world import World
 TURNED: Final = "turned to the handle"
 """How the input of a start ends that is the kitchen's."""
 COMPARED: Final = (
-    "tee_class", "physics", "embodiment", "embodiment.tolerances", "embodiment.margins",
+    "physics", "embodiment", "embodiment.tolerances", "embodiment.margins",
     "embodiment.grasp set", "embodiment.seed",
 )  # fmt: skip
 """Inputs which all cells should share; where one differs, its cell says so."""
@@ -45,6 +47,11 @@ class Found:
     inputs: dict[str, str]
 
     @property
+    def tee(self) -> str | None:
+        """Name of the class D that it is relative to; None for another version of one."""
+        return _classes().get(self.inputs.get("tee_class", ""))
+
+    @property
     def rank(self) -> tuple[int, float]:
         """Which verdict a cell shows: the one that claims most, and of searches the longest."""
         claims = {"Certified": 3, "Abstained": 1}.get(self.outcome, 2 if self.proved else 0)
@@ -59,12 +66,20 @@ class Kept:
     Attributes:
         shown: About the models that are served, with the drive that is asked about.
         other_drives: Drive → how many more there are that differ in it.
-        stale: How many there are about models of these names that were different.
+        other_classes: Class → how many more there are that are relative to it.
+        stale: How many there are about models or classes of these names that were different.
     """
 
     shown: list[Found]
     other_drives: dict[str, int]
+    other_classes: dict[str, int]
     stale: int
+
+
+@cache
+def _classes() -> dict[str, str]:
+    """Input that says a class → its name."""
+    return {tee_class_hash(each): each.name for each in TEE_CLASSES}
 
 
 async def kept_verdicts(world: World, asked: Asked) -> Kept:
@@ -93,13 +108,12 @@ async def kept_verdicts(world: World, asked: Asked) -> Kept:
         for row in verdicts
     ]
     about = [each for each in found if _is_about(each, asked)]
-    current = [each for each in about if _is_current(each, models)]
-    shown = [each for each in current if asked.drive_of(each.robot) in {None, each.drive}]
-    drives = Counter(each.drive for each in current)
-    others = {
-        drive: count for drive, count in sorted((drives - Counter(each.drive for each in shown)).items())
-    }
-    return Kept(shown, others, len(about) - len(current))
+    current = [each for each in about if _is_current(each, models) and each.tee is not None]
+    ours = [each for each in current if each.tee == asked.tee.name]
+    shown = [each for each in ours if asked.drive_of(each.robot) in {None, each.drive}]
+    drives = Counter(each.drive for each in ours) - Counter(each.drive for each in shown)
+    classes = Counter(str(each.tee) for each in current if each.tee != asked.tee.name)
+    return Kept(shown, dict(sorted(drives.items())), dict(sorted(classes.items())), len(about) - len(current))
 
 
 def _models(twin: Twin) -> dict[str, str]:
@@ -150,8 +164,7 @@ def cells_of(asked: Asked, robots: Iterable[Iri], found: list[Found], asking: As
             if verdicts:
                 yield cell | _judged(verdicts, common)
             else:
-                wish = asked.wish(name, container.name) if robot in asked.twin.robots else None
-                yield cell | _unjudged(wish, asking)
+                yield cell | _unjudged(asked.wish(name, container.name), asking)
 
 
 def _judged(verdicts: list[Found], common: dict[str, str]) -> Json:
@@ -173,7 +186,7 @@ def _judged(verdicts: list[Found], common: dict[str, str]) -> Json:
 
 
 def _unjudged(wish: Wish | None, asking: Asking) -> Json:
-    """How a case stands that has no verdict; a robot which is not loaded cannot be asked about."""
+    """How a case stands that has no verdict; without a wish it cannot be asked about here."""
     standing = Standing.NOT_JUDGED if wish is None else asking.standing(wish)
     return {
         "standing": standing.value.key,

@@ -9,8 +9,9 @@ from starlette.requests import Request
 
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
+from sdt_kg.scope import D_ARTIC, TEE_CLASSES
 from services.http.pages.feasibility.asked import Asked, asked_of, moved
-from services.http.pages.feasibility.cells import cells_of, common_settings, kept_verdicts
+from services.http.pages.feasibility.cells import Kept, cells_of, common_settings, kept_verdicts
 from services.http.pages.kinds import LEGEND, Standing
 from services.http.pages.view import Json, View, here
 from services.http.world import World
@@ -31,38 +32,45 @@ async def matrix(request: Request) -> View:
     asked = asked_of(request, world)
     shown = _choice(request, "show", SHOWN, "all")
     kept = await kept_verdicts(world, asked)
-    found = kept.shown
-    robots = list(dict.fromkeys([*asked.twin.robots, *sorted(each.robot for each in found)]))
-    common = common_settings(found)
-    cells = list(cells_of(asked, robots, found, request.app.state.asking))
+    robots = list(dict.fromkeys([*asked.twin.robots, *sorted(each.robot for each in kept.shown)]))
+    cells = list(cells_of(asked, robots, kept.shown, request.app.state.asking))
     data: Json = {
         "kitchen": asked.kitchen.name,
         "iri": asked.twin.environment,
         "task": asked.verb.value,
         "drive": asked.drive.value if asked.drive else None,
+        "class": asked.tee.name,
         "state": list(asked.states),
         "moved": moved(asked.twin),
         "robots": [_robot(asked, robot, cells) for robot in robots],
         "cells": cells,
-        "settings": common,
+        "settings": common_settings(kept.shown),
         "about_other_models": kept.stale,
         "with_other_drives": kept.other_drives,
+        "of_other_classes": kept.other_classes,
     }
-    more = {
+    more: Json = {
         "lines": _lines(asked, robots, cells, shown),
         "legend": LEGEND,
         "show": shown,
-        "shows": [(each, here(request, show=None if each == "all" else each)) for each in SHOWN],
         "in_progress": any(each["standing"] in IN_PROGRESS for each in cells),
         "refused": [each for each in cells if each["reason"]],
         "total": len(asked.twin.containers()),
-        "askable": [local_name(robot) for robot in asked.twin.robots],
-        "drive_links": [
-            (count, drive, here(request, drive=drive)) for drive, count in kept.other_drives.items()
-        ],
-        "state_query": f"?{urlencode([('state', each) for each in asked.states])}" if asked.states else "",
+        "askable": [local_name(robot) for robot in asked.twin.robots] if asked.tee == D_ARTIC else [],
+        "classes": [each.name for each in TEE_CLASSES],
     }
-    return View("matrix", data, cells, COLUMNS, more, script=True)
+    return View("matrix", data, cells, COLUMNS, more | _elsewhere(request, asked, kept), script=True)
+
+
+def _elsewhere(request: Request, asked: Asked, kept: Kept) -> Json:
+    """Addresses of what is not shown here, with how many verdicts there are."""
+    drives, classes = kept.other_drives.items(), kept.other_classes.items()
+    states = [("state", each) for each in asked.states]
+    return {
+        "drive_links": [(count, name, here(request, drive=name)) for name, count in drives],
+        "class_links": [(count, name, here(request, **{"class": name})) for name, count in classes],
+        "state_query": f"?{urlencode(states)}" if states else "",
+    }
 
 
 def _robot(asked: Asked, robot: Iri, cells: list[Json]) -> Json:

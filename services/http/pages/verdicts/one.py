@@ -11,6 +11,7 @@ from predicates.case import Artefact, Diagnosis, Evidence, Outcome
 from predicates.record import StoredVerdict, read_verdict
 from predicates.record.facts import Facts
 from predicates.record.inputs import UNKNOWN_INPUT
+from predicates.scope import tee_class_of_hash
 from sdt_kg.errors import InputError
 from sdt_kg.iri import ID, LAW, Iri, local_name
 from services.http.pages.feasibility.cells import TURNED
@@ -47,37 +48,8 @@ def verdict(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
 def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
     stored, facts = read_verdict(quads, iri), Facts(quads)
     told = {each.title: list(each.lines) for each in sections(quads, iri)}
-    headline, means = next(iter(told.items()))
-    evidence = [_evidence(index, each) for index, each in enumerate(stored.diagnoses, 1)]
-    data: Json = {
-        "iri": iri,
-        "name": local_name(iri),
-        "question": question(stored),
-        "outcome": stored.outcome.value,
-        "means": " ".join(means),
-        "kitchen": local_name(stored.environment),
-        "robot": local_name(stored.robot) if stored.robot else None,
-        "task": stored.verb.value if stored.verb else None,
-        "container": local_name(stored.container) if stored.container else None,
-        "drive": facts.text(iri, LAW + "drive"),
-        "state": [
-            f"{local_name(facts.needed(of, LAW + 'entity'))}={facts.measured(of, LAW + 'value')!r}"
-            for of in facts.all(iri, LAW + "jointPosition")
-        ],
-        "predicates": _predicates(stored, facts),
-        "diagnoses": evidence,
-        "margins": [
-            {"name": name, "value": _finite(value), "unit": unit}
-            for name, (value, unit) in stored.figures.items()
-        ],
-        "artefact": _artefact(stored.artefact),
-        "inputs": {name: value for name, value in stored.inputs if value != UNKNOWN_INPUT},
-        "seconds": stored.seconds,
-        "why": told,
-        "recheck": rechecks(request).known(iri, quads),
-    }
+    data = _data(stored, facts, told) | {"recheck": rechecks(request).known(iri, quads)}
     shown: Json = {
-        "headline": headline,
         "outcome_words": outcome(stored),
         "standings": _standings(stored),
         "proved": any(each.proof for each in stored.diagnoses),
@@ -94,7 +66,36 @@ def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
         "used": _used(stored),
         "commands": [each for each in told.get("To check again", []) if each.startswith("sdt ")],
     }
-    return View("verdict", data, evidence, EVIDENCE, shown)
+    return View("verdict", data, data["diagnoses"], EVIDENCE, shown)
+
+
+def _data(stored: StoredVerdict, facts: Facts, told: dict[str, list[str]]) -> Json:
+    """The verdict as a JSON object."""
+    figures = stored.figures.items()
+    return {
+        "iri": stored.iri,
+        "name": local_name(stored.iri),
+        "question": question(stored),
+        "outcome": stored.outcome.value,
+        "means": " ".join(next(iter(told.values()))),
+        "kitchen": local_name(stored.environment),
+        "robot": local_name(stored.robot) if stored.robot else None,
+        "task": stored.verb.value if stored.verb else None,
+        "container": local_name(stored.container) if stored.container else None,
+        "drive": facts.text(stored.iri, LAW + "drive"),
+        "state": [
+            f"{local_name(facts.needed(of, LAW + 'entity'))}={facts.measured(of, LAW + 'value')!r}"
+            for of in facts.all(stored.iri, LAW + "jointPosition")
+        ],
+        "tee_class": _tee(stored),
+        "predicates": _predicates(stored, facts),
+        "diagnoses": [_evidence(index, each) for index, each in enumerate(stored.diagnoses, 1)],
+        "margins": [{"name": name, "value": _finite(at), "unit": unit} for name, (at, unit) in figures],
+        "artefact": _artefact(stored.artefact),
+        "inputs": {name: value for name, value in stored.inputs if value != UNKNOWN_INPUT},
+        "seconds": stored.seconds,
+        "why": told,
+    }
 
 
 def rechecks(request: Request) -> Rechecks:
@@ -187,6 +188,12 @@ def _links(stored: StoredVerdict) -> list[tuple[str, Cell]]:
     """What the verdict is about."""
     named = (("kitchen", stored.environment), ("robot", stored.robot), ("container", stored.container))
     return [(name, iri_cell(iri)) for name, iri in named if iri]
+
+
+def _tee(stored: StoredVerdict) -> str | None:
+    """Name of the class D that it is relative to; None for another version of one."""
+    tee = tee_class_of_hash(dict(stored.inputs).get("tee_class", ""))
+    return None if tee is None else tee.name
 
 
 def _base(stored: StoredVerdict) -> str | None:

@@ -9,7 +9,7 @@ from starlette.responses import RedirectResponse, Response
 from predicates.record import read_verdict
 from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name, verdict_iri
-from services.http.pages.asking import Asking, Wish
+from services.http.pages.asking import Asking
 from services.http.pages.feasibility.asked import asked_about
 from services.http.pages.feasibility.cells import cells_of, kept_verdicts
 from services.http.pages.session import check_may_write, local, posted_pairs
@@ -30,12 +30,10 @@ async def ask(request: Request) -> Response:
     """
     check_may_write(request)
     pairs = await posted_pairs(request)
-    form, states = dict(pairs), tuple(value for name, value in pairs if name == "state" and value)
+    form = dict(pairs)
     world: World = request.app.state.world
     asking: Asking = request.app.state.asking
-    asked = asked_about(
-        world.kitchen(request.path_params["kitchen"]), form.get("task", ""), form.get("drive", ""), states
-    )
+    asked = asked_about(world.kitchen(request.path_params["kitchen"]), pairs)
     robot, _, container = form.get("case", "").partition("/")
     robots = [asked.kitchen.service.robot(robot)] if robot else list(asked.twin.robots)
     if container:
@@ -46,7 +44,8 @@ async def ask(request: Request) -> Response:
         for each in cells_of(asked, robots, kept.shown, asking)
         if container in {"", each["container"]} and each["standing"] in UNJUDGED
     ]
-    wishes: list[Wish] = [asked.wish(each["robot"], each["container"]) for each in cells]
+    wanted = (asked.wish(each["robot"], each["container"]) for each in cells)
+    wishes = [each for each in wanted if each is not None]
     asking.ask(wishes)
     if len(wishes) == 1:
         await asking.over(wishes[0], PATIENCE)

@@ -1,0 +1,1 @@
+"""What the graph says: one resource, any query, and the vocabulary."""
