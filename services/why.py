@@ -12,6 +12,7 @@ from predicates.record import StoredVerdict
 from predicates.record.facts import Facts
 from predicates.record.inputs import UNKNOWN_INPUT
 from predicates.record.stored import read_verdict
+from predicates.scope import tee_class_of_hash
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import ID, LAW, RDF, Iri, local_name, verdict_iri
 
@@ -25,11 +26,12 @@ PREDICATES = {
 }
 MEANS = {
     Outcome.CERTIFIED: "All three predicates hold; the motion was checked by code that did not make it. "
-    "Relative to D_artic: rigid bodies, no forces, no friction, no error of perception; and to the models.",
+    "Relative to {tee}: rigid bodies, {forces}, no error of perception; and to the models.",
     Outcome.NOT_CERTIFIED: "At least one predicate does not hold, or could not be shown to.",
-    Outcome.ABSTAINED: "The case lies outside D_artic, so nothing is claimed: neither that it can be done "
+    Outcome.ABSTAINED: "The case lies outside {tee}, so nothing is claimed: neither that it can be done "
     "nor that it cannot.",
 }
+FORCES = {"D_artic": "no forces, no friction", "D_artic_dyn": "forces at the handle, the robot's as noted"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,8 +100,7 @@ def _types(store: ox.Store, verdict: ox.NamedNode | None = None) -> Iterator[ox.
 
 def _known(store: ox.Store, iri: Iri) -> Iri:
     """The verdict of this IRI, or whose hash begins like this."""
-    stem = verdict_iri("")
-    start = stem + iri.removeprefix(stem).removeprefix("id:verdict/")
+    start = (stem := verdict_iri("")) + iri.removeprefix(stem).removeprefix("id:verdict/")
     found = [each for each in verdicts_of(store) if each.startswith(start)] if start != stem else []
     if iri in found or len(found) == 1:
         return iri if iri in found else found[0]
@@ -121,14 +122,16 @@ def question(verdict: StoredVerdict) -> str:
 
 
 def _means(verdict: StoredVerdict) -> str:
-    text = MEANS[verdict.outcome]
+    tee = tee_class_of_hash(dict(verdict.inputs).get("tee_class", ""))
+    name = "a class of another version" if tee is None else tee.name
+    text = MEANS[verdict.outcome].format(tee=name, forces=FORCES.get(name, "forces as it has them"))
     if verdict.outcome is not Outcome.NOT_CERTIFIED:
         return text
     if not any(each.proof for each in verdict.diagnoses):
         return f"{text} Nothing is proved: the search gave up, which is no proof that it is impossible."
     if _given(verdict):
         return f"{text} Proved of the motion that was given; another motion may still do it."
-    return f"{text} Proved: a sound bound excludes every motion of the class D_artic, not only those tried."
+    return f"{text} Proved: a sound bound excludes every motion of the class {name}, not only those tried."
 
 
 def _given(verdict: StoredVerdict) -> str:

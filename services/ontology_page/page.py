@@ -8,7 +8,11 @@ from markupsafe import Markup, escape
 
 from services.ontology_page.read import VOCABULARIES, alignments, queries, shapes, vocabulary
 
-SHAPES = {"sdt": "every twin", "d_artic": "D_artic: T, E, R and I_Φ"}
+SHAPES = {
+    "sdt": "every twin",
+    "d_artic": "D_artic: T, E, R and I_Φ",
+    "d_artic_dyn": "D_artic_dyn: I_Φ of forces",
+}
 
 
 def page() -> str:

@@ -5,9 +5,13 @@ from pathlib import Path
 
 import click
 
+from predicates.oracle import Physics
+from predicates.record import StoredVerdict
+from predicates.scope import tee_class_of_hash
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
 from sdt_kg.load import load_twin
+from sdt_kg.scope import D_ARTIC_DYN
 from sdt_kg.state import State
 from sdt_kg.twin import Twin
 from services.commands.exits import Exit
@@ -105,8 +109,18 @@ def _results(source: str, store: Path | None, given: TwinOf | None) -> tuple[lis
         elif entry.artefact is None:
             without += 1
         else:
-            results.append(recheck_verdict(entry.stored, entry.artefact, given or saved.twin))
+            physics = _physics(entry.stored)
+            results.append(recheck_verdict(entry.stored, entry.artefact, given or saved.twin, physics))
     return results, without
+
+
+def _physics(stored: StoredVerdict) -> Physics | None:
+    """Φ of the class that a verdict is relative to, where that is another than D_artic's."""
+    if tee_class_of_hash(dict(stored.inputs).get("tee_class", "")) != D_ARTIC_DYN:
+        return None
+    from services.dynamics.oracle import Dynamics  # noqa: PLC0415 - only where forces are asked about
+
+    return Dynamics()
 
 
 def _print(results: Sequence[Rechecked], without: int) -> None:

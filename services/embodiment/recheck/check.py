@@ -6,9 +6,11 @@ from dataclasses import dataclass, field
 
 from predicates.case import Artefact, ArtefactKind, Case, Outcome, Verdict
 from predicates.law import law
+from predicates.oracle import Physics, tee_class_of
 from predicates.record.stored import StoredVerdict
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
+from sdt_kg.scope import D_ARTIC
 from sdt_kg.state import State
 from sdt_kg.task import UNKNOWN, Task, Unknown
 from services.embodiment.certify.certificate import Certificate, read_certificate
@@ -77,10 +79,18 @@ class _Trial:
         return Rechecked(self.of, self.about, self.kind, tuple(self.reasons), tuple(self.notes), seconds)
 
 
-def recheck_verdict(stored: StoredVerdict, artefact: Artefact, twin_of: TwinOf) -> Rechecked:
+def recheck_verdict(
+    stored: StoredVerdict, artefact: Artefact, twin_of: TwinOf, physics: Physics | None = None
+) -> Rechecked:
     """Whether a stored verdict says what its artefact shows, and the artefact holds.
 
     A part that cannot be read, and models that are gone or changed, are reasons why it does not.
+
+    Args:
+        stored: The verdict.
+        artefact: What it came with.
+        twin_of: The models that it is about.
+        physics: Φ of the class that it is relative to; None: of D_artic.
     """
     trial = _Trial(stored.iri, kind=artefact.kind)
     verb = "motion of" if stored.verb is None else stored.verb.value
@@ -95,7 +105,7 @@ def recheck_verdict(stored: StoredVerdict, artefact: Artefact, twin_of: TwinOf) 
         certificate = read_certificate(artefact.content)
         if not trial.found(claim_differs(stored, certificate)):
             task = UNKNOWN if stored.verb is None else Task(stored.verb, certificate.container)
-            _certify_again(trial, certificate, task, twin_of, stored)
+            _certify_again(trial, certificate, task, twin_of, stored, physics or Kinematics())
     except InputError as error:
         trial.reasons.append(str(error))
     return trial.ended()
@@ -114,18 +124,19 @@ def recheck_artefact(name: str, content: bytes, twin_of: TwinOf) -> Rechecked:
         trial.kind = ArtefactKind.CERTIFICATE
         robot, kitchen = local_name(certificate.robot), local_name(certificate.environment)
         trial.about = f"motion of {local_name(certificate.container)}, {robot} in {kitchen}"
-        _certify_again(trial, certificate, UNKNOWN, twin_of, None)
+        _certify_again(trial, certificate, UNKNOWN, twin_of, None, Kinematics())
     except InputError as error:
         trial.reasons.append(str(error))
     return trial.ended()
 
 
-def _certify_again(
+def _certify_again(  # noqa: PLR0913, PLR0917 - one trial
     trial: _Trial,
     certificate: Certificate,
     task: Task | Unknown,
     twin_of: TwinOf,
     stored: StoredVerdict | None,
+    physics: Physics,
 ) -> None:
     """The Law about the stored motion, by the certifier alone; and the same figures as before."""
     if trial.found(loosened(certificate.tolerances)):
@@ -135,10 +146,10 @@ def _certify_again(
     checker = Certifier(twin, certificate)
     if trial.found(twin_differs(checker)):
         return
-    if stored is not None and trial.found(inputs_differ(stored, checker)):
+    if stored is not None and trial.found(inputs_differ(stored, checker, physics)):
         return
     case = Case(twin, certificate.robot, task, body_motion=certificate.motion)
-    verdicts = [each for each in law(case, Kinematics(), checker) if _is_about(each, certificate.container)]
+    verdicts = [each for each in law(case, physics, checker) if _is_about(each, certificate.container)]
     if not verdicts:
         trial.reasons.append(f"the motion meets no request about {local_name(certificate.container)}")
         return
@@ -148,7 +159,7 @@ def _certify_again(
         return
     again = verdict.can_perform.figures
     trial.found(figures_differ(certificate.figures, again, "the certificate", "the recheck"))
-    trial.notes += _notes(certificate, stored)
+    trial.notes += _notes(certificate, stored, physics)
 
 
 def _is_about(verdict: Verdict, container: Iri) -> bool:
@@ -156,7 +167,7 @@ def _is_about(verdict: Verdict, container: Iri) -> bool:
     return isinstance(task, Task) and task.container == container
 
 
-def _notes(certificate: Certificate, stored: StoredVerdict | None) -> list[str]:
+def _notes(certificate: Certificate, stored: StoredVerdict | None, physics: Physics) -> list[str]:
     """What was not checked, or is not as this version would have it."""
     notes: list[str] = []
     if certificate.tolerances != Tolerances():
@@ -164,8 +175,10 @@ def _notes(certificate: Certificate, stored: StoredVerdict | None) -> list[str]:
     if stored is None:
         return [*notes, "there is no verdict with it: what its inputs claimed was not compared"]
     said = dict(stored.inputs)
-    if said.get("physics") != Kinematics().version:
-        notes.append(f"judged with {said.get('physics')}, rechecked with {Kinematics().version}")
+    if said.get("physics") != physics.version:
+        notes.append(f"judged with {said.get('physics')}, rechecked with {physics.version}")
+    if tee_class_of(physics) is not D_ARTIC:
+        notes.append("forces at the handle were bounded again; what the robot bears was not checked again")
     if said.get("motion", NOT_GIVEN) != NOT_GIVEN:
         notes.append(
             "a motion of the container was asked for; that the body motion keeps its times was not compared"

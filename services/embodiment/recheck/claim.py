@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import fields
 
 from predicates.case import Case, Outcome
+from predicates.oracle import Physics
 from predicates.record.inputs import inputs_of, verdict_iri
 from predicates.record.stored import StoredVerdict
 from sdt_kg.iri import local_name
@@ -12,7 +13,6 @@ from sdt_kg.task import UNKNOWN, Task
 from services.embodiment.certify.certificate import Certificate, Figures, models_of
 from services.embodiment.certify.tolerances import MOST_CONTACT, Tolerances
 from services.embodiment.recheck.embodiment import Certifier
-from services.physics.oracle import Kinematics
 
 SAME_FIGURE = 1e-6
 """Relative, or absolute below 1: what may differ by the last bits of another processor."""
@@ -77,12 +77,12 @@ def claim_differs(stored: StoredVerdict, certificate: Certificate) -> Iterator[s
     yield from figures_differ(certificate.figures, held, "the certificate", "the verdict")
 
 
-def inputs_differ(stored: StoredVerdict, checker: Certifier) -> Iterator[str]:
+def inputs_differ(stored: StoredVerdict, checker: Certifier, physics: Physics) -> Iterator[str]:
     """Which inputs of the verdict are not those that the twin and the certificate give."""
     said, certificate = dict(stored.inputs), checker.certificate
     task = Task(stored.verb, certificate.container) if stored.verb is not None else UNKNOWN
     case = Case(checker.twin, robot=certificate.robot, task=task)
-    found = dict(inputs_of(case, Kinematics(), checker))
+    found = dict(inputs_of(case, physics, checker))
     names = (*OF_THE_CASE, "embodiment.drive", "embodiment.tolerances")
     for name in names:
         if said.get(name) != found[name]:
