@@ -48,11 +48,13 @@ class Question:
         Raises:
             TooLargeError: More than may be.
         """
-        payload = b"" if self.query.payload is None else self.query.payload.to_bytes()
-        if len(payload) > MAX_REQUEST:
+        payload = self.query.payload
+        if payload is None:
+            return b""
+        if len(payload) > MAX_REQUEST:  # before it is copied
             said = f"the request has {len(payload)} bytes; at most {MAX_REQUEST}"
             raise TooLargeError(problem(ProblemType.TOO_LARGE, said))
-        return payload
+        return payload.to_bytes()
 
     @property
     def encoding(self) -> str:

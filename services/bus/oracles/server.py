@@ -48,10 +48,11 @@ def oracle(session: zenoh.Session, kind: Oracle, workers: int = 1) -> Iterator[s
 
 def _understood(query: zenoh.Query, answer: Callable[[Done | Problem], None]) -> tuple[Task, Waiter]:
     header = Header() if query.attachment is None else decode(Header, query.attachment.to_bytes())
+    if query.payload is not None and len(query.payload) > MAX_REQUEST:  # before it is copied
+        said = f"the request has {len(query.payload)} bytes; at most {MAX_REQUEST}"
+        raise TooLargeError(problem(ProblemType.TOO_LARGE, said))
     payload = b"" if query.payload is None else query.payload.to_bytes()
     verb = str(query.parameters)
-    if len(payload) > MAX_REQUEST:
-        raise TooLargeError(problem(ProblemType.TOO_LARGE, f"the request has {len(payload)} bytes"))
     seconds = header.deadline_ms / 1000
     return Task("", verb, payload, CBOR, seconds), Waiter(time.monotonic() + seconds, answer)
 
