@@ -1,0 +1,71 @@
+"""`--tee d_artic_dyn` as a user types it."""
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from services.cli import sdt
+from tests.services.dynamics.forced import DATA
+from tests.small import FOLDER
+
+KITCHEN, PUSHING = str(FOLDER / "b.urdf"), ("--tee", "d_artic_dyn", "--forces", str(DATA))
+
+
+def run(*arguments: str) -> Result:
+    return CliRunner().invoke(sdt, arguments)
+
+
+def stiff(folder: Path) -> str:
+    text = DATA.read_text(encoding="utf-8")
+    for end in ("From", "To"):
+        text = text.replace(f"sdt:latchForce{end} 0.0", f"sdt:latchForce{end} 180.0")
+    (folder / "stiff.ttl").write_text(text, encoding="utf-8")
+    return str(folder / "stiff.ttl")
+
+
+def test_causes_tells_the_force_and_its_bound() -> None:
+    result = run("causes", KITCHEN, "--task", "open:top_drawer", *PUSHING, "--json")
+    (row,) = json.loads(result.output)
+    assert (result.exit_code, row["outcome"], row["tee_class"]) == (0, "causes", "d_artic_dyn")
+    assert row["figures"]["handle force, allowed"] == [60.0, "N"]
+    assert "60 N allowed" in run("causes", KITCHEN, "--task", "open:top_drawer", *PUSHING).output
+
+
+def test_too_much_force_is_told_with_quantity_unit_and_time(tmp_path: Path) -> None:
+    asked = (
+        "causes",
+        KITCHEN,
+        "--task",
+        "open:top_drawer",
+        "--tee",
+        "d_artic_dyn",
+        "--forces",
+        stiff(tmp_path),
+    )
+    result = run(*asked, "--json")
+    (row,) = json.loads(result.output)
+    assert (result.exit_code, row["outcome"]) == (1, "does_not_cause")
+    evidence = row["diagnoses"][0]["evidence"]
+    assert (evidence["quantity"], evidence["unit"], evidence["bound"], evidence["time"]) == (
+        "force",
+        "N",
+        60,
+        0,
+    )
+    assert "needs 184.0 N where 60 N is allowed" in run(*asked).output.replace("\n", " ")
+
+
+@pytest.mark.parametrize("form", [(), ("--json",), ("--format", "turtle")])
+def test_scope_without_force_data_abstains_with_the_shacl_result(form: tuple[str, ...]) -> None:
+    result = run("scope", KITCHEN, "--tee", "d_artic_dyn", *form)
+    assert result.exit_code == 3
+    assert "hasForceModel" in result.output
+    assert run("scope", KITCHEN, *PUSHING, *form).exit_code == 0
+
+
+def test_force_data_without_their_class_are_refused() -> None:
+    result = run("causes", KITCHEN, "--task", "open", "--forces", str(DATA))
+    assert "says nothing to d_artic" in str(result.exception)
+    assert run("causes", KITCHEN, "--task", "open", "--tee", "d_artic_magic").exit_code == 2
