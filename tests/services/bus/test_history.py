@@ -28,7 +28,7 @@ from tests.small import FOLDER
 
 @pytest.fixture
 def served() -> Iterator[tuple[Memory, Connection]]:
-    """The small kitchen A on a bus; no process judges, since nothing is judged."""
+    """The small kitchen A on a bus; a process that judges is started when somebody asks for it."""
     endpoint = free_endpoint()
     world = World(open_kitchens((str(FOLDER / "a.urdf"),), ()), Workers(1))
     with open_session(listen=endpoint) as session, running(world) as memory:
@@ -59,6 +59,15 @@ def test_a_change_of_state_is_published_and_told_again(served: tuple[Memory, Con
     assert [each.sequence for each in to.history("state", limit=1).events] == [1]
     assert to.history("state", limit=1).more
     subscriber.undeclare()
+
+
+@pytest.mark.oracle
+def test_a_question_is_about_the_present_state(served: tuple[Memory, Connection]) -> None:
+    memory, to = served
+    assert {met.verb for met in to.satisfies()} == {"close"}
+    move(memory, "all=open")
+    assert {met.verb for met in to.satisfies()} == {"open"}
+    assert {met.verb for met in to.satisfies("all=closed")} == {"close"}
 
 
 def test_numbers_go_on_where_a_server_with_a_store_has_ended(tmp_path: Path) -> None:
