@@ -3,7 +3,8 @@
 from dataclasses import dataclass, field
 from enum import Enum
 
-from sdt_kg.iri import Iri
+from sdt_kg.display import Badge, card
+from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.scope import Violation
 from sdt_kg.state import Region, State
@@ -189,3 +190,32 @@ class Verdict:
     inputs: tuple[tuple[str, str], ...]
     seconds: float
     stored: bool = False
+
+    def _repr_html_(self) -> str:
+        """The question, the outcome, each predicate's answer and every reason, for Jupyter."""
+        task, robot = self.case.task, self.case.robot
+        about = [local_name(robot)] if isinstance(robot, str) else []
+        if isinstance(task, Task):
+            name = local_name(task.container) if isinstance(task.container, str) else ""
+            about.append(f"{task.verb.value}:{name}" if name else task.verb.value)
+        answers = (self.satisfies_request, self.causes, self.can_perform)
+        rows = [
+            (name, "not asked" if each is None else "yes" if each.holds else "no")
+            for name, each in zip(("SatisfiesRequest", "Causes", "CanPerform"), answers, strict=True)
+        ]
+        for each in self.diagnoses:
+            sure = " (proved)" if each.proof else " (not proved: a search gave up)" if each.search else ""
+            rows.append((each.kind.value.replace("_", " "), each.reason + sure))
+        rows.append(("IRI", self.iri))
+        badge = _BADGES[self.outcome]
+        if any(each.proof for each in self.diagnoses):
+            badge = Badge.BAD
+        title = f"{', '.join(about) or 'a motion'} in kitchen {local_name(self.case.twin.environment)}"
+        return card(title, rows, (self.outcome.value.replace("_", " "), badge))
+
+
+_BADGES = {
+    Outcome.CERTIFIED: Badge.GOOD,
+    Outcome.NOT_CERTIFIED: Badge.WARN,
+    Outcome.ABSTAINED: Badge.NONE,
+}

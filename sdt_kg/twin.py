@@ -8,6 +8,7 @@ import pyoxigraph as ox
 import rdflib
 
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
+from sdt_kg.display import card, grid
 from sdt_kg.entities import Entities, Replacement, query_text
 from sdt_kg.entities.container import Container, LeftOut
 from sdt_kg.errors import UnknownEntityError
@@ -241,3 +242,17 @@ class Twin:
     def triple_count(self) -> int:
         """How many triples the twin has, state included."""
         return len(self.entities.store.dump(self.graphs()))
+
+    def _repr_html_(self) -> str:
+        """The kitchen, its robots, its state and its containers, for Jupyter."""
+        containers, start = self.containers(), self.entities.coupling.start()
+        moved = [f"{local_name(joint)} at {at:.4g}" for joint, at in self.state.items() if at != start[joint]]
+        kinds = [each.kind for each in containers]
+        rows = [
+            ("robots", ", ".join(map(self.name, self.robots)) or "none loaded"),
+            ("containers", f"{kinds.count('door')} doors, {kinds.count('drawer')} drawers"),
+            ("state", ", ".join(moved) or "everything at its start"),
+        ]
+        cells = [(each.name, each.kind, each.open_from, self.state[each.active_joint]) for each in containers]
+        more = grid(("container", "kind", "open from", "actuated joint at"), cells, "containers")
+        return card(f"Twin of kitchen {self.name(self.environment)}", rows, more=more)

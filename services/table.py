@@ -10,6 +10,7 @@ from pathlib import Path
 from predicates.case import Outcome, Verdict
 from predicates.record import to_json, to_record
 from predicates.record.recall import Recall, nothing_stored
+from sdt_kg.display import grid as html_grid
 from sdt_kg.errors import OracleUnavailableError
 from sdt_kg.load import model_name
 from sdt_kg.motion import BodyMotion
@@ -46,6 +47,16 @@ class TableResult:
             count[0] += result.verdict["outcome"] == "certified"
             count[1] += 1
         return counts
+
+    def _repr_html_(self) -> str:
+        """Certified of judged, kitchen by robot, for Jupyter."""
+        counts = self.cells()
+        robots = list(dict.fromkeys(robot for row in counts.values() for robot in row))
+        rows = [
+            (kitchen, *(f"{row[robot][0]} / {row[robot][1]}" if robot in row else "" for robot in robots))
+            for kitchen, row in counts.items()
+        ]
+        return html_grid(("kitchen", *robots), rows)
 
     def to_json(self) -> dict[str, object]:
         """The object that `sdt table --json` prints."""

@@ -20,8 +20,9 @@ from services.reports.scene.view import View, view_of
 from services.requests import parse_task
 from services.store.embedded import EmbeddedStore
 from services.store.files import SavedVerdicts
-from services.table import Cell as Case
-from services.table import CellResult, run
+from services.sweep.cell import Cell as Case
+from services.sweep.cell import CellResult
+from services.table import run
 
 
 @dataclass(frozen=True, slots=True)
