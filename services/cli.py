@@ -46,6 +46,7 @@ SECTIONS = {
     },
     "Saved verdicts and branches": {
         "why": Listed(f"{HERE}.saved.why:why_command", "A stored verdict in plain words."),
+        "open": Listed(f"{HERE}.saved.open:open_command", "What a store holds, and how to go on from there."),
         "recheck": Listed(f"{HERE}.saved.recheck:recheck", "Verify certificates and proofs again."),
         "branch": Listed(f"{HERE}.graphs.branch:branch", "Edit a kitchen; every edit is a branch."),
         "report": Listed("services.reports.command:report", "Figures, tables, a 3D scene: one HTML file."),

@@ -31,7 +31,7 @@ def why_command(verdict: str, store: str | None, as_json: bool) -> None:
             allowed="FILE.trig, FILE.nq or a store directory, as --save writes them",
             remedy="for one verdict of a store: sdt why IRI --store STORE",
         )
-    saved = _copy(source)
+    saved = without_twins(source)
     known = verdicts_of(saved)
     if iri is None and len(known) != 1:
         _list(saved, as_json)
@@ -57,7 +57,7 @@ def _list(saved: ox.Store, as_json: bool) -> None:
     print_rows(rows, ("verdict", "question", "outcome"), "json" if as_json else "table")
 
 
-def _copy(source: str) -> ox.Store:
+def without_twins(source: str) -> ox.Store:
     """The verdicts of a store, without the twins."""
     store = readable(source)
     try:

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import shlex
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -26,6 +27,7 @@ ENDS = {
     "causes outside": (["causes", "outside.urdf", "--task", "open"], Exit.ABSTAINED),
     "achieve not": ([*STUCK], Exit.NO),
     "why": (["why", "kept.trig"], Exit.DONE),
+    "open": (["open", "kept.trig"], Exit.DONE),
     "recheck": (["recheck", "kept.trig"], Exit.DONE),
     "branch": (["branch", "b", "move:iai_fridge_door=open"], Exit.DONE),
     "config show": (["config", "show", "achieve"], Exit.DONE),
@@ -73,6 +75,21 @@ def test_a_command_speaks_json_and_csv_and_ends_as_documented(
     head, *rows = csv.reader(io.StringIO(as_csv.out))
     assert len(head) > 0
     assert {len(row) for row in rows} <= {len(head)}
+
+
+def test_an_opened_store_says_what_is_there_and_how_to_go_on(
+    sdt: Callable[..., Done], folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    found = sdt("open", "kept.trig", "--json").json
+    (case,) = found["cases"]
+    assert case == {
+        "kitchen": "b", "robot": "stretch", "task": "open",
+        "certified": 0, "not_certified": 1, "abstained": 0, "certificates": 0, "proofs": 1,
+    }  # fmt: skip
+    for line in found["next"][:3]:
+        assert sdt(*shlex.split(line)[1:]).code == Exit.DONE, line
+    assert sdt("open", "b").code == Exit.BAD_INPUT
 
 
 @pytest.mark.parametrize("name", PLAIN)

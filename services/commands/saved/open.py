@@ -1,0 +1,122 @@
+"""`sdt open`: what a store of verdicts holds, and how to go on from there."""
+
+import shlex
+from collections import Counter
+from collections.abc import Sequence
+
+import click
+
+from predicates.case import ArtefactKind
+from predicates.record import read_verdicts
+from predicates.record.stored import StoredVerdict
+from sdt_kg.errors import InputError
+from sdt_kg.iri import local_name
+from services.commands.options import csv_flag, json_flag
+from services.commands.saved.why import without_twins
+from services.commands.show import csv_is_asked, print_json, print_rows
+from services.store.files import is_saved_graph
+
+COLUMNS = (
+    "kitchen",
+    "robot",
+    "task",
+    "certified",
+    "not_certified",
+    "abstained",
+    "certificates",
+    "proofs",
+)
+QUERY = "SELECT ?container {{ ?v law:outcome law:{} ; law:container ?container }}"
+
+Row = dict[str, object]
+
+
+@click.command(name="open")
+@click.argument("store", metavar="FILE|STORE")
+@click.option(
+    "--pages", is_flag=True, help="Go on in the browser: sdt serve --store STORE, until interrupted."
+)
+@csv_flag
+@json_flag
+@click.pass_context
+def open_command(context: click.Context, *, store: str, pages: bool, as_json: bool) -> None:
+    """Open saved verdicts: what is there, by kitchen, robot and task, and how to go on.
+
+    STORE is a .trig or .nq file, a store directory, or the address of a SPARQL server, as --save takes it.
+    What is asked again with the same options and --save STORE is answered from there; only what is missing
+    is judged.
+    """
+    if not is_saved_graph(store):
+        raise InputError(
+            f"'{store}' is no file or store of verdicts",
+            allowed="FILE.trig, FILE.nq, a store directory or the address of a server",
+            remedy="sdt achieve … --save FILE keeps a verdict",
+        )
+    verdicts = list(read_verdicts(without_twins(store)))
+    rows = _rows(verdicts)
+    following = _following(store, rows)
+    if as_json:
+        print_json({"store": store, "verdicts": len(verdicts), "cases": rows, "next": following})
+    else:
+        print_rows(rows, COLUMNS, "table")
+        if not csv_is_asked():
+            _say(verdicts, following)
+    if pages:
+        from services.commands.network.serve import serve  # noqa: PLC0415 - most open no pages
+
+        context.invoke(serve, store=store)
+
+
+def _rows(verdicts: Sequence[StoredVerdict]) -> list[Row]:
+    """A row for each kitchen, robot and verb, sorted."""
+    counts: dict[tuple[str, str, str], Counter[str]] = {}
+    for each in verdicts:
+        verb = "" if each.verb is None else each.verb.value
+        case = (local_name(each.environment), local_name(each.robot or ""), verb)
+        counts.setdefault(case, Counter()).update(_marks(each))
+    names = COLUMNS[3:]
+    return [
+        dict(zip(COLUMNS, (*case, *(count[name] for name in names)), strict=True))
+        for case, count in sorted(counts.items())
+    ]
+
+
+def _marks(verdict: StoredVerdict) -> list[str]:
+    """What a verdict counts as."""
+    artefact = {ArtefactKind.CERTIFICATE: "certificates", ArtefactKind.PROOF: "proofs"}
+    shown = [] if verdict.artefact is None else [artefact[verdict.artefact.kind]]
+    return [verdict.outcome.value, *shown]
+
+
+def _following(store: str, rows: Sequence[Row]) -> list[str]:
+    """Commands with which to go on, as they are typed."""
+    if not rows:
+        return []
+    place, last = shlex.quote(store), rows[-1]
+    kitchens, robots = (",".join(dict.fromkeys(str(row[name]) for row in rows)) for name in COLUMNS[:2])
+    of = {str(row["task"]) for row in rows} - {""}
+    tables = [
+        f"sdt table --kitchens {kitchens} --robots {robots} --task {verb} --save {place}"
+        for verb in sorted(of)
+    ]
+    return [
+        f"sdt why {place}",
+        f"sdt recheck {place}",
+        f"sdt query {place} '{QUERY.format(_class(last))}'",
+        *(tables if robots and kitchens else []),
+        f"sdt serve --store {place}",
+    ]
+
+
+def _class(row: Row) -> str:
+    return "NotCertified" if row["not_certified"] else "Certified"
+
+
+def _say(verdicts: Sequence[StoredVerdict], following: Sequence[str]) -> None:
+    click.echo(f"\n{len(verdicts)} verdict{'' if len(verdicts) == 1 else 's'}")
+    if not verdicts:
+        click.echo("none: sdt achieve … --save keeps one there")
+        return
+    click.echo("go on with (models by the names that they were loaded with):")
+    for line in following:
+        click.echo(f"  {line}")
