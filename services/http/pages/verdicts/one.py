@@ -48,7 +48,7 @@ def verdict(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
 def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
     stored, facts = read_verdict(quads, iri), Facts(quads)
     told = {each.title: list(each.lines) for each in sections(quads, iri)}
-    data = _data(stored, facts, told) | {"recheck": rechecks(request).known(iri, quads)}
+    data: Json = _data(stored, facts, told) | {"recheck": rechecks(request).known(iri, quads)}
     shown: Json = {
         "outcome_words": outcome(stored),
         "standings": _standings(stored),

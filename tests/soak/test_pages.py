@@ -1,0 +1,49 @@
+"""Pages over kitchen B: a drawer is asked for in a browser and its certificate rechecked."""
+
+import time
+from pathlib import Path
+
+import httpx
+import pytest
+from selenium.webdriver.common.by import By
+from selenium.webdriver.support.ui import WebDriverWait
+
+from tests.browser import Browser
+from tests.services.pages.conftest import TOKEN, sdt_serve
+
+CONTAINER = "sink_area_left_middle_drawer_main"
+PATIENCE = 300
+"""[s] On a busy machine."""
+
+
+@pytest.mark.oracle
+@pytest.mark.slow
+def test_a_drawer_from_question_to_rechecked_certificate(browser: Browser, tmp_path: Path) -> None:
+    options = ("--kitchen", "b", "--robot", "pr2", "--store", str(tmp_path / "verdicts.nq"))
+    driver, wait = browser.driver, WebDriverWait(browser.driver, PATIENCE)
+    with sdt_serve(*options, token=TOKEN) as address:
+        driver.get(f"{address}/kitchens/b")
+        driver.find_element(By.LINK_TEXT, "Sign in").click()
+        driver.find_element(By.NAME, "token").send_keys(TOKEN)
+        driver.find_element(By.CSS_SELECTOR, "main button").click()
+        assert driver.current_url == f"{address}/kitchens/b"
+
+        def cell():
+            return driver.find_element(By.ID, f"pr2.{CONTAINER}")
+
+        began = time.monotonic()
+        cell().find_element(By.TAG_NAME, "button").click()
+        wait.until(lambda _: "certified" in cell().text)
+        print(f"first verdict {time.monotonic() - began:.1f} s after the click")  # noqa: T201 - a figure
+        cell().find_element(By.TAG_NAME, "a").click()
+        assert driver.find_element(By.CLASS_NAME, "outcome").text == "Certified"
+        link = driver.current_url
+        driver.find_element(By.XPATH, "//button[text()='Recheck now']").click()
+        wait.until(lambda _: driver.find_elements(By.CSS_SELECTOR, ".notice.good"))
+        assert "It holds" in driver.find_element(By.CSS_SELECTOR, ".notice.good").text
+        data = httpx.get(f"{link.partition('#')[0]}.json").json()
+        assert (data["recheck"]["holds"], data["artefact"]["kind"]) == (True, "certificate")
+        taken = httpx.get(f"{address}/verdicts/{data['name']}/artefact")
+        assert len(taken.content) == data["artefact"]["bytes"]
+        assert browser.console_errors() == []
+        assert browser.foreign_requests() == []
