@@ -12,7 +12,7 @@ from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN, TeeClass, Violation, check
 from tests.shapes.engines import ENGINES
 
 PAIRS = Path(__file__).parent
-FILES = ("d_artic", "d_artic_dyn", "sdt")
+FILES = ("d_artic", "d_artic_dyn", "sdt", "task")
 
 
 def shapes(name: str) -> rdflib.Graph:
@@ -42,7 +42,7 @@ def results(name: str, shape: URIRef, data: rdflib.Graph) -> list[Violation]:
 
 
 def test_there_are_shapes_and_no_pair_without_a_shape() -> None:
-    assert len(SHAPES) == 23
+    assert len(SHAPES) == 29
     files = {path.relative_to(PAIRS) for path in PAIRS.glob("*/*.ttl")}
     expected = {twin(*each, kind).relative_to(PAIRS) for each in SHAPES for kind in ("pass", "fail")}
     assert files == expected
