@@ -99,6 +99,10 @@ class AsyncConnection:
         """What each server says of itself."""
         return await self._asked(self.here.health)
 
+    async def metrics(self) -> list[dict[str, Any]]:
+        """Counters of each server, by Prometheus' names and labels."""
+        return await self._asked(self.here.metrics)
+
     async def servers(self) -> list[str]:
         """Instances that are there now."""
         return await self._asked(self.here.servers)

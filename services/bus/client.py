@@ -182,8 +182,15 @@ class Connection:
 
     def health(self) -> list[dict[str, Any]]:
         """What each server of the twin says of itself."""
+        return self._each(Meta.HEALTH)
+
+    def metrics(self) -> list[dict[str, Any]]:
+        """Counters of each server, by Prometheus' names and labels; `/metrics` has the latencies too."""
+        return self._each(Meta.METRICS)
+
+    def _each(self, part: Meta) -> list[dict[str, Any]]:
         replies = self.session.get(
-            keys.meta(self.twin, Meta.HEALTH),
+            keys.meta(self.twin, part),
             timeout=LIVE_TIMEOUT,
             target=zenoh.QueryTarget.ALL,
             consolidation=zenoh.ConsolidationMode.NONE,

@@ -166,8 +166,9 @@ class Server:
                 "crashed": counts.crashed,
                 "refused": counts.refused,
                 "workers": len(self._pool.pids()),
-                "metrics": self._pool.telemetry.metrics.to_json(),
             }
+        if part is Meta.METRICS:
+            return dict(self._pool.telemetry.metrics.to_json())
         from services.bus.schema import asyncapi  # noqa: PLC0415 - seldom asked for
 
         return asyncapi()

@@ -186,3 +186,14 @@ def test_the_map_of_base_positions_is_asked_over_the_bus(connection: Connection)
     assert {cell["status"] for cell in found["map"]["cells"]} & {"certified", "unknown", "blocked"}
     with pytest.raises(RequestError, match="names no container"):
         connection.place("open", "pr2")
+
+
+def test_a_server_counts_what_it_was_asked_and_how_it_ended(connection: Connection) -> None:
+    before = connection.metrics()[0]
+    connection.satisfies()
+    with pytest.raises(RequestError):
+        connection.satisfies("nothing=open")
+    after = connection.metrics()[0]
+    name = 'sdt_requests_total{{surface="bus",what="satisfies",end="{}"}}'
+    for end in ("answer", "invalid-request"):
+        assert after[name.format(end)] == before.get(name.format(end), 0) + 1
