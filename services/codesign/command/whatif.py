@@ -113,6 +113,8 @@ def whatif(
     if "help" in edits:
         click.echo("\n".join(KINDS.values()))
         return
+    if grid and turn:
+        raise InputError("--grid and --turn are two questions", allowed="one of them")
     if kitchen is None or robot is None or task is None or not (edits or turn):
         raise InputError("--kitchen, --robot, --task and --edit are needed", remedy="--edit help lists edits")
     policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed)
