@@ -71,12 +71,16 @@ class Attempt:
     Attributes:
         grasps: Those that are searched so far.
         more: Those that may follow.
+        steep, steeper: The same for those that come from far above or below, which high and low handles
+            and those that tip over may need.
         blocked: Holdings that could not be approached.
     """
 
     limb: Limb
     grasps: list[tuple[Grasp, Array]]
     more: Iterator[tuple[Grasp, Array]]
+    steep: list[tuple[Grasp, Array]]
+    steeper: Iterator[tuple[Grasp, Array]]
     searcher: Searcher
     approacher: Approacher
     assembler: Assembler
@@ -91,7 +95,16 @@ class Attempt:
         """Round `number` searches as many grasps as it is due."""
         due = GRASPS[min(number, len(GRASPS) - 1)]
         self.grasps.extend(islice(self.more, max(due - len(self.grasps), 0)))
-        self.searcher.tally.grasps = len(self.grasps)
+        if self._tries_steep(number):
+            self.steep.extend(islice(self.steeper, max(due - len(self.steep), 0)))
+        self.searcher.tally.grasps = len(self.grasps) + len(self.steep)
+
+    def _tries_steep(self, number: int) -> bool:
+        return number >= len(GRASPS) - 1 and number % 2 == 1 and not self.searcher.tally.paths
+
+    def due(self, number: int) -> list[tuple[Grasp, Array]]:
+        """The grasps of round `number`."""
+        return self.steep if self._tries_steep(number) and self.steep else self.grasps
 
 
 class Planner:
@@ -211,7 +224,10 @@ class Planner:
             return None
         problem = self._problem(self.bar, q)
         holding = touching(world, limb, kit.demands, (setting.container.handle,))
-        fitted = fitting(kit.hand, problem, self.bar, (holding, kit.demands), self.unfit, self.late)
+        bar, demands = self.bar, (holding, kit.demands)
+        fitted, steep = (
+            fitting(kit.hand, problem, bar, demands, self.unfit, self.late, steep) for steep in (False, True)
+        )
         searcher = Searcher(world, limb, problem, holding, setting.drive)
         start = np.array(setting.start)
         if setting.drive is Drive.FIXED:
@@ -222,7 +238,7 @@ class Planner:
         approacher = Approacher(roads, kit.hand, kit.opened, start, self.late)
         assembler = Assembler(world, limb, setting.robot, problem, setting.motion)
         rng = np.random.default_rng(self.seed)
-        return Attempt(limb, [], fitted, searcher, approacher, assembler, rng)
+        return Attempt(limb, [], fitted, [], steep, searcher, approacher, assembler, rng)
 
     def _problem(self, bar: Bar, q: Array) -> Problem:
         values = np.linspace(self.mechanics.start, float(self.setting.motion.values[-1, 0]), WAYPOINTS)
@@ -231,11 +247,12 @@ class Planner:
 
     def _round(self, attempt: Attempt, number: int) -> Iterator[Planned]:
         """Plans from one batch of seeds."""
-        if not attempt.grasps:
+        grasps = attempt.due(number)
+        if not grasps:
             return
         pivot = (WAYPOINTS // 2, WAYPOINTS - 1, 0)[number % 3]
         at = time.perf_counter()
-        holdings = attempt.searcher.batch(attempt.grasps, pivot, attempt.rng)
+        holdings = attempt.searcher.batch(grasps, pivot, attempt.rng)
         for holding in islice(holdings, TRIES):
             self._spent("holding", at)
             self.holdings += 1

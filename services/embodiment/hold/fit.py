@@ -138,16 +138,17 @@ def fitting(  # noqa: PLR0913, PLR0917  # what is held, what it demands, and whe
     demands: tuple[Rules, Rules],
     unfit: Counter[Pair],
     late: Callable[[], bool] = lambda: False,
+    steep: bool = False,
 ) -> Iterator[tuple[Grasp, Array]]:
     """Grasps that the hand alone can take and keep, each with the scene at x = 0 and fingers closed.
 
     `demands` are the distances demanded while it holds, and of the open hand; `unfit` counts the pairs
-    of shapes whose contact rules a grasp out.
+    of shapes whose contact rules a grasp out. Those that come from far above or below are first if `steep`.
     """
     room = Room(hand, problem, bar)
     found = 0
     for share in OPENINGS:
-        opened, grasps = hand.configuration(share), grasp_set(bar)
+        opened, grasps = hand.configuration(share), grasp_set(bar, steep)
         while block := list(islice(grasps, BLOCK)):
             if late():
                 return

@@ -65,12 +65,11 @@ def grasp_settings() -> str:
     return repr((PITCHES.tolist(), TILTS.tolist(), PLACES, DEPTHS, FINGER_HALF, TOUCH))
 
 
-def grasp_set(bar: Bar) -> Iterator[Grasp]:
-    """All grasps of a bar, straight ones first."""
-    choices = _choices()
+def grasp_set(bar: Bar, steep: bool = False) -> Iterator[Grasp]:
+    """All grasps of a bar, straight ones first, or those that come from far above or below."""
     room = max(bar.length / 2 - FINGER_HALF, 0.0)
     turns = dict[tuple[int, int, int], Array]()
-    for index, (pitch, tilt, flip, place, depth) in enumerate(choices):
+    for index, (pitch, tilt, flip, place, depth) in _choices(steep):
         key = pitch, tilt, flip
         if key not in turns:
             turns[key] = _turn(bar, float(PITCHES[pitch]), float(TILTS[tilt]), flip)
@@ -79,16 +78,18 @@ def grasp_set(bar: Bar) -> Iterator[Grasp]:
         yield Grasp(rotation, translation, index)
 
 
-@lru_cache(maxsize=1)
-def _choices() -> tuple[tuple[int, int, int, int, int], ...]:
-    """Indices of pitch, tilt, flip, place and depth, straight ones first."""
+@lru_cache(maxsize=2)
+def _choices(steep: bool) -> tuple[tuple[int, tuple[int, int, int, int, int]], ...]:
+    """Number, and indices of pitch, tilt, flip, place and depth; the straightest has the first number."""
     counts = range(len(PITCHES)), range(len(TILTS)), (1, -1), range(len(PLACES)), range(len(DEPTHS))
-    return tuple(
-        sorted(
-            itertools.product(*counts),
-            key=lambda choice: (choice[0] + choice[1] * 2 + choice[3] + choice[4], choice),
-        )
+    straight = sorted(
+        itertools.product(*counts),
+        key=lambda choice: (choice[0] + choice[1] * 2 + choice[3] + choice[4], choice),
     )
+    numbered = enumerate(straight)
+    if not steep:
+        return tuple(numbered)
+    return tuple(sorted(numbered, key=lambda one: (one[1][3] + one[1][4], one[1][1], -one[1][0], one[0])))
 
 
 def _turn(bar: Bar, pitch: float, tilt: float, flip: int) -> Array:

@@ -9,7 +9,8 @@ from services.embodiment.body import ik
 from services.embodiment.body.limb import Limb, Margins, make_limb, rules
 from services.embodiment.body.track import Base, track
 from services.embodiment.body.world import World
-from services.embodiment.hold.handle import Mechanics, find_bar
+from services.embodiment.hold.grasp import PITCHES, grasp_set
+from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.prove.heights import span
 from services.embodiment.ways import timing
 from services.embodiment.ways.timing import Bound
@@ -159,3 +160,16 @@ def test_the_law_of_following_starts_and_ends_at_rest_without_a_jump_of_accelera
     assert acceleration[[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-12)
     assert np.abs(np.diff(acceleration)).max() < 0.05
     np.testing.assert_allclose(np.gradient(way, u)[1:-1], speed[1:-1], atol=1e-4)
+
+
+def test_steep_grasps_are_the_same_set_with_those_from_far_above_and_below_first() -> None:
+    x, y, z = np.eye(3)
+    bar = Bar(0, np.zeros(3), y, x, 0.2, 0.01, 0.01)
+    straight, steep = list(grasp_set(bar)), list(grasp_set(bar, steep=True))
+    by_number = {one.index: one for one in straight}
+    assert len(by_number) == len(straight) == len(steep) == len({one.index for one in steep})
+    for one in steep:
+        np.testing.assert_array_equal(one.rotation, by_number[one.index].rotation)
+        np.testing.assert_array_equal(one.translation, by_number[one.index].translation)
+    np.testing.assert_allclose(straight[0].rotation[:, 0], -x)
+    assert abs(steep[0].rotation[:, 0] @ z) == pytest.approx(np.sin(np.abs(PITCHES).max()))

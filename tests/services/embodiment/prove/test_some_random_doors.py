@@ -26,3 +26,8 @@ def test_a_fixed_stretch_reaches_nothing_before_it(
 @pytest.mark.parametrize(("seed", "robot", "drive"), ANY)
 def test_no_front_is_both_certified_and_refuted(tmp_path: Path, seed: int, robot: str, drive: Drive) -> None:
     assert result(tmp_path, seed, robot, drive, BUDGET) in Result
+
+
+def test_a_drawer_at_the_height_of_a_head_is_taken_from_below(tmp_path: Path) -> None:
+    # Its handle is 1.72 m high: no straight grasp of it can be reached.
+    assert result(tmp_path, 4, "pr2", Drive.OMNI, 15 * BUDGET) is Result.CERTIFIED
