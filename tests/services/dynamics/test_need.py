@@ -65,7 +65,7 @@ def mechanisms(draw: st.DrawFn) -> Mechanics:
     return slide(Values(*low.tolist()), Values(*high.tolist()), load=load, lengths=lengths, allowed=1e-3)
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=20, deadline=None, derandomize=True)
 @given(mechanisms(), st.booleans(), st.floats(0.6, 4.0), st.floats(0, 1))
 def test_no_value_of_the_parameters_needs_more_than_the_bound_nor_less(
     mechanics: Mechanics, opens: bool, duration: float, share: float
@@ -81,7 +81,7 @@ def test_no_value_of_the_parameters_needs_more_than_the_bound_nor_less(
         assert size.max() / far >= found.least - 1e-9 or found.least == found.onset
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=20, deadline=None, derandomize=True)
 @given(mechanisms(), st.floats(2.0, 8.0), st.integers(0, 9), st.floats(0, 1))
 def test_where_monotone_is_claimed_more_of_anything_never_needs_less(
     mechanics: Mechanics, duration: float, which: int, share: float
