@@ -107,7 +107,8 @@ class Chooser:
     def _scene(self) -> None:
         choice, panel, twin = self.choice, self._panel, self.twin
         kitchen, robot = self._desk.kitchen(twin, choice.kitchen), self._desk.robot(twin, choice.robot)
-        start = start_pose(twin, kitchen.skeleton, twin.container(choice.container), choice.base)
+        container = twin.container(choice.container)
+        start = start_pose(twin, kitchen.skeleton, container, choice.base)
         panel.base.visible = choice.base is not None
         panel.offer(
             panel.start, list(panel.start.options), KITCHENS_START if choice.base is None else OWN_START
@@ -115,7 +116,7 @@ class Chooser:
         panel.base.value = start
         self._gizmos.base(start if panel.gizmo.value else None)
         self._gizmos.box(choice.obstacle)
-        self._showing.world(twin, kitchen, robot, start)
+        self._showing.world(twin, (kitchen, robot), start, container)
 
     def _door(self) -> None:
         """The slider is that of the chosen door."""
@@ -208,8 +209,7 @@ class Chooser:
             return self._gizmos.base_pose()
         if name == "start" and self._panel.start.value == KITCHENS_START:
             return None
-        x, y, yaw = map(float, self._panel.base.value)
-        return x, y, yaw
+        return parse_base(",".join(map(repr, map(float, self._panel.base.value))))
 
     def _obstacle(self, name: str) -> Obstacle | None:
         if not self._panel.obstacle.value:

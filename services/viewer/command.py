@@ -1,5 +1,6 @@
 """`sdt view`: the 3D page."""
 
+import contextlib
 import threading
 
 import click
@@ -66,4 +67,5 @@ def view(
     offer = Offer(kitchens or KITCHENS, robots or ROBOTS, budget)
     with running(address, offer, judges, hosts, unprotected=unprotected) as page:
         click.echo(f"{page.url}  (Ctrl-C ends it)", err=True)
-        threading.Event().wait()
+        with contextlib.suppress(KeyboardInterrupt):
+            threading.Event().wait()

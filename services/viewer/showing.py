@@ -5,7 +5,7 @@ import viser
 
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
-from sdt_kg.twin import Twin
+from sdt_kg.twin import Container, Twin
 from services.viewer.judging.question import Judged, Opening, Paths
 from services.viewer.panel import WHOLE, Panel
 from services.viewer.picture.film import Film
@@ -32,17 +32,22 @@ class Showing:
         self._chosen: Mark | None = None
         self._labels: dict[str, Mark] = {}
 
-    def world(self, twin: Twin, kitchen: Looks, robot: Looks, start: Pose2) -> None:
-        """The twin in its state, the robot where it would begin; no film."""
+    def world(self, twin: Twin, looks: tuple[Looks, Looks], start: Pose2, container: Container) -> None:
+        """The twin in its state, the robot where it would begin; no film.
+
+        Args:
+            twin: Kitchen and robot.
+            looks: Of kitchen and robot.
+            start: Of the base: x, y [m], yaw [rad].
+            container: What is asked about; another kitchen is looked at from its side.
+        """
+        kitchen, robot = looks
         self._start = Posture(start, {}, dict(twin.state))
         other = self.stage.furnish(kitchen, robot, twin.robot(twin.robots[0]))
         if other:
             joints = kitchen_positions(kitchen.skeleton, self._start.kitchen)
-            handles = [
-                kitchen.skeleton.body(local_name(each.handle), joints, np.eye(4))
-                for each in twin.containers()
-            ]
-            self.stage.look(start, np.array(handles)[:, :3, 3])
+            handle = kitchen.skeleton.body(local_name(container.handle), joints, np.eye(4))
+            self.stage.look(twin.kitchen().start, handle[:3, 3])
         self._forget_film()
         self.stage.pose(self._start)
         self._draw_paths()
