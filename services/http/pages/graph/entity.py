@@ -11,6 +11,8 @@ from services.http.pages.view import Json, View
 from services.http.world import World
 
 COLUMNS: Final = ("subject", "predicate", "object", "graph")
+SHOWN: Final = 300
+"""Rows of each table on the page; its data have all that were asked for."""
 
 
 def entity(request: Request, iri: Iri, quads: list[ox.Quad], most: int) -> View:
@@ -35,10 +37,14 @@ def entity(request: Request, iri: Iri, quads: list[ox.Quad], most: int) -> View:
     }
     shown: Json = {
         "kinds": [iri_cell(kind.strip("<>")) for kind in kinds],
-        "said": ordered([(cell(each.predicate), cell(each.object), cell(each.graph_name)) for each in about]),
+        "said": ordered([(cell(each.predicate), cell(each.object), cell(each.graph_name)) for each in about])[
+            :SHOWN
+        ],
         "mentioned": ordered(
             [(cell(each.subject), cell(each.predicate), cell(each.graph_name)) for each in mentions]
-        ),
+        )[:SHOWN],
+        "more": max(len(about), len(mentions)) > SHOWN,
+        "rows_shown": SHOWN,
         "most": most,
         "leads": _leads(request.app.state.world, iri, {kind.strip("<>") for kind in kinds}),
         "is_graph": iri.startswith(f"{ID}graph/"),
