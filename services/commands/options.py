@@ -1,5 +1,6 @@
 """Options that several subcommands share, each spelled once."""
 
+import math
 from pathlib import Path
 
 import click
@@ -9,6 +10,18 @@ from services.commands.show import CSV
 
 KITCHEN_HELP = "Bundled kitchen (a, b) or path of a URDF, xacro, MJCF, SDF or saved twin (.nq, .trig)."
 ROBOT_HELP = "Bundled robot (pr2, tiago_dual, stretch) or path of a URDF or xacro."
+
+
+class FiniteRange(click.FloatRange):
+    """A number inside a range; what is no number is outside every range, and Python would let it in."""
+
+    def convert(self, value: float, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The number."""
+        number = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value} is not in the range {self._describe_range()}.", param, ctx)
+        return number
+
 
 kitchen_argument = click.argument("kitchen", type=KITCHEN)
 json_flag = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
@@ -35,7 +48,7 @@ drive_option = click.option(
 )
 budget_option = click.option(
     "--budget",
-    type=click.FloatRange(min=0, min_open=True),
+    type=FiniteRange(min=0, min_open=True),
     default=20.0,
     show_default=True,
     help="Seconds of search for each container before giving up.",

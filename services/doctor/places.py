@@ -58,10 +58,16 @@ def _robot(name: str) -> Finding:
 
 def stores(places: Sequence[str]) -> Iterator[Finding]:
     """Whether each can be read, and how many verdicts are in it."""
-    from services.store.files import query_saved  # noqa: PLC0415 - most need no store
+    from services.store.files import is_saved_graph, query_saved  # noqa: PLC0415 - most need no store
 
     for place in places:
         about = f"store {place}"
+        if not is_saved_graph(place):
+            says = (
+                "no store: allowed FILE.trig, FILE.nq, a directory that --save made, the address of a server"
+            )
+            yield Finding(about, Standing.TO_DO, says, "sdt achieve … --save makes one")
+            continue
         try:
             _, rows = query_saved(place, COUNT)
         except InputError as error:

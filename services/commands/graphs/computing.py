@@ -14,7 +14,7 @@ from sdt_kg.load import load_twin, model_path
 from sdt_kg.store import Row, checked_query, rows_of
 from services.app import Policy
 from services.commands.completion.types import KITCHEN, ROBOT
-from services.commands.options import KITCHEN_HELP, ROBOT_HELP, drive_option, states_option
+from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange, drive_option, states_option
 from services.commands.show import print_json, print_rows
 from services.compute import Bounds, Computed, Loaded, compute
 from services.store.embedded import EmbeddedStore
@@ -60,7 +60,7 @@ def compute_options(command: Callable[..., Any]) -> Callable[..., Any]:  # a cli
         drive_option,
         click.option(
             "--budget",
-            type=click.FloatRange(min=0, min_open=True),
+            type=FiniteRange(min=0, min_open=True),
             default=DEFAULT_BUDGET,
             show_default=True,
             help="Seconds for all cases together.",

@@ -18,6 +18,7 @@ from services.commands.completion.types import KITCHEN, ROBOT, TASK
 from services.commands.options import (
     KITCHEN_HELP,
     ROBOT_HELP,
+    FiniteRange,
     annotation_option,
     budget_option,
     csv_flag,
@@ -54,7 +55,7 @@ from services.store.files import SavedVerdicts
 @click.option(
     "--contact-tolerance",
     "contact",
-    type=click.FloatRange(min=0, max=0.1),
+    type=FiniteRange(min=0, max=0.1),
     metavar="M",
     help="How far a finger may be from the handle that it holds; without it 0.002.",
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from services.commands.completion.types import KITCHEN, ROBOT
-from services.commands.options import KITCHEN_HELP, ROBOT_HELP
+from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange
 
 
 @click.command()
@@ -45,7 +45,7 @@ from services.commands.options import KITCHEN_HELP, ROBOT_HELP
 )
 @click.option(
     "--timeout",
-    type=click.FloatRange(min=0, min_open=True),
+    type=FiniteRange(min=0, min_open=True),
     default=10.0,
     show_default=True,
     help="Seconds for a query.",

@@ -40,6 +40,8 @@ PLAIN = {
     "unreadable file": (["graph", "b", "-o", "no/such/folder.ttl"], Exit.BAD_INPUT),
     "nobody on the bus": (["ask", "b", "health", "--connect", "tcp/127.0.0.1:9"], Exit.NO_ORACLE),
     "no such server": (["query", "http://127.0.0.1:9", "ASK { ?a ?b ?c }"], Exit.NO_ORACLE),
+    "budget that is no number": ([*STUCK, "--budget", "nan"], Exit.BAD_INPUT),
+    "no store": (["open", "/etc/passwd"], Exit.BAD_INPUT),
     "json and csv": (["containers", "b", "--json", "--csv"], Exit.BAD_INPUT),
 }
 # Whatever the axis is called, the shape wants a positive range: 0..0.005 is closed and open at once.

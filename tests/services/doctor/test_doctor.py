@@ -75,6 +75,8 @@ def test_the_verdicts_of_a_store_are_counted(tmp_path: Path) -> None:
     path.write_text(f"<a:a> <{RDF_TYPE}> <{LAW}Verdict> <a:g> .\n")
     (found,) = stores([str(path)])
     assert (found.standing, found.says) == (Standing.WELL, "1 verdict")
+    (other,) = stores([__file__])
+    assert (other.standing, "FILE.trig" in other.says) == (Standing.TO_DO, True)
 
 
 def test_nobody_on_the_bus_and_no_bus_are_different() -> None:
