@@ -1,13 +1,10 @@
 """Which containers are in which TEE class, what is lacking, and where intervals end."""
 
-import pytest
 import rdflib
 
 import ontology
 from sdt_kg.iri import TEE, local_name
-from services.commands.exits import Exit
-from services.commands.kitchens.explain import explain
-from services.scoping import Lack, Membership, scope_map, tee_classes
+from services.scoping import Lack, Membership, scope_map, tee_classes, to_json
 from tests.small import small_twin
 
 TWIN = small_twin("a", ("pr2",))
@@ -66,16 +63,18 @@ def test_the_end_of_an_interval_is_as_far_as_the_value_is_from_its_bound() -> No
     assert shares == sorted(shares)
 
 
-def test_the_map_of_a_kitchen_is_printed_with_what_is_left_out(capsys: pytest.CaptureFixture[str]) -> None:
-    assert explain("b", None, None, None, as_json=False) == Exit.DONE
-    out = capsys.readouterr().out
-    for text in ("D_artic_dyn", "refines", "where the interval ends", "no containers, and why"):
-        assert text in out
+def test_json_has_every_container_in_every_class() -> None:
+    said = to_json("a", scope_map(TWIN))
+    count = len(TWIN.containers())
+    assert [(each["name"], each["of"]) for each in said["classes"]] == [
+        (each.name, count) for each in tee_classes()
+    ]
+    assert len(said["containers"]) == count * len(tee_classes())
 
 
-def test_the_command_explains_as_json_and_refuses_nonsense(sdt) -> None:
-    done = sdt("scope", "b", "--explain", "--json")
+def test_the_command_tells_the_map_and_refuses_nonsense(sdt) -> None:
+    done = sdt("scope", "b", "--explain")
     assert done.code == 0, done.err
-    counts = {each["name"]: (each["in"], each["of"]) for each in done.json["classes"]}
-    assert counts["D_artic"] == (17, 17)
+    for text in ("D_artic_dyn", "refines", "where the interval ends", "no containers, and why"):
+        assert text in done.out
     assert sdt("scope", "no-such-kitchen", "--explain").code == 2

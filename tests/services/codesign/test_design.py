@@ -1,12 +1,8 @@
 """Covers are greedy over what is certified; a plan's edits are judged in one world, one after the other."""
 
-import pytest
-
 from predicates.case import Outcome
-from services.app import Policy
 from services.codesign.cells import Cell, Found, Grid, How
-from services.codesign.design import covers_of, designed, together_in
-from services.codesign.grid import Asked
+from services.codesign.design import covers_of, together_in
 from services.codesign.report import counts, reuse, turned_rows
 
 REASON = ({"kind": "embodiment", "reason": "too high", "evidence": None, "proof": False, "search": None},)
@@ -53,15 +49,3 @@ def test_a_grid_says_what_turned_and_counts_as_reused_only_what_was_not_searched
     ]
     assert counts(grid)[1]["k one"] == "0 / 2 (-1)"
     assert (reuse(grid)["without_a_search"], reuse(grid)["cases"]) == (1, 2)
-
-
-@pytest.mark.oracle
-@pytest.mark.slow
-def test_the_drawer_behind_the_dishwasher_door_is_planned_by_opening_that_door() -> None:
-    drawer, door = "dishwasher_drawer_middle", "cabinet7_door_bottom_left"
-    asked = Asked(("a",), ("stretch",), "open", (), Policy(budget=5), (), (drawer, "cabinet9_drawer_top"))
-    edits = ("furniture:wardrobe=0.5,0", f"move:{door}=open")
-    (plan,) = designed(asked, 1, edits).plans
-    assert [(each.what, each.gained, each.covered) for each in plan.steps] == [
-        (f"move:{door}=open", (drawer,), 2)
-    ]

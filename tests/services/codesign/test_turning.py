@@ -4,8 +4,7 @@ import pytest
 
 from predicates.case import Outcome
 from predicates.law import law
-from sdt_kg.annotation import Drive
-from services.app import Policy, Service, load
+from services.app import Service
 from services.codesign.cells import Found, How
 from services.codesign.command.turn import sure
 from services.codesign.families import Family, base_family, families
@@ -13,7 +12,7 @@ from services.codesign.judge import one_of
 from services.codesign.turning import Sought, Trial
 from services.physics.oracle import Kinematics
 from services.requests import parse_task
-from services.whatif import World, changed, parse_change
+from services.whatif import World
 from tests.small import small_twin
 from tests.small.lift import Lift
 
@@ -54,21 +53,6 @@ def test_base_poses_are_told_to_a_tenth_of_a_metre() -> None:
     family = base_family((0, 0, 0), [(2, 0, 0), (0, 1, 0)])
     assert family.edits == ("base:2.0000,0.0000,0.0000", "base:0.0000,1.0000,0.0000")
     assert family.tolerance * 2 == pytest.approx(0.1)
-
-
-@pytest.mark.oracle
-def test_what_a_refusal_names_is_cleared_and_a_door_that_stands_open_is_closed() -> None:
-    world = World(load("b", ["pr2"], policy=Policy(Drive.OMNI, budget=2)), "pr2")
-    edits = ("box:crate=0.4,0.4,1@0.6,0.5,0.5", "move:iai_fridge_door=0.5")
-    world = changed(world, tuple(map(parse_change, edits)))
-    container = world.service.twin.container("sink_area_trash_drawer_main")
-    verdict = one_of(world.service.achieve(f"open:{container.name}", world.robot_iri))
-    assert verdict.outcome is Outcome.NOT_CERTIFIED
-    found = {each.name: each for each in families(world, verdict, container)}
-    assert found["which obstacle is cleared"].edits[0] == "clear:crate"
-    assert "move:iai_fridge_door=closed" in found["which other door or drawer is moved"].edits
-    cleared = changed(world, (parse_change("clear:crate"),))
-    assert one_of(cleared.service.achieve(f"open:{container.name}", world.robot_iri)).diagnoses == ()
 
 
 def test_of_a_verdict_that_holds_nothing_is_cleared() -> None:

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from predicates.record.inputs import inputs_of, verdict_iri
 from sdt_kg.errors import InputError
 from sdt_kg.history import History
 from sdt_kg.iri import body_iri, local_name
@@ -139,3 +140,23 @@ def test_an_undone_edit_restores_the_content(edit: tuple[str, str]) -> None:
     _, back = history.undone(made)
     assert back.content_hash == history.first.content_hash
     assert hash_of(back.twin) == hash_of(TWIN)
+
+
+@pytest.mark.parametrize(
+    "texts",
+    [
+        ("box:crate=1,1,1@3,3,0.5", "without:crate"),
+        (f"move:{TWIN.containers()[0].name}=open", f"move:{TWIN.containers()[0].name}=closed"),
+        ("drive:fixed", "drive:omni"),
+    ],
+)
+def test_an_undone_edit_restores_the_verdict_s_iri(texts: tuple[str, str]) -> None:
+    world = changed(WORLD, (parse_change("drive:omni"),))
+    there, back = (changed(world, tuple(map(parse_change, texts[:n]))) for n in (1, 2))
+    assert _iri(back) == _iri(world) != _iri(there)
+
+
+def _iri(world: World) -> str:
+    service = world.service
+    case = service.case(f"open:{TWIN.containers()[0].name}", world.robot_iri)
+    return verdict_iri(inputs_of(case, service.physics, service.embodiment))
