@@ -60,7 +60,7 @@ SECTIONS = {
         "config": Listed("services.configuration.command:config", "Settings, and where each comes from."),
     },
     "Services": {
-        "serve": Listed(f"{HERE}.network.serve:serve", "SPARQL, graphs, JSON and pages over HTTP; Zenoh."),
+        "serve": Listed("services.serving.command:serve", "SPARQL, graphs, JSON and pages over HTTP; Zenoh."),
         "view": Listed("services.viewer.command:view", "The 3D page: kitchens, motions, verdicts."),
         "ask": Listed(f"{HERE}.network.bus:ask", "Ask a server over Zenoh."),
         "oracle": Listed(f"{HERE}.network.bus:oracle", "Answer for Causes or CanPerform on the bus."),

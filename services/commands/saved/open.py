@@ -62,9 +62,9 @@ def open_command(context: click.Context, *, store: str, pages: bool, as_json: bo
         if not csv_is_asked():
             _say(verdicts, following)
     if pages:
-        from services.commands.network.serve import serve  # noqa: PLC0415 - most open no pages
-
-        context.invoke(serve, store=store)
+        root = context.find_root().command
+        assert isinstance(root, click.Group)
+        context.invoke(root.commands["serve"], store=store)
 
 
 def _rows(verdicts: Sequence[StoredVerdict]) -> list[Row]:
