@@ -1,6 +1,7 @@
 """Puts a bus server together: the world that is asked about, the processes that judge, the keys declared."""
 
 import asyncio
+import ctypes
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -19,6 +20,10 @@ from services.http.memory import Memory, running
 from services.http.world import World
 from services.judging.pool import Pool
 from services.store.workers import Workers
+
+M_MMAP_THRESHOLD = -3  # of malloc.h
+LARGE = 2**20
+"""[bytes] Blocks from here on are mapped, each by itself."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +79,7 @@ def serving(session: zenoh.Session, pool: Pool, memory: Memory) -> Iterator[Serv
         pool: Judges; a twin's name in keys is the kitchen's.
         memory: The world that is asked about, in which verdicts are kept.
     """
+    _give_back()
     kitchens = memory.world.kitchens.items()
     sweeps = Sweeps(pool, {name: _models(name, kitchen.service.twin) for name, kitchen in kitchens})
     server = Server(session, pool, memory, sweeps).start()
@@ -82,6 +88,16 @@ def serving(session: zenoh.Session, pool: Pool, memory: Memory) -> Iterator[Serv
     finally:
         server.close()
         sweeps.close()
+
+
+def _give_back() -> None:
+    """What a large request took goes back to the system when it is freed.
+
+    glibc keeps blocks of the size that was freed last: requests of 16 MiB would make the server grow.
+    """
+    libc = ctypes.CDLL(None)
+    if hasattr(libc, "mallopt"):
+        libc.mallopt(M_MMAP_THRESHOLD, LARGE)
 
 
 def _models(name: str, twin: Twin) -> Models:

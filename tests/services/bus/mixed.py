@@ -10,12 +10,12 @@ from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import zenoh
 
 from sdt_kg.errors import InputError, OracleUnavailableError
 from services.bus.client import Connection
-from services.bus.server import Server
 from services.bus.sessions import open_session
 from services.judging.codec import MAX_REQUEST
 from services.judging.problems import BusError
@@ -25,6 +25,14 @@ CLIENTS = 8
 PATIENT, HURRIED = 60.0, 0.001
 """[s] Deadlines."""
 COUNT = "SELECT (COUNT(*) AS ?n) WHERE { ?d a sdt:Drawer }"
+
+
+class Judged(Protocol):
+    """A server whose processes can be killed."""
+
+    def pids(self) -> list[int]:
+        """Processes that judge."""
+        ...
 
 
 @dataclass
@@ -52,7 +60,7 @@ class Outcomes:
                 self.wrong.append(f"{kind}: {end}")
 
 
-def run(endpoint: str, server: Server, requests: int, kills: int, seed: int = 0) -> Outcomes:
+def run(endpoint: str, server: Judged, requests: int, kills: int, seed: int = 0) -> Outcomes:
     """Ask from several clients at once, and kill workers now and then."""
     outcomes, draw = Outcomes(), random.Random(seed)  # noqa: S311 - no secret
     kinds = draw.choices([*_ASKED, *_FAULTS], weights=[4, 4, 4, 2, 2, 1, 1, 2], k=requests)
