@@ -1,16 +1,19 @@
-"""What people at the 3D page do that takes the judge longer: follow changes, motions of their own."""
+"""What people at the 3D page do that takes longer: follow changes, motions of theirs; a real browser."""
 
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+from selenium.webdriver.common.by import By
 from viser import _messages as wire
 
 from sdt_kg.motion import BodyMotion
 from services.app import load
 from services.motions import write_motion
 from services.viewer.running import Offer, running
+from tests.browser import Browser
+from tests.services.viewer.person import Person
 from tests.services.viewer.visitor import Visitor
 
 DRAWER = "sink_area_left_middle_drawer_main"
@@ -71,3 +74,28 @@ def test_a_motion_is_judged_as_it_is_and_shown_where_it_breaks_a_rule(
     visitor.until(lambda: "/ghost" in visitor.nodes, "a ghost where it breaks the rule")
     visitor.clicks("Leave the motion")
     visitor.waits_for("motion: to be found")
+
+
+@pytest.mark.oracle
+def test_in_a_browser_a_case_is_judged_and_nothing_leaves_the_machine(
+    browser: Browser, port: int, tmp_path: Path
+) -> None:
+    person = Person(browser)
+    browser.driver.get(f"http://127.0.0.1:{port}/case?kitchen=b&robot=pr2&task=open:{DRAWER}")
+    person.waits_for("Ready.")
+    person.clicks("Check")
+    said = person.waits_for("Judged in")
+    assert "CERTIFIED\n" in said
+    for predicate in ("SatisfiesRequest", "Causes", "CanPerform"):
+        assert f"{predicate}\t✓ yes" in said
+    person.clicks("Files")
+    person.until(
+        lambda: len(browser.driver.find_elements(By.CSS_SELECTOR, "input[type=file]")) == 2, "buttons"
+    )
+    large = tmp_path / "large.npz"
+    with large.open("wb") as hole:
+        hole.truncate(300 * 2**20)
+    person.opens(0, large)
+    person.waits_for("'large.npz' has 300 MB; allowed: 32 MB")
+    assert browser.console_errors() == []
+    assert browser.foreign_requests() == []

@@ -1,16 +1,12 @@
-"""What people at the page do, and what they are shown: in the page's own protocol, once in a browser."""
+"""What people at the page do, and what they are shown: in the page's own protocol, without a browser."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
-from selenium.webdriver.common.by import By
 from viser import _messages as wire
 
 from services.viewer.page import Page
 from services.viewer.running import Offer, running
-from tests.browser import Browser
-from tests.services.viewer.person import Person
 from tests.services.viewer.visitor import Visitor
 
 DRAWER = "sink_area_left_middle_drawer_main"
@@ -120,28 +116,3 @@ def test_a_browser_cannot_open_the_tunnel(page: Page, visitor: Visitor) -> None:
     visitor.sets("Request", "close")
     visitor.until(lambda: "close" in str(visitor.reads()), "the page goes on")
     assert page._server._share_tunnel is None
-
-
-@pytest.mark.oracle
-def test_in_a_browser_a_case_is_judged_and_nothing_leaves_the_machine(
-    browser: Browser, page: Page, tmp_path: Path
-) -> None:
-    person = Person(browser)
-    browser.driver.get(f"{page.url}case?kitchen=b&robot=pr2&task=open:{DRAWER}")
-    person.waits_for("Ready.")
-    person.clicks("Check")
-    said = person.waits_for("Judged in")
-    assert "CERTIFIED\n" in said
-    for predicate in ("SatisfiesRequest", "Causes", "CanPerform"):
-        assert f"{predicate}\t✓ yes" in said
-    person.clicks("Files")
-    person.until(
-        lambda: len(browser.driver.find_elements(By.CSS_SELECTOR, "input[type=file]")) == 2, "buttons"
-    )
-    large = tmp_path / "large.npz"
-    with large.open("wb") as hole:
-        hole.truncate(300 * 2**20)
-    person.opens(0, large)
-    person.waits_for("'large.npz' has 300 MB; allowed: 32 MB")
-    assert browser.console_errors() == []
-    assert browser.foreign_requests() == []
