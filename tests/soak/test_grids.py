@@ -16,7 +16,8 @@ pytestmark = [pytest.mark.oracle, pytest.mark.slow]
 EDITS = (
     "box:crate=0.4,0.4,0.9@0.6,1.2,0.45 | box:bin=0.3,0.3,0.7@0.7,0.3,0.35 | "
     "box:lamp=0.2,0.2,1.8@0.4,2.2,0.9 | move:iai_fridge_door=open | handle:iai_fridge_door=0,0,0.1 | "
-    "furniture:kitchen_island=0.2,0 | jam:sink_area_left_middle_drawer_main | drive:omni | broken:left | payload:right=0.1,0.1,0.2"
+    "furniture:kitchen_island=0.2,0 | jam:sink_area_left_middle_drawer_main | drive:omni | "
+    "broken:left | payload:right=0.1,0.1,0.2"
 )
 ASKED = Asked(("b",), ("pr2", "stretch"), "open", worlds_of([EDITS]), Policy(budget=5))
 
