@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from services.commands.options import csv_flag, json_flag, states_option
+from services.commands.options import FiniteRange, csv_flag, json_flag, states_option
 from services.commands.show import print_json, print_rows
 from services.commands.verdicts import told
 
@@ -31,7 +31,9 @@ config_option = click.option(
 @click.argument("twin")
 @click.argument(
     "verb",
-    type=click.Choice(["select", "ask", "construct", "satisfies", "causes", "achieve", "why", "health"]),
+    type=click.Choice(
+        ["select", "ask", "construct", "satisfies", "causes", "achieve", "place", "why", "health"]
+    ),
 )
 @click.argument("text", required=False, default="")
 @connect_option
@@ -41,10 +43,10 @@ config_option = click.option(
 @click.option(
     "--drive", type=click.Choice(["omni", "differential", "fixed"]), help="How the base moves, for achieve."
 )
-@click.option("--budget", type=click.FloatRange(min=0, min_open=True), default=20.0, show_default=True)
+@click.option("--budget", type=FiniteRange(min=0, min_open=True), default=20.0, show_default=True)
 @click.option(
     "--deadline",
-    type=click.FloatRange(min=0, min_open=True),
+    type=FiniteRange(min=0, min_open=True),
     default=60.0,
     show_default=True,
     help="Seconds after which nobody waits any more.",
@@ -83,6 +85,7 @@ def ask(
             return told(found.objects, as_json=as_json)
         rows = {"satisfies": lambda: [each.model_dump() for each in to.satisfies(*states)]}
         rows["causes"] = lambda: [to.causes(text, *states).model_dump(mode="json", exclude={"motions"})]
+        rows["place"] = lambda: to.place(text, robot, *states, budget=budget)["spots"]
         rows["health"] = to.health
         return _rows(rows[verb](), as_json=as_json)
 
