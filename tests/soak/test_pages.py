@@ -5,6 +5,7 @@ from pathlib import Path
 
 import httpx
 import pytest
+from selenium.common.exceptions import StaleElementReferenceException
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import WebDriverWait
 
@@ -20,7 +21,10 @@ PATIENCE = 300
 @pytest.mark.slow
 def test_a_drawer_from_question_to_rechecked_certificate(browser: Browser, tmp_path: Path) -> None:
     options = ("--kitchen", "b", "--robot", "pr2", "--store", str(tmp_path / "verdicts.nq"))
-    driver, wait = browser.driver, WebDriverWait(browser.driver, PATIENCE)
+    driver, wait = (
+        browser.driver,
+        WebDriverWait(browser.driver, PATIENCE, ignored_exceptions=[StaleElementReferenceException]),
+    )
     with sdt_serve(*options, token=TOKEN) as address:
         driver.get(f"{address}/kitchens/b")
         driver.find_element(By.LINK_TEXT, "Sign in").click()
