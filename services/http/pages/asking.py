@@ -82,6 +82,10 @@ class Asking:
         if self._waiting and (self._work is None or self._work.done()):
             self._work = asyncio.create_task(self._judge())
 
+    def as_it_is(self) -> "Asking":
+        """A copy that stays as it is: taken before verdicts are read, it loses no case that ends in between."""
+        return Asking(self.app, dict(self._waiting), self._now, dict(self._refused))
+
     def standing(self, wish: Wish) -> Standing:
         """How far a case is that has no verdict."""
         if wish == self._now:

@@ -31,9 +31,10 @@ async def matrix(request: Request) -> View:
     world: World = request.app.state.world
     asked = asked_of(request, world)
     shown = _choice(request, "show", SHOWN, "all")
+    asking = request.app.state.asking.as_it_is()
     kept = await kept_verdicts(world, asked)
     robots = list(dict.fromkeys([*asked.twin.robots, *sorted(each.robot for each in kept.shown)]))
-    cells = list(cells_of(asked, robots, kept.shown, request.app.state.asking))
+    cells = list(cells_of(asked, robots, kept.shown, asking))
     data: Json = {
         "kitchen": asked.kitchen.name,
         "iri": asked.twin.environment,
