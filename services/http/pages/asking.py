@@ -83,7 +83,7 @@ class Asking:
             self._work = asyncio.create_task(self._judge())
 
     def as_it_is(self) -> "Asking":
-        """A copy that stays as it is: taken before verdicts are read, it loses no case that ends in between."""
+        """A copy that stays: taken before verdicts are read, it loses no case that ends in between."""
         return Asking(self.app, dict(self._waiting), self._now, dict(self._refused))
 
     def standing(self, wish: Wish) -> Standing:
