@@ -15,6 +15,7 @@ from tests.browser import Browser, installed, started
 PROJECT = Path(__file__).resolve().parent.parent
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Tests that share something expensive run in the same process: Table 1, a bus server, a file's own."""
     for item in items:
