@@ -24,8 +24,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def _shared(path: Path) -> str:
-    """What the tests of a file share: a bus server for all files of its folder, else the file."""
-    return str(path.parent if path.parent.name == "bus" else path)
+    """What the tests of a file share: a bus server or a report for all files of the folder, else the file."""
+    return str(path.parent if path.parent.name in {"bus", "reports"} else path)
 
 
 @pytest.fixture(scope="session")
