@@ -36,8 +36,9 @@ def parse_state(twin: Twin, texts: Iterable[str]) -> State:
     """State of the twin's kitchen under `JOINT=VALUE` texts, later ones winning.
 
     JOINT is a joint or a container; `all` stands for every container. VALUE is a position
-    [rad or m], `open` (upper limit), `closed` (lower limit), or for `all` also
-    `half-open:SEED`: each container somewhere between closed and open, drawn with that seed.
+    [rad or m] of the joint that is set (for a folding door the one that it follows), `open`
+    (upper limit), `closed` (lower limit), or for `all` also `half-open:SEED`: each container
+    somewhere between closed and open, drawn with that seed.
     """
     positions = dict(twin.state)
     for text in texts:

@@ -12,6 +12,7 @@ SHAPES = {
     "sdt": "every twin",
     "d_artic": "D_artic: T, E, R and I_Φ",
     "d_artic_dyn": "D_artic_dyn: I_Φ of forces",
+    "task": "task specifications",
 }
 
 

@@ -1,7 +1,6 @@
 """A server that goes away, comes back, breaks its answer off, or is none."""
 
 import socket
-import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -205,19 +204,16 @@ def test_one_address_is_only_asked() -> None:
 
 
 def test_the_command_asks_a_server_and_names_one_that_is_gone(
-    server: Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    server: Server, capsys: pytest.CaptureFixture[str]
 ) -> None:
     store = remote(server.address)
     store.add(quads(2))
     store.close()
     gone = f"http://127.0.0.1:{free_port()}"
     for address in (server.address, f"{server.address}/query,{server.address}/update"):
-        monkeypatch.setattr(sys, "argv", ["sdt", "query", address, COUNT, "--json"])
-        cli.main()
+        assert cli.run(["query", address, COUNT, "--json"]) == 0
         assert '"n": 2' in capsys.readouterr().out
-    monkeypatch.setattr(sys, "argv", ["sdt", "query", gone, COUNT])
-    with pytest.raises(SystemExit, match="4"):
-        cli.main()
+    assert cli.run(["query", gone, COUNT]) == 4
     said = capsys.readouterr().err
     assert said.count("\n") == 1
     assert gone in said

@@ -116,7 +116,10 @@ EDITS = st.one_of(
     ),
     st.builds(lambda name, v: (name, f"set:{name}.velocityLimit={v}"), st.sampled_from(JOINTS), SIZES),
     st.builds(
-        lambda each, share: (each.name + " state", f"move:{each.name}={round(share * each.upper, 4)}"),
+        lambda each, share: (
+            each.name + " state",
+            f"move:{each.name}={round(share * each.upper / each.multiplier, 4)}",
+        ),
         st.sampled_from(TWIN.containers()),
         st.floats(0.05, 1),
     ),
