@@ -1,6 +1,5 @@
 """Many cases at once: every container of some kitchens for some robots, in worker processes."""
 
-import resource
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -17,7 +16,7 @@ from sdt_kg.motion import BodyMotion
 from services.app import Policy
 from services.motions import write_motion
 from services.sweep.cell import Cell, CellResult
-from services.sweep.engines import processes
+from services.sweep.engines import cpu_seconds, processes
 from services.sweep.plan import Axes, grid
 from services.sweep.run import run as swept
 from services.sweep.worker import stored_verdict, verdict_of
@@ -100,7 +99,7 @@ def run(
         motions: Folder for the certified body motions, a file for each.
         recall: What is stored under a verdict's IRI; such cases are not judged again.
     """
-    began, cpu_began = time.perf_counter(), _cpu_seconds()
+    began, cpu_began = time.perf_counter(), cpu_seconds()
     done: dict[Cell, CellResult] = {}
     if motions is not None:
         motions.mkdir(parents=True, exist_ok=True)
@@ -114,7 +113,7 @@ def run(
         done[result.cell] = result
         report(result)
     ordered = [done[case] for case in cases]
-    return TableResult(ordered, time.perf_counter() - began, _cpu_seconds() - cpu_began)
+    return TableResult(ordered, time.perf_counter() - began, cpu_seconds() - cpu_began)
 
 
 def _results(judge: Callable[[Cell], CellResult], cases: Sequence[Cell], jobs: int) -> Iterator[CellResult]:
@@ -142,8 +141,3 @@ def _kept(cell: Cell, verdict: Verdict, motions: Path | None) -> CellResult:
     if motions is not None and verdict.outcome is Outcome.CERTIFIED and isinstance(body_motion, BodyMotion):
         write_motion(motions / cell.file_name, body_motion)
     return CellResult(cell, to_json(verdict), to_record(verdict))
-
-
-def _cpu_seconds() -> float:
-    usages = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return sum(usage.ru_utime + usage.ru_stime for usage in usages)

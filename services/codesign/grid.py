@@ -1,7 +1,6 @@
 """Product grids: every container, for every robot, in every combination of edits, in worker processes."""
 
 import os
-import resource
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
@@ -15,6 +14,7 @@ from services.app import Policy, load
 from services.codesign.cells import Cell, Found, Grid, How
 from services.codesign.judge import Judge, judged_as_it_is
 from services.requests import state_joints
+from services.sweep.engines import cpu_seconds
 from services.whatif import World, changed, depends_on_robot, parse_change
 
 Base = dict[tuple[str, str, str], Found]
@@ -79,7 +79,7 @@ def run(asked: Asked, jobs: int, report: Report = lambda cell: None) -> Grid:
     Raises:
         InputError: A kitchen, robot, state or container that is not there.
     """
-    began, cpu_began = time.perf_counter(), _cpu_seconds()
+    began, cpu_began = time.perf_counter(), cpu_seconds()
     names = _containers(asked)
     first = [
         Job(kitchen, (robot,), (container,), ())
@@ -98,7 +98,7 @@ def run(asked: Asked, jobs: int, report: Report = lambda cell: None) -> Grid:
     worlds = {edits: number for number, edits in enumerate(((), *asked.worlds))}
     order = {(each.kitchen, each.robots[0], each.containers[0]): n for n, each in enumerate(first)}
     cells.sort(key=lambda each: (worlds[each.edits], order[each.key]))
-    return Grid(cells, time.perf_counter() - began, _cpu_seconds() - cpu_began)
+    return Grid(cells, time.perf_counter() - began, cpu_seconds() - cpu_began)
 
 
 def _containers(asked: Asked) -> dict[str, tuple[str, ...]]:
@@ -198,8 +198,3 @@ def _own(asked: Asked, kitchen: str) -> tuple[str, ...]:
 def _world(kitchen: str, robots: tuple[str, ...], states: tuple[str, ...], policy: Policy) -> World:
     """Loaded once in each worker for the jobs that follow each other."""
     return World(load(kitchen, robots, state=states, policy=policy), robots[0])
-
-
-def _cpu_seconds() -> float:
-    usages = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return sum(usage.ru_utime + usage.ru_stime for usage in usages)

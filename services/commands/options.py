@@ -1,6 +1,7 @@
 """Options that several subcommands share, each spelled once."""
 
 import math
+import os
 from pathlib import Path
 
 import click
@@ -54,6 +55,13 @@ budget_option = click.option(
     help="Seconds of search for each container before giving up.",
 )
 seed_option = click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
+jobs_option = click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    default=os.cpu_count() or 1,
+    show_default="all cores",
+    help="Worker processes.",
+)
 save_option = click.option(
     "--save",
     "--store",

@@ -3,6 +3,7 @@
 import multiprocessing as mp
 import os
 import re
+import resource
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -113,3 +114,9 @@ def _client(address: str) -> Any:  # noqa: ANN401 - distributed has no types
 
 def _cancelled(executor: Executor) -> None:
     executor.shutdown(wait=False)
+
+
+def cpu_seconds() -> float:
+    """CPU time of this process and of its workers that have ended [s]."""
+    usages = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(usage.ru_utime + usage.ru_stime for usage in usages)

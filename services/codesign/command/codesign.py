@@ -1,6 +1,5 @@
 """`sdt codesign`: which robot for which kitchen, and what would have to be otherwise."""
 
-import os
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -11,7 +10,14 @@ from services.app import Policy
 from services.codesign.cells import Cell
 from services.codesign.design import Design, Plan, Step, designed, to_json
 from services.codesign.grid import Asked
-from services.commands.options import budget_option, drive_option, json_flag, seed_option, states_option
+from services.commands.options import (
+    budget_option,
+    drive_option,
+    jobs_option,
+    json_flag,
+    seed_option,
+    states_option,
+)
 from services.commands.show import csv_text, print_json, print_rows, progress
 from services.whatif import parse_change
 
@@ -53,13 +59,7 @@ COVER_COLUMNS = ("kitchen", "robot", "certified", "of", "missing")
 @states_option
 @budget_option
 @seed_option
-@click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    default=os.cpu_count() or 1,
-    show_default="all cores",
-    help="Worker processes.",
-)
+@jobs_option
 @click.option(
     "--csv", "csv_file", type=click.Path(path_type=Path), metavar="FILE", help="Write the covers as CSV."
 )

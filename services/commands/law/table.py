@@ -1,6 +1,5 @@
 """`sdt table`: CanAchieve for every container of some kitchens and some robots."""
 
-import os
 from collections import Counter
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -15,6 +14,7 @@ from services.app import Policy
 from services.commands.options import (
     budget_option,
     drive_option,
+    jobs_option,
     json_flag,
     save_option,
     seed_option,
@@ -43,13 +43,7 @@ STDOUT = Path("-")
 @states_option
 @budget_option
 @seed_option
-@click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    default=os.cpu_count() or 1,
-    show_default="all cores",
-    help="Worker processes.",
-)
+@jobs_option
 @save_option
 @click.option(
     "--motions",
