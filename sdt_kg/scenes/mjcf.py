@@ -12,7 +12,7 @@ import numpy as np
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, Inertia, JointType, Limits, Mechanism, Mimic, ShapeType
 from sdt_kg.scenes.build import Link, Matrix, Part, between, built, listed, matrix_of, pose_of, shift, turn
-from sdt_kg.urdf.document import refuse_dtd
+from sdt_kg.urdf.document import refuse_unsafe
 from sdt_kg.urdf.meshes import mesh_hash, mesh_path
 
 # MuJoCo's stubs name no attribute of a compiled model: what it gives enters here.
@@ -81,7 +81,7 @@ def _check_files(root: ET.Element, path: Path, folder: Path, seen: tuple[Path, .
             included = folder / text
             if element.tag == "include" and included.is_file() and included not in seen:
                 content = included.read_bytes()
-                refuse_dtd(content, included)
+                refuse_unsafe(content, included)
                 tree = ET.fromstring(content)  # noqa: S314 - no DTD is left in the text
                 _check_files(tree, included, folder, (*seen, included))
 

@@ -9,7 +9,7 @@ from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.scenes.mjcf import read_mjcf
 from sdt_kg.scenes.sdf import read_sdf
-from sdt_kg.urdf.document import MAX_BYTES, refuse_dtd
+from sdt_kg.urdf.document import MAX_BYTES, refuse_unsafe
 
 SCENE_SUFFIXES: Final = (".xml", ".mjcf", ".sdf", ".world")
 _READERS: Final = {"mujoco": read_mjcf, "sdf": read_sdf}
@@ -33,7 +33,7 @@ def read_scene(path: Path) -> Mechanism:
     text = path.read_bytes()
     if len(text) > MAX_BYTES:
         raise UrdfError(f"{path}: {len(text)} bytes", allowed=f"up to {MAX_BYTES} bytes")
-    refuse_dtd(text, path)
+    refuse_unsafe(text, path)
     root = ET.fromstring(text)  # noqa: S314 - no DTD, hence no entity, is left in the text
     if root.tag not in _READERS:
         raise UrdfError(

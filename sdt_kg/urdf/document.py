@@ -13,6 +13,9 @@ from sdt_kg.errors import UrdfError
 MAX_BYTES: Final = 50_000_000
 """[byte] Larger files are refused; the largest robot that we know of is below 1 MB."""
 
+MAX_DEPTH: Final = 100
+"""[1] Elements inside each other; a URDF needs six, what other tools add to one a few more."""
+
 MOVABLE_TYPES: Final = ("prismatic", "revolute", "continuous")
 JOINT_TYPES: Final = ("fixed", *MOVABLE_TYPES)
 SHAPES: Final = ("box", "cylinder", "sphere", "mesh")
@@ -41,7 +44,7 @@ def parse_xml(text: bytes, source: Path) -> ET.Element:
     """
     if len(text) > MAX_BYTES:
         raise UrdfError(f"{source}: {len(text)} bytes", allowed=f"up to {MAX_BYTES} bytes")
-    refuse_dtd(text, source)
+    refuse_unsafe(text, source)
     root = ET.fromstring(text)  # noqa: S314 - no DTD, hence no entity, is left in the text
     if root.tag != "robot":
         raise UrdfError(f"{source}: the root element is <{root.tag}>", allowed="<robot>")
@@ -54,7 +57,10 @@ def parse_xml(text: bytes, source: Path) -> ET.Element:
     return root
 
 
-def refuse_dtd(text: bytes, source: Path) -> None:
+def refuse_unsafe(text: bytes, source: Path) -> None:
+    """The text is XML without DTD and without endless nesting, or an UrdfError."""
+    depth = 0
+
     def refuse(*_: object) -> NoReturn:
         raise UrdfError(
             f"{source}: has a DTD or defines entities",
@@ -62,9 +68,20 @@ def refuse_dtd(text: bytes, source: Path) -> None:
             remedy="remove the <!DOCTYPE …> part",
         )
 
+    def deeper(*_: object) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > MAX_DEPTH:
+            raise UrdfError(f"{source}: is nested too deep", allowed=f"{MAX_DEPTH} elements in each other")
+
+    def back(*_: object) -> None:
+        nonlocal depth
+        depth -= 1
+
     parser = expat.ParserCreate()
     parser.StartDoctypeDeclHandler = refuse
     parser.EntityDeclHandler = refuse
+    parser.StartElementHandler, parser.EndElementHandler = deeper, back
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:
