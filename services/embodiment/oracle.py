@@ -26,6 +26,7 @@ from services.embodiment.plan import Planned, Planner, Setting
 from services.embodiment.prove import boxes
 from services.embodiment.report import refusal
 from services.embodiment.ways.roads import Roads
+from services.embodiment.ways.start import near, turned
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics, version_of
 
@@ -37,6 +38,11 @@ EMBODIMENT_VERSION = "5"
 
 ANY_START = "where and as the motion begins"
 """The start of a body motion that may begin anywhere."""
+
+MOVED_START = (
+    "the parked robot touches the kitchen at its start pose, x {:g} m, y {:g} m: it starts {:.1f} m beside"
+)
+"""Said where the kitchen's start pose is not free."""
 
 SCENES_KEPT = 4
 """[1] Scenes (kitchen, robot and state) that are kept between questions."""
@@ -58,7 +64,8 @@ class WholeBody:
 
     Args:
         drive: How the base moves; None takes the robot's own.
-        start: Base pose x, y [m], yaw [rad]; None takes the kitchen's, turned to the handle.
+        start: Base pose x, y [m], yaw [rad]; None takes the kitchen's, turned to the handle
+            (or the nearest that is free, for a robot that drives).
         budget: Seconds of search for one case.
         seed: Of the search: the same seed gives the same answer, but for the budget.
         any_start: Whether a body motion that is given may begin anywhere, in any posture.
@@ -87,17 +94,24 @@ class WholeBody:
 
     def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
         start = self.start or twin.kitchen().start
-        turned = "" if self.start else ", turned to the handle"
+        drive = self._drive(twin, robot)
+        usual = ", turned to the handle" + ("" if drive is Drive.FIXED else ", or the nearest that is free")
+        told = "" if self.start else usual
         grasps = hashlib.sha256(grasp_settings().encode()).hexdigest()[:16]
         return (
-            ("drive", self._drive(twin, robot).value),
-            ("start", ANY_START if self.any_start else "{:g}, {:g}, {:g}".format(*start) + turned),
+            ("drive", drive.value),
+            ("start", ANY_START if self.any_start else "{:g}, {:g}, {:g}".format(*start) + told),
             ("tolerances", repr(self.tolerances)),
             ("margins", repr(self.margins)),
             ("grasp set", grasps),
             ("budget", f"{self.budget:g} s"),
             ("seed", str(self.seed)),
         )
+
+    def prepare(self, twin: Twin, robot: Iri) -> None:
+        """Models and compiled loops are loaded, as the first question would load them."""
+        world, kits, _ = self._world(twin, robot)
+        self._warm(world, kits)
 
     def perform(self, case: Case) -> Answer:
         clock, began = Clock(), time.perf_counter()
@@ -110,9 +124,9 @@ class WholeBody:
         self._warm(world, kits)
         clock.spent("compile", began)
         began = time.perf_counter()
-        start = self._start(twin, world, container)
+        start = self._start(case, world, kits, container)
         if isinstance(case.body_motion, BodyMotion):
-            return self._verified(case, world, container, clock)
+            return self._verified(case, world, container, start, clock)
         if not isinstance(case.motion, Motion):
             raise OracleRejectedError("CanPerform was asked without a motion")
         motion = case.motion
@@ -139,7 +153,7 @@ class WholeBody:
         artefact = None if planner.proof is None else planner.proof.artefact
         return Answer(case, False, reasons, self._notes(setting, None), clock.seconds, artefact=artefact)
 
-    def _verified(self, case: Case, world: World, container: Container, clock: Clock) -> Answer:
+    def _verified(self, case: Case, world: World, container: Container, start: Start, clock: Clock) -> Answer:
         at = time.perf_counter()
         assert isinstance(case.body_motion, BodyMotion)
         assert case.robot is not UNKNOWN
@@ -151,7 +165,7 @@ class WholeBody:
             container,
             self.tolerances,
             drive=drive,
-            start=None if self.any_start else self._start(case.twin, world, container),
+            start=None if self.any_start else start,
             scene=world.scene,
             in_full=True,
         )
@@ -181,6 +195,9 @@ class WholeBody:
             f"drive: {setting.drive.value}",
             f"start: x {x:.3f} m, y {y:.3f} m, yaw {yaw:.3f} rad, parked",
         ]
+        usual = setting.world.scene.twin.kitchen().start
+        if self.start is None and usual[:2] != (x, y):
+            notes.append(MOVED_START.format(usual[0], usual[1], np.hypot(x - usual[0], y - usual[1])))
         if planned is not None:
             notes.append(f"grasp {planned.grasp} by gripper {planned.body.gripper}, {planned.style}")
         return (*notes, *setting.world.scene.annotation.notes)
@@ -188,14 +205,20 @@ class WholeBody:
     def _drive(self, twin: Twin, robot: Iri) -> Drive:
         return self.drive or twin.robot(robot).drive
 
-    def _start(self, twin: Twin, world: World, container: Container) -> Start:
-        """Where the robot starts: as told, else at the kitchen's start pose, turned to the handle."""
+    def _start(self, case: Case, world: World, kits: Kits, container: Container) -> Start:
+        """Where the robot starts: as told, else at the kitchen's start pose, turned to the handle.
+
+        A robot that drives and would touch the kitchen there, parked, starts at the nearest free pose.
+        """
+        assert case.robot is not UNKNOWN
         if self.start is not None:
             return self.start
-        x, y, _ = twin.kitchen().start
+        x, y, _ = case.twin.kitchen().start
         scene = world.scene
         handle = scene.placement(scene.q((0.0, 0.0, 0.0), {}), container.handle).translation
-        return x, y, float(np.arctan2(handle[1] - y, handle[0] - x))
+        if self._drive(case.twin, case.robot) is Drive.FIXED:
+            return turned(x, y, handle)
+        return near(world, kits, x, y, handle)
 
     def _warm(self, world: World, kits: Kits) -> None:
         """Compilation costs no budget."""

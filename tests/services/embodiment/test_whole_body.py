@@ -146,6 +146,22 @@ def test_a_start_pose_inside_the_furniture_is_refused_at_once() -> None:
     assert diagnosis.evidence.scope == "environment"
 
 
+@pytest.mark.parametrize("drive", [Drive.OMNI, Drive.FIXED])
+def test_a_usual_start_pose_that_is_not_free_is_left_for_the_nearest_that_is(drive: Drive) -> None:
+    twin = load_twin("a", ["tiago_dual"])
+    open_ones = twin.at({one.joint: one.upper for one in twin.containers()})
+    answer = ask(WholeBody(drive=drive), open_ones, "cabinet1_drawer_bottom", Verb.CLOSE)
+    x, y, _ = twin.kitchen().start
+    moved = [note for note in answer.notes if "beside" in note]
+    assert bool(moved) == (drive is Drive.OMNI)
+    assert answer.holds == bool(moved)
+    if answer.holds:
+        first = performed(answer).base[0, :2]
+        assert 0.05 < np.hypot(*(first - (x, y))) < 1.5
+        given = replace(answer.case, body_motion=performed(answer))
+        assert WholeBody(drive=drive).perform(given).holds  # it starts there too
+
+
 def test_a_search_that_gave_up_says_so_and_proves_nothing() -> None:
     twin = load_twin("b", ["stretch"])
     answer = ask(WholeBody(drive=Drive.OMNI), twin, "sink_area_dish_washer_door")

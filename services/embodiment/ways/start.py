@@ -1,0 +1,44 @@
+"""Where a robot begins that is not told where."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from services.embodiment.body.world import World
+from services.embodiment.hold.kit import Kits
+
+Array = NDArray[np.float64]
+Pose2 = tuple[float, float, float]
+
+RING = 0.1  # [m] between two rings of poses around the usual one, and about so much between two on a ring
+FARTHEST = 3.0  # [m] of a pose from the usual one
+
+
+def turned(x: float, y: float, target: Array) -> Pose2:
+    """The base pose at x, y [m] that faces a target, world position (3,)."""
+    return x, y, math.atan2(target[1] - y, target[0] - x)
+
+
+def near(world: World, kits: Kits, x: float, y: float, target: Array) -> Pose2:
+    """The base pose nearest to x, y [m], facing the target, in which the parked robot touches nothing.
+
+    Poses are tried ring after ring; the one at x, y itself is given back where none is free.
+    """
+    outside = kits.outside()
+    for ring in _rings(x, y):
+        poses = [turned(*at, target) for at in ring]
+        configurations = np.array([world.scene.q(pose, {}) for pose in poses])
+        free = np.flatnonzero(world.standing(configurations, outside))
+        if len(free):
+            return poses[free[0]]
+    return turned(x, y, target)
+
+
+def _rings(x: float, y: float) -> Iterator[list[tuple[float, float]]]:
+    """Positions on circles about x, y, nearest first; each from where it meets the world's x axis on."""
+    yield [(x, y)]
+    for k in range(1, round(FARTHEST / RING) + 1):
+        angles = np.linspace(0, 2 * np.pi, round(2 * np.pi * k), endpoint=False)
+        yield [(x + k * RING * math.cos(one), y + k * RING * math.sin(one)) for one in angles.tolist()]
