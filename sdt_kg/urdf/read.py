@@ -1,6 +1,8 @@
 """URDF or xacro file → Mechanism."""
 
 import importlib
+import io
+import logging
 import math
 from collections.abc import Iterable
 from pathlib import Path
@@ -8,6 +10,7 @@ from typing import Any, Final
 from xml.etree import ElementTree as ET
 
 import numpy as np
+import yourdfpy  # pyright: ignore[reportMissingTypeStubs] - it has none
 from numpy.typing import NDArray
 
 from sdt_kg.errors import UrdfError
@@ -29,7 +32,10 @@ from sdt_kg.urdf.meshes import mesh_hash, mesh_path
 
 XACRO: Final = ".xacro"
 
-Xacro = Any  # xacro has no types of its own: what it returns enters here and leaves as text
+# yourdfpy and xacro have no types of their own: what they return enters here and leaves as Mechanism.
+Parsed = Any
+
+logging.getLogger("yourdfpy").setLevel(logging.ERROR)
 
 
 def read_mechanism(path: str | Path, *, name: str | None = None, turn_axes: bool = False) -> Mechanism:
@@ -47,12 +53,13 @@ def read_mechanism(path: str | Path, *, name: str | None = None, turn_axes: bool
     source = Path(path)
     text = _text(source)
     root = parse_xml(text, source)
-    joints = [checked(_joint(joint), source) for joint in root.findall("joint")]
+    robot = _parsed(root, source)
+    joints = [checked(_joint(joint), source) for joint in robot.joints]
     joints = with_fixed(resolved(joints, source))
     if turn_axes:
         joints = turned(joints)
     children = {joint.child for joint in joints}
-    bodies = tuple(_body(link, source) for link in root.findall("link"))
+    bodies = tuple(_body(link, source) for link in robot.links)
     return Mechanism(
         name=name or model_stem(source),
         root=next(body.name for body in bodies if body.name not in children),
@@ -72,7 +79,7 @@ def _text(path: Path) -> bytes:
         raise UrdfError(f"no file at {path}", allowed="a .urdf or .xacro file")
     if path.suffix != XACRO:
         return path.read_bytes()
-    xacro: Xacro = importlib.import_module("xacro")
+    xacro: Parsed = importlib.import_module("xacro")
 
     refuse_unsafe(path.read_bytes(), path)
     try:
@@ -85,110 +92,104 @@ def _text(path: Path) -> bytes:
     return str(document.toxml()).encode()
 
 
-def _joint(joint: ET.Element) -> Joint:
-    kind = JointType(joint.get("type"))
-    x, y, z = _numbers(joint.find("axis"), "xyz", "1 0 0")
+def _parsed(root: ET.Element, source: Path) -> Parsed:
+    """What yourdfpy reads; it gets links and joints only, without visuals and materials."""
+    bare = ET.Element("robot", {"name": root.get("name", source.stem)})
+    for element in (*root.findall("link"), *root.findall("joint")):
+        kept = ET.SubElement(bare, element.tag, element.attrib)
+        kept.extend(part for part in element if part.tag != "visual")
+    loader: Parsed = yourdfpy
+    try:
+        model = loader.URDF.load(
+            io.BytesIO(ET.tostring(bare)),
+            build_scene_graph=False,
+            build_collision_scene_graph=False,
+            load_meshes=False,
+            load_collision_meshes=False,
+        )
+    except (ValueError, KeyError, AttributeError, IndexError, TypeError, RecursionError) as error:
+        raise UrdfError(f"{source}: yourdfpy cannot read it: {error}") from None
+    return model.robot
+
+
+def _joint(joint: Parsed) -> Joint:
+    kind = JointType(joint.type)
+    x, y, z = (float(part) for part in joint.axis)
     movable = kind is not JointType.FIXED
     return Joint(
-        name=joint.get("name", ""),
+        name=str(joint.name),
         type=kind,
-        parent=_end(joint, "parent"),
-        child=_end(joint, "child"),
-        origin=pose_of(joint),
+        parent=str(joint.parent),
+        child=str(joint.child),
+        origin=_pose(joint.origin),
         axis=(x, y, z) if movable else (1.0, 0.0, 0.0),
-        limits=_limits(kind, joint.find("limit")) if movable else Limits(),
-        mimic=_mimic(joint.find("mimic")),
+        limits=_limits(kind, joint.limit) if movable else Limits(),
+        mimic=_mimic(joint.mimic),
     )
 
 
-def _end(joint: ET.Element, tag: str) -> str:
-    end = joint.find(tag)
-    return "" if end is None else end.get("link", "")
-
-
-def _limits(kind: JointType, limit: ET.Element | None) -> Limits:
+def _limits(kind: JointType, limit: Parsed) -> Limits:
     """URDF's defaults: positions 0 where not written; speed and effort without bound."""
     if limit is None:
         return Limits()
-    lower, upper = _number(limit, "lower", 0.0), _number(limit, "upper", 0.0)
-    velocity, effort = _number(limit, "velocity", math.inf), _number(limit, "effort", math.inf)
+    lower, upper = (0.0 if bound is None else float(bound) for bound in (limit.lower, limit.upper))
+    velocity, effort = (
+        math.inf if bound is None else float(bound) for bound in (limit.velocity, limit.effort)
+    )
     if kind is JointType.CONTINUOUS:
         return Limits(velocity=velocity, effort=effort)
     return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)
 
 
-def _mimic(mimic: ET.Element | None) -> Mimic | None:
+def _mimic(mimic: Parsed) -> Mimic | None:
     if mimic is None:
         return None
-    return Mimic(mimic.get("joint", ""), _number(mimic, "multiplier", 1.0), _number(mimic, "offset", 0.0))
+    return Mimic(str(mimic.joint), float(mimic.multiplier), float(mimic.offset))
 
 
-def _body(link: ET.Element, source: Path) -> Body:
-    name = link.get("name", "")
-    where = f"{source}: link '{name}'"
+def _body(link: Parsed, source: Path) -> Body:
+    where = f"{source}: link '{link.name}'"
     return Body(
-        name=name,
-        inertia=_inertia(link.find("inertial")),
-        collision=tuple(_geometry(collision, source, where) for collision in link.findall("collision")),
+        name=str(link.name),
+        inertia=_inertia(link.inertial),
+        collision=tuple(_geometry(collision, source, where) for collision in link.collisions),
     )
 
 
-def _inertia(inertial: ET.Element | None) -> Inertia | None:
-    mass = None if inertial is None else inertial.find("mass")
-    if inertial is None or mass is None:
+def _inertia(inertial: Parsed) -> Inertia | None:
+    if inertial is None or inertial.mass is None:
         return None
-    return Inertia(_number(mass, "value", 0.0), pose_of(inertial), _moments(inertial.find("inertia")))
-
-
-def _moments(inertia: ET.Element | None) -> tuple[float, float, float, float, float, float]:
-    """ixx, ixy, ixz, iyy, iyz, izz; where the element is there, its diagonal is 1 where not written."""
-    if inertia is None:
-        return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    xx, yy, zz = (_number(inertia, name, 1.0) for name in ("ixx", "iyy", "izz"))
-    xy, xz, yz = (_number(inertia, name, 0.0) for name in ("ixy", "ixz", "iyz"))
-    return xx, xy, xz, yy, yz, zz
-
-
-def _geometry(collision: ET.Element, source: Path, where: str) -> Geometry:
-    (shape,) = collision.iterfind("geometry/*")
-    pose = pose_of(collision)
-    match shape.tag:
-        case "box":
-            return Geometry(ShapeType.BOX, pose, _numbers(shape, "size", ""))
-        case "cylinder":
-            size = (*_numbers(shape, "radius", ""), *_numbers(shape, "length", ""))
-            return Geometry(ShapeType.CYLINDER, pose, size)
-        case "sphere":
-            return Geometry(ShapeType.SPHERE, pose, _numbers(shape, "radius", ""))
-        case _:
-            path = mesh_path(shape.get("filename", ""), source, where)
-            scale = _numbers(shape, "scale", "1 1 1")
-            return Geometry(ShapeType.MESH, pose, scale, str(path), mesh_hash(path))
-
-
-def _number(element: ET.Element, attribute: str, default: float) -> float:
-    return float(element.get(attribute, default))
-
-
-def _numbers(element: ET.Element | None, attribute: str, default: str) -> tuple[float, ...]:
-    text = default if element is None else element.get(attribute, default)
-    return tuple(map(float, text.split()))
-
-
-def pose_of(owner: ET.Element) -> Pose:
-    """The `origin` of a joint, a collision or an inertial; roll, pitch, yaw turn about fixed axes."""
-    origin = owner.find("origin")
-    if origin is None:
-        return Pose()
-    x, y, z = (part + 0.0 for part in _numbers(origin, "xyz", "0 0 0"))
-    angles = _numbers(origin, "rpy", "0 0 0")
-    (si, sj, sk), (ci, cj, ck) = map(math.sin, angles), map(math.cos, angles)
-    rotation = (
-        (cj * ck, sj * (si * ck) - ci * sk, sj * (ci * ck) + si * sk),
-        (cj * sk, sj * (si * sk) + ci * ck, sj * (ci * sk) - si * ck),
-        (-sj, cj * si, cj * ci),
+    moments = np.zeros((3, 3)) if inertial.inertia is None else inertial.inertia
+    ixx, ixy, ixz, iyy, iyz, izz = (
+        float(moments[row, column]) for row, column in zip(*np.triu_indices(3), strict=True)
     )
-    return Pose((x, y, z), quaternion(np.array(rotation)))
+    return Inertia(float(inertial.mass), _pose(inertial.origin), (ixx, ixy, ixz, iyy, iyz, izz))
+
+
+def _geometry(collision: Parsed, source: Path, where: str) -> Geometry:
+    pose, shape = _pose(collision.origin), collision.geometry
+    if shape.box is not None:
+        return Geometry(ShapeType.BOX, pose, tuple(float(length) for length in shape.box.size))
+    if shape.cylinder is not None:
+        size = (float(shape.cylinder.radius), float(shape.cylinder.length))
+        return Geometry(ShapeType.CYLINDER, pose, size)
+    if shape.sphere is not None:
+        return Geometry(ShapeType.SPHERE, pose, (float(shape.sphere.radius),))
+    path = mesh_path(str(shape.mesh.filename), source, where)
+    return Geometry(ShapeType.MESH, pose, _scale(shape.mesh.scale), str(path), mesh_hash(path))
+
+
+def _scale(scale: Parsed) -> tuple[float, ...]:
+    if scale is None:
+        return (1.0, 1.0, 1.0)
+    return tuple(float(part) for part in scale)
+
+
+def _pose(parent_T_child: NDArray[np.float64] | None) -> Pose:
+    if parent_T_child is None:
+        return Pose()
+    x, y, z = (float(part) for part in parent_T_child[:3, 3])
+    return Pose((x, y, z), quaternion(parent_T_child[:3, :3]))
 
 
 def quaternion(rotation: NDArray[np.float64]) -> tuple[float, float, float, float]:

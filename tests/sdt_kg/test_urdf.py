@@ -2,20 +2,12 @@
 
 import math
 from pathlib import Path
-from xml.etree import ElementTree as ET
 
-import numpy as np
 import pytest
-import yourdfpy
-from hypothesis import given
-from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
 
 from sdt_kg.errors import UrdfError
-from sdt_kg.load import bundled
 from sdt_kg.mechanism import Geometry, JointType, Limits, Mimic, Pose, ShapeType
 from sdt_kg.urdf import model_stem, read_mechanism
-from sdt_kg.urdf.read import pose_of
 from tests.sdt_kg.conftest import DRAWER, Write, joint, limit, link
 
 TWO = (link("world"), link("door"))
@@ -293,38 +285,3 @@ def test_a_link_out_of_the_folder_is_refused(write: Write, tmp_path: Path) -> No
 def test_nothing_is_printed(drawer: Path, capfd: pytest.CaptureFixture[str]) -> None:
     read_mechanism(drawer)
     assert capfd.readouterr() == ("", "")
-
-
-@pytest.mark.parametrize("kind", ["kitchen", "robot"])
-def test_a_second_reader_finds_the_same_numbers_in_every_bundled_model(kind: str) -> None:
-    files = sorted(bundled(kind, "").parent.glob("*/*.urdf"))
-    assert files
-    for file in files:
-        ours = read_mechanism(file)
-        theirs = yourdfpy.URDF.load(str(file), build_scene_graph=False, load_meshes=False).robot
-        assert {body.name for body in ours.bodies} == {each.name for each in theirs.links}
-        for body, other in zip(ours.bodies, theirs.links, strict=True):
-            for mine, their in zip(body.collision, other.collisions, strict=True):
-                assert mine.pose.matrix() == pytest.approx(_matrix(their.origin), abs=1e-15)
-        for each in theirs.joints:
-            joint = ours.joint(each.name)
-            if joint.notes:
-                continue  # changed on import, and told
-            assert (joint.type.value, joint.parent, joint.child) == (each.type, each.parent, each.child)
-            assert joint.origin.matrix() == pytest.approx(_matrix(each.origin), abs=1e-15)
-            if each.type != "fixed":
-                assert joint.axis == pytest.approx(each.axis, abs=1e-9)
-                theirs_most = each.limit.velocity if each.limit else math.inf
-                assert joint.limits.velocity == theirs_most
-
-
-def _matrix(parent_T_child: np.ndarray | None) -> np.ndarray:
-    return np.eye(4) if parent_T_child is None else parent_T_child
-
-
-@given(st.tuples(*[st.floats(-7, 7)] * 3))
-def test_roll_pitch_and_yaw_turn_about_fixed_axes_in_that_order(rpy: tuple[float, float, float]) -> None:
-    owner = ET.Element("joint")
-    ET.SubElement(owner, "origin", {"rpy": " ".join(map(repr, rpy))})
-    expected = Rotation.from_euler("xyz", rpy).as_matrix()
-    assert pose_of(owner).matrix()[:3, :3] == pytest.approx(expected, abs=1e-14)
