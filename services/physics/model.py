@@ -12,9 +12,9 @@ from sdt_kg.errors import AnnotationError, UnknownEntityError
 from sdt_kg.iri import Iri, body_iri
 from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, Pose, ShapeType
 from sdt_kg.twin import Twin
-from services.physics.geometry.convex import pack
 from services.physics.geometry.floor import BELOW, floor_box, floor_iri, standing
 from services.physics.geometry.hulls import COARSE, FINE
+from services.physics.geometry.packed import pack
 from services.physics.geometry.shapes import solids, surface
 from services.physics.tree import UNIVERSE, Array, Bounds, Indices, Part, add, coupling, se3
 
@@ -61,7 +61,7 @@ class Outlines:
         joint: Pinocchio's index of the joint that moves each, shape (S,).
         joint_T_shape: Shape (S, 4, 4).
         middle, half: Middle and half extents of each shape's own box, in its frame [m], shape (S, 3).
-        convex: What `geometry.convex` takes.
+        convex: What `geometry.packed` takes.
     """
 
     joint: Indices

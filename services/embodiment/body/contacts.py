@@ -1,8 +1,7 @@
 """Compiled inner loops: contacts of a scene's shapes along many configurations.
 
 A pair that is far apart at one configuration is not looked at again before the two shapes have come
-far enough to meet. A shape that is no convex one stands for its oriented box, and what that touches
-is left for an exact check.
+far enough to meet.
 """
 
 import math
@@ -11,24 +10,19 @@ import numpy as np
 from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
 from services.embodiment.body.kernels import forward, joint_pose, matmul, moved, place_boxes
-from services.physics.geometry.convex import OTHER, bounds, parted
-
-FREE, HIT, UNSURE = 0, 1, 2
-"""What is known of two shapes; UNSURE is left for an exact check."""
+from services.physics.geometry.convex import parted
+from services.physics.geometry.packed import bounds_of
 
 _compiled = njit(cache=True, fastmath=False)
 
 
 @_compiled
-def judged(shapes, a, b, ra, ca, rb, cb, margin, work):
-    """(FREE | HIT | UNSURE, distance [m] that the two shapes have at least, where they are free)."""
+def parting(shapes, a, b, ra, ca, rb, cb, margin, work):
+    """What the distance of two shapes is not below [m]; above the margin unless they are as near as that."""
     low = parted(shapes, a, b, ra, ca, rb, cb)
     if low > margin:
-        return FREE, low
-    low, _ = bounds(shapes, a, b, ra, ca, rb, cb, margin, margin, work)
-    if low > margin:
-        return FREE, low
-    return (UNSURE if shapes[0][a] == OTHER or shapes[0][b] == OTHER else HIT), low
+        return low
+    return bounds_of(shapes, a, b, ra, ca, rb, cb, margin, margin, work)[0]
 
 
 @_compiled
@@ -111,8 +105,8 @@ def _apart(r, c, s, d, radius):
 
 
 @_compiled
-def walk(a, b, margin, shapes, radius, row, still, along, way, found, owner, total, work):
-    """(first configuration at which the pair is too near or −1, unsure pairs noted so far).
+def walk(a, b, margin, shapes, radius, row, still, along, way, work):
+    """First configuration at which the pair is too near, or −1.
 
     From a configuration at which the pair is farther apart than the margin, those are left out in
     which the two cannot have come near enough.
@@ -133,22 +127,16 @@ def walk(a, b, margin, shapes, radius, row, still, along, way, found, owner, tot
         if apart <= margin:
             ra, ca = (at_r[k, i], at_c[k, i]) if i >= 0 else (still[0][a], still[1][a])
             rb, cb = (at_r[k, j], at_c[k, j]) if j >= 0 else (still[0][b], still[1][b])
-            state, apart = judged(shapes, a, b, ra, ca, rb, cb, margin, work)
-            if state == HIT:
-                return k, total
-            if state == UNSURE:
-                if total < found.shape[0]:
-                    found[total, 0], found[total, 1], owner[total] = a, b, k
-                total += 1
-                k += 1
-                continue
+            apart = parting(shapes, a, b, ra, ca, rb, cb, margin, work)
+            if apart <= margin:
+                return k
         here = (way[k, i] if i >= 0 else 0.0) + (way[k, j] if j >= 0 else 0.0)
         k += 1
         while k < size and (
             (way[k, i] if i >= 0 else 0.0) + (way[k, j] if j >= 0 else 0.0) - here < apart - margin
         ):
             k += 1
-    return -1, total
+    return -1
 
 
 @_compiled
@@ -191,13 +179,12 @@ def _first(row, still, along, way):
 
 
 @_compiled
-def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, largest, found, owner):
-    """(configuration of a contact or −1, number of unsure pairs) along qs (K, nq).
+def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, largest):
+    """(configuration of a contact or −1, the two shapes) along qs (K, nq).
 
     Shapes before `split` are the kitchen's. margins[robot shape, kitchen shape] is the distance
     demanded, negative where the pair may touch, and `largest` the largest of them; `own` is (the robot's
-    own pairs, their margins). Unsure pairs are in `found`, the configuration of each in `owner`; a contact
-    is in found[0]. More unsure pairs than `found` holds: the number returned tells.
+    own pairs, their margins).
     """
     count = boxes[0].shape[0]
     r, p = np.empty((tree[0].shape[0], 3, 3)), np.empty((tree[0].shape[0], 3))
@@ -206,7 +193,7 @@ def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, largest
     place_boxes(r, p, boxes, still[0], still[1])
     moves, _, row, many = movers(qs, tree, boxes[0], base)
     at_r, at_c, way, inner = track(qs, tree, boxes, radius, moves, row, many, (r, p), base)
-    along, work, total = (at_r, at_c), np.zeros((8, 4)), 0
+    along, work = (at_r, at_c), np.zeros((8, 4))
     low, high = np.empty((count, 3)), np.empty((count, 3))
     boxed(shapes, row, still, along, low, high)
     bottom, top = np.full(3, math.inf), np.full(3, -math.inf)
@@ -223,10 +210,9 @@ def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, largest
             margin = margins[s - split, e]
             if margin < 0.0 or beside(low, high, s, e, margin):
                 continue
-            k, total = walk(s, e, margin, shapes, radius, row, still, along, way, found, owner, total, work)
+            k = walk(s, e, margin, shapes, radius, row, still, along, way, work)
             if k >= 0:
-                found[0, 0], found[0, 1] = s, e
-                return k, total
+                return k, s, e
     centre, ways = _first(row, still, along, inner)
     for n in range(own[0].shape[0]):
         a, b = own[0][n, 0], own[0][n, 1]
@@ -234,11 +220,10 @@ def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, largest
         near = radius[a] + radius[b] + own[1][n] + ways[a] + ways[b]
         if x * x + y * y + z * z > near * near:
             continue
-        k, total = walk(a, b, own[1][n], shapes, radius, row, still, along, inner, found, owner, total, work)
+        k = walk(a, b, own[1][n], shapes, radius, row, still, along, inner, work)
         if k >= 0:
-            found[0, 0], found[0, 1] = a, b
-            return k, total
-    return -1, total
+            return k, a, b
+    return -1, -1, -1
 
 
 @_compiled
@@ -251,7 +236,7 @@ def distances(shapes, boxes, pairs, r, p, low, high):
             s = pairs[n, i]
             matmul(r[joint[s]], local_r[s], at_r[i])
             moved(r[joint[s]], p[joint[s]], local_c[s], at_c[i])
-        low[n], high[n] = bounds(
+        low[n], high[n] = bounds_of(
             shapes,
             pairs[n, 0],
             pairs[n, 1],

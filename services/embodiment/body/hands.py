@@ -5,21 +5,21 @@ import math
 import numpy as np
 from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
-from services.embodiment.body.contacts import FREE, HIT, UNSURE, judged
+from services.embodiment.body.contacts import parting
 from services.embodiment.body.kernels import forward, matmul, moved
-from services.physics.geometry.convex import OTHER, bounds, parted
+from services.physics.geometry.convex import parted
+from services.physics.geometry.packed import bounds_of
 
 _compiled = njit(cache=True, fastmath=False)
 
 
 @_compiled
-def touching(hand, at, kitchen, split, radius, shapes, margins, found):
-    """(1 if a shape of the hand is too near to one of the kitchen's, number of unsure pairs).
+def touching(hand, at, kitchen, split, radius, shapes, margins):
+    """A shape of the hand and one of the kitchen's to which it is too near, or (−1, −1).
 
-    `hand` are indices of shapes, `at` their poses; `kitchen` is (indices, rotations, centres). The
-    pair, or the unsure ones, are in `found`.
+    `hand` are indices of shapes, `at` their poses; `kitchen` is (indices, rotations, centres).
     """
-    work, count = np.zeros((8, 4)), 0
+    work = np.zeros((8, 4))
     for n in range(kitchen[0].shape[0]):
         e = kitchen[0][n]
         for i in range(hand.shape[0]):
@@ -32,32 +32,24 @@ def touching(hand, at, kitchen, split, radius, shapes, margins, found):
             )
             if margin < 0.0 or math.sqrt(x * x + y * y + z * z) > radius[s] + radius[e] + margin:
                 continue
-            state, _ = judged(shapes, s, e, at[0][i], at[1][i], kitchen[1][n], kitchen[2][n], margin, work)
-            if state == HIT:
-                found[0, 0], found[0, 1] = s, e
-                return 1, count
-            if state == UNSURE:
-                if count < found.shape[0]:
-                    found[count, 0], found[count, 1] = s, e
-                count += 1
-    return 0, count
+            there = kitchen[1][n], kitchen[2][n]
+            if parting(shapes, s, e, at[0][i], at[1][i], *there, margin, work) <= margin:
+                return s, e
+    return -1, -1
 
 
 @_compiled
-def touching_many(hand, seen, tools, kitchen, split, radius, shapes, margins, found, states):
-    """What `touching` says of each tool pose (G, 3, 3), (G, 3), in `states` (G,): FREE, HIT or UNSURE.
+def touching_many(hand, seen, tools, kitchen, split, radius, shapes, margins, found):
+    """What `touching` says of each tool pose (G, 3, 3), (G, 3) is in `found` (G, 2).
 
-    `seen` are poses of the hand's shapes in the tool's frame. Of a HIT the pair is in `found` (G, 2).
+    `seen` are poses of the hand's shapes in the tool's frame.
     """
     at_r, at_c = np.empty_like(seen[0]), np.empty_like(seen[1])
-    room = np.empty((1, 2), np.int64)
-    for g in range(states.shape[0]):
+    for g in range(found.shape[0]):
         for i in range(hand.shape[0]):
             matmul(tools[0][g], seen[0][i], at_r[i])
             moved(tools[0][g], tools[1][g], seen[1][i], at_c[i])
-        hit, unsure = touching(hand, (at_r, at_c), kitchen, split, radius, shapes, margins, room)
-        states[g] = HIT if hit else (UNSURE if unsure else FREE)
-        found[g] = room[0]
+        found[g] = touching(hand, (at_r, at_c), kitchen, split, radius, shapes, margins)
 
 
 @_compiled
@@ -65,7 +57,7 @@ def gaps(q, tree, boxes, shapes, fingers, handle, tool, goal, out):
     """Distance of each finger shape from the handle's is in `out`; negative where they are in each other.
 
     How deep they are is that of their own boxes, at least. The hand is moved so that `tool`, its tool's
-    pose (rotation, translation) at q, becomes `goal`. NaN says that a shape is no convex one.
+    pose (rotation, translation) at q, becomes `goal`.
     """
     joint, local_r, local_c = boxes
     count = tree[0].shape[0]
@@ -84,10 +76,7 @@ def gaps(q, tree, boxes, shapes, fingers, handle, tool, goal, out):
             h = handle[m]
             matmul(r[joint[h]], local_r[h], rb)
             moved(r[joint[h]], p[joint[h]], local_c[h], cb)
-            low, _ = bounds(shapes, s, h, ra, ca, rb, cb, math.inf, -math.inf, work)
-            if shapes[0][s] == OTHER or shapes[0][h] == OTHER:
-                out[n] = math.nan
-                break
+            low, _ = bounds_of(shapes, s, h, ra, ca, rb, cb, math.inf, -math.inf, work)
             if low == -math.inf:
                 low = min(parted(shapes, s, h, ra, ca, rb, cb), 0.0)
             out[n] = min(out[n], low)
@@ -98,7 +87,7 @@ def closing(opened, way, tree, boxes, shapes, fingers, handle, tool, goal, sides
     """Share in [0, 1] of `way` from `opened` at which the gap has fallen to `touch`; −1 if it does not.
 
     The gap is that of the side, of the two in `sides` (2, fingers), whose nearest finger is farther
-    away. Regula falsi (Illinois). NaN says that a shape is no convex one.
+    away. Regula falsi (Illinois).
     """
     out = np.empty(fingers.shape[0])
     low, at_low, high, at_high = 0.0, 0.0, 1.0, 0.0
@@ -110,8 +99,6 @@ def closing(opened, way, tree, boxes, shapes, fingers, handle, tool, goal, sides
             nearest = math.inf
             for i in range(out.shape[0]):
                 if sides[side, i]:
-                    if math.isnan(out[i]):
-                        return math.nan
                     nearest = min(nearest, out[i])
             at = max(at, nearest - touch)
         if n == 0:

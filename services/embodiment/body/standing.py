@@ -5,15 +5,15 @@ import math
 import numpy as np
 from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
-from services.embodiment.body.contacts import FREE, UNSURE, beside, judged
+from services.embodiment.body.contacts import beside, parting
 from services.embodiment.body.kernels import forward, place_boxes
 
 _compiled = njit(cache=True, fastmath=False)
 
 
 @_compiled
-def standing(qs, tree, boxes, split, radius, shapes, margins, largest, states):
-    """FREE, HIT or UNSURE of robot against kitchen at each of qs (K, nq) is in `states` (K,).
+def standing(qs, tree, boxes, split, shapes, margins, largest, free):
+    """Whether robot and kitchen keep their margins at each of qs (K, nq) is in `free` (K,).
 
     The kitchen's part of qs is the same in all of them, and `largest` is the largest of the margins; the
     rest is as in `contacts.contacts`.
@@ -35,7 +35,7 @@ def standing(qs, tree, boxes, split, radius, shapes, margins, largest, states):
                 if s >= split:
                     bottom[i] = min(bottom[i], low[s, i] - largest)
                     top[i] = max(top[i], high[s, i] + largest)
-        states[k] = FREE
+        free[k] = True
         for e in range(split):
             far = low[e, 0] > top[0] or high[e, 0] < bottom[0] or low[e, 1] > top[1]
             if far or high[e, 1] < bottom[1] or low[e, 2] > top[2] or high[e, 2] < bottom[2]:
@@ -44,10 +44,8 @@ def standing(qs, tree, boxes, split, radius, shapes, margins, largest, states):
                 margin = margins[s - split, e]
                 if margin < 0.0 or beside(low, high, s, e, margin):
                     continue
-                state, _ = judged(shapes, s, e, at_r[s], at_c[s], at_r[e], at_c[e], margin, work)
-                if state != FREE:
-                    states[k] = state
-                    if state != UNSURE:
-                        break
-            if states[k] != FREE and states[k] != UNSURE:
+                if parting(shapes, s, e, at_r[s], at_c[s], at_r[e], at_c[e], margin, work) <= margin:
+                    free[k] = False
+                    break
+            if not free[k]:
                 break

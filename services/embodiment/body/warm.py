@@ -31,7 +31,6 @@ def warm(world: World, limb: Limb) -> None:
         world.radius,
         world.shapes,
         demands.environment,
-        np.empty((256, 2), np.int64),
     )
     hands.touching_many(
         one + world.split,
@@ -43,7 +42,6 @@ def warm(world: World, limb: Limb) -> None:
         world.shapes,
         demands.environment,
         np.empty((1, 2), np.int64),
-        one,
     )
     tool = limb.tool(x)
     scene = world.tree, world.boxes, world.shapes, one, one, tool, tool

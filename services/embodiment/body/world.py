@@ -1,7 +1,4 @@
-"""The scene as the planner sees it: fast, with margins, sound where it says free.
-
-Compiled code decides pairs of convex shapes; pairs with a mesh whose box is near go to coal.
-"""
+"""The scene as the planner sees it: fast, with margins, sound where it says free."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -14,14 +11,13 @@ from sdt_kg.iri import Iri
 from sdt_kg.mechanism import JointType
 from services.embodiment.body import contacts, kernels
 from services.embodiment.body.standing import standing
-from services.physics.geometry.convex import BALL, OTHER
+from services.physics.geometry.convex import BALL, MESH
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]
 Pair = tuple[int, int]
 
 MAY_TOUCH = -1.0  # as a margin: the pair is not looked at
-ROOM = 4096  # unsure pairs that one batch may leave; a batch with more is halved
 COARSE = (64, 8)  # every how many of many configurations are looked at first, and then
 
 
@@ -72,9 +68,10 @@ class World:
         solids = scene.solids
         self.split = next((i for i, one in enumerate(solids) if one.joint > scene.base[-1]), len(solids))
         self.shapes = scene.outlines.convex
+        kind = self.shapes[0][: len(solids)]
+        assert not (kind[self.split :] == MESH).any(), "a robot's meshes are convex pieces"
         self.half = np.array([one.half for one in solids]).reshape(-1, 3)
-        balls = self.shapes[0] == BALL
-        self.radius = np.where(balls, self.half[:, 0], [one.radius for one in solids])
+        self.radius = np.where(kind == BALL, self.half[:, 0], [one.radius for one in solids])
         self.boxes = (
             np.array([one.joint for one in solids], dtype=np.int64),
             np.array([one.joint_T_shape.rotation for one in solids]).reshape(-1, 3, 3),
@@ -86,8 +83,6 @@ class World:
         for i, body in enumerate(self.body):
             self._shapes.setdefault(body, []).append(i)
         self._base = int(scene.base[2]) + 1
-        self._found = np.zeros((ROOM, 2), np.int64)
-        self._owner = np.zeros(ROOM, np.int64)
 
     def shapes_of(self, bodies: Iterable[Iri]) -> NDArray[np.int64]:
         """Indices of the shapes of these bodies."""
@@ -103,8 +98,7 @@ class World:
     def contact(self, configurations: Array, rules: Rules) -> Contact | None:
         """A pair nearer than its margin in one of the configurations, shape (N, nq); None if all are free.
 
-        Not always that of the first such configuration: a few are looked at before the others, and
-        compiled checks come before exact ones.
+        Not always that of the first such configuration: a few are looked at before the others.
         """
         for stride in (*(each for each in COARSE if each < len(configurations)), 1):
             some = configurations[::stride]
@@ -114,7 +108,7 @@ class World:
         return None
 
     def _contact(self, configurations: Array, rules: Rules) -> Contact | None:
-        hit, unsure = contacts.contacts(
+        at, one, other = contacts.contacts(
             configurations,
             self.tree,
             self.boxes,
@@ -125,14 +119,8 @@ class World:
             (rules.pairs, rules.own),
             rules.environment,
             rules.largest,
-            self._found,
-            self._owner,
         )
-        if hit >= 0:
-            return Contact(int(hit), (int(self._found[0, 0]), int(self._found[0, 1])))
-        if unsure > ROOM:
-            return self._halved(configurations, rules)
-        return self._exact(configurations, rules, unsure)
+        return Contact(at, (one, other)) if at >= 0 else None
 
     def free(self, q: Array, rules: Rules) -> bool:
         """Whether all pairs keep their margins at one configuration, shape (nq,)."""
@@ -143,63 +131,18 @@ class World:
 
         The kitchen stands still in them, and the robot's own pairs are not looked at.
         """
-        states = np.empty(len(configurations), np.int64)
+        free = np.empty(len(configurations), np.bool_)
         standing(
             np.ascontiguousarray(configurations),
             self.tree,
             self.boxes,
             self.split,
-            self.radius,
             self.shapes,
             rules.environment,
             rules.largest,
-            states,
+            free,
         )
-        alone = Rules(rules.environment, rules.pairs[:0], rules.own[:0])
-        return [
-            state == contacts.FREE or (state == contacts.UNSURE and self.free(q, alone))
-            for q, state in zip(configurations, states.tolist(), strict=True)
-        ]
-
-    def _halved(self, configurations: Array, rules: Rules) -> Contact | None:
-        if len(configurations) == 1:
-            return Contact(0, (int(self._found[0, 0]), int(self._found[0, 1])))
-        middle = len(configurations) // 2
-        first = self._contact(configurations[:middle], rules)
-        if first is not None:
-            return first
-        second = self._contact(configurations[middle:], rules)
-        return None if second is None else Contact(second.index + middle, second.shapes)
-
-    def _exact(self, configurations: Array, rules: Rules, unsure: int) -> Contact | None:
-        if not unsure:
-            return None
-        own = {(int(a), int(b)): m for (a, b), m in zip(rules.pairs, rules.own, strict=True)}
-        found, owner = self._found[:unsure].tolist(), self._owner[:unsure].tolist()
-        at, r, p = -1, np.empty(0), np.empty(0)
-        for (a, b), index in zip(found, owner, strict=True):
-            if index != at:
-                at, (r, p) = index, self.frames(configurations[index])
-            margin = float(own[a, b] if b >= self.split else rules.environment[a - self.split, b])
-            if self.near((a, b), r, p, margin):
-                return Contact(index, (a, b))
-        return None
-
-    def near(self, pair: Pair, r: Array, p: Array, margin: float) -> bool:
-        """Whether two shapes are nearer than the margin [m], exactly, for joint frames r, p."""
-        request = coal.CollisionRequest()  # fresh: a cached guess makes the answer depend on history
-        request.security_margin = float(margin)
-        a, b = pair
-        result = coal.CollisionResult()
-        coal.collide(
-            self.scene.solids[a].shape,
-            self._transform(a, r, p),
-            self.scene.solids[b].shape,
-            self._transform(b, r, p),
-            request,
-            result,
-        )
-        return result.isCollision()
+        return free.tolist()
 
     def distance(self, pair: Pair, r: Array, p: Array) -> float:
         """Signed distance of two shapes [m], negative when they penetrate."""
@@ -216,10 +159,9 @@ class World:
         """Signed distances of pairs of shapes (M, 2) [m], negative when they penetrate, shape (M,)."""
         low, high = np.empty(len(pairs)), np.empty(len(pairs))
         contacts.distances(self.shapes, self.boxes, pairs, r, p, low, high)
-        out = np.where(np.isfinite(low), low, np.nan)
-        for k in np.flatnonzero(np.isnan(out) | (self.shapes[0][pairs] == OTHER).any(axis=1)):
-            out[k] = self.distance((int(pairs[k, 0]), int(pairs[k, 1])), r, p)
-        return out
+        for k in np.flatnonzero(low == -np.inf):
+            low[k] = self.distance((int(pairs[k, 0]), int(pairs[k, 1])), r, p)
+        return low
 
     def _transform(self, k: int, r: Array, p: Array) -> coal.Transform3s:
         j, local = self.boxes[0][k], self.joint_T_shape[k]

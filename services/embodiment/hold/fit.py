@@ -8,7 +8,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment.body import contacts, hands
+from services.embodiment.body import hands
 from services.embodiment.body.world import Contact, Rules, World
 from services.embodiment.hold.grasp import Grasp, Hand, grasp_set
 from services.embodiment.hold.handle import Bar
@@ -45,7 +45,6 @@ class Room:
         middle = there[first] @ bar.centre + problem.handle_p[first]
         reach = hand.reach + bar.length / 2 + BESIDE
         self._near = [self._seen(k, middle, reach) for k in range(len(self.at))]
-        self._found = np.empty((256, 2), np.int64)
 
     def _seen(self, k: int, middle: Array, reach: float) -> tuple[NDArray[np.int64], Array, Array]:
         """Kitchen shapes near the handle at checked value k, and their poses as the handle sees them."""
@@ -66,7 +65,7 @@ class Room:
         """
         first = self.at[0]
         poses = [one.tool(self.problem.handle_r[first], self.problem.handle_p[first]) for one in grasps]
-        found, states = np.empty((len(grasps), 2), np.int64), np.empty(len(grasps), np.int64)
+        found = np.empty((len(grasps), 2), np.int64)
         hands.touching_many(
             self.hand.shapes,
             self.hand.shapes_seen(q),
@@ -77,57 +76,27 @@ class Room:
             self.world.shapes,
             rules.environment,
             found,
-            states,
         )
-        unfit.update((int(a), int(b)) for a, b in found[states == contacts.HIT])
-        left = [grasps[g] for g in np.flatnonzero(states != contacts.HIT)]
-        sure = [grasps[g] for g in np.flatnonzero(states == contacts.FREE)]
-        if len(sure) == len(left):
-            return sure
-        return [one for one in left if one in sure or self._clear(one, q, rules, unfit)]
-
-    def _clear(self, grasp: Grasp, q: Array, rules: Rules, unfit: Counter[Pair]) -> bool:
-        contact = self.contact(grasp, q, rules, 0, 1)
-        if contact is not None:
-            unfit[contact.shapes] += 1
-        return contact is None
+        touches = found[:, 0] >= 0
+        unfit.update(map(tuple, found[touches].tolist()))
+        return [grasps[g] for g in np.flatnonzero(~touches)]
 
     def contact(self, grasp: Grasp, q: Array, rules: Rules, first: int, last: int) -> Contact | None:
         """A contact of the hand with fingers as in q at the checked values first … last − 1."""
         tool = grasp.tool(self.problem.handle_r[self.at[0]], self.problem.handle_p[self.at[0]])
         hand = self.hand.shapes_at(q, *tool)
         for k in range(first, last):
-            shapes = self._touching(k, q, tool, hand, rules)
-            if shapes is not None:
-                return Contact(int(self.at[k]), shapes)
-        return None
-
-    def _touching(
-        self, k: int, q: Array, tool: tuple[Array, Array], hand: tuple[Array, Array], rules: Rules
-    ) -> tuple[int, int] | None:
-        """Shapes in contact at checked value k."""
-        world = self.world
-        hit, unsure = hands.touching(
-            self.hand.shapes,
-            hand,
-            self._near[k],
-            world.split,
-            world.radius,
-            world.shapes,
-            rules.environment,
-            self._found,
-        )
-        if hit:
-            return int(self._found[0, 0]), int(self._found[0, 1])
-        if not unsure:
-            return None
-        r, p = self._frames[k][0].copy(), self._frames[k][1].copy()
-        own = slice(world.scene.base[0] + 1, None)
-        hand_r, hand_p = self.hand.placed(q, *tool)
-        r[own], p[own] = self._turn[k] @ hand_r[own], hand_p[own] @ self._turn[k].T + self._shift[k]
-        for a, b in self._found[: min(unsure, len(self._found))].tolist():
-            if world.near((a, b), r, p, float(rules.environment[a - world.split, b])):
-                return a, b
+            one, other = hands.touching(
+                self.hand.shapes,
+                hand,
+                self._near[k],
+                self.world.split,
+                self.world.radius,
+                self.world.shapes,
+                rules.environment,
+            )
+            if one >= 0:
+                return Contact(int(self.at[k]), (one, other))
         return None
 
 

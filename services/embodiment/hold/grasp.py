@@ -5,7 +5,7 @@ into the worktop or a fingertip into the front.
 """
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -170,15 +170,6 @@ class Hand:
             self._seen[key] = turn.T @ (r[joint] @ local_r), seen_c
         return self._seen[key]
 
-    def placed(self, q: Array, tool_r: Array, tool_p: Array) -> tuple[Array, Array]:
-        """Joint frames of the whole scene at q, the robot's moved so that its tool is at the pose."""
-        r, p = self.world.frames(q)
-        turn = tool_r @ self._tool[0].T
-        own = slice(self.world.scene.base[0] + 1, None)
-        r[own] = turn @ r[own]
-        p[own] = (p[own] - self._tool[1]) @ turn.T + tool_p
-        return r, p
-
     def opening(self, share: float) -> tuple[tuple[str, float], ...]:
         """Positions of the finger joints, closed by a share."""
         return tuple((one.joint, _between(one, share)) for one in self.limb.gripper.finger_joints)
@@ -223,19 +214,12 @@ class Hand:
         self, k: int, sides: NDArray[np.bool_], handle: NDArray[np.int64], tool_r: Array, tool_p: Array
     ) -> float | None:
         """Share of finger joint k at which the side that is farther touches."""
-        world, unit = self.world, np.eye(self._closing_ways.shape[1])[k]
+        world = self.world
         goal = np.ascontiguousarray(tool_r), np.ascontiguousarray(tool_p)
         shapes, way = (world.shapes, self.fingers, handle), self._closing_ways[:, k].copy()
         scene = world.tree, world.boxes, *shapes, self._tool, goal
         share = hands.closing(self._open, way, *scene, sides, TOUCH, ROUNDS)
-        if not np.isnan(share):
-            return None if share < 0 else float(share)
-
-        def gap(share: float) -> float:
-            gaps = self._gaps(list(share * unit), handle, tool_r, tool_p)
-            return max(float(gaps[side].min(initial=np.inf)) for side in sides)
-
-        return root(gap)
+        return None if share < 0 else float(share)
 
     def _gaps(self, shares: list[float], handle: NDArray[np.int64], tool_r: Array, tool_p: Array) -> Array:
         """Distance of each finger shape from the handle."""
@@ -243,10 +227,6 @@ class Hand:
         goal = np.ascontiguousarray(tool_r), np.ascontiguousarray(tool_p)
         shapes = world.shapes, self.fingers, handle
         hands.gaps(q, world.tree, world.boxes, *shapes, self._tool, goal, out)
-        if not (out >= 0).all():
-            pairs = np.stack(np.meshgrid(self.fingers, handle, indexing="ij"), axis=-1)
-            gaps = world.distances(pairs.reshape(-1, 2), *self.placed(q, tool_r, tool_p))
-            return gaps.reshape(pairs.shape[:2]).min(axis=1)
         return out
 
     def _sides(self, gaps: Array) -> tuple[float, float]:
@@ -259,24 +239,6 @@ class Hand:
         name = self.limb.gripper.finger_joints[k].joint
         source = scene.coordinate[joint_iri(scene.robot.mechanism.name, name)]
         return np.array([_carried(scene, int(self.world.boxes[0][one]), source) for one in self.fingers])
-
-
-def root(gap: Callable[[float], float]) -> float | None:
-    """Share in [0, 1] at which the gap has fallen to TOUCH (regula falsi, Illinois); None if it does not."""
-    low, high = 0.0, 1.0
-    at_low, at_high = gap(low) - TOUCH, gap(high) - TOUCH
-    if at_low <= 0 or at_high > 0:
-        return None
-    for _ in range(ROUNDS):
-        share = (low * at_high - high * at_low) / (at_high - at_low)
-        at = gap(share) - TOUCH
-        if at > 0:
-            low, at_low, at_high = share, at, at_high / 2
-        else:
-            high, at_high, at_low = share, at, at_low / 2
-            if at > -TOUCH:
-                break
-    return high
 
 
 def _carried(scene: Scene, joint: int, source: int) -> bool:

@@ -7,14 +7,11 @@ Balls and capsules are a point and a segment with a radius.
 """
 
 import math
-from collections.abc import Sequence
 
-import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
-import numpy as np
 from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
-BOX, BALL, CYLINDER, CAPSULE, HULL, OTHER = 0, 1, 2, 3, 4, 5
-"""What a shape is; OTHER is only known to lie in its oriented box."""
+BOX, BALL, CYLINDER, CAPSULE, HULL, MESH = 0, 1, 2, 3, 4, 5
+"""What a shape is; only a MESH is not convex."""
 
 ITERATIONS = 48
 EXACT = 1e-9  # [m] between the bounds of a distance that counts as known
@@ -22,34 +19,6 @@ GOOD = 0.8  # [1] share of the upper bound from which a lower bound that is high
 FLAT = 1e-14  # [1] relative volume or area under which a simplex says nothing
 
 _compiled = njit(cache=True, fastmath=False)
-
-
-def pack(shapes: Sequence[coal.CollisionGeometry]) -> tuple:
-    """What `bounds` takes: (kind, half extents or radius and half length, radius, first, last, vertices).
-
-    Vertices are seen from the middle of a shape's own box, which is where `bounds` wants its centre.
-    """
-    count = len(shapes)
-    kind, size, radius = np.full(count, OTHER), np.zeros((count, 3)), np.zeros(count)
-    first, last, vertices, total = np.zeros(count, np.int64), np.zeros(count, np.int64), [], 0
-    for k, shape in enumerate(shapes):
-        box = shape.aabb_local
-        middle, size[k] = (box.min_ + box.max_) / 2, (box.max_ - box.min_) / 2
-        if isinstance(shape, coal.Box):
-            kind[k] = BOX
-        elif isinstance(shape, coal.Sphere):
-            kind[k], radius[k], size[k] = BALL, shape.radius, 0.0
-        elif isinstance(shape, coal.Cylinder):
-            kind[k], size[k] = CYLINDER, (shape.radius, shape.radius, shape.halfLength)
-        elif isinstance(shape, coal.Capsule):
-            kind[k], radius[k], size[k] = CAPSULE, shape.radius, (0.0, 0.0, shape.halfLength)
-        elif isinstance(shape, coal.ConvexBase):
-            points = np.array(shape.points()) - middle
-            kind[k], first[k], last[k] = HULL, total, total + len(points)
-            vertices.append(points)
-            total += len(points)
-    points = np.ascontiguousarray(np.concatenate([np.zeros((1, 3)), *vertices])[1:])
-    return kind.astype(np.int64), size, radius, first, last, points
 
 
 @_compiled
@@ -206,7 +175,7 @@ def parted(shapes, a, b, ra, ca, rb, cb):
 def bounds(shapes, a, b, ra, ca, rb, cb, free, hit, work):
     """(low, high): the signed distance of two shapes is not below low and not above high [m].
 
-    `shapes` is what `pack` gives, a and b say which; (ra, ca), (rb, cb) are world poses of the middles
+    `shapes` is what `packed.pack` gives, a and b say which; (ra, ca), (rb, cb) are world poses of the middles
     of their own boxes. The search ends when low > free, when high <= hit, or when both agree to EXACT.
     Where the shapes without their radii touch, low is −inf: their depth is not looked for. `work` is
     room, shape (8, 4).
@@ -237,22 +206,3 @@ def bounds(shapes, a, b, ra, ca, rb, cb, free, hit, work):
             break
         x, y, z = v[0], v[1], v[2]
     return low, high
-
-
-@_compiled
-def bounds_many(shapes, pairs, one, other, low, high):
-    """Bounds of M pairs (M, 2), each shape at its own pose ((M, 3, 3), (M, 3)), are in low and high."""
-    work = np.zeros((8, 4))
-    for i in range(pairs.shape[0]):
-        low[i], high[i] = bounds(
-            shapes,
-            pairs[i, 0],
-            pairs[i, 1],
-            one[0][i],
-            one[1][i],
-            other[0][i],
-            other[1][i],
-            math.inf,
-            -math.inf,
-            work,
-        )

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from services.physics.geometry.convex import EXACT, bounds_many, pack, parted
+from services.physics.geometry.convex import EXACT, parted
+from services.physics.geometry.packed import bounds_many, bounds_of, pack
 from services.physics.geometry.shapes import hull
 
 pytestmark = pytest.mark.oracle
@@ -38,7 +39,7 @@ def test_distances_are_those_of_coal_and_their_bounds_meet(aligned: bool) -> Non
     middle = np.array([(one.aabb_local.min_ + one.aabb_local.max_) / 2 for one in shapes])
     poses = [(turns[i], at[i] + (turns[i] @ middle[pairs[:, i]][:, :, None])[:, :, 0]) for i in (0, 1)]
     low, high, packed = np.empty(COUNT), np.empty(COUNT), pack(shapes)
-    bounds_many(packed, pairs, *poses, low, high)
+    bounds_many(packed, pairs, poses[0], poses[1], low, high)
     apart = np.isfinite(low)
     assert COUNT / 20 < apart.sum() < COUNT
     assert (high - low)[apart].max() <= 100 * EXACT
@@ -51,6 +52,55 @@ def test_distances_are_those_of_coal_and_their_bounds_meet(aligned: bool) -> Non
             assert expected == pytest.approx(low[n], abs=COAL_IS_RIGHT_TO)
         else:
             assert expected <= high[n] + COAL_IS_RIGHT_TO
+
+
+def surface(rng: np.random.Generator) -> coal.BVHModelBase:
+    """A mesh of as many triangles as come out of it, none joined to another."""
+    mesh = coal.BVHModelOBBRSS()
+    mesh.beginModel(0, 0)
+    corners = rng.uniform(-0.3, 0.3, (rng.integers(1, 80), 1, 3)) + rng.uniform(-0.1, 0.1, (1, 3, 3))
+    for corner in corners:
+        mesh.addTriangle(*corner)
+    mesh.endModel()
+    mesh.computeLocalAABB()
+    return mesh
+
+
+def test_a_mesh_is_as_far_as_its_nearest_triangle() -> None:
+    rng = np.random.default_rng(5)
+    shapes = [*(shape(rng) for _ in range(40)), *(surface(rng) for _ in range(40))]
+    pairs = np.stack([rng.integers(0, 40, COUNT), rng.integers(40, 80, COUNT)], axis=1)
+    pairs[::2] = pairs[::2, ::-1]
+    turns = [np.ascontiguousarray(Rotation.random(COUNT, rng).as_matrix()) for _ in range(2)]
+    at = rng.uniform(-0.6, 0.6, (2, COUNT, 3))
+    middle = np.array([(one.aabb_local.min_ + one.aabb_local.max_) / 2 for one in shapes])
+    poses = [(turns[i], at[i] + (turns[i] @ middle[pairs[:, i]][:, :, None])[:, :, 0]) for i in (0, 1)]
+    low, high = np.empty((2, COUNT))
+    bounds_many(pack(shapes), pairs, poses[0], poses[1], low, high)
+    apart = np.isfinite(low)
+    assert COUNT / 20 < apart.sum() < COUNT
+    assert (high - low)[apart].max() <= 100 * EXACT
+    for n in range(COUNT):
+        one, other = ((shapes[pairs[n, i]], coal.Transform3s(turns[i][n], at[i][n])) for i in (0, 1))
+        expected = coal.distance(*one, *other, coal.DistanceRequest(), coal.DistanceResult())
+        assert max(expected, 0.0) == pytest.approx(max(low[n], 0.0), abs=COAL_IS_RIGHT_TO)
+
+
+@pytest.mark.parametrize("margin", [0.0, 0.003, 0.05])
+def test_whether_a_mesh_is_nearer_than_a_margin_needs_no_distance(margin: float) -> None:
+    rng = np.random.default_rng(6)
+    shapes = [*(shape(rng) for _ in range(20)), *(surface(rng) for _ in range(20))]
+    packed, near = pack(shapes), 0
+    for _ in range(COUNT):
+        a, b = int(rng.integers(20)), int(rng.integers(20, 40))
+        turns, at = Rotation.random(2, rng).as_matrix(), rng.uniform(-0.6, 0.6, (2, 3))
+        poses = np.ascontiguousarray(turns[0]), at[0], np.ascontiguousarray(turns[1]), at[1]
+        low, _ = bounds_of(packed, a, b, *poses, np.inf, -np.inf, np.zeros((8, 4)))
+        quick, _ = bounds_of(packed, a, b, *poses, margin, margin, np.zeros((8, 4)))
+        assert (quick > margin) == (low > margin)
+        assert quick <= low + EXACT
+        near += low <= margin
+    assert COUNT / 20 < near < COUNT
 
 
 def test_boxes_that_face_each_other_are_parted_by_their_distance() -> None:

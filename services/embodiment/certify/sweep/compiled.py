@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
-from services.physics.geometry.convex import OTHER, bounds, parted
+from services.physics.geometry.convex import MESH, bounds, parted
 
 SHUT, ASKED, LEFT = 0, 1, 2
 """Of an item: a bound says enough, its distance is known, its distance is left to be asked for."""
@@ -243,7 +243,7 @@ def look(items, pairs, keep, shapes, convex, placed, spans, path, revolute, slac
         if low >= slack - precision and (low > 0.0 or spans[0][u] >= open_until):
             continue
         done[n] = LEFT
-        if convex[0][a] == OTHER or convex[0][b] == OTHER:
+        if convex[0][a] == MESH or convex[0][b] == MESH:
             continue
         enough = moved + least + max(slack, 0.0)
         low, _ = bounds(convex, a, b, one_r, one_c, two_r, two_c, enough, -math.inf, work)

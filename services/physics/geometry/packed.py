@@ -1,0 +1,195 @@
+"""Shapes as compiled loops take them: convex ones, and meshes as trees of triangles.
+
+A mesh is its surface, as for coal: what lies wholly inside it touches nothing. Its tree is flat, each
+node before what is below it: a node whose box is far enough is skipped with all of that.
+"""
+
+import math
+from collections.abc import Sequence
+
+import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
+import numpy as np
+from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
+from numpy.typing import NDArray
+
+from services.physics.geometry.convex import BALL, BOX, CAPSULE, CYLINDER, HULL, MESH, bounds
+
+Array = NDArray[np.float64]
+
+DEEPEST = 64
+"""[1] Levels of a tree that are remembered while it grows; halving, these are enough for any mesh."""
+
+_compiled = njit(cache=True, fastmath=False)
+
+
+def pack(shapes: Sequence[coal.CollisionGeometry]) -> tuple:
+    """What `bounds_of` takes: (kind, half extents or radius and half length, radius, first, last, vertices).
+
+    Vertices are seen from the middle of a shape's own box, which is where `bounds_of` wants its centre.
+    Behind the shapes follow the nodes of meshes, as shapes of their own: a leaf is a triangle, with the
+    middle of its box as one vertex more; below any other node lie those up to its `last`. A mesh has its
+    nodes from `first` to `last`.
+    """
+    parts = [_part(shape) for shape in shapes]
+    kind, size, radius = (np.array([part[i] for part in parts], np.float64) for i in range(3))
+    kind, size = kind.astype(np.int64), size.reshape(-1, 3)
+    first, last = np.zeros(len(shapes), np.int64), np.zeros(len(shapes), np.int64)
+    vertices, total = [np.empty((0, 3))], 0
+    trees, nodes = list[tuple](), len(shapes)
+    for k, (_, _, _, points) in enumerate(parts):
+        if kind[k] == HULL:
+            first[k], last[k] = total, total + len(points)
+            vertices.append(points)
+            total += len(points)
+        elif len(points):
+            tree = _grown(np.ascontiguousarray(points), nodes, total)
+            first[k], last[k] = nodes, nodes + len(tree[0])
+            vertices.append(tree[4])
+            total, nodes = total + len(tree[4]), int(last[k])
+            trees.append(tree)
+    whole = zip((kind, size, first, last), *(tree[:4] for tree in trees), strict=True) if trees else None
+    kind, size, first, last = map(np.concatenate, whole) if whole else (kind, size, first, last)
+    radius = np.concatenate([radius, np.zeros(len(kind) - len(radius))])
+    return kind, np.ascontiguousarray(size), radius, first, last, np.concatenate(vertices)
+
+
+def _part(shape: coal.CollisionGeometry) -> tuple[int, tuple[float, ...] | Array, float, Array]:
+    """Kind, size, radius and vertices, or triangles of a mesh, of one shape."""
+    box, nothing = shape.aabb_local, np.empty((0, 3))
+    middle, half = (box.min_ + box.max_) / 2, (box.max_ - box.min_) / 2
+    match shape:
+        case coal.Box():
+            return BOX, half, 0.0, nothing
+        case coal.Sphere():
+            return BALL, np.zeros(3), shape.radius, nothing
+        case coal.Cylinder():
+            return CYLINDER, (shape.radius, shape.radius, shape.halfLength), 0.0, nothing
+        case coal.Capsule():
+            return CAPSULE, (0.0, 0.0, shape.halfLength), shape.radius, nothing
+        case coal.ConvexBase():
+            return HULL, half, 0.0, np.array(shape.points()) - middle
+    assert isinstance(shape, coal.BVHModelBase), f"{type(shape)} is made nowhere in `shapes`"
+    faces = [shape.tri_indices(i) for i in range(shape.num_tris)]
+    corners = np.array(shape.vertices())[[[face[0], face[1], face[2]] for face in faces]]
+    return MESH, half, 0.0, corners - middle
+
+
+@_compiled
+def _grown(corners, node, vertex):
+    """(kind, half, first, last, vertices) of a tree's nodes, the first of them to be number `node`.
+
+    `corners` are triangles (T, 3, 3); `vertex` is the number of the first of its vertices.
+    """
+    count = corners.shape[0]
+    total = 2 * count - 1
+    kind, half = np.empty(total, np.int64), np.empty((total, 3))
+    first, last, points = (
+        np.empty(total, np.int64),
+        np.empty(total, np.int64),
+        np.empty((total + 3 * count, 3)),
+    )
+    order, middle = np.arange(count), np.empty((count, 3))
+    for t in range(count):
+        for i in range(3):
+            middle[t, i] = (corners[t, :, i].min() + corners[t, :, i].max()) / 2
+    ranges = np.empty((DEEPEST, 2), np.int64)
+    ranges[0, 0], ranges[0, 1], waiting, n, row = 0, count, 1, 0, 0
+    while waiting > 0:
+        waiting -= 1
+        start, end = ranges[waiting, 0], ranges[waiting, 1]
+        first[n], last[n] = vertex + row, node + n + 2 * (end - start) - 1
+        kind[n] = HULL if end - start == 1 else MESH
+        if end - start == 1:
+            points[row : row + 3] = corners[order[start]]
+            last[n], row = vertex + row + 3, row + 3
+        widest = 0
+        for i in range(3):
+            low, high = math.inf, -math.inf
+            for t in order[start:end]:
+                low, high = min(low, corners[t, :, i].min()), max(high, corners[t, :, i].max())
+            half[n, i], points[row, i] = (high - low) / 2, (high + low) / 2
+            if half[n, i] > half[n, widest]:
+                widest = i
+        row, n = row + 1, n + 1
+        if end - start > 1:
+            order[start:end] = order[start:end][np.argsort(middle[order[start:end], widest])]
+            cut = (start + end) // 2
+            ranges[waiting, 0], ranges[waiting, 1] = cut, end
+            ranges[waiting + 1, 0], ranges[waiting + 1, 1] = start, cut
+            waiting += 2
+    return kind, half, first, last, points[:row]
+
+
+@_compiled
+def bounds_of(shapes, a, b, ra, ca, rb, cb, free, hit, work):
+    """What `bounds` says, of two shapes of which one may be a mesh.
+
+    Where both are, low is −inf: nothing is known.
+    """
+    if shapes[0][a] != MESH and shapes[0][b] != MESH:
+        return bounds(shapes, a, b, ra, ca, rb, cb, free, hit, work)
+    if shapes[0][a] != MESH:
+        return _of_mesh(shapes, b, a, rb, cb, ra, ca, free, hit, work)
+    if shapes[0][b] != MESH:
+        return _of_mesh(shapes, a, b, ra, ca, rb, cb, free, hit, work)
+    return -math.inf, math.inf
+
+
+@_compiled
+def _of_mesh(shapes, m, b, rm, cm, rb, cb, free, hit, work):
+    """Bounds of the distance of mesh m and a convex shape: of the least of all triangles' distances."""
+    kind, size, radius, first, last, vertices = shapes
+    turn, at, reach = np.empty((3, 3)), np.empty(3), np.empty(3)
+    for i in range(3):  # shape b as the mesh sees it
+        at[i], reach[i] = 0.0, radius[b]
+        for k in range(3):
+            at[i] += rm[k, i] * (cb[k] - cm[k])
+            turn[i, k] = rm[0, i] * rb[0, k] + rm[1, i] * rb[1, k] + rm[2, i] * rb[2, k]
+            reach[i] += abs(turn[i, k]) * size[b, k]
+    low, high, n = math.inf, math.inf, first[m]
+    while n < last[m]:
+        leaf = kind[n] == HULL
+        middle = last[n] if leaf else first[n]
+        x, y, z = at[0] - vertices[middle, 0], at[1] - vertices[middle, 1], at[2] - vertices[middle, 2]
+        u, v, w = (
+            abs(x) - size[n, 0] - reach[0],
+            abs(y) - size[n, 1] - reach[1],
+            abs(z) - size[n, 2] - reach[2],
+        )
+        gap = math.sqrt(max(u, 0.0) ** 2 + max(v, 0.0) ** 2 + max(w, 0.0) ** 2)
+        if gap <= free and gap < high:
+            for k in range(3):
+                apart = abs(turn[0, k] * x + turn[1, k] * y + turn[2, k] * z) - size[b, k] - radius[b]
+                for i in range(3):
+                    apart -= abs(turn[i, k]) * size[n, i]
+                gap = max(gap, apart)
+        if gap > free or gap >= high:
+            low = min(low, gap)
+            n = n + 1 if leaf else last[n]
+            continue
+        if leaf:
+            near, far = bounds(shapes, n, b, rm, cm, rb, cb, free, hit, work)
+            low, high = min(low, near), min(high, far)
+            if high <= hit or low == -math.inf:
+                return -math.inf, high  # other triangles may be nearer
+        n += 1
+    return low, high
+
+
+@_compiled
+def bounds_many(shapes, pairs, one, other, low, high):
+    """Bounds of M pairs (M, 2), each shape at its own pose ((M, 3, 3), (M, 3)), are in low and high."""
+    work = np.zeros((8, 4))
+    for i in range(pairs.shape[0]):
+        low[i], high[i] = bounds_of(
+            shapes,
+            pairs[i, 0],
+            pairs[i, 1],
+            one[0][i],
+            one[1][i],
+            other[0][i],
+            other[1][i],
+            math.inf,
+            -math.inf,
+            work,
+        )
