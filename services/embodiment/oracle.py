@@ -33,7 +33,7 @@ from services.physics.oracle import Kinematics, version_of
 Array = NDArray[np.float64]
 Start = tuple[float, float, float]
 
-EMBODIMENT_VERSION = "5"
+EMBODIMENT_VERSION = "6"
 """Raised whenever an answer of this oracle may change."""
 
 ANY_START = "where and as the motion begins"
