@@ -25,6 +25,11 @@ class Cell:
     policy: Policy
 
     @property
+    def loaded(self) -> tuple[str, str, tuple[str, ...], Policy]:
+        """What a worker loads for the case, and keeps for those that follow."""
+        return self.kitchen, self.robot, self.states, self.policy
+
+    @property
     def container(self) -> str:
         """Name of the container."""
         return self.task.partition(":")[2]

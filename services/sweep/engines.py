@@ -14,8 +14,6 @@ from typing import Any
 
 from sdt_kg.errors import InputError, OracleUnavailableError
 
-AHEAD = 2
-"""Cases for each worker that are handed out at once: one is judged, one waits."""
 _ADDRESS = re.compile(r"(tcp|tls)://[^/\s]+:\d{1,5}")
 CONNECT = "10 s"
 """A Dask scheduler may take to answer."""
@@ -27,13 +25,15 @@ class Engine:
 
     Attributes:
         open: A new executor.
-        at_once: Cases that are handed out at a time.
+        workers: How many work side by side.
         end: Ends an executor at once, with the case that it is at.
+        copies: Whether workers begin as copies of this process, with all that it has loaded.
     """
 
     open: Callable[[], Executor]
-    at_once: int
+    workers: int
     end: Callable[[Executor], None]
+    copies: bool = False
 
 
 def processes(count: int) -> Engine:
@@ -46,7 +46,7 @@ def processes(count: int) -> Engine:
     def opened() -> Executor:
         return ProcessPoolExecutor(count, context, _begin)
 
-    return Engine(opened, AHEAD * count, _killed)
+    return Engine(opened, count, _killed, copies=True)
 
 
 def _begin() -> None:
@@ -88,7 +88,7 @@ def dask(address: str) -> Iterator[Engine]:
         if not workers:
             raise OracleUnavailableError(f"the Dask scheduler at {address} has no worker")
         # Not pure: a case that is handed out again is judged again.
-        yield Engine(lambda: client.get_executor(pure=False), AHEAD * workers, _cancelled)
+        yield Engine(lambda: client.get_executor(pure=False), workers, _cancelled)
     finally:
         client.close()
 

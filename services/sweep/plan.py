@@ -199,7 +199,9 @@ def check_names(models: Sequence[str]) -> None:
 
 
 def _part(twin: Twin, kitchen: str, robots: tuple[str, ...], axes: Axes) -> Combined:
-    containers = tuple(container.name for container in twin.containers())
+    # Doors take longest: begun last, they would keep one worker busy while the others have nothing.
+    ordered = sorted(twin.containers(), key=lambda container: container.kind != "door")
+    containers = tuple(container.name for container in ordered)
     here = tuple(text for text in axes.tasks if ":" not in text or text.partition(":")[2] in containers)
     states = tuple(tuple(state_joints(twin, texts)) for texts in axes.states)
     for texts in states:

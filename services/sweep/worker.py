@@ -2,6 +2,7 @@
 
 import logging
 import threading
+from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
 
@@ -34,6 +35,19 @@ def judge(cell: Cell) -> Found:
         except Exception:  # noqa: BLE001 - the edge of a worker: logged, and answered as a failure
             _log.exception("%s could not be judged", cell)
             return Unjudged(cell, "the case could not be judged; the worker's log says why")
+
+
+def prepare(cell: Cell) -> None:
+    """What every case needs is loaded: workers that begin as copies of this process have it then.
+
+    What cannot be loaded is told by the case.
+    """
+    from services.embodiment.oracle import WholeBody  # noqa: PLC0415 - a sweep that finds all stored needs none
+
+    with suppress(SdtError):
+        service = service_of(cell)
+        if isinstance(service.embodiment, WholeBody):
+            service.embodiment.prepare(service.twin, service.robot(None))
 
 
 def verdict_of(cell: Cell) -> Verdict:

@@ -1,6 +1,5 @@
 """`sdt sweep`: many cases, planned from a grid, a CSV file or a query; resumed where it was stopped."""
 
-import os
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from sdt_kg.errors import InputError
 from sdt_kg.load import model_name
 from services.app import DEFAULT_BUDGET
 from services.commands.exits import Exit
-from services.commands.options import json_flag
+from services.commands.options import FiniteRange, jobs_option, json_flag
 from services.commands.show import print_json, print_rows, progress
 from services.requests import parse_base
 from services.store.files import FORMATS, SavedVerdicts
@@ -63,7 +62,7 @@ from services.sweep.worker import stored
 @click.option("--seeds", default="0", show_default=True, metavar="N|N..M", help="Of the search.")
 @click.option(
     "--budget",
-    type=click.FloatRange(min=0, min_open=True),
+    type=FiniteRange(min=0, min_open=True),
     default=DEFAULT_BUDGET,
     show_default=True,
     help="Seconds of search for each case before giving up.",
@@ -97,13 +96,7 @@ from services.sweep.worker import stored
     metavar="FILE",
     help="A row for each case, stored ones too, written when all are done.",
 )
-@click.option(
-    "--jobs",
-    type=click.IntRange(min=1),
-    default=os.cpu_count() or 1,
-    show_default="all cores",
-    help="Worker processes.",
-)
+@jobs_option
 @click.option("--dask", "address", metavar="tcp://HOST:PORT", help="Have a Dask cluster judge instead.")
 @click.option("--plan", "only_plan", is_flag=True, help="Only tell how many cases there are and are stored.")
 @json_flag

@@ -1,13 +1,21 @@
 """Each case ends in a verdict or in the reason why there is none, whatever happens to a worker."""
 
+import os
+import signal
 from collections.abc import Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
+from functools import partial
 from itertools import count, islice
 from pathlib import Path
 
-from services.sweep.cell import CellResult, Found, Unjudged
+import pytest
+
+from sdt_kg.errors import InputError, OracleUnavailableError, UnknownEntityError
+from services.sweep.cell import Cell, CellResult, Found, Unjudged
 from services.sweep.engines import Engine, processes
+from services.sweep.handed import AHEAD, each
 from services.sweep.run import run
+from services.sweep.waiting import MOST_TOGETHER, Waiting
 from tests.services.sweep.judging import cell, obedient
 
 
@@ -53,7 +61,66 @@ def test_cases_are_taken_as_there_is_room_so_that_endless_ones_can_be_begun() ->
         executor.shutdown()
 
     endless = (cell(f"c{number}") for number in taken)
-    found = run(endless, Engine(opened, 4, ended), judging=obedient)
+    found = run(endless, Engine(opened, 1, ended), judging=obedient)
     assert len(list(islice(found, 10))) == 10
     found.close()
-    assert next(taken) < 20
+    assert next(taken) <= (1 + 1) * MOST_TOGETHER + AHEAD * MOST_TOGETHER
+
+
+def test_what_workers_begin_with_is_loaded_once_before_them_with_the_first_case() -> None:
+    loaded: list[str] = []
+
+    def prepared(asked: Cell) -> None:
+        loaded.append(asked.container)
+
+    cells = [cell(f"c{number}") for number in range(6)]
+    found = list(run(cells, processes(2), judging=partial(_having, loaded), prepare=prepared))
+    assert loaded == ["c0"]
+    assert [type(each) for each in found] == [CellResult] * 6
+
+
+def _having(loaded: list[str], asked: Cell) -> Found:
+    """A verdict, if what was loaded before is here."""
+    return obedient(asked if loaded == ["c0"] else cell("fail empty-handed"))
+
+
+def test_workers_that_are_no_copies_load_for_themselves() -> None:
+    def prepared(asked: Cell) -> None:
+        raise AssertionError(asked)
+
+    engine = Engine(lambda: ThreadPoolExecutor(1), 1, lambda executor: executor.shutdown())
+    assert len(list(run([cell("c")], engine, judging=obedient, prepare=prepared))) == 1
+
+
+def test_what_is_alike_stays_together_until_the_last_workers_share_it() -> None:
+    waiting: Waiting[str] = Waiting(2, lambda item: item[0])
+    for group in "abc":
+        for number in range(17):
+            waiting.add(f"{group}{number}")
+    pieces = []
+    while len(waiting):
+        pieces.append(waiting.piece())
+    assert [len(piece) for piece in pieces] == [17, 9, 7, 1, 5, 3, 3, 2, 1, 1, 1, 1]
+    assert all(len({item[0] for item in piece}) == 1 for piece in pieces)
+    assert [item for piece in pieces for item in piece] == [
+        f"{group}{number}" for group in "abc" for number in range(17)
+    ]
+
+
+def test_an_item_whose_name_is_wrong_is_the_caller_s_error_with_its_own_words() -> None:
+    with pytest.raises(InputError, match=r"no robot named 'pr3'.*did you mean 'pr2'"):
+        list(each(["pr2", "pr3"], 2, _known))
+    assert sorted(each(["pr2", "stretch"], 2, _known)) == [("pr2", 3), ("stretch", 7)]
+
+
+def test_an_item_that_kills_its_process_twice_is_no_result() -> None:
+    with pytest.raises(OracleUnavailableError, match="died twice"):
+        list(each(["die"], 2, _known))
+
+
+def _known(robot: str) -> int:
+    if robot == "die":
+        os.kill(os.getpid(), signal.SIGKILL)
+    if robot == "pr3":
+        raise UnknownEntityError("robot", robot, ["pr2"])
+    return len(robot)

@@ -1,0 +1,195 @@
+"""Work handed out to an executor, some at a time; what a dying process took with it is done once more."""
+
+import logging
+from collections import deque
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
+from dataclasses import dataclass
+from functools import partial
+from types import TracebackType
+from typing import Final, Generic, TypeVar
+
+from sdt_kg.errors import InputError, OracleUnavailableError, SdtError
+from services.sweep.engines import Engine, processes
+from services.sweep.waiting import Waiting
+
+_log = logging.getLogger("sdt.sweep")
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+AHEAD: Final = 2
+"""Pieces for each worker that are handed out at once: one is worked on, one waits."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """Nothing came of an item.
+
+    Attributes:
+        reason: Why.
+        is_input: Whether it is the caller's to mend.
+    """
+
+    reason: str
+    is_input: bool = False
+
+    def error(self, what: str) -> SdtError:
+        """The same to be raised, said of what it happened to."""
+        return InputError(self.reason) if self.is_input else OracleUnavailableError(f"{what}: {self.reason}")
+
+
+class Handed(Generic[T, R]):
+    """Items that are with an executor or wait for it; an executor that breaks is opened anew.
+
+    Left by an error, the workers end at once with what they are at.
+
+    Args:
+        engine: Who works.
+        work: What is done with an item; it and the items travel to the workers.
+        alike: What items have in common that are to be done by one worker.
+        prepare: Called with the first item before the workers begin, where they begin as copies of this
+            process: what it loads they have.
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        work: Callable[[T], R],
+        alike: Callable[[T], Hashable],
+        prepare: Callable[[T], None] | None = None,
+    ) -> None:
+        self._engine, self._work = engine, partial(_each, work)
+        self._prepare = prepare if engine.copies else None
+        self._executor: Executor | None = None
+        self._waiting: Waiting[T] = Waiting(engine.workers, alike)
+        self._futures: dict[Future[list[R | Lost]], list[T]] = {}
+        self._suspects: deque[T] = deque()
+
+    def __enter__(self) -> "Handed[T, R]":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._executor is None:
+            return
+        if kind is None:
+            self._executor.shutdown()
+        else:
+            self._engine.end(self._executor)
+
+    def add(self, item: T) -> Iterator[tuple[T, R | Lost]]:
+        """The item waits for a worker; what is done, until there is room for the next."""
+        self._waiting.add(item)
+        while self._waiting.is_full:
+            self._fill()
+            if self._waiting.is_full:
+                yield from self._done()
+
+    def rest(self) -> Iterator[tuple[T, R | Lost]]:
+        """What is done, until nothing is left."""
+        while self._futures or self._suspects or len(self._waiting):
+            self._fill()
+            yield from self._done()
+
+    def _fill(self) -> None:
+        """Every worker has a piece, and one that waits, as far as there are any."""
+        at_once = AHEAD * self._engine.workers
+        while not self._suspects and len(self._waiting) and len(self._futures) < at_once:
+            self._submit(self._waiting.piece())
+
+    def _submit(self, piece: list[T]) -> None:
+        if self._executor is None:
+            if self._prepare is not None:
+                self._prepare(piece[0])
+            self._executor = self._engine.open()
+        try:
+            self._futures[self._executor.submit(self._work, piece)] = piece
+        except BrokenExecutor:
+            self._suspects.extend(piece)
+
+    def _done(self) -> Iterator[tuple[T, R | Lost]]:
+        done, _ = wait(self._futures, return_when=FIRST_COMPLETED)
+        for future in done:
+            yield from self._result(future, self._futures.pop(future))
+        if self._suspects:
+            yield from self._alone()
+
+    def _result(self, future: Future[list[R | Lost]], piece: list[T]) -> Iterator[tuple[T, R | Lost]]:
+        try:
+            yield from zip(piece, future.result(), strict=True)
+        except BrokenExecutor:
+            self._suspects.extend(piece)
+        except (Exception, CancelledError) as error:  # noqa: BLE001 - what an executor of others raises
+            _log.warning("%s: nothing came of it: %r", piece, error)
+            lost = Lost(f"its worker was lost: {type(error).__name__}")
+            yield from ((item, lost) for item in piece)
+
+    def _alone(self) -> Iterator[tuple[T, R | Lost]]:
+        """Those that were out when a process died, one at a time: it shows which of them kills."""
+        for piece in self._futures.values():
+            self._suspects.extend(piece)
+        self._futures.clear()
+        self._reopen()
+        while self._suspects:
+            item = self._suspects.popleft()
+            assert self._executor is not None, "opened above"
+            try:
+                (result,) = self._executor.submit(self._work, [item]).result()
+            except BrokenExecutor:
+                _log.warning("the process died twice at %s", item)
+                result = Lost("the process that judged it died twice")
+                self._reopen()
+            yield item, result
+
+    def _reopen(self) -> None:
+        if self._executor is not None:
+            self._executor.shutdown(wait=False)
+        self._executor = self._engine.open()
+
+
+def each(
+    items: Sequence[T],
+    jobs: int,
+    work: Callable[[T], R],
+    prepare: Callable[[T], None] | None = None,
+) -> Iterator[tuple[T, R]]:
+    """Every item with what came of it, as soon as it is there, in no order; one job works in this process.
+
+    Raises:
+        InputError: What an item names is wrong.
+        OracleUnavailableError: Nothing came of an item.
+    """
+    if jobs == 1:
+        yield from ((item, work(item)) for item in items)
+        return
+    with Handed(processes(jobs), work, lambda item: item, prepare) as handed:
+        for item in items:
+            yield from map(_whole, handed.add(item))
+        yield from map(_whole, handed.rest())
+
+
+def _whole(done: tuple[T, R | Lost]) -> tuple[T, R]:
+    item, result = done
+    if isinstance(result, Lost):
+        raise result.error(str(item))
+    return item, result
+
+
+def _each(work: Callable[[T], R], piece: Sequence[T]) -> list[R | Lost]:
+    """What came of each item of a piece, in the worker: one that fails takes none with it.
+
+    An error travels as text: not every one of ours can be made anew from what it says.
+    """
+    return [_one(work, item) for item in piece]
+
+
+def _one(work: Callable[[T], R], item: T) -> R | Lost:
+    try:
+        return work(item)
+    except SdtError as error:
+        return Lost(str(error), isinstance(error, InputError))
+    except Exception as error:  # noqa: BLE001 - the edge of a worker: logged, and answered as a failure
+        _log.exception("%s failed", item)
+        return Lost(f"its worker failed: {type(error).__name__}")
