@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from base64 import b64decode
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -62,7 +63,9 @@ class Browser:
     def picture(self, path: Path) -> None:
         """The whole page as PNG."""
         path.parent.mkdir(parents=True, exist_ok=True)
-        self.driver.save_screenshot(str(path))
+        # WebDriver's own command gives up after 10 s, which software WebGL on a busy machine needs.
+        taken = self.driver.execute_cdp_cmd("Page.captureScreenshot", {"format": "png"})
+        path.write_bytes(b64decode(taken["data"]))
 
 
 def _is_local(url: str) -> bool:

@@ -6,7 +6,7 @@ import threading
 import click
 
 from services.commands.completion.types import KITCHEN, ROBOT
-from services.commands.options import KITCHEN_HELP, ROBOT_HELP
+from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange
 from services.viewer.beside import check_extra
 
 KITCHENS = ("b", "a")
@@ -34,7 +34,7 @@ ROBOTS = ("pr2", "tiago_dual", "stretch")
 )
 @click.option(
     "--budget",
-    type=click.FloatRange(0.5, 600.0),
+    type=FiniteRange(0.5, 600.0),
     default=20.0,
     show_default=True,
     help="Seconds of a search.",

@@ -3,15 +3,17 @@
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from sdt_kg.errors import InputError
 from sdt_kg.load import model_name, model_path
 from services.app import DEFAULT_BUDGET
 from services.http.settings import Address
-from services.viewer.desk import Desk
 from services.viewer.judging.judges import Judges
 from services.viewer.judging.question import Place, Warmed
-from services.viewer.page import Page
+
+if TYPE_CHECKING:
+    from services.viewer.page import Page
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +33,7 @@ class Offer:
 @contextmanager
 def running(
     address: str, offer: Offer, judges: int = 1, hosts: tuple[str, ...] = (), *, unprotected: bool = False
-) -> Iterator[Page]:
+) -> Iterator["Page"]:
     """The page listens; at the end nothing of it is left.
 
     Args:
@@ -54,6 +56,10 @@ def running(
     kitchens, robots = _named("kitchen", offer.kitchens), _named("robot", offer.robots)
     first = Place(offer.kitchens[0], offer.robots[0])
     with closing(Judges(judges, Warmed(first))) as judging:
+        # Loaded while the judges load theirs: a person waits for the slower of both, not for their sum.
+        from services.viewer.desk import Desk  # noqa: PLC0415
+        from services.viewer.page import Page  # noqa: PLC0415
+
         desk = Desk(kitchens, robots, judging, offer.budget)
         twin = desk.twin(first)
         desk.kitchen(twin, first.kitchen)
