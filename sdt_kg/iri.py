@@ -58,13 +58,18 @@ def local_name(iri: Iri) -> str:
 
 
 def graph_iri(kind: str, key: str) -> Iri:
-    """Named graph: kind is asserted, inferred, state, branch, observed or verdict."""
+    """Named graph: kind is asserted, inferred, state, branch, observed, verdict or task_result."""
     return f"{ID}graph/{kind}/{quote(key, safe='')}"
 
 
 def verdict_iri(key: str) -> Iri:
     """Verdict whose inputs have this hash."""
     return f"{ID}verdict/{quote(key, safe='')}"
+
+
+def task_result_iri(key: str) -> Iri:
+    """Result of a task specification whose inputs have this hash."""
+    return f"{ID}task_result/{quote(key, safe='')}"
 
 
 def branch_iri(key: str) -> Iri:

@@ -11,6 +11,7 @@ from predicates.record.report import answers
 from sdt_kg.entities import query_text
 from sdt_kg.iri import LAW, PROV, RDF, SH, Iri, part_iri
 from sdt_kg.scope import Violation
+from sdt_kg.state import State
 from sdt_kg.store import Term, Triple, term_of
 
 PREDICATE_TERM = {"satisfiesRequest": "SatisfiesRequest", "causes": "Causes", "canPerform": "CanPerform"}
@@ -78,14 +79,12 @@ def _settings(verdict: Verdict, predicate: str) -> Iterator[str]:
         yield from (name for name, _ in verdict.inputs if name.startswith("embodiment."))
 
 
-def state_triples(verdict: Verdict) -> Iterator[Triple]:
+def position_triples(judged: Iri, start: State, state: State) -> Iterator[Triple]:
     """Joints that are not where the kitchen starts, and where they are: the state s in which was asked."""
-    twin = verdict.case.twin
-    start = twin.entities.coupling.start()
-    moved = [(joint, at) for joint, at in sorted(twin.state.items()) if at != start[joint]]
+    moved = [(joint, at) for joint, at in sorted(state.items()) if at != start[joint]]
     for index, (joint, position) in enumerate(moved, 1):
-        of = part_iri(verdict.iri, "joint_position", index)
-        yield verdict.iri, LAW + "jointPosition", ox.NamedNode(of)
+        of = part_iri(judged, "joint_position", index)
+        yield judged, LAW + "jointPosition", ox.NamedNode(of)
         yield of, RDF + "type", ox.NamedNode(LAW + "JointPosition")
         yield of, LAW + "entity", ox.NamedNode(joint)
         yield of, LAW + "value", ox.Literal(float(position))

@@ -45,7 +45,12 @@ def inputs_of(case: Case, physics: Physics, embodiment: Embodiment | None) -> In
 
 def verdict_iri(inputs: Inputs) -> Iri:
     """IRI of the verdict: the hash of all inputs that decide it."""
-    return iri_of(_digest(f"{name}={value}\n" for name, value in inputs if name not in NOT_HASHED))
+    return iri_of(input_hash(inputs))
+
+
+def input_hash(inputs: Inputs) -> str:
+    """SHA-256 of all inputs that decide what is answered, as hexadecimal."""
+    return _digest(f"{name}={value}\n" for name, value in inputs if name not in NOT_HASHED)
 
 
 def _digest(texts: Iterable[str]) -> str:

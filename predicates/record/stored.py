@@ -97,7 +97,7 @@ def _verdict(facts: Facts, iri: Iri) -> StoredVerdict:
         satisfies_request=facts.truth(iri, LAW + "satisfiesRequest"),
         causes=facts.truth(iri, LAW + "causes"),
         can_perform=facts.truth(iri, LAW + "canPerform"),
-        diagnoses=tuple(_diagnosis(facts, each) for each in facts.all(iri, LAW + "diagnosis")),
+        diagnoses=tuple(read_diagnosis(facts, each) for each in facts.all(iri, LAW + "diagnosis")),
         notes=tuple(facts.all(iri, LAW + "note")),
         figures=dict(_figure(facts, each) for each in facts.all(iri, LAW + "figure")),
         inputs=tuple((facts.needed(of, LAW + "name"), facts.needed(of, LAW + "inputHash")) for of in used),
@@ -110,7 +110,8 @@ def _figure(facts: Facts, of: Iri) -> tuple[str, tuple[float, str]]:
     return facts.needed(of, LAW + "name"), (value, facts.needed(of, LAW + "unit"))
 
 
-def _diagnosis(facts: Facts, of: Iri) -> Diagnosis:
+def read_diagnosis(facts: Facts, of: Iri) -> Diagnosis:
+    """The reason that stands for itself as the individual `of`."""
     return Diagnosis(
         kind=term(_KIND, facts.needed(of, RDF + "type")),
         reason=facts.needed(of, LAW + "reason"),

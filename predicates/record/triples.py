@@ -5,15 +5,18 @@ from dataclasses import dataclass
 
 import pyoxigraph as ox
 
-from predicates.case import Diagnosis, Evidence, Verdict
+from predicates.case import Case, Diagnosis, Evidence, Verdict
+from predicates.meant import containers_meant
 from predicates.record.artefacts import artefact_triples
-from predicates.record.explained import answer_triples, scope_triples, state_triples
+from predicates.record.explained import answer_triples, position_triples, scope_triples
+from predicates.record.inputs import Inputs
 from predicates.record.recall import budget_of
 from predicates.record.report import answers, drive, figures, gripper, notes, tee_class
 from predicates.record.stored import DIAGNOSIS_CLASS, OUTCOME_TERM
 from predicates.scope import verb_iri
 from sdt_kg.iri import LAW, PROV, RDF, Iri, graph_iri, local_name, part_iri
 from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.state import Region
 from sdt_kg.store import Term, Triple
 from sdt_kg.task import Task
 
@@ -44,9 +47,17 @@ class Record:
 def to_record(verdict: Verdict) -> Record:
     """The verdict as PROV-O and law: triples, no blank nodes."""
     key = local_name(verdict.iri)
-    explained = (*answer_triples(verdict), *scope_triples(verdict), *state_triples(verdict))
+    moved = position_triples(
+        verdict.iri, verdict.case.twin.entities.coupling.start(), verdict.case.twin.state
+    )
+    explained = (*answer_triples(verdict), *scope_triples(verdict), *moved)
     explained = (*explained, *artefact_triples(verdict))
-    triples = (*_verdict(verdict), *_case(verdict), *_provenance(verdict), *explained)
+    triples = (
+        *_verdict(verdict),
+        *_case(verdict),
+        *provenance_triples(verdict.iri, verdict.inputs),
+        *explained,
+    )
     return Record(verdict.iri, graph_iri("verdict", key), triples)
 
 
@@ -89,7 +100,7 @@ def _verdict(verdict: Verdict) -> Iterator[Triple]:
     for index, diagnosis in enumerate(verdict.diagnoses, 1):
         of = part_iri(verdict.iri, "diagnosis", index)
         yield subject, LAW + "diagnosis", _node(of)
-        yield from _diagnosis(of, diagnosis)
+        yield from diagnosis_triples(of, diagnosis)
     for index, (name, (value, unit)) in enumerate(sorted(figures(verdict).items()), 1):
         of = part_iri(verdict.iri, "figure", index)
         yield subject, LAW + "figure", _node(of)
@@ -99,7 +110,8 @@ def _verdict(verdict: Verdict) -> Iterator[Triple]:
         yield of, LAW + "unit", _literal(unit)
 
 
-def _diagnosis(of: Iri, diagnosis: Diagnosis) -> Iterator[Triple]:
+def diagnosis_triples(of: Iri, diagnosis: Diagnosis) -> Iterator[Triple]:
+    """A reason as the individual `of`: kind, sentence, whether proved, what was measured or searched."""
     yield of, RDF + "type", _node(LAW + DIAGNOSIS_CLASS[diagnosis.kind])
     yield of, LAW + "reason", _literal(diagnosis.reason)
     yield of, LAW + "proof", _literal(diagnosis.proof)
@@ -143,10 +155,22 @@ def _case(verdict: Verdict) -> Iterator[Triple]:
         if isinstance(case.task.container, str):
             yield subject, LAW + "container", _node(case.task.container)
             yield task, LAW + "container", _node(case.task.container)
+    elif (container := _meant(case)) is not None:
+        yield subject, LAW + "container", _node(container)
     if isinstance(case.motion, Motion):
         yield from _motion(verdict.iri, case.motion)
     if isinstance(case.body_motion, BodyMotion):
         yield from _body_motion(verdict.iri, case.body_motion)
+
+
+def _meant(case: Case) -> Iri | None:
+    """The one container that a case without a task is about: that of its goal, else that of its motion."""
+    if isinstance(case.final, Region):
+        joints = {joint for joint, _ in case.final.intervals}
+        found = [each.iri for each in case.twin.containers() if each.joint in joints]
+    else:
+        found = [each.iri for each in containers_meant(case)] if isinstance(case.motion, Motion) else []
+    return found[0] if len(found) == 1 else None
 
 
 def _motion(verdict: Iri, motion: Motion) -> Iterator[Triple]:
@@ -170,13 +194,13 @@ def _body_motion(verdict: Iri, motion: BodyMotion) -> Iterator[Triple]:
     yield of, LAW + "samples", _literal(len(motion.times))
 
 
-def _provenance(verdict: Verdict) -> Iterator[Triple]:
+def provenance_triples(judged: Iri, inputs: Inputs) -> Iterator[Triple]:
     """PROV-O: the judging used these inputs."""
-    activity = part_iri(verdict.iri, "judging", 1)
-    yield verdict.iri, PROV + "wasGeneratedBy", _node(activity)
+    activity = part_iri(judged, "judging", 1)
+    yield judged, PROV + "wasGeneratedBy", _node(activity)
     yield activity, RDF + "type", _node(PROV + "Activity")
-    for index, (name, value) in enumerate(verdict.inputs, 1):
-        of = part_iri(verdict.iri, "input", index)
+    for index, (name, value) in enumerate(inputs, 1):
+        of = part_iri(judged, "input", index)
         yield activity, PROV + "used", _node(of)
         yield of, RDF + "type", _node(LAW + "Input")
         yield of, LAW + "name", _literal(name)

@@ -1,5 +1,7 @@
-"""Task specifications on a service: judged, and the best by J among the motions found."""
+"""Task specifications on a service: judged, the best by J among the motions found, and kept."""
 
-from services.specifications.run import StepResult, TaskResult, achieve_task, ready, specification_of
+from predicates.specification.result import StepResult, TaskResult
+from services.specifications.keep import keep
+from services.specifications.run import achieve_task, ready, specification_of
 
-__all__ = ["StepResult", "TaskResult", "achieve_task", "ready", "specification_of"]
+__all__ = ["StepResult", "TaskResult", "achieve_task", "keep", "ready", "specification_of"]

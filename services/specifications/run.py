@@ -1,18 +1,19 @@
 """Task specifications on a service: each step judged from where the last one ended, rules, the best by J."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import ontology
-from predicates.case import Answer, Diagnosis, Kind, Outcome, Verdict
+from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Verdict
 from predicates.satisfies_request import met_requests
 from predicates.specification.leg import Leg
 from predicates.specification.model import Demand, KeepsDistance, QueryRule, Rule, Specification, Step
 from predicates.specification.quality import better, measured, total
 from predicates.specification.queries import InGraph
 from predicates.specification.read import read_specification
+from predicates.specification.result import StepResult, TaskResult, task_inputs
 from predicates.specification.rules import RuleAnswer, Standing, checked, first_broken
 from predicates.specification.step import Request, judged
 from sdt_kg.errors import InputError, UnknownEntityError
@@ -27,52 +28,11 @@ MOST_MOTIONS = 8
 """[1] Seeds that are tried for a step, if the budget lasts, where motions are compared by J, or where one
 that comes too near to a body might be replaced by one that does not."""
 
+Told = Callable[[StepResult, int], None]
+
 NOTHING_TO_DO = Diagnosis(
     Kind.CAUSAL, "nothing to cause: every container already meets the request", proof=True
 )
-
-
-@dataclass(frozen=True, slots=True)
-class StepResult:
-    """A step's verdict, and by what it was chosen.
-
-    Attributes:
-        verdict: The one that counts.
-        seed: Of its search.
-        tried: Searches made.
-        compared: Certified motions that broke no rule, among which it is the best by J.
-        value: J of its motion; None where there is no J, no motion, or nobody measured it.
-    """
-
-    request: Request
-    verdict: Verdict
-    seed: int
-    tried: int
-    compared: int
-    value: float | None
-
-
-@dataclass(frozen=True, slots=True)
-class TaskResult:
-    """What became of a task specification.
-
-    Attributes:
-        steps: As far as they were judged: the first that is not certified is the last.
-        of: How many steps there are; those for every container count as found on the way.
-        rules: What became of each rule, over the steps that are certified.
-        broken: The rule that was broken first.
-        value: J of the whole sequence, where it is certified and measured.
-    """
-
-    specification: Specification
-    outcome: Outcome
-    steps: tuple[StepResult, ...]
-    of: int
-    rules: tuple[RuleAnswer, ...]
-    diagnoses: tuple[Diagnosis, ...]
-    broken: RuleAnswer | None
-    value: float | None
-    seconds: float
 
 
 def ready() -> dict[str, Path]:
@@ -97,18 +57,30 @@ def specification_of(twin: Twin, source: str) -> Specification:
     return read_specification(twin, text, path.name)
 
 
-def achieve_task(service: Service, specification: Specification, robot: str | None = None) -> TaskResult:
+def achieve_task(
+    service: Service, specification: Specification, robot: str | None = None, told: Told = lambda *_: None
+) -> TaskResult:
     """Every step, every rule, and what follows: certified only if all are.
 
     Each step is judged from the state in which the step before ended; the robot begins each at its
     start pose, parked. Seeds are tried until the policy's budget for a step is spent, if there is a J.
+
+    Args:
+        service: The Law over a kitchen.
+        specification: About that kitchen.
+        robot: Name or IRI of a loaded robot; may be left out where only one is loaded.
+        told: Is called after each step, with what became of it and how many steps there are.
     """
     began, run = time.perf_counter(), _Run(service, specification, service.robot(robot))
     expected = 0
     for number, step in enumerate(specification.steps, 1):
         requests = _requests(run.twin, step)
         expected += len(requests)
-        if not all(run.take(request) for request in requests):
+        for request in requests:
+            if not run.stopped:
+                run.take(request)
+                told(run.steps[-1], expected + len(specification.steps) - number)
+        if run.stopped:
             expected += len(specification.steps) - number
             break
     return run.result(expected, time.perf_counter() - began)
@@ -143,7 +115,8 @@ class _Run:
 
     def __init__(self, service: Service, specification: Specification, robot: Iri) -> None:
         self.service, self.specification, self.robot = service, specification, robot
-        self.twin = service.twin
+        self.twin, case = service.twin, Case(service.twin, robot=robot)
+        self._case, self._inputs = case, task_inputs(specification, case, service.physics, service.embodiment)
         self.steps: list[StepResult] = []
         self.legs: list[Leg] = []
         self._answers: list[RuleAnswer] = []
@@ -152,8 +125,8 @@ class _Run:
         self._depends = any(isinstance(each, KeepsDistance) for each in specification.rules)
         self._always: list[Rule] = [each for each in specification.rules if not _at_the_end(each)]
 
-    def take(self, request: Request) -> bool:
-        """Judge one more step; whether it is certified."""
+    def take(self, request: Request) -> None:
+        """Judge one more step."""
         began, found = time.perf_counter(), list[_Try]()
         for seed in self._seeds(began):
             found.append(self._tried(request, seed))
@@ -163,12 +136,16 @@ class _Run:
         best, compared = self._best(found), sum(each.clean for each in found)
         self.steps.append(StepResult(request, best.verdict, best.seed, len(found), compared, best.value))
         if best.leg is None:
-            return False
+            return
         self.legs.append(best.leg)
         self._answers = best.answers
         assert isinstance(best.verdict.case.final, State), "what is certified has a final state"
         self.twin = self.twin.at(best.verdict.case.final)
-        return True
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the last step that was judged is not certified, so that no other can follow."""
+        return len(self.legs) < len(self.steps)
 
     def _tried(self, request: Request, seed: int) -> "_Try":
         verdict = self._judged(request, seed)
@@ -239,6 +216,8 @@ class _Run:
         refused += [] if self.steps else [NOTHING_TO_DO]
         return TaskResult(
             specification=self.specification,
+            case=self._case,
+            inputs=self._inputs,
             outcome=outcome,
             steps=tuple(self.steps),
             of=expected,

@@ -1,15 +1,40 @@
 """Verdicts that `law` really gave, about small kitchens named a and b and lifts named pr2 and stretch."""
 
+from collections.abc import Iterator
+
 import pyoxigraph as ox
 import pytest
 
 from predicates.case import Case
 from predicates.law import law
 from predicates.record import to_record, write
+from predicates.specification.read import read_specification
+from predicates.specification.record import task_record
+from predicates.specification.result import TaskResult
 from sdt_kg.task import Task, Verb
+from services.app import Service
 from services.physics.oracle import Kinematics
+from services.specifications import achieve_task
 from tests.small import small_twin
-from tests.small.lift import Lift
+from tests.small.lift import Lift, Lifts
+
+TASK = """
+@prefix law: <https://example.org/law#> .
+@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
+@prefix t: <https://example.org/id/t/> .
+t:task a law:TaskSpecification ; rdfs:label "top drawer, never beyond {limit}" ;
+  law:hasStep t:one ; law:keeps t:rule .
+t:one a law:Task ; law:index 1 ; law:verb law:Open ; law:containerName "top_drawer" .
+t:rule a law:NeverBeyond ; law:containerName "top_drawer" ; law:limitPosition {limit} .
+"""
+
+
+def task_results() -> Iterator[TaskResult]:
+    """Of a task whose rule is broken and one whose rule is kept; their steps are among the verdicts."""
+    service = Service(small_twin("b", ("pr2", "stretch")), oracles=Lifts())
+    for limit in (0.3, 0.5):
+        specification = read_specification(service.twin, TASK.format(limit=limit), "task.ttl")
+        yield achieve_task(service, specification, "pr2")
 
 
 @pytest.fixture(scope="session")
@@ -21,6 +46,8 @@ def verdicts() -> ox.Store:
         store.extend(twin.entities.store.dump(twin.graphs()))
         for verdict in law(Case(twin, task=Task(Verb.OPEN)), Kinematics(), Lift()):
             write(store, to_record(verdict))
+    for result in task_results():
+        write(store, task_record(result))
     twin = small_twin("b", ("pr2", "stretch"))
     half_open = twin.at({twin.container("top_drawer").joint: 0.25})
     store.extend(half_open.entities.store.dump(half_open.graphs()))

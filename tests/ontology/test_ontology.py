@@ -34,7 +34,7 @@ SERVING_SEVERAL = {
     "tee": set[str](),
     "law": {
         *("robot", "environment", "task", "container", "motion", "bodyMotion"),  # of cases and verdicts
-        *("name", "value", "unit", "entity", "duration", "seconds"),
+        *("name", "value", "unit", "entity", "duration", "seconds", "time"),
         "containerName",  # of tasks and of rules
     },
 }

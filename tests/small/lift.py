@@ -11,16 +11,29 @@ import numpy as np
 
 from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity
 from predicates.meant import moved_by
+from predicates.oracle import Embodiment, Physics
 from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.iri import Iri, body_iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container, Twin
+from services.app import Policy
 from services.physics.chain import chain
+from services.physics.oracle import Kinematics
 from services.physics.spline import at_rest_velocities
 from services.physics.tree import build
 
 LIFT = "lift_joint"
 SLACK = 1e-9
+
+
+class Lifts:
+    """The closed-form robots in place of the planner: oracles of a service."""
+
+    def physics(self) -> Physics:
+        return Kinematics()
+
+    def embodiment(self, policy: Policy) -> Embodiment:
+        return Lift()
 
 
 class Lift:

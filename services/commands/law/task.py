@@ -1,17 +1,20 @@
 """`sdt task`: a task written in Turtle: steps, rules that hold along the way, the best motion by J."""
 
+from contextlib import nullcontext
+from pathlib import Path
 from typing import Any
 
 import click
 
 from predicates.case import Outcome
 from predicates.record import diagnosis_json, to_json
+from predicates.specification.model import Specification
 from predicates.specification.quality import UNITS
 from predicates.specification.rules import RuleAnswer
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
-from services.app import Policy, load
+from services.app import Policy, Service, load
 from services.commands.completion.types import KITCHEN, ROBOT
 from services.commands.exits import Exit
 from services.commands.options import (
@@ -19,15 +22,21 @@ from services.commands.options import (
     ROBOT_HELP,
     annotation_option,
     budget_option,
+    csv_flag,
     drive_option,
+    forces_option,
     json_flag,
+    save_option,
     seed_option,
     states_option,
+    tee_option,
 )
-from services.commands.show import print_json
+from services.commands.show import csv_is_asked, print_json, print_rows, progress
+from services.commands.tee_class import in_class
 from services.commands.verdicts import Json, diagnosis_text
 from services.requests import parse_base
-from services.specifications import StepResult, TaskResult, achieve_task, ready, specification_of
+from services.specifications import StepResult, TaskResult, achieve_task, keep, ready, specification_of
+from services.store.files import SavedVerdicts
 
 BETWEEN = (
     "each step is certified by itself: the robot begins it at its start pose, parked; its way back there "
@@ -36,6 +45,13 @@ BETWEEN = (
 NOMINAL = (
     "rules hold of the motion as certified: the container may be elsewhere by what the tool may slip (2 mm)"
 )
+
+
+COLUMNS = (
+    *("task", "task_outcome", "part", "number", "what", "outcome", "why"),
+    *("in_step", "time", "value", "seed", "searches", "compared", "iri"),
+)
+"""Of a step or rule on one line."""
 
 
 @click.command(
@@ -48,9 +64,13 @@ NOMINAL = (
 @states_option
 @click.option("--base", metavar="X,Y,YAW", help="Start pose of the base [m, m, rad], for every step.")
 @drive_option
+@tee_option
+@forces_option
 @annotation_option
 @budget_option
 @seed_option
+@save_option
+@csv_flag
 @json_flag
 def task_command(
     *,
@@ -58,13 +78,17 @@ def task_command(
     kitchen: str | None,
     robot: str | None,
     lists: bool,
+    tee: str,
+    forces: Path | None,
+    save: str | None,
     as_json: bool,
     **policy: Any,  # noqa: ANN401 - those of the policy, as click gives them
 ) -> None:
     """Can ROBOT do a sequence of steps in KITCHEN, and keep the rules on the way?
 
     Each step is judged from the state in which the step before ended. Where the task names a quality J,
-    several motions are made for each step and the best certified one is kept.
+    several motions are made for each step and the best certified one is kept. With --save, the result and
+    the verdict of each step are kept: sdt why tells them.
 
     Exit 0 certified, 1 not certified, 3 abstained: nothing is claimed, 2 bad input.
     """
@@ -76,14 +100,61 @@ def task_command(
     drive = Drive(policy["drive"]) if policy["drive"] else None
     how = Policy(drive, parse_base(policy["base"]), policy["budget"], policy["seed"])
     service = load(kitchen, [robot], annotation=policy["annotation"], state=policy["states"], policy=how)
-    result = achieve_task(service, specification_of(service.twin, source))
+    service = in_class(service, tee, forces)
+    specification = specification_of(service.twin, source)
+    with SavedVerdicts(save) if save else nullcontext() as saved:
+        result = _judged(service, specification)
+        if saved is not None:
+            keep(saved, result)
     said = result_json(result)
     if as_json:
         print_json(said)
+    elif csv_is_asked():
+        print_rows(_rows(said), COLUMNS, "csv")
     else:
         _print(said)
     exits = {Outcome.CERTIFIED: 0, Outcome.ABSTAINED: Exit.ABSTAINED}
     raise SystemExit(exits.get(result.outcome, Exit.NO))
+
+
+def _judged(service: Service, specification: Specification) -> TaskResult:
+    """The result, with a bar on the way; how many steps there are is known when they are reached."""
+    with progress(specification.label, len(specification.steps)) as bar:
+
+        def told(step: StepResult, of: int) -> None:
+            if bar:
+                now = step.verdict.outcome.value
+                bar.update(bar.task_ids[0], advance=1, total=of, now=now)
+
+        return achieve_task(service, specification, told=told)
+
+
+def _rows(said: Json) -> list[Json]:
+    """A row for each step and each rule."""
+    steps = [
+        {
+            **each,
+            "part": "step",
+            "number": number,
+            "what": each["step"],
+            "why": "; ".join(diagnosis_text(one) for one in each["verdict"]["diagnoses"]),
+            "iri": each["verdict"]["iri"],
+        }
+        for number, each in enumerate(said["steps"], 1)
+    ]
+    rules = [
+        {
+            "part": "rule",
+            "number": number,
+            "what": each["rule"],
+            "outcome": each["standing"],
+            "why": "" if each["diagnosis"] is None else diagnosis_text(each["diagnosis"]),
+            "in_step": each["step"],
+            "time": each["time"],
+        }
+        for number, each in enumerate(said["rules"], 1)
+    ]
+    return [{**each, "task": said["task"], "task_outcome": said["outcome"]} for each in [*steps, *rules]]
 
 
 def result_json(result: TaskResult) -> Json:
@@ -93,6 +164,7 @@ def result_json(result: TaskResult) -> Json:
     return {
         "task": result.specification.label,
         "iri": result.specification.iri,
+        "result": result.iri,
         "outcome": result.outcome.value,
         "steps": [_step_json(step) for step in result.steps],
         "steps_of": result.of,
@@ -153,6 +225,7 @@ def _print(said: Json) -> None:
     for note in said["notes"]:
         click.echo(f"  note: {note}")
     click.echo(f"  {said['seconds']:.2f} s")
+    click.echo(f"  {said['result']}")
 
 
 def _print_broken(broken: Json | None) -> None:

@@ -4,13 +4,14 @@ import click
 import pyoxigraph as ox
 
 from predicates.record import read_verdicts
+from predicates.record.facts import Facts
 from sdt_kg.errors import InputError
 from sdt_kg.iri import LAW, local_name
 from sdt_kg.store import rows_of
 from services.commands.options import csv_flag, json_flag
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.store.files import is_saved_graph, readable
-from services.why import SHORT_KEY, outcome, question, sections, verdicts_of, why
+from services.why import SHORT_KEY, outcome, question, results_of, sections, task, verdicts_of, why
 
 
 @click.command(name="why")
@@ -21,8 +22,8 @@ from services.why import SHORT_KEY, outcome, question, sections, verdicts_of, wh
 def why_command(verdict: str, store: str | None, as_json: bool) -> None:
     """Tell a stored verdict in plain words: what was asked, each answer, the reasons, how to check again.
 
-    IRI may be the beginning of the verdict's hash. A FILE (.trig, .nq) or STORE with one verdict tells it;
-    with several it lists them.
+    IRI may be the beginning of the verdict's hash, or that of the result of a task specification. A FILE
+    (.trig, .nq) or STORE with one verdict tells it; with several it lists them.
     """
     source, iri = (verdict, None) if store is None else (store, verdict)
     if not is_saved_graph(source):
@@ -32,7 +33,7 @@ def why_command(verdict: str, store: str | None, as_json: bool) -> None:
             remedy="for one verdict of a store: sdt why IRI --store STORE",
         )
     saved = without_twins(source)
-    known = verdicts_of(saved)
+    known = [*verdicts_of(saved), *results_of(saved)]
     if iri is None and len(known) != 1:
         _list(saved, as_json)
         return
@@ -47,22 +48,29 @@ def why_command(verdict: str, store: str | None, as_json: bool) -> None:
 
 
 def _list(saved: ox.Store, as_json: bool) -> None:
-    """Every verdict of the store, a row each."""
+    """Every result of a task specification and every verdict of the store, a row each."""
+    facts = Facts(saved)
     rows = [
-        {"verdict": local_name(each.iri)[:SHORT_KEY], "question": question(each), "outcome": outcome(each)}
+        {"verdict": each, "question": task.question(each, facts), "outcome": task.outcome_of(each, facts)}
+        for each in results_of(saved)
+    ]
+    rows += [
+        {"verdict": each.iri, "question": question(each), "outcome": outcome(each)}
         for each in read_verdicts(saved)
     ]
+    rows = [{**each, "verdict": local_name(each["verdict"])[:SHORT_KEY]} for each in rows]
     if not rows:
         raise InputError("there is no verdict in it", remedy="sdt achieve … --save FILE keeps one")
     print_rows(rows, ("verdict", "question", "outcome"), "json" if as_json else "table")
 
 
 def without_twins(source: str) -> ox.Store:
-    """The verdicts of a store, without the twins."""
+    """The verdicts and results of tasks of a store, without the twins."""
+    kinds = f"VALUES ?kind {{ <{LAW}Verdict> <{LAW}TaskResult> }}"
     store = readable(source)
     try:
         kept = rows_of(
-            store.query(f"SELECT DISTINCT ?graph WHERE {{ GRAPH ?graph {{ ?verdict a <{LAW}Verdict> }} }}")
+            store.query(f"SELECT DISTINCT ?graph WHERE {{ {kinds} GRAPH ?graph {{ ?of a ?kind }} }}")
         )
         return store.dump([str(row["graph"]) for row in kept[1]])
     finally:

@@ -1,19 +1,17 @@
 """`sdt task` and what it stands on: sequences, rules that are broken, the best by J, bad input."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from predicates.case import Kind, Outcome
-from predicates.oracle import Embodiment, Physics
 from predicates.specification.read import read_specification
 from sdt_kg.twin import Twin
 from services.app import Policy, Service, load
-from services.physics.oracle import Kinematics
 from services.specifications import TaskResult, achieve_task, ready, specification_of
 from tests.small import small_twin
-from tests.small.lift import Lift
+from tests.small.lift import Lifts
 
 HEAD = """
 @prefix law: <https://example.org/law#> .
@@ -22,17 +20,6 @@ t:task a law:TaskSpecification ; law:hasStep t:one ; {rest}
 t:one a law:Task ; law:index 1 ; law:verb law:Open ; law:containerName "low_drawer" .
 """
 SECOND = 't:two a law:Task ; law:index 2 ; law:verb law:Open ; law:containerName "side_door" .\n'
-
-
-@dataclass(frozen=True)
-class Lifts:
-    """The closed-form robot of tests/small in place of the planner."""
-
-    def physics(self) -> Physics:
-        return Kinematics()
-
-    def embodiment(self, policy: Policy) -> Embodiment:
-        return Lift()
 
 
 def small(twin: Twin | None = None) -> Service:

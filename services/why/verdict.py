@@ -1,23 +1,15 @@
 """A stored verdict in plain words: what was asked, what each predicate says, why, how to check it again."""
 
-import math
 import shlex
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 
-import pyoxigraph as ox
-
-from predicates.case import Diagnosis, Evidence, Outcome
+from predicates.case import Outcome
 from predicates.record import StoredVerdict
 from predicates.record.facts import Facts
 from predicates.record.inputs import UNKNOWN_INPUT
-from predicates.record.stored import read_verdict
 from predicates.scope import tee_class_of_hash
-from sdt_kg.errors import UnknownEntityError
-from sdt_kg.iri import ID, LAW, RDF, Iri, local_name, verdict_iri
-
-SHORT_KEY = 12
-"""[characters] Of a verdict's hash, where people read it."""
+from sdt_kg.iri import ID, LAW, Iri, local_name
+from services.why.words import Section, in_capitals, moved, reasons, versions, with_unit
 
 PREDICATES = {
     "SatisfiesRequest": "the final state meets the request",
@@ -34,89 +26,35 @@ MEANS = {
 FORCES = {"D_artic": "no forces, no friction", "D_artic_dyn": "forces at the handle, the robot's as noted"}
 
 
-@dataclass(frozen=True, slots=True)
-class Section:
-    """One part of the story.
-
-    Attributes:
-        title: A word or two.
-        lines: Sentences; those which begin with two blanks belong to the line before.
-    """
-
-    title: str
-    lines: tuple[str, ...]
-
-
-def why(source: ox.Store | Iterable[ox.Quad], iri: Iri) -> str:
-    """The verdict in plain words.
-
-    Args:
-        source: A store that holds it, or the quads of its named graph.
-        iri: Of the verdict, or the beginning of its hash.
-
-    Raises:
-        UnknownEntityError: No such verdict, or several whose hash begins like this.
-        InputError: Its record is damaged.
-    """
-    return "\n\n".join("\n".join((each.title, *each.lines)) for each in sections(source, iri))
-
-
-def sections(source: ox.Store | Iterable[ox.Quad], iri: Iri) -> tuple[Section, ...]:
+def sections(verdict: StoredVerdict, facts: Facts) -> tuple[Section, ...]:
     """The verdict in plain words, part by part."""
-    store = source if isinstance(source, ox.Store) else _store_of(source)
-    full = _known(store, iri)
-    (graph,) = {quad.graph_name for quad in _types(store, ox.NamedNode(full))}
-    quads = list(store.quads_for_pattern(None, None, None, graph))
-    verdict, facts = read_verdict(quads, full), Facts(quads)
     parts = (
         Section(f"{question(verdict)} {outcome(verdict)}", (_means(verdict),)),
         Section("Asked", tuple(_asked(verdict, facts))),
         Section("Answers", tuple(_answers(verdict, facts))),
-        Section("Reasons", tuple(_reasons(verdict))),
+        Section("Reasons", tuple(reasons(verdict.diagnoses))),
         Section(
-            "Margins", tuple(f"{name}: {_with_unit(*figure)}" for name, figure in verdict.figures.items())
+            "Margins", tuple(f"{name}: {with_unit(*figure)}" for name, figure in verdict.figures.items())
         ),
         Section("Notes", verdict.notes),
-        Section("Versions and inputs", tuple(_inputs(verdict))),
+        Section("Versions and inputs", tuple(versions(verdict.inputs))),
         Section("To check again", tuple(_again(verdict, facts))),
     )
     return tuple(each for each in parts if each.lines)
 
 
-def verdicts_of(store: ox.Store) -> list[Iri]:
-    """IRIs of all verdicts of a store."""
-    return sorted({quad.subject.value for quad in _types(store) if isinstance(quad.subject, ox.NamedNode)})
-
-
-def _store_of(quads: Iterable[ox.Quad]) -> ox.Store:
-    store = ox.Store()
-    store.extend(quads)
-    return store
-
-
-def _types(store: ox.Store, verdict: ox.NamedNode | None = None) -> Iterator[ox.Quad]:
-    return store.quads_for_pattern(verdict, ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + "Verdict"), None)
-
-
-def _known(store: ox.Store, iri: Iri) -> Iri:
-    """The verdict of this IRI, or whose hash begins like this."""
-    start = (stem := verdict_iri("")) + iri.removeprefix(stem).removeprefix("id:verdict/")
-    found = [each for each in verdicts_of(store) if each.startswith(start)] if start != stem else []
-    if iri in found or len(found) == 1:
-        return iri if iri in found else found[0]
-    near = [local_name(each)[:SHORT_KEY] for each in (found or verdicts_of(store))]
-    raise UnknownEntityError("verdict", iri, near, "'sdt why FILE' lists those of a file")
-
-
 def outcome(verdict: StoredVerdict) -> str:
     """CERTIFIED, NOT CERTIFIED or ABSTAINED."""
-    return verdict.outcome.value.replace("_", " ").upper()
+    return in_capitals(verdict.outcome)
 
 
 def question(verdict: StoredVerdict) -> str:
     """Who, what, where."""
     who = local_name(verdict.robot) if verdict.robot else "some motion"
-    verb = verdict.verb.value if verdict.verb else "achieve something with"
+    to_goal = dict(verdict.inputs).get("final", UNKNOWN_INPUT) != UNKNOWN_INPUT
+    verb = (
+        verdict.verb.value if verdict.verb else ("reach a goal with" if to_goal else "achieve something with")
+    )
     what = local_name(verdict.container) if verdict.container else "a container"
     return f"Can {who} {verb} {what} in kitchen {local_name(verdict.environment)}?"
 
@@ -152,8 +90,10 @@ def _asked(verdict: StoredVerdict, facts: Facts) -> Iterator[str]:
         yield f"robot: {local_name(verdict.robot)}, its base moves: {drive}"
     if "embodiment.start" in inputs:
         yield f"start of the base: {_start(inputs['embodiment.start'])}"
-    moved = _moved(verdict, facts)
-    yield "kitchen: " + (", ".join(moved) + ", all else at its start" if moved else "everything at its start")
+    elsewhere = moved(verdict.iri, facts)
+    yield "kitchen: " + (
+        ", ".join(elsewhere) + ", all else at its start" if elsewhere else "everything at its start"
+    )
     given = _given(verdict)
     yield f"motion: {given} was given, to be verified" if given else "motion: to be found"
     for name in ("motion", "bodyMotion"):
@@ -169,14 +109,6 @@ def _start(text: str) -> str:
         return text
     x, y, yaw = values.split(", ")
     return f"x {x} m, y {y} m, " + ("turned to the handle" if turned else f"yaw {yaw} rad") + ", arms parked"
-
-
-def _moved(verdict: StoredVerdict, facts: Facts) -> list[str]:
-    parts = facts.all(verdict.iri, LAW + "jointPosition")
-    return [
-        f"{local_name(facts.needed(of, LAW + 'entity'))} at {facts.measured(of, LAW + 'value'):.6g}"
-        for of in parts
-    ]
 
 
 def _motion(facts: Facts, of: Iri, name: str) -> str:
@@ -202,49 +134,6 @@ def _answers(verdict: StoredVerdict, facts: Facts) -> Iterator[str]:
             took = "" if seconds is None else f", in {seconds:.3g} s"
             yield f"  answered by {facts.needed(parts[name], LAW + 'version')}{took}"
     yield f"all of it took {verdict.seconds:.3g} s"
-
-
-def _reasons(verdict: StoredVerdict) -> Iterator[str]:
-    for index, each in enumerate(verdict.diagnoses, 1):
-        yield f"{index}. {each.kind.value.replace('_', ' ')}: {each.reason}"
-        yield from (f"  {line}" for line in _grounds(each))
-
-
-def _grounds(diagnosis: Diagnosis) -> Iterator[str]:
-    """What a reason rests on: a SHACL result, a measurement, a proof or a search."""
-    violation, search = diagnosis.violation, diagnosis.search
-    if violation is not None:
-        path = f", property {local_name(violation.path)}" if violation.path else ""
-        yield f"SHACL result: {local_name(violation.focus)}{path}, shape {local_name(violation.shape)}"
-        yield f"  value {_plain(violation.value)}, demanded {_plain(violation.bound)}"
-    elif diagnosis.evidence is not None:
-        yield _measured(diagnosis.evidence)
-    if diagnosis.proof:
-        yield "proved"
-    elif search is not None:
-        tried = f"{search.seeds} seeds, {search.branches} branches, {search.placements} placements"
-        yield f"not proved: searched {tried} in {search.seconds:.1f} s, then gave up"
-    elif violation is None:
-        yield "not proved"
-
-
-def _measured(evidence: Evidence) -> str:
-    who = [local_name(each) for each in evidence.links or ((evidence.entity,) if evidence.entity else ())]
-    of = f" of {' and '.join(who)}" if who else ""
-    when = "" if evidence.time is None else f", {evidence.time:.4g} s into the motion"
-    bound = (
-        ""
-        if math.isnan(evidence.bound)
-        else f", where the bound is {_with_unit(evidence.bound, evidence.unit)}"
-    )
-    return f"measured: {evidence.quantity.value}{of} {_with_unit(evidence.value, evidence.unit)}{bound}{when}"
-
-
-def _inputs(verdict: StoredVerdict) -> Iterator[str]:
-    """Everything that the verdict's IRI is the hash of, and the budget."""
-    for name, value in verdict.inputs:
-        if value != UNKNOWN_INPUT:
-            yield f"{name.replace('_', ' ').replace('embodiment.', '')}: {value.replace(ID, '')}"
 
 
 def _again(verdict: StoredVerdict, facts: Facts) -> Iterator[str]:
@@ -288,13 +177,3 @@ def _command(verdict: StoredVerdict, facts: Facts) -> str:
         words += [f"--{name}", value.removesuffix(" s")] if value else []
     words += ["--motion", "FILE"] if _given(verdict) else []
     return shlex.join(words)
-
-
-def _with_unit(value: float, unit: str) -> str:
-    return f"{value:.6g}" + ("" if unit == "1" else f" {unit}")
-
-
-def _plain(value: object) -> str:
-    if value is None:
-        return "none"
-    return local_name(value) if isinstance(value, str) and value.startswith("http") else str(value)

@@ -1,0 +1,21 @@
+"""Results of task specifications, kept where verdicts are."""
+
+from predicates.specification.record import gives_way, task_record
+from predicates.specification.result import TaskResult
+from services.store.files import SavedVerdicts
+
+
+def keep(saved: SavedVerdicts, result: TaskResult) -> bool:
+    """The result, its twin and the verdicts of its steps are kept; whether the result is new.
+
+    A result that is there already stays, unless it gives way to this one.
+    """
+    saved.add_twin(result.case.twin)
+    for step in result.steps:
+        saved.add(step.verdict)
+    record = task_record(result)
+    stored, fresh = saved.store.graph(record.graph), list(record.quads())
+    if stored and not gives_way(stored, fresh, result.iri):
+        return False
+    saved.store.replace(record.graph, fresh)
+    return True

@@ -1,0 +1,94 @@
+"""What is stored, in plain words: a verdict, or the result of a task specification."""
+
+from collections.abc import Iterable, Iterator
+
+import pyoxigraph as ox
+
+from predicates.record.facts import Facts
+from predicates.record.stored import read_verdict
+from sdt_kg.errors import UnknownEntityError
+from sdt_kg.iri import LAW, RDF, Iri, local_name, task_result_iri, verdict_iri
+from services.why import task
+from services.why import verdict as of_verdict
+from services.why.verdict import MEANS, PREDICATES, outcome, question
+from services.why.words import SHORT_KEY, Section
+
+__all__ = [
+    "MEANS",
+    "PREDICATES",
+    "SHORT_KEY",
+    "Section",
+    "outcome",
+    "question",
+    "results_of",
+    "sections",
+    "task",
+    "verdicts_of",
+    "why",
+]
+
+
+def why(source: ox.Store | Iterable[ox.Quad], iri: Iri) -> str:
+    """The verdict, or the result of a task specification, in plain words.
+
+    Args:
+        source: A store that holds it, or the quads of its named graph.
+        iri: Of the verdict or result, or the beginning of its hash.
+
+    Raises:
+        UnknownEntityError: No such verdict, or several whose hash begins like this.
+        InputError: Its record is damaged.
+    """
+    return "\n\n".join("\n".join((each.title, *each.lines)) for each in sections(source, iri))
+
+
+def sections(source: ox.Store | Iterable[ox.Quad], iri: Iri) -> tuple[Section, ...]:
+    """The same part by part."""
+    store = source if isinstance(source, ox.Store) else _store_of(source)
+    full = _known(store, iri)
+    (graph,) = {quad.graph_name for name in ("Verdict", "TaskResult") for quad in _types(store, name, full)}
+    quads = list(store.quads_for_pattern(None, None, None, graph))
+    facts = Facts(quads)
+    if full.startswith(task_result_iri("")):
+        return task.sections(full, facts)
+    return of_verdict.sections(read_verdict(quads, full), facts)
+
+
+def verdicts_of(store: ox.Store) -> list[Iri]:
+    """IRIs of all verdicts of a store."""
+    return _named(store, "Verdict")
+
+
+def results_of(store: ox.Store) -> list[Iri]:
+    """IRIs of all results of task specifications of a store."""
+    return _named(store, "TaskResult")
+
+
+def _store_of(quads: Iterable[ox.Quad]) -> ox.Store:
+    store = ox.Store()
+    store.extend(quads)
+    return store
+
+
+def _named(store: ox.Store, kind: str) -> list[Iri]:
+    found = _types(store, kind)
+    return sorted({quad.subject.value for quad in found if isinstance(quad.subject, ox.NamedNode)})
+
+
+def _types(store: ox.Store, kind: str, of: Iri | None = None) -> Iterator[ox.Quad]:
+    subject = None if of is None else ox.NamedNode(of)
+    return store.quads_for_pattern(subject, ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + kind), None)
+
+
+def _known(store: ox.Store, iri: Iri) -> Iri:
+    """The verdict or result of this IRI, or whose hash begins like this."""
+    all_known = [*verdicts_of(store), *results_of(store)]
+    stems = (verdict_iri(""), task_result_iri(""))
+    key = iri.removeprefix("id:verdict/").removeprefix("id:task_result/")
+    starts = [iri] if iri.startswith(stems) else [stem + key for stem in stems if key]
+    found = [each for each in all_known if each.startswith(tuple(starts)) and each not in stems]
+    found = [] if set(starts) & set(stems) else found
+    if iri in found or len(found) == 1:
+        return iri if iri in found else found[0]
+    near = [local_name(each)[:SHORT_KEY] for each in (found or all_known)]
+    raise UnknownEntityError("verdict", iri, near, "'sdt why FILE' lists those of a file")

@@ -1,0 +1,123 @@
+"""A stored result of a task specification: steps, rules, which was broken when, J, how to check again."""
+
+from collections.abc import Iterator
+from typing import Final
+
+from predicates.case import Outcome
+from predicates.record.facts import Facts, term
+from predicates.record.stored import OUTCOME_TERM, read_diagnosis
+from sdt_kg.iri import LAW, PROV, RDFS, Iri, local_name
+from services.why.words import SHORT_KEY, Section, in_capitals, moved, reasons, versions, with_unit
+
+MEANS: Final = {
+    Outcome.CERTIFIED: "Every step is certified, and every rule is kept along those motions, between samples "
+    "too.",
+    Outcome.NOT_CERTIFIED: "A step is not certified, or a rule is broken by the motions that were found; "
+    "others might keep it.",
+    Outcome.ABSTAINED: "A step is out of scope, or a rule is not bounded: nothing is claimed.",
+}
+STANDING: Final = {"Kept": "kept", "Broken": "BROKEN", "NotBounded": "not bounded"}
+_OUTCOME: Final = {name: outcome for outcome, name in OUTCOME_TERM.items()}
+
+
+def sections(iri: Iri, facts: Facts) -> tuple[Section, ...]:
+    """The result in plain words, part by part."""
+    outcome = _outcome(iri, facts)
+    steps, rules = facts.all(iri, LAW + "stepResult"), facts.all(iri, LAW + "ruleAnswer")
+    diagnoses = [read_diagnosis(facts, each) for each in facts.all(iri, LAW + "diagnosis")]
+    used = facts.all(facts.needed(iri, PROV + "wasGeneratedBy"), PROV + "used")
+    inputs = [(facts.needed(of, LAW + "name"), facts.needed(of, LAW + "inputHash")) for of in used]
+    parts = (
+        Section(f"{question(iri, facts)} {in_capitals(outcome)}", (MEANS[outcome],)),
+        Section("Asked", tuple(_asked(iri, facts))),
+        Section("Steps", tuple(line for each in steps for line in _step(each, facts))),
+        Section("Rules", tuple(_rules(iri, rules, facts))),
+        Section("Reasons", tuple(reasons(diagnoses))),
+        Section("Quality", tuple(_quality(iri, facts))),
+        Section("Versions and inputs", tuple(versions(inputs))),
+        Section("To check again", tuple(_again(iri, steps, facts))),
+    )
+    return tuple(each for each in parts if each.lines)
+
+
+def question(iri: Iri, facts: Facts) -> str:
+    """Who, what, where."""
+    who = local_name(facts.needed(iri, LAW + "robot"))
+    where = local_name(facts.needed(iri, LAW + "environment"))
+    return f"Can {who} do '{facts.needed(iri, RDFS + 'label')}' in kitchen {where}?"
+
+
+def outcome_of(iri: Iri, facts: Facts) -> str:
+    """CERTIFIED, NOT CERTIFIED or ABSTAINED."""
+    return in_capitals(_outcome(iri, facts))
+
+
+def _outcome(of: Iri, facts: Facts) -> Outcome:
+    return term(_OUTCOME, facts.needed(of, LAW + "taskOutcome"))
+
+
+def _asked(iri: Iri, facts: Facts) -> Iterator[str]:
+    yield f"specification: {facts.needed(iri, LAW + 'specification')}"
+    asked = (facts.measured(iri, LAW + name) for name in ("stepsAsked", "rulesAsked"))
+    yield "{:.0f} steps, {:.0f} rules".format(*asked)
+    elsewhere = moved(iri, facts)
+    at = ", ".join(elsewhere) + ", all else at its start" if elsewhere else "everything at its start"
+    yield f"kitchen before the first step: {at}"
+
+
+def _step(of: Iri, facts: Facts) -> Iterator[str]:
+    """The request with its outcome; the verdict, and by what the motion was chosen."""
+    task = facts.needed(of, LAW + "task")
+    goal = facts.number(task, LAW + "goalPosition")
+    verb = local_name(facts.needed(task, LAW + "verb")).lower()
+    what = f"{verb} {local_name(facts.needed(task, LAW + 'container'))}"
+    what += "" if goal is None else f" to {goal:g}"
+    yield f"{facts.measured(task, LAW + 'index'):.0f}. {what}: {in_capitals(_outcome(of, facts))}"
+    yield f"  verdict {local_name(facts.needed(of, LAW + 'verdict'))[:SHORT_KEY]}"
+    if facts.text(of, LAW + "bodyMotion") is None:
+        return
+    compared, searches, seed = (
+        f"{facts.measured(of, LAW + name):.0f}" for name in ("compared", "searches", "searchSeed")
+    )
+    value = facts.number(of, LAW + "qualityValue")
+    unit = facts.text(of, LAW + "unit") or "1"
+    said = "no value of J" if value is None else with_unit(value, unit)
+    if facts.text(of, LAW + "comparedBy") is None:
+        said = "the first"
+    yield f"  motion of seed {seed}, {said}: of {compared} certified that broke no rule, {searches} searched"
+
+
+def _rules(iri: Iri, rules: list[Iri], facts: Facts) -> Iterator[str]:
+    first = facts.text(iri, LAW + "firstBroken")
+    for index, each in enumerate(rules, 1):
+        standing = STANDING[local_name(facts.needed(each, LAW + "standing"))]
+        yield f"{index}. {standing}: {facts.needed(each, RDFS + 'label')}"
+        yield f"  checked {facts.needed(each, LAW + 'checkedHow')}"
+        step, time = facts.text(each, LAW + "inStep"), facts.number(each, LAW + "time")
+        if step is not None:
+            when = "" if time is None else f" at {time:.4g} s"
+            yield f"  in step {local_name(step)}{when}" + (", before any other rule" if each == first else "")
+            elsewhere = moved(each, facts)
+            if elsewhere:
+                yield f"  with {', '.join(elsewhere)}, all else at its start"
+    missing = facts.measured(iri, LAW + "rulesAsked") - len(rules)
+    if missing:
+        yield f"{missing:.0f} were not judged: the sequence did not get there"
+
+
+def _quality(iri: Iri, facts: Facts) -> Iterator[str]:
+    by, value = facts.text(iri, LAW + "comparedBy"), facts.number(iri, LAW + "qualityValue")
+    if by is not None:
+        said = "no value" if value is None else with_unit(value, facts.needed(iri, LAW + "unit"))
+        yield f"J = {local_name(by)}: {said}, of the best found, step by step; not the optimum"
+
+
+def _again(iri: Iri, steps: list[Iri], facts: Facts) -> Iterator[str]:
+    yield (
+        f"sdt task FILE --kitchen {local_name(facts.needed(iri, LAW + 'environment'))} "
+        f"--robot {local_name(facts.needed(iri, LAW + 'robot'))}"
+    )
+    yield f"  FILE: the specification, or the ready task that {facts.needed(iri, LAW + 'specification')} is"
+    for each in steps:
+        yield f"sdt why {facts.needed(each, LAW + 'verdict')} --store STORE"
+    yield iri

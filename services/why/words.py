@@ -1,0 +1,95 @@
+"""What verdicts and results of tasks have in common, in plain words."""
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from predicates.case import Diagnosis, Evidence, Outcome
+from predicates.record.facts import Facts
+from predicates.record.inputs import UNKNOWN_INPUT
+from sdt_kg.iri import ID, LAW, Iri, local_name
+
+SHORT_KEY = 12
+"""[characters] Of a hash, where people read it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """One part of the story.
+
+    Attributes:
+        title: A word or two.
+        lines: Sentences; those which begin with two blanks belong to the line before.
+    """
+
+    title: str
+    lines: tuple[str, ...]
+
+
+def in_capitals(outcome: Outcome) -> str:
+    """CERTIFIED, NOT CERTIFIED or ABSTAINED."""
+    return outcome.value.replace("_", " ").upper()
+
+
+def moved(judged: Iri, facts: Facts) -> list[str]:
+    """Joints that are elsewhere than where the kitchen starts, each with its position."""
+    parts = facts.all(judged, LAW + "jointPosition")
+    return [
+        f"{local_name(facts.needed(of, LAW + 'entity'))} at {facts.measured(of, LAW + 'value'):.6g}"
+        for of in parts
+    ]
+
+
+def reasons(diagnoses: Iterable[Diagnosis]) -> Iterator[str]:
+    """Each reason, and what it rests on."""
+    for index, each in enumerate(diagnoses, 1):
+        yield f"{index}. {each.kind.value.replace('_', ' ')}: {each.reason}"
+        yield from (f"  {line}" for line in _grounds(each))
+
+
+def _grounds(diagnosis: Diagnosis) -> Iterator[str]:
+    """What a reason rests on: a SHACL result, a measurement, a proof or a search."""
+    violation, search = diagnosis.violation, diagnosis.search
+    if violation is not None:
+        path = f", property {local_name(violation.path)}" if violation.path else ""
+        yield f"SHACL result: {local_name(violation.focus)}{path}, shape {local_name(violation.shape)}"
+        yield f"  value {_plain(violation.value)}, demanded {_plain(violation.bound)}"
+    elif diagnosis.evidence is not None:
+        yield _measured(diagnosis.evidence)
+    if diagnosis.proof:
+        yield "proved"
+    elif search is not None:
+        tried = f"{search.seeds} seeds, {search.branches} branches, {search.placements} placements"
+        yield f"not proved: searched {tried} in {search.seconds:.1f} s, then gave up"
+    elif violation is None:
+        yield "not proved"
+
+
+def _measured(evidence: Evidence) -> str:
+    who = [local_name(each) for each in evidence.links or ((evidence.entity,) if evidence.entity else ())]
+    of = f" of {' and '.join(who)}" if who else ""
+    when = "" if evidence.time is None else f", {evidence.time:.4g} s into the motion"
+    bound = (
+        ""
+        if math.isnan(evidence.bound)
+        else f", where the bound is {with_unit(evidence.bound, evidence.unit)}"
+    )
+    return f"measured: {evidence.quantity.value}{of} {with_unit(evidence.value, evidence.unit)}{bound}{when}"
+
+
+def versions(inputs: Iterable[tuple[str, str]]) -> Iterator[str]:
+    """Everything that the IRI is the hash of, and the budget."""
+    for name, value in inputs:
+        if value != UNKNOWN_INPUT:
+            yield f"{name.replace('_', ' ').replace('embodiment.', '')}: {value.replace(ID, '')}"
+
+
+def with_unit(value: float, unit: str) -> str:
+    """A number with its unit, bare where that is 1."""
+    return f"{value:.6g}" + ("" if unit == "1" else f" {unit}")
+
+
+def _plain(value: object) -> str:
+    if value is None:
+        return "none"
+    return local_name(value) if isinstance(value, str) and value.startswith("http") else str(value)
