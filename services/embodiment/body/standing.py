@@ -1,51 +1,120 @@
-"""Compiled inner loop: where a robot whose joints stand still can be, among a kitchen that stands still."""
+"""Compiled inner loops: where a robot whose joints stand still can be, among a kitchen that stands still."""
 
 import math
 
 import numpy as np
 from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
-from services.embodiment.body.contacts import beside, parting
-from services.embodiment.body.kernels import forward, place_boxes
+from services.embodiment.body.kernels import matmul
+from services.physics.geometry.convex import parted
+from services.physics.geometry.packed import bounds_of
+
+TOUCHES = -1.0
+"""As a clearance: two shapes are nearer than their margin."""
 
 _compiled = njit(cache=True, fastmath=False)
 
 
 @_compiled
-def standing(qs, tree, boxes, split, shapes, margins, largest, free):
-    """Whether robot and kitchen keep their margins at each of qs (K, nq) is in `free` (K,).
+def extents(at_r, at_c, shapes, first, low, high):
+    """Corners of boxes along the world's axes that hold shapes `first` and those after it, at their poses."""
+    for n in range(at_r.shape[0]):
+        s = first + n
+        for i in range(3):
+            reach = shapes[2][s]
+            for k in range(3):
+                reach += abs(at_r[n, i, k]) * shapes[1][s, k]
+            low[n, i], high[n, i] = at_c[n, i] - reach, at_c[n, i] + reach
 
-    The kitchen's part of qs is the same in all of them, and `largest` is the largest of the margins; the
-    rest is as in `contacts.contacts`.
+
+@_compiled
+def _apart(low, high, s, bottom, top, e):
+    """Distance of two boxes along the world's axes, squared."""
+    squared = 0.0
+    for i in range(3):
+        gap = max(low[s, i] - top[e, i], bottom[e, i] - high[s, i], 0.0)
+        squared += gap * gap
+    return squared
+
+
+@_compiled
+def _clearance(pose, own, there, shapes, margins, most, room):
+    """How much farther than their margins all shapes are apart at least, up to `most` [m]; or TOUCHES.
+
+    `own` is (rotations, centres) of the robot's shapes where its base is at the origin, `there` the same
+    of the kitchen's with the corners of their boxes; `margins` as in `contacts.contacts`.
     """
-    count = boxes[0].shape[0]
-    r, p = np.empty((tree[0].shape[0], 3, 3)), np.empty((tree[0].shape[0], 3))
-    at_r, at_c = np.empty((count, 3, 3)), np.empty((count, 3))
-    low, high, work = np.empty((count, 3)), np.empty((count, 3)), np.zeros((8, 4))
-    for k in range(qs.shape[0]):
-        forward(qs[k], tree, r, p)
-        place_boxes(r, p, boxes, at_r, at_c)
-        bottom, top = np.full(3, math.inf), np.full(3, -math.inf)
-        for s in range(split if k > 0 else 0, count):
-            for i in range(3):
-                reach = shapes[2][s]
-                for n in range(3):
-                    reach += abs(at_r[s, i, n]) * shapes[1][s, n]
-                low[s, i], high[s, i] = at_c[s, i] - reach, at_c[s, i] + reach
-                if s >= split:
-                    bottom[i] = min(bottom[i], low[s, i] - largest)
-                    top[i] = max(top[i], high[s, i] + largest)
-        free[k] = True
-        for e in range(split):
-            far = low[e, 0] > top[0] or high[e, 0] < bottom[0] or low[e, 1] > top[1]
-            if far or high[e, 1] < bottom[1] or low[e, 2] > top[2] or high[e, 2] < bottom[2]:
+    at_r, at_c, low, high, turn, work = room
+    split, count = there[0].shape[0], own[0].shape[0]
+    turn[0, 0], turn[0, 1], turn[1, 0], turn[1, 1] = (
+        math.cos(pose[2]),
+        -math.sin(pose[2]),
+        math.sin(pose[2]),
+        math.cos(pose[2]),
+    )
+    for n in range(count):
+        matmul(turn, own[0][n], at_r[n])
+        for i in range(2):
+            at_c[n, i] = pose[i] + turn[i, 0] * own[1][n, 0] + turn[i, 1] * own[1][n, 1]
+        at_c[n, 2] = own[1][n, 2]
+    extents(at_r, at_c, shapes, split, low, high)
+    for i in range(3):
+        low[count, i], high[count, i] = low[:count, i].min(), high[:count, i].max()
+    best = most
+    for e in range(split):
+        far = best + margins[0, e]
+        for n in range(count):
+            far = max(far, best + margins[n, e])
+        if _apart(low, high, count, there[2], there[3], e) >= far * far:
+            continue
+        for n in range(count):
+            margin = margins[n, e]
+            far = best + margin
+            if margin < 0.0 or _apart(low, high, n, there[2], there[3], e) >= far * far:
                 continue
-            for s in range(split, count):
-                margin = margins[s - split, e]
-                if margin < 0.0 or beside(low, high, s, e, margin):
-                    continue
-                if parting(shapes, s, e, at_r[s], at_c[s], at_r[e], at_c[e], margin, work) <= margin:
-                    free[k] = False
-                    break
-            if not free[k]:
-                break
+            gap = parted(shapes, split + n, e, at_r[n], at_c[n], there[0][e], there[1][e])
+            if gap < far:
+                gap, _ = bounds_of(
+                    shapes, split + n, e, at_r[n], at_c[n], there[0][e], there[1][e], far, margin, work
+                )
+            if gap <= margin:
+                return TOUCHES
+            best = min(best, gap - margin)
+    return best
+
+
+@_compiled
+def _room(count):
+    """What `_clearance` writes to."""
+    shapes = np.empty((count, 3, 3)), np.empty((count, 3))
+    return (*shapes, np.empty((count + 1, 3)), np.empty((count + 1, 3)), np.eye(3), np.zeros((8, 4)))
+
+
+@_compiled
+def standing(poses, own, there, shapes, margins, free):
+    """Whether robot and kitchen keep their margins at each base pose (K, 3) is in `free` (K,)."""
+    room = _room(own[0].shape[0])
+    for k in range(poses.shape[0]):
+        free[k] = _clearance(poses[k], own, there, shapes, margins, 0.0, room) != TOUCHES
+
+
+@_compiled
+def driving(poses, own, there, shapes, margins, reach, most):
+    """Whether they keep them at all base poses; `reach` is of the farthest point from the base's axis [m].
+
+    Poses to which the robot cannot have come nearer than it is clear are left out.
+    """
+    room, k = _room(own[0].shape[0]), 0
+    while k < poses.shape[0]:
+        clear = _clearance(poses[k], own, there, shapes, margins, most, room)
+        if clear == TOUCHES:
+            return False
+        here = k
+        while k < poses.shape[0] and (
+            math.hypot(poses[k, 0] - poses[here, 0], poses[k, 1] - poses[here, 1])
+            + reach * abs(poses[k, 2] - poses[here, 2])
+            < clear
+        ):
+            k += 1
+        k = max(k, here + 1)
+    return True

@@ -4,6 +4,7 @@ import numpy as np
 
 from services.embodiment.body import hands, ik
 from services.embodiment.body.limb import Limb, Margins, rules
+from services.embodiment.body.parked import Parked
 from services.embodiment.body.world import World
 
 
@@ -47,4 +48,4 @@ def warm(world: World, limb: Limb) -> None:
     scene = world.tree, world.boxes, world.shapes, one, one, tool, tool
     hands.gaps(limb.q(x), *scene, np.empty(1))
     hands.closing(limb.q(x), limb.q(x), *scene, np.ones((2, 1), np.bool_), 0.0, 0)
-    world.standing(limb.q(x)[None], demands)
+    Parked(world, limb.q(x), demands).drives(np.zeros((1, 3)))

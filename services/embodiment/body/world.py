@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from sdt_kg.iri import Iri
 from sdt_kg.mechanism import JointType
 from services.embodiment.body import contacts, kernels
-from services.embodiment.body.standing import standing
 from services.physics.geometry.convex import BALL, MESH
 from services.physics.model import Scene
 
@@ -125,24 +124,6 @@ class World:
     def free(self, q: Array, rules: Rules) -> bool:
         """Whether all pairs keep their margins at one configuration, shape (nq,)."""
         return self.contact(q[None], rules) is None
-
-    def standing(self, configurations: Array, rules: Rules) -> list[bool]:
-        """Whether robot and kitchen keep their margins, at each of many configurations (N, nq).
-
-        The kitchen stands still in them, and the robot's own pairs are not looked at.
-        """
-        free = np.empty(len(configurations), np.bool_)
-        standing(
-            np.ascontiguousarray(configurations),
-            self.tree,
-            self.boxes,
-            self.split,
-            self.shapes,
-            rules.environment,
-            rules.largest,
-            free,
-        )
-        return free.tolist()
 
     def distance(self, pair: Pair, r: Array, p: Array) -> float:
         """Signed distance of two shapes [m], negative when they penetrate."""

@@ -70,10 +70,9 @@ class Approacher:
         self, roads: Roads, hand: Hand, rules: Rules, start: Array, late: Callable[[], bool]
     ) -> None:
         self.roads, self.hand, self.rules, self.start, self.late = roads, hand, rules, start, late
-        world, limb = roads.space.world, roads.space.limb
-        self.world, self.limb, self.drive = world, limb, roads.space.drive
-        self.weight = reaches(limb)
-        self.rest = limb.rest
+        self.world, self.limb, self.drive = hand.world, hand.limb, roads.space.drive
+        self.weight = reaches(self.limb)
+        self.rest = self.limb.rest
         self._contact_there: Contact | None = None
 
     def approach(self, holding: Holding, problem: Problem, rng: np.random.Generator) -> Approach | Blocked:

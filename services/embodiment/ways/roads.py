@@ -15,6 +15,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from sdt_kg.annotation import Drive
 from services.embodiment.body.limb import Limb
+from services.embodiment.body.parked import Parked
 from services.embodiment.body.world import Rules, World
 from services.embodiment.ways.lattice import Lattice
 from services.embodiment.ways.spaces import DriveSpace
@@ -132,6 +133,5 @@ class Roads:
 
 def make_roads(world: World, limb: Limb, rules: Rules, drive: Drive, seed: int) -> Roads:
     """An empty roadmap for the robot with that limb parked and its hand open."""
-    outside = Rules(rules.environment, rules.pairs[:0], rules.own[:0])
-    space = DriveSpace(world, limb, outside, limb.rest, limb.parked.copy(), drive)
+    space = DriveSpace(Parked(world, limb.q(limb.parked), rules), drive)
     return Roads(space, np.random.default_rng(seed), Lattice(space))

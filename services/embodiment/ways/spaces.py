@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
 from services.embodiment.body.limb import BASE, Limb
+from services.embodiment.body.parked import Parked
 from services.embodiment.body.world import Rules, World
 from services.embodiment.ways.paths import between
 
@@ -77,28 +78,18 @@ class ArmSpace:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DriveSpace:
-    """Base poses (x, y, yaw) of a robot whose arms do not move; yaw is a real number.
+    """Base poses (x, y, yaw) of a robot whose arms do not move; yaw is a real number."""
 
-    Attributes:
-        x: The limb's variables but for the base.
-    """
-
-    world: World
-    limb: Limb
-    rules: Rules
-    rest: Array
-    x: Array
+    parked: Parked
     drive: Drive
 
     def stands(self, pose: Array) -> bool:
         """Whether the parked robot touches nothing at a base pose."""
-        return self._straight(pose, pose)
+        return bool(self.parked.stands(pose[None])[0])
 
     def stand_free(self, poses: Array) -> list[bool]:
         """Whether the parked robot touches nothing, at each of many base poses (K, 3)."""
-        xs = np.repeat(self.x[None], len(poses), axis=0)
-        xs[:, BASE] = poses
-        return self.world.standing(self.limb.q(xs, self.rest), self.rules)
+        return self.parked.stands(poses).tolist()
 
     def distance(self, one: Array, others: Array) -> Array:
         away = others - one
@@ -120,9 +111,7 @@ class DriveSpace:
 
     def _straight(self, start: Array, end: Array) -> bool:
         pieces = int(np.ceil(float(self.distance(start, end[None])[0]) / DRIVE_STEP)) + 1
-        xs = np.repeat(self.x[None], pieces, axis=0)
-        xs[:, BASE] = between(start, end, pieces)
-        return self.world.contact(self.limb.q(xs, self.rest), self.rules) is None
+        return self.parked.drives(between(start, end, pieces))
 
 
 def _wrap(angle: float) -> float:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from services.embodiment.body.parked import Parked
 from services.embodiment.body.world import World
 from services.embodiment.hold.kit import Kits
 
@@ -26,11 +27,10 @@ def near(world: World, kits: Kits, x: float, y: float, target: Array) -> Pose2:
 
     Poses are tried ring after ring; the one at x, y itself is given back where none is free.
     """
-    outside = kits.outside()
+    parked = Parked(world, world.scene.q((0.0, 0.0, 0.0), {}), kits.outside())
     for ring in _rings(x, y):
         poses = [turned(*at, target) for at in ring]
-        configurations = np.array([world.scene.q(pose, {}) for pose in poses])
-        free = np.flatnonzero(world.standing(configurations, outside))
+        free = np.flatnonzero(parked.stands(np.array(poses)))
         if len(free):
             return poses[free[0]]
     return turned(x, y, target)
