@@ -160,7 +160,7 @@ class Service:
         """CanPerform's oracle, in process unless there are others."""
         if self.oracles is not None:
             return self.oracles.embodiment(self.policy)
-        return _whole_body(self.policy)
+        return whole_body(self.policy)
 
     def case(
         self, task: str | Task, robot: str | Iri | None, motion: Motion | BodyMotion | None = None
@@ -187,10 +187,11 @@ class _Forces:
     def embodiment(self, policy: Policy) -> Embodiment:
         from services.dynamics.robot.bearing import Bearing  # noqa: PLC0415 - only where forces are asked about
 
-        return Bearing(_whole_body(policy))
+        return Bearing(whole_body(policy))
 
 
-def _whole_body(policy: Policy) -> Embodiment:
+def whole_body(policy: Policy) -> Embodiment:
+    """R of this process under a policy."""
     from services.embodiment.oracle import WholeBody  # noqa: PLC0415 - not needed without a robot
 
     return WholeBody(

@@ -12,6 +12,7 @@ from predicates.oracle import Embodiment, Physics
 from sdt_kg.errors import SdtError
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Twin
+from services.app import whole_body
 from services.bus.keys import Oracle
 from services.bus.oracles.codec import (
     Plain,
@@ -137,13 +138,11 @@ class Performing:
         return answer_plain(embodiment.perform(case_value(twin, plain["case"])))
 
     def _under(self, plain: Plain) -> Embodiment:
-        from services.embodiment.oracle import WholeBody  # noqa: PLC0415 - only where a robot is asked for
-
         policy = policy_value(plain)
         key = repr(policy)
         if key not in self._known:
             self._known = {
-                key: WholeBody(policy.drive, policy.base, policy.budget, policy.seed),
+                key: whole_body(policy),
                 **dict(list(self._known.items())[: TWINS_KEPT - 1]),
             }
         return self._known[key]

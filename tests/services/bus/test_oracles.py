@@ -13,7 +13,7 @@ from predicates.satisfies_request import demanded
 from sdt_kg.errors import InputError, OracleUnavailableError
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task, Verb
-from services.app import Policy, Service, load
+from services.app import Policy, Service, load, whole_body
 from services.bus.oracles.remote import BusOracles
 from services.bus.sessions import open_session
 from tests.services.bus.conftest import free_endpoint
@@ -66,6 +66,13 @@ def test_verdicts_are_the_same_and_the_work_is_shared(here: Service, on_bus: Rou
     assert theirs.can_perform is not None
     assert theirs.can_perform.artefact is not None
     assert len(oracles.canperform.asked) == 2, "each of the two was asked"
+
+
+def test_an_oracle_judges_under_the_whole_policy_that_it_is_sent(here: Service, on_bus: Routed) -> None:
+    robot = here.twin.robots[0]
+    for policy in (Policy(any_start=True), Policy(contact=0.02), Policy(seed=3, base=(0.5, 0.0, 0.0))):
+        there = on_bus[0].embodiment(policy)
+        assert there.settings(here.twin, robot) == whole_body(policy).settings(here.twin, robot)
 
 
 def test_a_twin_that_was_edited_is_judged_as_edited(here: Service, on_bus: Routed) -> None:
