@@ -64,7 +64,9 @@ class Server:
         for twin in self._twins:
             for tail in ("*", f"*/{self.instance}"):
                 key = f"{keys.ROOT}/{twin}/rpc/{tail}"
-                self._declared.append(self._session.declare_queryable(key, self._asked, complete=True))
+                # Called by Zenoh's own thread: handing over to one of Python's takes as long as the callback.
+                asked = zenoh.handlers.Callback(self._asked, indirect=False)
+                self._declared.append(self._session.declare_queryable(key, asked, complete=True))
             jobs = f"{keys.ROOT}/{twin}/jobs/*/*"
             self._declared.append(self._session.declare_queryable(jobs, self._asked_job))
             for part in Meta:

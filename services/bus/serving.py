@@ -2,9 +2,10 @@
 
 import asyncio
 import ctypes
+import gc
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import zenoh
@@ -22,8 +23,8 @@ from services.judging.pool import Pool
 from services.store.workers import Workers
 
 M_MMAP_THRESHOLD = -3  # of malloc.h
-LARGE = 2**20
-"""[bytes] Blocks from here on are mapped, each by itself."""
+LARGE = 2**15
+"""[bytes] Blocks from here on are mapped, each by itself: Zenoh cuts what is large into pieces of 64 KiB."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,11 +58,13 @@ class BesideHttp:
 
 
 @contextmanager
-def alone(session: zenoh.Session, kitchens: Sequence[str], robots: Sequence[str]) -> Iterator[Server]:
-    """A server over a world of its own, kept in memory, with one process that judges."""
+def alone(
+    session: zenoh.Session, kitchens: Sequence[str], robots: Sequence[str], oracles: OnBus | None = None
+) -> Iterator[Server]:
+    """A server over a world of its own, kept in memory, with one process that judges or asks the oracles."""
     world = World(open_kitchens(tuple(kitchens), tuple(robots)), Workers())
     with running(world) as memory:
-        pool = Pool(setup_of(world), 1, memory)
+        pool = Pool(replace(setup_of(world), oracles=oracles), 1, memory)
         pool.warm()
         try:
             with serving(session, pool, memory) as server:
@@ -79,7 +82,7 @@ def serving(session: zenoh.Session, pool: Pool, memory: Memory) -> Iterator[Serv
         pool: Judges; a twin's name in keys is the kitchen's.
         memory: The world that is asked about, in which verdicts are kept.
     """
-    _give_back()
+    _settle()
     kitchens = memory.world.kitchens.items()
     sweeps = Sweeps(pool, {name: _models(name, kitchen.service.twin) for name, kitchen in kitchens})
     server = Server(session, pool, memory, sweeps).start()
@@ -90,11 +93,14 @@ def serving(session: zenoh.Session, pool: Pool, memory: Memory) -> Iterator[Serv
         sweeps.close()
 
 
-def _give_back() -> None:
-    """What a large request took goes back to the system when it is freed.
+def _settle() -> None:
+    """What was loaded is there to stay, and what requests take goes back to the system when it is freed.
 
-    glibc keeps blocks of the size that was freed last: requests of 16 MiB would make the server grow.
+    Python would look through all that is loaded for garbage now and then, for a tenth of a second in which
+    nobody is answered. glibc keeps what was freed in pieces: requests of 16 MiB would make the server grow.
     """
+    gc.collect()
+    gc.freeze()
     libc = ctypes.CDLL(None)
     if hasattr(libc, "mallopt"):
         libc.mallopt(M_MMAP_THRESHOLD, LARGE)

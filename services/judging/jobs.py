@@ -98,13 +98,14 @@ class Waiter:
     _claimed: threading.Lock = field(default_factory=threading.Lock)
     _over: bool = False
 
-    def answer(self, outcome: Done | Problem) -> None:
-        """Give the answer, unless one was given."""
+    def answer(self, outcome: Done | Problem) -> bool:
+        """Give the answer, unless one was given; whether it was this one."""
         with self._claimed:
             if self._over:
-                return
+                return False
             self._over = True
         self.answered(outcome)
+        return True
 
     @property
     def over(self) -> bool:
