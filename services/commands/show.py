@@ -9,7 +9,16 @@ from contextlib import contextmanager
 
 import click
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    Task,
+    TextColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Table
 from rich.text import Text
 
@@ -95,3 +104,27 @@ def progress(label: str, total: int) -> Iterator[Progress | None]:
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         bar.add_task(label, total=total, now="")
         yield bar
+
+
+@contextmanager
+def countdown(label: str, budget: float) -> Iterator[None]:
+    """On a terminal, how much of a search's budget [s] is left; nothing on a pipe."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    columns = (SpinnerColumn(), TextColumn(label), _Left(budget))
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        bar.add_task(label)
+        yield
+
+
+class _Left(ProgressColumn):
+    """What is left of a budget [s]."""
+
+    def __init__(self, budget: float) -> None:
+        super().__init__()
+        self._budget = budget
+
+    def render(self, task: Task) -> Text:
+        spent = task.elapsed or 0.0
+        return Text(f"{spent:.0f} s, at most {max(self._budget - spent, 0.0):.0f} s more")

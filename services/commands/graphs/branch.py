@@ -15,7 +15,7 @@ from sdt_kg.iri import local_name
 from services.commands.completion.types import ROBOT
 from services.commands.graphs.saved_graphs import checked_format, graph_of, write_graph
 from services.commands.options import ROBOT_HELP, annotation_option, csv_flag, json_flag, kitchen_argument
-from services.commands.show import print_json, print_rows
+from services.commands.show import csv_is_asked, print_json, print_rows
 from services.edits import EDITS, parse_edit, twin_of
 
 SHORT_KEY = 12
@@ -115,6 +115,7 @@ def _save(history: History, past: Sequence[Branch], output: Path) -> None:
     metavar="FILE",
     help="Write it as RDF Patch too.",
 )
+@csv_flag
 @json_flag
 def diff(
     *,
@@ -132,6 +133,8 @@ def diff(
     if as_json:
         counts = {"removed": len(found.removed), "added": len(found.added)}
         print_json({**counts, "sentences": sentences})
+    elif csv_is_asked():
+        print_rows([{"sentence": each} for each in sentences], ("sentence",), "csv")
     else:
         click.echo("\n".join(sentences) if sentences else "nothing differs")
         click.echo(f"{len(found.removed)} triples removed, {len(found.added)} added", err=True)

@@ -12,11 +12,12 @@ from services.commands.options import (
     ROBOT_HELP,
     annotation_option,
     budget_option,
+    csv_flag,
     json_flag,
     seed_option,
     states_option,
 )
-from services.commands.show import print_json
+from services.commands.show import countdown, csv_is_asked, print_json, print_rows
 from services.requests import parse_task
 
 
@@ -28,6 +29,7 @@ from services.requests import parse_task
 @annotation_option
 @budget_option
 @seed_option
+@csv_flag
 @json_flag
 def place(
     *,
@@ -44,7 +46,7 @@ def place(
 
     Every pose that is given is certified, and can be asked again: sdt achieve --base X,Y,YAW --drive fixed.
     The map says of each square of base positions: certified, proved impossible, blocked by furniture, or
-    unknown.
+    unknown. --csv prints the poses, the best first.
 
     Exit 0 there is such a pose, 1 none was found, 2 bad input.
     """
@@ -54,9 +56,12 @@ def place(
     asked = parse_task(service.twin, task)
     if asked.container is UNKNOWN:
         raise InputError(f"'{task}' names no container", allowed="open:CONTAINER or close:CONTAINER")
-    found = place(service.twin, service.robot(None), asked, budget, seed)
+    with countdown(task, budget):
+        found = place(service.twin, service.robot(None), asked, budget, seed)
     if as_json:
         print_json(answer.to_json(found))
+    elif csv_is_asked():
+        print_rows([answer.spot(each) for each in found.spots], answer.COLUMNS, "csv")
     else:
         for line in answer.lines(found):
             click.echo(line)

@@ -6,6 +6,8 @@ from services.embodiment.place.grid import SIDE, Status
 from services.embodiment.place.search import Placement, Spot
 
 SIGNS = {Status.CERTIFIED: "#", Status.PROVED: "-", Status.BLOCKED: "x", Status.UNKNOWN: "."}
+COLUMNS = ("x", "y", "yaw", "margin", "gripper", "base")
+"""Of a pose: [m], [m], [rad], [m], name, as `--base` takes it."""
 SHOWN = 5
 """[1] Poses that are printed; JSON has all."""
 
@@ -14,8 +16,8 @@ def to_json(found: Placement) -> dict[str, object]:
     """Poses, map and what was tried."""
     return {
         "container": found.container,
-        "best": None if found.best is None else _spot(found.best),
-        "spots": [_spot(spot) for spot in found.spots],
+        "best": None if found.best is None else spot(found.best),
+        "spots": [spot(each) for each in found.spots],
         "impossible": found.impossible,
         "tried": found.tried,
         "diagnoses": [
@@ -33,16 +35,11 @@ def to_json(found: Placement) -> dict[str, object]:
     }
 
 
-def _spot(spot: Spot) -> dict[str, object]:
-    base = f"{spot.x:.4f},{spot.y:.4f},{spot.yaw:.4f}"
-    return {
-        "x": spot.x,
-        "y": spot.y,
-        "yaw": spot.yaw,
-        "margin": spot.margin,
-        "gripper": spot.gripper,
-        "base": base,
-    }
+def spot(found: Spot) -> dict[str, object]:
+    """A pose as a row of `COLUMNS`."""
+    base = f"{found.x:.4f},{found.y:.4f},{found.yaw:.4f}"
+    row = (found.x, found.y, found.yaw, found.margin, found.gripper, base)
+    return dict(zip(COLUMNS, row, strict=True))
 
 
 def lines(found: Placement) -> Iterator[str]:

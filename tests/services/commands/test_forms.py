@@ -15,6 +15,7 @@ from tests.services.conftest import Done
 
 DOOR = "open:iai_fridge_door"
 STUCK = ("achieve", "--kitchen", "b", "--robot", "stretch", "--drive", "fixed", "--task", DOOR)
+PLACE = ("place", "--kitchen", "b", "--robot", "stretch", "--task", DOOR)
 
 ENDS = {
     "containers": (["containers", "b"], Exit.DONE),
@@ -30,12 +31,13 @@ ENDS = {
     "open": (["open", "kept.trig"], Exit.DONE),
     "recheck": (["recheck", "kept.trig"], Exit.DONE),
     "branch": (["branch", "b", "move:iai_fridge_door=open"], Exit.DONE),
+    "diff": (["diff", "b", "b@iai_fridge_door=open"], Exit.DONE),
+    "place for nothing": ([*PLACE, "--state", "iai_fridge_door=open"], Exit.NO),
     "config show": (["config", "show", "achieve"], Exit.DONE),
     "config path": (["config", "path"], Exit.DONE),
 }
 PLAIN = {
     "graph": (["graph", "b", "-o", "x.ttl"], Exit.DONE),
-    "diff": (["diff", "b", "b@iai_fridge_door=open"], Exit.DONE),
     "unknown command": (["achive"], Exit.BAD_INPUT),
     "unreadable file": (["graph", "b", "-o", "no/such/folder.ttl"], Exit.BAD_INPUT),
     "nobody on the bus": (["ask", "b", "health", "--connect", "tcp/127.0.0.1:9"], Exit.NO_ORACLE),
