@@ -24,12 +24,12 @@ def verb_iri(verb: Verb) -> Iri:
 
 def tee_class_hash(tee: TeeClass = D_ARTIC) -> str:
     """Hash of D: its constants and shapes."""
-    return tee.content_hash()
+    return tee.content_hash
 
 
 def tee_class_of_hash(found: str) -> TeeClass | None:
     """The class that has this hash; None for one of another version."""
-    return next((each for each in TEE_CLASSES if each.content_hash() == found), None)
+    return next((each for each in TEE_CLASSES if each.content_hash == found), None)
 
 
 def outside(violation: Violation, tee: TeeClass) -> Diagnosis:

@@ -13,7 +13,6 @@ from functools import cached_property, lru_cache
 from typing import Any, Final
 
 import pyoxigraph as ox
-import pyshacl
 import rdflib
 from rdflib.namespace import RDF as RDF_NS
 from rdflib.term import Node
@@ -111,6 +110,7 @@ class TeeClass:
         own = self.refined.number(name) if self.refined is not None else None
         return self._facts.number(self.iri, TEE + name, own)
 
+    @cached_property
     def content_hash(self) -> str:
         """SHA-256 of its constants and shapes, and of what it refines; part of every verdict's hash.
 
@@ -118,7 +118,7 @@ class TeeClass:
         """
         own = (each for each in tee_triples() if each[0] == self.iri and each[1].startswith(TEE))
         constants = sorted(f"{s} {p} {o}" for s, p, o in own)
-        wider = () if self.refined is None else (self.refined.content_hash(),)
+        wider = () if self.refined is None else (self.refined.content_hash,)
         return hashlib.sha256("\n".join((*constants, self._shapes_text(), *wider)).encode()).hexdigest()
 
     def _shapes_text(self) -> str:
@@ -167,6 +167,8 @@ def _checked(
 
 def pyshacl_report(data: rdflib.Graph, shapes: rdflib.Graph) -> rdflib.Graph:
     """The validation report of pySHACL, without inference: the engine of every verdict."""
+    import pyshacl  # noqa: PLC0415 - slow to import, and most commands judge nothing
+
     validator: Any = pyshacl  # its annotations are partial
     report = validator.validate(data, shacl_graph=shapes, inference="none")[1]
     assert isinstance(report, rdflib.Graph), "pyshacl answers with a graph, or raises"
@@ -190,13 +192,10 @@ def read_report(data: rdflib.Graph, shapes: rdflib.Graph, report: rdflib.Graph) 
 
 def _has_focus(data: rdflib.Graph, shapes: rdflib.Graph, shape: Iri) -> bool:
     node = rdflib.URIRef(shape)
-    by_class = (
-        next(data.subjects(RDF_NS.type, target), None) for target in shapes.objects(node, _SH.targetClass)
-    )
-    by_object = (
-        next(data.subject_objects(target), None) for target in shapes.objects(node, _SH.targetObjectsOf)
-    )
-    return any(each is not None for each in (*by_class, *by_object))
+    classes, properties = shapes.objects(node, _SH.targetClass), shapes.objects(node, _SH.targetObjectsOf)
+    found = [data.subjects(RDF_NS.type, each) for each in classes]
+    found += [data.objects(None, each) for each in properties]
+    return any(next(each, None) is not None for each in found)
 
 
 def _without_focus(shape: Iri) -> Violation:

@@ -17,7 +17,7 @@ from sdt_kg.iri import PREFIXES, Iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.state import State
 from sdt_kg.store import Row, Triple, Value, checked_query, rows_of, term_of
-from sdt_kg.triples import read_mechanism_of, read_robot
+from sdt_kg.triples import read_robot
 
 __all__ = ["Container", "LeftOut", "Twin"]
 
@@ -142,10 +142,7 @@ class Twin:
 
     def mechanism(self, model: Iri) -> Mechanism:
         """The kitchen or a robot, read back from the graph alone (cached)."""
-        cached = self.entities.mechanisms
-        if model not in cached:
-            cached[model] = read_mechanism_of(self.entities.facts, self._known(model))
-        return cached[model]
+        return self.entities.mechanism(self._known(model))
 
     def robot(self, robot: Iri) -> RobotAnnotation:
         """Annotation of a robot, read back from the graph alone (cached)."""

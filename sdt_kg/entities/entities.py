@@ -83,9 +83,14 @@ class Entities:
         """All entity triples, grouped."""
         return Facts(chain.from_iterable(self.store.triples(graph) for graph in self.graphs))
 
+    def mechanism(self, model: Iri) -> Mechanism:
+        """The kitchen or a robot, read back from the graph alone (cached)."""
+        if model not in self._mechanisms:
+            self._mechanisms[model] = read_mechanism_of(self.facts, model)
+        return self._mechanisms[model]
+
     @cached_property
-    def mechanisms(self) -> dict[Iri, Mechanism]:
-        """Mechanisms read back so far."""
+    def _mechanisms(self) -> dict[Iri, Mechanism]:
         return {}
 
     @cached_property
@@ -133,7 +138,7 @@ class Entities:
     @cached_property
     def coupling(self) -> Coupling:
         """How the kitchen's joints depend on each other."""
-        return Coupling.of(read_mechanism_of(self.facts, self.environment))
+        return Coupling.of(self.mechanism(self.environment))
 
     def content_hash(self, model: Iri) -> str:
         """SHA-256 over the model's entity triples, in the order of their text."""

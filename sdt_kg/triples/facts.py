@@ -35,8 +35,11 @@ class Facts:
 
     def one(self, subject: Iri, name: str) -> Value:
         """The value, or None; the first in a fixed order where there are several."""
-        values = self.all(subject, name)
-        return values[0] if values else None
+        values = self._values.get(subject)
+        terms = None if values is None else values.get(_iri(name))
+        if not terms:
+            return None
+        return value_of(terms[0] if len(terms) == 1 else min(terms, key=str))
 
     def number(self, subject: Iri, name: str, default: float | None = None) -> float:
         """The number, or the default.

@@ -10,7 +10,6 @@ from typing import Any, Final
 from xml.etree import ElementTree as ET
 
 import numpy as np
-import yourdfpy  # pyright: ignore[reportMissingTypeStubs] - it has none
 from numpy.typing import NDArray
 
 from sdt_kg.errors import UrdfError
@@ -98,6 +97,8 @@ def _parsed(root: ET.Element, source: Path) -> Parsed:
     for element in (*root.findall("link"), *root.findall("joint")):
         kept = ET.SubElement(bare, element.tag, element.attrib)
         kept.extend(part for part in element if part.tag != "visual")
+    import yourdfpy  # noqa: PLC0415  # pyright: ignore[reportMissingTypeStubs] - slow to import; it has none
+
     loader: Parsed = yourdfpy
     try:
         model = loader.URDF.load(

@@ -94,7 +94,7 @@ def test_only_the_containers_own_joint_is_bound(write: Write) -> None:
 def test_constants_are_those_of_the_paper() -> None:
     assert D_ARTIC.number("openFraction") == 0.9
     assert D_ARTIC.number("closedTolerance") == 0.01
-    assert len(D_ARTIC.content_hash()) == 64
+    assert len(D_ARTIC.content_hash) == 64
 
 
 def test_the_report_is_shacl(drawer: Path) -> None:

@@ -35,7 +35,6 @@ from services.commands.tee_class import in_class
 from services.commands.verdicts import told
 from services.motions import read_motion, write_motion
 from services.requests import parse_base, parse_task
-from services.store.files import SavedVerdicts
 
 
 @click.command()
@@ -118,6 +117,8 @@ def achieve(
     service = in_class(service, tee, forces)
     given = read_motion(motion, service.twin, service.robot(None)) if motion else None
     verdicts: list[Verdict] = []
+    from services.store.files import SavedVerdicts  # noqa: PLC0415 - imports what asks remote stores
+
     with ExitStack() as stack:
         saved = stack.enter_context(SavedVerdicts(save)) if save else None
         if saved:

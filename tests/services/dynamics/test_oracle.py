@@ -139,8 +139,8 @@ def test_too_much_force_is_proved_for_times_that_are_demanded_only() -> None:
 def test_the_verdict_says_its_class_and_that_of_d_artic_is_what_it_was() -> None:
     (kinematic,) = law(asked(small_twin("b")), Kinematics())
     dynamic = judged(forced_twin())
-    assert dict(kinematic.inputs)["tee_class"] == D_ARTIC.content_hash()
-    assert dict(dynamic.inputs)["tee_class"] == D_ARTIC_DYN.content_hash()
+    assert dict(kinematic.inputs)["tee_class"] == D_ARTIC.content_hash
+    assert dict(dynamic.inputs)["tee_class"] == D_ARTIC_DYN.content_hash
     assert (to_json(kinematic)["tee_class"], to_json(dynamic)["tee_class"]) == ("D_artic", "D_artic_dyn")
     for verdict, tee in ((kinematic, D_ARTIC), (dynamic, D_ARTIC_DYN)):
         said = [value for _, name, value in to_record(verdict).triples if name == LAW + "teeClass"]
