@@ -14,14 +14,14 @@ import numpy as np
 
 from predicates.case import Answer, Case
 from sdt_kg.annotation import Drive
-from sdt_kg.errors import OracleRejectedError
+from sdt_kg.errors import InputError, OracleRejectedError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Container, Twin
-from services.app import Policy
+from services.app import Policy, Service
 from services.codesign.touched import Touched
+from services.dynamics.robot.bearing import Bearing
 from services.embodiment.certify.check import Certified, certify
-from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.oracle import WholeBody, container_of
 from services.physics.model import Scene
 
@@ -51,31 +51,44 @@ class Again:
 
     version = "certified again, sweeping what is touched"
 
-    def __init__(self, oracle: WholeBody, policy: Policy, scene: Scene, touched: Touched) -> None:
-        self.oracle, self.policy, self.scene, self.touched = oracle, policy, scene, touched
+    def __init__(self, oracle: WholeBody, touched: Touched) -> None:
+        self._oracle, self._touched = oracle, touched
         self.swept = Swept(0, 0)
 
     def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
-        return self.oracle.settings(twin, robot)
+        return self._oracle.settings(twin, robot)
 
     def perform(self, case: Case) -> Answer:
         if not isinstance(case.body_motion, BodyMotion) or not isinstance(case.robot, str):
             raise OracleRejectedError("a motion is certified again, and there is none")
-        container = container_of(case)
-        scene, self.swept = narrowed(self.scene, self.touched, container)
+        container, oracle = container_of(case), self._oracle
+        scene, self.swept = narrowed(oracle.scene(case.twin, case.robot), self._touched, container)
         outcome = certify(
             case.twin,
             case.robot,
             case.body_motion,
             container,
-            self.oracle.tolerances,
-            drive=drive_of(self.policy, case.twin, case.robot),
-            start=start_of(self.policy, self.scene, container),
+            oracle.tolerances,
+            drive=oracle.drive or case.twin.robot(case.robot).drive,
+            start=oracle.start_pose(case),
             scene=scene,
         )
         if isinstance(outcome, Certified):
             return Answer(case, True)
         return Answer(case, False, outcome.diagnoses)
+
+
+def whole_body(service: Service) -> WholeBody:
+    """Who finds and certifies body motions for a service.
+
+    Raises:
+        InputError: That is not this process.
+    """
+    oracle = service.embodiment
+    found = oracle.inner if isinstance(oracle, Bearing) else oracle
+    if not isinstance(found, WholeBody):
+        raise InputError("other worlds are judged in process", allowed="oracles of this process")
+    return found
 
 
 def narrowed(scene: Scene, touched: Touched, container: Container) -> tuple[Scene, Swept]:
@@ -92,17 +105,3 @@ def narrowed(scene: Scene, touched: Touched, container: Container) -> tuple[Scen
 def drive_of(policy: Policy, twin: Twin, robot: Iri) -> Drive:
     """How the base moves under a policy."""
     return policy.drive or twin.robot(robot).drive
-
-
-def start_of(policy: Policy, scene: Scene, container: Container) -> tuple[float, float, float]:
-    """Where the robot starts under a policy: as told, else at the kitchen's pose, turned to the handle."""
-    if policy.base is not None:
-        return policy.base
-    x, y, _ = scene.twin.kitchen().start
-    handle = scene.placement(scene.q((0.0, 0.0, 0.0), {}), container.handle).translation
-    return x, y, float(np.arctan2(handle[1] - y, handle[0] - x))
-
-
-def tolerances_of(policy: Policy) -> Tolerances:
-    """What a certificate allows under a policy."""
-    return WholeBody(contact=policy.contact).tolerances

@@ -11,7 +11,7 @@ from functools import partial
 from predicates.case import Outcome
 from sdt_kg.errors import InputError
 from services.app import load
-from services.codesign.cells import Cell, Found, Grid
+from services.codesign.entries import Entry, Found, Grid
 from services.codesign.grid import Asked, run
 from services.codesign.judge import Judge
 from services.codesign.report import why
@@ -106,7 +106,7 @@ def designed(  # noqa: PLR0913, PLR0917 - what is asked, and how long it may tak
     edits: Sequence[str] = (),
     within: float = 30.0,
     plan: bool = True,
-    report: Callable[[Cell], None] = lambda cell: None,
+    report: Callable[[Entry], None] = lambda entry: None,
 ) -> Design:
     """Covers of all kitchens by all robots, and edits for what the best robot of each does not do.
 
@@ -116,7 +116,7 @@ def designed(  # noqa: PLR0913, PLR0917 - what is asked, and how long it may tak
         edits: Those that a plan may take; none: whatever turns a refusal, looked for.
         within: Seconds for each refusal, where edits are looked for.
         plan: Whether to plan edits at all.
-        report: Called with each cell as things are.
+        report: Called with each entry as things are.
     """
     grid = run(replace(asked, worlds=()), jobs, report)
     covers = covers_of(grid)
@@ -126,7 +126,7 @@ def designed(  # noqa: PLR0913, PLR0917 - what is asked, and how long it may tak
         best = next(each for each in covers if each.kitchen == kitchen)
         founds = {
             each.container: each.found
-            for each in grid.cells
+            for each in grid.entries
             if (each.kitchen, each.robot) == (kitchen, best.robot)
         }
         candidates = edits or _candidates(asked, best, within, jobs)
@@ -136,9 +136,9 @@ def designed(  # noqa: PLR0913, PLR0917 - what is asked, and how long it may tak
 
 def covers_of(grid: Grid) -> list[Cover]:
     """What each robot does in each kitchen as it is, in each kitchen the robot that does most first."""
-    cells: dict[tuple[str, str], list[Cell]] = {}
+    entries: dict[tuple[str, str], list[Entry]] = {}
     for each in grid.actual().values():
-        cells.setdefault((each.kitchen, each.robot), []).append(each)
+        entries.setdefault((each.kitchen, each.robot), []).append(each)
     covers = [
         Cover(
             kitchen,
@@ -146,7 +146,7 @@ def covers_of(grid: Grid) -> list[Cover]:
             tuple(each.container for each in own if _is_certified(each.found)),
             tuple((each.container, why(each)) for each in own if not _is_certified(each.found)),
         )
-        for (kitchen, robot), own in cells.items()
+        for (kitchen, robot), own in entries.items()
     ]
     kitchens = list(dict.fromkeys(each.kitchen for each in covers))
     return sorted(covers, key=lambda each: (kitchens.index(each.kitchen), -len(each.certified), each.robot))

@@ -1,24 +1,28 @@
 """Product grids: every container, for every robot, in every combination of edits, in worker processes."""
 
-import os
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from itertools import product
+from pathlib import Path
 
-from sdt_kg.errors import InputError
+from sdt_kg.errors import InputError, SdtError
 from sdt_kg.load import load_twin, model_name
+from sdt_kg.scope import D_ARTIC
 from services.app import Policy, load
-from services.codesign.cells import Cell, Found, Grid, How
+from services.codesign.again import whole_body
+from services.codesign.entries import Entry, Found, Grid, How
 from services.codesign.judge import Judge, judged_as_it_is
+from services.commands.tee_class import in_class
 from services.requests import state_joints
 from services.sweep.engines import cpu_seconds
+from services.sweep.handed import each as each_done
 from services.whatif import World, changed, depends_on_robot, parse_change
 
 Base = dict[tuple[str, str, str], Found]
-Report = Callable[[Cell], None]
+Report = Callable[[Entry], None]
 
 BAR = " | "
 """Between the alternatives of one axis."""
@@ -34,6 +38,8 @@ class Asked:
         worlds: Combinations of edits, each a world; the world as it is is not among them.
         states: Start state, see `parse_state`; a joint's state is that of the kitchens that have it.
         containers: By name; empty: all.
+        tee: Name of the class that verdicts are relative to.
+        forces: Force data for a class with forces; None: what is bundled.
     """
 
     kitchens: tuple[str, ...]
@@ -43,11 +49,13 @@ class Asked:
     policy: Policy
     states: tuple[str, ...] = ()
     containers: tuple[str, ...] = ()
+    tee: str = D_ARTIC.name
+    forces: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """Some cells of one kitchen and world, for one process."""
+    """Some entries of one kitchen and world, for one process."""
 
     kitchen: str
     robots: tuple[str, ...]
@@ -73,8 +81,8 @@ def worlds_of(axes: Sequence[str]) -> tuple[tuple[str, ...], ...]:
     return tuple(each for each in made if each)
 
 
-def run(asked: Asked, jobs: int, report: Report = lambda cell: None) -> Grid:
-    """All cells, the worlds as they are first; each is reported as soon as it is there.
+def run(asked: Asked, jobs: int, report: Report = lambda entry: None) -> Grid:
+    """All entries, the worlds as they are first; each is reported as soon as it is there.
 
     Raises:
         InputError: A kitchen, robot, state or container that is not there.
@@ -87,18 +95,18 @@ def run(asked: Asked, jobs: int, report: Report = lambda cell: None) -> Grid:
         for robot in asked.robots
         for container in names[kitchen]
     ]
-    cells = list(_results(partial(_as_it_is, asked), first, jobs, report))
-    base: Base = {each.key: each.found for each in cells}
+    entries = list(_results(asked, partial(_as_it_is, asked), first, jobs, report))
+    base: Base = {each.key: each.found for each in entries}
     more = [
         Job(kitchen, asked.robots, names[kitchen], edits)
         for kitchen in asked.kitchens
         for edits in asked.worlds
     ]
-    cells += _results(partial(_otherwise, asked, base), more, jobs, report)
+    entries += _results(asked, partial(_otherwise, asked, base), more, jobs, report)
     worlds = {edits: number for number, edits in enumerate(((), *asked.worlds))}
     order = {(each.kitchen, each.robots[0], each.containers[0]): n for n, each in enumerate(first)}
-    cells.sort(key=lambda each: (worlds[each.edits], order[each.key]))
-    return Grid(cells, time.perf_counter() - began, cpu_seconds() - cpu_began)
+    entries.sort(key=lambda each: (worlds[each.edits], order[each.key]))
+    return Grid(entries, time.perf_counter() - began, cpu_seconds() - cpu_began)
 
 
 def _containers(asked: Asked) -> dict[str, tuple[str, ...]]:
@@ -122,44 +130,41 @@ def _containers(asked: Asked) -> dict[str, tuple[str, ...]]:
 
 
 def _results(
-    work: Callable[[Job], list[Cell]], todo: Sequence[Job], jobs: int, report: Report
-) -> Iterator[Cell]:
-    for cells in _lists(work, todo, jobs):
-        for cell in cells:
-            report(cell)
-            yield cell
+    asked: Asked, work: Callable[[Job], list[Entry]], todo: Sequence[Job], jobs: int, report: Report
+) -> Iterator[Entry]:
+    for _, entries in each_done(todo, jobs, work, partial(_prepare, asked)):
+        for entry in entries:
+            report(entry)
+            yield entry
 
 
-def _lists(work: Callable[[Job], list[Cell]], todo: Sequence[Job], jobs: int) -> Iterator[list[Cell]]:
-    if jobs == 1:
-        yield from map(work, todo)
-        return
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
-    with ProcessPoolExecutor(jobs) as pool:
-        futures: list[Future[list[Cell]]] = [pool.submit(work, each) for each in todo]
-        try:
-            for future in as_completed(futures):
-                yield future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+def _prepare(asked: Asked, job: Job) -> None:
+    """Worlds as they are and compiled loops are loaded once, before processes begin as copies of this one.
+
+    What cannot be loaded is told by the job.
+    """
+    with suppress(SdtError):
+        ground = _world(asked, job.kitchen)
+        for robot in asked.robots:
+            world = replace(ground, robot=robot)
+            whole_body(world.service).prepare(world.service.twin, world.robot_iri)
 
 
-def _as_it_is(asked: Asked, job: Job) -> list[Cell]:
-    ground = _world(job.kitchen, asked.robots, _own(asked, job.kitchen), asked.policy)
+def _as_it_is(asked: Asked, job: Job) -> list[Entry]:
+    ground = _world(asked, job.kitchen)
     (robot,), (container,) = job.robots, job.containers
     found = judged_as_it_is(replace(ground, robot=robot), asked.verb, container)
-    return [Cell(job.kitchen, robot, container, (), found)]
+    return [Entry(job.kitchen, robot, container, (), found)]
 
 
-def _otherwise(asked: Asked, base: Base, job: Job) -> list[Cell]:
-    """All cells of one kitchen in an edited world; the edit is made once where it is of the kitchen alone."""
-    ground = _world(job.kitchen, asked.robots, _own(asked, job.kitchen), asked.policy)
+def _otherwise(asked: Asked, base: Base, job: Job) -> list[Entry]:
+    """All entries of one kitchen in an edited world; one of the kitchen alone is made for all robots."""
+    ground = _world(asked, job.kitchen)
     changes = tuple(parse_change(each) for each in job.edits)
     known = {each.iri: each for each in base.values()}
     apart = any(depends_on_robot(each) for each in job.edits)
     made: World | InputError | None = None
-    cells: list[Cell] = []
+    entries: list[Entry] = []
     for robot in job.robots:
         before = replace(ground, robot=robot)
         if made is None or apart:
@@ -169,13 +174,13 @@ def _otherwise(asked: Asked, base: Base, job: Job) -> list[Cell]:
                 made = error
         if isinstance(made, InputError):
             none = _no_world(made)
-            cells += [Cell(job.kitchen, robot, each, job.edits, none) for each in job.containers]
+            entries += [Entry(job.kitchen, robot, each, job.edits, none) for each in job.containers]
             continue
         judge = Judge(before, made if apart else replace(made, robot=robot), known)
         for each in job.containers:
             found = _found(judge, asked.verb, each, base[job.kitchen, robot, each])
-            cells.append(Cell(job.kitchen, robot, each, job.edits, found))
-    return cells
+            entries.append(Entry(job.kitchen, robot, each, job.edits, found))
+    return entries
 
 
 def _found(judge: Judge, verb: str, container: str, base: Found) -> Found:
@@ -190,11 +195,9 @@ def _no_world(error: InputError) -> Found:
     return Found("", None, How.NO_WORLD, {}, ({**said, "search": None},))
 
 
-def _own(asked: Asked, kitchen: str) -> tuple[str, ...]:
-    return tuple(state_joints(load_twin(kitchen), asked.states)) if asked.states else ()
-
-
 @lru_cache(maxsize=2)
-def _world(kitchen: str, robots: tuple[str, ...], states: tuple[str, ...], policy: Policy) -> World:
-    """Loaded once in each worker for the jobs that follow each other."""
-    return World(load(kitchen, robots, state=states, policy=policy), robots[0])
+def _world(asked: Asked, kitchen: str) -> World:
+    """A kitchen as it is with all robots; loaded once in each process for the jobs that follow each other."""
+    states = tuple(state_joints(load_twin(kitchen), asked.states)) if asked.states else ()
+    service = load(kitchen, asked.robots, state=states, policy=asked.policy)
+    return World(in_class(service, asked.tee, asked.forces), asked.robots[0])

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from predicates.case import ArtefactKind, Case, Outcome, Verdict
 from predicates.law import law
@@ -10,13 +10,12 @@ from predicates.record.inputs import inputs_of, verdict_iri
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion
 from sdt_kg.task import Task
-from services.codesign.again import Again
-from services.codesign.cells import Found, Holds, How, found_of
+from services.codesign.again import Again, whole_body
+from services.codesign.entries import Found, Holds, How, found_of
 from services.codesign.room import reusable
 from services.codesign.touched import Touched, touched
+from services.dynamics.robot.bearing import Bearing
 from services.embodiment.certify.certificate import read_certificate
-from services.embodiment.oracle import WholeBody
-from services.physics.model import Scene
 from services.requests import parse_task
 from services.whatif import World
 
@@ -33,7 +32,6 @@ class Judge:
     after: World
     known: Mapping[Iri, Found]
     _touched: Touched | None = None
-    _again: Again | None = field(default=None)
 
     def judged(self, verb: str, container: str, base: Found | None) -> Found:
         """The outcome in the edited world; certified only by a motion that was certified in it.
@@ -49,13 +47,13 @@ class Judge:
         iri = verdict_iri(inputs_of(case, service.physics, service.embodiment))
         if iri in self.known:
             return replace(self.known[iri], how=How.SAME, seconds=time.process_time() - began)
-        found = None if base is None else self._from(base, case, container)
+        found = None if base is None else self._from(base, case)
         if found is None:
             verdict = one_of(service.achieve(case_task(case), robot))
             found = found_of(verdict, How.LAW, 0.0)
         return replace(found, seconds=time.process_time() - began)
 
-    def _from(self, base: Found, case: Case, container: str) -> Found | None:
+    def _from(self, base: Found, case: Case) -> Found | None:
         """What follows in this world from what was found in the world as it is, if anything does."""
         if base.outcome is Outcome.CERTIFIED and self._same_robot():
             again = self._certified_again(base, case)
@@ -68,7 +66,7 @@ class Judge:
             return found_of(quick, How.CAUSES, 0.0)
         if base.outcome is not Outcome.NOT_CERTIFIED or base.holds["canPerform"] is not False:
             return None
-        how = reusable(self.before, self.after, container, self.difference)
+        how = None if self._has_forces() else reusable(self.before, self.after, case, self.difference)
         if how is None:
             return None
         said = tuple(each for each in base.diagnoses if each["kind"] == "embodiment")
@@ -80,8 +78,10 @@ class Judge:
         grippers = {each.name for each in self.after.service.twin.robot(self.after.robot_iri).grippers}
         if motion is None or motion.gripper not in grippers:
             return None
-        again = self._oracle()
-        verdict = one_of(law(replace(case, body_motion=motion), self.after.service.physics, again))
+        service = self.after.service
+        again = Again(whole_body(service), self.difference)
+        oracle = Bearing(again) if self._has_forces() else again
+        verdict = one_of(law(replace(case, body_motion=motion), service.physics, oracle))
         if verdict.outcome is not Outcome.CERTIFIED:
             return None
         return replace(found_of(verdict, How.AGAIN, 0.0, again.swept), artefact=base.artefact)
@@ -97,14 +97,9 @@ class Judge:
             self._touched = touched(*twins, self.after.robot_iri)
         return self._touched
 
-    def _oracle(self) -> Again:
-        if self._again is None:
-            service = self.after.service
-            oracle = service.embodiment
-            assert isinstance(oracle, WholeBody), "worlds are judged in process"
-            scene = Scene(service.twin, self.after.robot_iri)
-            self._again = Again(oracle, service.policy, scene, self.difference)
-        return self._again
+    def _has_forces(self) -> bool:
+        """Whether the robot must bear forces, of which no search in another world says anything."""
+        return isinstance(self.after.service.embodiment, Bearing)
 
 
 def judged_as_it_is(world: World, verb: str, container: str) -> Found:
@@ -123,7 +118,7 @@ def motion_of(found: Found) -> BodyMotion | None:
 
 def case_task(case: Case) -> Task:
     """The case's task."""
-    assert isinstance(case.task, Task), "a cell is about one task"
+    assert isinstance(case.task, Task), "an entry is about one task"
     return case.task
 
 

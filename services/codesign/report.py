@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 from predicates.case import Outcome
-from services.codesign.cells import REUSED, Cell, Grid, How, Json
+from services.codesign.entries import REUSED, Entry, Grid, How, Json
 
 AS_IT_IS = "as it is"
-CELL_COLUMNS = (
+ENTRY_COLUMNS = (
     "edits",
     "kitchen",
     "robot",
@@ -28,15 +28,15 @@ def world_name(edits: Sequence[str]) -> str:
     return "; ".join(edits) or AS_IT_IS
 
 
-def outcome_name(cell: Cell) -> str:
+def outcome_name(entry: Entry) -> str:
     """The outcome, or that there is no such world."""
-    return "no such world" if cell.found.outcome is None else cell.found.outcome.value
+    return "no such world" if entry.found.outcome is None else entry.found.outcome.value
 
 
 def counts(grid: Grid) -> list[Json]:
     """One row for each world: certified of judged, for each kitchen and robot, and by how many more."""
     rows: dict[tuple[str, ...], dict[str, list[int]]] = {}
-    for each in grid.cells:
+    for each in grid.entries:
         count = rows.setdefault(each.edits, {}).setdefault(f"{each.kitchen} {each.robot}", [0, 0])
         count[0] += each.found.outcome is Outcome.CERTIFIED
         count[1] += each.found.outcome is not None
@@ -54,7 +54,7 @@ def _count(count: Sequence[int], actual: Sequence[int]) -> str:
     return f"{count[0]} / {count[1]}" + (f" ({more:+d})" if more else "")
 
 
-def turned_predicates(one: Cell, other: Cell) -> str:
+def turned_predicates(one: Entry, other: Entry) -> str:
     """Which predicates answer otherwise, in words."""
     words = {True: "yes", False: "no", None: "not asked"}
     return ", ".join(
@@ -80,17 +80,17 @@ def turned_rows(grid: Grid) -> list[Json]:
     ]
 
 
-def why(cell: Cell) -> str:
+def why(entry: Entry) -> str:
     """The first reason, with how sure it is."""
-    if not cell.found.diagnoses:
+    if not entry.found.diagnoses:
         return ""
-    first = cell.found.diagnoses[0]
-    sure = "proved" if cell.found.is_proved else "searched" if cell.found.outcome else ""
+    first = entry.found.diagnoses[0]
+    sure = "proved" if entry.found.is_proved else "searched" if entry.found.outcome else ""
     return f"{first['reason']}" + (f" ({sure})" if sure else "")
 
 
-def cell_rows(grid: Grid) -> list[Json]:
-    """Every cell on one line."""
+def entry_rows(grid: Grid) -> list[Json]:
+    """Every entry on one line."""
     turned = {id(other) for _, other in grid.turned()}
     return [
         {
@@ -106,7 +106,7 @@ def cell_rows(grid: Grid) -> list[Json]:
             "why": why(each),
             "iri": each.found.iri,
         }
-        for each in grid.cells
+        for each in grid.entries
     ]
 
 
@@ -144,8 +144,8 @@ def to_json(grid: Grid) -> Json:
         "worlds": counts(grid),
         "turned": turned_rows(grid),
         "cells": [
-            row | {"diagnoses": list(cell.found.diagnoses)}
-            for row, cell in zip(cell_rows(grid), grid.cells, strict=True)
+            row | {"diagnoses": list(entry.found.diagnoses)}
+            for row, entry in zip(entry_rows(grid), grid.entries, strict=True)
         ],
         "reused": reuse(grid),
         "seconds": round(grid.seconds, 3),

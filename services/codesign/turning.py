@@ -2,22 +2,24 @@
 
 import time
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from pathlib import Path
 
 from predicates.counterfactual import Tried, Turn, nearest_turns
 from sdt_kg.errors import InputError
+from sdt_kg.scope import D_ARTIC
 from sdt_kg.task import Task
 from sdt_kg.twin import Container
 from services.app import Policy, load
-from services.codesign.again import start_of
-from services.codesign.cells import Found, How, found_of
+from services.codesign.again import whole_body
+from services.codesign.entries import Found, How, found_of
 from services.codesign.families import Family, base_family, families
 from services.codesign.judge import one_of
+from services.commands.tee_class import in_class
 from services.embodiment.place import place
-from services.physics.model import Scene
 from services.requests import parse_task
+from services.sweep.handed import each as each_done
 from services.whatif import Change, World, changed, parse_change
 
 Start = tuple[float, float, float]
@@ -41,6 +43,8 @@ class Question:
     task: str
     states: tuple[str, ...]
     policy: Policy
+    tee: str = D_ARTIC.name
+    forces: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,19 +130,15 @@ def container_asked(world: World, text: str) -> Container:
 
 def _all(work: Callable[[Family | None], Sought], todo: list[Family | None], jobs: int) -> list[Sought]:
     """In the order of the families, whichever is done first."""
-    if jobs == 1:
-        return list(map(work, todo))
-    with ProcessPoolExecutor(jobs) as pool:
-        numbers = {pool.submit(work, each): number for number, each in enumerate(todo)}
-        done = {numbers[future]: future.result() for future in as_completed(numbers)}
-    return [done[number] for number in sorted(done)]
+    done = {family and family.name: found for family, found in each_done(todo, jobs, work)}
+    return [done[family and family.name] for family in todo]
 
 
 @lru_cache(maxsize=2)
 def _world(question: Question) -> World:
     """Loaded once in each process."""
     service = load(question.kitchen, [question.robot], state=question.states, policy=question.policy)
-    return World(service, question.robot)
+    return World(in_class(service, question.tee, question.forces), question.robot)
 
 
 def _sought(question: Question, actual: Found, until: float, family: Family | None) -> Sought:
@@ -217,8 +217,7 @@ def _judged(world: World, task: str) -> Found:
 
 def _start(world: World, task: str) -> Start:
     service = world.service
-    container = container_asked(world, task)
-    return start_of(service.policy, Scene(service.twin, world.robot_iri), container)
+    return whole_body(service).start_pose(service.case(task, world.robot_iri))
 
 
 def _spots(world: World, task: str, start: Start, until: float) -> list[Start]:

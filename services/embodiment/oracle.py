@@ -113,6 +113,17 @@ class WholeBody:
         world, kits, _ = self._world(twin, robot)
         self._warm(world, kits)
 
+    def scene(self, twin: Twin, robot: Iri) -> Scene:
+        """The scene in which questions about the twin are answered."""
+        return self._world(twin, robot)[0].scene
+
+    def start_pose(self, case: Case) -> Start:
+        """Where the robot of a case starts."""
+        if case.robot is UNKNOWN:
+            raise OracleRejectedError("a start was asked for without a robot")
+        world, kits, _ = self._world(case.twin, case.robot)
+        return self._start(case, world, kits, container_of(case))
+
     def perform(self, case: Case) -> Answer:
         clock, began = Clock(), time.perf_counter()
         if case.robot is UNKNOWN:

@@ -3,7 +3,7 @@
 import pytest
 
 from services.app import Policy, load
-from services.codesign.cells import Grid
+from services.codesign.entries import Grid
 from services.codesign.grid import Asked, run, worlds_of
 from services.codesign.judge import Judge, judged_as_it_is
 from services.codesign.report import reuse

@@ -6,7 +6,7 @@ import pytest
 
 from predicates.case import Outcome
 from services.app import Policy, Service, load
-from services.codesign.cells import Cell, How
+from services.codesign.entries import Entry, How
 from services.codesign.grid import Asked, run, worlds_of
 from services.codesign.judge import motion_of
 from services.whatif import World, changed, parse_change
@@ -27,32 +27,32 @@ def grid():
     return run(ASKED, 2)
 
 
-def _service(cell: Cell) -> tuple[Service, World]:
-    world = World(load(cell.kitchen, [cell.robot], policy=ASKED.policy), cell.robot)
-    after = changed(world, tuple(map(parse_change, cell.edits)))
+def _service(entry: Entry) -> tuple[Service, World]:
+    world = World(load(entry.kitchen, [entry.robot], policy=ASKED.policy), entry.robot)
+    after = changed(world, tuple(map(parse_change, entry.edits)))
     return after.service, after
 
 
 def test_every_motion_certified_by_touched_pairs_alone_is_certified_in_full(grid) -> None:
     again = [each for each in grid.edited() if each.found.how is How.AGAIN]
     assert len(again) > 100
-    for cell in again:
-        service, after = _service(cell)
-        motion = motion_of(cell.found)
-        (verdict,) = service.achieve(f"open:{cell.container}", after.robot_iri, motion)
-        assert verdict.outcome is Outcome.CERTIFIED, (cell.edits, cell.robot, cell.container)
+    for entry in again:
+        service, after = _service(entry)
+        motion = motion_of(entry.found)
+        (verdict,) = service.achieve(f"open:{entry.container}", after.robot_iri, motion)
+        assert verdict.outcome is Outcome.CERTIFIED, (entry.edits, entry.robot, entry.container)
 
 
 def test_no_search_finds_what_was_refused_without_one(grid) -> None:
     reused = [each for each in grid.edited() if each.found.how in {How.LESS_ROOM, How.NOTHING, How.CAUSES}]
     assert Counter(each.found.how for each in reused)[How.LESS_ROOM] > 0
-    for cell in reused:
-        service, after = _service(cell)
-        (verdict,) = service.achieve(f"open:{cell.container}", after.robot_iri)
-        assert verdict.outcome is cell.found.outcome, (cell.edits, cell.robot, cell.container)
+    for entry in reused:
+        service, after = _service(entry)
+        (verdict,) = service.achieve(f"open:{entry.container}", after.robot_iri)
+        assert verdict.outcome is entry.found.outcome, (entry.edits, entry.robot, entry.container)
 
 
 def test_each_case_is_there_once_and_no_refusal_is_without_a_reason(grid) -> None:
-    keys = [(each.key, each.edits) for each in grid.cells]
+    keys = [(each.key, each.edits) for each in grid.entries]
     assert len(keys) == len(set(keys)) == 2 * 17 * 11
-    assert all(each.found.diagnoses for each in grid.cells if each.found.outcome is not Outcome.CERTIFIED)
+    assert all(each.found.diagnoses for each in grid.entries if each.found.outcome is not Outcome.CERTIFIED)

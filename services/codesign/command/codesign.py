@@ -7,8 +7,8 @@ import click
 
 from sdt_kg.annotation import Drive
 from services.app import Policy
-from services.codesign.cells import Cell
 from services.codesign.design import Design, Plan, Step, designed, to_json
+from services.codesign.entries import Entry
 from services.codesign.grid import Asked
 from services.commands.options import (
     budget_option,
@@ -91,9 +91,9 @@ def codesign(
     with ExitStack() as stack:
         bar = stack.enter_context(progress(f"{verb}()", 0))
 
-        def report(cell: Cell) -> None:
+        def report(entry: Entry) -> None:
             if bar:
-                bar.update(bar.task_ids[0], advance=1, now=f"{cell.robot} {cell.container}")
+                bar.update(bar.task_ids[0], advance=1, now=f"{entry.robot} {entry.container}")
 
         found = designed(asked, jobs, edits, within, not no_plan, report)
     if csv_file:

@@ -7,9 +7,9 @@ import click
 
 from sdt_kg.errors import InputError
 from services.app import Policy
-from services.codesign.cells import Cell, Grid
+from services.codesign.entries import Entry, Grid
 from services.codesign.grid import Asked, run, worlds_of
-from services.codesign.report import CELL_COLUMNS, cell_rows, counts, reuse_lines, to_json, turned_rows
+from services.codesign.report import ENTRY_COLUMNS, counts, entry_rows, reuse_lines, to_json, turned_rows
 from services.commands.show import csv_text, print_json, print_rows, progress
 
 TURNED_COLUMNS = ("world", "kitchen", "robot", "container", "outcome", "predicates", "why")
@@ -43,13 +43,13 @@ def asked_of(  # noqa: PLR0917 - what the command was told
 
 
 def judged(asked: Asked, jobs: int) -> Grid:
-    """All cells, with a bar on a terminal."""
+    """All entries, with a bar on a terminal."""
     with ExitStack() as stack:
         bar = stack.enter_context(progress("cases", 0))
 
-        def report(cell: Cell) -> None:
+        def report(entry: Entry) -> None:
             if bar:
-                bar.update(bar.task_ids[0], advance=1, now=f"{cell.robot} {cell.container}")
+                bar.update(bar.task_ids[0], advance=1, now=f"{entry.robot} {entry.container}")
 
         return run(asked, jobs, report)
 
@@ -57,7 +57,7 @@ def judged(asked: Asked, jobs: int) -> Grid:
 def told(grid: Grid, csv_file: Path | None, *, as_json: bool) -> None:
     """Print what was found."""
     if csv_file:
-        csv_file.write_text(csv_text(cell_rows(grid), CELL_COLUMNS))
+        csv_file.write_text(csv_text(entry_rows(grid), ENTRY_COLUMNS))
     if as_json:
         print_json(to_json(grid))
         return
@@ -70,4 +70,4 @@ def told(grid: Grid, csv_file: Path | None, *, as_json: bool) -> None:
     click.echo("")
     for line in reuse_lines(grid):
         click.echo(line)
-    click.echo(f"\n{len(grid.cells)} cases in {grid.seconds:.0f} s ({grid.cpu_seconds:.0f} s of CPU)")
+    click.echo(f"\n{len(grid.entries)} cases in {grid.seconds:.0f} s ({grid.cpu_seconds:.0f} s of CPU)")

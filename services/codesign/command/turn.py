@@ -2,7 +2,7 @@
 
 import click
 
-from services.codesign.cells import Found, Json
+from services.codesign.entries import Found, Json
 from services.codesign.turning import Sought, Trial, Turned
 from services.commands.verdicts import diagnosis_text
 

@@ -28,22 +28,22 @@ UNDECIDED = "https://example.org/tee/d_artic_dyn#ForceModelShape"
 class Bearing:
     """The Embodiment protocol on top of another: what that finds must also be borne.
 
-    Args:
+    Attributes:
         inner: Who finds and certifies body motions.
     """
 
     def __init__(self, inner: Embodiment) -> None:
-        self._inner, self._dynamics = inner, Dynamics()
+        self.inner, self._dynamics = inner, Dynamics()
 
     @property
     def version(self) -> str:
-        return f"bearing {BEARING_VERSION}, {self._inner.version}"
+        return f"bearing {BEARING_VERSION}, {self.inner.version}"
 
     def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
-        return self._inner.settings(twin, robot)
+        return self.inner.settings(twin, robot)
 
     def perform(self, case: Case) -> Answer:
-        answer = self._inner.perform(case)
+        answer = self.inner.perform(case)
         body = answer.case.body_motion
         if not answer.holds or not isinstance(body, BodyMotion) or not isinstance(case.robot, str):
             return answer

@@ -9,8 +9,8 @@ from predicates.case import ArtefactKind, Outcome
 from sdt_kg.errors import InputError
 from sdt_kg.motion import BodyMotion
 from services.app import load
-from services.codesign.cells import Cell as Judged
-from services.codesign.cells import Grid
+from services.codesign.entries import Entry as Judged
+from services.codesign.entries import Grid
 from services.codesign.grid import Asked, run, worlds_of
 from services.codesign.report import outcome_name, reuse_lines, turned_rows, why, world_name
 from services.embodiment.certify.certificate import read_certificate
@@ -32,7 +32,7 @@ class Coverage:
 
     Attributes:
         asked: What the grid is about.
-        grid: Its cells, those of the world as it is first.
+        grid: Its entries, those of the world as it is first.
     """
 
     asked: Asked
@@ -49,7 +49,7 @@ class Coverage:
 
     def cells(self, edits: Edits, robot: str) -> list[Judged]:
         """Cells of one robot in one world."""
-        return [each for each in self.grid.cells if each.edits == edits and each.robot == robot]
+        return [each for each in self.grid.entries if each.edits == edits and each.robot == robot]
 
     def best(self) -> Edits:
         """The world with the most certificates; of several, the one with the fewest edits."""
@@ -146,9 +146,9 @@ def figure(found: Coverage) -> Figure:
 
 def matrix(found: Coverage) -> Table:
     """Every cell: worlds by robots and containers."""
-    containers = list(dict.fromkeys(each.container for each in found.grid.cells))
+    containers = list(dict.fromkeys(each.container for each in found.grid.entries))
     pairs = [(robot, container) for robot in found.asked.robots for container in containers]
-    by = {(each.edits, each.robot, each.container): each for each in found.grid.cells}
+    by = {(each.edits, each.robot, each.container): each for each in found.grid.entries}
     rows = [
         (robot, container, *(_field(by[edits, robot, container], found) for edits in found.worlds))
         for robot, container in pairs

@@ -1,21 +1,21 @@
 """Covers are greedy over what is certified; a plan's edits are judged in one world, one after the other."""
 
 from predicates.case import Outcome
-from services.codesign.cells import Cell, Found, Grid, How
 from services.codesign.design import covers_of, together_in
+from services.codesign.entries import Entry, Found, Grid, How
 from services.codesign.report import counts, reuse, turned_rows
 
 REASON = ({"kind": "embodiment", "reason": "too high", "evidence": None, "proof": False, "search": None},)
 DOES = {"one": "abcd", "two": "cdef", "three": "fg"}
 
 
-def cell(robot: str, container: str, certified: bool, edits=(), how=How.LAW) -> Cell:
+def entry(robot: str, container: str, certified: bool, edits=(), how=How.LAW) -> Entry:
     outcome = Outcome.CERTIFIED if certified else Outcome.NOT_CERTIFIED
     holds = {"satisfiesRequest": True, "causes": True, "canPerform": certified}
-    return Cell("k", robot, container, edits, Found("", outcome, how, holds, () if certified else REASON))
+    return Entry("k", robot, container, edits, Found("", outcome, how, holds, () if certified else REASON))
 
 
-GRID = Grid([cell(robot, each, each in does) for robot, does in DOES.items() for each in "abcdefg"])
+GRID = Grid([entry(robot, each, each in does) for robot, does in DOES.items() for each in "abcdefg"])
 
 
 def test_the_robot_that_does_most_comes_first_and_says_what_it_lacks() -> None:
@@ -41,9 +41,9 @@ def test_robots_together_are_taken_by_how_much_they_add() -> None:
 
 def test_a_grid_says_what_turned_and_counts_as_reused_only_what_was_not_searched_again() -> None:
     edits = ("box:crate=1,1,1",)
-    cells = [cell("one", "a", True), cell("one", "b", False)]
-    cells += [cell("one", "a", False, edits), cell("one", "b", False, edits, How.LESS_ROOM)]
-    grid = Grid(cells)
+    entries = [entry("one", "a", True), entry("one", "b", False)]
+    entries += [entry("one", "a", False, edits), entry("one", "b", False, edits, How.LESS_ROOM)]
+    grid = Grid(entries)
     assert [(each["container"], each["predicates"]) for each in turned_rows(grid)] == [
         ("a", "canPerform yes → no")
     ]

@@ -9,12 +9,11 @@ from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from services.app import Policy, Service, load
 from services.codesign.again import Again
-from services.codesign.cells import How
+from services.codesign.entries import How
 from services.codesign.grid import worlds_of
 from services.codesign.judge import Judge, judged_as_it_is, motion_of
 from services.codesign.room import reusable
 from services.codesign.touched import touched
-from services.physics.model import Scene
 from services.requests import parse_task
 from services.whatif import World, changed, parse_change
 from tests.small import small_twin
@@ -26,6 +25,13 @@ DRAWER = "sink_area_left_middle_drawer_main"
 
 def otherwise(*texts: str, world: World = SMALL) -> World:
     return changed(world, tuple(map(parse_change, texts)))
+
+
+def answering(before: World, after: World, container: str = FIRST) -> How | None:
+    """Why a search in one world answers for the other."""
+    case = after.service.case(f"open:{container}", after.robot_iri)
+    found = touched(before.service.twin, after.service.twin, before.robot_iri)
+    return reusable(before, after, case, found)
 
 
 def touched_by(*texts: str) -> set[str]:
@@ -77,16 +83,23 @@ def test_what_an_undone_edit_touched_is_as_it_was() -> None:
 )
 def test_a_search_answers_only_for_a_world_with_no_more_room(edits: tuple[str, ...], how: How | None) -> None:
     after = otherwise(*edits)
-    found = touched(SMALL.service.twin, after.service.twin, SMALL.robot_iri)
-    assert reusable(SMALL, after, FIRST, found) is how
+    assert answering(SMALL, after) is how
 
 
 def test_taking_an_obstacle_away_or_letting_the_base_roll_more_freely_asks_for_a_new_search() -> None:
     before = otherwise("box:crate=1,1,1@3,3,0", "drive:fixed")
     for text in ("without:crate", "drive:omni"):
         after = otherwise(text, world=before)
-        found = touched(before.service.twin, after.service.twin, SMALL.robot_iri)
-        assert reusable(before, after, FIRST, found) is None
+        assert answering(before, after) is None
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(("at", "how"), [((3.0, 3.0), How.LESS_ROOM), ((0.0, 0.0), None)])
+def test_a_search_answers_for_no_world_in_which_the_robot_must_start_elsewhere(at, how) -> None:
+    world = World(load("b", ["pr2"]), "pr2")
+    x, y, _ = world.service.twin.kitchen().start
+    after = otherwise(f"box:crate=0.3,0.3,0.3@{x + at[0]},{y + at[1]},0.15", world=world)
+    assert answering(world, after, DRAWER) is how
 
 
 def test_worlds_are_all_choices_of_each_axis_but_none_at_all() -> None:
@@ -118,13 +131,12 @@ def _again_and_in_full(world: World, text: str, base) -> tuple[bool, bool]:
     after = otherwise(text, world=world)
     service, motion = after.service, motion_of(base)
     case = Case(service.twin, after.robot_iri, parse_task(service.twin, f"open:{DRAWER}"), body_motion=motion)
-    scene = Scene(service.twin, after.robot_iri)
     found = []
     for difference in (
         touched(world.service.twin, service.twin, after.robot_iri),
         touched(world.service.twin, service.twin, "https://example.org/nobody"),
     ):
-        again = Again(service.embodiment, service.policy, scene, difference)
+        again = Again(service.embodiment, difference)
         (verdict,) = law(case, service.physics, again)
         found.append(verdict.outcome is Outcome.CERTIFIED)
         assert (again.swept.pairs == again.swept.of) == difference.robot

@@ -5,8 +5,8 @@ import pytest
 from predicates.case import Outcome
 from predicates.law import law
 from services.app import Service
-from services.codesign.cells import Found, How
 from services.codesign.command.turn import sure
+from services.codesign.entries import Found, How
 from services.codesign.families import Family, base_family, families
 from services.codesign.judge import one_of
 from services.codesign.turning import Sought, Trial

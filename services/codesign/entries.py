@@ -13,7 +13,7 @@ Holds = dict[str, bool | None]
 
 
 class How(Enum):
-    """Where a cell's outcome is from."""
+    """Where an entry's outcome is from."""
 
     LAW = "asked anew"
     SAME = "same question as it is"
@@ -58,7 +58,7 @@ class Found:
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class Entry:
     """One case of a grid.
 
     Attributes:
@@ -74,33 +74,33 @@ class Cell:
 
     @property
     def key(self) -> tuple[str, str, str]:
-        """What the cell has in common with that of the world as it is."""
+        """What the entry has in common with that of the world as it is."""
         return self.kitchen, self.robot, self.container
 
 
 @dataclass(slots=True)
 class Grid:
-    """All cells, those of the worlds as they are first.
+    """All entries, those of the worlds as they are first.
 
     Attributes:
         seconds: Wall time [s].
         cpu_seconds: CPU time of this process and its workers [s].
     """
 
-    cells: list[Cell] = field(default_factory=list[Cell])
+    entries: list[Entry] = field(default_factory=list[Entry])
     seconds: float = 0.0
     cpu_seconds: float = 0.0
 
-    def actual(self) -> dict[tuple[str, str, str], Cell]:
-        """Kitchen, robot, container → its cell in the world as it is."""
-        return {each.key: each for each in self.cells if not each.edits}
+    def actual(self) -> dict[tuple[str, str, str], Entry]:
+        """Kitchen, robot, container → its entry in the world as it is."""
+        return {each.key: each for each in self.entries if not each.edits}
 
-    def edited(self) -> list[Cell]:
+    def edited(self) -> list[Entry]:
         """Cells of all other worlds."""
-        return [each for each in self.cells if each.edits]
+        return [each for each in self.entries if each.edits]
 
-    def turned(self) -> list[tuple[Cell, Cell]]:
-        """The cell as it is and otherwise, where the outcome turns."""
+    def turned(self) -> list[tuple[Entry, Entry]]:
+        """The entry as it is and otherwise, where the outcome turns."""
         actual = self.actual()
         pairs = ((actual[each.key], each) for each in self.edited())
         return [
