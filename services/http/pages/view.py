@@ -15,6 +15,7 @@ from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse, Response
 from starlette.routing import Route
 
+from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import local_name
 from services.http.pages.kinds import MARKS
 from services.http.pages.session import may_write
@@ -141,6 +142,18 @@ def here(request: Request, **changes: str | Sequence[str] | None) -> str:
         values = [value] if isinstance(value, str) else (value or [])
         kept += [(name, each) for each in values if each]
     return quote(request.scope["path"]) + (f"?{urlencode(kept)}" if kept else "")
+
+
+def sorted_by(request: Request, columns: Sequence[str]) -> str:
+    """The column by which the address wants a table sorted; the first, where it says nothing.
+
+    Raises:
+        UnknownEntityError: No such column.
+    """
+    by = request.query_params.get("sort") or columns[0]
+    if by not in columns:
+        raise UnknownEntityError("column to sort by", by, columns)
+    return by
 
 
 def csv_text(rows: Sequence[Row], columns: Sequence[str]) -> str:

@@ -105,6 +105,33 @@ def test_verdicts_are_selected_and_listed_some_at_a_time(served) -> None:
     assert 0 < len(later) < len(every)
 
 
+def test_verdicts_are_sorted_by_the_column_that_the_address_names(served) -> None:
+    def sorted_by(column: str) -> list:
+        return [each[column] for each in served.get(f"/verdicts.json?sort={column}").json()["verdicts"]]
+
+    assert sorted_by("robot") == ["pr2"] * 3 + ["stretch"] * 5
+    assert sorted_by("outcome") == sorted(sorted_by("outcome"))
+    seconds = sorted_by("seconds")
+    assert seconds == sorted(seconds, reverse=True)
+    page = served.get("/verdicts?sort=seconds&outcome=certified", headers=PAGE).text
+    assert '<th scope="col" class="number" aria-sort="descending">Seconds' in page
+    assert '<a href="/verdicts?outcome=certified&amp;sort=robot">Robot</a>' in page
+    wrong = text_of(served.get("/verdicts?sort=price", headers=PAGE).text)
+    assert "no column to sort by named 'price'" in wrong
+
+
+def test_containers_are_sorted_by_the_column_that_the_address_names(served) -> None:
+    def sorted_by(column: str) -> list:
+        page = served.get(f"/kitchens/a/containers.json?sort={column}").json()
+        return [each[column] for each in page["containers"]]
+
+    assert sorted_by("name") == sorted(sorted_by("name"))
+    assert sorted_by("upper") == sorted(sorted_by("upper"), reverse=True)
+    assert len(set(sorted_by("upper"))) > 1
+    page = served.get("/kitchens/a/containers?sort=upper", headers=PAGE).text
+    assert '<th scope="col" class="number" aria-sort="descending">Upper' in page
+
+
 def test_the_console_fills_in_prefixes_and_answers_in_a_table(served) -> None:
     page = served.get("/console?" + urlencode({"query": QUERY}), headers=PAGE).text
     assert "PREFIX law: &lt;https://example.org/law#&gt;\nSELECT" in page

@@ -10,12 +10,15 @@ from sdt_kg.iri import local_name
 from sdt_kg.task import Task, Verb
 from services.app import Service
 from services.http.pages.feasibility.asked import Asked, asked_of, moved
-from services.http.pages.view import Json, View
+from services.http.pages.view import Json, View, here, sorted_by
 
 COLUMNS: Final = (
     "name", "kind", "joint", "handle", "lower", "upper", "open_from", "closed_to", "position", "is",
     "driven_by", "velocity", "acceleration", "iri",
 )  # fmt: skip
+NUMBERS: Final = ("position", "closed_to", "open_from", "lower", "upper")
+SORTS: Final = ("name", "kind", "is", *NUMBERS, "joint", "handle")
+"""Columns to sort by, each in one direction: texts from a to z, numbers from the largest."""
 
 
 async def containers(request: Request) -> View:
@@ -25,11 +28,13 @@ async def containers(request: Request) -> View:
         asyncio.to_thread(_met, asked.kitchen.service.at(*asked.states)),
         asyncio.to_thread(asked.twin.left_out),
     )
-    listed = _listed(asked, met)
+    by = sorted_by(request, SORTS)
+    listed = sorted(_listed(asked, met), key=lambda each: _rank(each[by]))
     data: Json = {
         "kitchen": asked.kitchen.name,
         "iri": asked.twin.environment,
         "state": list(asked.states),
+        "sort": by,
         "moved": moved(asked.twin),
         "containers": listed,
         "left_out": [
@@ -38,7 +43,15 @@ async def containers(request: Request) -> View:
         ],
         "notes": list(asked.twin.notes),
     }
-    return View("containers", data, listed, COLUMNS)
+    shown: Json = {"sorts": {each: here(request, sort=each) for each in SORTS}, "numbers": NUMBERS}
+    return View("containers", data, listed, COLUMNS, shown)
+
+
+def _rank(value: str | float | None) -> tuple[float, str]:
+    """Where a row stands: a number that is not there comes last."""
+    if isinstance(value, str):
+        return 0.0, value
+    return (math.inf if value is None else -value), ""
 
 
 def _met(service: Service) -> dict[str, str]:

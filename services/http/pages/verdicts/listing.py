@@ -12,7 +12,7 @@ from sdt_kg.task import Verb
 from services.http.api.read import OUTCOMES, SPELLED
 from services.http.pages.kinds import standings
 from services.http.pages.stored import rows
-from services.http.pages.view import Json, View, here
+from services.http.pages.view import Json, View, here, sorted_by
 from services.http.world import World
 
 PAGE: Final = 200
@@ -20,6 +20,8 @@ PAGE: Final = 200
 COLUMNS: Final = (
     "kitchen", "robot", "task", "container", "outcome", "kinds", "proved", "drive", "seconds", "verdict",
 )  # fmt: skip
+SORTS: Final = ("kitchen", "robot", "task", "outcome", "drive", "seconds")
+"""Columns to sort by, each in one direction: texts from a to z, seconds from the longest."""
 FILTERS: Final = ("kitchen", "robot", "container", "task", "outcome")
 
 
@@ -28,12 +30,14 @@ async def listing(request: Request) -> View:
     world: World = request.app.state.world
     wanted = {name: request.query_params.get(name, "").strip() for name in FILTERS}
     after = request.query_params.get("after", "")
-    known = {f"of_{name}": ("text", value) for name, value in _iris(world, wanted).items()}
+    by = sorted_by(request, SORTS)
+    known = {"by": ("text", "" if by == SORTS[0] else by)}
+    known |= {f"of_{name}": ("text", value) for name, value in _iris(world, wanted).items()}
     found = await rows(world, "verdicts", after=("text", after), **known)
     listed = [_row(each) for each in found[:PAGE]]
     more = found[PAGE - 1]["key"] if len(found) > PAGE else None
     following = here(request, after=more) if more else None
-    data: Json = {"filters": wanted, "verdicts": listed, "next": following}
+    data: Json = {"filters": wanted, "sort": by, "verdicts": listed, "next": following}
     shown: Json = {
         "choices": {
             "kitchen": list(world.kitchens),
@@ -45,6 +49,7 @@ async def listing(request: Request) -> View:
         },
         "first": here(request, after=None) if after else None,
         "page_size": PAGE,
+        "sorts": {each: here(request, sort=each, after=None) for each in SORTS},
     }
     return View("verdicts", data, listed, COLUMNS, shown)
 
