@@ -19,7 +19,7 @@ from services.sweep.cell import Cell, CellResult
 from services.sweep.engines import cpu_seconds, processes
 from services.sweep.plan import Axes, grid
 from services.sweep.run import run as swept
-from services.sweep.worker import stored_verdict, verdict_of
+from services.sweep.worker import SERVICES_KEPT, prepare, service_of, stored_verdict, verdict_of
 
 Keep = Callable[[Cell, Verdict], CellResult]
 
@@ -90,7 +90,8 @@ def run(
 ) -> TableResult:
     """Verdicts of all cases, in the order of the cases; each is reported as soon as it is there.
 
-    An interrupt stops the workers; what was reported until then stays reported.
+    Models are loaded first, and once: workers begin as copies of this process. An interrupt stops the
+    workers; what was reported until then stays reported.
 
     Args:
         cases: What `cells` gave.
@@ -98,6 +99,10 @@ def run(
         report: Called with each result.
         motions: Folder for the certified body motions, a file for each.
         recall: What is stored under a verdict's IRI; such cases are not judged again.
+
+    Raises:
+        InputError: A model cannot be loaded.
+        OracleUnavailableError: A case got no verdict.
     """
     began, cpu_began = time.perf_counter(), cpu_seconds()
     done: dict[Cell, CellResult] = {}
@@ -109,18 +114,28 @@ def run(
             done[result.cell] = result
             report(result)
     missing = [case for case in cases if case not in done]
-    for result in _results(partial(_judge, keep=keep), missing, jobs):
+    firsts = list({case.loaded: case for case in reversed(missing)}.values())
+    for case in firsts:
+        service_of(case)  # what cannot be loaded is told before anything is judged
+    for result in _results(partial(_judge, keep=keep), missing, jobs, firsts):
         done[result.cell] = result
         report(result)
     ordered = [done[case] for case in cases]
     return TableResult(ordered, time.perf_counter() - began, cpu_seconds() - cpu_began)
 
 
-def _results(judge: Callable[[Cell], CellResult], cases: Sequence[Cell], jobs: int) -> Iterator[CellResult]:
+def _results(
+    judge: Callable[[Cell], CellResult], cases: Sequence[Cell], jobs: int, firsts: Sequence[Cell]
+) -> Iterator[CellResult]:
     if jobs == 1:
         yield from map(judge, cases)
         return
-    for found in swept(cases, processes(jobs), judging=judge):
+
+    def prepare_all(_: Cell) -> None:
+        for case in firsts[:SERVICES_KEPT]:
+            prepare(case)
+
+    for found in swept(cases, processes(jobs), judging=judge, prepare=prepare_all):
         if not isinstance(found, CellResult):
             raise OracleUnavailableError(f"{found.cell.task}, {found.cell.robot}: {found.reason}")
         yield found

@@ -17,7 +17,7 @@ from services.sweep.cell import Cell, CellResult, Found, Unjudged
 
 TWINS_KEPT = 16
 """Kitchens with a robot that a worker keeps."""
-SERVICES_KEPT = 4
+SERVICES_KEPT = 8
 """Combinations of kitchen, robot, state and policy whose scenes a worker keeps."""
 
 _turn = threading.Lock()
@@ -46,6 +46,7 @@ def prepare(cell: Cell) -> None:
 
     with suppress(SdtError):
         service = service_of(cell)
+        next(service.causes(cell.task), None)
         if isinstance(service.embodiment, WholeBody):
             service.embodiment.prepare(service.twin, service.robot(None))
 

@@ -1,0 +1,50 @@
+"""The table tells what cannot be loaded before anything is judged."""
+
+from pathlib import Path
+
+import pytest
+
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import AnnotationError
+from services.app import Policy
+from services.commands.exits import Exit
+from services.table import CellResult, cells, run
+
+LINKS = '<link name="base"/><link name="arm"/>'
+JOINT = '<joint name="j" type="fixed"><parent link="base"/><child link="arm"/></joint>'
+
+
+@pytest.fixture
+def stranger(tmp_path: Path) -> str:
+    """A robot without annotation, which no bundled one fits."""
+    path = tmp_path / "stranger.urdf"
+    path.write_text(f'<robot name="s">{LINKS}{JOINT}</robot>', encoding="utf-8")
+    return str(path)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_robot_without_annotation_stops_the_table_before_its_first_verdict(
+    stranger: str, jobs: int
+) -> None:
+    cases = cells(["b"], ["pr2", stranger], "open", (), Policy(Drive.OMNI))
+    judged: list[CellResult] = []
+    with pytest.raises(AnnotationError, match="robot 'stranger' has no annotation"):
+        run(cases, jobs, judged.append)
+    assert judged == []
+
+
+def test_the_shell_says_so_as_it_does_about_any_bad_input(sdt, stranger: str) -> None:
+    done = sdt("table", "--kitchens", "b", "--robots", f"pr2,{stranger}", "--jobs", "2")
+    assert (done.code, done.out) == (Exit.BAD_INPUT, "")
+    assert done.err.startswith("error: robot 'stranger' has no annotation")
+    assert "sdt robot describe" in done.err
+    assert "worker" not in done.err
+    assert "Cell(" not in done.err
+
+
+def test_a_kitchen_that_cannot_be_read_stops_it_too(sdt, tmp_path: Path) -> None:
+    path = tmp_path / "kitchen.urdf"
+    path.write_text("<robot", encoding="utf-8")
+    done = sdt("table", "--kitchens", f"b,{path}", "--robots", "pr2", "--jobs", "2")
+    assert (done.code, done.out) == (Exit.BAD_INPUT, "")
+    assert "kitchen.urdf: is not XML" in done.err
