@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import Enum
 
-from sdt_kg.mechanism import Pose
+from sdt_kg.mechanism import Geometry, Pose
 
 
 class Drive(Enum):
@@ -73,6 +73,8 @@ class RobotAnnotation:
         overhang: How far the reference's surface may stick out of our shapes [m]; added to
             every margin.
         notes: Assumptions, one sentence each, printed with verdicts.
+        cores: Boxes that lie inside the real bodies: name of the body, box in its frame. Collision
+            shapes contain the real ones; a proof of a collision needs what they contain.
     """
 
     robot: str
@@ -88,6 +90,7 @@ class RobotAnnotation:
     allowed_contacts: frozenset[frozenset[str]]
     overhang: float
     notes: tuple[str, ...] = ()
+    cores: tuple[tuple[str, Geometry], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ import math
 from sdt_kg.annotation import BaseLimits, Drive, FingerJoint, Gripper, KitchenAnnotation, RobotAnnotation
 from sdt_kg.iri import RDFS, Iri, local_name
 from sdt_kg.triples.facts import Facts
-from sdt_kg.triples.to_mechanism import notes_of
+from sdt_kg.triples.to_mechanism import geometry_of, notes_of
 
 
 def read_robot(facts: Facts, robot: Iri) -> RobotAnnotation:
@@ -37,6 +37,11 @@ def read_robot(facts: Facts, robot: Iri) -> RobotAnnotation:
         ),
         overhang=facts.number(robot, "overhang", 0.0),
         notes=(*map(str, facts.all(robot, "assumption")), *notes_of(facts, robot)),
+        cores=tuple(
+            (local_name(body), geometry_of(facts, core))
+            for body in sorted(facts.having("partOf", robot))
+            for core in sorted(facts.iris(body, "hasCore"))
+        ),
     )
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,10 +11,12 @@ from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check.arm import ROUNDING, Arm
 from services.embodiment.proof_check.content import LEAF, Claim, Refutation, read_proof
+from services.embodiment.proof_check.cores import Solids, pierced
 from services.embodiment.proof_check.interval import Interval, apply, cross, exact
 from services.embodiment.proof_check.mechanics import Chain, Placement, levers
-from services.embodiment.proof_check.statement import ROUNDING, Arm, Statement, Target
+from services.embodiment.proof_check.statement import Statement, Target
 
 Array = NDArray[np.float64]
 
@@ -133,21 +136,20 @@ def _tree(statement: Statement, arm: Arm, given: Refutation) -> int:
     target = statement.target(given.value)
     if not len(target.boxes):
         raise InputError("the handle has no shape", allowed="a handle with collision geometry")
-    block: list[tuple[Array, Array, int]] = []
-    count = 0
-    for leaf in _leaves(given.tree, low, high):
-        block.append(leaf)
-        count += 1
-        if len(block) == BLOCK:
-            _all_far(arm, target, block, statement.level)
-            block = []
-    if block:
-        _all_far(arm, target, block, statement.level)
+    around = statement.around(arm, given.value)
+    leaves, count = _leaves(given.tree, low, high, len(arm.cores)), 0
+    while block := list(islice(leaves, BLOCK)):
+        count += len(block)
+        far = [leaf for leaf in block if leaf[2] <= len(links)]
+        if far:
+            _all_far(arm, target, far, statement.level)
+        if len(far) < len(block):
+            _all_pierced(arm, around, [leaf for leaf in block if leaf[2] > len(links)])
     return count
 
 
-def _leaves(tree: bytes, low: Array, high: Array) -> Iterator[tuple[Array, Array, int]]:
-    """Boxes of the leaves, and the joint that each of them names; together they are the whole box.
+def _leaves(tree: bytes, low: Array, high: Array, cores: int) -> Iterator[tuple[Array, Array, int]]:
+    """Boxes of the leaves, and what each of them names; together they are the whole box.
 
     Raises:
         InputError: The tree ends early, goes on after its end, or names joints that are not there.
@@ -158,7 +160,8 @@ def _leaves(tree: bytes, low: Array, high: Array) -> Iterator[tuple[Array, Array
     while stack:
         low, high = stack.pop()
         node = next(nodes, None)
-        if node is None or node % LEAF >= len(low) + (node >= LEAF):
+        named = len(low) + (1 + cores if node is not None and node >= LEAF else 0)
+        if node is None or node % LEAF >= named:
             raise InputError("the proof's tree is damaged", allowed="a whole tree over the arm's joints")
         if node >= LEAF:
             yield low, high, node - LEAF
@@ -170,6 +173,27 @@ def _leaves(tree: bytes, low: Array, high: Array) -> Iterator[tuple[Array, Array
         stack.append((low, lower_high))
     if next(nodes, None) is not None:
         raise InputError("the proof's tree goes on after its end", allowed="a whole tree")
+
+
+def _all_pierced(
+    arm: Arm, around: tuple[Solids, NDArray[np.bool_]], block: list[tuple[Array, Array, int]]
+) -> None:
+    """In each box the named core has a point of something solid in it.
+
+    Raises:
+        InputError: It has none, as far as was shown.
+    """
+    low, high = (np.array([one[k] for one in block]) for k in (0, 1))
+    named = np.array([one[2] for one in block]) - len(arm.chain.links) - 1
+    middle = (low + high) / 2
+    half = np.maximum(high - middle, middle - low) * (1 + 1e-12)
+    solids, keeps = around
+    for c in np.unique(named):
+        of, core = named == c, arm.cores[c]
+        if not (pierced(core, arm.chain, solids, keeps[c], (middle[of], half[of])) > 0).all():
+            raise InputError(
+                f"{core.body} can be clear of everything solid, as far as was shown", allowed="a collision"
+            )
 
 
 def _all_far(arm: Arm, target: Target, block: list[tuple[Array, Array, int]], level: bool) -> None:

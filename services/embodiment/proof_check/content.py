@@ -3,7 +3,8 @@
 The bytes are JSON compressed by zlib. A tree is written in preorder, one byte for each node: below 128
 it is the joint whose interval is halved there, lower half first; from 128 on the node is a leaf, and
 the rest of the byte is the joint whose origin is too far from the handle in all of the leaf's box, or the
-number of joints where the grasp box itself is apart from it.
+number n of joints where the grasp box itself is apart from it, or n + 1 + c where the arm's core c meets
+something solid. "sdt proof 1" had none of the last kind and is read as it is.
 """
 
 import base64
@@ -20,7 +21,8 @@ from sdt_kg.iri import Iri
 from sdt_kg.twin import Twin
 from services.embodiment.certify.tolerances import Tolerances
 
-SCHEMA = "sdt proof 1"
+SCHEMA = "sdt proof 2"
+READ = ("sdt proof 1", SCHEMA)
 LEAF = 128
 MOST_BYTES = 20_000_000
 """[bytes] More than any proof's; a small file cannot claim a memory of its choice."""
@@ -85,7 +87,9 @@ class Proof:
             "anywhere along it, at any angle",
             f"tolerances: those of certification, {claim.tolerances}",
             "joints: limits of the twin, each joint for itself",
-            "no collision geometry but that of the fingers and the handle, which a hold is about",
+            "collision geometry: of the fingers and the handle, which a hold is about; besides, with a fixed "
+            "base, boxes inside the robot's bodies (sdt:hasCore) and inside the kitchen's boxes, cylinders "
+            "and spheres as they are declared",
         )
 
 
@@ -115,7 +119,7 @@ def to_bytes(proof: Proof) -> bytes:
 def is_proof(content: bytes) -> bool:
     """Whether the bytes are a proof's, as far as their beginning tells."""
     try:
-        return _unpacked(content).get("schema") == SCHEMA
+        return _unpacked(content).get("schema") in READ
     except InputError:
         return False
 
@@ -127,8 +131,8 @@ def read_proof(content: bytes) -> Proof:
         InputError: It is none, or damaged.
     """
     whole = _unpacked(content)
-    if whole.get("schema") != SCHEMA:
-        raise InputError(f"a proof of the schema '{whole.get('schema')}'", allowed=SCHEMA)
+    if whole.get("schema") not in READ:
+        raise InputError(f"a proof of the schema '{whole.get('schema')}'", allowed=" or ".join(READ))
     try:
         return Proof(_claim(whole["claim"]), tuple(_refutation(one) for one in whole["refutations"]))
     except (KeyError, TypeError, ValueError, AttributeError, binascii.Error) as error:

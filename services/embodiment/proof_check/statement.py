@@ -11,10 +11,12 @@ about all fingers in the tool's frame, over all positions of the finger joints, 
 The handle is where the kitchen's joints have it, each within `start` and `position` of its place. A
 fixed base stands within `start_position` and `start_angle` of its start pose. To refute that for one
 value of the container, for each gripper and all joint positions, is to refute every certificate of a
-motion that takes the container past that value. No collision geometry is used.
+motion that takes the container past that value.
 
 In a box of joint positions that is shown by a joint's origin, farther from the handle than any point
-of the grasp box can be from it, or by the grasp box itself, apart from the handle in all of the box.
+of the grasp box can be from it; by the grasp box itself, apart from the handle in all of the box; or,
+with a fixed base, by a box inside one of the arm's bodies that meets something solid (`cores`). No other
+collision geometry is used.
 """
 
 from dataclasses import dataclass, replace
@@ -27,6 +29,15 @@ from sdt_kg.annotation import Drive, Gripper
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check.arm import ROUNDING, Arm, make_arm, upright
+from services.embodiment.proof_check.cores import (
+    NOTHING,
+    Solids,
+    Surroundings,
+    apart_from,
+    cores_on,
+    standing,
+)
 from services.embodiment.proof_check.interval import Interval, apply, exact, times
 from services.embodiment.proof_check.mechanics import (
     HERE,
@@ -41,28 +52,7 @@ from services.embodiment.proof_check.shapes import boxes_of, finger_box, tool_in
 
 Array = NDArray[np.float64]
 
-ROUNDING = 1e-7  # [m] what quaternions and axes of not quite unit length, and upright hinges, can be off by
-UPRIGHT = 1e-12  # [1] deviation of a hinge's axis from the vertical that counts as none
 BASE = ("base_x", "base_y", "base_yaw")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Arm:
-    """One gripper's chain, and how far the grasp box can be from each joint.
-
-    Attributes:
-        chain: From the world (fixed base), or from a base somewhere on the floor (else).
-        reach: Largest distance from each joint's origin to a point of the grasp box [m], shape (n,).
-        upright: How many of the first joints leave every later one upright: lifts and upright hinges.
-        middle, half: Of the grasp box, in the tool's frame [m], shape (3,).
-    """
-
-    gripper: str
-    chain: Chain
-    reach: Array
-    upright: int
-    middle: Array
-    half: Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,16 +128,19 @@ class Statement:
     ) -> None:
         self.twin, self.robot, self.container, self.room = twin, robot, container, room
         self.level, self.start, self.tolerances = drive is not Drive.FIXED, start, tolerances
-        self.grippers = twin.robot(robot).grippers
+        self._annotation = twin.robot(robot)
+        self.grippers = self._annotation.grippers
         self._tree = Tree(twin.mechanism(robot))
         self._kitchen = Tree(twin.mechanism(twin.environment))
         self._chains: dict[str, tuple[Chain, Array] | None] = {}
         self._targets: dict[float, Target] = {}
+        self._surroundings = Surroundings(self._kitchen, self._slack())
 
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Statement":
         """The same, with the fixed base elsewhere."""
         other = Statement(self.twin, self.robot, self.container, Drive.FIXED, start, self.tolerances, room)
         other._chains, other._targets = self._chains, self._targets
+        other._surroundings = self._surroundings
         return other
 
     def arm(self, gripper: Gripper) -> Arm | None:
@@ -158,13 +151,15 @@ class Statement:
         if found is None:
             return None
         chain, corners = found
-        height = Placement(HERE.rotation, exact([0.0, 0.0, self.twin.robot(self.robot).base_height]))
+        height = Placement(HERE.rotation, exact([0.0, 0.0, self._annotation.base_height]))
         if not self.level:
             whole = Chain((*self._base(height), *chain.links), chain.end)
-            return _arm(gripper.name, whole, corners, 0)
+            joints, root = [link.name for link in chain.links], base_T_root(self._tree, self._annotation)
+            cores = cores_on(self._tree, self._annotation, joints, root, len(BASE) - 1)
+            return replace(make_arm(gripper.name, whole, corners, 0), cores=cores)
         first = replace(chain.links[0], before=height @ chain.links[0].before)
         whole = Chain((first, *chain.links[1:]), chain.end)
-        return _arm(gripper.name, whole, corners, _upright(whole))
+        return make_arm(gripper.name, whole, corners, upright(whole))
 
     def _behind_base(self, gripper: Gripper) -> tuple[Chain, Array] | None:
         """The chain from the base's frame to the tool, and the corners of the grasp box."""
@@ -172,15 +167,32 @@ class Statement:
         if box is None:
             return None
         joints = self._tree.path(self._tree.carrier(gripper.tool_body))
-        first = base_T_root(self._tree, self.twin.robot(self.robot))
+        first = base_T_root(self._tree, self._annotation)
         chain = self._tree.chain(joints, first, self.tolerances.position)
         whole = Chain(chain.links, chain.end @ tool_in(self._tree, gripper))
         bounded = all(np.isfinite((link.lower, link.upper)).all() for link in whole.links)
         return (whole, self._corners(box)) if bounded and whole.links else None
 
+    def around(self, arm: Arm, value: float) -> tuple[Solids, NDArray[np.bool_]]:
+        """What is solid with the container at a value, and which core is kept apart from it, shape (C, S)."""
+        state = self.twin.at({self.container.joint: value}).state
+        solids = self._surroundings.at(state) if arm.cores else NOTHING
+        if arm.cores and not any(self.room):
+            solids += standing(arm.cores, arm.chain, self._tree.mechanism.name, self._base_slacks())
+        return solids, apart_from(arm.cores, solids, self._tree, self._annotation)
+
+    def _slack(self) -> float:
+        """How far a joint of the kitchen may be from where it is said to be [rad or m]."""
+        kept = self.tolerances
+        return kept.position + kept.coupling + max(kept.start_position, kept.start_angle)
+
+    def _base_slacks(self) -> tuple[float, float]:
+        """How far a fixed base may be from its start [m], and turned [rad]."""
+        kept = self.tolerances
+        return kept.start_position + kept.position, kept.start_angle + kept.position
+
     def _base(self, height: Placement) -> tuple[Link, ...]:
-        slack = self.tolerances.start_position + self.tolerances.position
-        turn = self.tolerances.start_angle + self.tolerances.position
+        slack, turn = self._base_slacks()
         slacks = tuple(one + more for one, more in zip((slack, slack, turn), self.room, strict=True))
         places = (height, HERE, HERE)
         return tuple(
@@ -234,12 +246,6 @@ class Statement:
         return Target(tuple(places), np.array(halves).reshape(-1, 3))
 
 
-def _arm(gripper: str, chain: Chain, corners: Array, upright: int) -> Arm:
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    half = (high - low) / 2 + ROUNDING
-    return Arm(gripper, chain, _reaches(chain, corners), upright, (low + high) / 2, half)
-
-
 def _lever_of(origins: Interval, axes: Interval, point: Interval, links: tuple[Link, ...]) -> Array:
     """How far a point (1, 3) moves at most for a unit of each joint, shape (n,)."""
     if not links:
@@ -253,32 +259,3 @@ def _lever_of(origins: Interval, axes: Interval, point: Interval, links: tuple[L
         np.concatenate((axes.hi, np.zeros((1, 1, 3))), axis=1),
     )
     return levers(ends, whole, len(links), (*links, links[-1]))[0, :-1]
-
-
-def _reaches(chain: Chain, corners: Array) -> Array:
-    """From each joint's origin at most so far to the grasp box: lengths add up."""
-    reach = np.zeros(len(chain.links))
-    end = apply(chain.end.rotation, exact(corners)) + chain.end.translation
-    further = float(end.norm().hi.max())
-    for k in range(len(chain.links) - 1, -1, -1):
-        reach[k] = further
-        link = chain.links[k]
-        step = link.before.translation
-        if not link.turns:
-            axis = apply(link.before.rotation, exact(link.axis))
-            ends = (step + axis * exact(q) for q in (link.lower, link.upper))
-            further += max(float(one.norm().hi) for one in ends)
-        else:
-            further += float(step.norm().hi)
-    return reach * (1 + 1e-12)
-
-
-def _upright(chain: Chain) -> int:
-    """How many of the first joints only lift, shift and turn about the vertical."""
-    at = HERE
-    for k, link in enumerate(chain.links):
-        at = at @ link.before
-        up = apply(at.rotation, exact(link.axis))[..., 2].magnitude()
-        if link.turns and float(up.lo) < 1 - UPRIGHT:
-            return k
-    return len(chain.links)

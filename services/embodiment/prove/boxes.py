@@ -1,4 +1,4 @@
-"""Branch and bound over joint positions: boxes in which some joint is too far from the handle.
+"""Branch and bound over joint positions: boxes in which a joint is too far off, or a core meets a solid.
 
 Compiled. Nothing here is trusted: what it finds is a tree that `proof_check` verifies.
 """
@@ -10,13 +10,16 @@ FOUND, REACHED, GAVE_UP = 0, 1, 2
 """The tree is whole; some posture reaches; the nodes were spent."""
 
 LEAF = 128
+SLACK = 1e-5  # [m] by which a box must be too far, so that interval arithmetic finds so too
 DEEPEST = 400  # halvings of one box
 FINEST = 1e-4  # [m] a box in which nothing moves by more is not halved: it lies at the edge of the reach
+DEEP = 0.004  # [m] less deep in each other, a core and a solid are no reason to halve a box
+ROUNDS = 6  # of projections between a core and a solid
 
 
 @njit(cache=True)
-def forward(q, rotation, translation, axis, turns, origins, axes):
-    """Rotation of the last frame; origins and axes of the joints in the world at q, outputs (n, 3)."""
+def forward(q, rotation, translation, axis, turns, origins, axes, frames):
+    """Origins, axes (n, 3) and frames (n, 3, 3) of the joints in the world at q are in the outputs."""
     r, p = np.eye(3), np.zeros(3)
     step = np.empty((3, 3))
     for k in range(len(q)):
@@ -44,8 +47,7 @@ def forward(q, rotation, translation, axis, turns, origins, axes):
             r = r @ step
         else:
             p = p + u * q[k]
-        origins[k], axes[k] = p, u
-    return r
+        origins[k], axes[k], frames[k] = p, u, r
 
 
 @njit(cache=True)
@@ -108,7 +110,69 @@ def lever(origins, axes, j, k, turns, upright, level):
 
 
 @njit(cache=True)
-def look(low, high, chain, reach, upright, tool, boxes, level, slack, arms, origins, axes):
+def deepest(turn, place, half, less, solid):
+    """A point of a solid (rotation, middle, half extents), and how deep it is in a box less `less`."""
+    other, there, room = solid
+    point = place.copy()
+    for _ in range(ROUNDS):
+        seen = turn.T @ (point - place)
+        for i in range(3):
+            most = max(half[i] - less, 0.0)
+            seen[i] = min(max(seen[i], -most), most)
+        local = other.T @ (turn @ seen + place - there)
+        for i in range(3):
+            local[i] = min(max(local[i], -room[i]), room[i])
+        point = other @ local + there
+    seen = turn.T @ (point - place)
+    depth = np.inf
+    for i in range(3):
+        depth = min(depth, half[i] - abs(seen[i]))
+    return point, depth
+
+
+@njit(cache=True)
+def sway(point, k, origins, axes, turns, half, arms):
+    """How far a point moves at most, as link k sees it; what each joint adds is in `arms`."""
+    moved = 0.0
+    x, y, z = point
+    for j in range(k + 1):
+        arms[j] = half[j]
+        if turns[j]:
+            u, v, w = x - origins[j, 0], y - origins[j, 1], z - origins[j, 2]
+            a, b, c = axes[j]
+            arms[j] *= np.sqrt((v * c - w * b) ** 2 + (w * a - u * c) ** 2 + (u * b - v * a) ** 2)
+        moved += arms[j]
+    return moved
+
+
+@njit(cache=True)
+def meets(half, turns, inner, origins, axes, frames, arms):
+    """(Core that meets a solid in the whole box or −1; joint to halve where one does in the middle or −1)."""
+    (links, turned, placed, sizes), solids, keeps = inner
+    split, most = -1, DEEP
+    for c in range(len(links)):
+        k = links[c]
+        turn = frames[k] @ turned[c]
+        place = origins[k] + frames[k] @ placed[c]
+        least, radius = sizes[c].min(), np.sqrt((sizes[c] ** 2).sum())
+        less = min(sway(place, k, origins, axes, turns, half, arms), least - DEEP)
+        for s in range(len(solids[0])):
+            if not keeps[c, s]:
+                continue
+            away = solids[1][s] - place
+            if (away**2).sum() > (radius + np.sqrt((solids[2][s] ** 2).sum())) ** 2:
+                continue
+            point, depth = deepest(turn, place, sizes[c], less, (solids[0][s], solids[1][s], solids[2][s]))
+            moved = sway(point, k, origins, axes, turns, half, arms)
+            if depth > moved + SLACK:
+                return c, -1
+            if depth > most:
+                most, split = depth, arms[: k + 1].argmax()
+    return -1, split
+
+
+@njit(cache=True)
+def look(low, high, chain, reach, upright, tool, boxes, level, slack, arms, origins, axes, frames):
     """(What is too far in the whole box, a joint or n for the fingers, or −1; joint to halve or −1).
 
     Both are −1 where the middle may reach. `tool` is the grasp box in the last frame: rotation, middle,
@@ -116,7 +180,8 @@ def look(low, high, chain, reach, upright, tool, boxes, level, slack, arms, orig
     """
     n = len(low)
     middle, half = (low + high) / 2, (high - low) / 2
-    last = forward(middle, chain[0], chain[1], chain[2], chain[3], origins[:n], axes)
+    forward(middle, chain[0], chain[1], chain[2], chain[3], origins[:n], axes, frames)
+    last = frames[n - 1]
     origins[n] = origins[n - 1] + last @ tool[1]
     radius = np.sqrt((tool[2] ** 2).sum())
     chosen = -1
@@ -151,11 +216,15 @@ def look(low, high, chain, reach, upright, tool, boxes, level, slack, arms, orig
 
 
 @njit(cache=True)
-def divide(low, high, chain, reach, upright, tool, boxes, level, slack, tree):
-    """(FOUND, REACHED or GAVE_UP; how much of `tree` was written)."""
+def divide(low, high, chain, reach, upright, tool, boxes, level, slack, inner, tree):
+    """(FOUND, REACHED or GAVE_UP; how much of `tree` was written).
+
+    `inner` is cores (link, rotation, middle, half extents), solids (rotation, middle, half extents), and
+    which of these are kept apart.
+    """
     n = len(low)
     lows, highs = np.empty((DEEPEST, n)), np.empty((DEEPEST, n))
-    arms, origins, axes = np.empty(n), np.empty((n + 1, 3)), np.empty((n, 3))
+    arms, origins, axes, frames = np.empty(n), np.empty((n + 1, 3)), np.empty((n, 3)), np.empty((n, 3, 3))
     lows[0], highs[0] = low, high
     depth, written = 1, 0
     while depth > 0:
@@ -163,7 +232,10 @@ def divide(low, high, chain, reach, upright, tool, boxes, level, slack, tree):
         if written >= len(tree) or depth + 2 >= DEEPEST:
             return GAVE_UP, written
         a, b = lows[depth].copy(), highs[depth].copy()
-        far, split = look(a, b, chain, reach, upright, tool, boxes, level, slack, arms, origins, axes)
+        far, split = look(a, b, chain, reach, upright, tool, boxes, level, slack, arms, origins, axes, frames)
+        if far < 0 and len(inner[0][0]):
+            core, other = meets((b - a) / 2, chain[3], inner, origins, axes, frames, arms)
+            far, split = n + 1 + core if core >= 0 else -1, other if split < 0 else split
         if far >= 0:
             tree[written] = LEAF + far
             written += 1
@@ -186,4 +258,5 @@ def warm() -> None:
     turn, zero, one = np.eye(3)[None], np.zeros((1, 3)), np.zeros(1)
     chain = turn, zero, zero, np.zeros(1, np.bool_)
     tool, boxes = (np.eye(3), np.zeros(3), np.zeros(3)), (turn, zero, zero)
-    divide(one, one, chain, one, 0, tool, boxes, False, 0.0, np.zeros(1, dtype=np.uint8))
+    inner = (np.zeros(1, np.int64), turn, zero, zero), boxes, np.ones((1, 1), np.bool_)
+    divide(one, one, chain, one, 0, tool, boxes, False, 0.0, inner, np.zeros(1, dtype=np.uint8))

@@ -13,15 +13,16 @@ from sdt_kg.iri import Iri, local_name
 from sdt_kg.mechanism import JointType
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.check import refuted
 from services.embodiment.proof_check.content import Proof, Refutation, claim_about, to_bytes
+from services.embodiment.proof_check.cores import Solids
 from services.embodiment.proof_check.interval import Interval
-from services.embodiment.proof_check.statement import Arm, Statement, Target
-from services.embodiment.prove.boxes import FOUND, divide
+from services.embodiment.proof_check.statement import Statement, Target
+from services.embodiment.prove.boxes import FOUND, LEAF, SLACK, divide
 
 Array = NDArray[np.float64]
 
-SLACK = 1e-5  # [m] by which a box must be too far, so that interval arithmetic finds so too
 VALUES = 9  # of the container at which a proof is looked for
 FEW = 3  # the same, where many base poses are asked about
 HINGE, SLIDE = "rad", "m"
@@ -125,6 +126,7 @@ class Prover:
                 _places(target),
                 self.statement.level,
                 SLACK,
+                _inner(arm, *self.statement.around(arm, value)),
                 tree,
             )
             if outcome == FOUND:
@@ -157,10 +159,22 @@ class Prover:
             f"no gripper of {robot} can come to {handle} with {self.container.name} at "
             f"{value:.3g} {unit}, {where}: all joint positions are refuted, in {leaves} box(es)"
         )
+        if inside := self._inside(refutations):
+            reason += f"; in some of them {inside} would be inside the furniture or the robot"
         opens = self.twin.state[self.container.joint] <= self.span[0]
         demanded = self.span[1] if opens else self.span[0]
         evidence = Evidence(Quantity.POSITION, demanded, value, unit, entity=self.container.joint)
         return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=True)
+
+    def _inside(self, refutations: list[Refutation]) -> str:
+        """Names of the bodies whose cores refute something."""
+        bodies: set[str] = set()
+        for one in refutations:
+            arm = self._arms[one.gripper]
+            assert arm is not None, "what has no arm is not refuted"
+            first = LEAF + len(one.joints) + 1
+            bodies.update(arm.cores[code - first].body for code in set(one.tree) if code >= first)
+        return ", ".join(sorted(bodies))
 
 
 def needed(container: Container, at: float, values: Array) -> tuple[float, float] | None:
@@ -187,6 +201,21 @@ def _floats(arm: Arm) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
         np.array([_middle(one.before.translation) for one in links]),
         np.array([one.axis for one in links]),
         np.array([one.turns for one in links]),
+    )
+
+
+def _inner(arm: Arm, solids: Solids, keeps: NDArray[np.bool_]) -> tuple[object, ...]:
+    """Cores, solids, and which of them are kept apart, as `boxes` takes them."""
+    cores = arm.cores
+    return (
+        (
+            np.array([core.link for core in cores], dtype=np.int64),
+            np.array([_middle(core.middle.rotation) for core in cores]).reshape(-1, 3, 3),
+            np.array([_middle(core.middle.translation) for core in cores]).reshape(-1, 3),
+            np.array([core.half for core in cores]).reshape(-1, 3),
+        ),
+        (_middle(solids.at.rotation), _middle(solids.at.translation), solids.half),
+        keeps,
     )
 
 

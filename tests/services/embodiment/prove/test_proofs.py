@@ -16,9 +16,10 @@ from sdt_kg.twin import Twin
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
+from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.interval import apply, exact
 from services.embodiment.proof_check.mechanics import Placement
-from services.embodiment.proof_check.statement import Arm, Statement, Target
+from services.embodiment.proof_check.statement import Statement, Target
 from services.embodiment.prove.prover import Proved, Prover, needed
 from services.physics.model import Scene
 

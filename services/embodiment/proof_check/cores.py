@@ -1,0 +1,264 @@
+"""Boxes inside the robot against what is solid around it: where both meet, no certificate can be.
+
+Collision shapes contain the real ones, so that they meet proves nothing. The robot's annotation gives
+*cores*, boxes that its bodies contain; the kitchen's boxes, cylinders and spheres are taken as they are
+declared, meshes are not used; the bodies that stand still with a fixed base are solid too. A point that
+lies in a core, wherever the joints are in a box of positions, and in such a solid, refutes the box.
+
+With the joints moved one after the other from the last one inwards, the point as the core sees it moves
+by at most its distance from each axis, as it is in the middle of the box, times half the box's width.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.annotation import RobotAnnotation
+from sdt_kg.iri import Iri, body_iri, joint_iri
+from sdt_kg.mechanism import Geometry, JointType, ShapeType
+from sdt_kg.state import State
+from services.embodiment.proof_check.interval import Interval, apply, cross, exact
+from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement, Tree, placement
+from services.physics.model import exempt_pairs
+
+Array = NDArray[np.float64]
+
+ROUNDING = 1e-7  # [m] what quaternions and axes of not quite unit length can be off by
+ROUNDS = 12  # of projections between a core and a solid; any point that they lead to is checked
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Core:
+    """A box inside a body of a chain.
+
+    Attributes:
+        link: Index of the chain's link that carries the body.
+        middle: Where the box sits in that link's frame.
+        half: Its half extents [m], shape (3,).
+    """
+
+    body: str
+    link: int
+    middle: Placement
+    half: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solids:
+    """Boxes in the world, each inside something that no robot can be in.
+
+    Attributes:
+        bodies: IRI of the body of each.
+        at: Placements, shapes (S, 3, 3) and (S, 3).
+        half: Half extents, less what certification tolerates [m], shape (S, 3).
+    """
+
+    bodies: tuple[Iri, ...]
+    at: Placement
+    half: Array
+
+    def __add__(self, other: "Solids") -> "Solids":
+        return Solids(
+            (*self.bodies, *other.bodies),
+            Placement(
+                _joined(self.at.rotation, other.at.rotation),
+                _joined(self.at.translation, other.at.translation),
+            ),
+            np.concatenate((self.half, other.half)),
+        )
+
+
+def _joined(one: Interval, other: Interval) -> Interval:
+    return Interval(np.concatenate((one.lo, other.lo)), np.concatenate((one.hi, other.hi)))
+
+
+def cores_on(
+    tree: Tree, annotation: RobotAnnotation, joints: list[str], root: Placement, base: int
+) -> tuple[Core, ...]:
+    """The annotated boxes of bodies that the chain carries; those of fingers, which touch, are left out.
+
+    Args:
+        tree: The robot's.
+        annotation: The robot's.
+        joints: The chain's movable joints, from the base on.
+        root: Where the robot's root sits in the base's frame.
+        base: Index of the link that is the base.
+    """
+    fingers = {finger for gripper in annotation.grippers for finger in gripper.fingers}
+    found: list[Core] = []
+    for body, geometry in annotation.cores:
+        if body in fingers or geometry.shape is not ShapeType.BOX:
+            continue
+        at, passed = root, 0
+        for joint in tree.path(body):
+            at = at @ placement(joint.origin)
+            if joint.type is JointType.FIXED:
+                continue
+            if passed >= len(joints) or joints[passed] != joint.name:
+                break
+            at, passed = HERE, passed + 1
+        else:
+            middle = at @ placement(geometry.pose)
+            found.append(Core(body, base + passed, middle, np.array(geometry.size) / 2))
+    return tuple(found)
+
+
+class Surroundings:
+    """What is solid around the robot, for any state of the kitchen; bodies that stay are measured once.
+
+    Args:
+        slack: How far each joint of the kitchen may be from the state [rad or m].
+    """
+
+    def __init__(self, kitchen: Tree, slack: float) -> None:
+        self._kitchen, self._slack = kitchen, slack
+        self._seen: dict[tuple[str, bytes], Solids] = {}
+
+    def at(self, state: State) -> Solids:
+        """Boxes inside the kitchen's declared shapes, with the kitchen in a state."""
+        found = NOTHING
+        name = self._kitchen.mechanism.name
+        for body in self._kitchen.mechanism.bodies:
+            geometries = [one for one in body.collision if one.shape is not ShapeType.MESH]
+            if not geometries:
+                continue
+            chain = self._kitchen.chain(self._kitchen.path(body.name), HERE, 0.0)
+            q = np.array([[state[joint_iri(name, link.name)] for link in chain.links]]).reshape(1, -1)
+            key = body.name, q.tobytes()
+            if key not in self._seen:
+                iri = body_iri(name, body.name)
+                self._seen[key] = _placed(iri, chain, q, geometries, self._slack)
+            found += self._seen[key]
+        return found
+
+
+def standing(cores: tuple[Core, ...], chain: Chain, robot: str, slacks: tuple[float, float]) -> Solids:
+    """The boxes of bodies that a fixed base carries, as solids.
+
+    Args:
+        cores: On the chain.
+        robot: Name of the mechanism.
+        chain: Whose first three links are the base's, each about its start.
+        slacks: How far the base may be from its start, along each axis [m] and turned [rad].
+    """
+    base = Chain(chain.links[:3], HERE)
+    start = np.array([[(link.lower + link.upper) / 2 for link in base.links]])
+    found = NOTHING
+    for core in cores:
+        if core.link != 2:
+            continue
+        _, _, at = Chain(base.links, core.middle).frames(start)
+        far = float((at.translation - Chain(base.links, HERE).frames(start)[2].translation).norm().hi.max())
+        less = 1.5 * slacks[0] + slacks[1] * (far + float(np.linalg.norm(core.half))) + ROUNDING
+        found += _solids(body_iri(robot, core.body), at, core.half - less)
+    return found
+
+
+def apart_from(
+    cores: tuple[Core, ...], solids: Solids, tree: Tree, annotation: RobotAnnotation
+) -> NDArray[np.bool_]:
+    """Which core certification keeps apart from which solid, shape (C, S)."""
+    exempt, robot = exempt_pairs(tree.mechanism, annotation), tree.mechanism.name
+    own = {body_iri(robot, body.name) for body in tree.mechanism.bodies}
+    keeps = np.ones((len(cores), len(solids.bodies)), dtype=np.bool_)
+    for c, core in enumerate(cores):
+        for s, other in enumerate(solids.bodies):
+            if other in own:
+                keeps[c, s] = core.link > 2 and frozenset((body_iri(robot, core.body), other)) not in exempt
+    return keeps
+
+
+def pierced(
+    core: Core, chain: Chain, solids: Solids, keeps: NDArray[np.bool_], boxes: tuple[Array, Array]
+) -> Array:
+    """How deep a point of a solid lies in the core in all of each box of positions [m], shape (L,).
+
+    A lower bound; not above 0 where no such point was found.
+
+    Args:
+        core: A box inside a body of the arm.
+        chain: The arm.
+        solids: Around it.
+        keeps: Which of them count, shape (S,).
+        boxes: Middles and half widths of the positions of the chain's joints, shapes (L, n).
+    """
+    middle, half = (one[:, : core.link + 1] for one in boxes)
+    links = chain.links[: core.link + 1]
+    origins, axes, at = Chain(links, core.middle).frames(middle)
+    chosen = np.flatnonzero(keeps)
+    if not len(chosen):
+        return np.full(len(middle), -np.inf)
+    depth = np.full(len(middle), -np.inf)
+    point, which = _points(at, core.half, solids, chosen, _moved(at.translation, origins, axes, links, half))
+    local = apply(solids.at.rotation[which].T, exact(point) - solids.at.translation[which])
+    inside = (local.magnitude().hi + ROUNDING <= solids.half[which]).all(axis=1)
+    seen = apply(at.rotation.T, exact(point) - at.translation).magnitude().hi
+    moved = _moved(exact(point), origins, axes, links, half)
+    depth[inside] = ((core.half - seen).min(axis=1) - moved - ROUNDING)[inside]
+    return depth
+
+
+def _moved(point: Interval, origins: Interval, axes: Interval, links: tuple[Link, ...], half: Array) -> Array:
+    """How far points (L, 3) move at most, as the last link sees them [m], shape (L,)."""
+    arms = cross(point[:, None] - origins, axes).norm().hi
+    arms = np.where(np.array([link.turns for link in links]), arms, 1.0)
+    return (arms * half).sum(axis=1) * (1 + 1e-12)
+
+
+def _points(
+    at: Placement, half: Array, solids: Solids, chosen: NDArray[np.intp], moved: Array
+) -> tuple[Array, NDArray[np.intp]]:
+    """A point of a solid in each box, and the solid, such that it lies deep; in floats, to be checked."""
+    turn, place = _middle(at.rotation), _middle(at.translation)
+    other, there = _middle(solids.at.rotation)[chosen], _middle(solids.at.translation)[chosen]
+    own = np.maximum(half - moved[:, None], 0.0)[:, None]
+    room = solids.half[chosen] * (1 - 1e-9) - 2 * ROUNDING
+    point = np.repeat(place[:, None], len(chosen), axis=1)
+    seen = np.zeros_like(point)
+    for _ in range(ROUNDS):
+        seen = np.einsum("lji,lsj->lsi", turn, point - place[:, None])
+        point = np.einsum("lij,lsj->lsi", turn, np.clip(seen, -own, own)) + place[:, None]
+        local = np.clip(np.einsum("sji,lsj->lsi", other, point - there), -room, room)
+        point = np.einsum("sij,lsj->lsi", other, local) + there
+    seen = np.einsum("lji,lsj->lsi", turn, point - place[:, None])
+    best = (half - np.abs(seen)).min(axis=2).argmax(axis=1)
+    return point[np.arange(len(point)), best], chosen[best]
+
+
+def _placed(iri: Iri, chain: Chain, q: Array, geometries: list[Geometry], slack: float) -> Solids:
+    """Boxes inside the shapes of a body, however the joints before it differ by the slack."""
+    found = NOTHING
+    for geometry in geometries:
+        half = _within(geometry)
+        whole = Chain(chain.links, chain.end @ placement(geometry.pose))
+        origins, axes, at = whole.frames(q)
+        less = ROUNDING
+        if chain.links:
+            arms = cross(at.translation[:, None] - origins, axes).norm().hi + float(np.linalg.norm(half))
+            turns = np.array([link.turns for link in chain.links])
+            less += float((np.where(turns, arms, 1.0) * slack).sum())
+        found += _solids(iri, at, half - less)
+    return found
+
+
+def _solids(iri: Iri, at: Placement, half: Array) -> Solids:
+    return Solids((iri,), at, half[None]) if (half > 0).all() else NOTHING
+
+
+def _within(geometry: Geometry) -> Array:
+    """Half extents of a box inside a shape, about its middle [m], shape (3,)."""
+    size = geometry.size
+    if geometry.shape is ShapeType.BOX:
+        return np.array(size) / 2
+    if geometry.shape is ShapeType.SPHERE:
+        return np.full(3, size[0] / np.sqrt(3)) * (1 - 1e-9)
+    across = size[0] / np.sqrt(2) * (1 - 1e-9)  # of a cylinder, and of a capsule without its ends
+    return np.array([across, across, size[1] / 2])
+
+
+def _middle(one: Interval) -> Array:
+    return (one.lo + one.hi) / 2
+
+
+NOTHING = Solids((), Placement(exact(np.zeros((0, 3, 3))), exact(np.zeros((0, 3)))), np.zeros((0, 3)))

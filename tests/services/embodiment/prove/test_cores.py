@@ -1,0 +1,139 @@
+"""Boxes inside the robot: what they refute is in contact, and a proof that rests on them is verified."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sdt_kg.annotation import Drive
+from sdt_kg.load import load_twin
+from sdt_kg.twin import Twin
+from services.embodiment.body.limb import Margins, make_limb, rules
+from services.embodiment.body.world import World
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check import check
+from services.embodiment.proof_check.arm import Arm
+from services.embodiment.proof_check.check import refuted
+from services.embodiment.proof_check.content import LEAF, read_proof
+from services.embodiment.proof_check.cores import pierced
+from services.embodiment.proof_check.statement import Statement
+from services.embodiment.prove.prover import Proved, Prover
+from services.physics.model import Scene
+from tests.soak.doors import Front, draw, write
+
+ROBOTS = ("pr2", "tiago_dual")
+HERE = (0.0, 0.0, 0.0)
+NEAR = Front("drawer", 0.46, 0.2, 0.45, 0.2, (0.5, 0.0, 0.25))
+"""A drawer that opens into the base of whoever stands at the origin."""
+POSTURES = 1000
+BOXES = 4000
+
+
+def front(folder: Path, robot: str, what: Front = NEAR) -> Twin:
+    return load_twin(write(what, folder, f"front_{robot}"), [robot])
+
+
+def statement(twin: Twin) -> Statement:
+    return Statement(twin, twin.robots[0], twin.container("front_door"), Drive.FIXED, HERE, Tolerances())
+
+
+def deepest(about: Statement, arm: Arm, value: float, middle: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """Depth of the deepest point of anything solid in any core, shape (L,)."""
+    solids, keeps = about.around(arm, value)
+    each = [pierced(core, arm.chain, solids, keeps[c], (middle, half)) for c, core in enumerate(arm.cores)]
+    return np.max(each, axis=0)
+
+
+def postures(arm: Arm, rng: np.random.Generator, count: int) -> np.ndarray:
+    low, high = (np.array([getattr(one, end) for one in arm.chain.links]) for end in ("lower", "upper"))
+    return rng.uniform(low, high, (count, len(low)))
+
+
+def touching(twin: Twin, about: Statement, arm: Arm, q: np.ndarray, value: float) -> np.ndarray:
+    """Whether the planner's shapes, which contain the real ones, touch at postures (L, n)."""
+    scene = Scene(twin.at({twin.container("front_door").joint: value}), twin.robots[0])
+    world = World(scene)
+    (gripper,) = (one for one in about.grippers if one.name == arm.gripper)
+    limb = make_limb(world, gripper)
+    demands = rules(world, limb, Margins(0.0, 0.0, 0.0))
+    names = [link.name for link in arm.chain.links[3:]]
+    scenes = (scene.q(one[:3], dict(zip(names, one[3:].tolist(), strict=True))) for one in q)
+    return np.array([world.contact(one[None], demands) is not None for one in scenes])
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_of_1000_postures_none_that_is_free_is_refuted_and_many_in_contact_are(
+    tmp_path: Path, robot: str
+) -> None:
+    twin = front(tmp_path, robot, draw(np.random.default_rng(16)))
+    about = statement(twin)
+    arm = about.arm(about.grippers[0])
+    assert arm is not None
+    q = postures(arm, np.random.default_rng(1), POSTURES)
+    met = deepest(about, arm, 0.0, q, np.zeros_like(q)) > 0
+    contact = touching(twin, about, arm, q, 0.0)
+    assert contact[met].all()
+    assert not contact.all()
+    assert met.sum() > POSTURES / 20
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_all_postures_of_a_refuted_box_are_in_contact(tmp_path: Path, robot: str) -> None:
+    twin, rng = front(tmp_path, robot), np.random.default_rng(2)
+    about = statement(twin)
+    arm = about.arm(about.grippers[0])
+    assert arm is not None
+    middle = postures(arm, rng, 400)
+    half = rng.uniform(0.0, 0.01, middle.shape)
+    met = np.flatnonzero(deepest(about, arm, 0.0, middle, half) > 0)
+    assert len(met) > 10
+    inside = [middle[k] + half[k] * rng.uniform(-1, 1, (10, middle.shape[1])) for k in met[:30]]
+    assert touching(twin, about, arm, np.concatenate(inside), 0.0).all()
+
+
+def found(twin: Twin) -> Proved | None:
+    container = twin.container("front_door")
+    values = np.array([0.0, container.open_from])
+    return Prover(twin, twin.robots[0], container, Drive.FIXED, HERE, values).prove(BOXES)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_a_drawer_that_opens_into_a_fixed_base_is_refuted_in_one_box(tmp_path: Path, robot: str) -> None:
+    twin = front(tmp_path, robot)
+    proved = found(twin)
+    assert proved is not None
+    asked = twin, twin.robots[0], twin.container("front_door")
+    assert check(*asked, proved.artefact.content).holds
+    assert "base_link" in proved.diagnosis.reason
+    refutation = read_proof(proved.artefact.content).refutations[0]
+    assert len(refutation.tree) == 1
+    (code,) = refutation.tree
+    assert code > LEAF + len(refutation.joints), "a core, not a distance"
+    about = statement(twin)
+    arm = about.arm(about.grippers[0])
+    assert arm is not None
+    span = read_proof(proved.artefact.content).claim.span
+    holding: dict[int, str] = {}
+    for c, core in enumerate(arm.cores):
+        other = LEAF + len(refutation.joints) + 1 + c
+        reasons, _ = refuted(about, span, (replace(refutation, tree=bytes([other])),))
+        if not any(refutation.gripper + ":" in reason for reason in reasons):
+            holding[other] = core.body
+    assert code in holding
+    assert set(holding.values()) == {"base_link"}
+
+
+def test_the_same_drawer_farther_away_is_not_refuted(tmp_path: Path) -> None:
+    twin = front(tmp_path, "pr2", Front("drawer", 0.46, 0.2, 0.3, 0.2, (0.75, 0.0, 0.8)))
+    assert found(twin) is None
+
+
+def test_a_robot_without_cores_is_refuted_by_reach_alone(tmp_path: Path) -> None:
+    about = statement(front(tmp_path, "stretch"))
+    arm = about.arm(about.grippers[0])
+    assert arm is not None
+    assert arm.cores == ()
+    solids, keeps = about.around(arm, 0.0)
+    assert solids.bodies == ()
+    assert keeps.shape == (0, 0)
