@@ -15,6 +15,7 @@ from tests.services.pages.conftest import sdt_serve
 
 ROBOTS = ("pr2", "tiago_dual", "stretch")
 REPORTS = ("feasibility", "counterfactual", "codesign", "diagnosis", "learning")
+WITHOUT_STORE = ("codesign", "learning")
 WIDTH, HEIGHT = 1280, 720
 TALLEST = 6000
 """[px] Of a picture."""
@@ -71,7 +72,7 @@ def reports(browser: Browser, store: Path, folder: Path) -> None:
     for name in REPORTS:
         html = folder / f"report_{name}.html"
         command = (sys.executable, "-m", "services.cli", "report", name, "-o", str(html))
-        takes_store = () if name == "learning" else ("--store", str(store))
+        takes_store = () if name in WITHOUT_STORE else ("--store", str(store))
         subprocess.run((*command, *takes_store), check=True)
         taken(browser, html.as_uri(), html.with_suffix(".png"))
 

@@ -66,10 +66,18 @@ def _means(verdict: StoredVerdict) -> str:
     if verdict.outcome is not Outcome.NOT_CERTIFIED:
         return text
     if not any(each.proof for each in verdict.diagnoses):
-        return f"{text} Nothing is proved: the search gave up, which is no proof that it is impossible."
+        return f"{text} Nothing is proved: {_ground(verdict)}."
     if _given(verdict):
         return f"{text} Proved of the motion that was given; another motion may still do it."
     return f"{text} Proved: a sound bound excludes every motion of the class {name}, not only those tried."
+
+
+def _ground(verdict: StoredVerdict) -> str:
+    """On what a refusal rests that is no proof."""
+    if any(each.search is not None for each in verdict.diagnoses):
+        return "the search gave up, which is no proof that it is impossible"
+    tried = "given" if _given(verdict) else "tried"
+    return f"this was measured of the motion that was {tried}; another motion may still do it"
 
 
 def _given(verdict: StoredVerdict) -> str:

@@ -70,6 +70,13 @@ def test_a_search_that_gave_up_is_never_told_as_a_proof() -> None:
     assert "\n  proved" not in text
 
 
+def test_a_measured_refusal_tells_of_no_search_where_none_was_made() -> None:
+    measured = Diagnosis(Kind.EMBODIMENT, "base_link and crate are 12.8 mm in each other")
+    text = told(replace(verdict("low_drawer"), outcome=Outcome.NOT_CERTIFIED, diagnoses=(measured,)))
+    assert "Nothing is proved: this was measured of the motion that was tried; another" in text
+    assert "search" not in text
+
+
 def test_a_proof_about_a_given_motion_says_nothing_of_other_motions() -> None:
     joint = TWIN.container("low_drawer").joint
     ajar = Motion(joint, np.array([0.0, 2.0]), np.array([[0.0], [0.1]]))

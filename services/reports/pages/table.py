@@ -3,6 +3,7 @@
 import csv
 import html
 import io
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -106,7 +107,7 @@ class Table:
 
     def html(self) -> str:
         """As a table with a caption."""
-        head = "".join(f'<th scope="col">{html.escape(each)}</th>' for each in self.columns)
+        head = "".join(f'<th scope="col">{_breakable(each)}</th>' for each in self.columns)
         body = "".join("<tr>" + "".join(map(_cell, row)) + "</tr>" for row in self.rows)
         if not self.rows:
             body = f'<tr><td colspan="{max(1, len(self.columns))}">none</td></tr>'
@@ -143,7 +144,7 @@ def _plain(cell: object) -> str:
 
 def _cell(cell: object) -> str:
     value = _value(cell)
-    text, style, title = html.escape(shown(value)), "", ""
+    text, style, title = _breakable(shown(value)), "", ""
     number = ' class="number"' if isinstance(value, int | float) and not isinstance(value, bool) else ""
     if isinstance(cell, Cell):
         title = f' title="{html.escape(cell.title)}"' if cell.title else ""
@@ -155,6 +156,11 @@ def _cell(cell: object) -> str:
                 f'<button type="button" class="sdt-clip" data-clip="{html.escape(cell.clip)}">{text}</button>'
             )
     return f"<td{number}{style}{title}>{text}</td>"
+
+
+def _breakable(text: str) -> str:
+    """As HTML in which a long name may break after its signs."""
+    return re.sub(r"(?<=[^\s\d][_./:;=@,])(?=[^\s])", "<wbr>", html.escape(text))
 
 
 def _latex(text: str) -> str:
