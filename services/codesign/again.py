@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 
 from predicates.case import Answer, Case
+from predicates.oracle import Embodiment
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, OracleRejectedError
 from sdt_kg.iri import Iri
@@ -20,7 +21,6 @@ from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Container, Twin
 from services.app import Policy, Service
 from services.codesign.touched import Touched
-from services.dynamics.robot.bearing import Bearing
 from services.embodiment.certify.check import Certified, certify
 from services.embodiment.oracle import WholeBody, container_of
 from services.physics.model import Scene
@@ -85,10 +85,27 @@ def whole_body(service: Service) -> WholeBody:
         InputError: That is not this process.
     """
     oracle = service.embodiment
-    found = oracle.inner if isinstance(oracle, Bearing) else oracle
-    if not isinstance(found, WholeBody):
+    if not isinstance(oracle, WholeBody):
+        from services.dynamics.robot.bearing import Bearing  # noqa: PLC0415 - only where forces are asked about
+
+        oracle = oracle.inner if isinstance(oracle, Bearing) else oracle
+    if not isinstance(oracle, WholeBody):
         raise InputError("other worlds are judged in process", allowed="oracles of this process")
-    return found
+    return oracle
+
+
+def has_forces(service: Service) -> bool:
+    """Whether the robot must bear forces, of which no search in another world says anything."""
+    return whole_body(service) is not service.embodiment
+
+
+def as_asked(service: Service, again: Again) -> Embodiment:
+    """Who certifies again: with the forces that must be borne, where the service asks for them."""
+    if not has_forces(service):
+        return again
+    from services.dynamics.robot.bearing import Bearing  # noqa: PLC0415 - only where forces are asked about
+
+    return Bearing(again)
 
 
 def narrowed(scene: Scene, touched: Touched, container: Container) -> tuple[Scene, Swept]:

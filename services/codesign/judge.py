@@ -10,11 +10,10 @@ from predicates.record.inputs import inputs_of, verdict_iri
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion
 from sdt_kg.task import Task
-from services.codesign.again import Again, whole_body
+from services.codesign.again import Again, as_asked, has_forces, whole_body
 from services.codesign.entries import Found, Holds, How, found_of
 from services.codesign.room import reusable
 from services.codesign.touched import Touched, touched
-from services.dynamics.robot.bearing import Bearing
 from services.embodiment.certify.certificate import read_certificate
 from services.requests import parse_task
 from services.whatif import World
@@ -66,7 +65,7 @@ class Judge:
             return found_of(quick, How.CAUSES, 0.0)
         if base.outcome is not Outcome.NOT_CERTIFIED or base.holds["canPerform"] is not False:
             return None
-        how = None if self._has_forces() else reusable(self.before, self.after, case, self.difference)
+        how = None if has_forces(service) else reusable(self.before, self.after, case, self.difference)
         if how is None:
             return None
         said = tuple(each for each in base.diagnoses if each["kind"] == "embodiment")
@@ -80,8 +79,8 @@ class Judge:
             return None
         service = self.after.service
         again = Again(whole_body(service), self.difference)
-        oracle = Bearing(again) if self._has_forces() else again
-        verdict = one_of(law(replace(case, body_motion=motion), service.physics, oracle))
+        asked = replace(case, body_motion=motion)
+        verdict = one_of(law(asked, service.physics, as_asked(service, again)))
         if verdict.outcome is not Outcome.CERTIFIED:
             return None
         return replace(found_of(verdict, How.AGAIN, 0.0, again.swept), artefact=base.artefact)
@@ -96,10 +95,6 @@ class Judge:
             twins = self.before.service.twin, self.after.service.twin
             self._touched = touched(*twins, self.after.robot_iri)
         return self._touched
-
-    def _has_forces(self) -> bool:
-        """Whether the robot must bear forces, of which no search in another world says anything."""
-        return isinstance(self.after.service.embodiment, Bearing)
 
 
 def judged_as_it_is(world: World, verb: str, container: str) -> Found:

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
 
@@ -107,10 +107,7 @@ def turned(question: Question, within: float, jobs: int) -> Turned:
     ground = world.under(budget=min(question.policy.budget, FOR_ACTUAL * within))
     verdict = one_of(ground.service.achieve(question.task, world.robot_iri))
     actual = found_of(verdict, How.LAW, verdict.seconds)
-    hurried = replace(
-        question, policy=replace(question.policy, budget=min(question.policy.budget, EACH * within))
-    )
-    work = partial(_sought, hurried, actual, began + within)
+    work = partial(_sought, question, actual, Deadline(began + within, EACH * within))
     todo: list[Family | None] = [*families(world, verdict, container), None]
     sought = _all(work, todo, jobs)
     return Turned(question, actual, tuple(each for each in sought if each.family.edits), time.time() - began)
@@ -134,35 +131,60 @@ def _all(work: Callable[[Family | None], Sought], todo: list[Family | None], job
     return [done[family and family.name] for family in todo]
 
 
+@dataclass(slots=True)
+class Deadline:
+    """When to stop: before an edit that would end late, if it took as long as the longest before it.
+
+    Attributes:
+        until: Of the wall clock [s].
+        each: Of search in each edited world [s].
+    """
+
+    until: float
+    each: float
+    _longest: float = 0.0
+
+    def is_late(self) -> bool:
+        """Whether no further edit is to be tried."""
+        return time.time() + self._longest > self.until
+
+    def judged(self, world: World, task: str) -> Found:
+        """The verdict, timed."""
+        began, cpu_began = time.time(), time.process_time()
+        verdict = one_of(world.service.achieve(task, world.robot_iri))
+        self._longest = max(self._longest, time.time() - began)
+        return found_of(verdict, How.LAW, time.process_time() - cpu_began)
+
+
 @lru_cache(maxsize=2)
 def _world(question: Question) -> World:
-    """Loaded once in each process."""
+    """Loaded once; processes that begin as copies of this one have it."""
     service = load(question.kitchen, [question.robot], state=question.states, policy=question.policy)
     return World(in_class(service, question.tee, question.forces), question.robot)
 
 
-def _sought(question: Question, actual: Found, until: float, family: Family | None) -> Sought:
+def _sought(question: Question, actual: Found, deadline: Deadline, family: Family | None) -> Sought:
     """What one family gives; None stands for base poses, which have to be found first."""
-    ground = _world(question)
+    ground = _world(question).under(budget=min(question.policy.budget, deadline.each))
     if family is None:
         start = _start(ground, question.task)
         ground = ground.under(base=start)
-        family = base_family(start, _spots(ground, question.task, start, until))
+        family = base_family(start, _spots(ground, question.task, start, deadline.until))
     try:
         search = _gradual if family.scan else _whole
-        return search(ground, question.task, actual, until, family)
+        return search(ground, question.task, actual, deadline, family)
     except InputError as error:
         return Sought(family, impossible=str(error))
 
 
-def _whole(world: World, task: str, actual: Found, until: float, family: Family) -> Sought:
+def _whole(world: World, task: str, actual: Found, deadline: Deadline, family: Family) -> Sought:
     """Each edit, until one turns the outcome."""
     tried: list[Trial] = []
     for text in family.edits:
-        if time.time() > until:
+        if deadline.is_late():
             return Sought(family, tried=tuple(tried), stopped=True)
         try:
-            tried.append(Trial(text, _judged(changed(world, (parse_change(text),)), task)))
+            tried.append(Trial(text, deadline.judged(changed(world, (parse_change(text),)), task)))
         except InputError:  # this robot has no such gripper, that joint stands there already
             continue
         if tried[-1].found.outcome is not actual.outcome:
@@ -172,15 +194,15 @@ def _whole(world: World, task: str, actual: Found, until: float, family: Family)
     )
 
 
-def _gradual(world: World, task: str, actual: Found, until: float, family: Family) -> Sought:
+def _gradual(world: World, task: str, actual: Found, deadline: Deadline, family: Family) -> Sought:
     """The smallest share over all directions."""
     changes = [parse_change(text) for text in family.edits]
-    judges = [partial(_at, world, task, change) for change in changes]
-    turns = nearest_turns(judges, actual, family.scan, family.tolerance, lambda: time.time() > until)
+    judges = [partial(_at, world, task, change, deadline) for change in changes]
+    turns = nearest_turns(judges, actual, family.scan, family.tolerance, deadline.is_late)
     tried = [_trials(world, change, turn) for change, turn in zip(changes, turns, strict=True)]
     listed = tuple(trial for own in tried for _, trial in own)
     found = [(turn.after.share, k) for k, turn in enumerate(turns) if turn.after is not None]
-    stopped = time.time() > until
+    stopped = deadline.is_late()
     if not found:
         return Sought(family, tried=listed, stopped=stopped)
     _, best = min(found)
@@ -205,14 +227,8 @@ def _amount(world: World, change: Change, share: float) -> str:
     return change.amount(world, share)
 
 
-def _at(world: World, task: str, change: Change, share: float) -> Found:
-    return _judged(change.at(world, share), task)
-
-
-def _judged(world: World, task: str) -> Found:
-    began = time.process_time()
-    verdict = one_of(world.service.achieve(task, world.robot_iri))
-    return found_of(verdict, How.LAW, time.process_time() - began)
+def _at(world: World, task: str, change: Change, deadline: Deadline, share: float) -> Found:
+    return deadline.judged(change.at(world, share), task)
 
 
 def _start(world: World, task: str) -> Start:

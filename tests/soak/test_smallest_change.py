@@ -1,7 +1,5 @@
 """Every smallest change that is told is certified when it is asked for by name, in the time of a case."""
 
-import time
-
 import pytest
 
 from predicates.case import Outcome
@@ -18,14 +16,14 @@ REFUSED = (
     ("b", "pr2", "sink_area_dish_washer_door"),
 )
 WITHIN = 30.0  # [s] a case
+LAST = 3.0  # [s] by which the last edit may take longer than the longest before it
 
 
 @pytest.mark.parametrize(("kitchen", "robot", "container"), REFUSED)
 def test_what_turns_a_refusal_is_certified_when_asked_by_name(kitchen, robot, container) -> None:
     question = Question(kitchen, robot, f"open:{container}", (), Policy())
-    began = time.perf_counter()
     found = turned(question, WITHIN, 2)
-    assert time.perf_counter() - began < 2 * WITHIN, "one edit that was begun in time may end after it"
+    assert found.seconds < WITHIN + LAST
     world = World(load(kitchen, [robot]), robot)
     for each in found.sought:
         if each.turn is None:

@@ -76,11 +76,10 @@ def sure(one: Sought) -> str:
         return f"not possible here: {one.impossible}"
     if one.turn is not None:
         whole = "certified" if not one.turn.found.diagnoses else "proved" if one.turn.found.is_proved else ""
-        return (
-            f"{whole or 'searched'}; smaller ones were searched, not proved"
-            if one.family.scan
-            else (whole or "searched")
-        )
+        if not one.family.scan:
+            return whole or "searched"
+        ended = "; the time ended before it was told as finely as that" if one.stopped else ""
+        return f"{whole or 'searched'}; smaller ones were searched, not proved{ended}"
     if one.is_proved:
         return "proved: each is refused by a proof"
     return "searched, not proved" + ("; the time ended before all was tried" if one.stopped else "")

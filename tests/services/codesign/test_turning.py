@@ -1,5 +1,7 @@
 """Which changes are looked at where none is named, and how sure what they give is said to be."""
 
+import time
+
 import pytest
 
 from predicates.case import Outcome
@@ -9,7 +11,7 @@ from services.codesign.command.turn import sure
 from services.codesign.entries import Found, How
 from services.codesign.families import Family, base_family, families
 from services.codesign.judge import one_of
-from services.codesign.turning import Sought, Trial
+from services.codesign.turning import Deadline, Sought, Trial
 from services.physics.oracle import Kinematics
 from services.requests import parse_task
 from services.whatif import World
@@ -47,6 +49,18 @@ def test_a_turn_into_a_refusal_is_called_certified_by_nobody() -> None:
 
 def test_a_family_whose_edits_were_not_all_tried_in_time_says_so() -> None:
     assert "the time ended" in sure(Sought(GRADUAL, tried=(refused(),), stopped=True))
+    assert "as finely" in sure(Sought(GRADUAL, refused(), tried=(refused(),), stopped=True))
+
+
+def test_no_edit_is_begun_that_would_end_late_if_it_took_as_long_as_the_longest_before() -> None:
+    twin = small_twin("b", ("pr2",))
+    world = World(Service(twin), "pr2")
+    deadline = Deadline(time.time() + 60, 1.0)
+    assert not deadline.is_late()
+    deadline.judged(world, f"close:{twin.containers()[0].name}")
+    assert not deadline.is_late()
+    deadline.until = time.time() + 0.001
+    assert deadline.is_late()
 
 
 def test_base_poses_are_told_to_a_tenth_of_a_metre() -> None:
