@@ -19,6 +19,7 @@ from services.bus.sweeps import Sweeps
 from services.http.memory import Memory
 from services.judging.codec import JSON, decode, encode
 from services.judging.jobs import Done, Task, Waiter
+from services.judging.lane import GRACE
 from services.judging.messages import SCHEMA, HistoryRequest, QueryRequest, SweepRequest, Verb
 from services.judging.pool import Pool
 from services.judging.problems import Problem, ProblemType, problem, problem_of
@@ -104,11 +105,11 @@ class Server:
             question.answer(problem_of(error))
 
     def _enqueue(self, verb: Verb, question: Question) -> None:
-        payload, encoding = question.payload, question.encoding
         waiter = question.waiter()
         if verb in ACCEPTED:
-            self._query(verb, decode(QueryRequest, payload, encoding), waiter)
+            self._query(verb, question, waiter)
             return
+        payload, encoding = question.payload, question.encoding
         if verb is Verb.SWEEP:
             started = self._sweeps.start(question.twin, decode(SweepRequest, payload, encoding))
             waiter.answer(Done(encode(started), JSON))
@@ -121,12 +122,14 @@ class Server:
         task = Task(question.twin, verb.value, payload, encoding, question.seconds, states, question.origin)
         self._pool.submit(task, waiter, share=True)
 
-    def _query(self, verb: Verb, request: QueryRequest, waiter: Waiter) -> None:
+    def _query(self, verb: Verb, question: Question, waiter: Waiter) -> None:
+        request = decode(QueryRequest, question.payload, question.encoding)
+
         def done(future: Future[Answered]) -> None:
             waiter.answer(_answered(future))
 
         self._pool.deadlines.watch(waiter)
-        self._memory.ask(Asked("query", request.query, ACCEPTED[verb]), done)
+        self._memory.ask(Asked("query", request.query, ACCEPTED[verb]), question.seconds + GRACE, done)
 
     def _asked_job(self, query: zenoh.Query) -> None:
         """Progress, result or cancellation of a sweep; answered at once, it costs nothing."""

@@ -52,6 +52,7 @@ class BesideHttp:
         session = open_session(listen=self.endpoint, config=self.config)
         try:
             with serving(session, pool, Memory(world, loop)) as server:
+                settle()
                 yield server
         finally:
             session.close()
@@ -82,7 +83,7 @@ def serving(session: zenoh.Session, pool: Pool, memory: Memory) -> Iterator[Serv
         pool: Judges; a twin's name in keys is the kitchen's.
         memory: The world that is asked about, in which verdicts are kept.
     """
-    _settle()
+    _give_back()
     kitchens = memory.world.kitchens.items()
     sweeps = Sweeps(pool, {name: _models(name, kitchen.service.twin) for name, kitchen in kitchens})
     server = Server(session, pool, memory, sweeps).start()
@@ -93,14 +94,21 @@ def serving(session: zenoh.Session, pool: Pool, memory: Memory) -> Iterator[Serv
         sweeps.close()
 
 
-def _settle() -> None:
-    """What was loaded is there to stay, and what requests take goes back to the system when it is freed.
+def settle() -> None:
+    """What this process has loaded is there to stay: for a process that does nothing but serve.
 
-    Python would look through all that is loaded for garbage now and then, for a tenth of a second in which
-    nobody is answered. glibc keeps what was freed in pieces: requests of 16 MiB would make the server grow.
+    Python would look through all of it for garbage now and then, for a tenth of a second in which
+    nobody is answered.
     """
     gc.collect()
     gc.freeze()
+
+
+def _give_back() -> None:
+    """What a large request took goes back to the system when it is freed.
+
+    glibc keeps what was freed in pieces: requests of 16 MiB would make the server grow.
+    """
     libc = ctypes.CDLL(None)
     if hasattr(libc, "mallopt"):
         libc.mallopt(M_MMAP_THRESHOLD, LARGE)

@@ -47,12 +47,12 @@ class Memory:
         for iri, quads in kept:
             self._run(self.world.write_verdict(_record(iri, quads)))
 
-    def ask(self, asked: Asked, done: Callable[[Future[Answered]], None]) -> None:
-        """Ask, and call `done` from the loop's thread."""
-        self.loop.call_soon_threadsafe(self._begin, asked, done)
+    def ask(self, asked: Asked, seconds: float, done: Callable[[Future[Answered]], None]) -> None:
+        """Ask, and call `done` from the loop's thread; after so many seconds nobody waits any more."""
+        self.loop.call_soon_threadsafe(self._begin, asked, seconds, done)
 
-    def _begin(self, asked: Asked, done: Callable[[Future[Answered]], None]) -> None:
-        task = self.loop.create_task(self.world.workers.ask(asked))
+    def _begin(self, asked: Asked, seconds: float, done: Callable[[Future[Answered]], None]) -> None:
+        task = self.loop.create_task(self.world.workers.ask(asked, seconds))
         self._tasks.add(task)  # the loop holds no task by itself
         task.add_done_callback(self._tasks.discard)
         task.add_done_callback(done)

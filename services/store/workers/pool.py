@@ -113,8 +113,12 @@ class Workers:
         if self._process is not None:
             await self._process.wait()
 
-    async def ask(self, asked: Asked) -> Answered:
+    async def ask(self, asked: Asked, seconds: float = float("inf")) -> Answered:
         """The complete answer, within all limits.
+
+        Args:
+            asked: The question.
+            seconds: After which nobody waits, where that is sooner than the limit.
 
         Raises:
             QueryError: The query is refused or not SPARQL.
@@ -126,13 +130,14 @@ class Workers:
         """
         limits = self.limits
         asked = replace(asked, rows=min(asked.rows, limits.rows), size=min(asked.size, limits.size))
+        most = min(limits.seconds, seconds)
         try:
-            async with asyncio.timeout(limits.seconds), self._borrowed() as worker:
+            async with asyncio.timeout(most), self._borrowed() as worker:
                 worker.writer.write(packed(asked.head()))
                 head, body = await read(worker.reader)
                 worker.spent = head["spent"]
         except TimeoutError:
-            raise LimitError(Limit.TIME, f"{limits.seconds:g} s") from None
+            raise LimitError(Limit.TIME, f"{most:g} s") from None
         if "error" in head:
             raise error_of(head)
         return Answered(head["media"], body, head["found"])
@@ -178,9 +183,10 @@ class Workers:
         self._waiting += 1
         try:
             while True:
-                async with self._free:
-                    await self._free.wait_for(lambda: bool(self._idle))
-                    worker = self._idle.pop()
+                if self._waiting > 1 or not self._idle:  # in turn
+                    async with self._free:
+                        await self._free.wait_for(lambda: bool(self._idle))
+                worker = self._idle.pop()
                 if not worker.stale:
                     return worker
                 await asyncio.shield(self._replacing(worker))

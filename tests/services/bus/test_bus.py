@@ -120,6 +120,14 @@ def test_a_deadline_is_an_error_of_its_own_and_the_server_lives_on(connection: C
     assert connection.satisfies()
 
 
+def test_a_query_that_nobody_waits_for_any_more_is_stopped(connection: Connection) -> None:
+    hurried, before_its_limit = replace(connection, deadline=0.2), replace(connection, deadline=7.0)
+    for _ in range(4):  # as many as there are processes that evaluate
+        with pytest.raises((DeadlineError, OracleUnavailableError)):
+            hurried.select("SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i }")
+    assert before_its_limit.ask("ASK { ?d a sdt:Drawer }")
+
+
 def test_a_killed_worker_is_replaced_and_the_question_answered(
     connection: Connection, bus: tuple[str, Server]
 ) -> None:
