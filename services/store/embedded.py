@@ -8,7 +8,8 @@ import pyoxigraph as ox
 from sdt_kg.errors import QueryError
 from sdt_kg.iri import PREFIXES, Iri
 from sdt_kg.store import Solutions, Term
-from services.store.quads import checked, content, restricted
+from services.store.known import restricted
+from services.store.quads import checked, content
 
 BATCH = 50_000
 """[quads] Written in one transaction: all of them or none."""

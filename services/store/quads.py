@@ -1,18 +1,14 @@
-"""What a store of quads does, and quads and known values as text that any SPARQL server takes."""
+"""What a store of quads does, and quads as text that any SPARQL server takes."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from functools import lru_cache
 from itertools import groupby
-from typing import Final, Protocol
+from typing import Protocol
 
 import pyoxigraph as ox
 
-from sdt_kg.errors import InputError, QueryError
-from sdt_kg.iri import PREFIXES, Iri
+from sdt_kg.errors import InputError
+from sdt_kg.iri import Iri
 from sdt_kg.store import Solutions, Term
-
-KEPT_TEXTS: Final = 256
-"""Queries whose variables are remembered."""
 
 
 class QuadStore(Protocol):
@@ -55,10 +51,10 @@ class QuadStore(Protocol):
         Args:
             sparql: A query which `checked_query` has let through.
             graphs: None for all of them.
-            known: Values for variables that the query selects.
+            known: Values for variables of the query's pattern (`services.store.known`).
 
         Raises:
-            QueryError: It does not parse, or binds a variable that it does not select.
+            QueryError: It does not parse, or its pattern has no variable of that name.
             StoreError: There is no whole answer.
         """
         ...
@@ -93,37 +89,3 @@ def content(quads: Iterable[ox.Quad]) -> str:
         lines = "\n".join(f"{quad.subject} {quad.predicate} {quad.object} ." for quad in group)
         parts.append(f"GRAPH {graph} {{\n{lines}\n}}")
     return "\n".join(parts)
-
-
-def restricted(sparql: str, known: Mapping[str, Term]) -> str:
-    """The query, with a VALUES clause at its end that fixes these variables.
-
-    Unlike a substitution it is seen by the planner, which starts from what is known: the answer then
-    takes as long as it has rows, however much the store holds. Terms are written as N-Triples has them.
-
-    A variable that is computed, or a query that ends with VALUES itself, makes it no SPARQL any more.
-
-    Raises:
-        QueryError: It does not parse, or does not select one of the variables.
-    """
-    if not known:
-        return sparql
-    selected = _selected(sparql)
-    for name in known:
-        if name not in selected:
-            allowed = ", ".join(sorted(selected)) or "a SELECT"
-            raise QueryError(f"the query does not select ?{name}", allowed=allowed)
-    names, terms = " ".join(f"?{name}" for name in known), " ".join(str(term) for term in known.values())
-    return f"{sparql}\nVALUES ({names}) {{ ({terms}) }}"
-
-
-@lru_cache(maxsize=KEPT_TEXTS)
-def _selected(sparql: str) -> frozenset[str]:
-    """Variables which the query selects, computed ones too."""
-    try:
-        solutions = ox.Store().query(sparql, prefixes=PREFIXES)
-    except SyntaxError as error:
-        raise QueryError(f"the query is not SPARQL: {error}", allowed="SELECT") from None
-    if not isinstance(solutions, ox.QuerySolutions):
-        return frozenset()
-    return frozenset(variable.value for variable in solutions.variables)

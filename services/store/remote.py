@@ -13,7 +13,8 @@ import pyoxigraph as ox
 from sdt_kg.errors import InputError, QueryError, StoreRejectedError
 from sdt_kg.iri import PREFIXES, Iri
 from sdt_kg.store import Solutions, Term
-from services.store.quads import checked, content, restricted
+from services.store.known import restricted
+from services.store.quads import checked, content
 from services.store.wire import Form, Wire, shown
 
 BATCH: Final = 5_000

@@ -16,7 +16,7 @@ from services.http.app import create_app
 from services.http.run import bound
 from services.http.settings import Address, Settings
 from services.http.world import World
-from services.store.quads import restricted
+from services.store.known import restricted
 from services.store.workers import Limits, Workers, bulk
 from tests.benchmarks.test_store import QUERIES, SIZES, known, text
 

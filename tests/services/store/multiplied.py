@@ -15,6 +15,7 @@ QUADS_PER_KITCHEN = 5_000
 
 _NAME = re.compile(rb"example\.org/id/(graph/state/)?([ab])(?=[/>])")
 _HASH = re.compile(rb"(/verdict/)([0-9a-f]{64})")
+_STATE = re.compile(rb'(/input/2> <https://example.org/law#inputHash> ")([0-9a-f]{64})')
 
 
 def multiplied(count: int, twins: Sequence[Twin], verdicts: Sequence[Verdict]) -> Iterator[bytes]:
@@ -49,6 +50,6 @@ def _renamed(template: bytes, kitchen: int, copy: int) -> bytes:
     def other(match: re.Match[bytes]) -> bytes:
         return match[1] + hashlib.sha256(b"%b %d %d" % (match[2], kitchen, copy)).hexdigest().encode()
 
-    text = _HASH.sub(other, template)
+    text = _STATE.sub(other, _HASH.sub(other, template))
     text = re.sub(rb"(/graph/state/[^/]+/)([0-9a-f]{16})", rb"\g<1>%08x" % (kitchen * 100 + copy), text)
     return text if kitchen == 0 else _NAME.sub(rb"example.org/id/\g<1>\g<2>%05d" % kitchen, text)
