@@ -16,6 +16,7 @@ from services.codesign.grid import Asked, run
 from services.codesign.judge import Judge
 from services.codesign.report import why
 from services.codesign.turning import Question, turned
+from services.commands.tee_class import in_class
 from services.whatif import World, changed, parse_change
 
 MOST_EDITS = 5
@@ -173,7 +174,9 @@ def _candidates(asked: Asked, cover: Cover, within: float, jobs: int) -> list[st
     found: list[str] = []
     for container, _ in cover.missing:
         task = f"{asked.verb}:{container}"
-        question = Question(cover.kitchen, cover.robot, task, asked.states, asked.policy)
+        question = Question(
+            cover.kitchen, cover.robot, task, asked.states, asked.policy, asked.tee, asked.forces
+        )
         for each in turned(question, within, jobs).sought:
             if each.turn is not None and each.turn.edit.partition(":")[0] in OF_THE_ROOM:
                 found.append(each.turn.edit)
@@ -184,7 +187,9 @@ def _planned(asked: Asked, cover: Cover, founds: Founds, candidates: tuple[str, 
     """Edits, greedily, each judged in the world of all before it."""
     policy = replace(asked.policy, budget=min(asked.policy.budget, FOR_CANDIDATE))
     service = load(cover.kitchen, [cover.robot], state=asked.states, policy=policy)
-    world, steps, left = World(service, cover.robot), [], list(candidates)
+    world = World(in_class(service, asked.tee, asked.forces), cover.robot)
+    steps: list[Step] = []
+    left = list(candidates)
     while left and len(steps) < MOST_EDITS and not all(map(_is_certified, founds.values())):
         step = _best_step(world, asked.verb, founds, left)
         if step is None:

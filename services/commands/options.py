@@ -25,6 +25,15 @@ class FiniteRange(click.FloatRange):
 
 
 kitchen_argument = click.argument("kitchen", type=KITCHEN)
+kitchens_option = click.option(
+    "--kitchens", default="a,b", show_default=True, help="Bundled kitchens or paths, comma-separated."
+)
+robots_option = click.option(
+    "--robots",
+    default="pr2,tiago_dual,stretch",
+    show_default=True,
+    help="Bundled robots or paths, comma-separated.",
+)
 json_flag = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 csv_flag = click.option(
     "--csv",

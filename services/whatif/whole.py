@@ -51,11 +51,11 @@ def _other_robot(world: World, name: str) -> World:
     twin = world.service.twin
     if model_name(name) not in [twin.name(each) for each in twin.robots]:
         twin = parse_edit(twin, f"robot:{name}").applied(twin)
-    return replace(world.with_twin(twin), robot=name)
+    return replace(world.with_models(twin), robot=name)
 
 
 def _other_kitchen(world: World, name: str) -> World:
-    return world.with_twin(load_twin(name, [world.robot]))
+    return world.with_models(load_twin(name, [world.robot]))
 
 
 def _other_drive(world: World, name: str) -> World:

@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass, replace
 
+from predicates.oracle import tee_class_of
 from sdt_kg.iri import Iri
 from sdt_kg.load import model_name
+from sdt_kg.scope import D_ARTIC_DYN
 from sdt_kg.twin import Twin
 from services.app import Service
 from services.edits import parse_edit
@@ -29,6 +31,14 @@ class World:
     def with_twin(self, twin: Twin) -> "World":
         """The same robot and policy with another twin."""
         return replace(self, service=replace(self.service, twin=twin))
+
+    def with_models(self, twin: Twin) -> "World":
+        """The same robot and policy with a twin of other models, and what is bundled of their forces."""
+        if tee_class_of(self.service.physics) == D_ARTIC_DYN:
+            from services.dynamics.data import with_forces  # noqa: PLC0415 - only where forces are asked about
+
+            twin = with_forces(twin)
+        return self.with_twin(twin)
 
     def edited(self, text: str) -> "World":
         """The world after an edit of the twin, as people type it."""

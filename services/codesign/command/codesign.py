@@ -11,12 +11,17 @@ from services.codesign.design import Design, Plan, Step, designed, to_json
 from services.codesign.entries import Entry
 from services.codesign.grid import Asked
 from services.commands.options import (
+    FiniteRange,
     budget_option,
     drive_option,
+    forces_option,
     jobs_option,
     json_flag,
+    kitchens_option,
+    robots_option,
     seed_option,
     states_option,
+    tee_option,
 )
 from services.commands.show import csv_text, print_json, print_rows, progress
 from services.whatif import parse_change
@@ -25,20 +30,8 @@ COVER_COLUMNS = ("kitchen", "robot", "certified", "of", "missing")
 
 
 @click.command()
-@click.option(
-    "--kitchen",
-    "kitchens",
-    default="a,b",
-    show_default=True,
-    help="Bundled kitchens or paths, comma-separated.",
-)
-@click.option(
-    "--robot",
-    "robots",
-    default="pr2,tiago_dual,stretch",
-    show_default=True,
-    help="Bundled robots or paths, comma-separated.",
-)
+@kitchens_option
+@robots_option
 @click.option("--task", "verb", type=click.Choice(["open", "close"]), default="open", show_default=True)
 @click.option(
     "--edit",
@@ -50,12 +43,14 @@ COVER_COLUMNS = ("kitchen", "robot", "certified", "of", "missing")
 @click.option("--no-plan", is_flag=True, help="Only what is certified as things are.")
 @click.option(
     "--within",
-    type=click.FloatRange(min=1),
+    type=FiniteRange(min=1),
     default=30.0,
     show_default=True,
     help="Seconds to look for edits, for each refusal.",
 )
 @drive_option
+@tee_option
+@forces_option
 @states_option
 @budget_option
 @seed_option
@@ -73,6 +68,8 @@ def codesign(
     no_plan: bool,
     within: float,
     drive: str | None,
+    tee: str,
+    forces: Path | None,
     states: tuple[str, ...],
     budget: float,
     seed: int,
@@ -87,7 +84,8 @@ def codesign(
     for each in edits:
         parse_change(each)
     policy = Policy(Drive(drive) if drive else None, None, budget, seed)
-    asked = Asked(tuple(kitchens.split(",")), tuple(robots.split(",")), verb, (), policy, states)
+    models = tuple(kitchens.split(",")), tuple(robots.split(","))
+    asked = Asked(*models, verb, (), policy, states, tee=tee, forces=forces)
     with ExitStack() as stack:
         bar = stack.enter_context(progress(f"{verb}()", 0))
 

@@ -22,6 +22,8 @@ def asked_of(  # noqa: PLR0917 - what the command was told
     edits: tuple[str, ...],
     states: tuple[str, ...],
     policy: Policy,
+    tee: str,
+    forces: Path | None,
 ) -> Asked:
     """What a grid is about, as it is typed.
 
@@ -39,6 +41,8 @@ def asked_of(  # noqa: PLR0917 - what the command was told
         policy,
         states,
         tuple(containers.split(",")) if containers else (),
+        tee,
+        forces,
     )
 
 

@@ -19,13 +19,17 @@ from services.commands.exits import Exit
 from services.commands.options import (
     KITCHEN_HELP,
     ROBOT_HELP,
+    FiniteRange,
     budget_option,
     drive_option,
+    forces_option,
     json_flag,
     seed_option,
     states_option,
+    tee_option,
 )
 from services.commands.show import print_json
+from services.commands.tee_class import in_class
 from services.commands.verdicts import Json, diagnosis_text
 from services.requests import parse_base
 from services.whatif import KINDS, Change, World, changed, parse_change
@@ -76,7 +80,7 @@ WORDS = {True: "yes", False: "no", None: "not asked"}
 )
 @click.option(
     "--within",
-    type=click.FloatRange(min=1),
+    type=FiniteRange(min=1),
     default=30.0,
     show_default=True,
     help="Seconds for --turn without --edit.",
@@ -84,6 +88,8 @@ WORDS = {True: "yes", False: "no", None: "not asked"}
 @states_option
 @click.option("--base", metavar="X,Y,YAW", help="Start pose of the base [m, m, rad].")
 @drive_option
+@tee_option
+@forces_option
 @budget_option
 @seed_option
 @json_flag
@@ -101,6 +107,8 @@ def whatif(
     states: tuple[str, ...],
     base: str | None,
     drive: str | None,
+    tee: str,
+    forces: Path | None,
     budget: float,
     seed: int,
     as_json: bool,
@@ -119,14 +127,14 @@ def whatif(
         raise InputError("--kitchen, --robot, --task and --edit are needed", remedy="--edit help lists edits")
     policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed)
     if grid:
-        made = judged(asked_of(kitchen, robot, task, edits, states, policy), jobs)
-        told(made, csv_file, as_json=as_json)
+        asked = asked_of(kitchen, robot, task, edits, states, policy, tee, forces)
+        told(judged(asked, jobs), csv_file, as_json=as_json)
         return
     if not edits:
-        found = turned(Question(kitchen, robot, task, states, policy), within, jobs)
+        found = turned(Question(kitchen, robot, task, states, policy, tee, forces), within, jobs)
         print_json(turned_json(found)) if as_json else print_turned(found)
         raise SystemExit(0 if any(each.turn is not None for each in found.sought) else Exit.NO)
-    world = World(load(kitchen, [robot], state=states, policy=policy), robot)
+    world = World(in_class(load(kitchen, [robot], state=states, policy=policy), tee, forces), robot)
     changes = tuple(parse_change(text) for text in edits)
     if turn:
         raise SystemExit(_turned(world, task, changes, as_json=as_json))

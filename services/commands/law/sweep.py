@@ -11,7 +11,7 @@ from sdt_kg.errors import InputError
 from sdt_kg.load import model_name
 from services.app import DEFAULT_BUDGET
 from services.commands.exits import Exit
-from services.commands.options import FiniteRange, jobs_option, json_flag
+from services.commands.options import FiniteRange, jobs_option, json_flag, kitchens_option, robots_option
 from services.commands.show import print_json, print_rows, progress
 from services.requests import parse_base
 from services.store.files import FORMATS, SavedVerdicts
@@ -26,10 +26,8 @@ from services.sweep.worker import stored
 
 
 @click.command()
-@click.option("--kitchens", default="a,b", show_default=True, help="Bundled names or paths, by comma.")
-@click.option(
-    "--robots", default="pr2,tiago_dual,stretch", show_default=True, help="Bundled names or paths, by comma."
-)
+@kitchens_option
+@robots_option
 @click.option(
     "--task",
     "tasks",

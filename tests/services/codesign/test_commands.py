@@ -66,7 +66,8 @@ def test_a_grid_tells_every_case_what_turned_and_what_was_reused(sdt, tmp_path) 
         ("whatif", "--grid", "--turn", "--kitchen", "b", "--robot", "pr2", "--task", "open"),
         ("whatif", "--turn", "--kitchen", "b", "--robot", "pr2", "--task", "open"),
         ("codesign", "--edit", "dance:x"),
-        ("codesign", "--kitchen", "nowhere"),
+        ("codesign", "--kitchens", "nowhere"),
+        ("codesign", "--forces", __file__),
     ],
 )
 def test_nonsense_is_named(sdt, arguments: tuple[str, ...]) -> None:
@@ -74,3 +75,27 @@ def test_nonsense_is_named(sdt, arguments: tuple[str, ...]) -> None:
     assert done.code == 2
     assert done.err.startswith("error: ")
     assert "Traceback" not in done.err
+
+
+@pytest.mark.parametrize("command", ["codesign", "whatif"])
+def test_a_time_that_is_no_number_is_outside_the_range(sdt, command: str) -> None:
+    done = sdt(command, "--within", "nan")
+    assert done.code == 2
+    assert "nan is not in the range" in done.err
+
+
+@pytest.mark.oracle
+def test_a_grid_relative_to_d_artic_dyn_asks_what_the_robot_bears_of_old_motions_too(sdt) -> None:
+    edits = "box:crate=0.4,0.4,0.9@3,3,0.45"
+    asked = ("--kitchen", "b", "--robot", "pr2", "--task", f"open:{DRAWER}", "--edit", edits, "--budget", "5")
+    done, kinematic = (
+        sdt("whatif", "--grid", *asked, "--tee", tee, "--json") for tee in ("d_artic_dyn", "d_artic")
+    )
+    assert done.code == 0, done.err
+    assert [each["how"] for each in done.json["cells"]] == [
+        "asked anew",
+        "motion of the world as it is, certified again",
+    ]
+    assert not {each["iri"] for each in done.json["cells"]} & {
+        each["iri"] for each in kinematic.json["cells"]
+    }
