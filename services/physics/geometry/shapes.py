@@ -1,6 +1,9 @@
 """Collision geometry as coal shapes."""
 
-from functools import lru_cache
+import hashlib
+from functools import cache, lru_cache
+from importlib.metadata import version
+from pathlib import Path
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
@@ -8,7 +11,9 @@ from numpy.typing import NDArray
 
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, ShapeType
+from services.physics.geometry import hulls
 from services.physics.geometry.hulls import COARSE, Fineness, convex_pieces
+from services.physics.geometry.kept import kept
 
 FLAT = 1e-6  # [m] a mesh thinner than this has no volume: qhull crashes on it
 PADDING = 1e-4  # [m] how far the hull of a flat mesh stands out on both sides
@@ -54,22 +59,41 @@ def _primitive(geometry: Geometry) -> coal.CollisionGeometry:
 def _triangles(mesh_file: str, mesh_hash: str, scale: tuple[float, ...]) -> coal.BVHModelBase:
     # The hash is part of the key: a file that changed is another mesh.
     del mesh_hash
-    try:
-        mesh = coal.MeshLoader(coal.BV_OBBRSS).load(mesh_file, np.array(scale))
-    except (RuntimeError, ValueError) as error:
-        raise UrdfError(f"mesh {mesh_file} cannot be read ({error})", allowed="STL, OBJ, DAE") from error
+    mesh = _loaded(mesh_file, scale, coal.BV_OBBRSS)
     mesh.computeLocalAABB()
     return mesh
+
+
+def _loaded(mesh_file: str, scale: tuple[float, ...], tree: coal.NODE_TYPE) -> coal.BVHModelBase:
+    try:
+        return coal.MeshLoader(tree).load(mesh_file, np.array(scale))
+    except (RuntimeError, ValueError) as error:
+        raise UrdfError(f"mesh {mesh_file} cannot be read ({error})", allowed="STL, OBJ, DAE") from error
 
 
 @lru_cache(maxsize=1024)
 def _hulls(
     mesh_file: str, mesh_hash: str, scale: tuple[float, ...], fineness: Fineness
 ) -> tuple[coal.ConvexBase, ...]:
-    mesh = _triangles(mesh_file, mesh_hash, scale)
+    def cut() -> list[NDArray[np.float64]]:
+        pieces = convex_pieces(_corners(mesh_file, scale), fineness)
+        return [np.array(hull(points).points()) for points in pieces]
+
+    return tuple(hull(points) for points in kept((_code(), mesh_hash, scale, fineness), cut))
+
+
+@cache
+def _code() -> str:
+    """Hash of the code that makes pieces, and the version of what reads meshes and makes hulls."""
+    sources = (Path(__file__), Path(hulls.__file__))
+    return hashlib.sha256(b"".join(each.read_bytes() for each in sources)).hexdigest() + version("coal")
+
+
+def _corners(mesh_file: str, scale: tuple[float, ...]) -> NDArray[np.float64]:
+    """Triangles of a mesh, shape (M, 3, 3) [m]."""
+    mesh = _loaded(mesh_file, scale, coal.BV_AABB)  # the cheapest tree: nothing is asked of it
     faces = [mesh.tri_indices(i) for i in range(mesh.num_tris)]
-    corners = np.array(mesh.vertices())[[[face[0], face[1], face[2]] for face in faces]]
-    return tuple(hull(points) for points in convex_pieces(corners, fineness))
+    return np.array(mesh.vertices())[[[face[0], face[1], face[2]] for face in faces]]
 
 
 def hull(points: NDArray[np.float64]) -> coal.ConvexBase:

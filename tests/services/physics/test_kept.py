@@ -1,0 +1,105 @@
+"""Pieces of meshes that are kept on disk are those that were made, or are made anew."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from sdt_kg.mechanism import Geometry, Pose, ShapeType
+from services.physics.geometry.hulls import FINE
+from services.physics.geometry.kept import Array, folder, kept
+from services.physics.geometry.shapes import solids
+
+PIECES = [np.array([[0.0, 0.0, 0.1], [1.0, 0.0, 0.2], [0.0, 1.0, 0.3]]), np.array([[0.1, 0.2, 0.7]])]
+
+
+@pytest.fixture(autouse=True)
+def own_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+
+@pytest.fixture
+def made() -> tuple[list[int], Callable[[], list[Array]]]:
+    """How often pieces were made, and what makes them."""
+    count: list[int] = []
+
+    def make() -> list[Array]:
+        count.append(1)
+        return PIECES
+
+    return count, make
+
+
+def same(one: list[Array], other: list[Array]) -> bool:
+    return len(one) == len(other) and all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
+
+
+def test_what_was_made_once_is_read_to_the_last_digit(made) -> None:
+    count, make = made
+    assert same(kept(("mesh", 1.0), make), PIECES)
+    assert same(kept(("mesh", 1.0), make), PIECES)
+    assert len(count) == 1
+
+
+def test_anything_that_decides_them_is_part_of_the_key(made) -> None:
+    count, make = made
+    for key in (("mesh", 1.0), ("mesh", 2.0), ("other", 1.0)):
+        kept(key, make)
+    assert len(count) == 3
+
+
+@pytest.mark.parametrize("byte", [0, 40, 200, -1])
+def test_a_file_that_was_changed_in_one_bit_is_made_anew(made, byte: int) -> None:
+    count, make = made
+    kept(("mesh",), make)
+    (file,) = folder().iterdir()
+    content = bytearray(file.read_bytes())
+    content[byte] ^= 1
+    file.write_bytes(content)
+    assert same(kept(("mesh",), make), PIECES)
+    assert len(count) == 2
+    assert same(kept(("mesh",), make), PIECES)
+    assert len(count) == 2
+
+
+@pytest.mark.parametrize("length", [0, 10, 32, 100])
+def test_a_file_that_is_cut_off_is_made_anew(made, length: int) -> None:
+    count, make = made
+    kept(("mesh",), make)
+    (file,) = folder().iterdir()
+    file.write_bytes(file.read_bytes()[:length])
+    assert same(kept(("mesh",), make), PIECES)
+    assert len(count) == 2
+
+
+def test_where_nothing_can_be_kept_pieces_are_made_each_time(
+    made, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "file").write_text("no folder")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    count, make = made
+    assert same(kept(("mesh",), make), PIECES)
+    assert same(kept(("mesh",), make), PIECES)
+    assert len(count) == 2
+
+
+def test_a_mesh_has_the_same_hulls_whether_they_were_kept_or_not(tmp_path: Path) -> None:
+    bent = trimesh.util.concatenate(
+        [trimesh.creation.box((1, 0.1, 0.1)), trimesh.creation.box((0.1, 0.1, 1))]
+    )
+    for name in ("one.stl", "same.stl"):
+        bent.export(tmp_path / name)
+    first, second = (
+        solids(Geometry(ShapeType.MESH, Pose(), (1.0, 1.0, 1.0), str(tmp_path / name), "hash"), FINE)
+        for name in ("one.stl", "same.stl")
+    )
+    assert len(list(folder().iterdir())) == 1
+    assert len(first) > 1
+    assert [np.array(each.points()).tolist() for each in first] == [
+        np.array(each.points()).tolist() for each in second
+    ]
+    for each in first:
+        corners = np.array(each.points())
+        assert np.abs(corners).max() <= 0.5 + 1e-12
