@@ -18,6 +18,9 @@ from sdt_kg.twin import Twin
 
 HAS_FORCE_MODEL = SDT + "hasForceModel"
 
+ROBOT_DATA = ("effortLimitKnown", "standsOn")
+"""What is bundled for a robot, unless its own annotation says any of it."""
+
 
 def with_forces(twin: Twin, file: Path | None = None) -> Twin:
     """The twin with force data: of its kitchen the file's, else the bundled ones; of bundled robots theirs.
@@ -51,17 +54,20 @@ def _bundled(twin: Twin) -> Path | None:
 
 
 def _with_efforts(twin: Twin, robot: Iri) -> Twin:
-    """The twin with what is bundled of a robot's efforts, if all of it fits and none is there yet."""
+    """The twin with what is bundled of a robot's efforts and wheels, if all fits and none is there yet."""
     name = local_name(robot)
     file = robots.path(f"{name}/dynamics/{name}.ttl")
     facts = twin.entities.facts
-    joints = facts.having("partOf", robot)
-    if not file.is_file() or any(facts.all(joint, "effortLimitKnown") for joint in joints):
+    parts = facts.having("partOf", robot)
+    known = (each for part in (robot, *parts) for each in ROBOT_DATA if facts.all(part, each))
+    if not file.is_file() or any(known):
         return twin
     triples = frozenset(_triples(file))
-    if not {subject for subject, _, _ in triples} <= {robot, *joints}:
+    about = {subject for subject, _, _ in triples}
+    about |= {value.value for _, predicate, value in triples if predicate == SDT + "standsOn"}
+    if not about <= {robot, *parts}:
         return twin
-    return twin.rewritten(Replacement(robot, frozenset(), triples, f"efforts of {name}"))
+    return twin.rewritten(Replacement(robot, frozenset(), triples, f"efforts and wheels of {name}"))
 
 
 def _has_forces(twin: Twin) -> bool:

@@ -13,13 +13,16 @@ from sdt_kg.scope import D_ARTIC_DYN, Violation
 from sdt_kg.twin import Container, Twin
 from services.dynamics.oracle import Dynamics
 from services.dynamics.robot.checks import Bound, checks
-from services.dynamics.robot.load import moments
+from services.dynamics.robot.load import loads
 from services.physics.model import Scene
 
-BEARING_VERSION = "1"
+BEARING_VERSION = "2"
 """Raised whenever an answer of this oracle may change."""
 
-LOOKED_AT = "forces of the robot are looked at at samples and halfway; its hand pulls along the path"
+BOUNDED = "forces of the robot are bounded between samples too; its hand is taken to pull along the path"
+
+PARTS = (2, 8, 32, 128)
+"""[1] Into how many spans each piece of the motion is cut, until they decide."""
 
 UNDECIDED = "https://example.org/tee/d_artic_dyn#ForceModelShape"
 """The shape whose intervals are too wide for this robot."""
@@ -56,15 +59,16 @@ class Bearing:
         mechanics = self._dynamics.mechanics(twin, container)
         carried = self._dynamics.carried(twin, body, container)
         asked = checks(scene, twin, body.gripper)
-        worst: dict[tuple[str, Iri], Bound] = {}
-        for moment in moments(scene, body, container, carried, mechanics):
-            for bound in (each for check in asked.of for each in check(moment)):
-                key = bound.name, bound.entity
-                worst[key] = _worse(worst.get(key), bound)
-        found = [each for bound in worst.values() for each in _judged(bound, mechanics.forces.iri)]
+        bounds = list[Bound]()
+        for parts in PARTS if asked.of else ():
+            loaded = loads(scene, body, container, carried, mechanics, parts)
+            bounds = [each for check in asked.of for each in check(loaded)]
+            if all(each.decided for each in bounds):
+                break
+        found = [each for bound in bounds for each in _judged(bound, mechanics.forces.iri)]
         refusals = tuple(each for each in found if each.kind is Kind.EMBODIMENT)
-        figures = answer.figures | _nearest(list(worst.values()))
-        notes = (*answer.notes, *asked.missing, *((LOOKED_AT,) if asked.of else ()))
+        figures = answer.figures | _nearest(bounds)
+        notes = (*answer.notes, *asked.missing, *((BOUNDED,) if asked.of else ()))
         diagnoses = refusals or tuple(found)
         if not diagnoses:
             return replace(answer, notes=notes, figures=figures)
@@ -72,14 +76,6 @@ class Bearing:
         return replace(
             answer, case=case, holds=False, diagnoses=diagnoses, notes=notes, figures={}, artefact=None
         )
-
-
-def _worse(known: Bound | None, bound: Bound) -> Bound:
-    """The least that every value makes of it and the most that any does, at the moment of the most."""
-    if known is None:
-        return bound
-    later = bound if bound.most > known.most else known
-    return replace(later, least=max(known.least, bound.least))
 
 
 def _judged(bound: Bound, forces: Iri) -> list[Diagnosis]:

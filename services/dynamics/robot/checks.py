@@ -1,4 +1,4 @@
-"""Whether the robot bears a moment: joint efforts, grip, wheels on the floor; and what is not checked."""
+"""Whether the robot bears a motion: joint efforts, grip, slip and tipping; and what is not checked."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -10,7 +10,10 @@ from predicates.case import Evidence, Quantity
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.mechanism import JointType
 from sdt_kg.twin import Twin
-from services.dynamics.robot.load import Moment
+from services.dynamics.model import Array
+from services.dynamics.robot.load import Loads
+from services.dynamics.robot.tipping import tipping, unweighed
+from services.embodiment.proof_check.interval import Interval
 from services.physics.model import Scene
 
 
@@ -20,12 +23,12 @@ class Bound:
 
     Attributes:
         name: What it is, for people.
-        least: What every value of the container's parameters makes of it.
-        most: What no value exceeds.
+        least: Every value of the container's parameters makes so much of it at some time.
+        most: No value makes more of it at any time.
         bound: What is allowed.
         unit: Of all three.
         entity: Joint, gripper or robot.
-        time: When [s].
+        time: Middle of the span of `most` [s].
     """
 
     name: str
@@ -36,9 +39,34 @@ class Bound:
     entity: Iri
     time: float
 
+    @property
+    def decided(self) -> bool:
+        """Whether it is surely kept, or surely not."""
+        return self.most <= self.bound or self.least > self.bound
+
     def evidence(self, value: float) -> Evidence:
         """The value against the bound."""
         return Evidence(Quantity.FORCE, value, self.bound, self.unit, entity=self.entity, time=self.time)
+
+
+@dataclass(frozen=True, slots=True)
+class _Allowed:
+    """What a quantity is called, and how much of it is allowed."""
+
+    name: str
+    bound: float
+    unit: str
+    entity: Iri
+
+    def over(self, loads: Loads, value: Interval) -> Bound:
+        """Its worst over all spans."""
+        worst = int(np.argmax(value.hi))
+        time = float(loads.begin[worst] + loads.end[worst]) / 2
+        least, most = float(value.lo.max()), float(value.hi[worst])
+        return Bound(self.name, least, most, self.bound, self.unit, self.entity, time)
+
+
+Check = Callable[[Loads], Iterator[Bound]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,26 +74,29 @@ class Checks:
     """What can be checked of a robot with the data that the twin has.
 
     Attributes:
-        of: What each check says of a moment.
+        of: What each check says of a motion.
         missing: What is not checked, and for want of what, one sentence each.
     """
 
-    of: tuple[Callable[[Moment], Iterator[Bound]], ...]
+    of: tuple[Check, ...]
     missing: tuple[str, ...]
 
 
 def checks(scene: Scene, twin: Twin, gripper: str) -> Checks:
     """All checks for which there are data."""
-    found, missing = list[Callable[[Moment], Iterator[Bound]]](), list[str]()
-    for make in (_efforts, _grip, _slip):
+    found, missing = list[Check](), list[str]()
+    for make in (_efforts, _grip, _slip, _tip):
         check, absent = make(scene, twin, gripper)
         found += [] if check is None else [check]
         missing += absent
-    missing.append("not checked: tipping of the base, since nothing says where wheels touch the floor")
+    light = [name for part in unweighed(scene) for name in part]
+    if found and light:
+        names = ", ".join(light[:4]) + (f" and {len(light) - 4} more" if len(light) > 4 else "")
+        missing.append(f"not counted: the mass of {names}, which the model does not give")
     return Checks(tuple(found), tuple(missing))
 
 
-_Made = tuple[Callable[[Moment], Iterator[Bound]] | None, list[str]]
+_Made = tuple[Check | None, list[str]]
 
 
 def _efforts(scene: Scene, twin: Twin, gripper: str) -> _Made:
@@ -79,14 +110,13 @@ def _efforts(scene: Scene, twin: Twin, gripper: str) -> _Made:
     if not known:
         return None, absent
 
-    def check(moment: Moment) -> Iterator[Bound]:
+    def check(loads: Loads) -> Iterator[Bound]:
         for each in known:
             k, name = each.coordinate, f"effort of {local_name(each.iri)}"
-            base = moment.without[k] - (moment.weight[k] if each.balanced else 0.0)
-            ends = [float(base + moment.each[k] * force) for force in moment.force]
-            low, high = min(ends), max(ends)
-            least = 0.0 if low <= 0 <= high else min(abs(low), abs(high))
-            yield Bound(name, least, max(-low, high), each.limit, each.unit, each.iri, moment.time)
+            effort = (loads.weightless if each.balanced else loads.without)[k]
+            if k in loads.each:
+                effort = effort + loads.each[k] * loads.force
+            yield _Allowed(name, each.limit, each.unit, each.iri).over(loads, effort.magnitude())
 
     return check, absent
 
@@ -129,17 +159,24 @@ def _grip(scene: Scene, twin: Twin, gripper: str) -> _Made:
         absent = " and no sdt:".join(name for name, value in given if math.isnan(value))
         return None, [f"not checked: grip at the handle, since {gripper} has no sdt:{absent}"]
 
-    def check(moment: Moment) -> Iterator[Bound]:
-        local = moment.tool[1].T @ moment.along
-        beside, across = abs(float(local[1])), math.hypot(float(local[0]), float(local[2]))
+    def check(loads: Loads) -> Iterator[Bound]:
         # two pads press with `grip`; what pushes one of them off takes from what friction holds
-        sizes = sorted(abs(force) for force in moment.force)
-        low = 0.0 if moment.force[0] <= 0 <= moment.force[1] else sizes[0]
-        share = across + friction * beside
-        least, most, holds = share * low, share * sizes[1], 2 * friction * grip
-        yield Bound("pull across the pads", least, most, holds, "N", iri, moment.time)
+        pull = _pulling(loads.beside, friction) * loads.force.magnitude()
+        yield _Allowed("pull across the pads", 2 * friction * grip, "N", iri).over(loads, pull)
 
     return check, []
+
+
+def _pulling(beside: Interval, friction: float) -> Interval:
+    """sqrt(1 - b²) + friction b: rises up to its top, then falls."""
+
+    def share(b: Array) -> Array:
+        return np.sqrt(np.maximum(1 - b**2, 0.0)) + friction * b
+
+    low, high = (np.clip(each, 0.0, 1.0) for each in (beside.lo, beside.hi))
+    top = np.clip(np.full_like(low, friction / math.hypot(1.0, friction)), low, high)
+    ends = share(low), share(high)
+    return Interval(np.nextafter(np.minimum(*ends), 0.0), np.nextafter(share(top), np.inf))
 
 
 def _slip(scene: Scene, twin: Twin, gripper: str) -> _Made:
@@ -148,21 +185,48 @@ def _slip(scene: Scene, twin: Twin, gripper: str) -> _Made:
     friction = twin.entities.facts.number(scene.robot_iri, "wheelFriction", math.nan)
     if math.isnan(friction):
         return None, ["not checked: slip of the base, since the robot has no sdt:wheelFriction"]
+    base, _ = unweighed(scene)
+    if base:
+        return None, [
+            f"not checked: slip of the base, since the model gives no mass of {', '.join(base[:4])}"
+        ]
 
-    def check(moment: Moment) -> Iterator[Bound]:
-        floors = [moment.floor + force * moment.along for force in moment.force]
-        slips = [float(np.hypot(each[0], each[1])) - friction * float(each[2]) for each in floors]
+    def check(loads: Loads) -> Iterator[Bound]:
+        spread = loads.floor.radius + loads.force.magnitude().hi * loads.along.radius
+        floors = [
+            loads.floor.centre + force[:, None] * loads.along.centre
+            for force in (loads.force.lo, loads.force.hi)
+        ]
         # convex in the force: the most is at an end, the least need not be
-        least = _least_sideways(moment) - friction * max(float(each[2]) for each in floors)
-        what = "sideways push on the wheels beyond their friction"
-        yield Bound(what, least, max(slips), 0.0, "N", scene.robot_iri, moment.time)
+        slips = [np.hypot(each[:, 0], each[:, 1]) - friction * each[:, 2] for each in floors]
+        wide = (1 + friction) * spread
+        most = np.maximum(*slips) + wide
+        least = _least_sideways(loads) - friction * np.maximum(floors[0][:, 2], floors[1][:, 2]) - wide
+        what = _Allowed("sideways push on the wheels beyond their friction", 0.0, "N", scene.robot_iri)
+        yield what.over(loads, Interval(least, most))
 
     return check, []
 
 
-def _least_sideways(moment: Moment) -> float:
-    """The least horizontal force of the floor over all forces at the handle [N]."""
-    own, along = moment.floor[:2], moment.along[:2]
-    square = float(along @ along)
-    best = 0.0 if square == 0 else float(np.clip(-(own @ along) / square, *moment.force))
-    return float(np.linalg.norm(own + best * along))
+def _least_sideways(loads: Loads) -> Array:
+    """The least horizontal force of the floor over all forces at the handle, of the centres [N]."""
+    own, along = loads.floor.centre[:, :2], loads.along.centre[:, :2]
+    square = (along**2).sum(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        free = np.nan_to_num(-(own * along).sum(axis=1) / square, nan=0.0, posinf=0.0, neginf=0.0)
+    best = np.clip(free, loads.force.lo, loads.force.hi)
+    return np.linalg.norm(own + best[:, None] * along, axis=1)
+
+
+def _tip(scene: Scene, twin: Twin, gripper: str) -> _Made:
+    """What the floor gives keeps within the wheels: the zero-moment point."""
+    del gripper
+    over, absent = tipping(scene, twin)
+    if over is None:
+        return None, [f"not checked: tipping of the base, {absent}"]
+
+    def check(loads: Loads) -> Iterator[Bound]:
+        what = _Allowed("moment that tips the base beyond what weight holds", 0.0, "N m", scene.robot_iri)
+        yield what.over(loads, over(loads))
+
+    return check, []

@@ -1,64 +1,72 @@
-r"""What the robot feels at each moment of a body motion while its hand moves a container.
+r"""What the robot feels over each span of a body motion, its hand on a handle: bounds for all of it.
 
 The hand bears -F t, F the force at the handle and t the unit vector along the handle's path. Joint forces are
-Pinocchio's inverse dynamics of the robot with it, :math:`\tau = M \dot v + h + J^T F t`, linear in F.
+:math:`\tau = M \dot v + h + J^T F t`, linear in F, bounded over spans of time by balls (`newton`).
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
+from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container
 from services.dynamics.cells import cells
 from services.dynamics.model import Array, Mechanics
 from services.dynamics.need import joint_force
+from services.dynamics.robot.balls import Numbers, Vectors, fixed
+from services.dynamics.robot.newton import Along, Placed, Robot
 from services.embodiment.certify.motion import whole_motion
 from services.embodiment.certify.sweep.pieces import Pieces
 from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check.interval import Interval
 from services.physics.model import Scene
-
-PARTS = 2
-"""[1] Cells of a piece of the body motion: its ends and its middle are looked at."""
 
 NEAR_AXIS = 0.02
 """[m] A tool nearer to the hinge than this turns no door."""
 
+CLOSES_ALONG = np.array([0.0, 1.0, 0.0])
+"""Direction of the tool's frame along which pads close."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moment:
-    """What loads the robot at one moment.
+class Loads:
+    """What loads the robot, over C spans of the motion; every bound holds at all times of its span.
 
     Attributes:
-        time: [s].
-        q: Coordinates of the scene, shape (nq,).
-        without: Joint forces without the handle's, shape (nq,), mimicking joints at their source.
-        each: Joint forces for each newton at the handle, shape (nq,).
-        weight: Joint forces that weight alone asks for, shape (nq,).
-        force: Least and largest force along the path, over all values of the parameters [N].
-        along: Unit vector of the handle's path in the world, shape (3,).
-        floor: Force of the floor on the robot without the handle's, in the world, shape (3,) [N].
-        tool: Where the tool is, shape (3,) [m], and its orientation, shape (3, 3).
+        begin, end: Of the spans, shape (C,) [s].
+        without: Coordinate → joint forces without the handle's, mimicking joints at their source.
+        weightless: The same, without what weight asks for.
+        each: Coordinate → joint forces for each newton at the handle; joints that bear none are left out.
+        force: Force along the path, over all values of the parameters [N].
+        along: Unit vector of the handle's path in the world.
+        beside: Share of the force that pulls one pad off, along the direction in which pads close [1].
+        floor: Force of the floor on the robot without the handle's [N].
+        moment: Its moment about the point of the floor below the base's origin, without the handle's [N m].
+        arm: From that point to the tool [m].
+        base: Where the base is.
     """
 
-    time: float
-    q: Array
-    without: Array
-    each: Array
-    weight: Array
-    force: tuple[float, float]
-    along: Array
-    floor: Array
-    tool: tuple[Array, Array]
+    begin: Array
+    end: Array
+    without: dict[int, Interval]
+    weightless: dict[int, Interval]
+    each: dict[int, Interval]
+    force: Interval
+    along: Vectors
+    beside: Interval
+    floor: Vectors
+    moment: Vectors
+    arm: Vectors
+    base: Placed
 
 
-def moments(
-    scene: Scene, body: BodyMotion, container: Container, carried: Motion, mechanics: Mechanics
-) -> Iterator[Moment]:
-    """Moments at which the container moves: at each sample of the body motion and halfway between.
+def loads(  # noqa: PLR0913, PLR0917 - of one motion of one container
+    scene: Scene, body: BodyMotion, container: Container, carried: Motion, mechanics: Mechanics, parts: int
+) -> Loads:
+    """Bounds over equal parts of each piece of the body motion.
 
     Args:
         scene: Kitchen and robot, in the state in which the motion begins.
@@ -66,77 +74,74 @@ def moments(
         container: What it moves.
         carried: The container's motion under it, of the same samples.
         mechanics: Of the container.
+        parts: Into how many spans each piece is cut.
+
+    Raises:
+        OracleRejectedError: The container hangs on another that moves, too.
     """
     pieces, _ = whole_motion(scene, body, Tolerances())
-    spans = cells(carried, PARTS)
-    forces = joint_force(mechanics, spans)
-    for k in np.flatnonzero(~spans.rests):
-        piece = int(k) // PARTS
-        bounds = float(forces.lo[k]), float(forces.hi[k])
-        for time in (float(spans.begin[k]), float(spans.end[k])):
-            yield _moment(scene, pieces, (piece, time), body.gripper, container, mechanics, bounds)
-
-
-def _moment(  # noqa: PLR0913, PLR0917 - a moment of one motion of one container
-    scene: Scene,
-    pieces: Pieces,
-    at: tuple[int, float],
-    gripper: str,
-    container: Container,
-    mechanics: Mechanics,
-    joint_forces: tuple[float, float],
-) -> Moment:
-    piece, time = at
-    s = np.array([time - pieces.start[piece]])
-    q, v, a = (each[0] for each in pieces.at(np.array([piece]), s))
-    model, data = scene.model, scene.data
-    still = np.zeros(model.nv)
-    weight = pin.rnea(model, data, q, still, still).copy()
-    without = pin.rnea(model, data, q, v, a).copy()
-    first = int(scene.model.getJointId(scene.names[int(scene.base[0])]))
-    floor = data.oMi[first].rotation @ data.f[first].linear
-    frame = model.getFrameId(scene.tool_frame(gripper))
-    pin.computeJointJacobians(model, data, q)
-    pin.updateFramePlacement(model, data, frame)
-    jacobian = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)[:3].copy()
-    tool = data.oMf[frame]
-    along, lever = _path(scene, container, mechanics, tool.translation)
-    low, high = (each / lever for each in joint_forces)
-    each = jacobian.T @ along
-    k = scene.coordinate[container.joint]
-    for found in (weight, without, each):
-        found[k] = 0.0
-    return Moment(
-        time,
-        q.copy(),
-        _at_sources(scene, without),
-        _at_sources(scene, each),
-        _at_sources(scene, weight),
-        (low, high),
-        along,
-        floor,
-        (tool.translation.copy(), tool.rotation.copy()),
+    spans = cells(carried, parts)
+    along, robot = Along(pieces, np.arange(len(spans.begin)) // parts, spans.begin, spans.end), Robot(scene)
+    placed = robot.placed(along)
+    wrenches = robot.wrenches(placed)
+    frame = scene.model.frames[scene.model.getFrameId(scene.tool_frame(body.gripper))]
+    hand = placed[frame.parentJoint - 1]
+    tool = hand.origin + hand.carried(frame.placement.translation)
+    direction, lever = _path(scene, pieces, container, mechanics, tool)
+    up = fixed(np.array([0.0, 0.0, scene.annotation.base_height]), len(along))
+    base, whole = placed[robot.yaw], wrenches[int(scene.base[0])]
+    weightless = robot.placed(along, gravity=np.zeros(3))
+    return Loads(
+        begin=spans.begin,
+        end=spans.end,
+        without=_at_sources(scene, robot.efforts(placed, wrenches)),
+        weightless=_at_sources(scene, robot.efforts(weightless, robot.wrenches(weightless))),
+        each=_at_sources(scene, robot.pulled(placed, frame.parentJoint - 1, tool, direction)),
+        force=_over(joint_force(mechanics, spans), lever),
+        along=direction,
+        beside=hand.carried(frame.placement.rotation @ CLOSES_ALONG).dot(direction).interval().magnitude(),
+        floor=whole.force,
+        moment=wrenches[robot.yaw].moment + up.cross(whole.force),
+        arm=tool - base.origin + up,
+        base=base,
     )
 
 
-def _at_sources(scene: Scene, forces: Array) -> Array:
+def _at_sources(scene: Scene, forces: dict[int, Numbers]) -> dict[int, Interval]:
     """Virtual work: what a mimicking joint needs is asked of the joint that it follows."""
-    coupling = scene.coupling
-    found = np.zeros_like(forces)
-    np.add.at(found, coupling.source, forces * coupling.multiplier)
-    return found
+    found = dict[int, Numbers]()
+    for k, force in forces.items():
+        source = int(scene.coupling.source[k])
+        part = force.scaled(float(scene.coupling.multiplier[k]))
+        found[source] = part if source not in found else found[source] + part
+    return {k: force.interval() for k, force in found.items()}
 
 
-def _path(scene: Scene, container: Container, mechanics: Mechanics, tool: Array) -> tuple[Array, float]:
+def _path(
+    scene: Scene, pieces: Pieces, container: Container, mechanics: Mechanics, tool: Vectors
+) -> tuple[Vectors, Interval]:
     """Unit vector along which opening moves the tool's point, and its distance from the axis [m]."""
-    index = int(scene.model.getJointId(container.joint))
-    name = local_name(container.joint)
+    model, index = scene.model, int(scene.model.getJointId(container.joint))
+    above = int(model.parents[index])
+    while above:
+        if pieces.c[1:, :, above - 1].any():
+            what = f"{local_name(container.joint)} hangs on {local_name(model.names[above])}, which moves too"
+            raise OracleRejectedError(f"forces are not bounded: {what}")
+        above = int(model.parents[above])
+    pin.forwardKinematics(model, scene.data, pieces.c[0, 0])
+    placement, name = scene.data.oMi[index], local_name(container.joint)
     joint = next(each for each in scene.kitchen.joints if each.name == name)
-    placement = scene.data.oMi[index]
     axis = placement.rotation @ np.array(joint.axis)
-    axis /= np.linalg.norm(axis)
+    along = fixed(axis / np.linalg.norm(axis), len(tool.radius))
     if mechanics.load.prismatic:
-        return axis, 1.0
-    across = np.cross(axis, tool - placement.translation)
-    lever = float(np.linalg.norm(across))
-    return across / max(lever, NEAR_AXIS), max(lever, NEAR_AXIS)
+        return along, Interval(np.ones_like(tool.radius), np.ones_like(tool.radius))
+    across = along.cross(tool - fixed(placement.translation, len(tool.radius)))
+    return across.unit(), across.length()
+
+
+def _over(force: Interval, lever: Interval) -> Interval:
+    """A joint's force as a force at the tool."""
+    near, far = np.maximum(lever.lo, NEAR_AXIS), np.maximum(lever.hi, NEAR_AXIS)
+    low = np.where(force.lo < 0, force.lo / near, force.lo / far)
+    high = np.where(force.hi > 0, force.hi / near, force.hi / far)
+    return Interval(np.nextafter(low, -np.inf), np.nextafter(high, np.inf))

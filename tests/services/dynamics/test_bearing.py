@@ -10,12 +10,20 @@ from predicates.case import Answer, Case, Kind, Outcome, Verdict
 from predicates.causes import causes
 from predicates.law import law
 from predicates.record import to_record
-from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.motion import BodyMotion
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
+from services.app import load
 from services.dynamics.oracle import Dynamics
+from services.dynamics.robot.balls import Vectors
 from services.dynamics.robot.bearing import Bearing
-from services.dynamics.robot.load import moments
+from services.dynamics.robot.checks import checks
+from services.dynamics.robot.load import Loads, loads
+from services.dynamics.robot.newton import Placed
+from services.dynamics.robot.tipping import Polygon, tipped, tipping
+from services.embodiment.certify.motion import whole_motion
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check.interval import Interval
 from services.physics.model import Scene
 from tests.services.dynamics.forced import forced_twin
 from tests.small.lift import Lift
@@ -86,14 +94,35 @@ def test_a_lift_that_is_too_weak_for_the_oven_door_is_refused() -> None:
     assert "effort of lift_joint" in weak.diagnoses[0].reason
 
 
-def test_a_robot_without_weight_slips_on_any_floor() -> None:
+def test_slip_is_not_checked_where_the_model_gives_no_masses() -> None:
     verdict = judged("top_drawer", robot={"wheelFriction": 0.5})
-    assert verdict.outcome is Outcome.NOT_CERTIFIED
-    assert "sideways push on the wheels" in verdict.diagnoses[0].reason
+    assert verdict.outcome is Outcome.CERTIFIED
+    assert "not checked: slip of the base, since the model gives no mass of" in " ".join(
+        performed(verdict).notes
+    )
 
 
-def test_the_handle_pulls_on_the_robot_as_virtual_work_says() -> None:
-    """A joint's effort for one newton is what its motion moves the tool along the handle's path."""
+def felt(force: float, along: tuple[float, float, float], weight: float = 98.1, height: float = 1.0) -> Loads:
+    """What a block of 10 kg feels whose hand, 0.5 m before it, pulls a handle along a direction."""
+    zero, one = np.zeros(1), np.ones(1)
+    still, up = Vectors(np.zeros((1, 3)), zero), Vectors(np.array([[0.0, 0.0, weight]]), zero)
+    base = Placed(np.eye(3)[None], zero, still, still, still, still, still)
+    flat, given = Interval(zero, zero), Interval(force * one, force * one)
+    path, arm = Vectors(np.array([along]), zero), Vectors(np.array([[0.5, 0.0, height]]), zero)
+    return Loads(zero, one, {}, {}, {}, given, path, flat, up, still, arm, base)
+
+
+@pytest.mark.parametrize(("force", "slips"), [(49.0, False), (49.2, True)])
+def test_wheels_hold_friction_times_weight(force: float, slips: bool) -> None:
+    twin = load("b", ["pr2"]).twin.with_edit(ROBOT, wheelFriction=0.5)
+    (slip,) = checks(Scene(twin, ROBOT), twin, "left").of
+    (bound,) = slip(felt(force, (1.0, 0.0, 0.0)))
+    assert bound.least == pytest.approx(force - 0.5 * 98.1, abs=1e-6)
+    assert (bound.most > 0, bound.least > 0) == (slips, slips)
+
+
+def oven(parts: int) -> tuple[Scene, Loads, BodyMotion]:
+    """The lift opens the oven door: what it feels."""
     twin = forced_twin(("pr2",))
     (caused,) = causes(asked(twin, "oven_door"), PHYSICS)
     answer = Lift().perform(replace(asked(twin, "oven_door"), motion=caused.case.motion))
@@ -101,15 +130,61 @@ def test_the_handle_pulls_on_the_robot_as_virtual_work_says() -> None:
     assert isinstance(body, BodyMotion)
     scene, mechanics = Scene(twin, ROBOT), PHYSICS.mechanics(twin, container)
     carried = PHYSICS.carried(twin, body, container)
-    assert isinstance(carried, Motion)
-    found = list(moments(scene, body, container, carried, mechanics))
-    assert len(found) > 20
-    lift = scene.coordinate[LIFT]
-    for moment in found[:: len(found) // 7]:
-        above = moment.q.copy()
+    return scene, loads(scene, body, container, carried, mechanics, parts), body
+
+
+def test_the_handle_pulls_on_the_robot_as_virtual_work_says() -> None:
+    """A joint's effort for one newton is what its motion moves the tool along the handle's path."""
+    scene, found, body = oven(4)
+    pieces, _ = whole_motion(scene, body, Tolerances())
+    lift, frame = scene.coordinate[LIFT], scene.tool_frame("gripper")
+    for i in range(0, len(found.begin), len(found.begin) // 7):
+        time, piece = float(found.begin[i]), i // 4
+        q = pieces.at(np.array([piece]), np.array([time - pieces.start[piece]]))[0][0]
+        above = q.copy()
         above[lift] += 1e-6
-        frame = scene.tool_frame("gripper")
-        step = scene.placement(above, frame).translation - scene.placement(moment.q, frame).translation
-        assert moment.each[lift] == pytest.approx(float(step @ moment.along) / 1e-6, abs=1e-6)
-        assert np.linalg.norm(moment.along) == pytest.approx(1.0)
-        assert moment.force[0] <= moment.force[1]
+        step = scene.placement(above, frame).translation - scene.placement(q, frame).translation
+        each = float(step @ found.along.centre[i]) / 1e-6
+        spread = float(found.along.radius[i]) + 1e-6
+        assert found.each[lift].lo[i] - spread <= each <= found.each[lift].hi[i] + spread
+        assert np.linalg.norm(found.along.centre[i]) == pytest.approx(1.0)
+        assert found.force.lo[i] <= found.force.hi[i]
+
+
+def test_spans_leave_no_gap_and_finer_ones_bound_closer() -> None:
+    _, coarse, body = oven(1)
+    _, fine, _ = oven(8)
+    for found in (coarse, fine):
+        assert found.begin[0] == body.times[0]
+        assert found.end[-1] == body.times[-1]
+        assert found.begin[1:] == pytest.approx(found.end[:-1])
+    assert (fine.beside.hi - fine.beside.lo).max() < (coarse.beside.hi - coarse.beside.lo).max() / 4
+
+
+def standing(width: float, force: float) -> Interval:
+    """The moment that tips the block, on four wheels `width` apart."""
+    half = width / 2
+    normals = np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]])
+    return tipped(felt(force, (1.0, 0.0, 0.0)), Polygon(normals, np.full(4, -half), 0.0))
+
+
+def test_a_block_tips_when_its_pull_times_height_exceeds_weight_times_half_its_width() -> None:
+    """The handle pulls back with F at 1 m; weight 98.1 N holds it by half its width: F > 98.1 · 0.2."""
+    for force, width, tips in ((19.0, 0.4, False), (20.0, 0.4, True), (20.0, 0.5, False)):
+        moment = standing(width, force)
+        assert moment.hi[0] == pytest.approx(force * 1.0 - 98.1 * width / 2, abs=1e-6)
+        assert bool(moment.lo[0] > 0) is tips
+
+
+def test_a_robot_without_wheels_in_its_data_is_not_called_safe_from_tipping() -> None:
+    notes = " ".join(performed(judged("top_drawer")).notes)
+    assert "not checked: tipping of the base, since no data (sdt:standsOn)" in notes
+
+
+@pytest.mark.parametrize(("name", "points"), [("pr2", 4), ("tiago_dual", 6), ("stretch", 0)])
+def test_bundled_robots_say_where_their_wheels_touch_the_floor(name: str, points: int) -> None:
+    service = load("b", [name]).with_forces()
+    robot = service.robot(name)
+    assert len(service.twin.entities.facts.iris(robot, "standsOn")) == points
+    over, absent = tipping(Scene(service.twin, robot), service.twin)
+    assert (over is None, bool(absent)) == (points == 0, points == 0)
