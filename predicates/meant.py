@@ -34,7 +34,7 @@ def moved_by(twin: Twin, of: Iri) -> tuple[Container, ...]:
 def _joint(twin: Twin, of: Iri) -> Iri | None:
     """The joint itself, or the nearest one that moves the body; None if nothing does."""
     mechanism, name = twin.mechanism(twin.environment), local_name(of)
-    if of in {joint_iri(mechanism.name, each.name) for each in mechanism.joints}:
+    if of == joint_iri(mechanism.name, name) and any(each.name == name for each in mechanism.joints):
         return of
     bodies = {each.name for each in mechanism.bodies}
     if name not in bodies:

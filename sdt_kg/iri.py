@@ -1,5 +1,6 @@
 """The only place where an IRI is spelled."""
 
+from functools import lru_cache
 from typing import Final
 from urllib.parse import quote, unquote
 
@@ -37,19 +38,25 @@ PREFIXES: Final = {
 Iri = str
 
 
+@lru_cache(maxsize=16_384)
+def _quoted(name: str) -> str:
+    """The name as a segment of an IRI; kept, since a twin spells each of its names many times."""
+    return quote(name, safe="")
+
+
 def model_iri(model: str) -> Iri:
     """Individual that stands for a whole kitchen or robot, `id:a` say."""
-    return ID + quote(model, safe="")
+    return ID + _quoted(model)
 
 
 def body_iri(model: str, link: str) -> Iri:
     """Individual of a link. Links and joints may share a name, hence the segment."""
-    return f"{model_iri(model)}/body/{quote(link, safe='')}"
+    return f"{model_iri(model)}/body/{_quoted(link)}"
 
 
 def joint_iri(model: str, joint: str) -> Iri:
     """Individual of a joint."""
-    return f"{model_iri(model)}/joint/{quote(joint, safe='')}"
+    return f"{model_iri(model)}/joint/{_quoted(joint)}"
 
 
 def local_name(iri: Iri) -> str:
@@ -59,27 +66,27 @@ def local_name(iri: Iri) -> str:
 
 def graph_iri(kind: str, key: str) -> Iri:
     """Named graph: kind is asserted, inferred, state, branch, observed, verdict or task_result."""
-    return f"{ID}graph/{kind}/{quote(key, safe='')}"
+    return f"{ID}graph/{kind}/{_quoted(key)}"
 
 
 def verdict_iri(key: str) -> Iri:
     """Verdict whose inputs have this hash."""
-    return f"{ID}verdict/{quote(key, safe='')}"
+    return f"{ID}verdict/{_quoted(key)}"
 
 
 def task_result_iri(key: str) -> Iri:
     """Result of a task specification whose inputs have this hash."""
-    return f"{ID}task_result/{quote(key, safe='')}"
+    return f"{ID}task_result/{_quoted(key)}"
 
 
 def branch_iri(key: str) -> Iri:
     """Branch whose parent and edit have this hash."""
-    return f"{ID}branch/{quote(key, safe='')}"
+    return f"{ID}branch/{_quoted(key)}"
 
 
 def trajectory_iri(key: str) -> Iri:
     """Trajectory whose samples have this hash."""
-    return f"{ID}trajectory/{quote(key, safe='')}"
+    return f"{ID}trajectory/{_quoted(key)}"
 
 
 def part_iri(whole: Iri, kind: str, index: int) -> Iri:

@@ -6,7 +6,7 @@ since a typo in a target would otherwise let everything pass.
 """
 
 import hashlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property, lru_cache
@@ -20,7 +20,7 @@ from rdflib.term import Node
 import ontology
 from sdt_kg.annotating.annotate import tee_triples
 from sdt_kg.iri import LAW, RDF, SDT, SH, TEE, Iri, local_name
-from sdt_kg.store import Term, Value
+from sdt_kg.store import Term, Triple, Value
 from sdt_kg.triples import Facts
 from sdt_kg.twin import Container, Twin
 
@@ -122,8 +122,7 @@ class TeeClass:
         return hashlib.sha256("\n".join((*constants, self._shapes_text(), *wider)).encode()).hexdigest()
 
     def _shapes_text(self) -> str:
-        file = self._facts.one(self.iri, TEE + "shapesFile")
-        return ontology.path(f"shapes/{file}").read_text(encoding="utf-8")
+        return ontology.path(f"shapes/{self._facts.one(self.iri, TEE + 'shapesFile')}").read_text("utf-8")
 
 
 D_ARTIC: Final = TeeClass(TEE + "D_artic", "D_artic")
@@ -151,18 +150,13 @@ def violations(
     asked = ["Environment", "Physics", *(["Robot"] if robot is not None else [])]
     asked += ["Task"] if verb is not None else []
     expected = tuple(shape for part in asked for shape in tee.shapes_of(part))
-    return [*wider, *_checked(tee, frozenset(request_graph(twin, container, robot, verb, tee)), expected)]
+    return [*wider, *_checked(tee, tuple(_request(twin, container, robot, verb, tee)), expected)]
 
 
 @lru_cache(maxsize=16)
-def _checked(
-    tee: TeeClass, triples: frozenset[tuple[Node, Node, Node]], expected: tuple[Iri, ...]
-) -> tuple[Violation, ...]:
-    """Violations of a request's graph; kept, since a motion is found and verified for the same request."""
-    data = rdflib.Graph()
-    for triple in triples:
-        data.add(triple)
-    return tuple(check(data, tee.shapes, list(expected)))
+def _checked(tee: TeeClass, request: tuple[Triple, ...], expected: tuple[Iri, ...]) -> tuple[Violation, ...]:
+    """Violations of a request; kept, since a motion is found and verified for the same one."""
+    return tuple(check(_graph(request), tee.shapes, list(expected)))
 
 
 def pyshacl_report(data: rdflib.Graph, shapes: rdflib.Graph) -> rdflib.Graph:
@@ -186,8 +180,7 @@ def check(
 
 def read_report(data: rdflib.Graph, shapes: rdflib.Graph, report: rdflib.Graph) -> list[Violation]:
     """The results of a SHACL validation report about the data; details of a result are not results."""
-    results = report.objects(None, _SH.result)
-    return [_violation(data, shapes, report, result) for result in results]
+    return [_violation(data, shapes, report, result) for result in report.objects(None, _SH.result)]
 
 
 def _has_focus(data: rdflib.Graph, shapes: rdflib.Graph, shape: Iri) -> bool:
@@ -241,6 +234,19 @@ def request_graph(
     tee: TeeClass = D_ARTIC,
 ) -> rdflib.Graph:
     """What the graph says of the individuals that the request is about, as far as the class asks."""
+    return _graph(_request(twin, container, robot, verb, tee))
+
+
+def _graph(triples: Iterable[Triple]) -> rdflib.Graph:
+    graph = rdflib.Graph()
+    for subject, name, term in triples:
+        graph.add((rdflib.URIRef(subject), rdflib.URIRef(name), _node(term)))
+    return graph
+
+
+def _request(
+    twin: Twin, container: Container, robot: Iri | None, verb: Iri | None, tee: TeeClass
+) -> Iterator[Triple]:
     facts = twin.entities.facts
     subjects = [twin.environment, container.iri, *facts.iris(container.iri, "hasHandle")]
     subjects += facts.iris(container.iri, "hasJoint")
@@ -248,17 +254,12 @@ def request_graph(
         subjects += [model for each in subjects for model in facts.iris(each, "hasForceModel")]
     if robot is not None:
         subjects += [robot, *facts.iris(robot, "hasGripper")]
-    graph = rdflib.Graph()
     for subject in subjects:
-        for name, term in facts.about(subject):
-            if name in tee.mentioned:
-                graph.add((rdflib.URIRef(subject), rdflib.URIRef(name), _node(term)))
+        yield from ((subject, name, term) for name, term in facts.about(subject) if name in tee.mentioned)
     if verb is not None:
-        task = rdflib.URIRef(_TASK)
-        graph.add((task, RDF_NS.type, rdflib.URIRef(LAW + "Task")))
-        graph.add((task, rdflib.URIRef(LAW + "verb"), rdflib.URIRef(verb)))
-        graph.add((task, rdflib.URIRef(LAW + "container"), rdflib.URIRef(container.iri)))
-    return graph
+        yield _TASK, RDF + "type", ox.NamedNode(LAW + "Task")
+        yield _TASK, LAW + "verb", ox.NamedNode(verb)
+        yield _TASK, LAW + "container", ox.NamedNode(container.iri)
 
 
 def _node(term: Term) -> Node:
