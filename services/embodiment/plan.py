@@ -17,7 +17,7 @@ from sdt_kg.twin import Container
 from services.embodiment.body.limb import Limb, touching
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.hold.fit import fitting
+from services.embodiment.hold.fit import Fitter
 from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import WAYPOINTS, Holding, Problem, Searcher
@@ -223,10 +223,8 @@ class Planner:
             return None
         problem = self._problem(self.bar, q)
         holding = touching(world, limb, kit.demands, (setting.container.handle,))
-        bar, demands = self.bar, (holding, kit.demands)
-        fitted, steep = (
-            fitting(kit.hand, problem, bar, demands, self.unfit, self.late, steep) for steep in (False, True)
-        )
+        fitter = Fitter(kit.hand, problem, self.bar, (holding, kit.demands), self.unfit)
+        fitted, steep = (fitter.fitting(self.late, steep) for steep in (False, True))
         searcher = Searcher(world, limb, problem, holding, setting.drive)
         start = np.array(setting.start)
         if setting.drive is Drive.FIXED:

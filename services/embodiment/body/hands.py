@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
 from services.embodiment.body.contacts import parting
-from services.embodiment.body.kernels import forward, matmul, moved
+from services.embodiment.body.kernels import joint_pose, matmul, moved
 from services.physics.geometry.convex import parted
 from services.physics.geometry.packed import bounds_of
 
@@ -53,66 +53,150 @@ def touching_many(hand, seen, tools, kitchen, split, radius, shapes, margins, fo
 
 
 @_compiled
-def gaps(q, tree, boxes, shapes, fingers, handle, tool, goal, out):
-    """Distance of each finger shape from the handle's is in `out`; negative where they are in each other.
+def posed(q, hand, at):
+    """Poses of a hand's shapes as its tool sees them, fingers as in q, are in `at` (rotations, centres).
 
-    How deep they are is that of their own boxes, at least. The hand is moved so that `tool`, its tool's
-    pose (rotation, translation) at q, becomes `goal`.
+    `hand` is (indices of the shapes, fingers last; number of those that are no fingers; joints that q may
+    move, from the root on; tree; boxes; tool's pose (rotation, translation); poses of all joint frames,
+    into which the moved ones are written).
     """
-    joint, local_r, local_c = boxes
-    count = tree[0].shape[0]
-    r, p = np.empty((count, 3, 3)), np.empty((count, 3))
-    forward(q, tree, r, p)
-    work, turn, frame = np.zeros((8, 4)), np.empty((3, 3)), np.empty((3, 3))
-    ra, ca, rb, cb, at = np.empty((3, 3)), np.empty(3), np.empty((3, 3)), np.empty(3), np.empty(3)
-    matmul(goal[0], tool[0].T, turn)
-    for n in range(fingers.shape[0]):
-        s, out[n] = fingers[n], math.inf
+    shapes, _, joints, tree, (joint, local_r, local_c), (tool_r, tool_p), (r, p) = hand
+    turn, carried, frame, centre = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
+    back, nowhere = tool_r.T.copy(), np.zeros(3)
+    for j in joints:
+        joint_pose(j, q, tree, turn, carried, r, p)
+    for i in range(shapes.shape[0]):
+        s = shapes[i]
         matmul(r[joint[s]], local_r[s], frame)
-        moved(r[joint[s]], p[joint[s]], local_c[s], at)
-        matmul(turn, frame, ra)
-        moved(turn, goal[1], at - tool[1], ca)
-        for m in range(handle.shape[0]):
-            h = handle[m]
-            matmul(r[joint[h]], local_r[h], rb)
-            moved(r[joint[h]], p[joint[h]], local_c[h], cb)
-            low, _ = bounds_of(shapes, s, h, ra, ca, rb, cb, math.inf, -math.inf, work)
+        matmul(back, frame, at[0][i])
+        moved(r[joint[s]], p[joint[s]], local_c[s], centre)
+        moved(back, nowhere, centre - tool_p, at[1][i])
+
+
+@_compiled
+def _gaps(shares, hand, closing, handle, shapes, room):
+    """Distance of each finger shape from the handle's is in room[1]; negative where they are in each other.
+
+    How deep they are is that of their own boxes, at least. `closing` is (open configuration, what closing
+    each finger joint adds to it), `handle` (indices, rotations, centres) as the tool sees it.
+    """
+    at, out, work = room
+    q = closing[0].copy()
+    for k in range(shares.shape[0]):
+        q += closing[1][k] * shares[k]
+    posed(q, hand, at)
+    for n in range(out.shape[0]):
+        i, out[n] = hand[1] + n, math.inf
+        s = hand[0][i]
+        for m in range(handle[0].shape[0]):
+            h = handle[0][m]
+            there = handle[1][m], handle[2][m]
+            low, _ = bounds_of(shapes, s, h, at[0][i], at[1][i], *there, math.inf, -math.inf, work)
             if low == -math.inf:
-                low = min(parted(shapes, s, h, ra, ca, rb, cb), 0.0)
+                low = min(parted(shapes, s, h, at[0][i], at[1][i], *there), 0.0)
             out[n] = min(out[n], low)
 
 
 @_compiled
-def closing(opened, way, tree, boxes, shapes, fingers, handle, tool, goal, sides, touch, rounds):
-    """Share in [0, 1] of `way` from `opened` at which the gap has fallen to `touch`; −1 if it does not.
+def _farther(out, sides):
+    """Gap of the side, of the two in `sides` (2, fingers), whose nearest finger is farther away."""
+    at = -math.inf
+    for side in range(2):
+        nearest = math.inf
+        for i in range(out.shape[0]):
+            if sides[side, i]:
+                nearest = min(nearest, out[i])
+        at = max(at, nearest)
+    return at
 
-    The gap is that of the side, of the two in `sides` (2, fingers), whose nearest finger is farther
-    away. Regula falsi (Illinois).
+
+@_compiled
+def _closing(k, shares, sides, hand, closing, handle, shapes, touch, rounds, room):
+    """Whether finger joint k alone can be closed until it touches; shares[k], in [0, 1], says how far.
+
+    Regula falsi (Illinois) for the gap of `_farther` to fall to `touch`.
     """
-    out = np.empty(fingers.shape[0])
     low, at_low, high, at_high = 0.0, 0.0, 1.0, 0.0
     for n in range(rounds + 2):
-        share = float(n) if n < 2 else (low * at_high - high * at_low) / (at_high - at_low)
-        gaps(opened + share * way, tree, boxes, shapes, fingers, handle, tool, goal, out)
-        at = -math.inf
-        for side in range(2):
-            nearest = math.inf
-            for i in range(out.shape[0]):
-                if sides[side, i]:
-                    nearest = min(nearest, out[i])
-            at = max(at, nearest - touch)
+        shares[:] = 0.0
+        shares[k] = float(n) if n < 2 else (low * at_high - high * at_low) / (at_high - at_low)
+        _gaps(shares, hand, closing, handle, shapes, room)
+        at = _farther(room[1], sides) - touch
+        if (n == 0 and at <= 0.0) or (n == 1 and at > 0.0):
+            return False
         if n == 0:
             at_low = at
-            if at <= 0.0:
-                return -1.0
         elif n == 1:
             at_high = at
-            if at > 0.0:
-                return -1.0
         elif at > 0.0:
-            low, at_low, at_high = share, at, at_high / 2
+            low, at_low, at_high = shares[k], at, at_high / 2
         else:
-            high, at_high, at_low = share, at, at_low / 2
+            high, at_high, at_low = shares[k], at, at_low / 2
             if at > -touch:
                 break
-    return high
+    shares[k] = high
+    return True
+
+
+@_compiled
+def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, room):
+    """Whether a hand at a tool pose can be centred across a handle and closed on it.
+
+    `tool` (rotation, translation) is then where it is centred; `shares` (F,) are how far its finger joints
+    are closed. `sides` (F, 2, fingers) are those that each closes; `handle` is in the world.
+    """
+    seen, back, nowhere = (np.empty_like(handle[1]), np.empty_like(handle[2])), tool[0].T.copy(), np.zeros(3)
+    count, found = shares.shape[0], np.empty_like(shares)
+    for _ in range(2):
+        for m in range(handle[0].shape[0]):
+            matmul(back, handle[1][m], seen[0][m])
+            moved(back, nowhere, handle[2][m] - tool[1], seen[1][m])
+        there = handle[0], seen[0], seen[1]
+        for k in range(count):
+            if not _closing(k, shares, sides[k], hand, closing, there, shapes, touch, rounds, room):
+                return False
+            found[k] = shares[k]
+        shares[:] = found
+        if count > 1:
+            break
+        _gaps(shares, hand, closing, there, shapes, room)
+        left, right = math.inf, math.inf
+        for i in range(room[1].shape[0]):
+            left = min(left, room[1][i] if sides[0, 0, i] else math.inf)
+            right = min(right, room[1][i] if sides[0, 1, i] else math.inf)
+        if not math.isfinite(left + right) or abs(left - right) < touch:
+            break
+        for i in range(3):  # the side that is farther tells where the bar lies
+            tool[1][i] += (right - left) / 2 * tool[0][i, 1]
+    return True
+
+
+@_compiled
+def kept(tool, shares, start, steps, hand, closing, kitchens, rest, margins, room):
+    """What rules out that a hand closes from `start` to `shares` and stays: a pair of shapes, or (−1, −1).
+
+    It stays free as the container moves, the kitchen as in `kitchens` (indices, rotations, centres, where
+    each of them ends), and its fingers swing free in the first of these, open and in `steps` steps.
+    `margins` are those of a hand that holds, and of an open one; `rest` is (split, radius, shapes).
+    """
+    seen = room[0]
+    at = np.empty_like(seen[0]), np.empty_like(seen[1])
+    one, other = -1, -1
+    for step in range(-1, steps + 1):  # first closed, at all values of the container
+        part = 1.0 if step < 0 else step / steps
+        q = closing[0].copy()
+        for k in range(shares.shape[0]):
+            q += closing[1][k] * (start[k] + part * (shares[k] - start[k]))
+        posed(q, hand, seen)
+        for i in range(hand[0].shape[0]):
+            matmul(tool[0], seen[0][i], at[0][i])
+            moved(tool[0], tool[1], seen[1][i], at[1][i])
+        first, allowed = 0, margins[1 if step == 0 else 0]
+        for n in range(kitchens[3].shape[0] if step < 0 else 1):
+            last = kitchens[3][n]
+            there = kitchens[0][first:last], kitchens[1][first:last], kitchens[2][first:last]
+            one, other = touching(hand[0], at, there, rest[0], rest[1], rest[2], allowed)
+            if one >= 0:
+                return one, other
+            first = last
+    return one, other

@@ -5,7 +5,7 @@ import numpy as np
 from services.embodiment.body import hands, ik
 from services.embodiment.body.limb import Limb, Margins, rules
 from services.embodiment.body.parked import Parked
-from services.embodiment.body.world import World
+from services.embodiment.body.world import Rules, World
 
 
 def warm(world: World, limb: Limb) -> None:
@@ -22,30 +22,19 @@ def warm(world: World, limb: Limb) -> None:
     ik.follow(x, target_r, target_p, limb.chain, *bounds, 1, 1.0, 1.0, np.empty((1, n)))
     r, p = world.frames(limb.q(x))
     world.distances(demands.pairs[:1], r, p)
-    one = np.zeros(1, np.int64)
-    pose = r[:1].copy(), p[:1].copy()
-    hands.touching(
-        one + world.split,
-        pose,
-        (one, *pose),
-        world.split,
-        world.radius,
-        world.shapes,
-        demands.environment,
-    )
-    hands.touching_many(
-        one + world.split,
-        pose,
-        pose,
-        (one, *pose),
-        world.split,
-        world.radius,
-        world.shapes,
-        demands.environment,
-        np.empty((1, 2), np.int64),
-    )
-    tool = limb.tool(x)
-    scene = world.tree, world.boxes, world.shapes, one, one, tool, tool
-    hands.gaps(limb.q(x), *scene, np.empty(1))
-    hands.closing(limb.q(x), limb.q(x), *scene, np.ones((2, 1), np.bool_), 0.0, 0)
+    _warm_hands(world, limb, demands)
     Parked(world, limb.q(x), demands).drives(np.zeros((1, 3)))
+
+
+def _warm_hands(world: World, limb: Limb, demands: Rules) -> None:
+    x, one = np.zeros(len(limb.lower)), np.zeros(1, np.int64)
+    at, tool, frames = (np.eye(3)[None], np.zeros((1, 3))), limb.tool(x), world.frames(limb.q(x))
+    hand = one + world.split, 0, one + 1, world.tree, world.boxes, tool, frames
+    rest, margins, kitchen = (world.split, world.radius, world.shapes), demands.environment, (one, *at)
+    closing, shares = (limb.q(x), limb.q(x)[None]), np.zeros(1)
+    room = at, np.empty(1), np.zeros((8, 4))
+    hands.posed(limb.q(x), hand, at)
+    hands.touching_many(hand[0], at, at, kitchen, *rest, margins, np.empty((1, 2), np.int64))
+    sides = np.ones((1, 2, 1), np.bool_)
+    hands.closed(tool, shares, sides, hand, closing, kitchen, world.shapes, 0.0, 0, room)
+    hands.kept(tool, shares, shares, 1, hand, closing, (*kitchen, one), rest, (margins, margins), room)

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.body import hands
-from services.embodiment.body.world import Contact, Rules, World
-from services.embodiment.hold.grasp import Grasp, Hand, grasp_set
+from services.embodiment.body.world import Rules, World
+from services.embodiment.hold.grasp import TOUCH, Grasp, Hand, grasp_set, steepness
 from services.embodiment.hold.handle import Bar
 from services.embodiment.hold.holding import Problem
 
 Array = NDArray[np.float64]
-
 Pair = tuple[int, int]
+Fitted = tuple[Grasp, Array]
 
 OPENINGS = (0.0, 0.55, 0.75)  # [1] shares by which the fingers are closed when the hand comes near
 SWING = 6  # steps at which closing fingers are checked
@@ -24,134 +24,148 @@ BLOCK = 45  # grasps that are looked at together
 ENOUGH = 6  # grasps with which no narrower opening is tried
 CHECKED = 7  # values of the container at which the hand alone is checked
 BESIDE = 0.05  # [m] that a grasp's tool may lie beside the bar
+ROUNDS = 12  # of regula falsi; three or four are usual
 
 
 class Room:
     """The kitchen as the hand finds it at some values of the container, seen from the handle.
 
     Attributes:
-        hand: Whose fingers close.
+        near: Kitchen shapes near the handle where the container has not moved: indices, rotations, centres.
+        always: The same at all values, one after the other, and where each value ends.
+        handle: The same of the handle alone, where the container has not moved.
     """
 
     def __init__(self, hand: Hand, problem: Problem, bar: Bar) -> None:
-        self.hand, self.problem = hand, problem
         self.world: World = hand.world
-        self.at = np.unique(np.linspace(0, len(problem.values) - 1, CHECKED).astype(int))
-        q = problem.mechanics.put(hand.configuration(0.0), problem.values[self.at])
-        self._frames = [self.world.frames(one) for one in q]
-        first, there = self.at[0], problem.handle_r
-        self._turn = there[self.at] @ there[first].T
-        self._shift = problem.handle_p[self.at] - (self._turn @ problem.handle_p[first])
-        middle = there[first] @ bar.centre + problem.handle_p[first]
-        reach = hand.reach + bar.length / 2 + BESIDE
-        self._near = [self._seen(k, middle, reach) for k in range(len(self.at))]
+        at = np.unique(np.linspace(0, len(problem.values) - 1, CHECKED).astype(int))
+        q = problem.mechanics.put(hand.configuration(0.0), problem.values[at])
+        r, p = problem.handle_r, problem.handle_p
+        middle, reach = r[0] @ bar.centre + p[0], hand.reach + bar.length / 2 + BESIDE
+        near = [
+            self._near(one, (r[k], p[k]), (r[0], p[0]), middle, reach) for one, k in zip(q, at, strict=True)
+        ]
+        self.near = near[0]
+        ends = np.cumsum([len(one[0]) for one in near])
+        self.always = (*(np.concatenate(parts) for parts in zip(*near, strict=True)), ends)
+        own = self.world.shapes_of((problem.mechanics.container.handle,))
+        frames, (joint, local_r, local_c) = self.world.frames(hand.configuration(0.0)), self.world.boxes
+        self.handle = own, frames[0][joint[own]] @ local_r[own], _moved(frames, joint[own], local_c[own])
 
-    def _seen(self, k: int, middle: Array, reach: float) -> tuple[NDArray[np.int64], Array, Array]:
-        """Kitchen shapes near the handle at checked value k, and their poses as the handle sees them."""
-        world, turn = self.world, self._turn[k]
-        split, (joint, local_r, local_c) = world.split, world.boxes
-        joint, local_r, local_c = joint[:split], local_r[:split], local_c[:split]
-        r, p = self._frames[k]
-        at_r = turn.T @ (r[joint] @ local_r)
-        at_c = ((r[joint] @ local_c[:, :, None])[:, :, 0] + p[joint] - self._shift[k]) @ turn
-        beyond = np.abs(((middle - at_c)[:, None] @ at_r)[:, 0]) - world.half[:split]
+    def _near(
+        self, q: Array, now: tuple[Array, Array], first: tuple[Array, Array], middle: Array, reach: float
+    ) -> tuple[NDArray[np.int64], Array, Array]:
+        """Kitchen shapes near the handle at q; their poses as if it were not at `now` but at `first`."""
+        kitchen, (joint, local_r, local_c) = slice(self.world.split), self.world.boxes
+        joint, local_r, local_c = joint[kitchen], local_r[kitchen], local_c[kitchen]
+        frames = self.world.frames(q)
+        turn = now[0] @ first[0].T
+        at_r = turn.T @ (frames[0][joint] @ local_r)
+        at_c = (_moved(frames, joint, local_c) - (now[1] - turn @ first[1])) @ turn
+        beyond = np.abs(((middle - at_c)[:, None] @ at_r)[:, 0]) - self.world.half[kitchen]
         near = np.flatnonzero(np.linalg.norm(np.maximum(beyond, 0.0), axis=1) < reach)
         return near, np.ascontiguousarray(at_r[near]), np.ascontiguousarray(at_c[near])
 
-    def screened(self, grasps: list[Grasp], q: Array, rules: Rules, unfit: Counter[Pair]) -> list[Grasp]:
-        """Those grasps at which the hand as in q touches nothing before the container moves.
 
-        `unfit` counts the pairs of shapes whose contact rules the others out.
-        """
-        first = self.at[0]
-        poses = [one.tool(self.problem.handle_r[first], self.problem.handle_p[first]) for one in grasps]
-        found = np.empty((len(grasps), 2), np.int64)
-        hands.touching_many(
-            self.hand.shapes,
-            self.hand.shapes_seen(q),
-            (np.stack([r for r, _ in poses]), np.stack([p for _, p in poses])),
-            self._near[0],
-            self.world.split,
-            self.world.radius,
-            self.world.shapes,
-            rules.environment,
-            found,
-        )
-        touches = found[:, 0] >= 0
-        unfit.update(map(tuple, found[touches].tolist()))
-        return [grasps[g] for g in np.flatnonzero(~touches)]
-
-    def contact(self, grasp: Grasp, q: Array, rules: Rules, first: int, last: int) -> Contact | None:
-        """A contact of the hand with fingers as in q at the checked values first … last − 1."""
-        tool = grasp.tool(self.problem.handle_r[self.at[0]], self.problem.handle_p[self.at[0]])
-        hand = self.hand.shapes_at(q, *tool)
-        for k in range(first, last):
-            one, other = hands.touching(
-                self.hand.shapes,
-                hand,
-                self._near[k],
-                self.world.split,
-                self.world.radius,
-                self.world.shapes,
-                rules.environment,
-            )
-            if one >= 0:
-                return Contact(int(self.at[k]), (one, other))
-        return None
+def _moved(frames: tuple[Array, Array], joint: NDArray[np.int64], local: Array) -> Array:
+    """World positions of points (N, 3) of joints."""
+    return (frames[0][joint] @ local[:, :, None])[:, :, 0] + frames[1][joint]
 
 
-def fitting(  # noqa: PLR0913, PLR0917  # what is held, what it demands, and when to stop
-    hand: Hand,
-    problem: Problem,
-    bar: Bar,
-    demands: tuple[Rules, Rules],
-    unfit: Counter[Pair],
-    late: Callable[[], bool] = lambda: False,
-    steep: bool = False,
-) -> Iterator[tuple[Grasp, Array]]:
-    """Grasps that the hand alone can take and keep, each with the scene at x = 0 and fingers closed.
+class Fitter:
+    """Finds the grasps that the hand alone can take and keep, each with its scene at x = 0, fingers closed.
 
-    `demands` are the distances demanded while it holds, and of the open hand; `unfit` counts the pairs
-    of shapes whose contact rules a grasp out. Those that come from far above or below are first if `steep`.
+    What is known of a grasp is kept: it may be asked for in more than one order.
+
+    Args:
+        hand: Whose fingers close.
+        problem: What is held.
+        bar: Where.
+        demands: The distances demanded while it holds, and of the open hand.
+        unfit: Counts the pairs of shapes whose contact rules a grasp out.
     """
-    room = Room(hand, problem, bar)
-    found = 0
-    for share in OPENINGS:
-        opened, grasps = hand.configuration(share), grasp_set(bar, steep)
-        while block := list(islice(grasps, BLOCK)):
-            if late():
-                return
-            for grasp in room.screened(block, opened, demands[1], unfit):
-                fitted = _fitted(room, replace(grasp, opened=hand.opening(share)), demands, unfit)
-                if fitted is not None:
-                    found += 1
-                    yield fitted
-        if found >= ENOUGH:
+
+    def __init__(
+        self, hand: Hand, problem: Problem, bar: Bar, demands: tuple[Rules, Rules], unfit: Counter[Pair]
+    ) -> None:
+        self.hand, self.problem, self.bar, self.demands, self.unfit = hand, problem, bar, demands, unfit
+        self.room = Room(hand, problem, bar)
+        world = hand.world
+        self._margins = demands[0].environment, demands[1].environment
+        self._rest = world.split, world.radius, world.shapes
+        self._known: dict[tuple[float, int], Fitted | None] = {}
+        self._all: list[Fitted] | None = None
+        self._work = hand.room()
+
+    def fitting(self, late: Callable[[], bool] = lambda: False, steep: bool = False) -> Iterator[Fitted]:
+        """Those grasps; those that come from far above or below are first if `steep`."""
+        if self._all is not None:
+            yield from sorted(self._all, key=lambda one: steepness(one[0].index)) if steep else self._all
             return
+        found: list[Fitted] = []
+        for share in OPENINGS:
+            grasps = grasp_set(self.bar, steep)
+            while block := list(islice(grasps, BLOCK)):
+                if late():
+                    return
+                self._screen(block, share)
+                for grasp in block:
+                    fitted = self._fitted(grasp, share)
+                    if fitted is not None:
+                        found.append(fitted)
+                        yield fitted
+            if len(found) >= ENOUGH:
+                break
+        self._all = found
 
+    def _screen(self, grasps: list[Grasp], share: float) -> None:
+        """Those grasps at which the open hand touches something before the container moves are ruled out."""
+        new = [one for one in grasps if (share, one.index) not in self._known]
+        if not new:
+            return
+        r, p = self.problem.handle_r[0], self.problem.handle_p[0]
+        tools = (
+            r @ np.stack([one.rotation for one in new]),
+            np.stack([one.translation for one in new]) @ r.T + p,
+        )
+        found = np.empty((len(new), 2), np.int64)
+        seen, margins = self.hand.shapes_seen(share), self._margins[1]
+        hands.touching_many(self.hand.shapes, seen, tools, self.room.near, *self._rest, margins, found)
+        for grasp, pair in zip(new, found.tolist(), strict=True):
+            if pair[0] >= 0:
+                self._rule_out(grasp, share, (pair[0], pair[1]))
 
-def _fitted(
-    room: Room, grasp: Grasp, demands: tuple[Rules, Rules], unfit: Counter[Pair]
-) -> tuple[Grasp, Array] | None:
-    """The grasp with its fingers closed on the handle, if they can be and the hand can stay."""
-    handle = room.world.shapes_of((room.problem.mechanics.container.handle,))
-    closed = room.hand.closed_on(grasp, handle, room.problem.handle_r[0], room.problem.handle_p[0])
-    if closed is None:
-        return None
-    q = room.hand.configuration(dict(closed.fingers))
-    contact = room.contact(closed, q, demands[0], 0, len(room.at))
-    if contact is not None:
-        unfit[contact.shapes] += 1
-        return None
-    return (closed, q) if _closes(room, closed, demands) else None
+    def _rule_out(self, grasp: Grasp, share: float, pair: Pair) -> None:
+        self.unfit[pair] += 1
+        self._known[share, grasp.index] = None
 
+    def _fitted(self, grasp: Grasp, share: float) -> Fitted | None:
+        """The grasp with its fingers closed on the handle, if they can be and the hand can stay."""
+        key = share, grasp.index
+        if key not in self._known:
+            self._known[key] = None
+            self._close(grasp, share)
+        return self._known[key]
 
-def _closes(room: Room, grasp: Grasp, demands: tuple[Rules, Rules]) -> bool:
-    """Whether the open hand stands free at the grasp, and its fingers swing free of all but the handle."""
-    start, end = dict(grasp.opened), dict(grasp.fingers)
-    for step in range(SWING + 1):
-        fingers = {joint: start[joint] + step / SWING * (end[joint] - start[joint]) for joint in start}
-        q = room.hand.configuration(fingers)
-        if room.contact(grasp, q, demands[1 if step == 0 else 0], 0, 1) is not None:
-            return False
-    return True
+    def _close(self, grasp: Grasp, share: float) -> None:
+        hand, scene = self.hand, (self._rest[2], TOUCH, ROUNDS)
+        handle_r, handle_p = self.problem.handle_r[0], self.problem.handle_p[0]
+        tool = grasp.tool(handle_r, handle_p)
+        shares = np.zeros(len(hand.closing[1]))
+        if not hands.closed(
+            tool, shares, hand.sides, hand.parts, hand.closing, self.room.handle, *scene, self._work
+        ):
+            return
+        start = np.full(len(shares), share)
+        held = hand.parts, hand.closing, self.room.always, self._rest, self._margins, self._work
+        pair = hands.kept(tool, shares, start, SWING, *held)
+        if pair[0] >= 0:
+            self._rule_out(grasp, share, pair)
+            return
+        centred = replace(
+            grasp,
+            translation=handle_r.T @ (tool[1] - handle_p),
+            fingers=hand.positions(shares),
+            opened=hand.opening(share),
+        )
+        self._known[share, grasp.index] = centred, hand.configuration(dict(centred.fingers))

@@ -6,7 +6,7 @@ into the worktop or a fingertip into the front.
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -28,8 +28,6 @@ PLACES = (0.0, 0.5, -0.5)  # [1] along the bar, as a share of what of it leaves 
 DEPTHS = (0.0, -0.008, 0.008, -0.016, 0.016)  # [m] the tool frame beyond the bar's middle, along the approach
 FINGER_HALF = 0.015  # [m] kept from the ends of a bar, half a finger's width
 TOUCH = 0.0003  # [m] distance from which a finger counts as touching: certify allows 2 mm
-ROUNDS = 12  # of regula falsi; three or four are usual
-KEPT = 64  # poses of the fingers for which the hand's shapes are kept
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,6 +90,16 @@ def _choices(steep: bool) -> tuple[tuple[int, tuple[int, int, int, int, int]], .
     return tuple(sorted(numbered, key=lambda one: (one[1][3] + one[1][4], one[1][1], -one[1][0], one[0])))
 
 
+@lru_cache(maxsize=1)
+def _steep_ranks() -> dict[int, int]:
+    return {index: rank for rank, (index, _) in enumerate(_choices(steep=True))}
+
+
+def steepness(index: int) -> int:
+    """Where the grasp of this number comes among those that come from far above or below first."""
+    return _steep_ranks()[index]
+
+
 def _turn(bar: Bar, pitch: float, tilt: float, flip: int) -> Array:
     """Rotation of the tool in the frame of the bar's joint."""
     approach = _turned(bar.along, pitch, -bar.outward)
@@ -110,23 +118,37 @@ class Hand:
     """A gripper without its arm, to be put anywhere.
 
     Attributes:
+        parts, closing, sides: What `hands.closed` and `hands.kept` take.
         shapes: Indices of its shapes, fingers last.
+        fingers: Indices of those of its fingers.
         reach: Of any of them from the tool frame [m].
     """
 
     def __init__(self, world: World, limb: Limb) -> None:
         self.world, self.limb = world, limb
-        palm, fingers = world.shapes_of(limb.palm), world.shapes_of(limb.fingers)
-        self.shapes = np.concatenate([palm, fingers])
-        self.fingers = fingers
+        palm, self.fingers = world.shapes_of(limb.palm), world.shapes_of(limb.fingers)
+        self.shapes = np.concatenate([palm, self.fingers])
         self._tool = limb.tool(np.zeros(len(limb.lower)))
-        self._left = self._left_side()
-        self._open, self._closing_ways = self._closings()
-        self._moved = [self._moved_by(k) for k in range(len(limb.gripper.finger_joints))]
-        self._seen: dict[bytes, tuple[Array, Array]] = {}
-        open_at, closed_at = (self.shapes_seen(self.configuration(share))[1] for share in (0.0, 1.0))
+        self.closing = self._closings()
+        joints = np.array([j for j in range(1, len(world.tree[0])) if self._follows(j)], np.int64)
+        frames = world.frames(self.closing[0])
+        self.parts = (self.shapes, len(palm), joints, world.tree, world.boxes, self._tool, frames)
+        self.sides = self._sides()
+        self._seen: dict[float, tuple[Array, Array]] = {}
+        open_at, closed_at = (self.shapes_seen(share)[1] for share in (0.0, 1.0))
         away = np.maximum(np.linalg.norm(open_at, axis=1), np.linalg.norm(closed_at, axis=1))
         self.reach = float((away + world.radius[self.shapes]).max())
+
+    def _sides(self) -> NDArray[np.bool_]:
+        """Finger shapes that each finger joint brings to a bar from two sides, shape (F, 2, fingers).
+
+        One joint alone closes both sides, as seen along +y of the tool frame; of several each closes its own.
+        """
+        joints = self.limb.gripper.finger_joints
+        if len(joints) == 1:
+            left = self._left_side()
+            return np.stack([left, ~left])[None]
+        return np.stack([[self._moved_by(k)] * 2 for k in range(len(joints))])
 
     def _left_side(self) -> NDArray[np.bool_]:
         """Which finger shapes lie on the +y side of the tool frame when open."""
@@ -136,11 +158,17 @@ class Hand:
         return np.array([self._tool[0][:, 1] @ one > 0 for one in at], dtype=np.bool_)
 
     def _closings(self) -> tuple[Array, Array]:
-        """The open configuration (nq,), and what closing each finger joint adds (nq, fingers)."""
+        """The open configuration (nq,), and what closing each finger joint adds (F, nq)."""
         opened = self.configuration(0.0)
         joints = self.limb.gripper.finger_joints
         shut = [{one.joint: _between(one, float(one is each)) for one in joints} for each in joints]
-        return opened, np.stack([self.configuration(one) - opened for one in shut], axis=1)
+        return opened, np.stack([self.configuration(one) - opened for one in shut])
+
+    def _follows(self, joint: int) -> bool:
+        """Whether closing moves a model joint."""
+        while joint > 0 and not self.closing[1][:, joint - 1].any():
+            joint = self.world.scene.model.parents[joint]
+        return joint > 0
 
     def configuration(self, share: float | dict[str, float]) -> Array:
         """Scene configuration at x = 0 with the fingers closed by a share (0 open, 1 closed) or as given."""
@@ -151,87 +179,28 @@ class Hand:
             q[scene.coordinate[joint_iri(scene.robot.mechanism.name, finger.joint)]] = value
         return scene.coupling.positions(q)
 
-    def shapes_at(self, q: Array, tool_r: Array, tool_p: Array) -> tuple[Array, Array]:
-        """World poses of its shapes with fingers as in q and the tool at the pose."""
-        r, c = self.shapes_seen(q)
-        return tool_r @ r, c @ tool_r.T + tool_p
+    def shapes_seen(self, share: float) -> tuple[Array, Array]:
+        """Poses of its shapes in the tool frame, fingers closed by a share; kept: grasps open alike."""
+        if share not in self._seen:
+            at = self.room()[0]
+            hands.posed(self.configuration(share), self.parts, at)
+            self._seen[share] = at
+        return self._seen[share]
 
-    def shapes_seen(self, q: Array) -> tuple[Array, Array]:
-        """Poses of its shapes in the tool frame, fingers as in q; kept, for the grasps that open alike."""
-        key = q.tobytes()
-        if key not in self._seen:
-            if len(self._seen) > KEPT:
-                self._seen.clear()
-            r, p = self.world.frames(q)
-            joint, local_r, local_c = self.world.boxes
-            joint, local_r, local_c = joint[self.shapes], local_r[self.shapes], local_c[self.shapes]
-            turn, at = self._tool
-            seen_c = ((r[joint] @ local_c[:, :, None])[:, :, 0] + p[joint] - at) @ turn
-            self._seen[key] = turn.T @ (r[joint] @ local_r), seen_c
-        return self._seen[key]
+    def room(self) -> tuple[tuple[Array, Array], Array, Array]:
+        """What compiled loops write to: poses of its shapes, gaps of its fingers, work."""
+        count = len(self.shapes)
+        at = np.empty((count, 3, 3)), np.empty((count, 3))
+        return at, np.empty(len(self.fingers)), np.zeros((8, 4))
 
     def opening(self, share: float) -> tuple[tuple[str, float], ...]:
         """Positions of the finger joints, closed by a share."""
         return tuple((one.joint, _between(one, share)) for one in self.limb.gripper.finger_joints)
 
-    def closed_on(
-        self, grasp: Grasp, handle: NDArray[np.int64], handle_r: Array, handle_p: Array
-    ) -> Grasp | None:
-        """The grasp, centred across the bar, with both sides' fingers on it; None if they cannot be."""
-        joints = self.limb.gripper.finger_joints
-        shares: list[float] = []
-        for _ in range(2):
-            tool_r, tool_p = grasp.tool(handle_r, handle_p)
-            found = self._close(handle, tool_r, tool_p)
-            if found is None:
-                return None
-            shares = found
-            if len(joints) > 1:
-                break
-            left, right = self._sides(self._gaps(shares, handle, tool_r, tool_p))
-            if not np.isfinite(left + right) or abs(left - right) < TOUCH:
-                break
-            # The side that is farther tells where the bar lies.
-            grasp = replace(grasp, translation=grasp.translation + (right - left) / 2 * grasp.rotation[:, 1])
-        fingers = tuple(
-            (one.joint, float(_between(one, share))) for one, share in zip(joints, shares, strict=True)
-        )
-        return replace(grasp, fingers=fingers)
-
-    def _close(self, handle: NDArray[np.int64], tool_r: Array, tool_p: Array) -> list[float] | None:
-        """Shares at which the fingers touch."""
-        count = len(self.limb.gripper.finger_joints)
-        shares: list[float] = []
-        for k in range(count):
-            sides = np.stack([self._left, ~self._left] if count == 1 else [self._moved[k]] * 2)
-            share = self._closing(k, sides, handle, tool_r, tool_p)
-            if share is None:
-                return None
-            shares.append(share)
-        return shares
-
-    def _closing(
-        self, k: int, sides: NDArray[np.bool_], handle: NDArray[np.int64], tool_r: Array, tool_p: Array
-    ) -> float | None:
-        """Share of finger joint k at which the side that is farther touches."""
-        world = self.world
-        goal = np.ascontiguousarray(tool_r), np.ascontiguousarray(tool_p)
-        shapes, way = (world.shapes, self.fingers, handle), self._closing_ways[:, k].copy()
-        scene = world.tree, world.boxes, *shapes, self._tool, goal
-        share = hands.closing(self._open, way, *scene, sides, TOUCH, ROUNDS)
-        return None if share < 0 else float(share)
-
-    def _gaps(self, shares: list[float], handle: NDArray[np.int64], tool_r: Array, tool_p: Array) -> Array:
-        """Distance of each finger shape from the handle."""
-        q, out, world = self._open + self._closing_ways @ shares, np.empty(len(self.fingers)), self.world
-        goal = np.ascontiguousarray(tool_r), np.ascontiguousarray(tool_p)
-        shapes = world.shapes, self.fingers, handle
-        hands.gaps(q, world.tree, world.boxes, *shapes, self._tool, goal, out)
-        return out
-
-    def _sides(self, gaps: Array) -> tuple[float, float]:
-        """Smallest of the gaps on the +y and on the −y side of the tool frame."""
-        return float(gaps[self._left].min(initial=np.inf)), float(gaps[~self._left].min(initial=np.inf))
+    def positions(self, shares: Array) -> tuple[tuple[str, float], ...]:
+        """Positions of the finger joints, each closed by its share, shape (F,)."""
+        each = zip(self.limb.gripper.finger_joints, shares.tolist(), strict=True)
+        return tuple((one.joint, _between(one, share)) for one, share in each)
 
     def _moved_by(self, k: int) -> NDArray[np.bool_]:
         """Which finger shapes finger joint k moves."""

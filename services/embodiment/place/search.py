@@ -19,7 +19,7 @@ from sdt_kg.task import UNKNOWN, Task
 from sdt_kg.twin import Container, Twin
 from services.embodiment.body.limb import BASE, Margins, touching
 from services.embodiment.body.world import World
-from services.embodiment.hold.fit import fitting
+from services.embodiment.hold.fit import Fitter
 from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.handle import Mechanics, find_bar
 from services.embodiment.hold.holding import WAYPOINTS, Problem, Searcher
@@ -227,7 +227,7 @@ class _Question:
         handle_r, handle_p = self.mechanics.handle_poses(q, bar.joint, values)
         problem = Problem(self.mechanics, values, handle_r, handle_p, handle_r[0] @ bar.outward)
         holding = touching(self.world, kit.limb, kit.demands, (self.container.handle,))
-        fitted = fitting(kit.hand, problem, bar, (holding, kit.demands), Counter())
+        fitted = Fitter(kit.hand, problem, bar, (holding, kit.demands), Counter()).fitting()
         searcher = Searcher(self.world, kit.limb, problem, holding, Drive.FIXED)
         rng = np.random.default_rng(self.seed)
         return self._poses(searcher, fitted, rng)
