@@ -3,6 +3,7 @@
 import asyncio
 import ctypes
 import gc
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -25,6 +26,8 @@ from services.store.workers import Workers
 M_MMAP_THRESHOLD = -3  # of malloc.h
 LARGE = 2**15
 """[bytes] Blocks from here on are mapped, each by itself: Zenoh cuts what is large into pieces of 64 KiB."""
+TURN = 0.001
+"""[s] A thread of Python may go on for, while another wants to."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,10 +101,11 @@ def settle() -> None:
     """What this process has loaded is there to stay: for a process that does nothing but serve.
 
     Python would look through all of it for garbage now and then, for a tenth of a second in which
-    nobody is answered.
+    nobody is answered. Nor does who answers wait long for a thread that computes.
     """
     gc.collect()
     gc.freeze()
+    sys.setswitchinterval(TURN)
 
 
 def _give_back() -> None:

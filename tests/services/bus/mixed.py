@@ -1,16 +1,13 @@
 """Mixed requests with faults: every one ends in a right answer or a typed error, and soon."""
 
-import contextlib
-import os
 import random
-import signal
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import zenoh
 
@@ -27,14 +24,11 @@ PATIENT, HURRIED = 60.0, 0.001
 TOO_LARGE = zenoh.ZBytes(b" " * (MAX_REQUEST + 1))
 """Made once: making it keeps the clients from seeing when answers come."""
 COUNT = "SELECT (COUNT(*) AS ?n) WHERE { ?d a sdt:Drawer }"
+TICK = 0.001
+"""[s] That a bare timer sleeps."""
 
-
-class Judged(Protocol):
-    """A server whose processes can be killed."""
-
-    def pids(self) -> list[int]:
-        """Processes that judge."""
-        ...
+Cases = Mapping[tuple[str, int], tuple[str, str]]
+"""Task and seed → IRI and outcome of its verdict in process."""
 
 
 @dataclass
@@ -45,14 +39,20 @@ class Outcomes:
         counts: Kind of request and of its end → how often.
         wrong: Answers that were not the right ones.
         late: Seconds past its deadline at which each late answer came.
+        bare: Seconds by which a sleep of a bare thread beside the clients was too long.
+        silent: From when to when a plain Zenoh client waited for no reply at all.
+        verdicts: IRIs that were acknowledged.
     """
 
     counts: Counter[tuple[str, str]] = field(default_factory=Counter[tuple[str, str]])
     wrong: list[str] = field(default_factory=list[str])
     late: list[float] = field(default_factory=list[float])
+    bare: list[float] = field(default_factory=list[float])
+    silent: list[tuple[float, float]] = field(default_factory=list[tuple[float, float]])
+    verdicts: set[str] = field(default_factory=set[str])
     lock: threading.Lock = field(default_factory=threading.Lock)
 
-    def add(self, kind: str, end: str, late: float, *, right: bool = True) -> None:
+    def add(self, kind: str, end: str, late: float = 0.0, *, right: bool = True) -> None:
         """One request ended."""
         with self.lock:
             self.counts[kind, end] += 1
@@ -62,86 +62,152 @@ class Outcomes:
                 self.wrong.append(f"{kind}: {end}")
 
 
-def run(endpoint: str, server: Judged, requests: int, kills: int, seed: int = 0) -> Outcomes:
-    """Ask from several clients at once, and kill workers now and then."""
+@dataclass(frozen=True)
+class Asking:
+    """One request: by whom, of which kind, about what.
+
+    Attributes:
+        case: Task and seed of an achieve.
+        expected: IRI and outcome of its verdict.
+    """
+
+    session: zenoh.Session
+    endpoint: str
+    outcomes: Outcomes
+    case: tuple[str, int]
+    expected: tuple[str, str]
+
+    def raw(
+        self, kind: str, verb: str, payload: bytes | zenoh.ZBytes, attachment: bytes | None = None
+    ) -> None:
+        """Ask without our library; silence is told apart."""
+        began = time.monotonic()
+        key = f"sdt/v1/b/rpc/{verb}"
+        replies = list(self.session.get(key, payload=payload, attachment=attachment, timeout=PATIENT))
+        spent = time.monotonic() - began
+        if not replies or (
+            replies[0].err and not str(replies[0].err.encoding).startswith("application/json")
+        ):
+            self.outcomes.silent.append((began, began + spent))
+            self.outcomes.add(kind, "silence")
+            return
+        hurried = attachment is not None
+        end, right = "answer" if replies[0].ok else "problem", len(replies) == 1
+        late = spent - HURRIED if hurried else 0.0
+        self.outcomes.add(kind, end, late, right=right and (hurried or end == "problem"))
+
+
+def run(
+    endpoint: str, requests: int, harm: Mapping[int, Callable[[], None]], cases: Cases, seed: int = 0
+) -> Outcomes:
+    """Ask from several clients at once, and do harm before some of the requests."""
     outcomes, draw = Outcomes(), random.Random(seed)  # noqa: S311 - no secret
-    kinds = draw.choices([*_ASKED, *_FAULTS], weights=[4, 4, 4, 2, 2, 1, 1, 2], k=requests)
-    killed_after = set(draw.sample(range(requests), kills))
+    kinds = draw.choices([*_ASKED, *_FAULTS], weights=[4, 4, 4, 2, 1, 2, 1, 1, 2], k=requests)
+    about = draw.choices(list(cases), k=requests)
     sessions = [open_session(connect=endpoint, mode="client") for _ in range(CLIENTS)]
 
     def ask(number: int) -> None:
-        if number in killed_after:
-            for pid in server.pids():
-                with contextlib.suppress(ProcessLookupError):
-                    os.kill(pid, signal.SIGKILL)
-        session = sessions[number % CLIENTS]
+        harm.get(number, _none)()
+        case = about[number]
+        asking = Asking(sessions[number % CLIENTS], endpoint, outcomes, case, cases[case])
         kind = kinds[number]
         if kind in _FAULTS:
-            _FAULTS[kind](session, endpoint, outcomes)
+            _FAULTS[kind](asking)
         else:
-            _asked(kind, Connection(session, "b", PATIENT), outcomes)
+            _asked(kind, asking)
 
-    with ThreadPoolExecutor(CLIENTS) as pool:
+    with ThreadPoolExecutor(CLIENTS) as pool, _bare_timer(outcomes):
         list(pool.map(ask, range(requests)))
     for session in sessions:
         session.close()
     return outcomes
 
 
-_ASKED: dict[str, Callable[[Connection], bool]] = {
-    "satisfies": lambda to: len(to.satisfies()) == 17,
-    "select": lambda to: to.select(COUNT)[1] == [{"n": 14}],
-    "ask": lambda to: to.ask("ASK { ?d a sdt:Door }"),
-    "causes": lambda to: to.causes(f"open:{DRAWER}").holds == [True],
+def scattered(
+    requests: int, harms: Mapping[Callable[[], None], int], seed: int = 0
+) -> dict[int, Callable[[], None]]:
+    """Before which request which harm is done, each so often."""
+    draw = random.Random(seed)  # noqa: S311 - no secret
+    each = [harm for harm, often in harms.items() for _ in range(often)]
+    return dict(zip(draw.sample(range(requests // 20, requests), len(each)), each, strict=True))
+
+
+@contextmanager
+def _bare_timer(outcomes: Outcomes) -> Iterator[None]:
+    """A thread that only sleeps: what it is late by, the machine is late by."""
+    over = threading.Event()
+
+    def sleep() -> None:
+        while not over.is_set():
+            began = time.monotonic()
+            time.sleep(TICK)
+            outcomes.bare.append(time.monotonic() - began - TICK)
+
+    thread = threading.Thread(target=sleep, name="bare timer")
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+
+
+def _none() -> None:
+    """No harm."""
+
+
+def _achieved(to: Connection, asking: Asking) -> bool:
+    (task, seed), expected = asking.case, asking.expected
+    (said,) = to.achieve(task, "pr2", seed=seed).objects
+    asking.outcomes.verdicts.add(said["iri"])
+    return (said["iri"], said["outcome"]) == expected
+
+
+_ASKED: dict[str, Callable[[Connection, Asking], bool]] = {
+    "satisfies": lambda to, _: len(to.satisfies()) == 17,
+    "select": lambda to, _: to.select(COUNT)[1] == [{"n": 14}],
+    "ask": lambda to, _: to.ask("ASK { ?d a sdt:Door }"),
+    "causes": lambda to, _: to.causes(f"open:{DRAWER}").holds == [True],
+    "achieve": _achieved,
 }
 
 
-def _asked(kind: str, to: Connection, outcomes: Outcomes) -> None:
+def _asked(kind: str, asking: Asking) -> None:
+    to = Connection(asking.session, "b", PATIENT)
     began = time.monotonic()
     try:
-        right, end = _ASKED[kind](to), "answer"
+        right, end = _ASKED[kind](to, asking), "answer"
     except (BusError, OracleUnavailableError) as error:
         right, end = True, type(error).__name__
-    outcomes.add(kind, end, time.monotonic() - began - to.deadline, right=right)
+    asking.outcomes.add(kind, end, time.monotonic() - began - to.deadline, right=right)
 
 
-def _hurried(session: zenoh.Session, endpoint: str, outcomes: Outcomes) -> None:
+def _hurried(asking: Asking) -> None:
     """A deadline of a millisecond, told to the server, with the client waiting on."""
-    del endpoint
-    began = time.monotonic()
-    replies = list(
-        session.get("sdt/v1/b/rpc/satisfies", payload=b"{}", attachment=b'{"deadline_ms": 1}', timeout=30)
-    )
-    end = ("answer" if replies[0].ok else "problem") if replies else "silence"
-    outcomes.add("hurried", end, time.monotonic() - began - HURRIED, right=end != "silence")
+    asking.raw("hurried", "satisfies", b"{}", b'{"deadline_ms": 1}')
 
 
-def _malformed(session: zenoh.Session, endpoint: str, outcomes: Outcomes) -> None:
-    del endpoint
-    replies = list(session.get("sdt/v1/b/rpc/canachieve", payload=b'{"task": [', timeout=PATIENT))
-    outcomes.add("malformed", "problem", 0.0, right=len(replies) == 1 and replies[0].err is not None)
+def _malformed(asking: Asking) -> None:
+    asking.raw("malformed", "canachieve", b'{"task": [')
 
 
-def _oversized(session: zenoh.Session, endpoint: str, outcomes: Outcomes) -> None:
-    del endpoint
-    replies = list(session.get("sdt/v1/b/rpc/causes", payload=TOO_LARGE, timeout=PATIENT))
-    outcomes.add("oversized", "problem", 0.0, right=len(replies) == 1 and replies[0].err is not None)
+def _oversized(asking: Asking) -> None:
+    asking.raw("oversized", "causes", TOO_LARGE)
 
 
-def _vanishing(session: zenoh.Session, endpoint: str, outcomes: Outcomes) -> None:
+def _vanishing(asking: Asking) -> None:
     """A client that asks and is gone before the reply."""
-    del session
     try:
-        gone = open_session(connect=endpoint, mode="client")
+        gone = open_session(connect=asking.endpoint, mode="client")
     except (OracleUnavailableError, InputError) as error:
-        outcomes.add("vanishing", type(error).__name__, 0.0)
+        asking.outcomes.add("vanishing", type(error).__name__)
         return
     gone.get("sdt/v1/b/rpc/satisfies", payload=b"{}", timeout=1.0)
     gone.close()
-    outcomes.add("vanishing", "gone", 0.0)
+    asking.outcomes.add("vanishing", "gone")
 
 
-_FAULTS: dict[str, Callable[[zenoh.Session, str, Outcomes], None]] = {
+_FAULTS: dict[str, Callable[[Asking], None]] = {
     "malformed": _malformed,
     "oversized": _oversized,
     "vanishing": _vanishing,
@@ -150,5 +216,6 @@ _FAULTS: dict[str, Callable[[zenoh.Session, str, Outcomes], None]] = {
 
 
 def is_typed(end: str) -> bool:
-    """Whether a request ended as one may."""
-    return end in {"answer", "problem", "gone", "DeadlineError", "BusUnavailableError", "InternalError"}
+    """Whether a request ended as one may; silence only where nobody was there, which the caller checks."""
+    ends = {"answer", "problem", "gone", "silence", "DeadlineError", "BusUnavailableError", "InternalError"}
+    return end in ends

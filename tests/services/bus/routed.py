@@ -35,7 +35,7 @@ def routed(endpoint: str, kinds: tuple[str, ...]) -> Iterator[list[BaseProcess]]
     context = mp.get_context("spawn")
     router = context.Process(target=route, args=(endpoint,))
     router.start()
-    _wait_for(endpoint)
+    wait_for(endpoint)
     oracles: list[BaseProcess] = [
         context.Process(target=serve_oracle, args=(endpoint, kind)) for kind in kinds
     ]
@@ -49,7 +49,8 @@ def routed(endpoint: str, kinds: tuple[str, ...]) -> Iterator[list[BaseProcess]]
             each.join()
 
 
-def _wait_for(endpoint: str) -> None:
+def wait_for(endpoint: str) -> None:
+    """Somebody listens at the endpoint."""
     until = time.monotonic() + START
     while True:
         try:

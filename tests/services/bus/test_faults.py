@@ -1,10 +1,15 @@
 """Five hundred mixed requests while workers die and clients misbehave; `make soak` asks ten thousand."""
 
+import contextlib
+import os
+import signal
+
 import pytest
 
+from services.app import Policy, load
 from services.bus.client import Connection
 from services.bus.server import Server
-from tests.services.bus.mixed import is_typed, run
+from tests.services.bus.mixed import DRAWER, is_typed, run, scattered
 
 pytestmark = pytest.mark.oracle
 
@@ -13,9 +18,20 @@ def test_every_request_ends_in_a_right_answer_or_a_typed_error(
     bus: tuple[str, Server], connection: Connection
 ) -> None:
     endpoint, server = bus
-    found = run(endpoint, server, 500, kills=2)
+    task = f"open:{DRAWER}"
+    (made,) = load("b", ["pr2"], policy=Policy(budget=20.0)).achieve(task)
+
+    def kill() -> None:
+        for pid in server.pids():
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+
+    harm = scattered(500, {kill: 2})
+    found = run(endpoint, 500, harm, {(task, 0): (made.iri, made.outcome.value)})
     assert sum(found.counts.values()) == 500
     assert not found.wrong
+    assert not found.silent
     assert all(is_typed(end) for _, end in found.counts)
     assert found.counts["select", "answer"] > 50
+    assert found.counts["achieve", "answer"]
     assert connection.satisfies(), "the service lives on"
