@@ -33,6 +33,9 @@ ROUNDING: Final = 1e-9
 """[rad or m] How far beyond a bound a position may be by rounding."""
 
 
+SWEPT: Final = "swept between samples too, with the certifier's shapes"
+
+
 class Standing(Enum):
     """What is known of a rule."""
 
@@ -170,22 +173,36 @@ def _broken(
 
 
 def _apart(rule: KeepsDistance, legs: Sequence[Leg], clearance: Clearance) -> RuleAnswer:
-    how = "swept between samples too, with the certifier's shapes"
+    """Broken by the first step that breaks it; else not bounded if a step, or a way between two, is not."""
+    open_questions = list[RuleAnswer]()
     for leg in legs:
-        found = clearance.keeps(leg, rule.body, rule.distance)
-        if found.keeps:
-            continue
-        value = float("nan") if found.value is None else found.value
-        links = None if found.link is None else (found.link, rule.body)
-        evidence = Evidence(
-            Quantity.DISTANCE, value, rule.distance, "m", rule.body, links, found.time, "environment"
-        )
-        standing = Standing.UNBOUNDED if found.keeps is None else Standing.BROKEN
-        said = "breaks" if standing is Standing.BROKEN else "is not shown to keep"
-        part = "" if found.link is None else f": {local_name(found.link)} is {value:.4g} m from it"
-        diagnosis = Diagnosis(Kind.SEMANTIC, f"step {leg.number} {said} '{text(rule)}'{part}", evidence)
-        times = leg.trajectory.times
-        sample = len(times) - 1 if found.time is None else int(np.searchsorted(times, found.time))
-        state = leg.state(min(sample, len(times) - 1))
-        return RuleAnswer(text(rule), standing, how, diagnosis, leg.number, found.time, state)
-    return RuleAnswer(text(rule), Standing.KEPT, how)
+        found = _near(rule, leg, clearance)
+        if found is not None and found.standing is Standing.BROKEN:
+            return found
+        open_questions += [] if found is None else [found]
+    if open_questions:
+        return open_questions[0]
+    if len(legs) == 1:
+        return RuleAnswer(text(rule), Standing.KEPT, SWEPT)
+    reason = f"every step keeps '{text(rule)}', but nothing bounds the robot's way back between two steps"
+    return RuleAnswer(text(rule), Standing.UNBOUNDED, SWEPT, Diagnosis(Kind.SEMANTIC, reason))
+
+
+def _near(rule: KeepsDistance, leg: Leg, clearance: Clearance) -> RuleAnswer | None:
+    """None if the robot is shown to keep the distance along a step."""
+    found = clearance.keeps(leg, rule.body, rule.distance)
+    if found.keeps:
+        return None
+    value = float("nan") if found.value is None else found.value
+    links = None if found.link is None else (found.link, rule.body)
+    evidence = Evidence(
+        Quantity.DISTANCE, value, rule.distance, "m", rule.body, links, found.time, "environment"
+    )
+    standing = Standing.UNBOUNDED if found.keeps is None else Standing.BROKEN
+    said = "breaks" if standing is Standing.BROKEN else "is not shown to keep"
+    part = "" if found.link is None else f": {local_name(found.link)} is {value:.4g} m from it"
+    diagnosis = Diagnosis(Kind.SEMANTIC, f"step {leg.number} {said} '{text(rule)}'{part}", evidence)
+    times = leg.trajectory.times
+    sample = len(times) - 1 if found.time is None else int(np.searchsorted(times, found.time))
+    state = leg.state(min(sample, len(times) - 1))
+    return RuleAnswer(text(rule), standing, SWEPT, diagnosis, leg.number, found.time, state)

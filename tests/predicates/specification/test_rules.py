@@ -106,6 +106,17 @@ def test_a_distance_that_is_neither_kept_nor_missed_is_claimed_by_nobody() -> No
     assert ask(rule, OPENS).standing is Standing.KEPT
 
 
+def test_a_distance_is_not_bounded_on_the_way_back_between_two_steps() -> None:
+    rule = KeepsDistance(f"{TWIN.environment}/body/wall", 0.1)
+    second = leg(2, {HIGH.joint: ([0.0, 0.46], [0.0, 0.0])}, TWIN.at({LOW.joint: 0.46}))
+    found = ask(rule, OPENS, second)
+    assert found.standing is Standing.UNBOUNDED
+    assert found.diagnosis is not None
+    assert "way back between two steps" in found.diagnosis.reason
+    near = Approach(keeps=False, value=0.05, time=0.25, link="r/body/hand")
+    assert ask(rule, OPENS, second, approach=near).standing is Standing.BROKEN
+
+
 HALF_OPEN = "ASK { ?joint sdt:position ?at FILTER (?at > 0.0999 && ?at < 0.11) }"
 
 
