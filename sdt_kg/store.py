@@ -130,6 +130,12 @@ class MemoryStore:
             copy.extend(self._store.quads_for_pattern(None, None, None, ox.NamedNode(graph)))
         return copy
 
+    def everything(self) -> ox.Store:
+        """A copy of all named graphs."""
+        copy = ox.Store()
+        copy.extend(self._store)
+        return copy
+
 
 def checked_query(sparql: str) -> str:
     """The query, if it only reads what is loaded.

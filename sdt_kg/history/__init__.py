@@ -16,6 +16,7 @@ from sdt_kg.history.edits import (
     without_obstacle,
 )
 from sdt_kg.history.events import Event, EventType
+from sdt_kg.history.reopen import has_history, reopened
 from sdt_kg.history.trajectory import Trajectory
 
 __all__ = [
@@ -33,8 +34,10 @@ __all__ = [
     "brought",
     "changed",
     "content_hash",
+    "has_history",
     "moved",
     "obstacle",
     "posed",
+    "reopened",
     "without_obstacle",
 ]

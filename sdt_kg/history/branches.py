@@ -9,13 +9,14 @@ import pyoxigraph as ox
 from sdt_kg.annotating.annotate import TEE_GRAPH
 from sdt_kg.entities import Entities, query_text, state_iri
 from sdt_kg.errors import InputError, UnknownEntityError
-from sdt_kg.history.edits import Edit, Followed, key_of
+from sdt_kg.history.edits import Edit, Followed, Moved, key_of
 from sdt_kg.history.events import Event, events_along, events_between
 from sdt_kg.history.records import (
     branch_triples,
     event_triples,
     first_triples,
     graph_triples,
+    move_triples,
     record_graph,
     trajectory_triples,
 )
@@ -257,6 +258,8 @@ def _write_branch(store: Store, branch: Branch) -> None:
     else:
         along = None if trajectory is None else trajectory.iri
         triples += event_triples(branch.iri, branch.events, along, branch.parent.step)
+    if isinstance(branch.edit, Moved):
+        triples += move_triples(branch.iri, branch.edit.positions)
     if trajectory is not None and parent is not None:
         triples += trajectory_triples(branch.iri, parent, trajectory)
     store.add(record_graph(branch.iri), triples)

@@ -50,6 +50,16 @@ def trajectory_triples(branch: Iri, parent: Iri, trajectory: Trajectory) -> Iter
         yield iri, SDT + "moves", ox.NamedNode(joint)
 
 
+def move_triples(branch: Iri, positions: Sequence[tuple[Iri, float]]) -> Iterator[Triple]:
+    """Which joints the edit moved, and where to [rad or m], to the last digit."""
+    for number, (joint, at) in enumerate(positions, 1):
+        iri = part_iri(branch, "move", number)
+        yield branch, SDT + "hasMove", ox.NamedNode(iri)
+        yield iri, TYPE, ox.NamedNode(SDT + "Move")
+        yield iri, SDT + "movedJoint", ox.NamedNode(joint)
+        yield iri, SDT + "movedTo", double(at)
+
+
 def first_triples(branch: Iri, opened: Iterable[Iri]) -> Iterator[Triple]:
     """Which containers are open where the history begins."""
     return ((branch, SDT + "openAtFirst", ox.NamedNode(container)) for container in opened)
