@@ -28,6 +28,7 @@ QUIET = (
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
 )
+WEAK_TEXTS = Path(__file__).with_name("weak_texts.js").read_text()
 LOCAL_SCHEMES = {"about", "blob", "chrome", "data", "devtools", "file"}
 
 
@@ -59,6 +60,12 @@ class Browser:
                 yield message["params"]["request"]["url"]
             elif message["method"] == "Network.webSocketCreated":
                 yield message["params"]["url"]
+
+    def weak_texts(self) -> list[object]:
+        """Texts of the page whose contrast is below WCAG AA: [ratio, text]; the page has some text."""
+        found = self.driver.execute_script(WEAK_TEXTS)
+        assert found["seen"] > 0, "no text"
+        return found["weak"]
 
     def picture(self, path: Path) -> None:
         """The whole page as PNG."""

@@ -76,8 +76,9 @@ def _ground(verdict: StoredVerdict) -> str:
     """On what a refusal rests that is no proof."""
     if any(each.search is not None for each in verdict.diagnoses):
         return "the search gave up, which is no proof that it is impossible"
-    tried = "given" if _given(verdict) else "tried"
-    return f"this was measured of the motion that was {tried}; another motion may still do it"
+    if _given(verdict):
+        return "this was measured of the motion that was given; another motion may still do it"
+    return "this was measured of what was tried; another start or motion may still do it"
 
 
 def _given(verdict: StoredVerdict) -> str:

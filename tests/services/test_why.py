@@ -73,7 +73,7 @@ def test_a_search_that_gave_up_is_never_told_as_a_proof() -> None:
 def test_a_measured_refusal_tells_of_no_search_where_none_was_made() -> None:
     measured = Diagnosis(Kind.EMBODIMENT, "base_link and crate are 12.8 mm in each other")
     text = told(replace(verdict("low_drawer"), outcome=Outcome.NOT_CERTIFIED, diagnoses=(measured,)))
-    assert "Nothing is proved: this was measured of the motion that was tried; another" in text
+    assert "Nothing is proved: this was measured of what was tried; another" in text
     assert "search" not in text
 
 

@@ -1,11 +1,13 @@
 """What people at the 3D page do that takes longer: follow changes, motions of theirs; a real browser."""
 
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 from viser import _messages as wire
 
 from sdt_kg.motion import BodyMotion
@@ -46,6 +48,47 @@ def test_the_verdict_follows_a_change_and_says_until_then_that_it_is_old(visitor
     x, y, _ = visitor.nodes["/gizmo/box"]["position"]
     visitor.send(wire.TransformControlsUpdateMessage("/gizmo/box", (1, 0, 0, 0), (x + 5.0, y, 0.0), "0"))
     assert visitor.nodes["/gizmo/box/body"]["props"]["dimensions"] == [0.4, 0.4, 0.9]
+
+
+@pytest.mark.oracle
+def test_the_verdict_follows_an_obstacle_that_is_dragged(visitor: Visitor) -> None:
+    visitor.clicks("Check")
+    visitor.until(lambda: visitor.outcome() == "CERTIFIED", "a verdict")
+    visitor.sets("A box stands there", True)
+    visitor.until(lambda: "/gizmo/box" in visitor.nodes, "a box")
+    visitor.drags("/gizmo/box", 0.9, 0.89)  # where the handle goes
+    visitor.until(lambda: visitor.outcome() == "NOT CERTIFIED", "the box is in the way")
+    assert "obstacle" in visitor.reads()
+    visitor.drags("/gizmo/box", -2.0, -2.0)
+    visitor.until(lambda: visitor.outcome() == "CERTIFIED", "the box is out of the way")
+
+
+@pytest.mark.oracle
+def test_the_verdict_follows_a_drawer_that_is_half_open(visitor: Visitor) -> None:
+    visitor.clicks("Check")
+    visitor.until(lambda: visitor.outcome() == "CERTIFIED", "a verdict")
+    visitor.sets("Position", 0.2)
+    visitor.until(lambda: f"kitchen: {DRAWER}_joint at 0.2" in visitor.reads(), "a verdict from there")
+    assert visitor.outcome() == "CERTIFIED"
+    visitor.sets("Position", 0.48)
+    visitor.until(lambda: visitor.outcome() == "NOT CERTIFIED", "it is open")
+    assert "nothing to cause" in visitor.reads()
+    visitor.clicks("Close all")
+    visitor.until(lambda: visitor.outcome() == "CERTIFIED", "it is closed again")
+
+
+@pytest.mark.oracle
+def test_the_verdict_follows_the_base_that_is_moved(visitor: Visitor) -> None:
+    visitor.clicks("Check")
+    visitor.until(lambda: visitor.outcome() == "CERTIFIED", "a verdict")
+    visitor.sets("Move it in the scene", True)
+    visitor.until(lambda: "/gizmo/base" in visitor.nodes, "handles at the base")
+    visitor.drags("/gizmo/base", 1.2, 0.9)
+    visitor.until(lambda: visitor.outcome() == "NOT CERTIFIED", "the robot stands in the furniture")
+    assert "parked at its start pose" in visitor.reads()
+    visitor.drags("/gizmo/base", 0.1, 0.2, 0.3)
+    visitor.until(lambda: visitor.outcome() == "CERTIFIED", "the robot stands free")
+    assert "start of the base: x 0.1 m, y 0.2 m" in visitor.reads()
 
 
 @pytest.mark.oracle
@@ -99,3 +142,63 @@ def test_in_a_browser_a_case_is_judged_and_nothing_leaves_the_machine(
     person.waits_for("'large.npz' has 300 MB; allowed: 32 MB")
     assert browser.console_errors() == []
     assert browser.foreign_requests() == []
+
+
+@pytest.mark.oracle
+def test_the_page_is_readable_and_reached_by_keyboard_on_a_laptop_and_a_phone(
+    browser: Browser, port: int
+) -> None:
+    person = Person(browser)
+    browser.driver.get(f"http://127.0.0.1:{port}/case?kitchen=b&robot=pr2&task=open:{DRAWER}")
+    person.waits_for("Ready.")
+    assert browser.driver.title == "sdt: kitchens, robots and verdicts in 3D"
+    for tab, control in (("Show", "Marks and ghost"), ("What if", "Close all"), ("Ask", "Check")):
+        person.tabs_to(tab)
+        browser.driver.switch_to.active_element.send_keys(Keys.ENTER)
+        person.waits_for(control)
+        person.tabs_to(control)
+        assert browser.weak_texts() == []
+    browser.driver.switch_to.active_element.send_keys(Keys.ENTER)
+    person.waits_for("Judged in")
+    assert browser.weak_texts() == []
+    for width, height in ((1280, 720), (390, 844)):
+        browser.resize(width, height)
+        (check,) = (
+            each for each in browser.driver.find_elements(By.TAG_NAME, "button") if each.text == "Check"
+        )
+        place = check.rect
+        assert 0 <= place["x"] <= place["x"] + place["width"] <= width
+        assert 0 <= place["y"] <= place["y"] + place["height"] <= height
+    browser.resize(1280, 720)
+
+
+def drawn(browser: Browser) -> bytes:
+    """The middle of the scene, as soon as nothing in it changes."""
+    area = {"x": 340, "y": 180, "width": 600, "height": 500, "scale": 1}
+    before, now = b"", b"?"
+    while now != before:
+        time.sleep(2)
+        taken = browser.driver.execute_cdp_cmd("Page.captureScreenshot", {"format": "png", "clip": area})
+        before, now = now, taken["data"]
+    return now
+
+
+@pytest.mark.oracle
+def test_bodies_look_as_the_urdf_says_where_it_has_meshes(browser: Browser, reference: Path) -> None:
+    person = Person(browser)
+    kitchen = str(reference / "kitchen_b_iai_kitchen" / "kitchen.urdf")
+    with running("127.0.0.1:0", Offer((kitchen,), ("pr2",))) as page:
+        browser.driver.get(page.url)
+        person.waits_for("Ready.")
+        person.clicks("Show")
+        person.ticks("Handle paths")
+        judged = drawn(browser)
+        person.ticks("Visual geometry")
+        person.ticks("Collision geometry")
+        looks = drawn(browser)
+        assert looks != judged
+        person.ticks("Visual geometry")
+        person.ticks("Collision geometry")
+        assert drawn(browser) == judged
+        assert browser.console_errors() == []
+        assert browser.foreign_requests() == []

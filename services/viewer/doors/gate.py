@@ -23,6 +23,7 @@ from websockets.http11 import Request, Response
 
 from sdt_kg.errors import InputError, OracleUnavailableError
 from services.http.settings import Address, host_names
+from services.viewer.doors.dress import dressed
 
 MOST_MESSAGE: Final = 4 * 2**20
 """[bytes] Of one message of a browser; viser sends files in parts of half a megabyte."""
@@ -91,6 +92,7 @@ class Gate:
                 return _to_case(request)
             response = answer(connection, request)
             if response is not None:
+                dressed(response)
                 for name, value in HEADERS.items():
                     response.headers[name] = value
             return response

@@ -6,11 +6,17 @@ from pathlib import Path
 
 import pytest
 from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 
 from tests.browser import Browser
 
 PATIENCE = 200
 """[s] Software WebGL on a busy machine is slow; figures are measured in tests/benchmarks."""
+
+FOCUSED = """
+    const at = document.activeElement;
+    return ((at.labels && at.labels.length ? at.labels[0].innerText : at.innerText) || '').trim();
+"""
 
 
 class Person:
@@ -36,6 +42,24 @@ class Person:
 
     def clicks(self, label: str) -> None:
         named = self.driver.find_elements(By.CSS_SELECTOR, "button, [role=tab]")
+        (found,) = (each for each in named if each.text.strip() == label)
+        found.click()
+
+    def tabs_to(self, label: str) -> None:
+        """Goes on with the tab key until what has that label has the focus, and shows it."""
+        for _ in range(80):
+            self.driver.switch_to.active_element.send_keys(Keys.TAB)
+            if self.driver.execute_script(FOCUSED) == label:
+                outline = self.driver.execute_script(
+                    "return getComputedStyle(document.activeElement).outlineStyle"
+                )
+                assert outline != "none", f"{label} does not show that it has the focus"
+                return
+        pytest.fail(f"not reached by keyboard: {label}")
+
+    def ticks(self, label: str) -> None:
+        """Ticks a box, or takes its tick away."""
+        named = self.driver.find_elements(By.TAG_NAME, "label")
         (found,) = (each for each in named if each.text.strip() == label)
         found.click()
 

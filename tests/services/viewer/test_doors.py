@@ -1,5 +1,6 @@
 """Who is let in: Host and Origin at the handshake, no tunnel, files of a bounded size."""
 
+import gzip
 import http.client
 from collections.abc import Iterator
 
@@ -70,6 +71,17 @@ def test_the_browser_is_told_to_ask_nobody_else(server: viser.ViserServer) -> No
     assert "connect-src 'self' data: blob:" in policy
     assert "default-src 'self'" in policy
     assert "http" not in policy
+
+
+def test_the_page_has_our_title_and_colours_packed_or_not(server: viser.ViserServer) -> None:
+    for packing in ("identity", "gzip"):
+        connection = http.client.HTTPConnection("127.0.0.1", server.get_port(), timeout=20)
+        connection.request("GET", "/", headers={"Accept-Encoding": packing})
+        body = connection.getresponse().read()
+        connection.close()
+        page = gzip.decompress(body) if packing == "gzip" else body
+        assert b"<title>sdt: kitchens, robots and verdicts in 3D</title><style>" in page
+        assert b"<title>Viser</title>" not in page
 
 
 def test_a_link_to_a_case_becomes_the_path_of_the_connection(server: viser.ViserServer) -> None:

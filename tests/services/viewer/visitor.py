@@ -1,6 +1,7 @@
 """A client that speaks the page's protocol without a browser: what it is shown, and what it does."""
 
 import html
+import math
 import re
 import threading
 import time
@@ -114,6 +115,20 @@ class Visitor:
     def clicks(self, label: str) -> None:
         uuid, _ = self.control(label)
         self.send(wire.GuiUpdateMessage(uuid, {"value": True}))
+
+    def drags(self, name: str, x: float, y: float, yaw: float = 0.0) -> None:
+        """A gizmo is dragged over the floor and let go."""
+        node = self.nodes[name]
+        owner, turned = node.get("owner", ""), (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
+        self.send(wire.TransformControlsDragStartMessage(name, owner))
+        self.send(wire.TransformControlsUpdateMessage(name, turned, (x, y, node["position"][2]), owner))
+        self.send(wire.TransformControlsDragEndMessage(name, owner))
+
+    def outcome(self) -> str:
+        """Of the verdict that is shown and is not about something else by now; else empty."""
+        text = self.reads()
+        found = re.search(r"NOT CERTIFIED|CERTIFIED|ABSTAINED", text)
+        return "" if found is None or "Something was changed since" in text else found[0]
 
     def opens(self, label: str, name: str, content: bytes) -> None:
         uuid, _ = self.control(label)
