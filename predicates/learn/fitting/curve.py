@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from predicates.learn.fitting.vectors import cross
+from predicates.learn.fitting.vectors import cross, unit
 from predicates.learn.track import Array
 
 STRAIGHT = 1e-9
@@ -89,14 +89,13 @@ def curves(frame: Frame, parameters: Array) -> Curves:
     """Curves of parameters, shape (K, 6), about a frame."""
     t, u = frame.axes[:2]
     anchor = frame.o + parameters[:, 0:2] @ frame.axes[1:]
-    tangent = t + parameters[:, 2:4] @ frame.axes[1:]
-    tangent = tangent / np.linalg.norm(tangent, axis=1, keepdims=True)
-    side = u - tangent * (tangent @ u)[:, None]
-    side = side / np.linalg.norm(side, axis=1, keepdims=True)
+    tangent = unit(t + parameters[:, 2:4] @ frame.axes[1:])
+    side = unit(u - tangent * (tangent @ u)[:, None])
     other = cross(tangent, side)
     curvature = np.hypot(parameters[:, 4], parameters[:, 5])
     bent = curvature > STRAIGHT
-    cosine = np.where(bent, parameters[:, 4] / np.where(bent, curvature, 1.0), 1.0)
-    sine = np.where(bent, parameters[:, 5] / np.where(bent, curvature, 1.0), 0.0)
+    whole = np.where(bent, curvature, 1.0)
+    cosine = np.where(bent, parameters[:, 4] / whole, 1.0)
+    sine = np.where(bent, parameters[:, 5] / whole, 0.0)
     inward = cosine[:, None] * side + sine[:, None] * other
     return Curves(anchor, tangent, inward, curvature)

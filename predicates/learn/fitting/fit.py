@@ -109,9 +109,13 @@ class Problem:
     def cost(self, frame: Frame, parameters: Array, scale: float) -> Array:
         """Negative log posterior up to a constant, shape (K,), for parameters (K, 6)."""
         family = curves(frame, parameters)
-        squares = (family.residuals(self.cells.points) ** 2).sum(axis=2)
+        return self.weighed(family.residuals(self.cells.points), self.prior_residuals(family), scale)
+
+    def weighed(self, residuals: Array, priors: Array, scale: float) -> Array:
+        """The same for residuals, shape (K, N, 2), and deviations from what was expected, shape (K, P)."""
+        squares = np.einsum("knc,knc->kn", residuals, residuals)
         fidelity = (FREEDOM + 2) / 2 * np.log1p(squares / (FREEDOM * scale**2)) @ self.cells.weights
-        return fidelity + (self.prior_residuals(family) ** 2).sum(axis=1) / 2
+        return fidelity + np.einsum("kp,kp->k", priors, priors) / 2
 
 
 def fit(problem: Problem, frame: Frame, start: Array) -> Fit:
@@ -132,7 +136,8 @@ def fit(problem: Problem, frame: Frame, start: Array) -> Fit:
         gradient = np.einsum("anc,nc->a", weighted, residuals[0]) + lean @ priors[0]
         step = np.zeros(6)
         step[: problem.free] = -np.linalg.solve(_regular(information), gradient)
-        parameters = _descend(problem, frame, parameters, step, scale)
+        now = float(problem.weighed(residuals[:1], priors[:1], scale)[0])
+        parameters = _descend(problem, frame, parameters, step, (scale, now))
         if -gradient @ step[: problem.free] < CONVERGED:
             break
     known = information + np.diag(1 / _room(parameters)[: problem.free] ** 2)
@@ -160,12 +165,17 @@ def _regular(information: Array) -> Array:
     return information + 1e-9 * np.diag(np.diag(information)) + 1e-12 * np.eye(len(information))
 
 
-def _descend(problem: Problem, frame: Frame, parameters: Array, step: Array, scale: float) -> Array:
-    """Where the whole step leads, or the longest of its halvings that descends; nowhere if none does."""
-    tried = np.stack([parameters, parameters + step])
-    now, then = problem.cost(frame, tried, scale)
-    if then <= now:
-        return tried[1]
+def _descend(
+    problem: Problem, frame: Frame, parameters: Array, step: Array, begun: tuple[float, float]
+) -> Array:
+    """Where the whole step leads, or the longest of its halvings that descends; nowhere if none does.
+
+    `begun` is the scale, and what the parameters cost with it.
+    """
+    scale, now = begun
+    whole = parameters + step
+    if float(problem.cost(frame, whole[None], scale)[0]) <= now:
+        return whole
     tried = parameters + 0.5 ** np.arange(1, HALVINGS)[:, None] * step
     better = np.flatnonzero(problem.cost(frame, tried, scale) <= now)
     return tried[int(better[0])] if better.size else parameters
