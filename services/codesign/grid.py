@@ -55,12 +55,17 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """Some entries of one kitchen and world, for one process."""
+    """Some entries of one kitchen, robot and world, for one process."""
 
     kitchen: str
-    robots: tuple[str, ...]
+    robot: str
     containers: tuple[str, ...]
     edits: tuple[str, ...]
+
+    @property
+    def world(self) -> tuple[str, tuple[str, ...]]:
+        """What is loaded and made once for all robots."""
+        return self.kitchen, self.edits
 
 
 def worlds_of(axes: Sequence[str]) -> tuple[tuple[str, ...], ...]:
@@ -90,7 +95,7 @@ def run(asked: Asked, jobs: int, report: Report = lambda entry: None) -> Grid:
     began, cpu_began = time.perf_counter(), cpu_seconds()
     names = _containers(asked)
     first = [
-        Job(kitchen, (robot,), (container,), ())
+        Job(kitchen, robot, (container,), ())
         for kitchen in asked.kitchens
         for robot in asked.robots
         for container in names[kitchen]
@@ -98,13 +103,14 @@ def run(asked: Asked, jobs: int, report: Report = lambda entry: None) -> Grid:
     entries = list(_results(asked, partial(_as_it_is, asked), first, jobs, report))
     base: Base = {each.key: each.found for each in entries}
     more = [
-        Job(kitchen, asked.robots, names[kitchen], edits)
+        Job(kitchen, robot, names[kitchen], edits)
         for kitchen in asked.kitchens
         for edits in asked.worlds
+        for robot in asked.robots
     ]
     entries += _results(asked, partial(_otherwise, asked, base), more, jobs, report)
     worlds = {edits: number for number, edits in enumerate(((), *asked.worlds))}
-    order = {(each.kitchen, each.robots[0], each.containers[0]): n for n, each in enumerate(first)}
+    order = {(each.kitchen, each.robot, each.containers[0]): n for n, each in enumerate(first)}
     entries.sort(key=lambda each: (worlds[each.edits], order[each.key]))
     return Grid(entries, time.perf_counter() - began, cpu_seconds() - cpu_began)
 
@@ -132,7 +138,7 @@ def _containers(asked: Asked) -> dict[str, tuple[str, ...]]:
 def _results(
     asked: Asked, work: Callable[[Job], list[Entry]], todo: Sequence[Job], jobs: int, report: Report
 ) -> Iterator[Entry]:
-    for _, entries in each_done(todo, jobs, work, partial(_prepare, asked)):
+    for _, entries in each_done(todo, jobs, work, partial(_prepare, asked), lambda job: job.world):
         for entry in entries:
             report(entry)
             yield entry
@@ -151,36 +157,41 @@ def _prepare(asked: Asked, job: Job) -> None:
 
 
 def _as_it_is(asked: Asked, job: Job) -> list[Entry]:
-    ground = _world(asked, job.kitchen)
-    (robot,), (container,) = job.robots, job.containers
-    found = judged_as_it_is(replace(ground, robot=robot), asked.verb, container)
-    return [Entry(job.kitchen, robot, container, (), found)]
+    world = replace(_world(asked, job.kitchen), robot=job.robot)
+    return [
+        Entry(job.kitchen, job.robot, each, (), judged_as_it_is(world, asked.verb, each))
+        for each in job.containers
+    ]
 
 
 def _otherwise(asked: Asked, base: Base, job: Job) -> list[Entry]:
-    """All entries of one kitchen in an edited world; one of the kitchen alone is made for all robots."""
-    ground = _world(asked, job.kitchen)
-    changes = tuple(parse_change(each) for each in job.edits)
+    """All entries of one kitchen and robot in an edited world."""
+    before = replace(_world(asked, job.kitchen), robot=job.robot)
     known = {each.iri: each for each in base.values()}
-    apart = any(depends_on_robot(each) for each in job.edits)
-    made: World | InputError | None = None
     entries: list[Entry] = []
-    for robot in job.robots:
-        before = replace(ground, robot=robot)
-        if made is None or apart:
-            try:
-                made = changed(before, changes)
-            except InputError as error:
-                made = error
-        if isinstance(made, InputError):
-            none = _no_world(made)
-            entries += [Entry(job.kitchen, robot, each, job.edits, none) for each in job.containers]
-            continue
-        judge = Judge(before, made if apart else replace(made, robot=robot), known)
-        for each in job.containers:
-            found = _found(judge, asked.verb, each, base[job.kitchen, robot, each])
-            entries.append(Entry(job.kitchen, robot, each, job.edits, found))
+    try:
+        judge = Judge(before, _edited(asked, job), known)
+    except InputError as error:
+        none = _no_world(error)
+        return [Entry(job.kitchen, job.robot, each, job.edits, none) for each in job.containers]
+    for each in job.containers:
+        found = _found(judge, asked.verb, each, base[job.kitchen, job.robot, each])
+        entries.append(Entry(job.kitchen, job.robot, each, job.edits, found))
     return entries
+
+
+def _edited(asked: Asked, job: Job) -> World:
+    """The edited world, asked of the job's robot; one of the kitchen alone is made once for all robots."""
+    if any(depends_on_robot(each) for each in job.edits):
+        return _made(asked, job.kitchen, job.edits, job.robot)
+    return replace(_made(asked, job.kitchen, job.edits, asked.robots[0]), robot=job.robot)
+
+
+@lru_cache(maxsize=1)
+def _made(asked: Asked, kitchen: str, edits: tuple[str, ...], robot: str) -> World:
+    """Kept in each process for the jobs that follow each other."""
+    before = replace(_world(asked, kitchen), robot=robot)
+    return changed(before, tuple(parse_change(each) for each in edits))
 
 
 def _found(judge: Judge, verb: str, container: str, base: Found) -> Found:

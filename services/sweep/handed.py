@@ -154,8 +154,16 @@ def each(
     jobs: int,
     work: Callable[[T], R],
     prepare: Callable[[T], None] | None = None,
+    alike: Callable[[T], Hashable] = lambda item: item,
 ) -> Iterator[tuple[T, R]]:
     """Every item with what came of it, as soon as it is there, in no order; one job works in this process.
+
+    Args:
+        items: What is to be worked on.
+        jobs: Processes.
+        work: See `Handed`.
+        prepare: Likewise.
+        alike: Likewise; without it each item is by itself.
 
     Raises:
         InputError: What an item names is wrong.
@@ -164,7 +172,7 @@ def each(
     if jobs == 1:
         yield from ((item, work(item)) for item in items)
         return
-    with Handed(processes(jobs), work, lambda item: item, prepare) as handed:
+    with Handed(processes(jobs), work, alike, prepare) as handed:
         for item in items:
             yield from map(_whole, handed.add(item))
         yield from map(_whole, handed.rest())
