@@ -16,6 +16,7 @@ from predicates.case import Evidence, Quantity
 from sdt_kg.iri import local_name
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
+from services.embodiment.certify.sweep import compiled
 from services.embodiment.certify.sweep.depth import faces
 from services.embodiment.certify.sweep.kinematics import Placed
 from services.embodiment.certify.sweep.subject import Subject
@@ -66,12 +67,9 @@ def _depths(checked: Subject, placed: Placed, finger: int, mesh: int, points: Ar
     span = np.arange(count)
     own_R, own_p = checked.shapes.frames(placed, span, np.full(count, finger))
     mesh_R, mesh_p = checked.shapes.frames(placed, span, np.full(count, mesh))
-    found = np.zeros(count)
-    for n in range(count):
-        seen = (points @ mesh_R[n].T + mesh_p[n] - own_p[n]) @ own_R[n]
-        seen = seen[((seen > box.min_) & (seen < box.max_)).all(axis=1)]
-        if len(seen):
-            found[n] = max(0.0, float((body.offsets - seen @ body.normals.T).min(axis=1).max()))
+    found, corners = np.empty(count), (np.array(box.min_), np.array(box.max_))
+    poses = (mesh_R, mesh_p), (own_R, own_p)
+    compiled.deepest_points(points, *poses, corners, body.normals, body.offsets, found)
     return found
 
 

@@ -1,7 +1,7 @@
 """Compiled inner loops of the certifier: placements, bounds on motion, distances.
 
 The formulas are those of `Kinematics.bounds` and of `clearance`, one item at a time. Nothing here is
-shared with planning but the distance of two convex shapes, which comes with its own proof (`convex`).
+shared with planning but the distance of two shapes, which comes with its own proof (`convex`, `packed`).
 """
 
 import math
@@ -9,7 +9,8 @@ import math
 import numpy as np
 from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
-from services.physics.geometry.convex import MESH, bounds, parted
+from services.physics.geometry.convex import parted
+from services.physics.geometry.packed import bounds_of
 
 SHUT, ASKED, LEFT = 0, 1, 2
 """Of an item: a bound says enough, its distance is known, its distance is left to be asked for."""
@@ -243,10 +244,8 @@ def look(items, pairs, keep, shapes, convex, placed, spans, path, revolute, slac
         if low >= slack - precision and (low > 0.0 or spans[0][u] >= open_until):
             continue
         done[n] = LEFT
-        if convex[0][a] == MESH or convex[0][b] == MESH:
-            continue
         enough = moved + least + max(slack, 0.0)
-        low, _ = bounds(convex, a, b, one_r, one_c, two_r, two_c, enough, -math.inf, work)
+        low, _ = bounds_of(convex, a, b, one_r, one_c, two_r, two_c, enough, -math.inf, work)
         if low > -math.inf:
             done[n], distance[n] = ASKED, low
 
@@ -260,3 +259,30 @@ def _apart(one_c, one_half, two_c, two_half):
         outside += max(gap, 0.0) ** 2
         deepest = max(deepest, gap)
     return math.sqrt(outside) if outside > 0.0 else deepest
+
+
+@_compiled
+def deepest_points(points, mesh, own, box, normals, offsets, found):
+    """Depth of the deepest of some points (K, 3) in a convex shape at each time is in `found` (T,); or 0.
+
+    `mesh` and `own` are poses of the points and of the shape at these times, `box` the corners of its own
+    box; a point x lies inside where normals · x <= offsets.
+    """
+    x, y = np.empty(3), np.empty(3)
+    for t in range(found.shape[0]):
+        found[t] = 0.0
+        for n in range(points.shape[0]):
+            for i in range(3):
+                x[i] = mesh[1][t, i] - own[1][t, i]
+                for k in range(3):
+                    x[i] += mesh[0][t, i, k] * points[n, k]
+            inside = True
+            for i in range(3):
+                y[i] = own[0][t, 0, i] * x[0] + own[0][t, 1, i] * x[1] + own[0][t, 2, i] * x[2]
+                inside = inside and box[0][i] < y[i] < box[1][i]
+            depth = math.inf if inside else 0.0
+            for f in range(normals.shape[0] if inside else 0):
+                depth = min(
+                    depth, offsets[f] - normals[f, 0] * y[0] - normals[f, 1] * y[1] - normals[f, 2] * y[2]
+                )
+            found[t] = max(found[t], depth)
