@@ -5,7 +5,7 @@ sdt/v1/{twin}/rpc/{verb}               a question; any one server answers
 sdt/v1/{twin}/rpc/{verb}/{instance}    the same question to one server; the key of its replies
 sdt/v1/{twin}/jobs/{id}/{progress|result|cancel}
 sdt/v1/{twin}/events/{state|verdict}/{sequence}
-sdt/v1/{twin}/@meta/{schema|version|health|metrics}
+sdt/v1/{twin}/@meta/{schema|void|version|health|metrics}
 sdt/v1/{twin}/@live/{instance}         liveliness token: the server is there
 sdt/v1/@oracle/{kind}/rpc/{instance}   a question to one oracle: causes (Φ) or canperform (R)
 sdt/v1/@oracle/{kind}/@live/{instance} liveliness token of an oracle
@@ -35,6 +35,7 @@ class Meta(Enum):
     """What a server says of itself."""
 
     SCHEMA = "schema"
+    VOID = "void"
     VERSION = "version"
     HEALTH = "health"
     METRICS = "metrics"

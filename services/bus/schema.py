@@ -1,56 +1,115 @@
 """AsyncAPI 3 document of the bus, made from the message types themselves."""
 
+import re
 from importlib.metadata import version
 
 from services.bus import keys
+from services.bus.keys import Meta, Part
 from services.judging.codec import CBOR, JSON
 from services.judging.messages import REQUESTS, SCHEMA, Header
 from services.judging.problems import Problem
-from services.judging.replies import REPLIES
+from services.judging.replies import REPLIES, JobReply
 
 Object = dict[str, object]
 
 _REFERENCE = "#/components/schemas/{model}"
 _SPARQL = {"type": "string", "description": "SPARQL 1.1 results as JSON, or N-Triples"}
+_QUERYABLE: Object = {"kind": "queryable", "complete": True, "error": "problem"}
+_PARAMETERS = {
+    "twin": "Name of the kitchen",
+    "instance": "Of the server, as replies and liveliness tokens name it",
+    "id": "Of the job, as rpc/sweep gave it",
+    "kind": "verdict or state",
+    "sequence": "Number of the event, from 1",
+}
+_META: dict[Meta, Object] = {
+    Meta.VOID: {"payload": {"type": "string"}, "contentType": "application/n-triples"},
+}
+"""What is no JSON object among what a server says of itself."""
 
 
 def asyncapi() -> Object:
-    """The document: a channel and an operation for each verb, with `x-zenoh` keys."""
+    """The document: a channel and an operation for each key, with `x-zenoh` for what Zenoh adds."""
+    channels = _verbs() | _jobs() | _meta() | _told()
     return {
         "asyncapi": "3.0.0",
         "info": {"title": "sdt-kg: the Law over Zenoh", "version": version("sdt-kg")},
         "defaultContentType": JSON,
         "x-zenoh": {"root": keys.ROOT, "schema": SCHEMA, "encodings": [JSON, CBOR]},
-        "channels": {verb.value: _channel(verb) for verb in REQUESTS},
-        "operations": {verb.value: _operation(verb) for verb in REQUESTS},
+        "channels": channels,
+        "operations": {name: _operation(name, channel) for name, channel in channels.items()},
         "components": {"schemas": _schemas()},
     }
 
 
-def _channel(verb: keys.Verb) -> Object:
-    reply = REPLIES.get(verb)
+def _verbs() -> dict[str, Object]:
+    """A question to any server."""
+    found: dict[str, Object] = {}
+    for verb, request in REQUESTS.items():
+        reply = REPLIES.get(verb)
+        asked: Object = {"payload": _reference(request.__name__), "headers": _reference(Header.__name__)}
+        answer: Object = {"payload": _SPARQL if reply is None else _reference(reply.__name__)}
+        found[verb.value] = _channel(f"rpc/{verb.value}", _QUERYABLE, request=asked, reply=answer)
+    return found
+
+
+def _jobs() -> dict[str, Object]:
+    """How far a sweep is, what it has found, and its end."""
+    job: Object = {"payload": _reference(JobReply.__name__)}
     return {
-        "address": f"{keys.ROOT}/{{twin}}/rpc/{verb.value}",
-        "parameters": {"twin": {"description": "Name of the kitchen"}},
-        "messages": {
-            "request": {
-                "payload": _reference(REQUESTS[verb].__name__),
-                "headers": _reference(Header.__name__),
-            },
-            "reply": {"payload": _SPARQL if reply is None else _reference(reply.__name__)},
-            "problem": {"payload": _reference(Problem.__name__)},
-        },
-        "x-zenoh": {"kind": "queryable", "complete": True, "error": "problem"},
+        f"jobs-{part.value}": _channel(
+            f"jobs/{{id}}/{part.value}",
+            _QUERYABLE,
+            request={},
+            reply={"payload": {"type": "object"}} if part is Part.RESULT else job,
+        )
+        for part in Part
     }
 
 
-def _operation(verb: keys.Verb) -> Object:
-    channel = f"#/channels/{verb.value}"
+def _meta() -> dict[str, Object]:
+    """What each server says of itself."""
+    anything: Object = {"payload": {"type": "object"}}
+    return {
+        f"meta-{part.value}": _channel(
+            f"@meta/{part.value}", {"kind": "queryable"}, request={}, reply=_META.get(part, anything)
+        )
+        for part in Meta
+    }
+
+
+def _told() -> dict[str, Object]:
+    """What is published, and who is there."""
+    quads: Object = {"payload": {"type": "string"}, "contentType": "application/n-quads"}
+    return {
+        "events": _channel("events/{kind}/{sequence}", {"kind": "publication"}, event=quads),
+        "live": _channel("@live/{instance}", {"kind": "liveliness"}, token={}),
+    }
+
+
+def _channel(tail: str, zenoh: Object, **messages: Object) -> Object:
+    address = f"{keys.ROOT}/{{twin}}/{tail}"
+    if "error" in zenoh:
+        messages["problem"] = {"payload": _reference(Problem.__name__)}
+    return {
+        "address": address,
+        "parameters": {name: {"description": _PARAMETERS[name]} for name in re.findall(r"{(\w+)}", address)},
+        "messages": messages,
+        "x-zenoh": zenoh,
+    }
+
+
+def _operation(name: str, channel: Object) -> Object:
+    """What the server does: it receives a request and replies, or it sends."""
+    where, messages = {"$ref": f"#/channels/{name}"}, channel["messages"]
+    assert isinstance(messages, dict), "as made above"
+    if "request" not in messages:
+        return {"action": "send", "channel": where}
     return {
         "action": "receive",
-        "channel": {"$ref": channel},
-        "messages": [{"$ref": f"{channel}/messages/request"}],
-        "reply": {"channel": {"$ref": channel}, "messages": [{"$ref": f"{channel}/messages/reply"}]},
+        "channel": where,
+        "messages": [{"$ref": f"#/channels/{name}/messages/request"}],
+        "reply": {"channel": where, "messages": [{"$ref": f"#/channels/{name}/messages/reply"}]},
     }
 
 

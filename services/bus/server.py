@@ -15,7 +15,9 @@ from services.bus import keys
 from services.bus.history import Herald
 from services.bus.keys import Meta, Part
 from services.bus.question import OTHER, Question, understood
+from services.bus.replies import reply
 from services.bus.sweeps import Sweeps
+from services.bus.void import MEDIA, VOID
 from services.http.memory import Memory
 from services.judging.codec import JSON, decode, encode
 from services.judging.jobs import Done, Task, Waiter
@@ -28,6 +30,8 @@ from services.store.workers import Answered, Asked, Limit, LimitError
 log = logging.getLogger(__name__)
 _VERSION = version("sdt-kg")  # read once: it takes half a millisecond
 
+COUNTING = 10.0
+"""[s] What a server holds is counted in."""
 ACCEPTED = {
     Verb.SELECT: ("application/sparql-results+json",),
     Verb.ASK: ("application/sparql-results+json",),
@@ -152,8 +156,15 @@ class Server:
             question.answer(problem_of(error))
 
     def _told(self, query: zenoh.Query) -> None:
-        """What the server says of itself; answered at once, it costs nothing."""
+        """What the server says of itself; answered at once but for what it holds, which is counted."""
         part = Meta(str(query.key_expr).rsplit("/", 1)[-1])
+        if part is Meta.VOID:
+            self._memory.ask(
+                Asked("query", VOID, (MEDIA,)),
+                COUNTING,
+                lambda future: reply(query, str(query.key_expr), _answered(future)),
+            )
+            return
         with query:
             query.reply(query.key_expr, json.dumps(self._meta(part)).encode(), encoding=JSON)
 

@@ -1,4 +1,4 @@
-"""Zenoh sessions as this project opens them: no multicast scouting, loopback unless told otherwise."""
+"""Zenoh sessions as this project opens them: no multicast scouting, no memory shared, loopback by default."""
 
 import json
 from dataclasses import dataclass
@@ -81,4 +81,6 @@ def _chosen(listen: str | None, connect: str | None, mode: str) -> dict[str, obj
         "connect/exit_on_failure": True,
         "scouting/multicast/enabled": False,
         "scouting/gossip/enabled": False,
+        # What a client shares stays mapped here after the client has gone.
+        "transport/shared_memory/enabled": False,
     }

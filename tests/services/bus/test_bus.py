@@ -6,6 +6,7 @@ import signal
 import time
 from dataclasses import replace
 
+import pyoxigraph as ox
 import pytest
 import zenoh
 
@@ -100,6 +101,18 @@ def test_nonsense_gets_a_problem(session: zenoh.Session, verb: str, payload: byt
     said = json.loads(reply.err.payload.to_bytes())
     assert said["type"].endswith("invalid-request")
     assert not said["retryable"]
+
+
+def test_what_a_server_holds_is_described_in_void(session: zenoh.Session) -> None:
+    (reply,) = list(session.get("sdt/v1/b/@meta/void", timeout=60))
+    assert reply.ok is not None
+    held = ox.Store()
+    held.load(reply.ok.payload.to_bytes(), format=ox.RdfFormat.N_TRIPLES)
+    rows = held.query("""
+        PREFIX void: <http://rdfs.org/ns/void#>
+        SELECT ?entities { ?dataset a void:Dataset ; void:classPartition ?part .
+          ?part void:class <https://example.org/sdt#Drawer> ; void:entities ?entities }""")
+    assert [row["entities"].value for row in rows] == ["14"]
 
 
 def test_a_wrong_attachment_an_unknown_verb_and_a_huge_payload_get_problems(session: zenoh.Session) -> None:

@@ -1,6 +1,7 @@
 """Bytes ↔ values: arrays come back exactly, unknown fields pass, unknown major versions do not."""
 
 import json
+from typing import Any
 
 import cbor2
 import numpy as np
@@ -11,7 +12,7 @@ from hypothesis.extra.numpy import arrays
 
 from sdt_kg.errors import InputError, OracleUnavailableError
 from services.bus import keys
-from services.bus.keys import Verb
+from services.bus.keys import Meta, Part, Verb
 from services.bus.schema import asyncapi
 from services.judging.codec import CBOR, decode, encode, encode_cbor, from_cbor, to_cbor
 from services.judging.messages import AchieveRequest, CausesRequest, Header
@@ -97,6 +98,19 @@ def test_every_reference_of_the_asyncapi_document_leads_somewhere() -> None:
         where = document
         for part in reference.removeprefix("#/").split("/"):
             where = where[part]
+
+
+def test_every_key_has_a_channel_of_the_asyncapi_document() -> None:
+    channels: dict[str, Any] = json.loads(json.dumps(asyncapi()))["channels"]
+    named = {"twin": "b", "id": "1", "kind": "state", "sequence": f"{7:012d}", "instance": "me"}
+    told = {channel["address"].format(**named) for channel in channels.values()}
+    assert told == {
+        *(keys.rpc("b", verb) for verb in Verb),
+        *(keys.job("b", "1", part) for part in Part),
+        *(keys.meta("b", part) for part in Meta),
+        keys.event("b", "state", 7),
+        keys.live("b", "me"),
+    }
 
 
 def _references(value: object) -> set[str]:
