@@ -145,11 +145,13 @@ class Planner:
         at = time.perf_counter()
         kits = [self.setting.kits.of(one) for one in self.setting.world.scene.annotation.grippers]
         limbs = [kit.limb for kit in kits]
-        if out_of_reach(self.setting.world, self.mechanics, limbs, self.setting.motion.values[:, 0]):
+        motion = self.setting.motion
+        if motion.timed or out_of_reach(self.setting.world, self.mechanics, limbs, motion.values[:, 0]):
             self._prove(EARLY_BOXES)
         self.start_contact = self._start_contact()
         self._spent("grasp", at)
         if self.start_contact is not None:
+            self._give_up()
             return
         for number in range(MORE_ROUNDS):
             if self._proved_early(number):
@@ -182,7 +184,7 @@ class Planner:
             twin, values = setting.world.scene.twin, setting.motion.values[:, 0]
             about = setting.robot, setting.container, setting.drive, setting.start
             self._prover = Prover(twin, *about, values)
-        self.proof = self._prover.prove(boxes)
+        self.proof = self._prover.hurried(setting.motion) or self._prover.prove(boxes)
         self._spent("proof", at)
 
     def searched(self, seconds: float) -> Search:

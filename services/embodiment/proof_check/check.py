@@ -12,8 +12,16 @@ from sdt_kg.iri import Iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import ROUNDING, Arm
-from services.embodiment.proof_check.content import LEAF, Claim, Refutation, read_proof
+from services.embodiment.proof_check.content import (
+    LEAF,
+    Claim,
+    Proof,
+    Refutation,
+    Timing,
+    read_proof,
+)
 from services.embodiment.proof_check.cores import Solids, pierced
+from services.embodiment.proof_check.haste import too_fast
 from services.embodiment.proof_check.interval import Interval, apply, cross, exact
 from services.embodiment.proof_check.mechanics import Chain, Placement, levers
 from services.embodiment.proof_check.statement import Statement, Target
@@ -58,12 +66,28 @@ def check(twin: Twin, robot: Iri, container: Container, content: bytes) -> Check
     leaves = 0
     if not reasons:
         statement = Statement(twin, robot, container, claim.drive, claim.start, claim.tolerances)
-        found, leaves = refuted(statement, claim.span, proof.refutations)
-        reasons += found
+        if claim.timing is not None:
+            reasons += _hurried(statement, proof, claim.timing)
+        else:
+            found, leaves = refuted(statement, claim.span, proof.refutations)
+            reasons += found
+    if claim.timing is not None:
+        sentence = f"no certified motion of {local_name(robot)} moves {container.name} in the given times"
+        return Checked(tuple(reasons), sentence, proof.assumptions(), leaves)
     values = sorted({f"{one.value:.4g}" for one in proof.refutations})
     past = ", ".join(values) or "any value"
     sentence = f"no certified motion of {local_name(robot)} takes {container.name} past {past}"
     return Checked(tuple(reasons), sentence, proof.assumptions(), leaves)
+
+
+def _hurried(statement: Statement, proof: Proof, timing: Timing) -> list[str]:
+    """Why the times are not shown to be too short."""
+    if proof.window is None or proof.refutations:
+        return ["the proof is about times and has no window of samples, or more than that"]
+    try:
+        return [*too_fast(statement, proof.claim.drive, timing, proof.window)]
+    except SdtError as error:
+        return [str(error)]
 
 
 def _differs(twin: Twin, robot: Iri, container: Container, claim: Claim) -> Iterator[str]:

@@ -4,7 +4,8 @@ The bytes are JSON compressed by zlib. A tree is written in preorder, one byte f
 it is the joint whose interval is halved there, lower half first; from 128 on the node is a leaf, and
 the rest of the byte is the joint whose origin is too far from the handle in all of the leaf's box, or the
 number n of joints where the grasp box itself is apart from it, or n + 1 + c where the arm's core c meets
-something solid. "sdt proof 1" had none of the last kind and is read as it is.
+something solid. A proof about times has no tree but the window of samples that is too fast. "sdt proof 1"
+had neither, and is read as it is.
 """
 
 import base64
@@ -49,8 +50,18 @@ class Refutation:
 
 
 @dataclass(frozen=True, slots=True)
+class Timing:
+    """A motion of the container that has to keep its times: increasing times [s], values [rad or m]."""
+
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Claim:
     """That no motion which certification accepts takes the container past the refuted values.
+
+    With a timing: that none moves it so in these times.
 
     Attributes:
         models: Environment, then robot: IRI and content hash.
@@ -66,14 +77,20 @@ class Claim:
     drive: Drive
     start: Start
     tolerances: Tolerances
+    timing: Timing | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """A claim and what shows it."""
+    """A claim and what shows it.
+
+    Attributes:
+        window: First and last sample of the timing between which no gripper follows; None without one.
+    """
 
     claim: Claim
     refutations: tuple[Refutation, ...]
+    window: tuple[int, int] | None = None
 
     def assumptions(self) -> tuple[str, ...]:
         """What the claim is relative to, one sentence each."""
@@ -81,6 +98,13 @@ class Proof:
         base = "the base stands at {:.3f} m, {:.3f} m, {:.3f} rad".format(*claim.start)
         if claim.drive is not Drive.FIXED:
             base = "the base stands anywhere on the floor, at any angle"
+        if claim.timing is not None:
+            return (
+                f"base policy: {claim.drive.value}, with its speed limits",
+                f"tolerances: those of certification, {claim.tolerances}",
+                "joints: velocity limits of the twin, each joint for itself, stretched out as far as it goes",
+                "no collision geometry but that of the fingers and the handle, which a hold is about",
+            )
         return (
             f"base policy: {claim.drive.value}, {base}",
             "grasp set: every hold that certification accepts, two fingers on both sides of the handle "
@@ -94,11 +118,17 @@ class Proof:
 
 
 def claim_about(  # noqa: PLR0913, PLR0917  # the parts of a claim
-    twin: Twin, robot: Iri, container: Iri, span: tuple[float, float], drive: Drive, start: Start
+    twin: Twin,
+    robot: Iri,
+    container: Iri,
+    span: tuple[float, float],
+    drive: Drive,
+    start: Start,
+    timing: Timing | None = None,
 ) -> Claim:
     """The claim about a robot and a container of a twin, with this version's tolerances."""
     models = ((twin.environment, twin.content_hash(twin.environment)), (robot, twin.content_hash(robot)))
-    return Claim(models, dict(twin.state), container, span, drive, start, Tolerances())
+    return Claim(models, dict(twin.state), container, span, drive, start, Tolerances(), timing)
 
 
 def to_bytes(proof: Proof) -> bytes:
@@ -112,6 +142,7 @@ def to_bytes(proof: Proof) -> bytes:
         "claim": claim,
         "assumptions": proof.assumptions(),
         "refutations": refutations,
+        "window": proof.window,
     }
     return zlib.compress(json.dumps(whole, sort_keys=True).encode(), 9)
 
@@ -134,7 +165,8 @@ def read_proof(content: bytes) -> Proof:
     if whole.get("schema") not in READ:
         raise InputError(f"a proof of the schema '{whole.get('schema')}'", allowed=" or ".join(READ))
     try:
-        return Proof(_claim(whole["claim"]), tuple(_refutation(one) for one in whole["refutations"]))
+        refutations = tuple(_refutation(one) for one in whole["refutations"])
+        return Proof(_claim(whole["claim"]), refutations, _window(whole.get("window")))
     except (KeyError, TypeError, ValueError, AttributeError, binascii.Error) as error:
         raise InputError(f"the proof is damaged: {error!r}", allowed=f"a whole {SCHEMA}") from None
 
@@ -166,7 +198,26 @@ def _claim(given: dict[str, Any]) -> Claim:  # Any: JSON
         Drive(given["drive"]),
         (x, y, yaw),
         Tolerances(**{name: _number(value) for name, value in given["tolerances"].items()}),
+        _timing(given.get("timing")),
     )
+
+
+def _timing(given: dict[str, Any] | None) -> Timing | None:  # Any: JSON
+    if given is None:
+        return None
+    times, values = (tuple(_number(one) for one in given[name]) for name in ("times", "values"))
+    if len(times) != len(values):
+        raise ValueError("as many times as values")
+    return Timing(times, values)
+
+
+def _window(given: list[Any] | None) -> tuple[int, int] | None:  # Any: JSON
+    if given is None:
+        return None
+    first, last = given
+    if type(first) is not int or type(last) is not int:
+        raise ValueError(f"{given!r} is no window")
+    return first, last
 
 
 def _refutation(given: dict[str, Any]) -> Refutation:  # Any: JSON

@@ -25,7 +25,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from sdt_kg.annotation import Drive, Gripper
+from sdt_kg.annotation import BaseLimits, Drive, Gripper
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
@@ -62,10 +62,12 @@ class Target:
     Attributes:
         boxes: Where its shapes' boxes are in the world.
         half: Their half extents, widened by what certification tolerates [m], shape (B, 3).
+        shift: By how much they were widened: how far each may be from there [m], shape (B,).
     """
 
     boxes: tuple[Placement, ...]
     half: Array
+    shift: Array
 
     def distance(self, points: Interval, level: bool) -> Array:
         """Distance of points (L, 3) from the nearest box [m], shape (L,): lower bounds.
@@ -208,6 +210,15 @@ class Statement:
         ends = np.stack((box[0] - wide, box[1] + wide))
         return np.array([[ends[pick[k], k] for k in range(3)] for pick in product((0, 1), repeat=3)])
 
+    def joint_velocity(self, name: str) -> float:
+        """Velocity limit of a joint of the robot [rad/s or m/s]; infinite where it has none."""
+        return self._tree.mechanism.joint(name).limits.velocity
+
+    @property
+    def base_limits(self) -> BaseLimits:
+        """Speeds of the base."""
+        return self._annotation.base_limits
+
     def handle_origin(self) -> Array:
         """Where the handle's frame is in the twin's state [m], shape (3,)."""
         chain = self._kitchen.chain(self._kitchen.path(local_name(self.container.handle)), HERE, 0.0)
@@ -236,14 +247,16 @@ class Statement:
         origins, axes, end = chain.frames(q)
         places: list[Placement] = []
         halves: list[Array] = []
+        shifts: list[float] = []
         for box in boxes_of(self._kitchen, body):
             at = end @ box.middle
             arms = _lever_of(origins, axes, at.translation, chain.links)
             turns = np.array([link.turns for link in chain.links])
             moved = float(((arms + np.where(turns, np.linalg.norm(box.half), 0.0)) * slack).sum())
             places.append(Placement(at.rotation[0], at.translation[0]))
-            halves.append(box.half + moved + ROUNDING)
-        return Target(tuple(places), np.array(halves).reshape(-1, 3))
+            shifts.append(moved + ROUNDING)
+            halves.append(box.half + shifts[-1])
+        return Target(tuple(places), np.array(halves).reshape(-1, 3), np.array(shifts))
 
 
 def _lever_of(origins: Interval, axes: Interval, point: Interval, links: tuple[Link, ...]) -> Array:

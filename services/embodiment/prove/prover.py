@@ -11,15 +11,18 @@ from predicates.case import Artefact, ArtefactKind, Diagnosis, Evidence, Kind, Q
 from sdt_kg.annotation import Drive, Gripper
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.mechanism import JointType
+from sdt_kg.motion import Motion
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.check import refuted
-from services.embodiment.proof_check.content import Proof, Refutation, claim_about, to_bytes
+from services.embodiment.proof_check.content import Proof, Refutation, Timing, claim_about, to_bytes
 from services.embodiment.proof_check.cores import Solids
+from services.embodiment.proof_check.haste import too_fast
 from services.embodiment.proof_check.interval import Interval
 from services.embodiment.proof_check.statement import Statement, Target
 from services.embodiment.prove.boxes import FOUND, LEAF, SLACK, divide
+from services.embodiment.prove.windows import window
 
 Array = NDArray[np.float64]
 
@@ -83,6 +86,30 @@ class Prover:
         claim = claim_about(self.twin, self.robot, self.container.iri, self.span, self.drive, self.start)
         artefact = Artefact(ArtefactKind.PROOF, to_bytes(Proof(claim, tuple(refutations))))
         return Proved(self._diagnosis(refutations, leaves), artefact, leaves)
+
+    def hurried(self, motion: Motion) -> Proved | None:
+        """A verified proof that no gripper is as fast as a timed motion of the container asks."""
+        if self.span is None or not motion.timed or motion.is_poses:
+            return None
+        times, values = motion.times, motion.values[:, 0]
+        found = window(self.statement, self.drive, times, values)
+        if found is None:
+            return None
+        timing = Timing(tuple(times.tolist()), tuple(values.tolist()))
+        if [*too_fast(self.statement, self.drive, timing, found.ends)]:
+            return None
+        about = self.twin, self.robot, self.container.iri, self.span, self.drive, self.start, timing
+        artefact = Artefact(ArtefactKind.PROOF, to_bytes(Proof(claim_about(*about), (), found.ends)))
+        first, last = (float(times[k]) for k in found.ends)
+        robot, handle = local_name(self.robot), local_name(self.container.handle)
+        reason = (
+            f"{handle} has to move at {found.asked:.2f} m/s between {first:.2f} s and {last:.2f} s of the "
+            f"motion; no gripper of {robot} holds it at more than {found.most:.2f} m/s, in whatever posture"
+        )
+        asked = Evidence(
+            Quantity.VELOCITY, found.asked, found.most, "m/s", entity=self.container.handle, time=first
+        )
+        return Proved(Diagnosis(Kind.EMBODIMENT, reason, asked, proof=True), artefact, 0)
 
     def excludes(self, nodes: int) -> bool:
         """Whether no base pose in the room will do, proved with so many boxes for each gripper and value."""

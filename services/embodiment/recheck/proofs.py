@@ -40,7 +40,8 @@ def proof_again(content: bytes, twin_of: TwinOf, stored: StoredVerdict | None) -
     reasons = list(checked.reasons)
     if stored is not None and not reasons:
         reasons += _policy_differs(dict(stored.inputs), claim, twin, container)
-    notes = [source, checked.statement, *checked.assumptions, f"boxes refuted one by one: {checked.leaves}"]
+    notes = [source, checked.statement, *checked.assumptions]
+    notes += [f"boxes refuted one by one: {checked.leaves}"] if checked.leaves else []
     return reasons, [*notes, *_notes(stored)]
 
 
@@ -100,5 +101,8 @@ def _notes(stored: StoredVerdict | None) -> list[str]:
     if stored is None:
         return ["there is no verdict with it: what its inputs claimed was not compared"]
     if dict(stored.inputs).get("motion", NOT_GIVEN) != NOT_GIVEN:
-        return ["a motion of the container was asked for; that it passes the refuted values was not compared"]
+        return [
+            "a motion of the container was asked for; that it passes the refuted values, or has the times "
+            "that are too short, was not compared"
+        ]
     return []

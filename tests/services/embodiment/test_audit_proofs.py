@@ -60,7 +60,7 @@ def test_a_posture_that_holds_a_handle_is_in_no_refuted_box(robot: str, drive: D
         away = (Tolerances().contact + Tolerances().tool_position) * WITHIN
         half = rng.uniform(0.002, 0.008)
         middle = ends[np.argmax(ends @ axis)] + (away + half) * axis
-        target = Target((Placement(exact(turn), exact(middle)),), np.full((1, 3), half))
+        target = Target((Placement(exact(turn), exact(middle)),), np.full((1, 3), half), np.zeros(1))
         for width in WIDTHS:
             ends = truth - width * rng.random(len(low)), truth + width * rng.random(len(low))
             for leaf in range(len(low) + 1):

@@ -90,7 +90,7 @@ def test_joints_are_where_pinocchio_has_them_and_no_finger_is_farther_than_the_r
                 )
                 apart = np.linalg.norm(corners[:, None] - origins.lo[i][None], axis=2)
                 assert (apart <= arm.reach + 1e-9).all()
-                held = Target((Placement(exact(np.eye(3)), exact(middle)),), np.zeros((1, 3)))
+                held = Target((Placement(exact(np.eye(3)), exact(middle)),), np.zeros((1, 3)), np.zeros(1))
                 centre = apply(tool.rotation, exact(arm.middle)) + tool.translation
                 grasp = Placement(tool.rotation[i : i + 1], centre[i : i + 1])
                 assert held.gap(grasp, arm.half, level=False) < 0
