@@ -1,10 +1,11 @@
-"""What every request passes before anything reads it: Host, Origin, size, token; and CORS.
+"""What every request passes before anything reads it: Host, Origin, size, time, token; and CORS.
 
 The Host header defends against DNS rebinding: a page of another site whose name was made to point here
 sends that name. The Origin header defends against pages of other sites which ask from this machine's
 browser. Both hold on loopback too, where there may be no token.
 """
 
+import asyncio
 import hmac
 from urllib.parse import urlsplit
 
@@ -17,6 +18,8 @@ from services.http.settings import Settings
 READING = frozenset({"GET", "HEAD", "OPTIONS"})
 GUARDED = "/api/"
 """Below it every other method writes or computes, and needs the token if there is one."""
+BODY_SECONDS = 60.0
+"""[s] From the end of a request's head to the end of its body."""
 SECURITY_HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "same-origin",  # a form of a page without any would have no Origin
@@ -127,7 +130,7 @@ class _Answer:
 
 
 class _Body:
-    """The body on its way in, refused as soon as it is too long, whatever the reader makes of that.
+    """The body on its way in, refused as soon as it is too long or slow, whatever the reader makes of that.
 
     Attributes:
         refusal: Why, once it was.
@@ -136,18 +139,31 @@ class _Body:
     def __init__(self, receive: Receive, most: int, headers: Headers, answer: _Answer) -> None:
         self._receive, self._most, self._answer, self._length = receive, most, answer, 0
         self.refusal: RefusedError | None = None
+        self._until: float | None = asyncio.get_running_loop().time() + BODY_SECONDS
         declared = headers.get("content-length", "0")
         if not declared.isdecimal() or int(declared) > most:
             raise self._too_long()
 
     async def __call__(self) -> Message:
-        message = await self._receive()
+        try:
+            async with asyncio.timeout_at(self._until):
+                message = await self._receive()
+        except TimeoutError:
+            problem = f"the request's body took longer than {BODY_SECONDS:g} s"
+            self._refuse(RefusedError(408, problem, headers={"Connection": "close"}))
+            return {"type": "http.disconnect"}
         self._length += len(message.get("body", b""))
-        if self._length > self._most and not self._answer.started:
-            self._answer.withheld = True
-            self.refusal = self._too_long()
-            raise self.refusal
+        if not message.get("more_body"):
+            self._until = None  # what may still come is that the client leaves
+        if self._length > self._most:
+            self._refuse(self._too_long())
         return message
+
+    def _refuse(self, refusal: RefusedError) -> None:
+        if not self._answer.started:
+            self._answer.withheld = True
+            self.refusal = refusal
+            raise refusal
 
     def _too_long(self) -> RefusedError:
         return RefusedError(

@@ -1,8 +1,11 @@
 """The service on a socket, until it is interrupted."""
 
+import asyncio
 import socket
 
 import uvicorn
+from starlette.types import ASGIApp
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from sdt_kg.errors import InputError
 from services.http.app import Beside, create_app
@@ -13,8 +16,47 @@ CONCURRENT = 512
 """Connections; more are answered 503."""
 KEEP_ALIVE = 30
 """[s] An idle connection is kept."""
+HEAD_SECONDS = 15
+"""[s] From a connection's, or a request's, first byte to the end of its head."""
 SHUTDOWN = 5
 """[s] Requests may take to finish when the service ends."""
+
+
+class Patient(H11Protocol):
+    """HTTP/1.1 with patience for a while: a head that never ends does not keep its connection.
+
+    uvicorn counts the idle time between requests only, so that a few hundred clients that send a byte
+    now and then would be all that it can serve.
+    """
+
+    _impatience: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]  # as theirs
+        """A client is there, and has to say what it wants."""
+        super().connection_made(transport)
+        self._await_head()
+
+    def data_received(self, data: bytes) -> None:
+        """More of a request: the time runs until its head is whole."""
+        before = self.cycle
+        super().data_received(data)
+        if self.cycle is not before:
+            self._head_is_whole()
+        elif self._impatience is None and (before is None or before.response_complete):
+            self._await_head()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """The client is gone."""
+        self._head_is_whole()
+        super().connection_lost(exc)
+
+    def _await_head(self) -> None:
+        self._impatience = self.loop.call_later(HEAD_SECONDS, self.transport.close)
+
+    def _head_is_whole(self) -> None:
+        if self._impatience is not None:
+            self._impatience.cancel()
+            self._impatience = None
 
 
 def bound(address: Address) -> socket.socket:
@@ -42,8 +84,14 @@ def bound(address: Address) -> socket.socket:
 
 def run(world: World, settings: Settings, listening: socket.socket, beside: Beside | None = None) -> None:
     """Serve until interrupted."""
-    config = uvicorn.Config(
-        create_app(world, settings, beside),
+    uvicorn.Server(configured(create_app(world, settings, beside))).run([listening])
+
+
+def configured(app: ASGIApp) -> uvicorn.Config:
+    """How an application is served: what it says of itself, how many it serves, how long it waits."""
+    return uvicorn.Config(
+        app,
+        http=Patient,
         log_level="warning",
         access_log=False,
         server_header=False,
@@ -52,4 +100,3 @@ def run(world: World, settings: Settings, listening: socket.socket, beside: Besi
         timeout_keep_alive=KEEP_ALIVE,
         timeout_graceful_shutdown=SHUTDOWN,
     )
-    uvicorn.Server(config).run([listening])

@@ -23,6 +23,8 @@ REFUSED = {
     "minus": f"SELECT * {{ MINUS {{ {SERVICE} }} }}",
     "graph": f"SELECT * {{ GRAPH ?g {{ {SERVICE} }} }}",
     "subquery": f"SELECT * {{ {{ SELECT * {{ {SERVICE} }} }} }}",
+    "subquery in a subquery": f"SELECT * {{ {{ SELECT * {{ {{ SELECT ?a {{ {SERVICE} }} LIMIT 1 }} }} }} }}",
+    "beside many values": f"ASK {{ VALUES ?x {{ {'1 ' * 500}}} {SERVICE} }}",
     "filter": f"SELECT * {{ ?a ?b ?c FILTER EXISTS {{ {SERVICE} }} }}",
     "not exists": f"SELECT * {{ ?a ?b ?c FILTER(1 = 1 && NOT EXISTS {{ {SERVICE} }}) }}",
     "bind": f"SELECT * {{ BIND(EXISTS {{ {SERVICE} }} AS ?x) }}",
@@ -57,10 +59,14 @@ MISREAD = {
     "escaped line end": f"ASK {{ # \\u000A {SERVICE}\n }}",
     "update": "INSERT DATA { <a:a> <a:b> <a:c> }",
     "load": "LOAD <http://127.0.0.1:9/>",
+    "load behind a comment": "ASK {} # nothing\nLOAD <http://127.0.0.1:9/>",
+    "load of a file": "LOAD <file:///etc/passwd> INTO GRAPH <http://here.example/graph>",
+    "load into a string": 'ASK { BIND("a\nLOAD <http://127.0.0.1:9/>" AS ?x) }',
     "load after query": "ASK {} ; LOAD <http://127.0.0.1:9/>",
     "drop": "DROP ALL",
     "two queries": "ASK {} ASK {}",
     "keyword run together": "ASKFROM<http://127.0.0.1:9/>{}",
+    "service in a service": f"SELECT * {{ SERVICE <{HERE}> {{ {SERVICE} }} }}",
     "nested": "ASK { FILTER(" + "(" * 400 + '"service"' + ")" * 400 + ") }",
 }
 """Refused as no SPARQL that reads, by one parser or the other."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from services.store.workers import Limits, bulk
+from services.store.workers import Limits, bulk, put
 from tests.services.http.canary import singing
 
 FEW_SECONDS, ROWS, SIZE = 2.0, 2000, 200_000
@@ -27,6 +27,20 @@ MEMORY_HOG = f"""SELECT (STRLEN(?large) AS ?n) {{
 HUGE = "SELECT * { ?a ?b ?c . ?d ?e ?f }"
 TOO_MANY_ROWS = "SELECT ?c { ?a ?b ?c }"
 TOO_MANY_TRIPLES = "CONSTRUCT WHERE { ?a ?b ?c }"
+CHAIN = "".join(
+    f"<http://e/n{i}> <http://e/next> <http://e/n{(i * 7 + k) % 400}> .\n"
+    for i in range(400)
+    for k in (1, 2, 3)
+)
+PATH_BOMB = """SELECT (COUNT(*) AS ?n) {
+  ?a (<http://e/next>|^<http://e/next>)* ?b . ?b (<http://e/next>/<http://e/next>?)* ?c . ?c !<http://e/x>* ?d
+}"""
+VALUES_BOMB = (
+    "SELECT * {" + "".join(f" VALUES ?v{i} {{ {' '.join(map(str, range(60)))} }}" for i in range(8)) + "}"
+)
+CONCAT_BOMB = "SELECT (GROUP_CONCAT(STR(?s); separator='" + "x" * 60_000 + "') AS ?t) { ?s ?p ?o }"
+GROUP_BOMB = "SELECT ?a ?d (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f } GROUP BY ?a ?d"
+REGEX_BOMB = "ASK { ?s ?p ?o FILTER(REGEX(STR(?s), '((((a{1,99}){1,99}){1,99}){1,99}){1,99}')) }"
 NESTED = "ASK { " + "{" * 100_000 + "}" * 100_000 + " }"
 
 
@@ -34,7 +48,7 @@ NESTED = "ASK { " + "{" * 100_000 + "}" * 100_000 + " }"
 def served(serve):
     served = serve(limits=LIMITS, workers=2)
     lines = (f'<http://e/s{i}> <http://e/p> "value {i}" <http://e/g{i % 5}> .\n' for i in range(SUBJECTS))
-    served.apply(bulk("".join(lines).encode()))
+    served.apply(bulk(("".join(lines)).encode()), put("http://e/chain", CHAIN.encode()))
     return served
 
 
@@ -81,6 +95,23 @@ def test_rows_are_counted_exactly_in_every_format(served, accept: str) -> None:
 def test_a_query_that_crashes_its_worker_is_answered(served) -> None:
     answer = served.post("/sparql", content=NESTED, headers={"content-type": "application/sparql-query"})
     assert answer.status_code in {400, 408, 507}, answer.text  # stack, time or memory: whichever ends first
+    assert lives_on(served)
+
+
+@pytest.mark.parametrize(
+    ("query", "statuses"),
+    [
+        (PATH_BOMB, {408, 507}),
+        (VALUES_BOMB, {408, 413, 507}),
+        (CONCAT_BOMB, {413, 507}),
+        (GROUP_BOMB, {408, 413, 507}),
+        (REGEX_BOMB, {200, 400, 408, 507}),
+    ],
+    ids=["paths", "values", "concatenation", "groups", "regular expression"],
+)
+def test_a_bomb_ends_at_a_limit_and_the_service_lives_on(served, query: str, statuses: set[int]) -> None:
+    answer = served.post("/sparql", content=query, headers={"content-type": "application/sparql-query"})
+    assert answer.status_code in statuses, answer.text[:300]
     assert lives_on(served)
 
 
