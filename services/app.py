@@ -81,12 +81,13 @@ class Service:
         """The same kitchen with these joints elsewhere: `JOINT=VALUE`, `all=open`, and so on."""
         return replace(self, twin=self.twin.at(parse_state(self.twin, states)))
 
-    def with_forces(self, file: Path | None = None) -> "Service":
+    def with_forces(self, file: Path | None = None, handle_force: float | None = None) -> "Service":
         """The same relative to D_artic_dyn: a Φ with forces, and a robot that has to bear them.
 
         Args:
             file: Turtle that gives joints force models; None takes what the twin has, else what is
                 bundled for its kitchen.
+            handle_force: [N] Allowed at every handle instead of what the force models say.
 
         Raises:
             InputError: Other oracles answer, which know no forces.
@@ -96,7 +97,7 @@ class Service:
             raise InputError("oracles elsewhere know no forces", allowed="D_artic_dyn in process")
         from services.dynamics.data import with_forces  # noqa: PLC0415 - only where forces are asked about
 
-        return replace(self, twin=with_forces(self.twin, file), oracles=_Forces())
+        return replace(self, twin=with_forces(self.twin, file, handle_force), oracles=_Forces())
 
     def satisfies(self) -> Iterator[Answer]:
         """Every request which the present state meets: SatisfiesRequest, backwards."""

@@ -22,11 +22,12 @@ ROBOT_DATA = ("effortLimitKnown", "standsOn")
 """What is bundled for a robot, unless its own annotation says any of it."""
 
 
-def with_forces(twin: Twin, file: Path | None = None) -> Twin:
+def with_forces(twin: Twin, file: Path | None = None, handle_force: float | None = None) -> Twin:
     """The twin with force data: of its kitchen the file's, else the bundled ones; of bundled robots theirs.
 
     A kitchen that has none stays as it is: then nothing of it lies inside D_artic_dyn, and the shapes say
-    so. Of a robot that has none nothing is checked, and the verdict says so.
+    so. Of a robot that has none nothing is checked, and the verdict says so. A handle force [N] is allowed
+    at every handle instead of what the force models say.
 
     Raises:
         AnnotationError: The file is not Turtle, has blank nodes, or speaks of another kitchen.
@@ -36,11 +37,22 @@ def with_forces(twin: Twin, file: Path | None = None) -> Twin:
         twin = _with_efforts(twin, robot)
     chosen = file or _bundled(twin)
     if chosen is None:
-        return twin
+        return _allowing(twin, handle_force)
     triples = frozenset(_triples(chosen))
     _check(twin, chosen, triples)
     note = f"force data of {chosen.name}"
-    return twin.rewritten(Replacement(twin.environment, frozenset(), triples, note))
+    return _allowing(twin.rewritten(Replacement(twin.environment, frozenset(), triples, note)), handle_force)
+
+
+def _allowing(twin: Twin, handle_force: float | None) -> Twin:
+    if handle_force is None:
+        return twin
+    joints = (each.joint for each in twin.containers())
+    for model in sorted(
+        {each for joint in joints for each in twin.entities.facts.iris(joint, "hasForceModel")}
+    ):
+        twin = twin.with_edit(model, allowedHandleForce=handle_force)
+    return twin
 
 
 def _bundled(twin: Twin) -> Path | None:

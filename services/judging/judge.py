@@ -26,6 +26,7 @@ from services.judging.messages import (
     REQUESTS,
     AchieveRequest,
     CausesRequest,
+    Classed,
     ComputeRequest,
     Message,
     PlaceRequest,
@@ -46,7 +47,7 @@ SERVICES_KEPT = 4
 LEAST_BUDGET = 0.01
 """[s] Of search, however near the deadline is."""
 
-Key = tuple[str, tuple[str, ...], Policy]
+Key = tuple[str, tuple[str, ...], Policy, str, float | None]
 
 
 def nothing(iri: Iri) -> None:
@@ -114,7 +115,8 @@ class Judge:
         if isinstance(request, SatisfiesRequest):
             return replied(stated(self._at(asked, request.state)), asked.encoding)
         assert isinstance(request, CausesRequest), "the server sends no others"
-        return replied(caused(self._at(asked, request.state), request, asked.encoding), asked.encoding)
+        service = _in_class(self._at(asked, request.state), request)
+        return replied(caused(service, request, asked.encoding), asked.encoding)
 
     def _service(self, twin: str) -> Service:
         if twin not in self.services:
@@ -131,7 +133,7 @@ class Judge:
         budget = min(request.budget, max(asked.seconds, LEAST_BUDGET))
         drive = Drive(request.drive) if request.drive else None
         policy = Policy(drive, request.base, budget, request.seed)
-        service = self._under(asked.twin, (*asked.states, *request.state), policy)
+        service = self._under(asked, request, policy)
         robots = [service.robot(request.robot)] if request.robot else service.twin.robots
         verdicts: list[Verdict] = []
         for robot in robots:
@@ -175,12 +177,14 @@ class Judge:
             raise UnknownEntityError("verdict", iri, (), "select ?v { ?v a law:Verdict } lists what is kept")
         return TextReply(text=why(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri))
 
-    def _under(self, twin: str, state: tuple[str, ...], policy: Policy) -> Service:
-        """The kitchen in this state under this policy; the last few keep their scenes."""
-        key = (twin, state, policy)
+    def _under(self, asked: Asked, request: AchieveRequest, policy: Policy) -> Service:
+        """The kitchen in this state and class under this policy; the last few keep their scenes."""
+        state = (*asked.states, *request.state)
+        key = (asked.twin, state, policy, request.tee, request.handle_force)
         kept = self._kept.pop(key, None)
         if kept is None:
-            kept = replace(self._service(twin).at(*state), policy=policy, recall=self._stored)
+            kept = replace(self._service(asked.twin).at(*state), policy=policy, recall=self._stored)
+            kept = _in_class(kept, request)
         while len(self._kept) >= SERVICES_KEPT:
             del self._kept[next(iter(self._kept))]
         self._kept[key] = kept
@@ -189,6 +193,19 @@ class Judge:
     def _stored(self, iri: Iri) -> StoredVerdict | None:
         quads = self._recall(iri)
         return None if quads is None else read_verdict(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri)
+
+
+def _in_class(service: Service, request: Classed) -> Service:
+    """The service, asked relative to the class that the request names.
+
+    Raises:
+        InputError: A force for a class without forces.
+    """
+    if request.tee == "d_artic_dyn":
+        return service.with_forces(handle_force=request.handle_force)
+    if request.handle_force is not None:
+        raise InputError(f"handle_force says nothing to {request.tee}", allowed="tee: d_artic_dyn")
+    return service
 
 
 class _Keeper:

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 SCHEMA = "1.0"
 DriveName = Literal["omni", "differential", "fixed"]
+TeeName = Literal["d_artic", "d_artic_dyn"]
 
 
 class Verb(Enum):
@@ -62,6 +63,18 @@ class Stated(Message):
     state: list[str] = Field(default_factory=list, max_length=1000)
 
 
+class Classed(Stated):
+    """A question relative to a class D.
+
+    Attributes:
+        tee: Kinematics alone, or with forces that push back.
+        handle_force: [N] Allowed at the handle, for d_artic_dyn; None: what the kitchen's force data say.
+    """
+
+    tee: TeeName = "d_artic"
+    handle_force: float | None = Field(default=None, gt=0, le=10_000, allow_inf_nan=False)
+
+
 class QueryRequest(Message):
     """SPARQL over everything that the server holds: twins, states, verdicts.
 
@@ -75,7 +88,7 @@ class SatisfiesRequest(Stated):
     """Which requests does the state meet?"""
 
 
-class CausesRequest(Stated):
+class CausesRequest(Classed):
     """Does the motion cause the task, or which motion would? No robot.
 
     Attributes:
@@ -86,7 +99,7 @@ class CausesRequest(Stated):
     motion: dict[str, Any] | None = None
 
 
-class AchieveRequest(Stated):
+class AchieveRequest(Classed):
     """CanAchieve, or CanPerform alone.
 
     Attributes:

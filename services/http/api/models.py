@@ -5,6 +5,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from services.judging.messages import TeeName
+
 Name = Annotated[str, Field(min_length=1, max_length=500)]
 StateText = Annotated[str, Field(min_length=3, max_length=500, examples=["iai_fridge_door=open"])]
 Number = Annotated[float, Field(allow_inf_nan=False)]
@@ -29,12 +31,16 @@ class CausesBody(Body):
         state: Texts as for `sdt --state`, on top of the present state.
         motion: Arrays by name, as in a motion file; without it, motions are made.
         seconds: After which nobody waits any more.
+        tee: The class that is asked about: kinematics alone, or with forces that push back.
+        handle_force: Newtons allowed at the handle, for d_artic_dyn; without it, what the force data say.
     """
 
     task: Name = Field(examples=["open:iai_fridge_door"])
     state: list[StateText] = Field(default_factory=list, max_length=1000)
     motion: dict[str, Any] | None = None
     seconds: float = Field(default=60.0, gt=0, le=600)
+    tee: TeeName = "d_artic"
+    handle_force: float | None = Field(default=None, gt=0, le=10_000, allow_inf_nan=False)
 
 
 class AchieveBody(CausesBody):

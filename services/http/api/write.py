@@ -39,7 +39,7 @@ router = APIRouter(prefix="/api/v1")
 async def causes(request: Request, body: CausesBody) -> list[Json]:
     """Motions that would cause the task, or whether the given one does; no robot, nothing is written."""
     kitchen = world_of(request).kitchen(body.kitchen)
-    asked = CausesRequest(task=body.task, state=body.state, motion=body.motion)
+    asked = CausesRequest(**body.model_dump(exclude={"kitchen", "seconds"}))
     judges: Judges = request.app.state.judges
     found = await judges.ask(
         question(Verb.CAUSES, kitchen.name, asked, body.seconds, kitchen.moved), CausesReply

@@ -111,7 +111,17 @@ def test_an_observation_is_kept_in_its_own_graph_and_moves_nothing(served, drawe
     assert [float(row["o"]["value"]) for row in rows["bindings"]] == [0.25]
 
 
+def test_a_verdict_is_about_the_class_that_was_asked_for(served, drawer) -> None:
+    body = {"task": f"open:{drawer['name']}", "tee": "d_artic_dyn", "budget": 2}
+    (verdict,) = served.post("/api/v1/achieve", json=body, headers=BEARER).json()["verdicts"]
+    assert (verdict["tee_class"], verdict["outcome"]) == ("D_artic_dyn", "abstained")
+    assert "hasForceModel" in verdict["diagnoses"][0]["reason"]
+
+
 BAD = {
+    "force without its class": ("causes", {"task": "open", "handle_force": 20}, 400),
+    "force that is none": ("achieve", {"task": "open", "tee": "d_artic_dyn", "handle_force": 0}, 422),
+    "unknown class": ("achieve", {"task": "open", "tee": "d_rigid"}, 422),
     "unknown kitchen": ("state", {"kitchen": "zoo", "state": ["all=open"]}, 404),
     "unknown joint": ("state", {"state": ["nobody=open"]}, 404),
     "outside the limits": ("state", {"state": ["all=77"]}, 400),
