@@ -82,12 +82,13 @@ class Stage:
 
     def restart_router(self) -> None:
         """The router gets a -9 and is started again at the same endpoint."""
-        began = time.monotonic()
         with self._lock:
+            began = time.monotonic()
+            self.restarts.append((began, float("inf")))
             _killed(self._router)
             self._router = self._started(route)
             wait_for(self.endpoint)
-        self.restarts.append((began, time.monotonic() + BACK))
+            self.restarts[-1] = (began, time.monotonic() + BACK)
 
     def is_excused(self, silence: tuple[float, float]) -> bool:
         """Whether nobody could be reached in that time."""

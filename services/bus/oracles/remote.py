@@ -50,7 +50,7 @@ class Callers:
 
     Attributes:
         session: Connected to the bus.
-        asked: How often each instance was asked.
+        asked: How often each instance that is there was asked.
     """
 
     session: zenoh.Session
@@ -75,12 +75,19 @@ class Callers:
             if not there:
                 said = f"no oracle for {self.kind.value} answers on the bus"
                 raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, said))
-            instance = min(there, key=lambda each: self.asked[each])
-            self.asked[instance] += 1
+            instance = self._least_asked(there)
             try:
                 return self._answer(instance, verb, twin, seconds, given)
             except BusUnavailableError:
                 dead.add(instance)
+
+    def _least_asked(self, there: list[str]) -> str:
+        """Whose turn it is; one that has just come has been asked as often as who was asked least."""
+        least = min((self.asked[each] for each in there if each in self.asked), default=0)
+        self.asked = Counter({each: self.asked.get(each, least) for each in there})
+        instance = min(there, key=lambda each: self.asked[each])
+        self.asked[instance] += 1
+        return instance
 
     def _answer(self, instance: str, verb: str, twin: Twin | None, seconds: float, given: Plain) -> Any:  # noqa: ANN401 - what CBOR carries
         """The answer of one oracle, which is sent the twin if it does not hold it."""

@@ -6,11 +6,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing.process import BaseProcess
 
+import zenoh
+
 from sdt_kg.errors import OracleUnavailableError
 from services.bus.keys import Oracle
 from services.bus.oracles.server import oracle
 from services.bus.sessions import open_session
 
+BARE = "bare"
+"""Key of a question that takes as long as Zenoh does."""
 FOREVER = 3600.0
 """[s] Until it is killed."""
 START = 120.0
@@ -18,8 +22,14 @@ START = 120.0
 
 
 def route(endpoint: str) -> None:
-    """Main of the router's process."""
-    with open_session(listen=endpoint, mode="router"):
+    """Main of the router's process, which answers bare questions itself."""
+
+    def answered(query: zenoh.Query) -> None:
+        with query:
+            query.reply(query.key_expr, b"")
+
+    with open_session(listen=endpoint, mode="router") as session:
+        session.declare_queryable(BARE, answered)
         time.sleep(FOREVER)
 
 

@@ -1,6 +1,7 @@
 """The same contract in process and over several processes with a router between."""
 
 import time
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from multiprocessing.process import BaseProcess
@@ -14,6 +15,7 @@ from sdt_kg.errors import InputError, OracleUnavailableError
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task, Verb
 from services.app import Policy, Service, load, whole_body
+from services.bus.oracles.codec import policy_plain
 from services.bus.oracles.remote import BusOracles
 from services.bus.sessions import open_session
 from tests.services.bus.conftest import free_endpoint
@@ -73,6 +75,15 @@ def test_an_oracle_judges_under_the_whole_policy_that_it_is_sent(here: Service, 
     for policy in (Policy(any_start=True), Policy(contact=0.02), Policy(seed=3, base=(0.5, 0.0, 0.0))):
         there = on_bus[0].embodiment(policy)
         assert there.settings(here.twin, robot) == whole_body(policy).settings(here.twin, robot)
+
+
+def test_an_oracle_that_has_just_come_gets_its_share_and_no_more(on_bus: Routed) -> None:
+    callers = replace(on_bus[0].canperform, asked=Counter())
+    long_there, new = callers.instances()
+    callers.asked[long_there] = 1000
+    for _ in range(4):
+        callers.call("version", None, policy=policy_plain(Policy()))
+    assert callers.asked == {long_there: 1002, new: 1002}
 
 
 def test_a_twin_that_was_edited_is_judged_as_edited(here: Service, on_bus: Routed) -> None:
