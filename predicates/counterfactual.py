@@ -68,11 +68,11 @@ class Tried(Generic[V]):
 
 @dataclass(frozen=True, slots=True)
 class Turn(Generic[V]):
-    """The smallest share of a change that turns the outcome, or that none was found.
+    """The smallest share of a change that turns the outcome, see `turns`, or that none was found.
 
     Attributes:
-        before: The largest share tried below the turn, with the outcome as it is.
-        after: The smallest share tried at which the outcome is another; None: not found.
+        before: The largest share tried below the turn.
+        after: The smallest share tried at which the outcome has turned; None: not found.
         tried: All that was judged, by share. Between neighbours of the first scan an outcome
             may turn and turn back unseen: what is found is minimal among what was tried.
     """
@@ -148,8 +148,13 @@ def _halved(  # noqa: PLR0913, PLR0917 - an interval, and when to stop
     return tried
 
 
+def turns(actual: Judged, other: Judged) -> bool:
+    """Whether what was certified no longer is, or what was not now is: an abstention turns no refusal."""
+    return (actual.outcome is Outcome.CERTIFIED) is not (other.outcome is Outcome.CERTIFIED)
+
+
 def _turned(one: Tried[V], actual: V) -> bool:
-    return one.verdict.outcome is not actual.outcome
+    return turns(actual, one.verdict)
 
 
 def _turn(tried: list[Tried[V]], actual: V) -> Turn[V]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
 
-from predicates.counterfactual import Tried, Turn, nearest_turns
+from predicates.counterfactual import Tried, Turn, nearest_turns, turns
 from sdt_kg.errors import InputError
 from sdt_kg.scope import D_ARTIC
 from sdt_kg.task import Task
@@ -187,7 +187,7 @@ def _whole(world: World, task: str, actual: Found, deadline: Deadline, family: F
             tried.append(Trial(text, deadline.judged(changed(world, (parse_change(text),)), task)))
         except InputError:  # this robot has no such gripper, that joint stands there already
             continue
-        if tried[-1].found.outcome is not actual.outcome:
+        if turns(actual, tried[-1].found):
             return Sought(family, tried[-1], tried=tuple(tried))
     return Sought(
         family, tried=tuple(tried), impossible="" if tried else "none of its edits can be made here"

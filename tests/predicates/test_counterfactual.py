@@ -25,6 +25,7 @@ def judged(container: str, robot: int = 0) -> Verdict:
 
 CERTIFIED = judged("low_drawer")
 REFUSED = replace(CERTIFIED, outcome=Outcome.NOT_CERTIFIED)
+ABSTAINED = replace(CERTIFIED, outcome=Outcome.ABSTAINED)
 
 
 def test_another_robot_turns_can_perform_and_nothing_else() -> None:
@@ -49,6 +50,16 @@ def test_the_smallest_turn_is_where_it_is_to_within_the_tolerance(
     assert found.before.share < at <= found.after.share
     assert found.gap <= tolerance
     assert found.after.verdict.outcome is Outcome.NOT_CERTIFIED
+
+
+def test_an_abstention_turns_what_was_certified_and_no_refusal() -> None:
+    after = smallest_turn(lambda share: CERTIFIED if share < 0.5 else ABSTAINED, 4, 0.01).after
+    assert after is not None
+    assert after.share == pytest.approx(0.5, abs=0.01)
+    assert smallest_turn(lambda share: REFUSED if share < 0.5 else ABSTAINED, 4, 0.01).after is None
+    found = smallest_turn(lambda share: (REFUSED, ABSTAINED, CERTIFIED)[int(share * 2.9)], 4, 0.01).after
+    assert found is not None
+    assert found.verdict.outcome is Outcome.CERTIFIED
 
 
 def test_no_turn_is_said_with_all_that_was_tried() -> None:

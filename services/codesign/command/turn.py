@@ -2,6 +2,7 @@
 
 import click
 
+from predicates.case import Outcome
 from services.codesign.entries import Found, Json
 from services.codesign.turning import Sought, Trial, Turned
 from services.commands.verdicts import diagnosis_text
@@ -75,14 +76,20 @@ def sure(one: Sought) -> str:
     if one.impossible:
         return f"not possible here: {one.impossible}"
     if one.turn is not None:
-        whole = "certified" if not one.turn.found.diagnoses else "proved" if one.turn.found.is_proved else ""
         if not one.family.scan:
-            return whole or "searched"
+            return _basis(one.turn.found)
         ended = "; the time ended before it was told as finely as that" if one.stopped else ""
-        return f"{whole or 'searched'}; smaller ones were searched, not proved{ended}"
+        return f"{_basis(one.turn.found)}; smaller ones were searched, not proved{ended}"
     if one.is_proved:
         return "proved: each is refused by a proof"
     return "searched, not proved" + ("; the time ended before all was tried" if one.stopped else "")
+
+
+def _basis(found: Found) -> str:
+    """What the outcome after a turn rests on."""
+    if found.outcome is not Outcome.NOT_CERTIFIED:
+        return "certified" if found.outcome is Outcome.CERTIFIED else "outside the class"
+    return "proved" if found.is_proved else "searched"
 
 
 def print_turned(found: Turned) -> None:

@@ -42,6 +42,8 @@ def test_only_whole_edits_that_are_all_refused_by_proofs_are_proved_to_turn_noth
 def test_a_turn_into_a_refusal_is_called_certified_by_nobody() -> None:
     assert sure(Sought(WHOLE, refused())) == "searched"
     assert sure(Sought(WHOLE, refused(PROOF))) == "proved"
+    abstained = Trial("robot:a", Found("", Outcome.ABSTAINED, How.LAW, {}, SEARCH))
+    assert sure(Sought(WHOLE, abstained)) == "outside the class"
     certified = Trial("robot:a", Found("", Outcome.CERTIFIED, How.LAW, {}))
     assert sure(Sought(WHOLE, certified)) == "certified"
     assert sure(Sought(GRADUAL, certified)) == "certified; smaller ones were searched, not proved"
