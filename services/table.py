@@ -1,7 +1,7 @@
 """Many cases at once: every container of some kitchens for some robots, in worker processes."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -10,15 +10,14 @@ from predicates.case import Outcome, Verdict
 from predicates.record import to_json, to_record
 from predicates.record.recall import Recall, nothing_stored
 from sdt_kg.display import grid as html_grid
-from sdt_kg.errors import OracleUnavailableError
 from sdt_kg.load import model_name
 from sdt_kg.motion import BodyMotion
 from services.app import Policy
 from services.motions import write_motion
 from services.sweep.cell import Cell, CellResult
-from services.sweep.engines import cpu_seconds, processes
+from services.sweep.engines import cpu_seconds
+from services.sweep.handed import each
 from services.sweep.plan import Axes, grid
-from services.sweep.run import run as swept
 from services.sweep.worker import SERVICES_KEPT, prepare, service_of, stored_verdict, verdict_of
 
 Keep = Callable[[Cell, Verdict], CellResult]
@@ -117,28 +116,18 @@ def run(
     firsts = list({case.loaded: case for case in reversed(missing)}.values())
     for case in firsts:
         service_of(case)  # what cannot be loaded is told before anything is judged
-    for result in _results(partial(_judge, keep=keep), missing, jobs, firsts):
-        done[result.cell] = result
+    # One by one, however alike: an interrupt loses nothing but what the workers are at.
+    for case, result in each(missing, jobs, partial(_judge, keep=keep), partial(_prepare, firsts)):
+        done[case] = result
         report(result)
     ordered = [done[case] for case in cases]
     return TableResult(ordered, time.perf_counter() - began, cpu_seconds() - cpu_began)
 
 
-def _results(
-    judge: Callable[[Cell], CellResult], cases: Sequence[Cell], jobs: int, firsts: Sequence[Cell]
-) -> Iterator[CellResult]:
-    if jobs == 1:
-        yield from map(judge, cases)
-        return
-
-    def prepare_all(_: Cell) -> None:
-        for case in firsts[:SERVICES_KEPT]:
-            prepare(case)
-
-    for found in swept(cases, processes(jobs), judging=judge, prepare=prepare_all):
-        if not isinstance(found, CellResult):
-            raise OracleUnavailableError(f"{found.cell.task}, {found.cell.robot}: {found.reason}")
-        yield found
+def _prepare(firsts: Sequence[Cell], _: Cell) -> None:
+    """What the workers keep of what they load is loaded."""
+    for case in firsts[:SERVICES_KEPT]:
+        prepare(case)
 
 
 def _stored(cell: Cell, recall: Recall, keep: Keep) -> CellResult | None:

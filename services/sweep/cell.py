@@ -24,6 +24,9 @@ class Cell:
     states: tuple[str, ...]
     policy: Policy
 
+    def __str__(self) -> str:
+        return f"{self.task}, {model_name(self.robot)} in {model_name(self.kitchen)}"
+
     @property
     def loaded(self) -> tuple[str, str, tuple[str, ...], Policy]:
         """What a worker loads for the case, and keeps for those that follow."""

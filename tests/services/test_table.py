@@ -1,9 +1,12 @@
 """The table tells what cannot be loaded before anything is judged."""
 
+import re
+import shutil
 from pathlib import Path
 
 import pytest
 
+import kitchens
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import AnnotationError
 from services.app import Policy
@@ -48,3 +51,21 @@ def test_a_kitchen_that_cannot_be_read_stops_it_too(sdt, tmp_path: Path) -> None
     done = sdt("table", "--kitchens", f"b,{path}", "--robots", "pr2", "--jobs", "2")
     assert (done.code, done.out) == (Exit.BAD_INPUT, "")
     assert "kitchen.urdf: is not XML" in done.err
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_what_a_worker_finds_wrong_with_a_model_comes_out_in_its_own_words(
+    sdt, tmp_path: Path, jobs: str
+) -> None:
+    bundled = kitchens.path("b")
+    text = (bundled / "b.urdf").read_text(encoding="utf-8")
+    broken = re.sub(r"<box size=[^>]*/>", '<mesh filename="broken.stl"/>', text, count=1)
+    (tmp_path / "b.urdf").write_text(broken, encoding="utf-8")
+    shutil.copy(bundled / "b.ttl", tmp_path)
+    (tmp_path / "broken.stl").write_text("no triangles", encoding="utf-8")
+    done = sdt("table", "--kitchens", str(tmp_path / "b.urdf"), "--robots", "pr2", "--jobs", jobs)
+    assert (done.code, done.out) == (Exit.BAD_INPUT, "")
+    assert done.err.startswith(
+        f"error: mesh {tmp_path / 'broken.stl'} cannot be read: Could not load resource"
+    )
+    assert len(done.err.splitlines()) == 1

@@ -68,7 +68,8 @@ def _loaded(mesh_file: str, scale: tuple[float, ...], tree: coal.NODE_TYPE) -> c
     try:
         return coal.MeshLoader(tree).load(mesh_file, np.array(scale))
     except (RuntimeError, ValueError) as error:
-        raise UrdfError(f"mesh {mesh_file} cannot be read ({error})", allowed="STL, OBJ, DAE") from error
+        said = " ".join(str(error).rpartition("message:")[2].split())  # before it: where in coal's sources
+        raise UrdfError(f"mesh {mesh_file} cannot be read: {said}", allowed="STL, OBJ, DAE") from error
 
 
 @lru_cache(maxsize=1024)
