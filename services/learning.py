@@ -8,7 +8,9 @@ import pyoxigraph as ox
 from scipy.spatial.transform import Rotation
 
 from predicates.learn import Learned, Track
+from predicates.learn.coupled import coupled
 from predicates.learn.explain import Explanation, explain
+from predicates.learn.following import Following, follow, in_joints
 from predicates.learn.phases import Latch, Plain, PushToOpen, phases
 from predicates.learn.proposal import Proposal, propose
 from predicates.learn.record import Key, learned_triples, phase_triples, proposal_triples
@@ -112,6 +114,58 @@ def proposal_for(twin: Twin, learned: Learned, seen: Seen, physics: Physics) -> 
     best = learned.best if not moving else moving[0]
     proposal = propose(twin, seen.followed.container, best)
     return proposal, seen_in(proposal.twin, learned, physics, seen.followed.container.iri)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenTogether:
+    """Two tracks in a kitchen whose joints move together, and the twin in which the second follows the first.
+
+    Attributes:
+        following: The proposed twin.
+        first, second: What the tracks are in it.
+    """
+
+    following: Following
+    first: Seen
+    second: Seen
+
+    @property
+    def replayed(self) -> bool:
+        """Whether the proposed twin replays both."""
+        return self.first.replayed and self.second.replayed
+
+
+def together_in(
+    twin: Twin, tracks: tuple[Learned, Learned], physics: Physics, names: tuple[str | None, str | None]
+) -> SeenTogether:
+    """The twin in which the container of the second track follows that of the first.
+
+    Args:
+        twin: In the state in which both tracks begin.
+        tracks: Learned, in the kitchen's root frame.
+        physics: Φ.
+        names: Of the containers; None looks for them.
+
+    Raises:
+        UnknownEntityError: No such container.
+        InputError: A track is of no container, or not on its path; or nothing follows.
+    """
+    seen = [seen_in(twin, learned, physics, name) for learned, name in zip(tracks, names, strict=True)]
+    for each, learned in zip(seen, tracks, strict=True):
+        if not each.fits:
+            raise InputError(
+                f"{learned.track.name} is not on the path of {each.followed.container.name}",
+                allowed="tracks of joints that the twin has right",
+                remedy="learn each joint by itself, accept it, and ask about its branch",
+            )
+    ones = [each.followed for each in seen]
+    inside = [in_joints(learned, one.values, one.radius) for learned, one in zip(tracks, ones, strict=True)]
+    made = follow(twin, ones[0].container, ones[1].container, coupled(inside[0], inside[1]))
+    first, second = (
+        seen_in(made.twin, learned, physics, one.container.iri)
+        for learned, one in zip(tracks, ones, strict=True)
+    )
+    return SeenTogether(made, first, second)
 
 
 def held_by(learned: Learned) -> Latch | PushToOpen | Plain | None:
