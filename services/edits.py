@@ -31,6 +31,7 @@ from sdt_kg.urdf.meshes import mesh_hash
 from services.motions import read_motion
 from services.requests import parse_state
 from services.store.files import is_saved_graph, readable
+from services.store.histories import kept_history
 
 EDITS: Final = {
     "move": "move:JOINT=VALUE (a position, open or closed)",
@@ -56,15 +57,20 @@ def twin_of(source: str, robots: tuple[str, ...] = (), annotation: str | None = 
         GraphError: The saved graphs are not whole.
     """
     name, at, states = source.rpartition("@") if "=" in source.rpartition("@")[2] else (source, "", "")
-    if is_saved_graph(name):
-        store = readable(name)
-        try:
-            twin = Twin.from_quads(store.dump())
-        finally:
-            store.close()
-    else:
-        twin = load_twin(name, robots, annotation=annotation)
+    twin = _saved_twin(name) if is_saved_graph(name) else load_twin(name, robots, annotation=annotation)
     return twin.at(parse_state(twin, states.split(","))) if at else twin
+
+
+def _saved_twin(place: str) -> Twin:
+    """The twin of saved graphs; of a kept history, the twin of its latest branch."""
+    history = kept_history(place)
+    if history is not None:
+        return history.latest.twin
+    store = readable(place)
+    try:
+        return Twin.from_quads(store.dump())
+    finally:
+        store.close()
 
 
 def parse_edit(twin: Twin, text: str) -> Edit:

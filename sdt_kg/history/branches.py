@@ -108,6 +108,11 @@ class History:
         """Where the history begins."""
         return next(iter(self.branches.values()))
 
+    @property
+    def latest(self) -> Branch:
+        """The branch with the most steps behind it; of several, the one that was made last."""
+        return max([*self.branches.values()][::-1], key=lambda branch: branch.step)
+
     def branch(self, branch: Branch | Iri) -> Branch:
         """The branch of that IRI; UnknownEntityError if the history has none."""
         iri = branch.iri if isinstance(branch, Branch) else branch

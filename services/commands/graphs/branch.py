@@ -17,6 +17,8 @@ from services.commands.graphs.saved_graphs import checked_format, graph_of, writ
 from services.commands.options import ROBOT_HELP, annotation_option, csv_flag, json_flag, kitchen_argument
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.edits import EDITS, parse_edit, twin_of
+from services.store.files import is_saved_graph
+from services.store.histories import keep_history, kept_history
 
 SHORT_KEY = 12
 """[characters] Of a hash, as it is shown."""
@@ -29,7 +31,18 @@ robots_option = click.option("--robot", "robots", multiple=True, type=ROBOT, hel
 @click.argument("edits", nargs=-1, metavar="EDIT...")
 @robots_option
 @annotation_option
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="FILE.trig|.nq")
+@click.option(
+    "--from",
+    "parent",
+    metavar="BRANCH",
+    help="Of a kept history, the branch to start from: its key, or how it begins.",
+)
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), metavar="FILE.trig|.nq", help="Write the last twin."
+)
+@click.option(
+    "--history", "place", metavar="STORE", help="Keep all branches: FILE.trig, FILE.nq or a directory."
+)
 @csv_flag
 @json_flag
 def branch(
@@ -38,18 +51,20 @@ def branch(
     edits: tuple[str, ...],
     robots: tuple[str, ...],
     annotation: str | None,
+    parent: str | None,
     output: Path | None,
+    place: str | None,
     as_json: bool,
 ) -> None:
     """Branch KITCHEN (a name, a model, or a saved graph) by each EDIT in turn, and say what happened.
 
-    FILE gets the last twin and what is recorded of all branches; the samples of each trajectory are kept
-    beside it as FILE.HASH.npz. The file is a KITCHEN again, for sdt branch, diff and query.
+    STORE keeps every branch. It is a KITCHEN again, whose branches go on from the latest, or from another one
+    (--from), and whose past can be asked about. FILE gets the last twin alone, and what is recorded of the
+    branches. The samples of each trajectory are kept beside either as NAME.HASH.npz.
     """
     if output is not None:
         checked_format(output)
-    history = History.of(twin_of(kitchen, robots, annotation))
-    last = history.first
+    history, last = _begun(kitchen, robots, annotation, parent)
     for text in edits:
         history, last = history.derived(last, parse_edit(last.twin, text))
     past = list(last.past())[::-1]
@@ -62,6 +77,25 @@ def branch(
         print_rows(rows, ("branch", "edit", "content_hash", "events"), "table")
     if output is not None:
         _save(history, past, output)
+    if place is not None:
+        beside = keep_history(history, place)
+        click.echo(f"{place}: {len(history.branches)} branches, {len(beside)} files of samples", err=True)
+
+
+def _begun(
+    kitchen: str, robots: tuple[str, ...], annotation: str | None, parent: str | None
+) -> tuple[History, Branch]:
+    """The history to go on with, and the branch from which it does."""
+    history = kept_history(kitchen) if is_saved_graph(kitchen) else None
+    if history is None:
+        history = History.of(twin_of(kitchen, robots, annotation))
+    if parent is None:
+        return history, history.latest
+    found = [each for each in history.branches.values() if local_name(each.iri).startswith(parent)]
+    if len(found) != 1:
+        known = ", ".join(local_name(iri)[:SHORT_KEY] for iri in history.branches)
+        raise InputError(f"{len(found)} branches begin with '{parent}'", allowed=known)
+    return history, found[0]
 
 
 def _events(row: dict[str, object]) -> Sequence[dict[str, object]]:

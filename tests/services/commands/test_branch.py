@@ -57,6 +57,25 @@ def test_samples_of_a_followed_motion_are_kept_beside_the_graph(sdt, tmp_path: P
     assert trajectory.joints == ("https://example.org/id/b/joint/top_drawer_joint",)
 
 
+@pytest.mark.parametrize("name", ["history.trig", "history"])
+def test_a_kept_history_goes_on_after_a_restart(sdt, tmp_path: Path, name: str) -> None:
+    motion, place = tmp_path / "m.npz", str(tmp_path / name)
+    assert sdt("causes", KITCHEN, "--task", "open:top_drawer", "--motion-out", str(motion)).code == 0
+    begun = sdt("branch", KITCHEN, f"follow:{motion}", "move:top_drawer=closed", "--history", place, "--json")
+    again = sdt("branch", place, "box:crate=0.3,0.3,0.3@1,0,0.15", "--history", place, "--json")
+    assert again.json[:-1] == begun.json
+    other = sdt("branch", place, "move:top_drawer=0.1", "--from", begun.json[1]["branch"], "--json").json
+    assert [row["iri"] for row in other[:-1]] == [row["iri"] for row in begun.json[:2]]
+    last = sdt("branch", place, "--json").json
+    assert last == again.json
+    (row,) = sdt("query", place, "-f", str(QUERIES / "when_opened.rq"), "--json").json
+    assert (row["branch"], row["time"]) == (last[1]["iri"], last[1]["events"][1]["time"])
+    assert "crate" in sdt("diff", KITCHEN, f"{place}@top_drawer=0.2", "--json").out
+    assert sdt("branch", place, "--from", "nothing").code == 2
+    next(tmp_path.glob("history.*.npz")).unlink()
+    assert "samples of the trajectory" in sdt("branch", place).err
+
+
 @pytest.mark.parametrize(
     ("edit", "message"),
     [

@@ -1,0 +1,76 @@
+"""Histories kept in a file, a directory or on a server, and opened again after a restart."""
+
+from itertools import groupby
+from pathlib import Path
+from typing import Final
+
+import pyoxigraph as ox
+
+from sdt_kg.errors import InputError
+from sdt_kg.history import History, Trajectory, has_history, reopened
+from sdt_kg.iri import Iri, local_name
+from sdt_kg.store import MemoryStore
+from services.store.files import opened, readable
+from services.store.remote import is_url
+
+SHORT_KEY: Final = 12
+"""[characters] Of a trajectory's hash, in the name of the file with its samples."""
+
+
+def keep_history(history: History, place: str) -> list[Path]:
+    """All branches of the history are at that place; the files beside it that now hold samples.
+
+    Args:
+        history: Over a store in memory.
+        place: As `services.store.files.opened` takes it; what else is there stays.
+
+    Raises:
+        InputError: It is no such place, or a server, beside which no file can lie.
+    """
+    if is_url(place):
+        raise InputError(
+            f"no samples can be kept beside {place}", allowed="FILE.trig, FILE.nq or a directory"
+        )
+    assert isinstance(history.store, MemoryStore), "the caller's promise"
+    quads = sorted(history.store.everything(), key=lambda quad: str(quad.graph_name))
+    store = opened(place)
+    try:
+        for graph, content in groupby(quads, key=lambda quad: quad.graph_name):
+            assert isinstance(graph, ox.NamedNode), "no other graphs are written"
+            store.replace(graph.value, content)
+    finally:
+        store.close()
+    written: list[Path] = []
+    for branch in history.branches.values():
+        if branch.trajectory is not None:
+            written.append(_beside(Path(place), branch.trajectory.iri))
+            written[-1].write_bytes(branch.trajectory.to_bytes())
+    return written
+
+
+def kept_history(place: str, environment: Iri | None = None) -> History | None:
+    """The history that is kept at a place; None where there is none.
+
+    Args:
+        place: Where something is.
+        environment: The kitchen that is meant; may be left out where there is one history.
+
+    Raises:
+        GraphError: Something is missing or was changed.
+        InputError: There is nothing, or samples are missing.
+    """
+    store = readable(place)
+    try:
+        quads = store.dump()
+    finally:
+        store.close()
+    if not has_history(quads):
+        return None
+    samples = () if is_url(place) else sorted(Path(place).parent.glob(f"{Path(place).stem}.*.npz"))
+    read = (Trajectory.from_bytes(path.read_bytes()) for path in samples)
+    return reopened(quads, {each.iri: each for each in read}, environment=environment)
+
+
+def _beside(place: Path, trajectory: Iri) -> Path:
+    """Where the samples of a trajectory lie."""
+    return place.with_name(f"{place.stem}.{local_name(trajectory)[:SHORT_KEY]}.npz")
