@@ -8,6 +8,7 @@ import numpy as np
 
 from predicates.learn import UP, Learned, learn
 from predicates.learn.coupled import coupled
+from predicates.learn.following import following_triples, key_of
 from predicates.learn.phases import Plain
 from sdt_kg.errors import InputError
 from sdt_kg.mechanism import Pose
@@ -15,17 +16,29 @@ from services.app import Service, load
 from services.commands.completion.types import CONTAINER, KITCHEN
 from services.commands.exits import Exit
 from services.commands.law.learned import (
+    CANDIDATE_COLUMNS,
+    candidate_rows,
+    following_row,
     kitchen_row,
     learned_row,
     proposal_row,
+    show_following,
     show_kitchen,
     show_learned,
     task_text,
 )
-from services.commands.options import KITCHEN_HELP, json_flag, states_option
-from services.commands.show import print_json
+from services.commands.options import KITCHEN_HELP, csv_flag, json_flag, states_option
+from services.commands.show import csv_is_asked, print_json, print_rows
 from services.commands.verdicts import Json
-from services.learning import branch_triples, held_by, placed, proposal_for, seen_in, write_branch
+from services.learning import (
+    branch_triples,
+    held_by,
+    placed,
+    proposal_for,
+    seen_in,
+    together_in,
+    write_branch,
+)
 from services.tracks import read_track
 
 
@@ -58,7 +71,15 @@ from services.tracks import read_track
     "other",
     type=click.Path(path_type=Path),
     metavar="TRACK",
-    help="A second track, seen at the same times: does its joint follow that of the first?",
+    help="A second track, seen at the same times: does its joint follow that of the first? With a kitchen, "
+    "the twin in which it does is proposed.",
+)
+@click.option(
+    "--with-container",
+    "other_container",
+    type=CONTAINER,
+    metavar="NAME",
+    help="Whose motion the second track is; without it, the one that fits best.",
 )
 @click.option("--accept", is_flag=True, help="Write the proposed twin. Without it nothing is accepted.")
 @click.option(
@@ -68,6 +89,7 @@ from services.tracks import read_track
     metavar="BRANCH.trig",
     help="Where --accept writes; CONTAINER.learned.trig if not said.",
 )
+@csv_flag
 @json_flag
 def learn_command(
     *,
@@ -80,6 +102,7 @@ def learn_command(
     topic: str | None,
     frame: str | None,
     other: Path | None,
+    other_container: str | None,
     accept: bool,
     output: Path | None,
     as_json: bool,
@@ -92,33 +115,59 @@ def learn_command(
 
     Exit 0 done, 1 the twin cannot replay the track and no other was accepted, 2 bad input.
     """
-    if kitchen is None and (container or states or at or accept):
-        raise InputError("without a kitchen there is nothing to compare with", remedy="give --kitchen")
-    if output is not None and not accept:
-        raise InputError("-o without --accept", remedy="say --accept to write the proposed twin")
-    observed = read_track(track, topic=topic, frame=frame)
-    if at is not None:
-        observed = placed(observed, parse_pose(at))
-    learned = learn(observed, parse_up(up))
+    _check_options(kitchen, (container, states, at, accept), (other, other_container), output, accept)
+    learned = _learned(track, at, up, topic, frame)
+    second = None if other is None else _learned(other, at, up)
     row = learned_row(learned, held_by(learned))
-    if other is not None:
-        row["coupling"] = asdict(coupled(learned, learn(read_track(other), parse_up(up))))
+    if second is not None:
+        row["coupling"] = asdict(coupled(learned, second))
     if kitchen is not None:
-        row |= _in_kitchen(
-            load(kitchen, state=states), learned, container, output if accept else None, accept
-        )
-    if as_json:
-        print_json(row)
-    else:
-        _show(row)
+        service = load(kitchen, state=states)
+        follows = second is not None and row["coupling"]["holds"]
+        row |= _in_kitchen(service, learned, container, output, accept and not follows)
+        if second is not None and follows:
+            row |= _coupled(service, (learned, second), (container, other_container), output, accept)
+    _print(row, as_json)
     if kitchen is not None and not row["kitchen"]["replayed"] and not row["accepted"]:
         raise SystemExit(Exit.NO)
+
+
+def _check_options(
+    kitchen: str | None,
+    of_kitchen: tuple[object, ...],
+    other: tuple[Path | None, str | None],
+    output: Path | None,
+    accept: bool,
+) -> None:
+    if kitchen is None and any(of_kitchen):
+        raise InputError("without a kitchen there is nothing to compare with", remedy="give --kitchen")
+    if other[1] and not (other[0] and kitchen):
+        raise InputError("--with-container without --with and --kitchen", remedy="give both")
+    if output is not None and not accept:
+        raise InputError("-o without --accept", remedy="say --accept to write the proposed twin")
+
+
+def _learned(
+    track: Path, at: str | None, up: str, topic: str | None = None, frame: str | None = None
+) -> Learned:
+    observed = read_track(track, topic=topic, frame=frame)
+    return learn(observed if at is None else placed(observed, parse_pose(at)), parse_up(up))
+
+
+def _print(row: Json, as_json: bool) -> None:
+    if as_json:
+        print_json(row)
+    elif csv_is_asked():
+        print_rows(candidate_rows(row), CANDIDATE_COLUMNS, "csv")
+    else:
+        _show(row)
 
 
 def _show(row: Json) -> None:
     show_learned(row)
     if "kitchen" in row:
         show_kitchen(row["kitchen"], row["proposal"])
+        show_following(row.get("coupling_proposal"))
     if row.get("accepted"):
         click.echo(f"accepted: {row['accepted']}")
 
@@ -146,6 +195,29 @@ def _in_kitchen(
         write_branch(path, branch, *branch_triples(twin, learned, seen, proposal))
         row["accepted"] = str(path)
     return row | {"task": ", ".join(tasks) or None}
+
+
+def _coupled(
+    service: Service,
+    tracks: tuple[Learned, Learned],
+    names: tuple[str | None, str | None],
+    output: Path | None,
+    accept: bool,
+) -> Json:
+    """The twin in which the second joint follows the first, and where it was written if it was accepted."""
+    found = together_in(service.twin, tracks, service.physics, names)
+    row: Json = {"coupling_proposal": following_row(found), "accepted": None}
+    if accept and not found.replayed:
+        raise InputError(
+            "the proposed twin does not replay both tracks", allowed="tracks of joints that move as one"
+        )
+    if accept:
+        path = output or Path(f"{found.following.container.name}.learned.trig")
+        key = key_of(service.twin, tracks, found.following)
+        triples = list(following_triples(service.twin, tracks, found.following))
+        write_branch(path, found.following.twin, key, triples)
+        row["accepted"] = str(path)
+    return row
 
 
 def parse_up(text: str) -> np.ndarray | None:

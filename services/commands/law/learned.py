@@ -13,7 +13,7 @@ from sdt_kg.mechanism import Joint, JointType
 from sdt_kg.task import Task
 from services.commands.show import console, print_rows
 from services.commands.verdicts import Json
-from services.learning import Seen
+from services.learning import Seen, SeenTogether
 
 KINDS = {Plain: "plain", Latch: "latch", PushToOpen: "push_to_open"}
 """What held a container, by class."""
@@ -174,6 +174,52 @@ def proposal_row(proposal: Proposal, after: Seen) -> Json:
         "tasks": [task_text(each) for each in after.explanation.tasks] if after.fits else [],
         "reasons": [] if after.replayed else kitchen_row(after)["reasons"],
     }
+
+
+def following_row(found: SeenTogether) -> Json:
+    """The joint that would follow another, and whether the twin that has it replays both tracks."""
+    made = found.following
+    assert made.after.mimic is not None
+    return {
+        "joint": made.after.name,
+        "follows": made.after.mimic.joint,
+        "multiplier": made.after.mimic.multiplier,
+        "multiplier_deviation": made.found.multiplier_deviation,
+        "offset": made.after.mimic.offset,
+        "residual": made.found.residual,
+        "evidence": made.found.evidence,
+        "assumptions": list(made.assumptions),
+        "replayed": found.replayed,
+    }
+
+
+def show_following(row: Json | None) -> None:
+    """Print a coupling that is proposed, for people."""
+    if row is None:
+        return
+    times = f"times {row['multiplier']:.3f} ± {row['multiplier_deviation']:.3f}"
+    then = "replays" if row["replayed"] else "still cannot replay"
+    console().print(
+        f"proposed  {row['joint']} follows {row['follows']}, {times}; the twin then {then} both tracks",
+        highlight=False,
+    )
+    for assumption in row["assumptions"]:
+        console().print(f"          {assumption}", highlight=False)
+
+
+CANDIDATE_COLUMNS = (
+    *("joint_type", "evidence", "probability", "residual_rms"),
+    *("best", "samples", "missing", "outliers", "container", "replayed", "task"),
+)
+"""Of a candidate on one line, with what holds of the whole track."""
+
+
+def candidate_rows(row: Json) -> list[Json]:
+    """A row for each candidate, the best first."""
+    kitchen = row.get("kitchen") or {}
+    whole = {name: row[name] for name in ("samples", "missing", "outliers", "task")}
+    whole |= {name: kitchen.get(name) for name in ("container", "replayed")}
+    return [{**each, **whole, "best": each is row["candidates"][0]} for each in row["candidates"]]
 
 
 def _twin_joint_row(joint: Joint) -> Json:

@@ -14,6 +14,7 @@ from predicates.learn import learn
 from sdt_kg.errors import InputError
 from sdt_kg.iri import LAW
 from sdt_kg.twin import Twin
+from services.app import load
 from services.cli import sdt
 from services.learning import seen_in
 from services.physics.oracle import Kinematics
@@ -131,9 +132,36 @@ def test_a_second_track_that_follows_has_its_multiplier(tmp_path: Path) -> None:
     assert row["coupling"]["multiplier"] == pytest.approx(0.5, abs=0.02)
 
 
+def test_a_drawer_that_follows_another_is_proposed_and_accepted(tmp_path: Path) -> None:
+    paths = [str(tmp_path / f"{name}.csv") for name in ("low_drawer", "high_drawer")]
+    for path, way in zip(paths, (0.46, 0.4), strict=True):
+        track = slid(Path(path).stem, way)
+        np.savetxt(path, np.column_stack([track.times, track.positions]))
+    branch, asked = tmp_path / "both.trig", ("--kitchen", KITCHEN, "--with", paths[1])
+    row = run(paths[0], *asked)
+    assert (row["accepted"], row["coupling_proposal"]["replayed"]) == (None, True)
+    assert not branch.exists(), "nothing is accepted silently"
+    row = run(paths[0], *asked, "--accept", "-o", str(branch))
+    assert row["coupling_proposal"]["multiplier"] == pytest.approx(0.4 / 0.46, abs=0.01)
+    found = load(str(branch)).twin
+    high = found.container("high_drawer")
+    assert high.active_joint == found.container("low_drawer").joint
+    assert high.multiplier == row["coupling_proposal"]["multiplier"]
+
+
+def test_csv_has_a_row_for_each_candidate(known: str) -> None:
+    done = CliRunner().invoke(sdt, ["learn", known, "--kitchen", KITCHEN, "--csv"])
+    head, best, *others = done.output.splitlines()
+    assert head.startswith("joint_type,evidence,probability,residual_rms,best")
+    assert best.startswith("prismatic")
+    assert "low_drawer,True,open:low_drawer" in best
+    assert len(others) == 2
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["--with-container", "x"], "--with-container without --with and --kitchen"),
         (["--accept"], "without a kitchen there is nothing to compare with; give --kitchen"),
         (["--kitchen", KITCHEN, "-o", "b.trig"], "-o without --accept"),
         (["--kitchen", KITCHEN, "--accept"], "the twin has the path of low_drawer already"),
