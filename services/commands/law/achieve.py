@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -35,6 +36,9 @@ from services.commands.tee_class import in_class
 from services.commands.verdicts import told
 from services.motions import read_motion, write_motion
 from services.requests import parse_base, parse_task
+
+if TYPE_CHECKING:
+    from services.store.files import SavedVerdicts
 
 
 @click.command()
@@ -117,10 +121,8 @@ def achieve(
     service = in_class(service, tee, forces)
     given = read_motion(motion, service.twin, service.robot(None)) if motion else None
     verdicts: list[Verdict] = []
-    from services.store.files import SavedVerdicts  # noqa: PLC0415 - imports what asks remote stores
-
     with ExitStack() as stack:
-        saved = stack.enter_context(SavedVerdicts(save)) if save else None
+        saved = stack.enter_context(_saved(save)) if save else None
         if saved:
             saved.add_twin(service.twin)
             service = replace(service, recall=saved.stored)
@@ -139,6 +141,12 @@ def achieve(
     if certificate:
         _write_certificate(verdicts, certificate)
     raise SystemExit(told(objects, as_json=as_json))
+
+
+def _saved(place: str) -> "SavedVerdicts":
+    from services.store.files import SavedVerdicts  # noqa: PLC0415 - imports what asks remote stores
+
+    return SavedVerdicts(place)
 
 
 def _write_certificate(verdicts: Sequence[Verdict], path: Path) -> None:
