@@ -50,9 +50,15 @@ class AsyncConnection:
         """Every request that the state meets."""
         return await self._asked(self.here.satisfies, *state)
 
-    async def causes(self, task: str, *state: str, motion: Mapping[str, object] | None = None) -> CausesReply:
+    async def causes(
+        self,
+        task: str,
+        *state: str,
+        motion: Mapping[str, object] | None = None,
+        **relative: Any,  # noqa: ANN401 - fields of CausesRequest, checked there
+    ) -> CausesReply:
         """Motions that would cause the task, or whether the given one does; no robot."""
-        return await self._asked(self.here.causes, task, *state, motion=motion)
+        return await self._asked(self.here.causes, task, *state, motion=motion, **relative)
 
     async def achieve(
         self,

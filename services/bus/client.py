@@ -108,9 +108,15 @@ class Connection:
         request = SatisfiesRequest(state=list(state))
         return tuple(self._typed(Verb.SATISFIES, request, SatisfiesReply)[0].requests)
 
-    def causes(self, task: str, *state: str, motion: Mapping[str, object] | None = None) -> CausesReply:
-        """Motions that would cause the task, or whether the given one does; no robot."""
-        request = CausesRequest(task=task, state=list(state), motion=_arrays(motion))
+    def causes(
+        self,
+        task: str,
+        *state: str,
+        motion: Mapping[str, object] | None = None,
+        **relative: Any,  # noqa: ANN401 - fields of CausesRequest, checked there
+    ) -> CausesReply:
+        """Motions that would cause the task, or whether the given one does; no robot (tee, handle_force)."""
+        request = CausesRequest(task=task, state=list(state), motion=_arrays(motion), **relative)
         return self._typed(Verb.CAUSES, request, CausesReply, CBOR)[0]
 
     def achieve(
@@ -128,7 +134,7 @@ class Connection:
             robot: Name; may be left out where the server has one.
             state: `JOINT=VALUE` texts.
             motion: Arrays as in a motion file, to be verified; made where it is None.
-            policy: drive, base, budget, seed.
+            policy: drive, base, budget, seed, tee, handle_force.
         """
         request = AchieveRequest(
             task=task, robot=robot, state=list(state), motion=_arrays(motion), quads=True, **policy

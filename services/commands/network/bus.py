@@ -3,10 +3,11 @@
 import signal
 import threading
 from pathlib import Path
+from typing import Any
 
 import click
 
-from services.commands.options import FiniteRange, csv_flag, json_flag, states_option
+from services.commands.options import FiniteRange, csv_flag, json_flag, states_option, tee_option
 from services.commands.show import print_json, print_rows
 from services.commands.verdicts import told
 
@@ -43,6 +44,13 @@ config_option = click.option(
 @click.option(
     "--drive", type=click.Choice(["omni", "differential", "fixed"]), help="How the base moves, for achieve."
 )
+@tee_option
+@click.option(
+    "--handle-force",
+    type=FiniteRange(min=0, min_open=True),
+    metavar="NEWTON",
+    help="Allowed at the handle, for d_artic_dyn; without it, what the kitchen's force data say.",
+)
 @click.option("--budget", type=FiniteRange(min=0, min_open=True), default=20.0, show_default=True)
 @click.option(
     "--deadline",
@@ -63,6 +71,8 @@ def ask(
     robot: str | None,
     states: tuple[str, ...],
     drive: str | None,
+    tee: str,
+    handle_force: float | None,
     budget: float,
     deadline: float,
     as_json: bool,
@@ -74,6 +84,8 @@ def ask(
     from services.bus.client import Connection  # noqa: PLC0415 - other commands need no bus
     from services.bus.client import connect as connected  # noqa: PLC0415 - see above
 
+    relative: dict[str, Any] = {"tee": tee, "handle_force": handle_force}
+
     def asked(to: Connection) -> int:
         if verb in {"select", "ask", "construct"}:
             return _query(to, verb, text, as_json=as_json)
@@ -81,10 +93,12 @@ def ask(
             click.echo(to.why(text))
             return 0
         if verb == "achieve":
-            found = to.achieve(text, robot, *states, drive=drive, budget=budget)
+            found = to.achieve(text, robot, *states, drive=drive, budget=budget, **relative)
             return told(found.objects, as_json=as_json)
         rows = {"satisfies": lambda: [each.model_dump() for each in to.satisfies(*states)]}
-        rows["causes"] = lambda: [to.causes(text, *states).model_dump(mode="json", exclude={"motions"})]
+        rows["causes"] = lambda: [
+            to.causes(text, *states, **relative).model_dump(mode="json", exclude={"motions"})
+        ]
         rows["place"] = lambda: to.place(text, robot, *states, budget=budget)["spots"]
         rows["health"] = to.health
         return _rows(rows[verb](), as_json=as_json)

@@ -61,6 +61,14 @@ def test_requests_and_motions_are_those_in_process(connection: Connection) -> No
     assert checked.holds == [True]
 
 
+def test_a_class_with_forces_is_asked_over_the_bus(connection: Connection) -> None:
+    assert connection.causes(f"open:{DRAWER}", tee="d_artic_dyn").holds == [True]
+    (refused,) = connection.causes(f"open:{DRAWER}", tee="d_artic_dyn", handle_force=2.0).diagnoses
+    assert "where 2 N is allowed" in refused[0]["reason"]
+    with pytest.raises(RequestError, match="handle_force"):
+        connection.achieve(f"open:{DRAWER}", "pr2", handle_force=2.0)
+
+
 def test_queries_of_every_form(connection: Connection) -> None:
     assert connection.select("SELECT (COUNT(*) AS ?n) WHERE { ?d a sdt:Drawer }") == (["n"], [{"n": 14}])
     assert connection.ask("ASK { ?d a sdt:Drawer }")
