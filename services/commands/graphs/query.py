@@ -4,13 +4,16 @@ from pathlib import Path
 from typing import Any
 
 import click
+import pyoxigraph as ox
 
 from sdt_kg.errors import InputError
+from sdt_kg.iri import PREFIXES
 from services.app import load
 from services.commands.graphs.computing import Asked, compute_options, print_computed, refuse_without_compute
 from services.commands.options import csv_flag, json_flag
 from services.commands.show import print_rows
 from services.store.files import is_saved_graph, query_saved
+from services.store.known import restricted
 
 
 @click.command()
@@ -26,6 +29,12 @@ from services.store.files import is_saved_graph, query_saved
 @click.option(
     "--format", "form", type=click.Choice(["table", "csv", "json"]), default="table", show_default=True
 )
+@click.option(
+    "--known",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Ask about this only: ?NAME is id:VALUE, PREFIX:VALUE or <IRI>. Repeatable.",
+)
 @compute_options
 @csv_flag
 @json_flag
@@ -34,6 +43,7 @@ def query(
     source: str,
     sparql: str | None,
     query_file: Path | None,
+    known: tuple[str, ...],
     form: str,
     as_json: bool,
     computes: bool,
@@ -46,10 +56,26 @@ def query(
     """
     if (sparql is None) == (query_file is None):
         raise InputError("there is no query, or there are two", allowed="'SPARQL' or -f FILE.rq")
-    text = query_file.read_text() if query_file else str(sparql)
+    text = restricted(query_file.read_text() if query_file else str(sparql), dict(map(_known, known)))
     if computes:
         print_computed(source, text, Asked(**options), "json" if as_json else form)
         return
     refuse_without_compute(Asked(**options))
     columns, rows = query_saved(source, text) if is_saved_graph(source) else load(source).query(text)
     print_rows(rows, columns, "json" if as_json else form)
+
+
+def _known(text: str) -> tuple[str, ox.NamedNode]:
+    """`environment=b`, `container=<https://…>` or `outcome=law:Certified` as a variable and an IRI."""
+    name, equals, value = text.partition("=")
+    prefix, colon, local = value.partition(":")
+    if value.startswith("<") and value.endswith(">"):
+        iri = value[1:-1]
+    else:
+        iri = PREFIXES.get(prefix, "") + local if colon else PREFIXES["id"] + value
+    try:
+        if name and equals and value:
+            return name.removeprefix("?"), ox.NamedNode(iri)
+    except ValueError:
+        pass
+    raise InputError(f"'{text}' is nothing known", allowed="NAME=VALUE, NAME=PREFIX:VALUE or NAME=<IRI>")

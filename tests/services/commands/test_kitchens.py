@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 import rdflib
 
+from sdt_kg.iri import SDT
+
 
 @pytest.mark.parametrize(("kitchen", "doors", "drawers"), [("a", 8, 19), ("b", 3, 14)])
 def test_containers_are_those_of_the_paper(sdt, kitchen, doors, drawers) -> None:
@@ -87,6 +89,17 @@ def test_a_motion_beyond_the_limit_is_refused_with_its_evidence(sdt, tmp_path: P
     assert done.code == 1
     quantities = {each["evidence"]["quantity"] for each in done.json[0]["diagnoses"]}
     assert "position" in quantities
+
+
+@pytest.mark.parametrize("known", ["kind=sdt:Door", f"kind=<{SDT}Door>", "?kind=sdt:Door"])
+def test_a_query_is_asked_about_what_is_known(sdt, known: str) -> None:
+    count = "SELECT (COUNT(?c) AS ?n) { ?c a ?kind FILTER(?kind IN (sdt:Door, sdt:Drawer)) }"
+    assert sdt("query", "b", count, "--known", known, "--json").json == [{"n": 3}]
+
+
+@pytest.mark.parametrize("known", ["kind", "kind=", "=sdt:Door", "kind=<no iri>", "other=sdt:Door"])
+def test_what_is_nothing_known_is_refused(sdt, known: str) -> None:
+    assert sdt("query", "b", "SELECT ?c { ?c a ?kind }", "--known", known).code == 2
 
 
 def test_query_prints_csv(sdt) -> None:
