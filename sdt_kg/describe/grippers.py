@@ -16,6 +16,9 @@ FINGER_WORDS: Final = ("finger", "gripper", "jaw", "claw", "thumb")
 BISECTIONS: Final = 40
 """Halvings of the way from open to shut: below a micrometre."""
 
+ROOM: Final = 0.09
+"""[m] A gripper opens so far, if it can: those of the bundled robots open by 85 to 92 mm."""
+
 TIP_SHARE: Final = 1 / 3
 """The tip is the outer third of a finger."""
 
@@ -84,7 +87,11 @@ def _gripper(tree: Tree, name: str, palm: str, fingers: list[_Finger]) -> Grippe
     opening = pair.gap(is_open)
     if not free or opening <= 0:
         return None
-    is_closed = _closed(pair, is_open, is_shut)
+    is_closed = _reached(pair, is_open, is_shut, 0.0)
+    if opening > ROOM:
+        # As wide as the limit allows, fingers meet what is beside a handle, and their tips are drawn back.
+        is_open = _reached(pair, is_open, is_shut, ROOM)
+        opening = pair.gap(is_open)
     return Gripper(
         name=name,
         tool_body=palm,
@@ -97,18 +104,18 @@ def _gripper(tree: Tree, name: str, palm: str, fingers: list[_Finger]) -> Grippe
     )
 
 
-def _closed(pair: "_Pair", is_open: Positions, is_shut: Positions) -> Positions:
-    """Where the tips meet on the way from open to shut, or shut where they never do."""
+def _reached(pair: "_Pair", is_open: Positions, is_shut: Positions, wanted: float) -> Positions:
+    """Where the gap of the tips comes down to so much [m] on the way from open to shut, or shut."""
 
     def between(share: float) -> Positions:
         return {name: is_open[name] + share * (is_shut[name] - is_open[name]) for name in is_open}
 
-    if pair.gap(is_shut, is_open) >= 0:
+    if pair.gap(is_shut, is_open) >= wanted:
         return is_shut
     low, high = 0.0, 1.0
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        low, high = (middle, high) if pair.gap(between(middle), is_open) > 0 else (low, middle)
+        low, high = (middle, high) if pair.gap(between(middle), is_open) > wanted else (low, middle)
     return between(low)
 
 

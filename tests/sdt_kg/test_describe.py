@@ -95,3 +95,13 @@ def test_fingers_close_until_their_tips_meet(write: Write) -> None:
     assert [finger.open for finger in gripper.finger_joints] == [0.0, 0.0]
     assert [finger.closed for finger in gripper.finger_joints] == pytest.approx([-0.04, -0.04], abs=1e-5)
     assert gripper.tool.position == pytest.approx((0.14, 0, 0), abs=0.03)
+
+
+def test_a_gripper_opens_no_wider_than_a_handle_needs(tmp_path: Path) -> None:
+    path = tmp_path / "mine.urdf"
+    shutil.copy(bundled("robot", "stretch"), path)
+    path.with_suffix(".ttl").write_text(describe(path, lambda _: []), encoding="utf-8")
+    twin = load_twin("b", [path])
+    (gripper,) = twin.robot(twin.robots[0]).grippers
+    assert gripper.opening == pytest.approx(0.09, abs=2e-3)
+    assert all(-0.05 < each.open < 0.5 for each in gripper.finger_joints)  # their limit is 0.6 rad
