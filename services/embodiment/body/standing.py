@@ -38,11 +38,12 @@ def _apart(low, high, s, bottom, top, e):
 
 
 @_compiled
-def _clearance(pose, own, there, shapes, margins, most, room):
+def _clearance(pose, own, there, some, shapes, margins, largest, most, room):
     """How much farther than their margins all shapes are apart at least, up to `most` [m]; or TOUCHES.
 
     `own` is (rotations, centres) of the robot's shapes where its base is at the origin, `there` the same
-    of the kitchen's with the corners of their boxes; `margins` as in `contacts.contacts`.
+    of the kitchen's with the corners of their boxes; of these `some`, (first, last + 1), are looked at.
+    `margins` and `largest` are as in `contacts.contacts`.
     """
     at_r, at_c, low, high, turn, work = room
     split, count = there[0].shape[0], own[0].shape[0]
@@ -61,10 +62,8 @@ def _clearance(pose, own, there, shapes, margins, most, room):
     for i in range(3):
         low[count, i], high[count, i] = low[:count, i].min(), high[:count, i].max()
     best = most
-    for e in range(split):
-        far = best + margins[0, e]
-        for n in range(count):
-            far = max(far, best + margins[n, e])
+    for e in range(some[0], some[1]):
+        far = best + largest
         if _apart(low, high, count, there[2], there[3], e) >= far * far:
             continue
         for n in range(count):
@@ -91,22 +90,22 @@ def _room(count):
 
 
 @_compiled
-def standing(poses, own, there, shapes, margins, free):
+def standing(poses, own, there, some, shapes, margins, largest, free):
     """Whether robot and kitchen keep their margins at each base pose (K, 3) is in `free` (K,)."""
     room = _room(own[0].shape[0])
     for k in range(poses.shape[0]):
-        free[k] = _clearance(poses[k], own, there, shapes, margins, 0.0, room) != TOUCHES
+        free[k] = _clearance(poses[k], own, there, some, shapes, margins, largest, 0.0, room) != TOUCHES
 
 
 @_compiled
-def driving(poses, own, there, shapes, margins, reach, most):
+def driving(poses, own, there, some, shapes, margins, largest, reach, most):
     """Whether they keep them at all base poses; `reach` is of the farthest point from the base's axis [m].
 
     Poses to which the robot cannot have come nearer than it is clear are left out.
     """
     room, k = _room(own[0].shape[0]), 0
     while k < poses.shape[0]:
-        clear = _clearance(poses[k], own, there, shapes, margins, most, room)
+        clear = _clearance(poses[k], own, there, some, shapes, margins, largest, most, room)
         if clear == TOUCHES:
             return False
         here = k

@@ -14,6 +14,7 @@ def warm(world: World, limb: Limb) -> None:
     x, weight = np.zeros(n), np.ones(n)
     demands = rules(world, limb, Margins())
     world.contact(limb.q(x)[None], demands)
+    world.contact_each(limb.q(x)[None], demands)
     rotation, translation = limb.tool(x)
     limb.tool_jacobian(x)
     target_r, target_p = rotation[None].copy(), translation[None].copy()

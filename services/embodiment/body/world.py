@@ -107,19 +107,19 @@ class World:
         return None
 
     def _contact(self, configurations: Array, rules: Rules) -> Contact | None:
-        at, one, other = contacts.contacts(
-            configurations,
-            self.tree,
-            self.boxes,
-            self.split,
-            self.radius,
-            self.shapes,
-            self._base,
-            (rules.pairs, rules.own),
-            rules.environment,
-            rules.largest,
-        )
+        at, one, other = contacts.contacts(configurations, *self._scene(rules))
         return Contact(at, (one, other)) if at >= 0 else None
+
+    def _scene(self, rules: Rules) -> tuple:
+        """What compiled loops take, but for configurations."""
+        scene = self.tree, self.boxes, self.split, self.radius, self.shapes, self._base
+        return (*scene, (rules.pairs, rules.own), rules.environment, rules.largest)
+
+    def contact_each(self, configurations: Array, rules: Rules) -> list[Pair | None]:
+        """The shapes of a contact at each of some configurations (N, nq), None where it is free."""
+        found = np.empty((len(configurations), 2), np.int64)
+        contacts.contacts_each(found, np.ascontiguousarray(configurations), *self._scene(rules))
+        return [(a, b) if a >= 0 else None for a, b in found.tolist()]
 
     def free(self, q: Array, rules: Rules) -> bool:
         """Whether all pairs keep their margins at one configuration, shape (nq,)."""

@@ -74,7 +74,8 @@ class Mechanics:
 
     def put(self, q: Array, values: Array) -> Array:
         """Copies of scene configurations q (…, nq) with the container at `values` (T,), shape (T, nq)."""
-        placed = np.array(np.broadcast_to(q, (len(values), q.shape[-1])))
+        placed = np.empty((len(values), q.shape[-1]))
+        placed[:] = q
         placed[:, self.moving] = self.positions(values)
         return placed
 

@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 WAYPOINTS = 61  # values of the container at which a path is solved and checked
 SEEDS = 48  # in one batch
 STEPS = 60  # of the solver, for one seed
+TOGETHER = 8  # postures that are looked at together
 NEAR, FAR = 0.3, 1.1  # [m] from base to handle, horizontally, of seeds
 INSIDE = 0.004  # [rad or m] kept from joint limits, for the spline through the waypoints
 LEVEL = 1e-6  # [1, m] how far from planar a handle's motion may be for the base alone to follow it
@@ -162,10 +163,8 @@ class Searcher:
         )
         self.tally.seeds += SEEDS
         self.tally.solved += int(met.sum())
-        for s in np.flatnonzero(met):
-            grasp, rest = chosen[s]
-            if self._stands(seeds[s], rest, pivot):
-                yield from self._led(seeds[s], grasp, rest, pivot)
+        for s in self._clear(np.flatnonzero(met), seeds, chosen, pivot):
+            yield from self._led(seeds[s], *chosen[s], pivot)
 
     def _seeds(self, pivot: int, rng: np.random.Generator) -> Array:
         low = np.where(np.isfinite(self.lower), self.lower, -np.pi)
@@ -187,13 +186,18 @@ class Searcher:
         yaw = self.problem.along(pivot) - self.telescope
         seeds[:, 2] = yaw + np.pi * rng.integers(0, 2, SEEDS)
 
-    def _stands(self, x: Array, rest: Array, index: int) -> bool:
-        q = self.problem.mechanics.put(self.limb.q(x, rest), self.problem.values[[index]])
-        contact = self.world.contact(q, self.rules)
-        if contact is None:
-            return True
-        self.tally.met("pose", contact)
-        return False
+    def _clear(
+        self, met: NDArray[np.intp], xs: Array, chosen: list[tuple[Grasp, Array]], index: int
+    ) -> Iterator[int]:
+        """Which of the postures that met their grasps at a waypoint touch nothing."""
+        for some in (met[k : k + TOGETHER] for k in range(0, len(met), TOGETHER)):
+            q = self.limb.q(xs[some], np.stack([chosen[s][1] for s in some]))
+            q = self.problem.mechanics.put_each(q, np.repeat(self.problem.values[index], len(some)))
+            for s, shapes in zip(some.tolist(), self.world.contact_each(q, self.rules), strict=True):
+                if shapes is None:
+                    yield s
+                else:
+                    self.tally.met("pose", Contact(index, shapes))
 
     def _led(self, x: Array, grasp: Grasp, rest: Array, pivot: int) -> Iterator[Holding]:
         if self.drive is Drive.OMNI and self.planar:
