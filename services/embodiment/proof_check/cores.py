@@ -59,18 +59,25 @@ class Solids:
     half: Array
 
     def __add__(self, other: "Solids") -> "Solids":
-        return Solids(
-            (*self.bodies, *other.bodies),
-            Placement(
-                _joined(self.at.rotation, other.at.rotation),
-                _joined(self.at.translation, other.at.translation),
-            ),
-            np.concatenate((self.half, other.half)),
-        )
+        return _all([self, other])
 
 
-def _joined(one: Interval, other: Interval) -> Interval:
-    return Interval(np.concatenate((one.lo, other.lo)), np.concatenate((one.hi, other.hi)))
+def _all(parts: list[Solids]) -> Solids:
+    """All of them, in their order."""
+    turns, places = [one.at.rotation for one in parts], [one.at.translation for one in parts]
+    bodies = tuple(body for one in parts for body in one.bodies)
+    return Solids(
+        bodies,
+        Placement(_joined(turns, (3, 3)), _joined(places, (3,))),
+        np.concatenate([np.zeros((0, 3)), *(one.half for one in parts)]),
+    )
+
+
+def _joined(parts: list[Interval], shape: tuple[int, ...]) -> Interval:
+    none = np.zeros((0, *shape))
+    return Interval(
+        np.concatenate([none, *(one.lo for one in parts)]), np.concatenate([none, *(one.hi for one in parts)])
+    )
 
 
 def cores_on(
@@ -117,8 +124,7 @@ class Surroundings:
 
     def at(self, state: State) -> Solids:
         """Boxes inside the kitchen's declared shapes, with the kitchen in a state."""
-        found = NOTHING
-        name = self._kitchen.mechanism.name
+        name, found = self._kitchen.mechanism.name, list[Solids]()
         for body in self._kitchen.mechanism.bodies:
             geometries = [one for one in body.collision if one.shape is not ShapeType.MESH]
             if not geometries:
@@ -129,8 +135,8 @@ class Surroundings:
             if key not in self._seen:
                 iri = body_iri(name, body.name)
                 self._seen[key] = _placed(iri, chain, q, geometries, self._slack)
-            found += self._seen[key]
-        return found
+            found.append(self._seen[key])
+        return _all(found)
 
 
 def standing(cores: tuple[Core, ...], chain: Chain, robot: str, slacks: tuple[float, float]) -> Solids:
@@ -144,15 +150,15 @@ def standing(cores: tuple[Core, ...], chain: Chain, robot: str, slacks: tuple[fl
     """
     base = Chain(chain.links[:3], HERE)
     start = np.array([[(link.lower + link.upper) / 2 for link in base.links]])
-    found = NOTHING
+    found = list[Solids]()
     for core in cores:
         if core.link != 2:
             continue
         _, _, at = Chain(base.links, core.middle).frames(start)
         far = float((at.translation - Chain(base.links, HERE).frames(start)[2].translation).norm().hi.max())
         less = 1.5 * slacks[0] + slacks[1] * (far + float(np.linalg.norm(core.half))) + ROUNDING
-        found += _solids(body_iri(robot, core.body), at, core.half - less)
-    return found
+        found.append(_solids(body_iri(robot, core.body), at, core.half - less))
+    return _all(found)
 
 
 def apart_from(
@@ -162,10 +168,10 @@ def apart_from(
     exempt, robot = exempt_pairs(tree.mechanism, annotation), tree.mechanism.name
     own = {body_iri(robot, body.name) for body in tree.mechanism.bodies}
     keeps = np.ones((len(cores), len(solids.bodies)), dtype=np.bool_)
-    for c, core in enumerate(cores):
-        for s, other in enumerate(solids.bodies):
-            if other in own:
-                keeps[c, s] = core.link > 2 and frozenset((body_iri(robot, core.body), other)) not in exempt
+    for s in [s for s, other in enumerate(solids.bodies) if other in own]:
+        for c, core in enumerate(cores):
+            pair = frozenset((body_iri(robot, core.body), solids.bodies[s]))
+            keeps[c, s] = core.link > 2 and pair not in exempt
     return keeps
 
 
@@ -228,7 +234,7 @@ def _points(
 
 def _placed(iri: Iri, chain: Chain, q: Array, geometries: list[Geometry], slack: float) -> Solids:
     """Boxes inside the shapes of a body, however the joints before it differ by the slack."""
-    found = NOTHING
+    found = list[Solids]()
     for geometry in geometries:
         half = _within(geometry)
         whole = Chain(chain.links, chain.end @ placement(geometry.pose))
@@ -238,8 +244,8 @@ def _placed(iri: Iri, chain: Chain, q: Array, geometries: list[Geometry], slack:
             arms = cross(at.translation[:, None] - origins, axes).norm().hi + float(np.linalg.norm(half))
             turns = np.array([link.turns for link in chain.links])
             less += float((np.where(turns, arms, 1.0) * slack).sum())
-        found += _solids(iri, at, half - less)
-    return found
+        found.append(_solids(iri, at, half - less))
+    return _all(found)
 
 
 def _solids(iri: Iri, at: Placement, half: Array) -> Solids:

@@ -137,12 +137,13 @@ class Statement:
         self._chains: dict[str, tuple[Chain, Array] | None] = {}
         self._targets: dict[float, Target] = {}
         self._surroundings = Surroundings(self._kitchen, self._slack())
+        self._solids: dict[float, Solids] = {}
 
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Statement":
         """The same, with the fixed base elsewhere."""
         other = Statement(self.twin, self.robot, self.container, Drive.FIXED, start, self.tolerances, room)
         other._chains, other._targets = self._chains, self._targets
-        other._surroundings = self._surroundings
+        other._surroundings, other._solids = self._surroundings, self._solids
         return other
 
     def arm(self, gripper: Gripper) -> Arm | None:
@@ -177,8 +178,9 @@ class Statement:
 
     def around(self, arm: Arm, value: float) -> tuple[Solids, NDArray[np.bool_]]:
         """What is solid with the container at a value, and which core is kept apart from it, shape (C, S)."""
-        state = self.twin.at({self.container.joint: value}).state
-        solids = self._surroundings.at(state) if arm.cores else NOTHING
+        if arm.cores and value not in self._solids:
+            self._solids[value] = self._surroundings.at(self.twin.at({self.container.joint: value}).state)
+        solids = self._solids[value] if arm.cores else NOTHING
         if arm.cores and not any(self.room):
             solids += standing(arm.cores, arm.chain, self._tree.mechanism.name, self._base_slacks())
         return solids, apart_from(arm.cores, solids, self._tree, self._annotation)

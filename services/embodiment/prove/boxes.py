@@ -146,8 +146,11 @@ def sway(point, k, origins, axes, turns, half, arms):
 
 
 @njit(cache=True)
-def meets(half, turns, inner, origins, axes, frames, arms):
-    """(Core that meets a solid in the whole box or −1; joint to halve where one does in the middle or −1)."""
+def meets(half, turns, inner, origins, axes, frames, arms, asked):
+    """(Core that meets a solid in the whole box or −1; joint to halve where one does in the middle or −1).
+
+    Unless a joint is asked for, cores that move too far to refute the box are not looked at.
+    """
     (links, turned, placed, sizes), solids, keeps = inner
     split, most = -1, DEEP
     for c in range(len(links)):
@@ -155,7 +158,10 @@ def meets(half, turns, inner, origins, axes, frames, arms):
         turn = frames[k] @ turned[c]
         place = origins[k] + frames[k] @ placed[c]
         least, radius = sizes[c].min(), np.sqrt((sizes[c] ** 2).sum())
-        less = min(sway(place, k, origins, axes, turns, half, arms), least - DEEP)
+        swayed = sway(place, k, origins, axes, turns, half, arms)
+        if not asked and swayed - radius * half[: k + 1].sum() > least:
+            continue
+        less = min(swayed, least - DEEP)
         for s in range(len(solids[0])):
             if not keeps[c, s]:
                 continue
@@ -234,7 +240,7 @@ def divide(low, high, chain, reach, upright, tool, boxes, level, slack, inner, t
         a, b = lows[depth].copy(), highs[depth].copy()
         far, split = look(a, b, chain, reach, upright, tool, boxes, level, slack, arms, origins, axes, frames)
         if far < 0 and len(inner[0][0]):
-            core, other = meets((b - a) / 2, chain[3], inner, origins, axes, frames, arms)
+            core, other = meets((b - a) / 2, chain[3], inner, origins, axes, frames, arms, split < 0)
             far, split = n + 1 + core if core >= 0 else -1, other if split < 0 else split
         if far >= 0:
             tree[written] = LEAF + far

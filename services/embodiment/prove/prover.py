@@ -232,8 +232,17 @@ def _floats(arm: Arm) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
 
 
 def _inner(arm: Arm, solids: Solids, keeps: NDArray[np.bool_]) -> tuple[object, ...]:
-    """Cores, solids, and which of them are kept apart, as `boxes` takes them."""
+    """Cores, solids near enough, and which of them are kept apart, as `boxes` takes them."""
     cores = arm.cores
+    links = arm.chain.links
+    places, half = _middle(solids.at.translation), solids.half
+    near = np.zeros(len(half), dtype=np.bool_)
+    if cores:
+        start = np.array([(link.lower + link.upper) / 2 for link in links[:2]])
+        room = sum(link.upper - link.lower for link in links[:2])
+        size = max(float(np.linalg.norm(core.half)) for core in cores)
+        away = np.linalg.norm(places[:, :2] - start, axis=1) - np.linalg.norm(half, axis=1)
+        near = away < arm.reach[2] + room + size
     return (
         (
             np.array([core.link for core in cores], dtype=np.int64),
@@ -241,8 +250,8 @@ def _inner(arm: Arm, solids: Solids, keeps: NDArray[np.bool_]) -> tuple[object, 
             np.array([_middle(core.middle.translation) for core in cores]).reshape(-1, 3),
             np.array([core.half for core in cores]).reshape(-1, 3),
         ),
-        (_middle(solids.at.rotation), _middle(solids.at.translation), solids.half),
-        keeps,
+        (_middle(solids.at.rotation)[near], places[near], half[near]),
+        np.ascontiguousarray(keeps[:, near]),
     )
 
 
