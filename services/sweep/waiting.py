@@ -6,7 +6,7 @@ from typing import Final, Generic, TypeVar
 
 T = TypeVar("T")
 
-MOST_TOGETHER: Final = 32
+MOST_TOGETHER: Final = 16
 """[1] Items in one piece at most: what a killed process takes with it, and how seldom progress is told."""
 PIECES: Final = 2
 """[1] Into which each worker's share of what waits is cut: the later ones balance the earlier."""

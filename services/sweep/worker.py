@@ -76,10 +76,15 @@ def service_of(cell: Cell) -> Service:
 
 @lru_cache(maxsize=SERVICES_KEPT)
 def _service(kitchen: str, robot: str, states: tuple[str, ...], policy: Policy) -> Service:
-    service = Service(_twin(kitchen, robot), policy)
+    service = Service(twin_of(kitchen, robot), policy)
     return service.at(*states) if states else service
 
 
 @lru_cache(maxsize=TWINS_KEPT)
-def _twin(kitchen: str, robot: str) -> Twin:
+def twin_of(kitchen: str, robot: str) -> Twin:
+    """The kitchen with that robot.
+
+    Raises:
+        InputError: They cannot be loaded.
+    """
     return load_twin(kitchen, [robot])

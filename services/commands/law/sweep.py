@@ -1,6 +1,7 @@
 """`sdt sweep`: many cases, planned from a grid, a CSV file or a query; resumed where it was stopped."""
 
 from contextlib import ExitStack
+from itertools import product
 from pathlib import Path
 
 import click
@@ -22,7 +23,7 @@ from services.sweep.plan import Axes, Plan, grid, policies
 from services.sweep.run import run
 from services.sweep.sources import Listed, csv_rows, query_rows
 from services.sweep.summary import OUTCOMES, Kept, Summary
-from services.sweep.worker import stored
+from services.sweep.worker import stored, twin_of
 
 
 @click.command()
@@ -168,7 +169,10 @@ def _planned(
     if query is not None:
         text = Path(query).read_text() if query.endswith(".rq") else query
         return listed.plan(query_rows(text, *models, of))
-    return grid(*models, axes)
+    plan = grid(*models, axes)
+    for kitchen, robot in product(*models):
+        twin_of(kitchen, robot)  # what cannot be loaded is told before anything is judged; workers keep it
+    return plan
 
 
 def _place(save: str) -> str:

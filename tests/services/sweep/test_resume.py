@@ -10,6 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
 
+from sdt_kg.errors import AnnotationError
 from services.cli import sdt
 
 PROJECT = Path(__file__).resolve().parents[3]
@@ -74,3 +75,11 @@ def test_a_query_of_what_is_saved_chooses_what_is_judged_next(killed: Path) -> N
 def test_a_file_that_is_written_at_the_end_is_no_place_to_resume_from() -> None:
     said = CliRunner().invoke(sdt, ["sweep", "--kitchens", "b", "--save", "verdicts.trig"])
     assert "would lose what is in verdicts.trig" in str(said.exception)
+
+
+def test_a_robot_that_cannot_be_loaded_is_told_before_anything_is_judged(tmp_path: Path) -> None:
+    (tmp_path / "bare.urdf").write_text('<robot name="bare"><link name="base"/></robot>')
+    robots = f"pr2,{tmp_path / 'bare.urdf'}"
+    said = CliRunner().invoke(sdt, ["sweep", "--kitchens", "b", "--robots", robots, "--jobs", "2"])
+    assert isinstance(said.exception, AnnotationError)
+    assert "robot 'bare' has no annotation" in str(said.exception)

@@ -100,7 +100,7 @@ def test_what_is_alike_stays_together_until_the_last_workers_share_it() -> None:
     pieces = []
     while len(waiting):
         pieces.append(waiting.piece())
-    assert [len(piece) for piece in pieces] == [17, 9, 7, 1, 5, 3, 3, 2, 1, 1, 1, 1]
+    assert [len(piece) for piece in pieces] == [16, 1, 9, 7, 1, 5, 3, 3, 2, 1, 1, 1, 1]
     assert all(len({item[0] for item in piece}) == 1 for piece in pieces)
     assert [item for piece in pieces for item in piece] == [
         f"{group}{number}" for group in "abc" for number in range(17)
