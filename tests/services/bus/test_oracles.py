@@ -15,8 +15,10 @@ from sdt_kg.errors import InputError, OracleUnavailableError
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task, Verb
 from services.app import Policy, Service, load, whole_body
+from services.bus.keys import Oracle
 from services.bus.oracles.codec import policy_plain
 from services.bus.oracles.remote import BusOracles
+from services.bus.oracles.server import oracle
 from services.bus.sessions import open_session
 from tests.services.bus.conftest import free_endpoint
 from tests.services.bus.routed import START, routed
@@ -46,8 +48,17 @@ def here() -> Service:
     return load("b", ["pr2"], policy=Policy(budget=20.0))
 
 
-def test_physics_answers_alike(here: Service, on_bus: Routed) -> None:
-    there = on_bus[0].physics()
+def test_physics_answers_alike_over_several_processes(here: Service, on_bus: Routed) -> None:
+    _physics_answers_alike(here, on_bus[0])
+
+
+def test_physics_answers_alike_over_a_bus_within_this_process(here: Service) -> None:
+    with open_session(listen=free_endpoint()) as session, oracle(session, Oracle.CAUSES):
+        _physics_answers_alike(here, BusOracles.on(session))
+
+
+def _physics_answers_alike(here: Service, oracles: BusOracles) -> None:
+    there = oracles.physics()
     container = here.twin.container(DRAWER)
     assert there.version == here.physics.version
     goal = demanded(container, Verb.OPEN)
