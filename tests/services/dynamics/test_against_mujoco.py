@@ -93,6 +93,14 @@ TYPES = {
     "stick-slip": Type(
         DRAWER, replace(PLAIN, break_away=6.0), lambda t: 9.0 * np.sin(4 * t), 0.5, (0, 0, 0), 0.2
     ),
+    "contents": Type(DRAWER, replace(PLAIN, mass=18.0, coulomb=6.0, break_away=6.0), pull(14.0, 1.0), 0.5),
+    "soft closer, latch and contents": Type(
+        DRAWER,
+        replace(PLAIN, mass=18.0, latch=15.0, closer=10.0, closer_damping=80.0, viscous=90.0),
+        lambda t: np.minimum(150 * t, 60.0) * (t < 0.8) - 14.0 * (t > 1.2),
+        0.5,
+        (0, 0.02, 0.08),
+    ),
     "both stops": Type(DRAWER, replace(PLAIN, viscous=80.0), lambda t: 18.0 * np.cos(2.5 * t), 0.1),
 }
 
