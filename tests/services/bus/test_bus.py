@@ -13,8 +13,10 @@ import zenoh
 from predicates.record import to_json
 from sdt_kg.errors import InputError, OracleUnavailableError
 from services.app import Policy, load
+from services.bus import keys
 from services.bus.client import Connection, connect
 from services.bus.server import Server
+from services.bus.sessions import open_session
 from services.judging.codec import MAX_REQUEST
 from services.judging.problems import DeadlineError, RequestError, TooLargeError
 from tests.services.bus.conftest import free_endpoint
@@ -170,6 +172,24 @@ def test_silence_is_never_an_answer(session: zenoh.Session) -> None:
         Connection(session, "nowhere", deadline=5.0).satisfies()
     with pytest.raises(OracleUnavailableError), connect("b", free_endpoint()):
         pass
+
+
+def test_a_server_that_is_there_and_says_nothing_is_not_waited_for_longer_than_the_deadline() -> None:
+    held: list[zenoh.Query] = []
+    endpoint = free_endpoint()
+    with open_session(listen=endpoint) as mute, open_session(connect=endpoint, mode="client") as session:
+        declared = (
+            mute.declare_queryable("sdt/v1/mute/rpc/*", held.append),
+            mute.liveliness().declare_token(keys.live("mute", "one")),
+        )
+        asking = Connection(session, "mute", deadline=0.5)
+        until = time.monotonic() + 10
+        while not asking.servers():
+            assert time.monotonic() < until
+        with pytest.raises(DeadlineError, match="no reply came in time"):
+            asking.ask("ASK { ?d a sdt:Door }")
+        declared[1].undeclare()
+    assert len(held) == 1, "asked once: a server that is slow is not asked again"
 
 
 def test_verdicts_are_published(connection: Connection, session: zenoh.Session) -> None:
