@@ -31,3 +31,8 @@ def test_no_front_is_both_certified_and_refuted(tmp_path: Path, seed: int, robot
 def test_a_drawer_at_the_height_of_a_head_is_taken_from_below(tmp_path: Path) -> None:
     # Its handle is 1.72 m high: no straight grasp of it can be reached.
     assert result(tmp_path, 4, "pr2", Drive.OMNI, 15 * BUDGET) is Result.CERTIFIED
+
+
+def test_a_drawer_that_opens_into_a_fixed_tiago_is_proved_impossible(tmp_path: Path) -> None:
+    # In hand it comes 0.36 m of 0.41 m far, then it meets the base.
+    assert result(tmp_path, 2, "tiago_dual", Drive.FIXED, BUDGET) is Result.PROVED
