@@ -24,6 +24,7 @@ from services.reports.scene.camera import beside
 from services.reports.scene.clip import Clip, Line, body_clip, container_clip, posture_clip
 from services.reports.scene.gap import gap
 from services.reports.scene.paper import draw
+from services.reports.scene.region import excluded
 from services.reports.scene.view import View, view_of
 from services.reports.studies.course import courses, courses_figure
 from services.reports.studies.judged import opened
@@ -218,7 +219,9 @@ def _motion_clip(found: Diagnosed) -> Clip:
     twin = found.world.service.twin
     clip = container_clip(name, build(twin.mechanism(twin.environment)), twin, found.motion)
     note = "The container's motion alone: no motion of the robot was found. Red: what the reasons are about."
-    return replace(clip, robot=robot, red=red, note=note)
+    proved = tuple(excluded(twin, found.verdict))
+    note += f" Violet: {proved[0].label}." if proved else ""
+    return replace(clip, robot=robot, red=red, lines=proved, note=note)
 
 
 def _moments(found: Diagnosed) -> list[Clip]:
