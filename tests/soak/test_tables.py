@@ -1,11 +1,15 @@
 """Whole tables beyond Table 1: reference models, `close`, other states, real drives. `make soak`."""
 
+from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import pytest
 
 from sdt_kg.annotation import Drive
 from services.app import Policy
+from services.embodiment import plan
+from services.sweep.cell import CellResult
 from services.table import TableResult, cells, run
 
 PAPER = {"a": (22, 22, 19), "b": (16, 16, 15)}
@@ -20,6 +24,9 @@ REFERENCE_ROBOTS = (
     "robot_stretch/stretch_description.urdf",
 )
 
+TEN = 10
+SATURATED = 120.0  # [s] budget with which the search ends by itself, on a busy machine too
+
 pytestmark = [pytest.mark.oracle, pytest.mark.slow]
 
 
@@ -27,6 +34,13 @@ def table(
     kitchen: str, robots: tuple[str, ...], verb: str, states: tuple[str, ...], policy: Policy
 ) -> TableResult:
     return run(cells((kitchen,), robots, verb, states, policy), 2, lambda result: None)
+
+
+def open_question(result: CellResult) -> bool:
+    """Whether a case is refused by search alone: not by Causes, and without a proof."""
+    diagnoses = cast(list[dict[str, object]], result.verdict["diagnoses"])
+    kinds, proved = {each["kind"] for each in diagnoses}, any(each["proof"] for each in diagnoses)
+    return result.verdict["outcome"] != "certified" and kinds == {"embodiment"} and not proved
 
 
 def unexplained(result: TableResult) -> list[object]:
@@ -43,6 +57,25 @@ def test_reference_models_give_the_papers_table(reference: Path, kitchen: str) -
     (row,) = result.cells().values()
     assert [one for one, least in zip(row.values(), PAPER[kitchen], strict=True) if one[0] < least] == []
     assert unexplained(result) == []
+
+
+@pytest.mark.reference
+@pytest.mark.parametrize("kitchen", PAPER)
+def test_ten_times_the_search_opens_nothing_more(
+    reference: Path, kitchen: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robots = tuple(str(reference / robot) for robot in REFERENCE_ROBOTS)
+    model = str(reference / REFERENCE_KITCHENS[kitchen])
+    policy = Policy(drive=Drive.OMNI, budget=SATURATED)
+    asked = cells((model,), robots, "open", (), policy)
+    searched = [each.cell for each in run(asked, 1, lambda result: None).results if open_question(each)]
+    assert searched
+    for limit in ("ROUNDS", "MORE_ROUNDS", "BLOCKED"):
+        monkeypatch.setattr(plan, limit, TEN * getattr(plan, limit))
+    again = [replace(each, policy=replace(policy, budget=TEN * SATURATED)) for each in searched]
+    results = run(again, 1, lambda result: None).results
+    found = [each.cell.task for each in results if each.verdict["outcome"] == "certified"]
+    assert found == [], f"of {len(searched)} refused without a proof"
 
 
 @pytest.mark.parametrize("drive", [Drive.OMNI, None])
