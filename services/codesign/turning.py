@@ -110,7 +110,8 @@ def turned(question: Question, within: float, jobs: int) -> Turned:
     work = partial(_sought, question, actual, Deadline(began + within, EACH * within))
     todo: list[Family | None] = [*families(world, verdict, container), None]
     sought = _all(work, todo, jobs)
-    return Turned(question, actual, tuple(each for each in sought if each.family.edits), time.time() - began)
+    told = tuple(each for each in sought if each.family.edits or each.stopped)
+    return Turned(question, actual, told, time.time() - began)
 
 
 def container_asked(world: World, text: str) -> Container:
@@ -146,11 +147,12 @@ class Deadline:
 
     def is_late(self) -> bool:
         """Whether no further edit is to be tried."""
-        return time.time() + self._longest > self.until
+        return time.time() + max(self._longest, self.each) > self.until
 
-    def judged(self, world: World, task: str) -> Found:
-        """The verdict, timed."""
+    def judged(self, made: Callable[[], World], task: str) -> Found:
+        """The verdict in the world that is made; both are timed."""
         began, cpu_began = time.time(), time.process_time()
+        world = made()
         verdict = one_of(world.service.achieve(task, world.robot_iri))
         self._longest = max(self._longest, time.time() - began)
         return found_of(verdict, How.LAW, time.process_time() - cpu_began)
@@ -169,7 +171,9 @@ def _sought(question: Question, actual: Found, deadline: Deadline, family: Famil
     if family is None:
         start = _start(ground, question.task)
         ground = ground.under(base=start)
-        family = base_family(start, _spots(ground, question.task, start, deadline.until))
+        family = base_family(start, _spots(ground, question.task, start, deadline))
+        if not family.edits:
+            return Sought(family, stopped=deadline.is_late())
     try:
         search = _gradual if family.scan else _whole
         return search(ground, question.task, actual, deadline, family)
@@ -184,7 +188,8 @@ def _whole(world: World, task: str, actual: Found, deadline: Deadline, family: F
         if deadline.is_late():
             return Sought(family, tried=tuple(tried), stopped=True)
         try:
-            tried.append(Trial(text, deadline.judged(changed(world, (parse_change(text),)), task)))
+            made = partial(changed, world, (parse_change(text),))
+            tried.append(Trial(text, deadline.judged(made, task)))
         except InputError:  # this robot has no such gripper, that joint stands there already
             continue
         if turns(actual, tried[-1].found):
@@ -228,7 +233,7 @@ def _amount(world: World, change: Change, share: float) -> str:
 
 
 def _at(world: World, task: str, change: Change, deadline: Deadline, share: float) -> Found:
-    return deadline.judged(change.at(world, share), task)
+    return deadline.judged(partial(change.at, world, share), task)
 
 
 def _start(world: World, task: str) -> Start:
@@ -236,11 +241,11 @@ def _start(world: World, task: str) -> Start:
     return whole_body(service).start_pose(service.case(task, world.robot_iri))
 
 
-def _spots(world: World, task: str, start: Start, until: float) -> list[Start]:
+def _spots(world: World, task: str, start: Start, deadline: Deadline) -> list[Start]:
     """The nearest base poses from which a base that stands still is certified."""
-    service, left = world.service, min(PLACING, until - time.time())
-    if left <= 0:
+    if deadline.is_late():
         return []
+    service, left = world.service, min(PLACING, deadline.until - time.time())
     asked = parse_task(service.twin, task)
     found = place(service.twin, world.robot_iri, asked, budget=left, seed=service.policy.seed, enough=SPOTS)
     spots = ((each.x, each.y, each.yaw) for each in found.spots)

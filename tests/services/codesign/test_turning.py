@@ -59,9 +59,9 @@ def test_no_edit_is_begun_that_would_end_late_if_it_took_as_long_as_the_longest_
     world = World(Service(twin), "pr2")
     deadline = Deadline(time.time() + 60, 1.0)
     assert not deadline.is_late()
-    deadline.judged(world, f"close:{twin.containers()[0].name}")
+    deadline.judged(lambda: world, f"close:{twin.containers()[0].name}")
     assert not deadline.is_late()
-    deadline.until = time.time() + 0.001
+    deadline.until = time.time() + 0.5
     assert deadline.is_late()
 
 
