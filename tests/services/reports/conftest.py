@@ -28,7 +28,7 @@ class Written:
     def words(self) -> str:
         """What a reader reads, without code and data."""
         body = re.sub(r"<(script|style)\b.*?</\1>", " ", self.text, flags=re.DOTALL)
-        return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", body))
+        return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", body.replace("<wbr>", "")))
 
 
 @pytest.fixture(scope="session")
