@@ -145,9 +145,7 @@ class Planner:
         at = time.perf_counter()
         kits = [self.setting.kits.of(one) for one in self.setting.world.scene.annotation.grippers]
         limbs = [kit.limb for kit in kits]
-        motion = self.setting.motion
-        if motion.timed or out_of_reach(self.setting.world, self.mechanics, limbs, motion.values[:, 0]):
-            self._prove(EARLY_BOXES)
+        self._prove_at_once(limbs)
         self.start_contact = self._start_contact()
         self._spent("grasp", at)
         if self.start_contact is not None:
@@ -171,20 +169,32 @@ class Planner:
             self._prove(EARLY_BOXES)
         return self.proof is not None
 
+    def _prove_at_once(self, limbs: list[Limb]) -> None:
+        """Look for a proof where one is likely: times may be too short, or the handle far from any hand."""
+        if self.setting.motion.timed:
+            self._prove(0)
+        if out_of_reach(self.setting.world, self.mechanics, limbs, self.setting.motion.values[:, 0]):
+            self._prove(EARLY_BOXES)
+
     def _give_up(self) -> None:
-        """Look for a proof once more: the bodies of robot and container may be what is in the way."""
-        self._prove(LATE_BOXES)
+        """Look for a proof once more, not for long where only bodies can be in the way."""
+        ways = any(attempt.searcher.tally.paths for attempt in self.attempts)
+        self._prove(EARLY_BOXES if ways or self.start_contact is not None else LATE_BOXES)
 
     def _prove(self, boxes: int) -> None:
-        """Look for a proof with so many boxes for each gripper and value of the container."""
+        """Look for a proof from times, and with so many boxes for each gripper and value of the container."""
         at, setting = time.perf_counter(), self.setting
-        if setting.tolerances != Tolerances():  # a proof refutes what this version's own accept, no more
+        if (
+            self.proof is not None or setting.tolerances != Tolerances()
+        ):  # it refutes what these accept, no more
             return
         if self._prover is None:
             twin, values = setting.world.scene.twin, setting.motion.values[:, 0]
             about = setting.robot, setting.container, setting.drive, setting.start
             self._prover = Prover(twin, *about, values)
-        self.proof = self._prover.hurried(setting.motion) or self._prover.prove(boxes)
+        self.proof = self._prover.hurried(setting.motion)
+        if self.proof is None and boxes:
+            self.proof = self._prover.prove(boxes)
         self._spent("proof", at)
 
     def searched(self, seconds: float) -> Search:
