@@ -95,7 +95,7 @@ class WholeBody:
     def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
         start = self.start or twin.kitchen().start
         drive = self._drive(twin, robot)
-        usual = ", turned to the handle" + ("" if drive is Drive.FIXED else ", or the nearest that is free")
+        usual = ("" if drive is Drive.FIXED else ", or the nearest that is free") + ", turned to the handle"
         told = "" if self.start else usual
         grasps = hashlib.sha256(grasp_settings().encode()).hexdigest()[:16]
         return (

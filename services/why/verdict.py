@@ -113,11 +113,10 @@ def _asked(verdict: StoredVerdict, facts: Facts) -> Iterator[str]:
 
 def _start(text: str) -> str:
     """x, y, yaw as the embodiment oracle writes them, or its sentence where there are none."""
-    values, _, turned = text.partition(", turned")
-    if values.count(",") != 2:
+    x, y, yaw, *words = text.split(", ") if text.count(",") > 1 else ("", "", "", text)
+    if not x:
         return text
-    x, y, yaw = values.split(", ")
-    return f"x {x} m, y {y} m, " + ("turned to the handle" if turned else f"yaw {yaw} rad") + ", arms parked"
+    return ", ".join((f"x {x} m", f"y {y} m", *(words or [f"yaw {yaw} rad"]), "arms parked"))
 
 
 def _motion(facts: Facts, of: Iri, name: str) -> str:

@@ -4,10 +4,10 @@ from functools import cached_property
 
 import numpy as np
 
-from predicates.case import Answer, Case
+from predicates.case import Answer, Case, Quantity
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri
-from sdt_kg.motion import BodyMotion
+from sdt_kg.motion import Array, BodyMotion
 from sdt_kg.twin import Twin
 from services.embodiment.certify.certificate import Certificate
 from services.embodiment.certify.check import Certified, certify
@@ -18,6 +18,9 @@ ANY_START = "where and as the motion begins"
 
 TURNED = ", turned to the handle"
 """How a verdict's input says that the start's yaw is not given, but follows from the handle."""
+
+NEAREST = ", or the nearest that is free"
+"""How it says that a robot which would touch the kitchen there starts elsewhere."""
 
 
 class Certifier:
@@ -54,9 +57,35 @@ class Certifier:
         handle = self.twin.container(self.certificate.container).handle
         at = self.scene.placement(self.scene.q((0.0, 0.0, 0.0), {}), handle).translation
         turned = float(np.arctan2(at[1] - y, at[0] - x))
-        return (
-            text.startswith(f"{x:g}, {y:g}, ") and abs(turned - yaw) < self.certificate.tolerances.start_angle
+        if abs(turned - yaw) >= self.certificate.tolerances.start_angle:
+            return False
+        return text.startswith(f"{x:g}, {y:g}, ") or (NEAREST in text and self._moved_from(text, at))
+
+    def _moved_from(self, text: str, handle: Array) -> bool:
+        """Whether the parked robot cannot stand at the start pose in the text, turned to the handle."""
+        x, y = map(float, text.split(", ")[:2])
+        base = np.tile((x, y, np.arctan2(handle[1] - y, handle[0] - x)), (2, 1))
+        none, one = np.zeros((2, 0)), self.certificate
+        stands = BodyMotion(
+            one.robot,
+            one.motion.gripper,
+            (),
+            np.arange(2.0),
+            base,
+            none,
+            none,
+            np.zeros((2, 3)),
+            (),
+            none,
+            none,
         )
+        container = self.twin.container(one.container)
+        outcome = certify(
+            self.twin, one.robot, stands, container, one.tolerances, drive=one.drive, scene=self.scene
+        )
+        found = () if isinstance(outcome, Certified) else outcome.diagnoses
+        evidences = [each.evidence for each in found if each.evidence is not None]
+        return any(one.quantity is Quantity.DISTANCE and one.scope == "environment" for one in evidences)
 
     def perform(self, case: Case) -> Answer:
         if not isinstance(case.body_motion, BodyMotion) or not isinstance(case.robot, str):

@@ -2,7 +2,6 @@
 
 import csv
 import io
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -12,6 +11,7 @@ from selenium.common.exceptions import StaleElementReferenceException
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.expected_conditions import staleness_of
 from selenium.webdriver.support.ui import WebDriverWait
 
 from tests.browser import Browser
@@ -119,13 +119,14 @@ def test_everything_works_without_script(browser: Browser, address: str) -> None
     with without_script(browser):
         closing = f"{address}/kitchens/a?task=close"
         driver.get(closing)
-        case(browser, "stretch", "swing_door").find_element(By.TAG_NAME, "button").click()
-        end = time.monotonic() + PATIENCE
-        while "out of scope" not in case(browser, "stretch", "swing_door").text:
-            assert time.monotonic() < end
-            time.sleep(0.5)
-            driver.get(closing)
+        wait = WebDriverWait(driver, PATIENCE, poll_frequency=0.5)
+        button = case(browser, "stretch", "swing_door").find_element(By.TAG_NAME, "button")
+        button.click()
+        wait.until(staleness_of(button))  # a click does not wait for the page that it leads to
+        wait.until(
+            lambda _: driver.get(closing) or "out of scope" in case(browser, "stretch", "swing_door").text
+        )
         driver.get(f"{address}/console")
         driver.find_element(By.CSS_SELECTOR, "#query-form button").click()
-        assert driver.find_elements(By.CSS_SELECTOR, "#answer table")
+        wait.until(lambda _: driver.find_elements(By.CSS_SELECTOR, "#answer table"))
     assert browser.console_errors() == []
