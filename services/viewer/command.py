@@ -11,6 +11,8 @@ from services.viewer.beside import check_extra
 
 KITCHENS = ("b", "a")
 ROBOTS = ("pr2", "tiago_dual", "stretch")
+LOADING = 5.0
+"""[s] Before the address is told, for a judge to load; it goes on loading where that is not enough."""
 
 
 @click.command()
@@ -65,7 +67,7 @@ def view(
     from services.viewer.running import Offer, running  # noqa: PLC0415 - its library is an extra
 
     offer = Offer(kitchens or KITCHENS, robots or ROBOTS, budget)
-    with running(address, offer, judges, hosts, unprotected=unprotected) as page:
+    with running(address, offer, judges, hosts, unprotected=unprotected, patience=LOADING) as page:
         click.echo(f"{page.url}  (Ctrl-C ends it)", err=True)
         with contextlib.suppress(KeyboardInterrupt):
             threading.Event().wait()

@@ -31,17 +31,25 @@ class Offer:
 
 
 @contextmanager
-def running(
-    address: str, offer: Offer, judges: int = 1, hosts: tuple[str, ...] = (), *, unprotected: bool = False
+def running(  # noqa: PLR0913 - what the command takes
+    address: str,
+    offer: Offer,
+    judges: int = 1,
+    hosts: tuple[str, ...] = (),
+    *,
+    unprotected: bool = False,
+    patience: float = 0.0,
 ) -> Iterator["Page"]:
     """The page listens; at the end nothing of it is left.
 
     Args:
         address: HOST:PORT; port 0 is any free one.
         offer: What can be chosen.
-        judges: Processes that judge; they get ready while the page loads.
+        judges: Processes that judge; they get ready meanwhile.
         hosts: Other names of this service.
         unprotected: Whether it may listen where other machines reach it.
+        patience: How long [s] it is waited for a judge that is not ready, so that it does not compete with a
+            browser for the machine.
 
     Raises:
         InputError: A model that is none, a port that is taken, an address that others could reach.
@@ -65,6 +73,7 @@ def running(
         desk.kitchen(twin, first.kitchen)
         desk.robot(twin, first.robot)
         with closing(Page(where, desk, hosts)) as page:
+            judging.wait(patience)
             yield page
 
 

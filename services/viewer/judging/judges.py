@@ -85,6 +85,10 @@ class Judges:
         """Whether some process has everything loaded and compiled."""
         return any(lane.ready.is_set() for lane in self._lanes)
 
+    def wait(self, seconds: float) -> bool:
+        """Whether the first process has everything loaded and compiled, after so long at most."""
+        return self._lanes[0].ready.wait(seconds)
+
     def close(self) -> None:
         """No process is left."""
         for lane in self._lanes:
