@@ -44,6 +44,8 @@ log = logging.getLogger(__name__)
 
 SERVICES_KEPT = 4
 """Combinations of state and policy whose scenes a worker keeps."""
+STATES_KEPT = 64
+"""States whose met requests a worker keeps, a few kB each."""
 LEAST_BUDGET = 0.01
 """[s] Of search, however near the deadline is."""
 
@@ -89,6 +91,9 @@ class Judge:
     services: dict[str, Service]
     loaded: Loaded
     _kept: dict[Key, Service] = field(default_factory=dict[Key, Service])
+    _met: dict[tuple[str, tuple[str, ...], str], Done] = field(
+        default_factory=dict[tuple[str, tuple[str, ...], str], Done]
+    )
     _recall: Quads = nothing
 
     def __call__(self, task: Asked, recall: Quads) -> Done | Problem:
@@ -113,7 +118,7 @@ class Judge:
         if isinstance(request, PlaceRequest):
             return replied(self._place(request, asked), asked.encoding)
         if isinstance(request, SatisfiesRequest):
-            return replied(stated(self._at(asked, request.state)), asked.encoding)
+            return self._stated(request, asked)
         assert isinstance(request, CausesRequest), "the server sends no others"
         service = _in_class(self._at(asked, request.state), request)
         return replied(caused(service, request, asked.encoding), asked.encoding)
@@ -127,6 +132,15 @@ class Judge:
         """The kitchen as it is now, moved on to the state."""
         service, texts = self._service(asked.twin), (*asked.states, *state)
         return service.at(*texts) if texts else service
+
+    def _stated(self, request: SatisfiesRequest, asked: Asked) -> Done:
+        """The requests that a state meets; twins do not change, so it meets the same when asked again."""
+        key = asked.twin, (*asked.states, *request.state), asked.encoding
+        if key not in self._met:
+            while len(self._met) >= STATES_KEPT:
+                del self._met[next(iter(self._met))]
+            self._met[key] = replied(stated(self._at(asked, request.state)), asked.encoding)
+        return self._met[key]
 
     def _achieve(self, request: AchieveRequest, asked: Asked) -> Done:
         """Verdicts; those that are stored are not judged again."""

@@ -1,0 +1,45 @@
+"""What a process that judges keeps of a state, and that another state is another question."""
+
+import json
+
+import pytest
+
+from services.app import Service, load
+from services.compute.run import Loaded
+from services.judging import judge
+from services.judging.codec import JSON
+from services.judging.jobs import Done, Task
+from services.judging.judge import Judge
+
+KITCHEN = "b"
+
+
+def met(judging: Judge, *state: str, present: tuple[str, ...] = ()) -> set[tuple[str, str]]:
+    """(verb, container) of the requests that a state meets."""
+    payload = json.dumps({"state": list(state)}).encode()
+    done = judging(Task(KITCHEN, "satisfies", payload, JSON, 1.0, present), lambda _: None)
+    assert isinstance(done, Done)
+    return {(one["verb"], one["container"]) for one in json.loads(done.payload)["requests"]}
+
+
+def test_a_state_is_asked_about_once_and_another_is_another(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Service] = []
+    stated = judge.stated
+    monkeypatch.setattr(judge, "stated", lambda service: asked.append(service) or stated(service))
+    judging = Judge({KITCHEN: load(KITCHEN, ())}, Loaded((KITCHEN,), ()))
+    closed = met(judging)
+    assert ("close", "iai_fridge_door") in closed
+    assert met(judging) == closed
+    assert len(asked) == 1
+    opened = met(judging, "iai_fridge_door=open")
+    assert opened == met(judging, present=("iai_fridge_door=open",))
+    assert opened ^ closed == {("close", "iai_fridge_door"), ("open", "iai_fridge_door")}
+    assert len(asked) == 2
+
+
+def test_no_more_states_are_kept_than_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(judge, "STATES_KEPT", 2)
+    judging = Judge({KITCHEN: load(KITCHEN, ())}, Loaded((KITCHEN,), ()))
+    for degree in range(5):
+        met(judging, f"iai_fridge_door={degree / 10}")
+    assert len(judging._met) == 2
