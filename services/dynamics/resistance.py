@@ -54,12 +54,14 @@ def spring(mechanics: Mechanics, q: Interval) -> Interval:
 
 def latch(mechanics: Mechanics, q: Interval) -> Interval:
     """L(q): in full at the lower stop, nothing from the latch's width on."""
-    forces = mechanics.forces
-    if forces.latch_width <= 0:
+    forces, width = mechanics.forces, mechanics.forces.latch_width
+    if width <= 0:
         return exact(np.zeros_like(q.lo))
+    # Cut off before the division: a width of almost nothing would make its result too large for a float.
+    lowest, highest = (np.clip(each - mechanics.lower, 0, width) / width for each in (q.lo, q.hi))
     share = Interval(
-        np.clip(1 - np.nextafter((q.hi - mechanics.lower) / forces.latch_width, np.inf), 0, 1),
-        np.clip(1 - np.nextafter((q.lo - mechanics.lower) / forces.latch_width, -np.inf), 0, 1),
+        np.clip(1 - np.nextafter(highest, np.inf), 0, 1),
+        np.clip(1 - np.nextafter(lowest, -np.inf), 0, 1),
     )
     return share * span(forces.lower.latch, forces.upper.latch)
 

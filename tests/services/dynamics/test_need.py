@@ -13,7 +13,9 @@ from sdt_kg.motion import Motion
 from services.dynamics.forward.simulate import simulate
 from services.dynamics.model import Load, Mechanics, Values
 from services.dynamics.need import PARTS, need
+from services.dynamics.resistance import latch
 from services.dynamics.rest import at_rest
+from services.embodiment.proof_check.interval import exact
 from services.physics.spline import Hermite, at_rest_velocities
 from tests.services.dynamics.mechanisms import NOTHING, UPPER, slide
 
@@ -45,7 +47,7 @@ def exactly(mechanics: Mechanics, values: Values, motion: Motion) -> np.ndarray:
     total = values.mass * (values.inertia * load.inertia * a + values.weight * load.weight(q))
     total += values.stiffness * (q - forces.rest) + values.viscous * v + values.coulomb * np.sign(v)
     if forces.latch_width > 0:
-        total += values.latch * np.clip(1 - (q - mechanics.lower) / forces.latch_width, 0, 1)
+        total += values.latch * np.interp(q - mechanics.lower, [0, forces.latch_width], [1, 0])
     within = q - mechanics.lower < forces.closer_range
     return total + np.where(within, values.closer + values.closer_damping * np.minimum(v, 0), 0.0)
 
@@ -63,6 +65,15 @@ def mechanisms(draw: st.DrawFn) -> Mechanics:
     lengths = draw(st.tuples(st.floats(-0.1, 0.3), st.floats(0, 0.05), st.floats(0, 0.1)))
     load = draw(st.sampled_from([Load(True, 1.0, 0.0, 0.0, 1.5, (1.0, 1.0)), DOWNWARD]))
     return slide(Values(*low.tolist()), Values(*high.tolist()), load=load, lengths=lengths, allowed=1e-3)
+
+
+@pytest.mark.parametrize("width", [5e-324, 2.3e-309, 0.01])
+def test_a_latch_of_any_width_holds_at_the_stop_and_not_beyond_it(width: float) -> None:
+    strong = replace(NOTHING, latch=20.0)
+    mechanics = slide(strong, strong, lengths=(0.0, width, 0.0))
+    held = latch(mechanics, exact(np.array([0.0, 2 * max(width, 1e-300), UPPER])))
+    assert held.lo == pytest.approx([20.0, 0.0, 0.0], abs=1e-9)
+    assert held.hi == pytest.approx([20.0, 0.0, 0.0], abs=1e-9)
 
 
 @settings(max_examples=20, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
