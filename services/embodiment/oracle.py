@@ -18,6 +18,7 @@ from sdt_kg.twin import Container, Twin
 from services.embodiment.body.limb import Margins
 from services.embodiment.body.warm import warm
 from services.embodiment.body.world import World
+from services.embodiment.certify.certificate import ANY_START, NEAREST, TURNED
 from services.embodiment.certify.check import Certified, Refused, certify
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.grasp import grasp_settings
@@ -35,9 +36,6 @@ Start = tuple[float, float, float]
 
 EMBODIMENT_VERSION = "6"
 """Raised whenever an answer of this oracle may change."""
-
-ANY_START = "where and as the motion begins"
-"""The start of a body motion that may begin anywhere."""
 
 MOVED_START = (
     "the parked robot touches the kitchen at its start pose, x {:g} m, y {:g} m: it starts {:.1f} m beside"
@@ -95,7 +93,7 @@ class WholeBody:
     def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
         start = self.start or twin.kitchen().start
         drive = self._drive(twin, robot)
-        usual = ("" if drive is Drive.FIXED else ", or the nearest that is free") + ", turned to the handle"
+        usual = ("" if drive is Drive.FIXED else NEAREST) + TURNED
         told = "" if self.start else usual
         grasps = hashlib.sha256(grasp_settings().encode()).hexdigest()[:16]
         return (
@@ -135,15 +133,15 @@ class WholeBody:
         self._warm(world, kits)
         clock.spent("compile", began)
         began = time.perf_counter()
-        start = self._start(case, world, kits, container)
         if isinstance(case.body_motion, BodyMotion):
-            return self._verified(case, world, container, start, clock)
+            demanded = None if self.any_start else self._start(case, world, kits, container)
+            return self._verified(case, world, container, demanded, clock)
         if not isinstance(case.motion, Motion):
             raise OracleRejectedError("CanPerform was asked without a motion")
         motion = case.motion
         if motion.is_poses:
             motion = self._physics.replay(twin, motion).motion
-        drive = self._drive(twin, case.robot)
+        drive, start = self._drive(twin, case.robot), self._start(case, world, kits, container)
         own = kits, roads, self.tolerances
         setting = Setting(world, container, motion, drive, start, case.robot, *own)
         return self._searched(case, setting, clock, began)
@@ -164,7 +162,9 @@ class WholeBody:
         artefact = None if planner.proof is None else planner.proof.artefact
         return Answer(case, False, reasons, self._notes(setting, None), clock.seconds, artefact=artefact)
 
-    def _verified(self, case: Case, world: World, container: Container, start: Start, clock: Clock) -> Answer:
+    def _verified(
+        self, case: Case, world: World, container: Container, start: Start | None, clock: Clock
+    ) -> Answer:
         at = time.perf_counter()
         assert isinstance(case.body_motion, BodyMotion)
         assert case.robot is not UNKNOWN
@@ -176,7 +176,7 @@ class WholeBody:
             container,
             self.tolerances,
             drive=drive,
-            start=None if self.any_start else start,
+            start=start,
             scene=world.scene,
             in_full=True,
         )

@@ -9,18 +9,9 @@ from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import Array, BodyMotion
 from sdt_kg.twin import Twin
-from services.embodiment.certify.certificate import Certificate
+from services.embodiment.certify.certificate import ANY_START, NEAREST, TURNED, Certificate
 from services.embodiment.certify.check import Certified, certify
 from services.physics.model import Scene
-
-ANY_START = "where and as the motion begins"
-"""How a verdict's input says that no start was demanded."""
-
-TURNED = ", turned to the handle"
-"""How a verdict's input says that the start's yaw is not given, but follows from the handle."""
-
-NEAREST = ", or the nearest that is free"
-"""How it says that a robot which would touch the kitchen there starts elsewhere."""
 
 
 class Certifier:

@@ -11,10 +11,10 @@ from sdt_kg.annotation import Drive
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.state import State
 from sdt_kg.twin import Container, Twin
+from services.embodiment.certify.certificate import TURNED
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.content import Claim, read_proof
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.recheck.embodiment import TURNED
 
 TwinOf = Callable[[Iri, Iri, State], tuple[Twin, str]]
 """Environment, robot and state → their twin, and in words where it is from."""

@@ -1,5 +1,7 @@
 """Compiled distances of convex shapes, against coal."""
 
+from collections.abc import Sequence
+
 import coal
 import numpy as np
 import pytest
@@ -36,8 +38,7 @@ def test_distances_are_those_of_coal_and_their_bounds_meet(aligned: bool) -> Non
     turns = [np.tile(np.eye(3), (COUNT, 1, 1)) if aligned else Rotation.random(COUNT, rng).as_matrix()] * 2
     turns[1] = np.ascontiguousarray(turns[1][::-1])
     at = rng.uniform(-0.4, 0.4, (2, COUNT, 3))
-    middle = np.array([(one.aabb_local.min_ + one.aabb_local.max_) / 2 for one in shapes])
-    poses = [(turns[i], at[i] + (turns[i] @ middle[pairs[:, i]][:, :, None])[:, :, 0]) for i in (0, 1)]
+    poses = centred(shapes, pairs, turns, at)
     low, high, packed = np.empty(COUNT), np.empty(COUNT), pack(shapes)
     bounds_many(packed, pairs, poses[0], poses[1], low, high)
     apart = np.isfinite(low)
@@ -52,6 +53,14 @@ def test_distances_are_those_of_coal_and_their_bounds_meet(aligned: bool) -> Non
             assert expected == pytest.approx(low[n], abs=COAL_IS_RIGHT_TO)
         else:
             assert expected <= high[n] + COAL_IS_RIGHT_TO
+
+
+def centred(
+    shapes: Sequence[coal.CollisionGeometry], pairs: np.ndarray, turns: Sequence[np.ndarray], at: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Rotations and centres of both shapes of each pair, whose frames are turned so and at those places."""
+    middle = np.array([(one.aabb_local.min_ + one.aabb_local.max_) / 2 for one in shapes])
+    return [(turns[i], at[i] + (turns[i] @ middle[pairs[:, i]][:, :, None])[:, :, 0]) for i in (0, 1)]
 
 
 def surface(rng: np.random.Generator) -> coal.BVHModelBase:
@@ -73,8 +82,7 @@ def test_a_mesh_is_as_far_as_its_nearest_triangle() -> None:
     pairs[::2] = pairs[::2, ::-1]
     turns = [np.ascontiguousarray(Rotation.random(COUNT, rng).as_matrix()) for _ in range(2)]
     at = rng.uniform(-0.6, 0.6, (2, COUNT, 3))
-    middle = np.array([(one.aabb_local.min_ + one.aabb_local.max_) / 2 for one in shapes])
-    poses = [(turns[i], at[i] + (turns[i] @ middle[pairs[:, i]][:, :, None])[:, :, 0]) for i in (0, 1)]
+    poses = centred(shapes, pairs, turns, at)
     low, high = np.empty((2, COUNT))
     bounds_many(pack(shapes), pairs, poses[0], poses[1], low, high)
     apart = np.isfinite(low)
