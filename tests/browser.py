@@ -10,7 +10,9 @@ from ipaddress import ip_address
 from pathlib import Path
 from urllib.parse import urlsplit
 
+from selenium.common.exceptions import WebDriverException
 from selenium.webdriver import Chrome, ChromeOptions, ChromeService
+from selenium.webdriver.remote.webelement import WebElement
 
 # Chromium's own calls home are switched off, so that a foreign request is one of the page's.
 QUIET = (
@@ -84,6 +86,15 @@ def _is_local(url: str) -> bool:
         return ip_address(host).is_loopback
     except ValueError:
         return host == "localhost"
+
+
+def gone(element: WebElement) -> bool:
+    """The page of the element has been left. A driver says so in more ways than `staleness_of` knows."""
+    try:
+        element.is_enabled()
+    except WebDriverException:
+        return True
+    return False
 
 
 def installed() -> bool:

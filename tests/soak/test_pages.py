@@ -5,7 +5,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from selenium.common.exceptions import StaleElementReferenceException
+from selenium.common.exceptions import WebDriverException
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import WebDriverWait
 
@@ -23,7 +23,7 @@ def test_a_drawer_from_question_to_rechecked_certificate(browser: Browser, tmp_p
     options = ("--kitchen", "b", "--robot", "pr2", "--store", str(tmp_path / "verdicts.nq"))
     driver, wait = (
         browser.driver,
-        WebDriverWait(browser.driver, PATIENCE, ignored_exceptions=[StaleElementReferenceException]),
+        WebDriverWait(browser.driver, PATIENCE, ignored_exceptions=[WebDriverException]),
     )
     with sdt_serve(*options, token=TOKEN) as address:
         driver.get(f"{address}/kitchens/b")

@@ -7,14 +7,13 @@ from contextlib import contextmanager
 
 import httpx
 import pytest
-from selenium.common.exceptions import StaleElementReferenceException
+from selenium.common.exceptions import WebDriverException
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
-from selenium.webdriver.support.expected_conditions import staleness_of
 from selenium.webdriver.support.ui import WebDriverWait
 
-from tests.browser import Browser
+from tests.browser import Browser, gone
 
 PATIENCE = 120
 """[s] For a case to be judged by a process that may still have to be loaded, on a busy machine."""
@@ -78,7 +77,7 @@ def test_a_case_is_asked_for_by_keyboard_and_its_verdict_followed(browser: Brows
     assert button.get_attribute("aria-label") == "Ask whether pr2 can open swing_door"
     button.send_keys(Keys.ENTER)
     # The page replaces its matrix while it follows the case.
-    wait = WebDriverWait(driver, PATIENCE, ignored_exceptions=[StaleElementReferenceException])
+    wait = WebDriverWait(driver, PATIENCE, ignored_exceptions=[WebDriverException])
     wait.until(lambda _: "out of scope" in case(browser, "pr2", "swing_door").text)
     assert driver.current_url.endswith("#pr2.swing_door")
     case(browser, "pr2", "swing_door").find_element(By.TAG_NAME, "a").click()
@@ -122,7 +121,7 @@ def test_everything_works_without_script(browser: Browser, address: str) -> None
         wait = WebDriverWait(driver, PATIENCE, poll_frequency=0.5)
         button = case(browser, "stretch", "swing_door").find_element(By.TAG_NAME, "button")
         button.click()
-        wait.until(staleness_of(button))  # a click does not wait for the page that it leads to
+        wait.until(lambda _: gone(button))  # a click does not wait for the page that it leads to
         wait.until(
             lambda _: driver.get(closing) or "out of scope" in case(browser, "stretch", "swing_door").text
         )
