@@ -2,17 +2,19 @@
 
 import json
 import shutil
+import time
 from base64 import b64decode
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from ipaddress import ip_address
 from pathlib import Path
+from typing import TypeVar
 from urllib.parse import urlsplit
 
+import pytest
 from selenium.common.exceptions import WebDriverException
 from selenium.webdriver import Chrome, ChromeOptions, ChromeService
-from selenium.webdriver.remote.webelement import WebElement
 
 # Chromium's own calls home are switched off, so that a foreign request is one of the page's.
 QUIET = (
@@ -30,6 +32,14 @@ QUIET = (
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
 )
+T = TypeVar("T")
+PATIENCE = 240
+"""[s] Software WebGL on a busy machine is slow; figures are measured in tests/benchmarks."""
+LOOK = 0.05
+"""[s] Between two looks at the page."""
+DOCUMENT = "return document.readyState === 'complete' ? performance.timeOrigin : null"
+"""Which document is there, as soon as all of it is: when the way to it began."""
+BEGINNING = "return document.body.innerText.slice(0, 2000)"
 WEAK_TEXTS = Path(__file__).with_name("weak_texts.js").read_text()
 LOCAL_SCHEMES = {"about", "blob", "chrome", "data", "devtools", "file"}
 
@@ -40,12 +50,38 @@ class Browser:
 
     driver: Chrome
 
+    def until(self, seen: Callable[[], T], what: str) -> T:
+        """What is seen at last, after a wait as long as a busy machine needs.
+
+        A page that is being left or redrawn is looked at again: a driver has many ways to say that what it
+        had found is gone, and only some of them are a StaleElementReferenceException.
+        """
+        end, trouble = time.monotonic() + PATIENCE, "nothing"
+        while time.monotonic() < end:
+            try:
+                if found := seen():
+                    return found
+                trouble = "nothing"
+            except WebDriverException as error:
+                trouble = str(error.msg)
+            time.sleep(LOOK)
+        page = self.driver.execute_script(BEGINNING)
+        pytest.fail(f"never seen: {what}; the driver says: {trouble}; the page says: {page}")
+
+    def follows(self, act: Callable[[], object]) -> None:
+        """Does what leads to another page, and waits for all of that page: a click alone does not."""
+        before = self.driver.execute_script(DOCUMENT)
+        act()
+        self.until(lambda: self.driver.execute_script(DOCUMENT) not in {before, None}, "another page")
+
     def resize(self, width: int, height: int) -> None:
         """The page is width × height px, as on a phone or a laptop (a window cannot be narrower than 500)."""
         self.driver.execute_cdp_cmd(
             "Emulation.setDeviceMetricsOverride",
             {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False},
         )
+        size = "return innerWidth === arguments[0] && innerHeight === arguments[1]"
+        self.until(lambda: self.driver.execute_script(size, width, height), f"{width} × {height} px")
 
     def console_errors(self) -> list[str]:
         """What the page wrote on the console as an error since the last call."""
@@ -88,15 +124,6 @@ def _is_local(url: str) -> bool:
         return host == "localhost"
 
 
-def gone(element: WebElement) -> bool:
-    """The page of the element has been left. A driver says so in more ways than `staleness_of` knows."""
-    try:
-        element.is_enabled()
-    except WebDriverException:
-        return True
-    return False
-
-
 def installed() -> bool:
     """Chromium and its driver are on the PATH."""
     return shutil.which("chromium") is not None and shutil.which("chromedriver") is not None
@@ -111,6 +138,7 @@ def started(width: int = 1280, height: int = 720) -> Iterator[Browser]:
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     driver = Chrome(options=options, service=ChromeService(shutil.which("chromedriver")))
+    driver.set_script_timeout(PATIENCE)
     try:
         browser = Browser(driver)
         browser.resize(width, height)

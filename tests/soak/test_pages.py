@@ -5,31 +5,24 @@ from pathlib import Path
 
 import httpx
 import pytest
-from selenium.common.exceptions import WebDriverException
 from selenium.webdriver.common.by import By
-from selenium.webdriver.support.ui import WebDriverWait
 
 from tests.browser import Browser
 from tests.services.pages.conftest import TOKEN, sdt_serve
 
 CONTAINER = "sink_area_left_middle_drawer_main"
-PATIENCE = 300
-"""[s] On a busy machine."""
 
 
 @pytest.mark.oracle
 @pytest.mark.slow
 def test_a_drawer_from_question_to_rechecked_certificate(browser: Browser, tmp_path: Path) -> None:
     options = ("--kitchen", "b", "--robot", "pr2", "--store", str(tmp_path / "verdicts.nq"))
-    driver, wait = (
-        browser.driver,
-        WebDriverWait(browser.driver, PATIENCE, ignored_exceptions=[WebDriverException]),
-    )
+    driver = browser.driver
     with sdt_serve(*options, token=TOKEN) as address:
         driver.get(f"{address}/kitchens/b")
-        driver.find_element(By.LINK_TEXT, "Sign in").click()
+        browser.follows(driver.find_element(By.LINK_TEXT, "Sign in").click)
         driver.find_element(By.NAME, "token").send_keys(TOKEN)
-        driver.find_element(By.CSS_SELECTOR, "main button").click()
+        browser.follows(driver.find_element(By.CSS_SELECTOR, "main button").click)
         assert driver.current_url == f"{address}/kitchens/b"
 
         def cell():
@@ -37,13 +30,12 @@ def test_a_drawer_from_question_to_rechecked_certificate(browser: Browser, tmp_p
 
         began = time.monotonic()
         cell().find_element(By.TAG_NAME, "button").click()
-        wait.until(lambda _: "certified" in cell().text)
+        browser.until(lambda: "certified" in cell().text, "a verdict")
         print(f"first verdict {time.monotonic() - began:.1f} s after the click")  # noqa: T201 - a figure
-        cell().find_element(By.TAG_NAME, "a").click()
+        browser.follows(cell().find_element(By.TAG_NAME, "a").click)
         assert driver.find_element(By.CLASS_NAME, "outcome").text == "Certified"
         link = driver.current_url
-        driver.find_element(By.XPATH, "//button[text()='Recheck now']").click()
-        wait.until(lambda _: driver.find_elements(By.CSS_SELECTOR, ".notice.good"))
+        browser.follows(driver.find_element(By.XPATH, "//button[text()='Recheck now']").click)
         assert "It holds" in driver.find_element(By.CSS_SELECTOR, ".notice.good").text
         data = httpx.get(f"{link.partition('#')[0]}.json").json()
         assert (data["recheck"]["holds"], data["artefact"]["kind"]) == (True, "certificate")

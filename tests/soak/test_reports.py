@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from selenium.webdriver.support.ui import WebDriverWait
 
 from services.reports.command import report
 from services.reports.run.catalogue import notebooks
@@ -24,7 +23,7 @@ def test_a_report_with_its_defaults_opens_alone(name: str, tmp_path: Path, brows
     assert path.stat().st_size < MOST
     assert {each.suffix for each in (tmp_path / "assets").iterdir()} == {".svg", ".pdf", ".csv", ".tex"}
     browser.driver.get(path.as_uri())
-    WebDriverWait(browser.driver, 60).until(lambda page: page.execute_script(READY))
+    browser.until(lambda: browser.driver.execute_script(READY), "the scenes")
     assert browser.console_errors() == []
     assert browser.foreign_requests() == []
 

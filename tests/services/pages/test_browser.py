@@ -7,16 +7,12 @@ from contextlib import contextmanager
 
 import httpx
 import pytest
-from selenium.common.exceptions import WebDriverException
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
-from selenium.webdriver.support.ui import WebDriverWait
 
-from tests.browser import Browser, gone
+from tests.browser import Browser
 
-PATIENCE = 120
-"""[s] For a case to be judged by a process that may still have to be loaded, on a busy machine."""
 SPARQL = (
     "SELECT ?container ?outcome WHERE { ?v law:container ?container ; law:outcome ?outcome ; law:robot ?r }"
 )
@@ -63,7 +59,7 @@ def test_pages_are_usable_on_a_laptop_on_a_phone_and_by_keyboard(browser: Browse
         outline = driver.execute_script("return getComputedStyle(document.activeElement).outlineStyle")
         assert outline != "none", name
         driver.switch_to.active_element.send_keys(Keys.ENTER)
-        assert driver.switch_to.active_element.get_attribute("id") == "main", name
+        browser.until(lambda: driver.switch_to.active_element.get_attribute("id") == "main", name)
     assert browser.console_errors() == []
     assert browser.foreign_requests() == []
 
@@ -77,10 +73,9 @@ def test_a_case_is_asked_for_by_keyboard_and_its_verdict_followed(browser: Brows
     assert button.get_attribute("aria-label") == "Ask whether pr2 can open swing_door"
     button.send_keys(Keys.ENTER)
     # The page replaces its matrix while it follows the case.
-    wait = WebDriverWait(driver, PATIENCE, ignored_exceptions=[WebDriverException])
-    wait.until(lambda _: "out of scope" in case(browser, "pr2", "swing_door").text)
+    browser.until(lambda: "out of scope" in case(browser, "pr2", "swing_door").text, "the verdict")
     assert driver.current_url.endswith("#pr2.swing_door")
-    case(browser, "pr2", "swing_door").find_element(By.TAG_NAME, "a").click()
+    browser.follows(case(browser, "pr2", "swing_door").find_element(By.TAG_NAME, "a").click)
     assert driver.find_element(By.CLASS_NAME, "outcome").text == "Abstained"
     assert "Can pr2 open swing_door in kitchen a?" in driver.find_element(By.TAG_NAME, "h1").text.replace(
         "\u200b", ""
@@ -96,8 +91,9 @@ def test_the_console_is_asked_by_keyboard_and_its_answer_taken_as_csv(browser: B
     area = driver.find_element(By.ID, "query")
     area.clear()
     area.send_keys(SPARQL)
-    ActionChains(driver).key_down(Keys.CONTROL).send_keys(Keys.ENTER).key_up(Keys.CONTROL).perform()
-    WebDriverWait(driver, PATIENCE).until(lambda _: driver.find_elements(By.CSS_SELECTOR, "#answer table"))
+    browser.follows(
+        ActionChains(driver).key_down(Keys.CONTROL).send_keys(Keys.ENTER).key_up(Keys.CONTROL).perform
+    )
     shown = [
         [cell.text.replace("\u200b", "") for cell in row.find_elements(By.TAG_NAME, "td")]
         for row in driver.find_elements(By.CSS_SELECTOR, "#answer tbody tr")
@@ -107,7 +103,7 @@ def test_the_console_is_asked_by_keyboard_and_its_answer_taken_as_csv(browser: B
     assert rows[0] == ["container", "outcome"]
     short = [[each.rsplit("/", 1)[-1].replace("law#", "law:") for each in row] for row in rows[1:]]
     assert sorted(short) == sorted([each.rsplit("/", 1)[-1] for each in row] for row in shown)
-    driver.find_element(By.CSS_SELECTOR, "#answer tbody a").click()
+    browser.follows(driver.find_element(By.CSS_SELECTOR, "#answer tbody a").click)
     assert "/id/a/body/" in driver.current_url
     assert browser.console_errors() == []
 
@@ -118,14 +114,14 @@ def test_everything_works_without_script(browser: Browser, address: str) -> None
     with without_script(browser):
         closing = f"{address}/kitchens/a?task=close"
         driver.get(closing)
-        wait = WebDriverWait(driver, PATIENCE, poll_frequency=0.5)
-        button = case(browser, "stretch", "swing_door").find_element(By.TAG_NAME, "button")
-        button.click()
-        wait.until(lambda _: gone(button))  # a click does not wait for the page that it leads to
-        wait.until(
-            lambda _: driver.get(closing) or "out of scope" in case(browser, "stretch", "swing_door").text
-        )
+        browser.follows(case(browser, "stretch", "swing_door").find_element(By.TAG_NAME, "button").click)
+
+        def judged() -> bool:
+            driver.get(closing)
+            return "out of scope" in case(browser, "stretch", "swing_door").text
+
+        browser.until(judged, "the verdict")
         driver.get(f"{address}/console")
-        driver.find_element(By.CSS_SELECTOR, "#query-form button").click()
-        wait.until(lambda _: driver.find_elements(By.CSS_SELECTOR, "#answer table"))
+        browser.follows(driver.find_element(By.CSS_SELECTOR, "#query-form button").click)
+        assert driver.find_elements(By.CSS_SELECTOR, "#answer table")
     assert browser.console_errors() == []

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from selenium.webdriver.common.keys import Keys
-from selenium.webdriver.support.ui import WebDriverWait
 
 from services.physics.model import Scene
 from services.reports.studies.judged import judged
@@ -23,8 +22,8 @@ return found.size
 def test_the_page_plays_offline_as_pinocchio_moves(written: Written, browser: Browser) -> None:
     driver, view = browser.driver, "document.querySelector('.sdt-view').sdtView"
     driver.get(written.html.as_uri())
-    WebDriverWait(driver, 20).until(lambda page: page.execute_script(READY))
-    assert driver.execute_script(COLORS) > 50  # kitchen, robot and shades of them
+    browser.until(lambda: driver.execute_script(READY), "the scene")
+    browser.until(lambda: driver.execute_script(COLORS) > 50, "kitchen, robot and shades of them")
     found = judged("b", "stretch", f"open:{DRAWER}", drive="omni", budget=5.0, store=str(written.store))
     scene, (one,) = found.scenes["stretch"], found.all
     assert one.motion is not None
@@ -54,11 +53,15 @@ def _plays_by_keyboard(browser: Browser) -> None:
     driver = browser.driver
     driver.execute_script("document.querySelector('.sdt-clip').click()")  # the field of the matrix
     slider = driver.find_element("css selector", ".sdt-view input[type=range]")
-    assert slider.get_property("value") == "1000"
+    browser.until(lambda: slider.get_property("value") == "1000", "the end of the motion")
     canvas = driver.find_element("css selector", ".sdt-view canvas")
+    driver.find_element("css selector", ".sdt-view [aria-label=Speed]").send_keys(
+        "× 1"
+    )  # time enough to be seen
     canvas.send_keys(Keys.SPACE)
-    WebDriverWait(driver, 10).until(lambda page: 0 < int(slider.get_property("value")) < 1000)
+    browser.until(lambda: 0 < int(slider.get_property("value")) < 1000, "the middle of the motion")
     canvas.send_keys(Keys.SPACE)
     play = driver.find_element("css selector", ".sdt-view button")
-    WebDriverWait(driver, 10).until(lambda page: play.text == "Play")
+    browser.until(lambda: play.text == "Play", "the motion stands")
+    assert 0 < int(slider.get_property("value")) < 1000
     canvas.send_keys(Keys.ARROW_LEFT, "+")

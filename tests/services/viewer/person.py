@@ -1,22 +1,27 @@
 """What somebody at the page does and reads."""
 
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.remote.webelement import WebElement
 
 from tests.browser import Browser
 
-PATIENCE = 200
-"""[s] Software WebGL on a busy machine is slow; figures are measured in tests/benchmarks."""
-
 FOCUSED = """
     const at = document.activeElement;
-    return ((at.labels && at.labels.length ? at.labels[0].innerText : at.innerText) || '').trim();
+    const label = ((at.labels && at.labels.length ? at.labels[0].innerText : at.innerText) || '').trim();
+    return [label, getComputedStyle(at).outlineStyle];
 """
+NAMED = """
+    const [selector, label] = arguments;
+    return [...document.querySelectorAll(selector)].filter(each => each.innerText.trim() === label);
+"""
+"""In one step, since the page is drawn again between two."""
+CONTROLS = "button, [role=tab]"
 
 
 class Person:
@@ -24,7 +29,6 @@ class Person:
 
     def __init__(self, browser: Browser) -> None:
         self.browser, self.driver = browser, browser.driver
-        self.driver.set_script_timeout(PATIENCE)
 
     def reads(self) -> str:
         return str(self.driver.execute_script("return document.body.innerText"))
@@ -33,49 +37,42 @@ class Person:
         return self.until(lambda: text in self.reads(), text)
 
     def until(self, seen: Callable[[], bool], what: str) -> str:
-        end = time.monotonic() + PATIENCE
-        while time.monotonic() < end:
-            if seen():
-                return self.reads()
-            time.sleep(0.02)
-        pytest.fail(f"never seen: {what}; the page says: {self.reads()}")
+        self.browser.until(seen, what)
+        return self.reads()
 
-    def clicks(self, label: str) -> None:
-        named = self.driver.find_elements(By.CSS_SELECTOR, "button, [role=tab]")
-        (found,) = (each for each in named if each.text.strip() == label)
-        found.click()
+    def clicks(self, label: str, selector: str = CONTROLS) -> None:
+        def clicked() -> bool:
+            self.named(label, selector).click()
+            return True
+
+        self.browser.until(clicked, f"{selector} named {label}")
+
+    def named(self, label: str, selector: str = CONTROLS) -> WebElement:
+        """The only one of these that says so, as soon as it is there."""
+        found = self.browser.until(lambda: self.driver.execute_script(NAMED, selector, label), label)
+        assert len(found) == 1, (label, len(found))
+        return found[0]
+
+    def ticks(self, label: str) -> None:
+        """Ticks a box, or takes its tick away."""
+        self.clicks(label, "label")
+
+    def presses(self, key: str) -> None:
+        """Presses a key, whatever has the focus."""
+        ActionChains(self.driver).send_keys(key).perform()
 
     def tabs_to(self, label: str) -> None:
         """Goes on with the tab key until what has that label has the focus, and shows it."""
         for _ in range(80):
-            self.driver.switch_to.active_element.send_keys(Keys.TAB)
-            if self.driver.execute_script(FOCUSED) == label:
-                outline = self.driver.execute_script(
-                    "return getComputedStyle(document.activeElement).outlineStyle"
-                )
+            self.presses(Keys.TAB)
+            focused, outline = self.driver.execute_script(FOCUSED)
+            if focused == label:
                 assert outline != "none", f"{label} does not show that it has the focus"
                 return
         pytest.fail(f"not reached by keyboard: {label}")
 
-    def ticks(self, label: str) -> None:
-        """Ticks a box, or takes its tick away."""
-        named = self.driver.find_elements(By.TAG_NAME, "label")
-        (found,) = (each for each in named if each.text.strip() == label)
-        found.click()
-
     def opens(self, position: int, file: Path) -> None:
         """Chooses a file at the button of that position."""
-        self.driver.find_elements(By.CSS_SELECTOR, "input[type=file]")[position].send_keys(str(file))
-
-    def chooses(self, label: str, option: str) -> None:
-        """In the drop-down of that label."""
-        script = """
-            const all = [...document.querySelectorAll('label, div, p')];
-            const rows = all.filter(each => each.innerText === arguments[0]);
-            const row = rows[rows.length - 1].closest('div[class]').parentElement;
-            return row.querySelector('input') || row.parentElement.querySelector('input');
-        """
-        self.driver.execute_script(script, label).click()
-        found = self.driver.find_elements(By.CSS_SELECTOR, "[role=option]")
-        (wanted,) = (each for each in found if each.text.strip() == option)
-        wanted.click()
+        found = "input[type=file]"
+        self.until(lambda: len(self.driver.find_elements(By.CSS_SELECTOR, found)) > position, found)
+        self.driver.find_elements(By.CSS_SELECTOR, found)[position].send_keys(str(file))
