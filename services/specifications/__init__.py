@@ -2,6 +2,16 @@
 
 from predicates.specification.result import StepResult, TaskResult
 from services.specifications.keep import keep
-from services.specifications.run import achieve_task, ready, specification_of
+from services.specifications.run import achieve_task, ready, specification_from, specification_of
+from services.specifications.told import result_json
 
-__all__ = ["StepResult", "TaskResult", "achieve_task", "keep", "ready", "specification_of"]
+__all__ = [
+    "StepResult",
+    "TaskResult",
+    "achieve_task",
+    "keep",
+    "ready",
+    "result_json",
+    "specification_from",
+    "specification_of",
+]

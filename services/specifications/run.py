@@ -57,6 +57,19 @@ def specification_of(twin: Twin, source: str) -> Specification:
     return read_specification(twin, text, path.name)
 
 
+def specification_from(twin: Twin, text: str) -> Specification:
+    """The ready task of that name, or the one that the text writes in Turtle: no file is read for a stranger.
+
+    Raises:
+        InputError: It is neither; see `read_specification`.
+    """
+    if text in ready():
+        return specification_of(twin, text)
+    if not any(mark in text for mark in " \n\t<"):
+        raise UnknownEntityError("task", text, ready(), "or write one in Turtle")
+    return read_specification(twin, text, "the task")
+
+
 def achieve_task(
     service: Service, specification: Specification, robot: str | None = None, told: Told = lambda *_: None
 ) -> TaskResult:

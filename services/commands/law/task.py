@@ -7,13 +7,9 @@ from typing import Any
 import click
 
 from predicates.case import Outcome
-from predicates.record import diagnosis_json, to_json
 from predicates.specification.model import Specification
-from predicates.specification.quality import UNITS
-from predicates.specification.rules import RuleAnswer
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
-from sdt_kg.iri import local_name
 from services.app import Policy, Service, load
 from services.commands.completion.types import KITCHEN, ROBOT
 from services.commands.exits import Exit
@@ -35,17 +31,16 @@ from services.commands.show import csv_is_asked, print_json, print_rows, progres
 from services.commands.tee_class import in_class
 from services.commands.verdicts import Json, diagnosis_text
 from services.requests import parse_base
-from services.specifications import StepResult, TaskResult, achieve_task, keep, ready, specification_of
+from services.specifications import (
+    StepResult,
+    TaskResult,
+    achieve_task,
+    keep,
+    ready,
+    result_json,
+    specification_of,
+)
 from services.store.files import SavedVerdicts
-
-BETWEEN = (
-    "each step is certified by itself: the robot begins it at its start pose, parked; its way back there "
-    "from the step before is not part of any certificate"
-)
-NOMINAL = (
-    "rules hold of the motion as certified: the container may be elsewhere by what the tool may slip (2 mm)"
-)
-
 
 COLUMNS = (
     *("task", "task_outcome", "part", "number", "what", "outcome", "why"),
@@ -155,54 +150,6 @@ def _rows(said: Json) -> list[Json]:
         for number, each in enumerate(said["rules"], 1)
     ]
     return [{**each, "task": said["task"], "task_outcome": said["outcome"]} for each in [*steps, *rules]]
-
-
-def result_json(result: TaskResult) -> Json:
-    """The result as a JSON object."""
-    quality = result.specification.quality
-    notes = [BETWEEN] if result.of > 1 else []
-    return {
-        "task": result.specification.label,
-        "iri": result.specification.iri,
-        "result": result.iri,
-        "outcome": result.outcome.value,
-        "steps": [_step_json(step) for step in result.steps],
-        "steps_of": result.of,
-        "rules": [_rule_json(each) for each in result.rules],
-        "rules_not_judged": len(result.specification.rules) - len(result.rules),
-        "first_broken": None if result.broken is None else _rule_json(result.broken),
-        "quality": None
-        if quality is None
-        else {"name": quality.value, "value": result.value, "unit": UNITS[quality]},
-        "diagnoses": [diagnosis_json(each) for each in result.diagnoses],
-        "notes": [*notes, *([NOMINAL] if result.rules else [])],
-        "seconds": round(result.seconds, 3),
-    }
-
-
-def _step_json(step: StepResult) -> Json:
-    return {
-        "step": str(step.request),
-        "outcome": step.verdict.outcome.value,
-        "seed": step.seed,
-        "searches": step.tried,
-        "compared": step.compared,
-        "value": step.value,
-        "verdict": to_json(step.verdict),
-    }
-
-
-def _rule_json(answer: RuleAnswer) -> Json:
-    start = dict(answer.state.positions) if answer.state is not None else {}
-    return {
-        "rule": answer.rule,
-        "standing": answer.standing.value,
-        "how": answer.how,
-        "step": answer.step,
-        "time": answer.time,
-        "state": {local_name(joint): at for joint, at in start.items() if at} if start else None,
-        "diagnosis": None if answer.diagnosis is None else diagnosis_json(answer.diagnosis),
-    }
 
 
 def _print(said: Json) -> None:

@@ -7,9 +7,17 @@ import pytest
 
 from predicates.case import Kind, Outcome
 from predicates.specification.read import read_specification
+from sdt_kg.errors import InputError
 from sdt_kg.twin import Twin
 from services.app import Policy, Service, load
-from services.specifications import TaskResult, achieve_task, ready, specification_of
+from services.specifications import (
+    TaskResult,
+    achieve_task,
+    ready,
+    result_json,
+    specification_from,
+    specification_of,
+)
 from tests.small import small_twin
 from tests.small.lift import Lifts
 
@@ -199,3 +207,17 @@ def test_a_real_robot_that_holds_a_handle_is_near_to_it(sdt, tmp_path: Path) -> 
     evidence = done.json["first_broken"]["diagnosis"]["evidence"]
     assert evidence["value"] < 0.1 <= evidence["bound"]
     assert evidence["time"] > 0
+
+
+def test_a_service_takes_a_name_or_turtle_and_reads_no_file(tmp_path: Path) -> None:
+    service = small()
+    result = achieve_task(service, specification_from(service.twin, task()))
+    said = result_json(result)
+    assert (said["outcome"], said["result"], said["steps_of"]) == ("certified", result.iri, 1)
+    assert said["steps"][0]["verdict"]["outcome"] == "certified"
+    kitchen = load("b").twin
+    assert specification_from(kitchen, "open_drawer").label == "open a drawer"
+    file = tmp_path / "task.ttl"
+    file.write_text(task())
+    with pytest.raises(InputError, match="no task named"):
+        specification_from(service.twin, str(file))
