@@ -101,8 +101,12 @@ class Visitor:
             self.nodes[message["name"]].update({name: at for name, at in message.items() if name != "type"})
 
     def control(self, label: str) -> tuple[str, dict[str, Any]]:
-        (found,) = [(uuid, each) for uuid, each in list(self.controls.items()) if each.get("label") == label]
-        return found
+        """The only one of that label, as soon as it is there."""
+        self.until(lambda: len(self._labelled(label)) == 1, f"one control {label}")
+        return self._labelled(label)[0]
+
+    def _labelled(self, label: str) -> list[tuple[str, dict[str, Any]]]:
+        return [(uuid, each) for uuid, each in list(self.controls.items()) if each.get("label") == label]
 
     def value(self, label: str) -> Any:
         return self.control(label)[1]["value"]
