@@ -11,9 +11,14 @@ import pyoxigraph as ox
 from sdt_kg.errors import InputError, StoreRejectedError, StoreUnavailableError
 from sdt_kg.iri import PREFIXES
 from services.store.embedded import EmbeddedStore
+from services.store.folder import FolderStore
+from services.store.journal import Journal
 
 FORMATS = {".trig": ox.RdfFormat.TRIG, ".nq": ox.RdfFormat.N_QUADS, ".ttl": ox.RdfFormat.TURTLE}
 WRITTEN = (".trig", ".nq")
+
+JOURNAL = "sdt.journal"
+"""In a store's directory. RocksDB leaves alone what it does not know."""
 
 ATTEMPTS = 5
 WAIT = 0.2
@@ -23,11 +28,11 @@ HELD = ("No locks available", "Resource temporarily unavailable")
 """RocksDB's words for a directory that this process, or another one, has open."""
 
 
-def in_folder(folder: Path) -> EmbeddedStore:
+def in_folder(folder: Path) -> FolderStore:
     """A store of RocksDB in a directory, which is made if it is not there.
 
-    What was written is in the directory's log when a method returns, so that killing this process loses
-    none of it. Losing power may: RocksDB syncs its log when it is flushed, which `close` does.
+    What was written is in the directory's journal when a method returns, so that killing this process loses
+    none of it. Losing power may: files are synced by `close`, and whenever much is put into the tables.
 
     Raises:
         InputError: The directory holds something else.
@@ -43,7 +48,7 @@ def in_folder(folder: Path) -> EmbeddedStore:
         if attempt:
             time.sleep(WAIT)
         try:
-            return EmbeddedStore(ox.Store(str(folder)), ox.Store.flush)
+            return FolderStore(ox.Store(str(folder)), Journal(folder / JOURNAL))
         except RuntimeError as error:
             raise StoreRejectedError(
                 str(folder), f"is damaged: {error}", remedy="take a backup, or save to another place"

@@ -15,7 +15,7 @@ import pyoxigraph as ox
 import pytest
 
 from sdt_kg.store import Row, rows_of
-from services.store.embedded import EmbeddedStore
+from services.store.folder import FolderStore
 from services.store.on_disk import in_folder
 from tests.benchmarks.test_store import QUERIES, judged, known
 from tests.services.store.multiplied import multiplied
@@ -31,7 +31,7 @@ AS_FLAT = 10.0
 """Times as long as in the small store: a question that grows with the store takes a hundred times."""
 
 
-def filled(folder: Path, size: int) -> EmbeddedStore:
+def filled(folder: Path, size: int) -> FolderStore:
     """A store in a directory, closed and opened again, so that nothing is left in memory."""
     held, began = ox.Store(str(folder)), time.process_time()
     pieces = multiplied(size, *judged())
@@ -46,7 +46,7 @@ def filled(folder: Path, size: int) -> EmbeddedStore:
 
 
 @pytest.fixture(scope="module")
-def stores(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[EmbeddedStore, EmbeddedStore]]:
+def stores(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[FolderStore, FolderStore]]:
     folder = tmp_path_factory.mktemp("stores")
     small, large = filled(folder / "small", SMALL), filled(folder / "large", LARGE)
     yield small, large
@@ -54,7 +54,7 @@ def stores(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[EmbeddedS
     large.close()
 
 
-def asked(store: EmbeddedStore, query: Path) -> tuple[list[Row], float]:
+def asked(store: FolderStore, query: Path) -> tuple[list[Row], float]:
     """The answer, and the median of the CPU time of this thread [s]."""
     times: list[float] = []
     answer: list[Row] = []
@@ -66,7 +66,7 @@ def asked(store: EmbeddedStore, query: Path) -> tuple[list[Row], float]:
 
 
 @pytest.mark.slow
-def test_questions_about_one_are_flat(stores: tuple[EmbeddedStore, EmbeddedStore]) -> None:
+def test_questions_about_one_are_flat(stores: tuple[FolderStore, FolderStore]) -> None:
     assert len(ABOUT_ONE) >= 20
     grown: dict[str, float] = {}
     for query in ABOUT_ONE:
