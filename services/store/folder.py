@@ -17,7 +17,7 @@ MOST: Final = 50_000
 """[quads] Kept in the journal, and here, before they are put into the tables."""
 
 FEW: Final = 10_000
-"""[quads] Up to which one transaction (15 us a quad) is quicker than new files of tables (6 us, and 0.2 s)."""
+"""[quads] Up to which one transaction (15 us a quad) is quicker than new files (6 us, and 0.2 s)."""
 
 
 class FolderStore:
