@@ -5,9 +5,28 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
+from services.http.problems import MEDIA
 from services.store.workers.evaluate import GRAPHS, TABLES
 
 Object = dict[str, Any]  # JSON object
+
+PROBLEM: Object = {
+    "type": "object",
+    "required": ["type", "title", "status", "detail"],
+    "properties": {
+        "type": {"type": "string"},
+        "title": {"type": "string", "description": "kind of the error"},
+        "status": {"type": "integer"},
+        "detail": {"type": "string", "description": "what is wrong, with the input's name"},
+        "allowed": {"type": "string", "description": "what is allowed instead"},
+        "remedy": {"type": "string", "description": "what to do"},
+        "limit": {"type": "string", "description": "which limit was reached"},
+    },
+}
+REFUSED: Object = {
+    "description": "a problem document (RFC 9457)",
+    "content": {MEDIA: {"schema": {"$ref": "#/components/schemas/Problem"}}},
+}
 
 
 def document(app: FastAPI) -> Object:
@@ -17,10 +36,19 @@ def document(app: FastAPI) -> Object:
             title=app.title, version=app.version, description=app.description, routes=app.routes
         )
         schema["paths"] |= {"/sparql": _sparql(), "/graphs": _graphs()}
-        bearer = {"type": "http", "scheme": "bearer"}
-        schema.setdefault("components", {})["securitySchemes"] = {"token": bearer}
+        components = schema.setdefault("components", {})
+        components["securitySchemes"] = {"token": {"type": "http", "scheme": "bearer"}}
+        schemas = components.setdefault("schemas", {})
+        schemas["Problem"] = PROBLEM
+        for unused in ("HTTPValidationError", "ValidationError"):
+            schemas.pop(unused, None)
         for path, item in schema["paths"].items():
-            if path.startswith("/api/") and "post" in item:
+            if not path.startswith("/api/"):
+                continue
+            for verb in item.values():
+                verb["responses"].pop("422", None)
+                verb["responses"]["default"] = REFUSED
+            if "post" in item:
                 item["post"]["security"] = [{"token": []}, {}]
         app.openapi_schema = schema
     return app.openapi_schema
@@ -66,8 +94,5 @@ def _parameter(name: str, *, many: bool = False) -> Object:
 
 
 def _answers(media: tuple[str, ...]) -> Object:
-    problem = {"application/problem+json": {"schema": {"type": "object"}}}
-    return {
-        "200": {"description": "complete", "content": {each: {} for each in media}},
-        "default": {"description": "a problem document (RFC 9457)", "content": problem},
-    }
+    complete = {"description": "complete", "content": {each: {} for each in media}}
+    return {"200": complete, "default": REFUSED}

@@ -193,6 +193,26 @@ def test_openapi_tells_of_protocols_verbs_and_token(served) -> None:
     assert all(item["post"]["security"] for path, item in paths.items() if "/api/" in path and "post" in item)
 
 
+def test_openapi_tells_how_each_verb_refuses(served) -> None:
+    document = served.get("/openapi.json").json()
+    fields = document["components"]["schemas"]["Problem"]
+    for path, method in (
+        ("/api/v1/why", "GET"),
+        ("/api/v1/verdicts/0", "GET"),
+        ("/sparql?query=nothing", "GET"),
+    ):
+        answer = served.request(method, path)
+        assert answer.headers["content-type"] == "application/problem+json"
+        assert set(fields["required"]) <= set(answer.json()) <= set(fields["properties"])
+    for path, item in document["paths"].items():
+        for method, verb in item.items():
+            assert list(verb["responses"]["default"]["content"]) == ["application/problem+json"], (
+                path,
+                method,
+            )
+            assert "422" not in verb["responses"], (path, method)
+
+
 def test_health_readiness_version_and_openapi_answer(served) -> None:
     for path in ("/healthz", "/readyz", "/version", "/openapi.json", "/"):
         assert served.get(path).status_code == 200, path
