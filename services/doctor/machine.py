@@ -5,17 +5,19 @@ import re
 import shutil
 import tempfile
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
 import services
 from services.doctor.finding import Finding, Standing, well
+from services.kernel import is_kernel, kept
 
 LEAST_MEMORY = 1.0
 """[GB] A worker process with a kitchen and a robot takes about 0.4 GB (measured: resident, kitchen a)."""
 LEAST_DISK = 0.5
 """[GB] A table of 132 verdicts takes about 0.05 GB with certificates; the rest is for temporary files."""
 GB = 1e9
-_KEPT = re.compile(r"njit\(cache=True")
+_DECLARES = re.compile(r"^from services\.kernel import kernel$", re.MULTILINE)
 
 
 def machine() -> Iterator[Finding]:
@@ -67,8 +69,10 @@ def _java() -> Finding:
 def _kernels() -> Finding:
     """Whether inner loops are compiled already."""
     root = Path(str(services.__file__)).parent
-    sources = [path for path in root.rglob("*.py") if _KEPT.search(path.read_text(encoding="utf-8"))]
-    ready = [path for path in sources if _compiled(path)]
+    sources = [path for path in root.rglob("*.py") if _DECLARES.search(path.read_text(encoding="utf-8"))]
+    ready = [
+        path for path in sources if _compiled(".".join(path.relative_to(root.parent).with_suffix("").parts))
+    ]
     says = f"{len(ready)} of {len(sources)} modules with loops are compiled and kept"
     if len(ready) == len(sources):
         return well("compiled loops", says)
@@ -80,14 +84,10 @@ def _kernels() -> Finding:
     )
 
 
-def _compiled(source: Path) -> bool:
-    """Whether an index of compiled loops is there which is not older than the source."""
-    elsewhere = os.environ.get("NUMBA_CACHE_DIR")
-    folders = [source.parent / "__pycache__"]
-    if elsewhere:
-        folders = [each.parent for each in Path(elsewhere).rglob(f"{source.stem}.*.nbi")]
-    kept = [each for folder in folders for each in folder.glob(f"{source.stem}.*.nbi")]
-    return any(each.stat().st_mtime >= source.stat().st_mtime for each in kept)
+def _compiled(module: str) -> bool:
+    """Whether something is kept of a module's loops as they are now."""
+    own = (each for each in vars(import_module(module)).values() if getattr(each, "__module__", "") == module)
+    return any(kept(each) for each in own if is_kernel(each))
 
 
 def _disk(place: Path) -> Finding:

@@ -1,4 +1,4 @@
-"""Compiled inner loop: one joint under forces, friction and stops, step by step.
+"""Compiled inner loop: one joint, and those that move with it, under forces, friction and stops, step by step.
 
 Moreau's midpoint rule with friction and stops as impulses: in one dimension the complementarity problem of a
 step has a closed form. Second order where nothing sticks, slips or strikes, first order there.
@@ -7,16 +7,15 @@ step has a closed form. Second order where nothing sticks, slips or strikes, fir
 import math
 
 import numpy as np
-from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
-_compiled = njit(cache=True, fastmath=False)
+from services.kernel import kernel
 
 REST = 1e-12  # [rad/s or m/s] what a speed is set to is exactly 0; more than rounding
 
 
-@_compiled
+@kernel
 def resisting(q, values, load, shape, lower):
-    """Forces that depend on the position alone, against opening: weight, spring, latch, closer."""
+    """Forces of a joint that depend on the position alone, against opening: weight, spring, latch, closer."""
     mass, weight, stiffness, latch, closer = values[0], values[2], values[6], values[7], values[8]
     total = mass * weight * (load[1] * math.cos(q) + load[2] * math.sin(q) + load[3])
     total += stiffness * (q - shape[0])
@@ -27,20 +26,25 @@ def resisting(q, values, load, shape, lower):
     return total
 
 
-@_compiled
-def advanced(q, v, force, h, values, load, shape, stops):
-    """Position and speed after h, under a constant force of the joint."""
-    inertia = values[0] * values[1] * load[0]
+@kernel
+def advanced(q, v, force, h, joints, stops):
+    """Position and speed after h, under a constant force of the first joint; a row of `joints` for each."""
     middle = q + 0.5 * h * v
-    damping = values[5]
-    if v < 0 and middle - stops[0] < shape[2]:
-        damping += values[9]
-    push = force - resisting(middle, values, load, shape, stops[0])
+    inertia, damping, push, sliding, held = 0.0, 0.0, force, 0.0, 0.0
+    for k in range(joints.shape[0]):
+        ratio, values, load, shape = joints[k, 0], joints[k, 2:12], joints[k, 12:16], joints[k, 16:19]
+        own, lower = ratio * middle + joints[k, 1], ratio * stops[0] + joints[k, 1]
+        inertia += ratio * ratio * values[0] * values[1] * load[0]
+        damping += ratio * ratio * values[5]
+        if v < 0 and own - lower < shape[2]:
+            damping += ratio * ratio * values[9]
+        push -= ratio * resisting(own, values, load, shape, lower)
+        sliding, held = sliding + ratio * values[3], held + ratio * values[4]
     heavy = inertia + 0.5 * h * damping
     free = (inertia * v + h * (push - 0.5 * damping * v)) / heavy
     resting = abs(v) < REST
-    bearable = h * (values[4] if resting else values[3]) / heavy
-    after = 0.0 if abs(free) <= bearable else free - math.copysign(h * values[3] / heavy, free)
+    bearable = h * (held if resting else sliding) / heavy
+    after = 0.0 if abs(free) <= bearable else free - math.copysign(h * sliding / heavy, free)
     if not resting and after * v < 0:  # it comes to rest within the step, and break-away holds from there
         after = 0.0
     if (middle <= stops[0] and after < 0) or (middle >= stops[1] and after > 0):
@@ -48,8 +52,8 @@ def advanced(q, v, force, h, values, load, shape, stops):
     return min(max(middle + 0.5 * h * after, stops[0]), stops[1]), after
 
 
-@_compiled
-def simulated(times, force, start, speed, step, values, load, shape, stops):
+@kernel
+def simulated(times, force, start, speed, step, joints, stops):
     """Positions and speeds at the times, shape (T,) each, under forces (T,) linear between them."""
     q, v = start, speed
     qs, vs = np.empty(times.shape[0]), np.empty(times.shape[0])
@@ -60,6 +64,6 @@ def simulated(times, force, start, speed, step, values, load, shape, stops):
         h = span / count
         for k in range(count):
             share = (k + 0.5) / count
-            q, v = advanced(q, v, force[i] + share * (force[i + 1] - force[i]), h, values, load, shape, stops)
+            q, v = advanced(q, v, force[i] + share * (force[i + 1] - force[i]), h, joints, stops)
         qs[i + 1], vs[i + 1] = q, v
     return qs, vs

@@ -7,16 +7,14 @@ far enough to meet.
 import math
 
 import numpy as np
-from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
 from services.embodiment.body.kernels import forward, joint_pose, matmul, moved, place_boxes
+from services.kernel import kernel
 from services.physics.geometry.convex import parted
 from services.physics.geometry.packed import bounds_of
 
-_compiled = njit(cache=True, fastmath=False)
 
-
-@_compiled
+@kernel
 def parting(shapes, a, b, ra, ca, rb, cb, margin, work):
     """What the distance of two shapes is not below [m]; above the margin unless they are as near as that."""
     low = parted(shapes, a, b, ra, ca, rb, cb)
@@ -25,7 +23,7 @@ def parting(shapes, a, b, ra, ca, rb, cb, margin, work):
     return bounds_of(shapes, a, b, ra, ca, rb, cb, margin, margin, work)[0]
 
 
-@_compiled
+@kernel
 def movers(qs, tree, joint, base):
     """(which joints move along qs, whether the base does, row of each shape among those that move or −1)."""
     parent = tree[0]
@@ -44,7 +42,7 @@ def movers(qs, tree, joint, base):
     return moves, moves[base], row, count
 
 
-@_compiled
+@kernel
 def track(qs, tree, boxes, radius, moves, row, count, first, base):
     """Poses of the `count` moving shapes along qs, and the way that each has come [m].
 
@@ -93,7 +91,7 @@ def track(qs, tree, boxes, radius, moves, row, count, first, base):
     return at_r, at_c, way, own
 
 
-@_compiled
+@kernel
 def _apart(r, c, s, d, radius):
     """How far a ball's points are at most from one pose (r, c) to another (s, d)."""
     turn, shift = 0.0, 0.0
@@ -104,7 +102,7 @@ def _apart(r, c, s, d, radius):
     return math.sqrt(shift) + radius * math.sqrt(turn / 2)
 
 
-@_compiled
+@kernel
 def walk(a, b, margin, shapes, radius, row, still, along, way, work):
     """First configuration at which the pair is too near, or −1.
 
@@ -139,7 +137,7 @@ def walk(a, b, margin, shapes, radius, row, still, along, way, work):
     return -1
 
 
-@_compiled
+@kernel
 def boxed(shapes, row, still, along, low, high):
     """Corners of boxes along the world's axes that hold each shape at all configurations."""
     size = shapes[1]
@@ -157,7 +155,7 @@ def boxed(shapes, row, still, along, low, high):
                     high[s, i] = c[i] + reach
 
 
-@_compiled
+@kernel
 def beside(low, high, s, e, margin):
     """Whether the boxes of two shapes are farther apart than the margin along an axis of the world."""
     apart = low[s, 0] > high[e, 0] + margin or high[s, 0] < low[e, 0] - margin
@@ -165,7 +163,7 @@ def beside(low, high, s, e, margin):
     return apart or low[s, 2] > high[e, 2] + margin or high[s, 2] < low[e, 2] - margin
 
 
-@_compiled
+@kernel
 def _first(row, still, along, way):
     """Each shape's centre at the first configuration, and the way that it comes in all [m]."""
     count, last = row.shape[0], way.shape[0] - 1
@@ -178,7 +176,7 @@ def _first(row, still, along, way):
     return centre, ways
 
 
-@_compiled
+@kernel
 def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, largest):
     """(configuration of a contact or −1, the two shapes) along qs (K, nq).
 
@@ -226,7 +224,7 @@ def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, largest
     return -1, -1, -1
 
 
-@_compiled
+@kernel
 def contacts_each(found, qs, tree, boxes, split, radius, shapes, base, own, margins, largest):
     """The two shapes of a contact at each of qs (N, nq) alone, or (−1, −1), are in `found` (N, 2)."""
     for n in range(qs.shape[0]):
@@ -235,7 +233,7 @@ def contacts_each(found, qs, tree, boxes, split, radius, shapes, base, own, marg
         found[n, 0], found[n, 1] = a, b
 
 
-@_compiled
+@kernel
 def distances(shapes, boxes, pairs, r, p, low, high):
     """Bounds of the distances of pairs of shapes (M, 2) at joint frames r, p are in low and high (M,)."""
     joint, local_r, local_c = boxes

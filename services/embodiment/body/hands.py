@@ -3,17 +3,15 @@
 import math
 
 import numpy as np
-from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
 from services.embodiment.body.contacts import parting
 from services.embodiment.body.kernels import joint_pose, matmul, moved
+from services.kernel import kernel
 from services.physics.geometry.convex import parted
 from services.physics.geometry.packed import bounds_of
 
-_compiled = njit(cache=True, fastmath=False)
 
-
-@_compiled
+@kernel
 def touching(hand, at, kitchen, split, radius, shapes, margins):
     """A shape of the hand and one of the kitchen's to which it is too near, or (−1, −1).
 
@@ -38,7 +36,7 @@ def touching(hand, at, kitchen, split, radius, shapes, margins):
     return -1, -1
 
 
-@_compiled
+@kernel
 def touching_many(hand, seen, tools, kitchen, split, radius, shapes, margins, found):
     """What `touching` says of each tool pose (G, 3, 3), (G, 3) is in `found` (G, 2).
 
@@ -52,7 +50,7 @@ def touching_many(hand, seen, tools, kitchen, split, radius, shapes, margins, fo
         found[g] = touching(hand, (at_r, at_c), kitchen, split, radius, shapes, margins)
 
 
-@_compiled
+@kernel
 def posed(q, hand, at):
     """Poses of a hand's shapes as its tool sees them, fingers as in q, are in `at` (rotations, centres).
 
@@ -73,7 +71,7 @@ def posed(q, hand, at):
         moved(back, nowhere, centre - tool_p, at[1][i])
 
 
-@_compiled
+@kernel
 def _gaps(shares, hand, closing, handle, shapes, room):
     """Distance of each finger shape from the handle's is in room[1]; negative where they are in each other.
 
@@ -97,7 +95,7 @@ def _gaps(shares, hand, closing, handle, shapes, room):
             out[n] = min(out[n], low)
 
 
-@_compiled
+@kernel
 def _farther(out, sides):
     """Gap of the side, of the two in `sides` (2, fingers), whose nearest finger is farther away."""
     at = -math.inf
@@ -110,7 +108,7 @@ def _farther(out, sides):
     return at
 
 
-@_compiled
+@kernel
 def _closing(k, shares, sides, hand, closing, handle, shapes, touch, rounds, room):
     """Whether finger joint k alone can be closed until it touches; shares[k], in [0, 1], says how far.
 
@@ -138,7 +136,7 @@ def _closing(k, shares, sides, hand, closing, handle, shapes, touch, rounds, roo
     return True
 
 
-@_compiled
+@kernel
 def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, room):
     """Whether a hand at a tool pose can be centred across a handle and closed on it.
 
@@ -171,7 +169,7 @@ def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, ro
     return True
 
 
-@_compiled
+@kernel
 def kept(tool, shares, start, steps, hand, closing, kitchens, rest, margins, room):
     """What rules out that a hand closes from `start` to `shares` and stays: a pair of shapes, or (−1, −1).
 

@@ -8,19 +8,17 @@ comes from many seeds.
 import math
 
 import numpy as np
-from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
 from services.embodiment.body.kernels import REVOLUTE, matmul, rotation
+from services.kernel import kernel
 
 ARM = 0.2  # [m] what one radian of orientation error counts as
 DAMPING = 1e-3  # [1] of the squared error, floor below
 FLOOR = 1e-10  # [m²] keeps singular directions bounded
 STEP = 0.4  # [rad or m] largest change of a variable in one step
 
-_compiled = njit(cache=True, fastmath=False)
 
-
-@_compiled
+@kernel
 def tool_pose(x, chain, r, p, z, o):
     """Tool pose is in r (3, 3), p (3,); each joint's world axis and origin in z, o (C, 3)."""
     place_r, place_p, axis, kind, var, mult, offset, end_r, end_p = chain
@@ -51,7 +49,7 @@ def tool_pose(x, chain, r, p, z, o):
                 p[i] += z[c, i] * angle
 
 
-@_compiled
+@kernel
 def jacobian(chain, p, z, o, out):
     """World Jacobian of the tool (linear over angular) is in out (6, n)."""
     kind, var, mult = chain[3], chain[4], chain[5]
@@ -72,7 +70,7 @@ def jacobian(chain, p, z, o, out):
                 out[i, k] += m * z[c, i]
 
 
-@_compiled
+@kernel
 def pose_error(r, p, target_r, target_p, e):
     """Error twist that leads from (r, p) to the target is in e (6,), in the world frame."""
     w = np.zeros(3)
@@ -95,7 +93,7 @@ def pose_error(r, p, target_r, target_p, e):
         e[3 + i] = w[i] * scale
 
 
-@_compiled
+@kernel
 def solve6(a, b):
     """b becomes the solution of a · y = b; a (6, 6) symmetric positive definite, is overwritten."""
     for i in range(6):
@@ -114,7 +112,7 @@ def solve6(a, b):
         b[i] /= a[i, i]
 
 
-@_compiled
+@kernel
 def step(x, jac, e, error, weight, lower, upper):
     """x has made one damped step; False if nothing may move."""
     n = x.shape[0]
@@ -154,7 +152,7 @@ def step(x, jac, e, error, weight, lower, upper):
     return True
 
 
-@_compiled
+@kernel
 def solve(x, target_r, target_p, chain, weight, lower, upper, steps, tolerance):
     """Whether x has been moved to where the tool meets the target within `tolerance` [m, and rad · ARM]."""
     joints, n = chain[3].shape[0], x.shape[0]
@@ -179,7 +177,7 @@ def solve(x, target_r, target_p, chain, weight, lower, upper, steps, tolerance):
     return False
 
 
-@_compiled
+@kernel
 def solve_many(seeds, target_r, target_p, chain, weight, lower, upper, steps, tolerance):
     """Which seeds (S, n) reached their target (S, 3, 3), (S, 3); the seeds become the solutions."""
     met = np.zeros(seeds.shape[0], np.bool_)
@@ -188,7 +186,7 @@ def solve_many(seeds, target_r, target_p, chain, weight, lower, upper, steps, to
     return met
 
 
-@_compiled
+@kernel
 def follow(x0, target_r, target_p, chain, weight, lower, upper, steps, tolerance, jump, path):
     """How many targets in a row could be followed from x0 with no variable jumping; path (K, n) has them."""
     x = x0.copy()

@@ -7,14 +7,13 @@ Plain arrays in and out; `services.embodiment.body.world` gives them meaning. Po
 import math
 
 import numpy as np
-from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
+
+from services.kernel import kernel
 
 REVOLUTE = 1
 
-_compiled = njit(cache=True, fastmath=False)
 
-
-@_compiled
+@kernel
 def rotation(axis, angle, out):
     """Rotation matrix about a unit axis is in `out`."""
     c, s = math.cos(angle), math.sin(angle)
@@ -25,7 +24,7 @@ def rotation(axis, angle, out):
     out[2, 0], out[2, 1], out[2, 2] = t * x * z - s * y, t * y * z + s * x, t * z * z + c
 
 
-@_compiled
+@kernel
 def matmul(a, b, out):
     """Product of two (3, 3) matrices is in `out`, which is neither of them."""
     for i in range(3):
@@ -33,14 +32,14 @@ def matmul(a, b, out):
             out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
 
 
-@_compiled
+@kernel
 def moved(r, p, local, out):
     """A point (3,) of the frame (r, p) is in `out`, in the world."""
     for i in range(3):
         out[i] = r[i, 0] * local[0] + r[i, 1] * local[1] + r[i, 2] * local[2] + p[i]
 
 
-@_compiled
+@kernel
 def joint_pose(j, q, tree, turn, carried, r, p):
     """World pose of joint j's frame is in r[j], p[j]; its parent's is there already."""
     parent, place_r, place_p, axis, kind = tree
@@ -58,7 +57,7 @@ def joint_pose(j, q, tree, turn, carried, r, p):
             r[j, i, k] = carried[i, k]
 
 
-@_compiled
+@kernel
 def forward(q, tree, r, p):
     """World poses of all joint frames are in r (J, 3, 3), p (J, 3); joint 0 is the world."""
     turn, carried = np.empty((3, 3)), np.empty((3, 3))
@@ -68,7 +67,7 @@ def forward(q, tree, r, p):
         joint_pose(j, q, tree, turn, carried, r, p)
 
 
-@_compiled
+@kernel
 def place_boxes(r, p, boxes, box_r, box_c):
     """World poses of all boxes are in box_r, box_c."""
     joint, local_r, local_c = boxes

@@ -3,19 +3,17 @@
 import math
 
 import numpy as np
-from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
 from services.embodiment.body.kernels import matmul
+from services.kernel import kernel
 from services.physics.geometry.convex import parted
 from services.physics.geometry.packed import bounds_of
 
 TOUCHES = -1.0
 """As a clearance: two shapes are nearer than their margin."""
 
-_compiled = njit(cache=True, fastmath=False)
 
-
-@_compiled
+@kernel
 def extents(at_r, at_c, shapes, first, low, high):
     """Corners of boxes along the world's axes that hold shapes `first` and those after it, at their poses."""
     for n in range(at_r.shape[0]):
@@ -27,7 +25,7 @@ def extents(at_r, at_c, shapes, first, low, high):
             low[n, i], high[n, i] = at_c[n, i] - reach, at_c[n, i] + reach
 
 
-@_compiled
+@kernel
 def _apart(low, high, s, bottom, top, e):
     """Distance of two boxes along the world's axes, squared."""
     squared = 0.0
@@ -37,7 +35,7 @@ def _apart(low, high, s, bottom, top, e):
     return squared
 
 
-@_compiled
+@kernel
 def _clearance(pose, own, there, some, shapes, margins, largest, most, room):
     """How much farther than their margins all shapes are apart at least, up to `most` [m]; or TOUCHES.
 
@@ -82,14 +80,14 @@ def _clearance(pose, own, there, some, shapes, margins, largest, most, room):
     return best
 
 
-@_compiled
+@kernel
 def _room(count):
     """What `_clearance` writes to."""
     shapes = np.empty((count, 3, 3)), np.empty((count, 3))
     return (*shapes, np.empty((count + 1, 3)), np.empty((count + 1, 3)), np.eye(3), np.zeros((8, 4)))
 
 
-@_compiled
+@kernel
 def standing(poses, own, there, some, shapes, margins, largest, free):
     """Whether robot and kitchen keep their margins at each base pose (K, 3) is in `free` (K,)."""
     room = _room(own[0].shape[0])
@@ -97,7 +95,7 @@ def standing(poses, own, there, some, shapes, margins, largest, free):
         free[k] = _clearance(poses[k], own, there, some, shapes, margins, largest, 0.0, room) != TOUCHES
 
 
-@_compiled
+@kernel
 def driving(poses, own, there, some, shapes, margins, largest, reach, most):
     """Whether they keep them at all base poses; `reach` is of the farthest point from the base's axis [m].
 

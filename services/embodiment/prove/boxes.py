@@ -4,7 +4,8 @@ Compiled. Nothing here is trusted: what it finds is a tree that `proof_check` ve
 """
 
 import numpy as np
-from numba import njit
+
+from services.kernel import kernel
 
 FOUND, REACHED, GAVE_UP = 0, 1, 2
 """The tree is whole; some posture reaches; the nodes were spent."""
@@ -17,7 +18,7 @@ DEEP = 0.004  # [m] less deep in each other, a core and a solid are no reason to
 ROUNDS = 6  # of projections between a core and a solid
 
 
-@njit(cache=True)
+@kernel
 def forward(q, rotation, translation, axis, turns, origins, axes, frames):
     """Origins, axes (n, 3) and frames (n, 3, 3) of the joints in the world at q are in the outputs."""
     r, p = np.eye(3), np.zeros(3)
@@ -50,7 +51,7 @@ def forward(q, rotation, translation, axis, turns, origins, axes, frames):
         origins[k], axes[k], frames[k] = p, u, r
 
 
-@njit(cache=True)
+@kernel
 def distance(point, box_r, box_p, half, level):
     """Of a point from the nearest box; of heights alone where level."""
     nearest = np.inf
@@ -71,7 +72,7 @@ def distance(point, box_r, box_p, half, level):
     return np.sqrt(nearest)
 
 
-@njit(cache=True)
+@kernel
 def gap(box, half, box_r, box_p, own, level):
     """Largest gap along an axis between a box (rotation, middle) and the nearest of the others."""
     turn, middle = box
@@ -97,7 +98,7 @@ def gap(box, half, box_r, box_p, own, level):
     return nearest
 
 
-@njit(cache=True)
+@kernel
 def lever(origins, axes, j, k, turns, upright, level):
     """How far origin k moves for a unit of joint j."""
     if level and j < upright:
@@ -109,7 +110,7 @@ def lever(origins, axes, j, k, turns, upright, level):
     return np.sqrt((y * c - z * b) ** 2 + (z * a - x * c) ** 2 + (x * b - y * a) ** 2)
 
 
-@njit(cache=True)
+@kernel
 def deepest(turn, place, half, less, solid):
     """A point of a solid (rotation, middle, half extents), and how deep it is in a box less `less`."""
     other, there, room = solid
@@ -130,7 +131,7 @@ def deepest(turn, place, half, less, solid):
     return point, depth
 
 
-@njit(cache=True)
+@kernel
 def sway(point, k, origins, axes, turns, half, arms):
     """How far a point moves at most, as link k sees it; what each joint adds is in `arms`."""
     moved = 0.0
@@ -145,7 +146,7 @@ def sway(point, k, origins, axes, turns, half, arms):
     return moved
 
 
-@njit(cache=True)
+@kernel
 def meets(half, turns, inner, origins, axes, frames, arms, asked):
     """(Core that meets a solid in the whole box or −1; joint to halve where one does in the middle or −1).
 
@@ -177,7 +178,7 @@ def meets(half, turns, inner, origins, axes, frames, arms, asked):
     return -1, split
 
 
-@njit(cache=True)
+@kernel
 def look(low, high, chain, reach, upright, tool, boxes, level, slack, arms, origins, axes, frames):
     """(What is too far in the whole box, a joint or n for the fingers, or −1; joint to halve or −1).
 
@@ -221,7 +222,7 @@ def look(low, high, chain, reach, upright, tool, boxes, level, slack, arms, orig
     return -1, widest if most > FINEST else -1
 
 
-@njit(cache=True)
+@kernel
 def divide(low, high, chain, reach, upright, tool, boxes, level, slack, inner, tree):
     """(FOUND, REACHED or GAVE_UP; how much of `tree` was written).
 

@@ -9,17 +9,15 @@ from collections.abc import Sequence
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
-from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 from numpy.typing import NDArray
 
+from services.kernel import kernel
 from services.physics.geometry.convex import BALL, BOX, CAPSULE, CYLINDER, HULL, MESH, bounds
 
 Array = NDArray[np.float64]
 
 DEEPEST = 64
 """[1] Levels of a tree that are remembered while it grows; halving, these are enough for any mesh."""
-
-_compiled = njit(cache=True, fastmath=False)
 
 
 def pack(shapes: Sequence[coal.CollisionGeometry]) -> tuple:
@@ -74,7 +72,7 @@ def _part(shape: coal.CollisionGeometry) -> tuple[int, tuple[float, ...] | Array
     return MESH, half, 0.0, corners - middle
 
 
-@_compiled
+@kernel
 def _grown(corners, node, vertex):
     """(kind, half, first, last, vertices) of a tree's nodes, the first of them to be number `node`.
 
@@ -120,7 +118,7 @@ def _grown(corners, node, vertex):
     return kind, half, first, last, points[:row]
 
 
-@_compiled
+@kernel
 def bounds_of(shapes, a, b, ra, ca, rb, cb, free, hit, work):
     """What `bounds` says, of two shapes of which one may be a mesh.
 
@@ -135,7 +133,7 @@ def bounds_of(shapes, a, b, ra, ca, rb, cb, free, hit, work):
     return -math.inf, math.inf
 
 
-@_compiled
+@kernel
 def _of_mesh(shapes, m, b, rm, cm, rb, cb, free, hit, work):
     """Bounds of the distance of mesh m and a convex shape: of the least of all triangles' distances."""
     kind, size, radius, first, last, vertices = shapes
@@ -176,7 +174,7 @@ def _of_mesh(shapes, m, b, rm, cm, rb, cb, free, hit, work):
     return low, high
 
 
-@_compiled
+@kernel
 def bounds_many(shapes, pairs, one, other, low, high):
     """Bounds of M pairs (M, 2), each shape at its own pose ((M, 3, 3), (M, 3)), are in low and high."""
     work = np.zeros((8, 4))

@@ -3,12 +3,11 @@
 import math
 
 import numpy as np
-from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
-_compiled = njit(cache=True, error_model="numpy")
+from services.kernel import kernel
 
 
-@_compiled
+@kernel(error_model="numpy")
 def fill(color, depth, corners, colors, near, scale):
     """Triangles; the nearest wins.
 
@@ -61,7 +60,7 @@ def fill(color, depth, corners, colors, near, scale):
                             color[row, column, c] = colors[f, c]
 
 
-@_compiled
+@kernel(error_model="numpy")
 def stroke(color, depth, ends, ink, near, scale, slack):
     """Edges, where nothing that was filled hides them.
 

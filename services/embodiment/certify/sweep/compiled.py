@@ -7,18 +7,16 @@ shared with planning but the distance of two shapes, which comes with its own pr
 import math
 
 import numpy as np
-from numba import njit  # pyright: ignore[reportMissingImports]  # compiled, no stubs
 
+from services.kernel import kernel
 from services.physics.geometry.convex import parted
 from services.physics.geometry.packed import bounds_of
 
 SHUT, ASKED, LEFT = 0, 1, 2
 """Of an item: a bound says enough, its distance is known, its distance is left to be asked for."""
 
-_compiled = njit(cache=True, fastmath=False)
 
-
-@_compiled
+@kernel
 def _turned(axis, angle, out):
     c, s = math.cos(angle), math.sin(angle)
     t, x, y, z = 1.0 - c, axis[0], axis[1], axis[2]
@@ -27,14 +25,14 @@ def _turned(axis, angle, out):
     out[2, 0], out[2, 1], out[2, 2] = t * x * z - s * y, t * y * z + s * x, t * z * z + c
 
 
-@_compiled
+@kernel
 def _product(a, b, out):
     for i in range(3):
         for j in range(3):
             out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
 
 
-@_compiled
+@kernel
 def place(q, v, parents, offsets, axes, revolute, rotation, origin, axis, omega, linear):
     """Carriers at U configurations are in the last five; what they hold is said by `Placed`."""
     frame, turn = np.empty((3, 3)), np.empty((3, 3))
@@ -65,7 +63,7 @@ def place(q, v, parents, offsets, axes, revolute, rotation, origin, axis, omega,
                         rotation[u, i, k, n] = frame[k, n]
 
 
-@_compiled
+@kernel
 def shift(u, i, j, c, radius, path, revolute, placed, spans, levers):
     """How far points of a ball about c on carrier i can move against carrier j during span u [m].
 
@@ -75,7 +73,7 @@ def shift(u, i, j, c, radius, path, revolute, placed, spans, levers):
     return _second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, moved)
 
 
-@_compiled
+@kernel
 def _first_order(u, i, j, c, radius, path, revolute, placed, spans, levers):
     """The bound from positions alone; each joint's lever is in `levers`."""
     origin, axis, moves = placed[1], placed[2], spans[2]
@@ -93,7 +91,7 @@ def _first_order(u, i, j, c, radius, path, revolute, placed, spans, levers):
     return moved
 
 
-@_compiled
+@kernel
 def _second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, moved):
     """The bound `moved`, or the sharper one of Taylor's formula."""
     omega, linear = placed[3], placed[4]
@@ -121,7 +119,7 @@ def _second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, mov
     return min(moved, half * (math.sqrt(x * x + y * y + z * z) + spin * radius + half * bend / 2.0))
 
 
-@_compiled
+@kernel
 def _middle(u, s, shapes, placed, c):
     """The centre of shape s in the world is in c."""
     carrier, centre = shapes[0][s], shapes[2]
@@ -136,7 +134,7 @@ def _middle(u, s, shapes, placed, c):
         )
 
 
-@_compiled
+@kernel
 def _turn(u, s, shapes, placed, r, half):
     """Rotation of shape s in the world is in r; half extents of its box along the world's axes in half."""
     carrier, own, size, rotation = shapes[0][s], shapes[1], shapes[3], placed[0]
@@ -151,7 +149,7 @@ def _turn(u, s, shapes, placed, r, half):
             half[i] += abs(r[i, k]) * size[s, k]
 
 
-@_compiled
+@kernel
 def swept(shapes, placed, spans, path, revolute, low, high):
     """Corners of boxes that contain each shape all through each span are in low, high (U, S, 3)."""
     r, c, half, levers = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty(path.shape[0])
@@ -169,7 +167,7 @@ def swept(shapes, placed, spans, path, revolute, low, high):
                 low[u, s, i], high[u, s, i] = c[i] - half[i] - moved, c[i] + half[i] + moved
 
 
-@_compiled
+@kernel
 def starting(pairs, low, high, least, which, pair):
     """How many pairs of boxes come nearer than `least`; those for which there is room are in the last two."""
     count, near = 0, np.empty(low.shape[1], np.bool_)
@@ -194,7 +192,7 @@ def starting(pairs, low, high, least, which, pair):
     return count
 
 
-@_compiled
+@kernel
 def _meet(low, high, u, s, e, least):
     for i in range(3):
         if low[u, s, i] - least > high[u, e, i] or low[u, e, i] > high[u, s, i] + least:
@@ -202,7 +200,7 @@ def _meet(low, high, u, s, e, least):
     return True
 
 
-@_compiled
+@kernel
 def look(items, pairs, keep, shapes, convex, placed, spans, path, revolute, slack, open_until, limits, out):
     """What each item tells: (done, distance, approach, distance of centres) in the four arrays `out`.
 
@@ -250,7 +248,7 @@ def look(items, pairs, keep, shapes, convex, placed, spans, path, revolute, slac
             done[n], distance[n] = ASKED, low
 
 
-@_compiled
+@kernel
 def _apart(one_c, one_half, two_c, two_half):
     """Distance of two boxes along the world's axes; negative is what parts them where they overlap."""
     outside, deepest = 0.0, -math.inf
@@ -261,7 +259,7 @@ def _apart(one_c, one_half, two_c, two_half):
     return math.sqrt(outside) if outside > 0.0 else deepest
 
 
-@_compiled
+@kernel
 def deepest_points(points, mesh, own, box, normals, offsets, found):
     """Depth of the deepest of some points (K, 3) in a convex shape at each time is in `found` (T,); or 0.
 

@@ -1,0 +1,106 @@
+"""Compiled loops are kept between processes, and never outlive what they were made of."""
+
+import importlib.util
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from services.kernel import kept, made_of
+
+CALLEE = """
+from services.kernel import kernel
+
+STEP = {step}
+
+@kernel
+def inner(x):
+    '''Doc{doc}.'''
+    return {inner}
+"""
+
+CALLER = """
+import math
+
+from edited_inner import inner
+from services.kernel import kernel
+
+@kernel
+def outer(x):
+    return _late(inner(x)) + math.floor(0.5)
+
+@kernel
+def _late(x):
+    return x
+"""
+
+Loader = Callable[..., ModuleType]
+
+
+@pytest.fixture
+def loaded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Loader:
+    """The caller's module as a new process would import it, after its callee was written anew."""
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+
+    def load(inner: str = "x + STEP", step: float = 1.0, doc: str = "") -> ModuleType:
+        (tmp_path / "edited_inner.py").write_text(CALLEE.format(inner=inner, step=step, doc=doc))
+        (tmp_path / "edited_outer.py").write_text(CALLER)
+        for name in ("edited_inner", "edited_outer"):
+            spec = importlib.util.spec_from_file_location(name, tmp_path / f"{name}.py")
+            assert spec is not None
+            assert spec.loader is not None
+            module = importlib.util.module_from_spec(spec)
+            monkeypatch.setitem(sys.modules, name, module)
+            spec.loader.exec_module(module)
+        return sys.modules["edited_outer"]
+
+    return load
+
+
+def test_what_was_compiled_is_found_again_whatever_the_date_of_the_file_and_its_docstrings(
+    loaded: Loader,
+) -> None:
+    assert loaded().outer(1.0) == 2.0
+    again = loaded(doc=" and more")
+    assert again.outer(1.0) == 2.0
+    assert sum(again.outer.stats.cache_hits.values()) == 1
+    assert not again.outer.stats.cache_misses
+
+
+def test_an_edit_of_a_callee_in_another_file_compiles_its_callers_anew(loaded: Loader) -> None:
+    old = loaded()
+    assert old.outer(1.0) == 2.0
+    edited = loaded(inner="x - STEP")
+    assert edited.outer(1.0) == 0.0
+    assert not edited.outer.stats.cache_hits
+
+
+def test_an_edit_of_a_constant_that_a_callee_reads_compiles_its_callers_anew(loaded: Loader) -> None:
+    assert loaded().outer(1.0) == 2.0
+    assert loaded(step=5.0).outer(1.0) == 6.0
+
+
+def test_only_what_belongs_to_the_present_code_is_kept(loaded: Loader) -> None:
+    first = loaded()
+    first.outer(1.0)
+    (before,) = kept(first.outer)
+    second = loaded(inner="x * STEP")
+    second.outer(1.0)
+    (after,) = kept(second.outer)
+    assert not before.exists()
+    assert after.exists()
+
+
+def test_each_kind_of_argument_has_its_own_file(loaded: Loader) -> None:
+    outer = loaded().outer
+    assert (outer(1.0), outer(1)) == (2.0, 2.0)
+    assert len(kept(outer)) == 2
+
+
+def test_a_kernel_may_read_nothing_that_a_hash_cannot_tell(loaded: Loader) -> None:
+    module = loaded(inner="x + TABLE[0]")
+    vars(sys.modules["edited_inner"])["TABLE"] = [1.0]
+    with pytest.raises(TypeError, match=r"edited_inner\.inner reads 'TABLE', a list"):
+        made_of(module.outer.py_func)
