@@ -18,17 +18,19 @@ def parse_task(twin: Twin, text: str) -> Task:
     """Task of `open`, `close`, `open:CONTAINER` or `close:CONTAINER`.
 
     Raises:
-        InputError: The verb is not one of D_artic's.
+        InputError: The verb is not one of D_artic's, or no name follows the colon.
         UnknownEntityError: The kitchen has no such container; the nearest names are told.
     """
-    verb_text, _, container = text.partition(":")
+    verb_text, colon, container = text.partition(":")
     try:
         verb = Verb(verb_text.strip().lower())
     except ValueError:
         verbs = ", ".join(f"{verb.value}[:CONTAINER]" for verb in Verb)
         raise InputError(f"no task type '{verb_text}'", allowed=verbs) from None
-    if not container:
+    if not colon:
         return Task(verb)
+    if not container.strip():
+        raise InputError(f"'{text}' names no container", allowed=f"{verb.value}, or {verb.value}:CONTAINER")
     return Task(verb, twin.container(container.strip()).iri)
 
 

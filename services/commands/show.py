@@ -3,9 +3,11 @@
 import csv
 import io
 import json
+import math
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from typing import cast
 
 import click
 from rich.console import Console
@@ -43,10 +45,22 @@ def csv_is_asked() -> bool:
 
 
 def print_json(value: object) -> None:
-    """JSON on standard output."""
+    """JSON on standard output; JSON has no word for a number without end, so that is null."""
     if csv_is_asked():
         raise click.UsageError("--json and --csv: one of them")
-    click.echo(json.dumps(value, indent=2, ensure_ascii=False))
+    click.echo(json.dumps(_finite(value), indent=2, ensure_ascii=False))
+
+
+def _finite(value: object) -> object:
+    match value:
+        case float():
+            return value if math.isfinite(value) else None
+        case dict():
+            return {name: _finite(each) for name, each in cast(dict[str, object], value).items()}
+        case list() | tuple():
+            return [_finite(each) for each in cast(Sequence[object], value)]
+        case _:
+            return value
 
 
 def print_rows(rows: Sequence[Row], columns: Sequence[str], form: str) -> None:

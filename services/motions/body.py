@@ -89,13 +89,19 @@ def _check_base_frame(given: Given, kitchen: Mechanism) -> None:
     if frame is not None and frame.removeprefix("/") not in allowed:
         raise MotionError(
             f"the base is given in the frame '{frame}'",
-            allowed=f"the kitchen's root frame: {', '.join(allowed)}",
+            allowed=f"the kitchen's root frame: {', '.join(dict.fromkeys(allowed))}",
             remedy="transform the base poses into it",
         )
 
 
 def _robot(given: Given, twin: Twin, asked: Iri | None, names: tuple[str, ...]) -> Iri:
     """The robot that the file names, else the one that is asked about, if the joints are its own."""
+    if not twin.robots:
+        raise MotionError(
+            "the file is a robot's motion, and no robot is asked about",
+            allowed="a container's motion: 'joint' and 'values', or 'frame' and 'poses'",
+            remedy="ask sdt achieve --robot NAME --motion FILE",
+        )
     named = given.text("robot")
     if asked is None and named is None and len(twin.robots) == 1:
         asked = twin.robots[0]

@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--motion",
-    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    type=click.Path(exists=True, path_type=Path),
     metavar="FILE",
     help="Verify this motion, of a container or of the robot, instead of making one: .npz, .json, .csv or "
     "a ROS 2 bag (.mcap).",

@@ -6,9 +6,8 @@ import click
 
 from predicates.case import Answer
 from predicates.record import diagnosis_json
-from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
-from sdt_kg.motion import Motion
+from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task
 from services.app import load
 from services.commands.completion.types import TASK
@@ -48,7 +47,7 @@ def satisfies(kitchen: str, states: tuple[str, ...], as_json: bool) -> None:
 @states_option
 @click.option(
     "--motion",
-    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    type=click.Path(exists=True, path_type=Path),
     metavar="FILE.npz",
     help="What would this container's motion cause? Without it, motions that would cause the task.",
 )
@@ -76,10 +75,7 @@ def causes(
     """
     service = in_class(load(kitchen, state=states), tee, forces)
     given = read_motion(motion, service.twin) if motion else None
-    if given is not None and not isinstance(given, Motion):
-        raise InputError(
-            f"{motion} is a robot's motion", allowed="a container's motion", remedy="use sdt achieve"
-        )
+    assert not isinstance(given, BodyMotion), "without a robot, reading one is an error"
     answers = list(service.causes(task, given))
     if motion_out:
         _write_first(answers, motion_out)

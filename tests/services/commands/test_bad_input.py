@@ -11,6 +11,7 @@ BAD = {
     "unknown robot": (["graph", "b", "--robot", "pr3", "-o", "x.ttl"], ["pr3", "pr2"]),
     "unknown container": (["causes", "b", "--task", "open:iai_frige"], ["iai_frige", "iai_fridge_door"]),
     "left-out container": (["causes", "a", "--task", "open:coffee_table_drawer"], ["no handle"]),
+    "container left empty": (["causes", "b", "--task", "open:"], ["'open:'", "open:CONTAINER"]),
     "unknown verb": (["causes", "b", "--task", "opn"], ["opn", "open"]),
     "unknown joint": (["satisfies", "b", "--state", "iai_fridge_dor=1"], ["iai_fridge_door"]),
     "state outside limits": (["satisfies", "b", "--state", "iai_fridge_door=2"], ["iai_fridge_door", "1.57"]),
@@ -26,6 +27,9 @@ BAD = {
     "no such store": (["query", "gone.trig", "ASK { ?a ?b ?c }"], ["gone.trig"]),
     "base that is no pose": (
         ["achieve", "--kitchen", "b", "--robot", "pr2", "--task", "open", "--base", "1,2"], ["X,Y,YAW"],
+    ),
+    "motion in a folder that is no bag": (
+        ["achieve", "--kitchen", "b", "--robot", "pr2", "--task", "open", "--motion", "."], ["ROS 2 bag"],
     ),
     "kitchen twice": (["table", "--kitchens", "a,a"], ["share a name"]),
     "state of no kitchen": (["table", "--kitchens", "b", "--state", "nothing=1"], ["nothing=1"]),
@@ -88,8 +92,10 @@ BAD_MOTION = {
     "not a number": ({"joint": DOOR, "times": [0.0, 1.0], "values": [0.0, np.nan]}, ["values"]),
     "unknown joint": ({"joint": DOOR[1:], "times": [0.0, 1.0], "values": [0.0, 1.0]}, [DOOR]),
     "degrees": ({"joint": DOOR, "times": [0.0, 90.0], "values": [0.0, 90.0]}, ["degree"]),
+    "a robot's": ({"base": np.zeros((2, 3)), "times": [0.0, 1.0], "robot": "pr2", "robot_joint_names": ["x"],
+        "robot_positions": np.zeros((2, 1))}, ["robot's motion", "'joint'", "sdt achieve --robot"]),
     "wrong arrays": ({"times": [0.0, 1.0]}, ["joint"]),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", BAD_MOTION)

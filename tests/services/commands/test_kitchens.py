@@ -24,6 +24,19 @@ def test_what_is_left_out_is_listed_with_its_reason(sdt) -> None:
     assert len(left_out) == 10
 
 
+def test_a_limit_without_end_is_null_in_json(sdt, tmp_path: Path) -> None:
+    path = tmp_path / "free.urdf"
+    path.write_text(
+        '<robot name="r"><link name="l"/><link name="drawer"/><link name="handle"/>'
+        '<joint name="h" type="fixed"><parent link="drawer"/><child link="handle"/></joint>'
+        '<joint name="j" type="prismatic"><parent link="l"/><child link="drawer"/>'
+        '<limit lower="0" upper="0.4" effort="1"/></joint></robot>'
+    )
+    done = sdt("containers", str(path), "--json")
+    assert "Infinity" not in done.out
+    assert [(each["upper"], each["velocity"]) for each in done.json] == [(0.4, None)]
+
+
 @pytest.mark.parametrize("suffix", [".ttl", ".trig", ".nq"])
 def test_graph_writes_rdf_that_others_read(sdt, tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"b{suffix}"
