@@ -1,6 +1,8 @@
 # Edit   Stretch was asked about with another drive in kitchen b.
-# Gains  Close,embodiment.drive,2
-# Gains  Open,embodiment.drive,2
+# Gains  oven_door,Close,embodiment.drive
+# Gains  oven_door,Open,embodiment.drive
+# Gains  top_drawer,Close,embodiment.drive
+# Gains  top_drawer,Open,embodiment.drive
 PREFIX id: <https://example.org/id/>
 PREFIX law: <https://example.org/law#>
 PREFIX prov: <http://www.w3.org/ns/prov#>
