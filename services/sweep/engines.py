@@ -1,5 +1,6 @@
 """Who judges: processes of this machine, or a Dask cluster; each as an executor that can be opened anew."""
 
+import gc
 import multiprocessing as mp
 import os
 import re
@@ -52,6 +53,7 @@ def processes(count: int) -> Engine:
 def _begin() -> None:
     """The process ends with the one that started it, and at once when the user interrupts."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    gc.freeze()  # looking for garbage in what the parent has loaded would copy all of it
     end_with_parent()
 
 

@@ -1,6 +1,7 @@
 """Work handed out to an executor, some at a time; what a dying process took with it is done once more."""
 
 import logging
+import time
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
@@ -20,6 +21,9 @@ R = TypeVar("R")
 
 AHEAD: Final = 2
 """Pieces for each worker that are handed out at once: one is worked on, one waits."""
+TURN: Final = 10.0
+"""[s] After which no further item of a piece is begun: what a killed process takes with it, and how seldom
+progress is told."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,13 +122,16 @@ class Handed(Generic[T, R]):
 
     def _result(self, future: Future[list[R | Lost]], piece: list[T]) -> Iterator[tuple[T, R | Lost]]:
         try:
-            yield from zip(piece, future.result(), strict=True)
+            results = future.result()
         except BrokenExecutor:
             self._suspects.extend(piece)
         except (Exception, CancelledError) as error:  # noqa: BLE001 - what an executor of others raises
             _log.warning("%s: nothing came of it: %r", piece, error)
             lost = Lost(f"its worker was lost: {type(error).__name__}")
             yield from ((item, lost) for item in piece)
+        else:
+            self._waiting.back(piece[len(results) :])
+            yield from zip(piece, results, strict=False)
 
     def _alone(self) -> Iterator[tuple[T, R | Lost]]:
         """Those that were out when a process died, one at a time: it shows which of them kills."""
@@ -186,11 +193,17 @@ def _whole(done: tuple[T, R | Lost]) -> tuple[T, R]:
 
 
 def _each(work: Callable[[T], R], piece: Sequence[T]) -> list[R | Lost]:
-    """What came of each item of a piece, in the worker: one that fails takes none with it.
+    """What came of each item of a piece that was begun in time, in the worker.
 
-    An error travels as text: not every one of ours can be made anew from what it says.
+    One that fails takes none with it. An error travels as text: not every one of ours can be made anew from
+    what it says.
     """
-    return [_one(work, item) for item in piece]
+    until = time.monotonic() + TURN
+    results: list[R | Lost] = []
+    for item in piece:
+        if not results or time.monotonic() < until:
+            results.append(_one(work, item))
+    return results
 
 
 def _one(work: Callable[[T], R], item: T) -> R | Lost:

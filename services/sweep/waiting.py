@@ -1,13 +1,13 @@
 """What is not handed out yet: what is alike stays together, and the last pieces are small."""
 
 from collections import deque
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from typing import Final, Generic, TypeVar
 
 T = TypeVar("T")
 
-MOST_TOGETHER: Final = 16
-"""[1] Items in one piece at most: what a killed process takes with it, and how seldom progress is told."""
+MOST_TOGETHER: Final = 32
+"""[1] Items in one piece at most: more than a kitchen has containers, so that a group stays whole."""
 PIECES: Final = 2
 """[1] Into which each worker's share of what waits is cut: the later ones balance the earlier."""
 
@@ -35,6 +35,14 @@ class Waiting(Generic[T]):
     def add(self, item: T) -> None:
         """One more waits."""
         self._groups.setdefault(self._alike(item), deque()).append(item)
+
+    def back(self, items: Sequence[T]) -> None:
+        """What was left of a piece waits again, and is next."""
+        if items:
+            key = self._alike(items[0])
+            group = self._groups.pop(key, deque[T]())
+            group.extendleft(reversed(items))
+            self._groups = {key: group, **self._groups}
 
     def piece(self) -> list[T]:
         """What one worker does next: a whole group as long as there are more of them than workers."""

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from sdt_kg.errors import InputError, OracleUnavailableError, UnknownEntityError
+from services.sweep import handed
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
 from services.sweep.engines import Engine, processes
 from services.sweep.handed import AHEAD, each
@@ -100,11 +101,36 @@ def test_what_is_alike_stays_together_until_the_last_workers_share_it() -> None:
     pieces = []
     while len(waiting):
         pieces.append(waiting.piece())
-    assert [len(piece) for piece in pieces] == [16, 1, 9, 7, 1, 5, 3, 3, 2, 1, 1, 1, 1]
+    assert [len(piece) for piece in pieces] == [17, 9, 7, 1, 5, 3, 3, 2, 1, 1, 1, 1]
     assert all(len({item[0] for item in piece}) == 1 for piece in pieces)
     assert [item for piece in pieces for item in piece] == [
         f"{group}{number}" for group in "abc" for number in range(17)
     ]
+
+
+def test_what_is_left_of_a_piece_is_next() -> None:
+    waiting: Waiting[str] = Waiting(2, lambda item: item[0])
+    for item in ("a0", "b0", "b1", "c0"):
+        waiting.add(item)
+    assert waiting.piece() == ["a0"]
+    taken = waiting.piece()
+    waiting.back(taken[1:])
+    waiting.back([])
+    assert [waiting.piece() for _ in range(2)] == [["b1"], ["c0"]]
+    waiting.back(["a1", "a2"])
+    assert [waiting.piece() for _ in range(2)] == [["a1"], ["a2"]]
+
+
+def test_after_its_turn_a_worker_begins_no_more_and_what_is_left_is_done_later(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(handed, "TURN", 0.0)
+    began: list[int] = []
+    engine = Engine(lambda: ThreadPoolExecutor(1), 1, lambda executor: executor.shutdown())
+    with handed.Handed(engine, began.append, lambda _: None) as working:
+        done = [one for item in range(70) for one in working.add(item)]
+        done += working.rest()
+    assert sorted(item for item, _ in done) == sorted(began) == list(range(70))
 
 
 def test_an_item_whose_name_is_wrong_is_the_caller_s_error_with_its_own_words() -> None:
