@@ -3,12 +3,14 @@
 import logging
 import secrets
 from collections.abc import Callable, Mapping
+from http import HTTPStatus
 
 from fastapi import FastAPI
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
+from starlette.routing import Match
 
 from sdt_kg.errors import InputError, OracleUnavailableError, SdtError, UnknownEntityError
 from services.store.guard import RefusedQueryError
@@ -17,6 +19,7 @@ from services.store.workers import BusyError, Limit, LimitError, NotAcceptableEr
 MEDIA = "application/problem+json"
 LIMIT_STATUS = {Limit.TIME: 408, Limit.ROWS: 413, Limit.BYTES: 413, Limit.MEMORY: 507}
 """A limit reached is never a shorter answer."""
+METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE")
 ERROR_STATUS: tuple[tuple[type[SdtError], int], ...] = (
     (RefusedQueryError, 403),
     (NotAcceptableError, 406),
@@ -98,11 +101,20 @@ def install(app: FastAPI, told: Callable[[Request, Response], Response]) -> None
     @app.exception_handler(HTTPException)
     async def plain(request: Request, error: HTTPException) -> Response:  # pyright: ignore[reportUnusedFunction]
         detail = f"{request.method} {request.url.path}"
-        return told(request, problem(error.status_code, str(error.detail), detail, error.headers))
+        headers = dict(error.headers or {})
+        if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+            headers["Allow"] = ", ".join(_methods(app, request))
+        return told(request, problem(error.status_code, str(error.detail), detail, headers))
 
     @app.exception_handler(Exception)
     async def unforeseen(request: Request, error: Exception) -> Response:  # pyright: ignore[reportUnusedFunction]
         return told(request, unexpected(request.method, request.url.path, error))
+
+
+def _methods(app: FastAPI, request: Request) -> list[str]:
+    """All that the path allows; Starlette names those of the first of its routes."""
+    asked = {method: {**request.scope, "method": method} for method in METHODS}
+    return [one for one in METHODS if any(each.matches(asked[one])[0] is Match.FULL for each in app.routes)]
 
 
 def unexpected(method: str, path: str, error: Exception) -> Response:

@@ -54,6 +54,14 @@ def test_who_writes_or_computes_needs_the_token(served, path: str) -> None:
         assert answer.headers["www-authenticate"].startswith("Bearer")
 
 
+@pytest.mark.parametrize(("path", "allowed"), [("state", "GET, POST"), ("branch", "POST"), ("why", "GET")])
+def test_a_method_that_a_verb_has_not_is_refused_with_all_that_it_has(
+    served, path: str, allowed: str
+) -> None:
+    answer = served.request("PUT", f"/api/v1/{path}", headers=BEARER)
+    assert (answer.status_code, answer.headers["allow"]) == (405, allowed)
+
+
 def test_reading_needs_no_token(served) -> None:
     for path in ("kitchens", "containers?left_out=true", "satisfies", "state", "branches", "verdicts"):
         assert served.get(f"/api/v1/{path}").status_code == 200, path
