@@ -12,7 +12,7 @@ import pyoxigraph as ox
 
 from sdt_kg.errors import InputError, QueryError, StoreRejectedError
 from sdt_kg.iri import PREFIXES, Iri
-from sdt_kg.store import Solutions, Term
+from sdt_kg.store import Solutions, Term, value_of
 from services.store.known import restricted
 from services.store.quads import checked, content
 from services.store.wire import Form, Wire, shown
@@ -35,6 +35,8 @@ _NO_UNION: Final = """ASK {
 }"""
 """Whether the default graph lacks what is in a named one."""
 
+FIGURE: Final = 1.0058548015155846
+"""A double of which no digit can be left out."""
 
 _DECLARED: Final = re.compile(r"PREFIX\s+(\w+):", re.IGNORECASE)
 
@@ -82,6 +84,7 @@ class RemoteStore:
         self._addresses = addresses
         self._wire = wire or Wire()
         self._union: Form | None = None
+        self._is_exact = False
 
     def add(self, quads: Iterable[ox.Quad]) -> None:
         """Put quads into their named graphs, in batches."""
@@ -111,9 +114,9 @@ class RemoteStore:
     ) -> Solutions:
         """Evaluate a query whose default graph is the union of these graphs, or of all."""
         text = _with_prefixes(restricted(sparql, known or {}))
-        if graphs is None:
-            return self._asked(text, self._all_graphs())
-        return self._asked(text, {"default-graph-uri": list(graphs), "named-graph-uri": list(graphs)})
+        form = self._all_graphs() if graphs is None else _only(graphs)
+        self._check_figures()
+        return self._asked(text, form)
 
     def dump(self, graphs: Sequence[Iri] | None = None) -> ox.Store:
         """A copy of these named graphs, or of all."""
@@ -133,6 +136,7 @@ class RemoteStore:
 
     def _quads(self, graphs: Sequence[Iri]) -> list[ox.Quad]:
         """As a SELECT in JSON: unlike N-Triples it shows whether it is whole."""
+        self._check_figures()
         names = " ".join(str(ox.NamedNode(graph)) for graph in graphs)
         rows = _select(
             self._asked(f"SELECT ?g ?s ?p ?o {{ VALUES ?g {{ {names} }} GRAPH ?g {{ ?s ?p ?o }} }}")
@@ -182,6 +186,27 @@ class RemoteStore:
             "does not show its named graphs in the default graph",
             remedy="have it make the default graph the union of all: services/README.md says how",
         )
+
+    def _check_figures(self) -> None:
+        """A figure comes back as it is: of a rounded limit or length another verdict would follow."""
+        if self._is_exact:
+            return
+        rows = list(_select(self._asked(f"SELECT ?figure {{ BIND ({FIGURE!r}e0 AS ?figure) }}")))
+        if len(rows) != 1:
+            raise self._cut("an answer of another kind")
+        found = value_of(rows[0]["figure"])
+        if found != FIGURE:
+            raise StoreRejectedError(
+                shown(self._addresses.query),
+                f"gives back {found} for {FIGURE}",
+                remedy="take a server that keeps all digits of a double: services/README.md names some",
+            )
+        self._is_exact = True
+
+
+def _only(graphs: Sequence[Iri]) -> Form:
+    """What to ask for so that these graphs are all that there is."""
+    return {"default-graph-uri": list(graphs), "named-graph-uri": list(graphs)}
 
 
 def is_url(text: str) -> bool:

@@ -1,5 +1,6 @@
 """A server that goes away, comes back, breaks its answer off, or is none."""
 
+import json
 import socket
 import threading
 from collections.abc import Iterator
@@ -166,6 +167,18 @@ def test_a_server_whose_default_graph_is_not_the_union_is_refused() -> None:
         store = remote(address)
         with pytest.raises(StoreRejectedError, match="union of all"):
             store.query("ASK { ?s ?p ?o }")
+        store.close()
+
+
+def test_a_server_that_rounds_figures_is_refused() -> None:
+    double = "http://www.w3.org/2001/XMLSchema#double"
+    value = {"type": "literal", "datatype": double, "value": "1.00585"}
+    table = {"head": {"vars": ["figure"]}, "results": {"bindings": [{"figure": value}]}}
+    with answering(200, json.dumps(table).encode(), JSON) as (address, _):
+        store = remote(address)
+        for act in (lambda: store.graph(G), lambda: store.query("SELECT ?s { ?s ?p ?o }", [G])):
+            with pytest.raises(StoreRejectedError, match=r"gives back 1\.00585 for 1\.0058548015155846"):
+                act()
         store.close()
 
 
