@@ -21,6 +21,9 @@ SHOWN_ANSWER: Final = 200
 RETRIED_STATUS: Final = frozenset({429, 502, 503, 504})
 BAD_REQUEST: Final = 400
 DENIED_STATUS: Final = frozenset({401, 403})
+MOST_ROWS: Final = "X-SPARQL-MaxRows"
+"""Virtuoso's header of an answer that has not all rows; its status is 200."""
+
 WRONG_PLACE_STATUS: Final = frozenset({404, 405, 415, 501})
 
 Form = Mapping[str, str | Sequence[str]]
@@ -55,6 +58,12 @@ class Wire:
                 shown(address),
                 f"answers with '{given}' instead of {accept}",
                 remedy="is that the address of a SPARQL query service?",
+            )
+        if MOST_ROWS in answer.headers:
+            raise StoreRejectedError(
+                shown(address),
+                f"broke its answer off after {answer.headers[MOST_ROWS]} rows",
+                remedy="raise its limit (Virtuoso: ResultSetMaxRows), or ask for less",
             )
         return answer.content
 

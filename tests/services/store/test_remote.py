@@ -182,6 +182,17 @@ def test_a_server_that_rounds_figures_is_refused() -> None:
         store.close()
 
 
+def test_an_answer_that_has_not_all_rows_is_no_answer() -> None:
+    whole = b'{"head":{},"boolean":true}'
+    with answering(200, whole, JSON, **{"X-SPARQL-MaxRows": "10000"}) as (address, _):
+        store = remote(address)
+        with pytest.raises(
+            StoreRejectedError, match="broke its answer off after 10000 rows; raise its limit"
+        ):
+            store.query("ASK { ?s ?p ?o }", [G])
+        store.close()
+
+
 def test_a_server_that_says_nothing_is_left_after_the_time_limit() -> None:
     with socket.create_server(("127.0.0.1", 0)) as silent:
         store = remote(f"http://127.0.0.1:{silent.getsockname()[1]}", timeout=0.3)
