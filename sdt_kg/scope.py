@@ -19,6 +19,7 @@ from rdflib.term import Node
 
 import ontology
 from sdt_kg.annotating.annotate import tee_triples
+from sdt_kg.entities.moving_together import MOVES_WITH, moving_together
 from sdt_kg.iri import LAW, RDF, SDT, SH, TEE, Iri, local_name
 from sdt_kg.store import Term, Triple, Value
 from sdt_kg.triples import Facts
@@ -185,15 +186,14 @@ def read_report(data: rdflib.Graph, shapes: rdflib.Graph, report: rdflib.Graph) 
 
 def _has_focus(data: rdflib.Graph, shapes: rdflib.Graph, shape: Iri) -> bool:
     node = rdflib.URIRef(shape)
-    classes, properties = shapes.objects(node, _SH.targetClass), shapes.objects(node, _SH.targetObjectsOf)
-    found = [data.subjects(RDF_NS.type, each) for each in classes]
-    found += [data.objects(None, each) for each in properties]
+    found = [data.subjects(RDF_NS.type, each) for each in shapes.objects(node, _SH.targetClass)]
+    found += [data.objects(None, each) for each in shapes.objects(node, _SH.targetObjectsOf)]
     return any(next(each, None) is not None for each in found)
 
 
 def _without_focus(shape: Iri) -> Violation:
-    message = f"the shape <{shape}> finds nothing to look at: nothing is known to be inside the class"
-    return Violation(shape, None, None, None, message, shape)
+    said = f"the shape <{shape}> finds nothing to look at: nothing is known to be inside the class"
+    return Violation(shape, None, None, None, said, shape)
 
 
 def _violation(data: rdflib.Graph, shapes: rdflib.Graph, report: rdflib.Graph, result: Node) -> Violation:
@@ -251,6 +251,8 @@ def _request(
     subjects = [twin.environment, container.iri, *facts.iris(container.iri, "hasHandle")]
     subjects += facts.iris(container.iri, "hasJoint")
     if SDT + "hasForceModel" in tee.mentioned:
+        yield from (coupled := list(moving_together(twin.mechanism(twin.environment), container.joint)))
+        subjects += [term.value for _, name, term in coupled if name == MOVES_WITH]
         subjects += [model for each in subjects for model in facts.iris(each, "hasForceModel")]
     if robot is not None:
         subjects += [robot, *facts.iris(robot, "hasGripper")]

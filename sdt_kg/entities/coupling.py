@@ -86,6 +86,19 @@ class Coupling:
             self._check_limits(joint, complete[joint])
         return State.of(complete)
 
+    def together(self, joint: Iri) -> dict[Iri, tuple[float, float]]:
+        """Ratio and offset of every other joint that moves with this one: q = ratio · q_this + offset."""
+        own = self.followers.get(joint, _Follower(joint, 1.0, 0.0))
+        others = {own.active: _Follower(own.active, 1.0, 0.0), **self.followers}
+        return {
+            iri: (
+                each.multiplier / own.multiplier,
+                each.offset - each.multiplier / own.multiplier * own.offset,
+            )
+            for iri, each in others.items()
+            if iri != joint and each.active == own.active and each.multiplier != 0 != own.multiplier
+        }
+
     def _complete(self, free: Mapping[Iri, float]) -> dict[Iri, float]:
         followed = {
             iri: follower.multiplier * free[follower.active] + follower.offset

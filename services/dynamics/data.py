@@ -62,7 +62,7 @@ def _bundled(twin: Twin) -> Path | None:
     if _has_forces(twin) or not file.is_file():
         return None
     about = {subject for subject, predicate, _ in _triples(file) if predicate == HAS_FORCE_MODEL}
-    return file if about <= {each.joint for each in twin.containers()} else None
+    return file if about <= _moving(twin) else None
 
 
 def _with_efforts(twin: Twin, robot: Iri) -> Twin:
@@ -102,8 +102,14 @@ def _triples(file: Path) -> list[Triple]:
     return found
 
 
+def _moving(twin: Twin) -> set[Iri]:
+    """Joints that move containers, and those that move with them."""
+    own = {each.joint for each in twin.containers()}
+    return own.union(*(twin.entities.coupling.together(each) for each in own))
+
+
 def _check(twin: Twin, file: Path, triples: frozenset[Triple]) -> None:
-    joints = {each.joint for each in twin.containers()}
+    joints = _moving(twin)
     about = {subject for subject, name, _ in triples if name == HAS_FORCE_MODEL}
     if not about:
         what = f"{file} gives no joint a force model"

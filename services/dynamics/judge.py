@@ -43,11 +43,12 @@ def forced(mechanics: Mechanics, container: Container, motion: Motion) -> Forced
         *_after(mechanics, container, motion, end),
     )
     allowed = mechanics.forces.allowed
+    models = " and ".join(dict.fromkeys(local_name(each.mechanics.forces.iri) for each in mechanics.moving))
     how = "by monotonicity" if needed.monotone else "by interval bounds along the motion"
     notes = (
         f"{D_ARTIC_DYN.name}: the largest force at the handle, along its path, is between "
         f"{needed.least:.1f} N and {needed.most:.1f} N, {allowed:g} N allowed: {how}, for every value of "
-        f"force model {local_name(mechanics.forces.iri)}",
+        f"force model {models}",
     )
     if not end.stays:
         notes += (f"when let go {container.name} moves {_way(end)}, or may",)

@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
 from sdt_kg.errors import OracleRejectedError
-from sdt_kg.iri import joint_iri, local_name
+from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.mechanism import Body, Geometry, ShapeType
 from sdt_kg.twin import Container, Twin
 from services.dynamics.model import Array, Load
@@ -14,8 +14,8 @@ from services.physics.geometry.shapes import surface
 from services.physics.tree import UNIVERSE, Model, Part, se3
 
 
-def load_of(model: Model, twin: Twin, container: Container) -> Load:
-    """What moves with the container's own joint, everything else being where the state has it.
+def load_of(model: Model, twin: Twin, joint: Iri, container: Container | None = None) -> Load:
+    """What hangs on a joint, everything else being where the state has it.
 
     Where the twin gives the moved bodies inertias, mass is spread as they say; else evenly over their
     collision shapes (a mesh: over its box).
@@ -23,26 +23,29 @@ def load_of(model: Model, twin: Twin, container: Container) -> Load:
     Args:
         model: Built from the twin's environment.
         twin: The kitchen in its state.
-        container: A container with a joint of its own.
+        joint: What moves.
+        container: Whose own joint it is; without it nothing holds a handle, and the lever is 1.
 
     Raises:
         OracleRejectedError: Nothing that moves has a shape or an inertia, or the handle has no shape.
     """
-    index = model.model.getJointId(container.joint)
+    index = model.model.getJointId(joint)
     _place(model, twin)
     body = _unit_inertia(model, index)
     prismatic = model.model.joints[index].shortname().startswith("JointModelP")
     parent = model.model.parents[index]
     world_T_joint = model.data.oMi[parent] * model.model.jointPlacements[index]
     single = pin.Model()
-    single.addJoint(UNIVERSE, model.model.joints[index], world_T_joint, container.joint)
+    single.addJoint(UNIVERSE, model.model.joints[index], world_T_joint, joint)
     single.appendBodyToJoint(1, body, pin.SE3.Identity())
     data, still = single.createData(), np.zeros(1)
     weights = [
         float(pin.rnea(single, data, np.array([q]), still, still)[0]) for q in (0.0, math.pi / 2, math.pi)
     ]
     pushed = float(pin.rnea(single, data, still, still, np.ones(1))[0]) - weights[0]
-    lever = (1.0, 1.0) if prismatic else _lever(model.part, _axis(model, index), container)
+    lever = (
+        (1.0, 1.0) if prismatic or container is None else _lever(model.part, _axis(model, index), container)
+    )
     if prismatic:
         return Load(True, pushed, 0.0, 0.0, weights[0], lever)
     constant = (weights[0] + weights[2]) / 2

@@ -5,6 +5,9 @@ With q the container's own joint, 0 closed, r the distance of the handle from th
 .. math::
     r F = M \ddot q + m w \gamma(q) + k (q - q_0) + L(q) + S(q) + (b + d(q, \dot q)) \dot q + \lambda
 
+Joints that move together (two leaves of a door, one of which follows the other) hang on nothing that moves:
+each has q_i = ρ q + o, and by virtual work the handle gives the sum of ρ times what each of them needs.
+
 M = m u κ with κ and γ from the twin's shapes (Pinocchio), u and w factors that say how far mass may be
 from uniform; L a latch that pulls shut and lets go over its width; S and d a soft closer, which pulls
 within its range and damps closing there; λ friction: within ± break-away at rest, ± Coulomb while sliding.
@@ -127,7 +130,8 @@ class Mechanics:
 
     Attributes:
         joint: IRI of the container's own joint.
-        lower, upper: Its stops [rad or m].
+        lower, upper: Its stops [rad or m]; of all that move together the first that is reached.
+        others: Joints that move with it.
     """
 
     joint: Iri
@@ -135,8 +139,28 @@ class Mechanics:
     load: Load
     lower: float
     upper: float
+    others: "tuple[Other, ...]" = ()
+
+    @property
+    def moving(self) -> "tuple[Other, ...]":
+        """All joints that move together, this one first."""
+        return (Other(1.0, 0.0, self), *self.others)
 
     @property
     def unit(self) -> str:
         """Unit of a force of the joint."""
         return "N" if self.load.prismatic else "N m"
+
+
+@dataclass(frozen=True, slots=True)
+class Other:
+    """A joint that moves with the container's own, q: at ratio · q + offset, counted from closed to open.
+
+    Attributes:
+        ratio: Above 0.
+        mechanics: Its stops are where it is at the container's.
+    """
+
+    ratio: float
+    offset: float
+    mechanics: Mechanics

@@ -9,6 +9,8 @@ from services.dynamics.cells import Cells, cells
 from services.dynamics.model import Load, Mechanics
 from services.dynamics.resistance import (
     STILL,
+    at,
+    break_away,
     closer,
     damping,
     friction,
@@ -87,12 +89,15 @@ def at_handle(size: Interval, load: Load) -> Interval:
 
 def joint_force(mechanics: Mechanics, spans: Cells) -> Interval:
     """Force of the joint that the handle has to give, N or N m; at rest the least that holds it there."""
-    q, v = spans.q, spans.v
-    heavy = mass(mechanics) * (inertial(mechanics, spans.a) + weight(mechanics, q))
-    still = spring(mechanics, q) + latch(mechanics, q) + closer(mechanics, q)
-    moving = heavy + still + damping(mechanics, q, v) + friction(mechanics, v)
-    held = unborne(mechanics, resisting(mechanics, q), q)
-    grip = mechanics.forces.lower.break_away
+    moving = exact(np.zeros_like(spans.begin))
+    for each in mechanics.moving:
+        one, ratio = each.mechanics, exact(each.ratio)
+        q, v, a = at(each, spans.q), ratio * spans.v, ratio * spans.a
+        heavy = mass(one) * (inertial(one, a) + weight(one, q))
+        still = spring(one, q) + latch(one, q) + closer(one, q)
+        moving = moving + ratio * (heavy + still + damping(one, q, v) + friction(one, v))
+    held = unborne(mechanics, resisting(mechanics, spans.q), spans.q)
+    grip, _ = break_away(mechanics)
     return Interval(
         np.where(spans.rests, np.minimum(held.lo + grip, 0.0), moving.lo),
         np.where(spans.rests, np.maximum(held.hi - grip, 0.0), moving.hi),
@@ -111,7 +116,7 @@ def _onset(mechanics: Mechanics, motion: Motion, spans: Cells, parts: int) -> tu
         return 0.0, begin
     pulled = resisting(mechanics, exact(motion.values[piece : piece + 1, 0]))
     opens = bool(spans.v.hi[first] > -spans.v.lo[first])
-    along = float(pulled.lo[0] if opens else -pulled.hi[0]) + mechanics.forces.lower.break_away
+    along = float(pulled.lo[0] if opens else -pulled.hi[0]) + break_away(mechanics)[0]
     size = Interval(np.array([max(along, 0.0)]), np.array([max(along, 0.0)]))
     return float(at_handle(size, mechanics.load).lo[0]), begin
 
@@ -126,12 +131,17 @@ def _monotone(mechanics: Mechanics, spans: Cells, size: Interval) -> bool:
     slow = Interval(np.maximum(v.lo, 0.0), np.maximum(v.hi, 0.0))
     if closes:
         slow = Interval(np.minimum(v.lo, 0.0), np.minimum(v.hi, 0.0))
-    terms = [weight(mechanics, q), spring(mechanics, q), latch(mechanics, q), closer(mechanics, q)]
-    if any(_least(each, opens) < -NO_FORCE for each in terms):
-        return False
-    still = terms[1] + terms[2] + terms[3]
-    driven = mass(mechanics) * (inertial(mechanics, a) + terms[0]) + still + damping(mechanics, q, slow)
-    if _least(driven, opens) + mechanics.forces.lower.coulomb < -NO_FORCE:
+    driven = exact(np.zeros_like(q.lo))
+    for each in mechanics.moving:
+        one, ratio, own = each.mechanics, exact(each.ratio), at(each, q)
+        terms = [weight(one, own), spring(one, own), latch(one, own), closer(one, own)]
+        if any(_least(ratio * term, opens) < -NO_FORCE for term in terms):
+            return False
+        heavy = mass(one) * (inertial(one, ratio * a) + terms[0])
+        slowed = damping(one, own, ratio * slow)
+        driven = driven + ratio * (heavy + terms[1] + terms[2] + terms[3] + slowed)
+        driven = driven + exact((1.0 if opens else -1.0) * each.ratio * one.forces.lower.coulomb)
+    if _least(driven, opens) < -NO_FORCE:
         return False
     speeding = (a.lo if opens else -a.hi) >= 0
     needs = size.hi[moving]

@@ -8,29 +8,25 @@ import numpy as np
 from predicates.case import Diagnosis, Kind
 from predicates.meant import moved_by
 from predicates.oracle import Replayed
-from predicates.scope import outside
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.motion import BodyMotion, Motion
-from sdt_kg.scope import D_ARTIC_DYN, TeeClass, Violation
+from sdt_kg.scope import D_ARTIC_DYN, TeeClass
 from sdt_kg.state import Region
 from sdt_kg.twin import Container, Twin
 from services.dynamics.judge import forced
 from services.dynamics.model import Mechanics
 from services.dynamics.need import need
-from services.dynamics.parameters import followers, mechanics_of
+from services.dynamics.parameters import folds, mechanics_of
 from services.physics.oracle import Kinematics
 from services.physics.tree import Model, build
 
-DYNAMICS_VERSION = "1"
+DYNAMICS_VERSION = "2"
 """Raised whenever an answer of this oracle may change."""
 
 SLOWER = (1.0, 2.0, 4.0, 8.0)
 """[1] By which the times of a generated motion are stretched, until the force that it needs is allowed."""
-
-ONE_JOINT = "https://example.org/tee/d_artic_dyn#JointShape"
-"""The shape that a joint with followers does not keep."""
 
 
 class Dynamics:
@@ -53,11 +49,6 @@ class Dynamics:
         replayed = self._kinematics.replay(twin, motion)
         container = _container(twin, replayed.motion.of)
         model = self._model(twin)
-        if others := followers(model, container):
-            names = ", ".join(map(local_name, others))
-            what = f"{names} moves with it: forces are known of joints that move alone"
-            violation = Violation(container.joint, None, None, None, what, ONE_JOINT)
-            return replace(replayed, violations=(*replayed.violations, outside(violation, D_ARTIC_DYN)))
         found = forced(mechanics_of(model, twin, container), container, replayed.motion)
         violations, open_questions = _decided((*replayed.violations, *found.diagnoses))
         notes = (*replayed.notes, *found.notes, *open_questions)
@@ -66,7 +57,7 @@ class Dynamics:
     def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:
         for motion in self._kinematics.generate(twin, goal):
             container, model = _container(twin, motion.of), self._model(twin)
-            if followers(model, container):
+            if folds(twin.mechanism(twin.environment), container.joint):
                 yield motion
                 continue
             yield _slow_enough(mechanics_of(model, twin, container), motion)

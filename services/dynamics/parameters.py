@@ -1,10 +1,14 @@
 """A container's force model, read from the twin: every parameter as an interval, none guessed."""
 
-from sdt_kg.errors import InputError, OracleRejectedError
+from dataclasses import replace
+
+from sdt_kg.entities.moving_together import HANGS_ON, moving_together
+from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri, local_name
+from sdt_kg.mechanism import Mechanism
 from sdt_kg.twin import Container, Twin
 from services.dynamics.load import load_of
-from services.dynamics.model import ForceModel, Mechanics, Values
+from services.dynamics.model import ForceModel, Mechanics, Other, Values
 from services.physics.tree import Model
 
 _SAME_NAME = {
@@ -63,27 +67,34 @@ def mechanics_of(model: Model, twin: Twin, container: Container) -> Mechanics:
     Args:
         model: Built from the twin's environment.
         twin: The kitchen in its state.
-        container: One whose joint nothing follows and that follows nothing.
+        container: One of whose joints that move together none carries another.
 
     Raises:
-        OracleRejectedError: A parameter or a shape is missing.
-        InputError: Other joints move with this one.
+        OracleRejectedError: A parameter or a shape is missing, or a joint carries another that moves with it.
     """
-    if others := followers(model, container):
-        names = ", ".join(map(local_name, others))
-        raise InputError(f"{names} moves with {container.name}", allowed="forces of one joint alone")
-    forces = force_model(twin, container.joint)
-    return Mechanics(
-        container.joint, forces, load_of(model, twin, container), container.lower, container.upper
+    kitchen = twin.mechanism(twin.environment)
+    if folds(kitchen, container.joint):
+        raise OracleRejectedError(f"{container.name} folds: one of its joints hangs on another")
+    others = tuple(
+        _other(model, twin, container, joint, *how)
+        for joint, how in sorted(twin.entities.coupling.together(container.joint).items())
     )
+    load, forces = load_of(model, twin, container.joint, container), force_model(twin, container.joint)
+    return Mechanics(container.joint, forces, load, container.lower, container.upper, others)
 
 
-def followers(model: Model, container: Container) -> list[Iri]:
-    """Joints that move with the container's own."""
-    source = model.coupling.source
-    k = model.coordinate[container.joint]
-    return [
-        joint
-        for joint, other in model.coordinate.items()
-        if other != k and source[other] == source[k] and model.coupling.multiplier[other] != 0
-    ]
+def _other(  # noqa: PLR0913, PLR0917 - a joint, and how it moves with the container's
+    model: Model, twin: Twin, container: Container, joint: Iri, ratio: float, offset: float
+) -> Other:
+    """A joint that moves with a container's own, counted from closed to open, wherever its axis points."""
+    load = load_of(model, twin, joint)
+    if ratio < 0:
+        load = replace(load, cosine=-load.cosine, constant=-load.constant)
+        ratio, offset = -ratio, -offset
+    lower, upper = (ratio * end + offset for end in (container.lower, container.upper))
+    return Other(ratio, offset, Mechanics(joint, force_model(twin, joint), load, lower, upper))
+
+
+def folds(kitchen: Mechanism, joint: Iri) -> bool:
+    """Whether one of the joints that move together hangs on another."""
+    return any(name == HANGS_ON for _, name, _ in moving_together(kitchen, joint))

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from services.dynamics.model import Array, Mechanics
+from services.dynamics.model import Array, Mechanics, Other
 from services.embodiment.proof_check.interval import TRIG, Interval, exact
 
 AT_STOP = 1e-6
@@ -77,10 +77,26 @@ def closer(mechanics: Mechanics, q: Interval, v: Interval | None = None) -> Inte
     return share * span(forces.lower.closer_damping, forces.upper.closer_damping) * closing
 
 
+def at(other: Other, q: Interval) -> Interval:
+    """Where a joint is that moves with the one at q."""
+    return exact(other.ratio) * q + exact(other.offset) if other.ratio != 1 or other.offset else q
+
+
 def resisting(mechanics: Mechanics, q: Interval) -> Interval:
-    """All that depends on the position alone: what the joint is pulled shut with."""
-    held = mass(mechanics) * weight(mechanics, q)
-    return held + spring(mechanics, q) + latch(mechanics, q) + closer(mechanics, q)
+    """All that depends on the position alone: what the joints are pulled shut with, felt at the first."""
+    total = exact(np.zeros_like(q.lo))
+    for each in mechanics.moving:
+        one, own = each.mechanics, at(each, q)
+        held = mass(one) * weight(one, own) + spring(one, own) + latch(one, own) + closer(one, own)
+        total = total + exact(each.ratio) * held
+    return total
+
+
+def break_away(mechanics: Mechanics) -> tuple[float, float]:
+    """Least and largest friction that all joints together can bear at rest, felt at the first."""
+    found = [(each.ratio, each.mechanics.forces) for each in mechanics.moving]
+    least = sum(ratio * forces.lower.break_away for ratio, forces in found)
+    return least, sum(ratio * forces.upper.break_away for ratio, forces in found)
 
 
 def damping(mechanics: Mechanics, q: Interval, v: Interval) -> Interval:

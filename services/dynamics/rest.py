@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from services.dynamics.model import Mechanics
-from services.dynamics.resistance import resisting, unborne
+from services.dynamics.resistance import break_away, resisting, unborne
 from services.embodiment.proof_check.interval import exact
 
 
@@ -38,6 +38,6 @@ def at_rest(mechanics: Mechanics, q: float) -> Rest:
     at = exact(np.array([q]))
     pulled = unborne(mechanics, resisting(mechanics, at), at)
     shut, opened = float(pulled.hi[0]), float(-pulled.lo[0])
-    low, high = mechanics.forces.lower.break_away, mechanics.forces.upper.break_away
+    low, high = break_away(mechanics)
     surely = float(pulled.lo[0]) > high or float(-pulled.hi[0]) > high
     return Rest(shut > low, opened > low, surely, max(shut, opened, 0.0), low)

@@ -1,4 +1,4 @@
-"""Compiled inner loop: one joint, and those that move with it, under forces, friction and stops, step by step.
+"""Compiled inner loop: a joint, and those that move with it, under forces, friction and stops, step by step.
 
 Moreau's midpoint rule with friction and stops as impulses: in one dimension the complementarity problem of a
 step has a closed form. Second order where nothing sticks, slips or strikes, first order there.

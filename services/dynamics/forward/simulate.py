@@ -1,5 +1,6 @@
 """Forward: where a container goes under forces at its handle; the error of the steps is told by halving."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,6 +46,7 @@ def simulate(  # noqa: PLR0913 - the profile, and the state in which it begins
     start: float,
     speed: float = 0.0,
     tolerance: float = TOLERANCE,
+    others: Sequence[Values] = (),
 ) -> Simulated:
     """The motion of the joint under a force of the joint, N or N m, linear between samples.
 
@@ -53,15 +55,16 @@ def simulate(  # noqa: PLR0913 - the profile, and the state in which it begins
 
     Args:
         mechanics: Body, stops and lengths; its intervals are not used.
-        values: Of the parameters.
+        values: Of the parameters of its joint.
         times: Shape (T,), increasing [s].
         force: Shape (T,), positive towards open.
         start: Position at the first time, between the stops [rad or m].
         speed: At the first time.
         tolerance: See TOLERANCE.
+        others: Of the parameters of each joint that moves with it, in their order.
 
     Raises:
-        MotionError: The samples are no force profile.
+        MotionError: The samples are no force profile, or not each joint has its parameters.
         OracleRejectedError: No step above SHORTEST_STEP reaches the tolerance.
     """
     _check(times, force)
@@ -69,19 +72,32 @@ def simulate(  # noqa: PLR0913 - the profile, and the state in which it begins
         raise MotionError(
             f"a start at {start:.4g}", allowed=f"between {mechanics.lower:.4g} and {mechanics.upper:.4g}"
         )
-    load, forces = mechanics.load, mechanics.forces
-    body = np.array([load.inertia, load.cosine, load.sine, load.constant])
-    shape = np.array([forces.rest, forces.latch_width, forces.closer_range])
+    joints = _joints(mechanics, values, others)
     stops = np.array([mechanics.lower, mechanics.upper])
     step, coarse = FIRST_STEP, None
     while step >= SHORTEST_STEP:
-        q, v = simulated(times, force, start, speed, step, values.array(), body, shape, stops)
+        q, v = simulated(times, force, start, speed, step, joints, stops)
         if coarse is not None and (difference := float(np.abs(q - coarse).max())) <= tolerance:
             return Simulated(times, q, v, step, difference)
         coarse, step = q, step / 2
     raise OracleRejectedError(
         f"the motion of {mechanics.joint} did not converge to {tolerance:g} with steps of {step * 2:.1e} s"
     )
+
+
+def _joints(mechanics: Mechanics, values: Values, others: Sequence[Values]) -> Array:
+    """A row for each joint: ratio, offset, parameters, body, lengths."""
+    if len(others) != len(mechanics.others):
+        raise MotionError(
+            f"parameters of {len(others)} joints that move along", allowed=f"{len(mechanics.others)}"
+        )
+    rows = list[Array]()
+    for each, own in zip(mechanics.moving, (values, *others), strict=True):
+        load, forces = each.mechanics.load, each.mechanics.forces
+        body = (load.inertia, load.cosine, load.sine, load.constant)
+        lengths = (forces.rest, forces.latch_width, forces.closer_range)
+        rows.append(np.concatenate([(each.ratio, each.offset), own.array(), body, lengths]))
+    return np.stack(rows)
 
 
 def _check(times: Array, force: Array) -> None:

@@ -6,13 +6,20 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from sdt_kg.twin import Twin
 from services.dynamics.load import load_of
+from services.dynamics.model import Load
 from services.physics.tree import build
 from tests.services.dynamics.forced import forced_twin
 
 GRAVITY = 9.81
 DOOR, HANDLE = (0.02, 0.5, 0.4), (0.02, 0.12, 0.02)  # [m] boxes of tests/small/b.urdf
 DOOR_AT, HANDLE_AT = (0.0, 0.2), (-0.05, 0.35)  # x, z of their middles
+
+
+def loaded(twin: Twin, name: str) -> Load:
+    container = twin.container(name)
+    return load_of(build(twin.mechanism(twin.environment)), twin, container.joint, container)
 
 
 def box_about_y(size: tuple[float, float, float], at: tuple[float, float]) -> tuple[float, float, np.ndarray]:
@@ -24,7 +31,7 @@ def box_about_y(size: tuple[float, float, float], at: tuple[float, float]) -> tu
 
 def test_a_door_of_boxes_has_their_inertia_weight_and_lever() -> None:
     twin = forced_twin()
-    load = load_of(build(twin.mechanism(twin.environment)), twin, twin.container("oven_door"))
+    load = loaded(twin, "oven_door")
     parts = [box_about_y(DOOR, DOOR_AT), box_about_y(HANDLE, HANDLE_AT)]
     volume = sum(each[0] for each in parts)
     x, z = sum(each[2] for each in parts) / volume
@@ -39,14 +46,14 @@ def test_a_door_of_boxes_has_their_inertia_weight_and_lever() -> None:
 
 def test_a_drawer_is_mass_alone_and_its_weight_is_borne_by_its_runners() -> None:
     twin = forced_twin()
-    load = load_of(build(twin.mechanism(twin.environment)), twin, twin.container("top_drawer"))
+    load = loaded(twin, "top_drawer")
     assert (load.prismatic, load.lever) == (True, (1.0, 1.0))
     assert (load.inertia, load.constant) == pytest.approx((1.0, 0.0), abs=1e-12)
 
 
 def test_the_weight_is_pinocchios_gravity_at_every_angle() -> None:
     twin = forced_twin()
-    load = load_of(build(twin.mechanism(twin.environment)), twin, twin.container("oven_door"))
+    load = loaded(twin, "oven_door")
     model = pin.Model()
     joint = model.addJoint(
         0, pin.JointModelRevoluteUnaligned(np.array([0.0, -1.0, 0.0])), pin.SE3.Identity(), "door"

@@ -1,0 +1,161 @@
+"""Joints that move together: the sum of what each needs, by virtual work; against MuJoCo's own constraint."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from predicates.case import Case, Outcome, Verdict
+from predicates.law import law
+from sdt_kg.errors import MotionError, OracleRejectedError
+from sdt_kg.load import load_twin
+from sdt_kg.motion import Motion
+from sdt_kg.scope import D_ARTIC_DYN, violations
+from sdt_kg.task import Task, Verb
+from sdt_kg.twin import Twin
+from services.dynamics.data import with_forces
+from services.dynamics.forward.simulate import simulate
+from services.dynamics.model import Array, Load, Mechanics, Other
+from services.dynamics.need import need
+from services.dynamics.oracle import Dynamics
+from services.dynamics.rest import at_rest
+from tests.services.dynamics.mechanisms import NOTHING, slide
+from tests.small import small_twin
+
+HERE = Path(__file__).parent
+ID = "https://example.org/id/pair/"
+TIMES = np.linspace(0.0, 3.0, 601)
+STEP = 5e-4  # [s] of MuJoCo
+RATIO, WIDTH, GRAVITY = 0.7, 0.5, 9.81
+FIRST = replace(NOTHING, mass=6.0, coulomb=0.6, break_away=0.6, viscous=1.0)
+SECOND = replace(NOTHING, mass=9.0, coulomb=0.4, break_away=0.4, viscous=2.0, stiffness=30.0)
+UPRIGHT = Load(False, WIDTH**2 / 3, 0.0, 0.0, 0.0, (WIDTH, WIDTH))
+DOWNWARD = Load(False, WIDTH**2 / 3, 0.0, -GRAVITY * WIDTH / 2, 0.0, (WIDTH, WIDTH))
+
+
+@cache
+def pair() -> Twin:
+    return with_forces(load_twin(HERE / "pair.urdf"), HERE / "pair_forces.ttl")
+
+
+def judged(twin: Twin, container: str) -> Verdict:
+    (verdict,) = law(Case(twin, task=Task(Verb.OPEN, twin.container(container).iri)), Dynamics())
+    return verdict
+
+
+def coupled(ratio: float = RATIO, load: Load = DOWNWARD) -> Mechanics:
+    second = Other(ratio, 0.0, slide(SECOND, load=load, allowed=1e-3))
+    return replace(slide(FIRST, load=UPRIGHT, allowed=1e-3), upper=1.5, others=(second,))
+
+
+def theirs(force: Array) -> Array:
+    """MuJoCo's position of the first hinge; the second, downward one is tied to it by an equality."""
+    about = WIDTH**2 / 3
+    model = mujoco.MjModel.from_xml_string(f"""
+      <mujoco>
+        <compiler angle="radian"/>
+        <option timestep="{STEP}" integrator="implicitfast" solver="Newton" gravity="0 0 -{GRAVITY}"/>
+        <default>
+          <joint type="hinge" solreffriction="0.0015 1" solimpfriction="0.9999 0.9999 0.001"/>
+          <equality solref="0.0015 1" solimp="0.9999 0.9999 0.001"/>
+        </default>
+        <worldbody>
+          <body>
+            <inertial pos="0 0 0" mass="6" diaginertia="{6 * about} {6 * about} {6 * about}"/>
+            <joint name="first" axis="0 0 1" damping="1" frictionloss="0.6"/>
+          </body>
+          <body>
+            <inertial pos="0 0 {WIDTH / 2}" mass="9" diaginertia="1 {9 * (about - WIDTH**2 / 4)} 1"/>
+            <joint name="second" axis="0 1 0" damping="2" frictionloss="0.4" stiffness="30" springref="0"/>
+          </body>
+        </worldbody>
+        <equality><joint joint1="second" joint2="first" polycoef="0 {RATIO} 0 0 0"/></equality>
+      </mujoco>""")
+    data = mujoco.MjData(model)
+    every, q = round((TIMES[1] - TIMES[0]) / STEP), np.empty(len(TIMES))
+    forces = np.interp(np.arange(every * len(TIMES)) * STEP, TIMES, force)
+    for i in range(len(TIMES)):
+        q[i] = data.qpos[0]
+        for k in range(every):
+            data.qfrc_applied[0] = forces[i * every + k]
+            mujoco.mj_step(model, data)
+    return q
+
+
+def test_a_hinge_and_one_that_follows_it_move_as_in_mujoco() -> None:
+    force = 4.0 * np.clip(TIMES / 0.3, 0, 1) * (TIMES < 0.6) - 6.0 * (TIMES > 0.9) * (TIMES < 1.3)
+    ours = simulate(replace(coupled(), lower=-2.0), FIRST, TIMES, force, start=0.0, others=(SECOND,))
+    expected = theirs(force)
+    assert np.ptp(expected) > 0.1
+    assert np.abs(ours.q - expected).max() <= 0.005
+
+
+def test_the_bound_is_the_sum_by_virtual_work_and_the_parameters_move_it_as_they_say() -> None:
+    u = np.linspace(0.0, 1.0, 17)
+    motion = Motion("https://example.org/id/test/joint/slide", 2 * u, u[:, None] ** 3)
+    alone = [replace(coupled(), others=()), replace(coupled().others[0].mechanics, upper=1.5)]
+    whole, first = need(coupled(), motion), need(alone[0], motion)
+    second = need(alone[1], replace(motion, values=RATIO * motion.values))
+    assert whole.most <= first.most + RATIO * second.most + 1e-9
+    assert whole.most > first.most
+    still = at_rest(coupled(), 0.5)
+    pull = 9.0 * GRAVITY * WIDTH / 2 * np.sin(RATIO * 0.5) - 30.0 * RATIO * 0.5
+    assert still.friction == pytest.approx(0.6 + RATIO * 0.4)
+    assert (still.shuts, still.pull) == (True, pytest.approx(-RATIO * pull, rel=1e-6))
+
+
+def test_each_joint_that_moves_along_needs_its_parameters() -> None:
+    with pytest.raises(MotionError, match="1"):
+        simulate(coupled(), FIRST, TIMES, np.zeros(len(TIMES)), start=0.0)
+
+
+def test_two_leaves_need_twice_the_force_of_one_whichever_way_the_axis_points() -> None:
+    mechanics = Dynamics().mechanics(pair(), pair().container("left_leaf"))
+    (other,) = mechanics.others
+    assert (other.ratio, other.offset, other.mechanics.upper) == (1.0, 0.0, 1.5)
+    one = replace(mechanics, others=(replace(other, mechanics=replace(mechanics, others=())),))
+    motion = Motion(mechanics.joint, np.linspace(0, 9, 10), np.linspace(0, 1.4, 10)[:, None])
+    alone = need(replace(mechanics, others=()), motion)
+    handle = need(one, motion)
+    assert handle.most == pytest.approx(2 * alone.most, rel=1e-6)
+    assert handle.least == pytest.approx(2 * alone.least, rel=1e-6)
+
+
+def test_containers_that_lead_and_that_follow_are_inside_and_say_whose_forces_they_sum() -> None:
+    most = dict[str, float]()
+    for name in ("left_leaf", "upper_drawer", "lower_drawer"):
+        verdict = judged(pair(), name)
+        assert verdict.causes is not None, verdict.diagnoses
+        assert verdict.causes.holds
+        most[name], _ = verdict.causes.figures["handle force, at most"]
+    assert most["lower_drawer"] > 1.5 * most["upper_drawer"], (
+        "a follower that goes half as far has the longer lever"
+    )
+
+
+def test_a_follower_of_which_no_forces_are_known_keeps_its_leader_outside() -> None:
+    twin = pair().with_edit(f"{ID}joint/right_leaf_joint", hasForceModel=None)
+    verdict = judged(twin, "left_leaf")
+    assert verdict.outcome is Outcome.ABSTAINED
+    assert any(
+        each.violation is not None and each.violation.focus.endswith("right_leaf_joint")
+        for each in verdict.diagnoses
+    )
+
+
+def test_bad_figures_of_a_follower_keep_its_leader_outside() -> None:
+    own = f"{ID}force_model/hinge"
+    twin = pair().with_edit(own, coulombFrictionFrom=-1.0)
+    (found,) = violations(twin, twin.container("left_leaf"), tee=D_ARTIC_DYN)
+    assert (found.focus, found.value) == (own, -1.0)
+
+
+def test_a_folding_door_is_outside_and_the_reason_is_told() -> None:
+    twin = small_twin("a")
+    found = violations(twin, twin.container("folding_door"), tee=D_ARTIC_DYN)
+    assert any("as in a folding door" in each.message for each in found)
+    with pytest.raises(OracleRejectedError, match="folds"):
+        Dynamics().mechanics(twin, twin.container("folding_door"))
