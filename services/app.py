@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from predicates.case import Answer, ArtefactKind, Case, Outcome, Verdict
 from predicates.causes import causes
@@ -61,6 +61,15 @@ class Oracles(Protocol):
         ...
 
 
+@runtime_checkable
+class KnowingForces(Protocol):
+    """Oracles that can be asked relative to D_artic_dyn."""
+
+    def with_forces(self) -> Oracles:
+        """The same oracles where forces count."""
+        ...
+
+
 @dataclass(frozen=True)
 class Service:
     """The Law over one twin, asked with names as people type them.
@@ -90,14 +99,12 @@ class Service:
             handle_force: [N] Allowed at every handle instead of what the force models say.
 
         Raises:
-            InputError: Other oracles answer, which know no forces.
+            InputError: Other oracles answer that know no forces.
             AnnotationError: The file is no force data of this kitchen.
         """
-        if self.oracles is not None:
-            raise InputError("oracles elsewhere know no forces", allowed="D_artic_dyn in process")
         from services.dynamics.data import with_forces  # noqa: PLC0415 - only where forces are asked about
 
-        return replace(self, twin=with_forces(self.twin, file, handle_force), oracles=_Forces())
+        return replace(self, twin=with_forces(self.twin, file, handle_force), oracles=self._forced())
 
     def satisfies(self) -> Iterator[Answer]:
         """Every request which the present state meets: SatisfiesRequest, backwards."""
@@ -172,20 +179,29 @@ class Service:
             return replace(case, body_motion=motion)
         return case if motion is None else replace(case, motion=motion)
 
+    def _forced(self) -> Oracles:
+        if self.oracles is None:
+            return Forces()
+        if isinstance(self.oracles, KnowingForces):
+            return self.oracles.with_forces()
+        raise InputError("oracles elsewhere know no forces", allowed="D_artic_dyn in process")
+
     def _task(self, task: str | Task) -> Task:
         return task if isinstance(task, Task) else parse_task(self.twin, task)
 
 
 @dataclass(frozen=True)
-class _Forces:
-    """Who answers where forces count."""
+class Forces:
+    """Who answers in process where forces count."""
 
     def physics(self) -> Physics:
+        """Φ with forces."""
         from services.dynamics.oracle import Dynamics  # noqa: PLC0415 - only where forces are asked about
 
         return Dynamics()
 
     def embodiment(self, policy: Policy) -> Embodiment:
+        """R that has to bear them."""
         from services.dynamics.robot.bearing import Bearing  # noqa: PLC0415 - only where forces are asked about
 
         return Bearing(whole_body(policy))

@@ -17,6 +17,7 @@ from services.judging.messages import AchieveRequest, SweepRequest
 from services.judging.pool import Pool
 from services.judging.problems import Problem
 from services.judging.replies import JobReply, VerdictsReply
+from services.relative import Relative
 from services.sweep.cell import Cell
 from services.sweep.plan import Axes, Models, combined, policies
 
@@ -161,6 +162,7 @@ def _axes(request: SweepRequest) -> Axes:
         tasks=tuple(request.tasks) or (request.verb,),
         states=tuple((*request.state, *each) for each in request.starts) or (tuple(request.state),),
         policies=policies(drives, seeds=request.seeds, budget=request.budget),
+        classes=(Relative(request.tee, handle_force=request.handle_force),),
     )
 
 
@@ -173,4 +175,6 @@ def _request(cell: Cell) -> AchieveRequest:
         drive=None if drive is None else drive.value,
         budget=cell.policy.budget,
         seed=cell.policy.seed,
+        tee=cell.relative.tee,
+        handle_force=cell.relative.handle_force,
     )

@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-from sdt_kg.errors import InputError
-from sdt_kg.scope import D_ARTIC_DYN
 from services.app import Service
+from services.relative import Relative, tee_of
 
 
 def in_class(service: Service, tee: str, forces: Path | None) -> Service:
@@ -13,8 +12,4 @@ def in_class(service: Service, tee: str, forces: Path | None) -> Service:
     Raises:
         InputError: Force data for a class without forces.
     """
-    if tee.lower() == D_ARTIC_DYN.name.lower():
-        return service.with_forces(forces)
-    if forces is not None:
-        raise InputError(f"--forces {forces} says nothing to {tee}", allowed="--tee d_artic_dyn")
-    return service
+    return Relative(tee_of(tee), forces).of(service)

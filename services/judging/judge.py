@@ -36,6 +36,7 @@ from services.judging.messages import (
 )
 from services.judging.problems import Problem, ProblemType, problem, problem_of
 from services.judging.replies import ComputeReply, PlaceReply, TextReply, VerdictsReply
+from services.relative import Relative
 from services.requests import parse_task
 from services.telemetry.metrics import Judged
 from services.why import why
@@ -120,7 +121,7 @@ class Judge:
         if isinstance(request, SatisfiesRequest):
             return self._stated(request, asked)
         assert isinstance(request, CausesRequest), "the server sends no others"
-        service = _in_class(self._at(asked, request.state), request)
+        service = _relative(request).of(self._at(asked, request.state))
         return replied(caused(service, request, asked.encoding), asked.encoding)
 
     def _service(self, twin: str) -> Service:
@@ -198,7 +199,7 @@ class Judge:
         kept = self._kept.pop(key, None)
         if kept is None:
             kept = replace(self._service(asked.twin).at(*state), policy=policy, recall=self._stored)
-            kept = _in_class(kept, request)
+            kept = _relative(request).of(kept)
         while len(self._kept) >= SERVICES_KEPT:
             del self._kept[next(iter(self._kept))]
         self._kept[key] = kept
@@ -209,17 +210,13 @@ class Judge:
         return None if quads is None else read_verdict(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri)
 
 
-def _in_class(service: Service, request: Classed) -> Service:
-    """The service, asked relative to the class that the request names.
+def _relative(request: Classed) -> Relative:
+    """The class that the request names.
 
     Raises:
         InputError: A force for a class without forces.
     """
-    if request.tee == "d_artic_dyn":
-        return service.with_forces(handle_force=request.handle_force)
-    if request.handle_force is not None:
-        raise InputError(f"handle_force says nothing to {request.tee}", allowed="tee: d_artic_dyn")
-    return service
+    return Relative(request.tee, handle_force=request.handle_force)
 
 
 class _Keeper:

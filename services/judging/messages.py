@@ -8,9 +8,10 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from services.relative import TeeName
+
 SCHEMA = "1.0"
 DriveName = Literal["omni", "differential", "fixed"]
-TeeName = Literal["d_artic", "d_artic_dyn"]
 
 
 class Verb(Enum):
@@ -155,7 +156,7 @@ class WhyRequest(Message):
     iri: str = Field(max_length=500)
 
 
-class SweepRequest(Stated):
+class SweepRequest(Classed):
     """A job: CanAchieve for every combination of robots, tasks, start states, drives and seeds.
 
     Attributes:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from predicates.record import Record
 from sdt_kg.load import model_name
 from services.app import Policy
+from services.relative import KINEMATIC, Relative
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,6 +17,7 @@ class Cell:
         robot: Likewise.
         task: `open:CONTAINER` or `close:CONTAINER`.
         states: `JOINT=VALUE` texts; empty is everything closed.
+        relative: The class that the verdict is relative to.
     """
 
     kitchen: str
@@ -23,14 +25,15 @@ class Cell:
     task: str
     states: tuple[str, ...]
     policy: Policy
+    relative: Relative = KINEMATIC
 
     def __str__(self) -> str:
         return f"{self.task}, {model_name(self.robot)} in {model_name(self.kitchen)}"
 
     @property
-    def loaded(self) -> tuple[str, str, tuple[str, ...], Policy]:
+    def loaded(self) -> tuple[str, str, tuple[str, ...], Policy, Relative]:
         """What a worker loads for the case, and keeps for those that follow."""
-        return self.kitchen, self.robot, self.states, self.policy
+        return self.kitchen, self.robot, self.states, self.policy, self.relative
 
     @property
     def container(self) -> str:

@@ -83,6 +83,8 @@ def row_of(found: Found) -> Row:
         "base": list(policy.base) if policy.base else None,
         "budget": policy.budget,
         "seed": policy.seed,
+        "tee": cell.relative.tee,
+        "handle_force": cell.relative.handle_force,
     }
     if not isinstance(found, CellResult):
         return row | {"problem": found.reason}
@@ -112,6 +114,8 @@ def _schema() -> Any:  # noqa: ANN401 - pyarrow has no types
         "base": pa.list_(number),
         "budget": number,
         "seed": pa.int64(),
+        "tee": text,
+        "handle_force": number,
         "outcome": text,
         **dict.fromkeys(("satisfies_request", "causes", "can_perform"), yes),
         "gripper": text,

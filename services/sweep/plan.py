@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import product
+from math import prod
+from pathlib import Path
 from typing import TypeVar
 
 from sdt_kg.annotation import Drive
@@ -11,6 +13,7 @@ from sdt_kg.load import load_twin, model_name, model_path
 from sdt_kg.task import Verb
 from sdt_kg.twin import Twin
 from services.app import DEFAULT_BUDGET, Policy
+from services.relative import KINEMATIC, Relative, tee_of
 from services.requests import parse_state, parse_task, state_joints
 from services.sweep.cell import Cell
 
@@ -27,11 +30,13 @@ class Axes:
         tasks: `open`, `close` for every container, or `open:CONTAINER`.
         states: `JOINT=VALUE` texts of each start state; the empty one is everything closed.
         policies: Drive, base pose, budget and seed.
+        classes: That verdicts are relative to.
     """
 
     tasks: tuple[str, ...] = ("open",)
     states: tuple[States, ...] = ((),)
     policies: tuple[Policy, ...] = (Policy(),)
+    classes: tuple[Relative, ...] = (KINEMATIC,)
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,13 +71,15 @@ class Combined:
 
     def __len__(self) -> int:
         axes = self.axes
-        return len(self.robots) * len(axes.states) * len(axes.policies) * len(axes.tasks)
+        varied = (self.robots, axes.states, axes.policies, axes.classes, axes.tasks)
+        return prod(map(len, varied))
 
     def __iter__(self) -> Iterator[Cell]:
         """The kitchen's cases; those that follow each other have the same robot, state and policy."""
         axes = self.axes
-        for robot, states, policy, task in product(self.robots, axes.states, axes.policies, axes.tasks):
-            yield Cell(self.kitchen, robot, task, states, policy)
+        loaded = product(self.robots, axes.classes, axes.states, axes.policies)
+        for (robot, relative, states, policy), task in product(loaded, axes.tasks):
+            yield Cell(self.kitchen, robot, task, states, policy, relative)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +107,7 @@ def combined(models: Models, axes: Axes) -> Combined:
         if name and name not in models.containers:
             raise UnknownEntityError("container", name, models.containers)
         tasks += [f"{verb}:{each}" for each in ([name] if name else models.containers)]
-    varied = Axes(_once(tasks), _once(axes.states), _once(axes.policies))
+    varied = Axes(_once(tasks), _once(axes.states), _once(axes.policies), _once(axes.classes))
     return Combined(models.kitchen, models.robots, varied)
 
 
@@ -138,6 +145,23 @@ def policies(
 ) -> tuple[Policy, ...]:
     """Every combination of these."""
     return tuple(Policy(drive, base, budget, seed) for drive, base, seed in product(drives, bases, seeds))
+
+
+def classes(
+    tees: Sequence[str], forces: Path | None = None, handle_forces: Sequence[float] = ()
+) -> tuple[Relative, ...]:
+    """Each class; those that know forces with each force that is allowed.
+
+    Raises:
+        InputError: Forces, and no class that knows any.
+        UnknownEntityError: There is no class of that name.
+    """
+    named = [tee_of(each) for each in tees]
+    allowed = handle_forces or (None,)
+    if "d_artic_dyn" not in named:
+        return (Relative("d_artic", forces, allowed[0]),)
+    forced = tuple(Relative("d_artic_dyn", forces, each) for each in allowed)
+    return tuple(each for tee in named for each in (forced if tee == "d_artic_dyn" else (KINEMATIC,)))
 
 
 @dataclass(slots=True)
@@ -206,7 +230,8 @@ def _part(twin: Twin, kitchen: str, robots: tuple[str, ...], axes: Axes) -> Comb
     states = tuple(tuple(state_joints(twin, texts)) for texts in axes.states)
     for texts in states:
         parse_state(twin, texts)
-    return combined(Models(kitchen, robots, containers), Axes(here, states, axes.policies))
+    varied = Axes(here, states, axes.policies, axes.classes)
+    return combined(Models(kitchen, robots, containers), varied)
 
 
 def _all_used(given: set[str], used: Iterable[str], what: str) -> None:

@@ -1,8 +1,10 @@
 """Cases that somebody has listed: rows of a CSV file, or of a query over kitchens or saved verdicts."""
 
 import csv
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 from pathlib import Path
 from typing import Final
 
@@ -11,12 +13,16 @@ from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin, model_name
 from services.app import Policy
+from services.relative import Relative, tee_of
 from services.requests import parse_base
 from services.store.files import query_saved
 from services.sweep.cell import Cell
 from services.sweep.plan import Axes, Known, Plan
 
-COLUMNS: Final = ("kitchen", "robot", "container", "task", "state", "drive", "base", "budget", "seed")
+COLUMNS: Final = (
+    *("kitchen", "robot", "container", "task", "state", "drive", "base", "budget", "seed"),
+    *("tee", "handle_force"),
+)
 """Of a row; what it leaves out is taken from the options, each of their combinations."""
 STATE_SEPARATOR: Final = ";"
 
@@ -61,9 +67,10 @@ class Listed:
         for kitchen in _models(row, "kitchen", self.kitchens):
             for robot in _models(row, "robot", self.robots):
                 for states in _states(row, self.axes):
-                    for policy in self.axes.policies:
+                    for policy, relative in product(self.axes.policies, self.axes.classes):
                         for task in self._tasks(row, kitchen):
-                            yield Cell(kitchen, robot, task, states, _policy(row, policy))
+                            how = _policy(row, policy), _relative(row, relative)
+                            yield Cell(kitchen, robot, task, states, *how)
 
     def _tasks(self, row: Row, kitchen: str) -> Iterator[str]:
         """The row's task about its container, or about each where it names none."""
@@ -159,6 +166,17 @@ def _policy(row: Row, policy: Policy) -> Policy:
         drives = ", ".join(each.value for each in Drive)
         allowed = f"drive: {drives}; budget: seconds; seed: a whole number"
         raise InputError(str(error), allowed=allowed) from None
-    if not policy.budget > 0:
-        raise InputError(f"a budget of {policy.budget:g} s", allowed="more than 0")
+    if not 0 < policy.budget < math.inf:
+        raise InputError(f"a budget of {policy.budget:g} s", allowed="more than 0, and finite")
     return replace(policy, base=parse_base(row["base"].replace(" ", ","))) if "base" in row else policy
+
+
+def _relative(row: Row, relative: Relative) -> Relative:
+    """The class with what the row says otherwise."""
+    tee = tee_of(row.get("tee", relative.tee))
+    if "handle_force" in row:
+        try:
+            return Relative(tee, relative.forces, float(row["handle_force"]))
+        except ValueError as error:
+            raise InputError(str(error), allowed="handle_force: N") from None
+    return relative if tee == relative.tee else Relative(tee)

@@ -5,6 +5,7 @@ from collections import Counter
 from typing import Final
 
 from sdt_kg.load import model_name
+from services.relative import Relative
 from services.store.files import SavedVerdicts
 from services.sweep.cell import CellResult, Found
 from services.sweep.worker import service_of
@@ -21,14 +22,14 @@ class Kept:
 
     def __init__(self, saved: SavedVerdicts | None) -> None:
         self._saved = saved
-        self._twins: set[tuple[str, str, tuple[str, ...]]] = set()
+        self._twins: set[tuple[str, str, tuple[str, ...], Relative]] = set()
 
     def add(self, found: Found) -> None:
         """The verdict is kept, if it is one and new."""
         if self._saved is None or not isinstance(found, CellResult) or found.stored:
             return
         cell = found.cell
-        about = (cell.kitchen, cell.robot, cell.states)
+        about = (cell.kitchen, cell.robot, cell.states, cell.relative)
         if about not in self._twins:
             self._saved.add_twin(service_of(cell).twin)
             self._twins.add(about)

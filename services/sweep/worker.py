@@ -13,6 +13,7 @@ from sdt_kg.errors import SdtError
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from services.app import Policy, Service
+from services.relative import Relative
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
 
 TWINS_KEPT = 16
@@ -71,13 +72,20 @@ def stored_verdict(cell: Cell, recall: Recall) -> Verdict | None:
 
 def service_of(cell: Cell) -> Service:
     """The Law over the case's kitchen with its robot, in its state and under its policy."""
-    return _service(cell.kitchen, cell.robot, cell.states, cell.policy)
+    return _service(*cell.loaded)
 
 
 @lru_cache(maxsize=SERVICES_KEPT)
-def _service(kitchen: str, robot: str, states: tuple[str, ...], policy: Policy) -> Service:
-    service = Service(twin_of(kitchen, robot), policy)
+def _service(
+    kitchen: str, robot: str, states: tuple[str, ...], policy: Policy, relative: Relative
+) -> Service:
+    service = replace(_in_class(kitchen, robot, relative), policy=policy)
     return service.at(*states) if states else service
+
+
+@lru_cache(maxsize=TWINS_KEPT)
+def _in_class(kitchen: str, robot: str, relative: Relative) -> Service:
+    return relative.of(Service(twin_of(kitchen, robot)))
 
 
 @lru_cache(maxsize=TWINS_KEPT)

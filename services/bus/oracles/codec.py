@@ -17,6 +17,8 @@ from sdt_kg.twin import Twin
 from services.app import Policy
 
 Plain = dict[str, Any]
+Figures = dict[str, tuple[float, str]]
+"""Name → value, unit."""
 M = TypeVar("M", Motion, BodyMotion)
 
 _DIAGNOSES = TypeAdapter(tuple[Diagnosis, ...])
@@ -77,7 +79,7 @@ def answer_plain(answer: Answer) -> Plain:
         "diagnoses": _DIAGNOSES.dump_python(answer.diagnoses, mode="json"),
         "notes": list(answer.notes),
         "seconds": answer.seconds,
-        "figures": {name: list(figure) for name, figure in answer.figures.items()},
+        "figures": _figures_plain(answer.figures),
         "artefact": None if artefact is None else [artefact.kind.value, artefact.content],
     }
 
@@ -91,7 +93,7 @@ def answer_value(twin: Twin, plain: Mapping[str, Any]) -> Answer:
         diagnoses=_diagnoses(plain["diagnoses"]),
         notes=tuple(plain["notes"]),
         seconds=dict(plain["seconds"]),
-        figures={name: (float(value), str(unit)) for name, (value, unit) in plain["figures"].items()},
+        figures=_figures(plain["figures"]),
         artefact=None if artefact is None else Artefact(ArtefactKind(artefact[0]), artefact[1]),
     )
 
@@ -102,6 +104,8 @@ def replayed_plain(replayed: Replayed) -> Plain:
         "final": dict(replayed.final),
         "motion": motion_plain(replayed.motion),
         "violations": _DIAGNOSES.dump_python(replayed.violations, mode="json"),
+        "notes": list(replayed.notes),
+        "figures": _figures_plain(replayed.figures),
     }
 
 
@@ -111,6 +115,8 @@ def replayed_value(plain: Mapping[str, Any]) -> Replayed:
         final=State.of(plain["final"]),
         motion=motion_value(Motion, plain["motion"]),
         violations=_diagnoses(plain["violations"]),
+        notes=tuple(plain["notes"]),
+        figures=_figures(plain["figures"]),
     )
 
 
@@ -148,6 +154,14 @@ def policy_value(plain: Mapping[str, Any]) -> Policy:
         any_start=plain["any_start"],
         contact=plain["contact"],
     )
+
+
+def _figures_plain(figures: Figures) -> Plain:
+    return {name: list(figure) for name, figure in figures.items()}
+
+
+def _figures(plain: Mapping[str, Any]) -> Figures:
+    return {name: (float(value), str(unit)) for name, (value, unit) in plain.items()}
 
 
 def _diagnoses(plain: object) -> tuple[Diagnosis, ...]:

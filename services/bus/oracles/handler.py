@@ -9,10 +9,10 @@ from typing import Any
 import pyoxigraph as ox
 
 from predicates.oracle import Embodiment, Physics
-from sdt_kg.errors import SdtError
+from sdt_kg.errors import InputError, SdtError
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Twin
-from services.app import whole_body
+from services.app import Forces, whole_body
 from services.bus.keys import Oracle
 from services.bus.oracles.codec import (
     Plain,
@@ -27,6 +27,7 @@ from services.bus.oracles.codec import (
 from services.judging.codec import CBOR, from_cbor, to_cbor
 from services.judging.jobs import Done, Handler, Task
 from services.judging.problems import Problem, ProblemType, problem, problem_of
+from services.relative import TeeName, tee_of
 
 log = logging.getLogger(__name__)
 
@@ -77,10 +78,11 @@ class Twins:
         return self._known[key].at(plain["state"])
 
 
-def _handled(answer: Callable[[str, Plain], object], task: Task) -> Done | Problem:
-    """The answer as CBOR, or what is wrong."""
+def _handled(answer: Callable[[str, TeeName, Plain], object], task: Task) -> Done | Problem:
+    """The answer as CBOR, or what is wrong; the question is `VERB` or `VERB;CLASS`."""
+    verb, _, tee = task.verb.partition(";")
     try:
-        return Done(to_cbor(answer(task.verb, from_cbor(task.payload))), CBOR)
+        return Done(to_cbor(answer(verb, tee_of(tee or "d_artic"), _fields(task.payload))), CBOR)
     except UnknownTwinError as error:
         return problem(ProblemType.CONFLICT, str(error))
     except SdtError as error:
@@ -90,6 +92,18 @@ def _handled(answer: Callable[[str, Plain], object], task: Task) -> Done | Probl
         return problem(ProblemType.INTERNAL, f"{task.verb} failed; the oracle's log says why")
 
 
+def _fields(payload: bytes) -> Plain:
+    """What was sent.
+
+    Raises:
+        InputError: It is no map.
+    """
+    plain = from_cbor(payload)
+    if not isinstance(plain, dict):
+        raise InputError(f"the question is a {type(plain).__name__}", allowed="a map of named fields")
+    return plain
+
+
 class Causing:
     """Φ in a worker's process."""
 
@@ -97,23 +111,26 @@ class Causing:
         from services.physics.oracle import Kinematics  # noqa: PLC0415 - only where physics is asked for
 
         self._twins = Twins()
-        self._physics: Physics = Kinematics()
+        self._physics: dict[TeeName, Physics] = {"d_artic": Kinematics(), "d_artic_dyn": Forces().physics()}
 
     def __call__(self, task: Task, recall: Callable[[str], bytes | None]) -> Done | Problem:
         """Answer version, replay, generate or carried."""
         del recall
         return _handled(self._answer, task)
 
-    def _answer(self, verb: str, plain: Plain) -> object:
+    def _answer(self, verb: str, tee: TeeName, plain: Plain) -> object:
+        physics = self._physics[tee]
         if verb == "version":
-            return self._physics.version
+            return physics.version
+        if verb not in {"replay", "generate", "carried"}:
+            raise InputError(f"no question '{verb}'", allowed="version, replay, generate, carried")
         twin = self._twins.of(plain["twin"])
         if verb == "replay":
-            return replayed_plain(self._physics.replay(twin, motion_value(Motion, plain["motion"])))
+            return replayed_plain(physics.replay(twin, motion_value(Motion, plain["motion"])))
         if verb == "generate":
-            return [motion_plain(each) for each in self._physics.generate(twin, region_value(plain["goal"]))]
+            return [motion_plain(each) for each in physics.generate(twin, region_value(plain["goal"]))]
         body_motion = motion_value(BodyMotion, plain["body_motion"])
-        return motion_plain(self._physics.carried(twin, body_motion, twin.container(plain["container"])))
+        return motion_plain(physics.carried(twin, body_motion, twin.container(plain["container"])))
 
 
 class Performing:
@@ -128,21 +145,23 @@ class Performing:
         del recall
         return _handled(self._answer, task)
 
-    def _answer(self, verb: str, plain: Plain) -> object:
-        embodiment = self._under(plain["policy"])
+    def _answer(self, verb: str, tee: TeeName, plain: Plain) -> object:
+        embodiment = self._under(plain["policy"], tee)
         if verb == "version":
             return embodiment.version
+        if verb not in {"settings", "perform"}:
+            raise InputError(f"no question '{verb}'", allowed="version, settings, perform")
         twin = self._twins.of(plain["twin"])
         if verb == "settings":
             return [list(each) for each in embodiment.settings(twin, plain["robot"])]
         return answer_plain(embodiment.perform(case_value(twin, plain["case"])))
 
-    def _under(self, plain: Plain) -> Embodiment:
+    def _under(self, plain: Plain, tee: TeeName) -> Embodiment:
         policy = policy_value(plain)
-        key = repr(policy)
+        key = f"{tee} {policy}"
         if key not in self._known:
             self._known = {
-                key: whole_body(policy),
+                key: whole_body(policy) if tee == "d_artic" else Forces().embodiment(policy),
                 **dict(list(self._known.items())[: TWINS_KEPT - 1]),
             }
         return self._known[key]

@@ -3,7 +3,7 @@
 import time
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,6 +13,7 @@ from predicates.case import Answer, Case
 from predicates.oracle import Replayed
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN, TeeClass
 from sdt_kg.state import Region
 from sdt_kg.twin import Container, Twin
 from services.app import Oracles, Policy
@@ -34,6 +35,7 @@ from services.bus.sessions import Reach
 from services.judging.codec import CBOR, encode, from_cbor, to_cbor
 from services.judging.messages import Header
 from services.judging.problems import BusUnavailableError, ConflictError, ProblemType, error_of, problem
+from services.relative import TeeName
 
 _LATE = problem(ProblemType.UNAVAILABLE, "the oracle gave no answer in time")
 LIVE_TIMEOUT = 1.0
@@ -50,11 +52,13 @@ class Callers:
 
     Attributes:
         session: Connected to the bus.
+        tee: The class D that is asked about.
         asked: How often each instance that is there was asked.
     """
 
     session: zenoh.Session
     kind: Oracle
+    tee: TeeName = "d_artic"
     asked: Counter[str] = field(default_factory=Counter[str])
 
     def instances(self) -> list[str]:
@@ -102,8 +106,10 @@ class Callers:
     def _once(self, instance: str, verb: str, seconds: float, plain: Plain) -> Any:  # noqa: ANN401 - what CBOR carries
         began = time.monotonic()
         header = Header(deadline_ms=int(seconds * 1000))
+        # In the verb, not in the payload: an oracle that does not know the class has to refuse.
+        asked = verb if self.tee == "d_artic" else f"{verb};{self.tee}"
         replies = self.session.get(
-            f"{keys.oracle(self.kind, instance)}?{verb}",
+            f"{keys.oracle(self.kind, instance)}?{asked}",
             payload=to_cbor(plain),
             encoding=CBOR,
             attachment=encode(header),
@@ -125,6 +131,11 @@ class RemotePhysics:
     """Φ on the bus."""
 
     callers: Callers
+
+    @property
+    def tee_class(self) -> TeeClass:
+        """D."""
+        return D_ARTIC if self.callers.tee == "d_artic" else D_ARTIC_DYN
 
     @cached_property
     def version(self) -> str:
@@ -194,6 +205,10 @@ class BusOracles:
     def on(session: zenoh.Session) -> "BusOracles":
         """The oracles that this session reaches."""
         return BusOracles(Callers(session, Oracle.CAUSES), Callers(session, Oracle.CANPERFORM))
+
+    def with_forces(self) -> "BusOracles":
+        """The same oracles where forces count."""
+        return BusOracles(*(replace(each, tee="d_artic_dyn") for each in (self.causes, self.canperform)))
 
     def physics(self) -> RemotePhysics:
         """Φ."""

@@ -12,14 +12,22 @@ from sdt_kg.errors import InputError
 from sdt_kg.load import model_name
 from services.app import DEFAULT_BUDGET
 from services.commands.exits import Exit
-from services.commands.options import FiniteRange, jobs_option, json_flag, kitchens_option, robots_option
+from services.commands.options import (
+    FiniteRange,
+    forces_option,
+    jobs_option,
+    json_flag,
+    kitchens_option,
+    robots_option,
+)
 from services.commands.show import print_json, print_rows, progress
+from services.relative import CLASSES
 from services.requests import parse_base
 from services.store.files import FORMATS, SavedVerdicts
 from services.store.remote import is_url
 from services.sweep.engines import Engine, dask, processes
 from services.sweep.parquet import Rows, parquet
-from services.sweep.plan import Axes, Plan, grid, policies
+from services.sweep.plan import Axes, Plan, classes, grid, policies
 from services.sweep.run import run
 from services.sweep.sources import Listed, csv_rows, query_rows
 from services.sweep.summary import OUTCOMES, Kept, Summary
@@ -58,6 +66,24 @@ from services.sweep.worker import stored, twin_of
     metavar="X,Y,YAW",
     help="Start pose of the base [m, m, rad]. Repeatable: each is a case. [default: the kitchen's]",
 )
+@click.option(
+    "--tee",
+    "tees",
+    multiple=True,
+    type=click.Choice(list(CLASSES), case_sensitive=False),
+    default=("d_artic",),
+    help="The class that verdicts are relative to. Repeatable: each is a case. [default: d_artic]",
+)
+@forces_option
+@click.option(
+    "--handle-force",
+    "handle_forces",
+    multiple=True,
+    type=FiniteRange(min=0, min_open=True),
+    metavar="NEWTON",
+    help="Allowed at every handle, for d_artic_dyn. Repeatable: each is a case. [default: what the force "
+    "data say]",
+)
 @click.option("--seeds", default="0", show_default=True, metavar="N|N..M", help="Of the search.")
 @click.option(
     "--budget",
@@ -71,8 +97,8 @@ from services.sweep.worker import stored, twin_of
     "file",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     metavar="FILE.csv",
-    help="A row for each case: kitchen, robot, container, task, state (by ;), drive, base, budget, seed; "
-    "what a row leaves out is taken from the options.",
+    help="A row for each case: kitchen, robot, container, task, state (by ;), drive, base, budget, seed, "
+    "tee, handle_force; what a row leaves out is taken from the options.",
 )
 @click.option(
     "--query",
@@ -107,6 +133,9 @@ def sweep(
     starts: tuple[str, ...],
     drives: tuple[str, ...],
     bases: tuple[str, ...],
+    tees: tuple[str, ...],
+    forces: Path | None,
+    handle_forces: tuple[float, ...],
     seeds: str,
     budget: float,
     file: Path | None,
@@ -132,6 +161,7 @@ def sweep(
             _seeds(seeds),
             budget,
         ),
+        classes=classes(tees, forces, handle_forces),
     )
     models = tuple(kitchens.split(",")), tuple(robots.split(","))
     plan = _planned(models, axes, file, query, of)

@@ -229,6 +229,20 @@ def test_a_sweep_goes_on_in_the_background_and_can_be_cancelled(connection: Conn
         connection.progress("unknown")
 
 
+def test_a_sweep_is_relative_to_its_class(connection: Connection) -> None:
+    asked = {"tasks": [f"open:{DRAWER}"], "tee": "d_artic_dyn", "handle_force": 2.0}
+    started = connection.sweep(**asked)
+    until = time.monotonic() + 60
+    while connection.progress(started.job).state != "done":
+        assert time.monotonic() < until
+        time.sleep(0.1)
+    (verdict,) = connection.result(started.job)["verdicts"]
+    assert verdict["outcome"] == "not_certified"
+    assert "where 2 N is allowed" in str(verdict["diagnoses"])
+    with pytest.raises(RequestError, match="handle_force"):
+        connection.sweep(**asked | {"tee": "d_artic"})
+
+
 def test_the_map_of_base_positions_is_asked_over_the_bus(connection: Connection) -> None:
     found = connection.place(f"open:{DRAWER}", "pr2", budget=1.0)
     assert found["container"].endswith(DRAWER)

@@ -9,7 +9,7 @@ from multiprocessing.process import BaseProcess
 import numpy as np
 import pytest
 
-from predicates.case import Case, Verdict
+from predicates.case import Case, Outcome, Verdict
 from predicates.satisfies_request import demanded
 from sdt_kg.errors import InputError, OracleUnavailableError
 from sdt_kg.motion import BodyMotion, Motion
@@ -104,6 +104,32 @@ def test_a_twin_that_was_edited_is_judged_as_edited(here: Service, on_bus: Route
     (answer,) = there.causes(Task(Verb.OPEN, here.twin.container(DRAWER).iri))
     assert isinstance(answer.case.motion, Motion)
     assert answer.case.motion.values.max() <= 0.2
+
+
+def test_oracles_judge_with_forces_as_this_process_does(here: Service, on_bus: Routed) -> None:
+    ours = here.with_forces()
+    theirs = replace(ours, oracles=on_bus[0].with_forces())
+    assert ours.embodiment.version == theirs.embodiment.version
+    mine, its = (_judged(each, DRAWER) for each in (ours, theirs))
+    assert mine.outcome is Outcome.CERTIFIED
+    assert (mine.iri, mine.outcome) == (its.iri, its.outcome)
+    assert mine.causes is not None
+    assert its.causes is not None
+    assert mine.causes.figures
+    assert (mine.causes.notes, mine.causes.figures) == (its.causes.notes, its.causes.figures)
+
+
+def test_a_force_that_is_not_allowed_is_refused_by_an_oracle_too(here: Service, on_bus: Routed) -> None:
+    there = replace(here, oracles=on_bus[0]).with_forces(handle_force=2.0)
+    (answer,) = there.causes(f"open:{DRAWER}")
+    assert "where 2 N is allowed" in answer.diagnoses[0].reason
+
+
+def test_an_oracle_refuses_a_question_or_class_that_it_does_not_know(on_bus: Routed) -> None:
+    causes = on_bus[0].causes
+    for asked in ("dance", "version;d_other"):
+        with pytest.raises(InputError, match=asked.rpartition(";")[2]):
+            causes.call(asked, None)
 
 
 def test_a_dead_oracle_is_noticed_and_another_asked_until_there_is_none(

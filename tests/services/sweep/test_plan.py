@@ -5,12 +5,18 @@ from pathlib import Path
 
 import pytest
 
+from predicates.oracle import tee_class_of
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, QueryError, UnknownEntityError
+from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN
+from services.app import Policy
+from services.relative import KINEMATIC, Relative
 from services.sweep.cell import Cell
-from services.sweep.plan import Axes, Combined, grid, policies
+from services.sweep.plan import Axes, Combined, classes, grid, policies
 from services.sweep.sources import Listed, csv_rows, query_rows
+from services.sweep.worker import service_of
 
+BOTH_CLASSES = ("d_artic", "d_artic_dyn")
 DOOR = "iai_fridge_door"
 BOTH = Axes(("open", "close"), ((), (f"{DOOR}=open",)), policies([Drive.OMNI, Drive.FIXED], seeds=[1, 2, 3]))
 
@@ -94,3 +100,36 @@ def test_a_query_that_selects_something_else_or_writes_is_refused() -> None:
         list(query_rows("SELECT ?door { ?door a sdt:Door }", ["b"], [], None))
     with pytest.raises(QueryError):
         list(query_rows("DELETE WHERE { ?a ?b ?c }", ["b"], [], None))
+
+
+def test_classes_and_forces_are_varied_and_those_without_a_class_that_knows_any_are_refused(
+    tmp_path: Path,
+) -> None:
+    plan = grid(["b"], ["pr2"], Axes((f"open:{DOOR}",), classes=classes(BOTH_CLASSES, None, (5.0, 9.0))))
+    assert plan.total == 3
+    assert [(each.relative.tee, each.relative.handle_force) for each in plan.cells] == [
+        ("d_artic", None),
+        ("d_artic_dyn", 5.0),
+        ("d_artic_dyn", 9.0),
+    ]
+    head = f"container,tee,handle_force\n{DOOR}"
+    assert rows_of(tmp_path, f"{head},D_ARTIC_DYN,7\n")[0].relative == Relative("d_artic_dyn", None, 7.0)
+    for row, said in (
+        (",,7", "says nothing to d_artic"),
+        (",d_artic_dyn,nan", "finite"),
+        (",d,", "TEE class"),
+    ):
+        with pytest.raises(InputError, match=said):
+            rows_of(tmp_path, f"{head}{row}\n")
+    with pytest.raises(InputError, match="says nothing to d_artic"):
+        classes(["d_artic"], None, (5.0,))
+
+
+def test_a_case_of_a_sweep_is_judged_relative_to_its_class() -> None:
+    for relative, expected in (
+        (KINEMATIC, (True, D_ARTIC)),
+        (Relative("d_artic_dyn", handle_force=2.0), (False, D_ARTIC_DYN)),
+    ):
+        cell = Cell("b", "pr2", f"open:{DOOR}", (), Policy(), relative)
+        (answer,) = service_of(cell).causes(cell.task)
+        assert (answer.holds, tee_class_of(service_of(cell).physics)) == expected
