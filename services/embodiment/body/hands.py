@@ -72,54 +72,52 @@ def posed(q, hand, at):
 
 
 @kernel
-def _gaps(shares, hand, closing, handle, shapes, room):
-    """Distance of each finger shape from the handle's is in room[1]; negative where they are in each other.
+def _gaps(shares, sides, hand, closing, handle, shapes, room):
+    """Distances of the handle from the nearest finger shape of each of two `sides` (2, fingers), in room[1].
 
-    How deep they are is that of their own boxes, at least. `closing` is (open configuration, what closing
-    each finger joint adds to it), `handle` (indices, rotations, centres) as the tool sees it.
+    Negative where they are in each other: as deep as their own boxes are, at least. `closing` is (open
+    configuration, what closing each finger joint adds to it), `handle` (indices, rotations, centres) as the
+    tool sees it.
     """
     at, out, work = room
     q = closing[0].copy()
     for k in range(shares.shape[0]):
         q += closing[1][k] * shares[k]
     posed(q, hand, at)
-    for n in range(out.shape[0]):
-        i, out[n] = hand[1] + n, math.inf
+    out[:] = math.inf
+    for n in range(sides.shape[1]):
+        i = hand[1] + n
         s = hand[0][i]
         for m in range(handle[0].shape[0]):
-            h = handle[0][m]
+            h, enough = handle[0][m], -math.inf
+            for side in range(2):
+                if sides[side, n]:  # what is farther than the nearest so far is not the nearest
+                    enough = max(enough, out[side], 0.0)
+            if enough < 0.0:
+                break
             there = handle[1][m], handle[2][m]
-            low, _ = bounds_of(shapes, s, h, at[0][i], at[1][i], *there, math.inf, -math.inf, work)
+            widest = parted(shapes, s, h, at[0][i], at[1][i], *there)
+            if widest > enough:
+                continue
+            low, _ = bounds_of(shapes, s, h, at[0][i], at[1][i], *there, enough, -math.inf, work)
             if low == -math.inf:
-                low = min(parted(shapes, s, h, at[0][i], at[1][i], *there), 0.0)
-            out[n] = min(out[n], low)
-
-
-@kernel
-def _farther(out, sides):
-    """Gap of the side, of the two in `sides` (2, fingers), whose nearest finger is farther away."""
-    at = -math.inf
-    for side in range(2):
-        nearest = math.inf
-        for i in range(out.shape[0]):
-            if sides[side, i]:
-                nearest = min(nearest, out[i])
-        at = max(at, nearest)
-    return at
+                low = min(widest, 0.0)
+            for side in range(2):
+                out[side] = min(out[side], low if sides[side, n] else math.inf)
 
 
 @kernel
 def _closing(k, shares, sides, hand, closing, handle, shapes, touch, rounds, room):
     """Whether finger joint k alone can be closed until it touches; shares[k], in [0, 1], says how far.
 
-    Regula falsi (Illinois) for the gap of `_farther` to fall to `touch`.
+    Regula falsi (Illinois) for the gap of the side that is farther to fall to `touch`.
     """
     low, at_low, high, at_high = 0.0, 0.0, 1.0, 0.0
     for n in range(rounds + 2):
         shares[:] = 0.0
         shares[k] = float(n) if n < 2 else (low * at_high - high * at_low) / (at_high - at_low)
-        _gaps(shares, hand, closing, handle, shapes, room)
-        at = _farther(room[1], sides) - touch
+        _gaps(shares, sides, hand, closing, handle, shapes, room)
+        at = max(room[1][0], room[1][1]) - touch
         if (n == 0 and at <= 0.0) or (n == 1 and at > 0.0):
             return False
         if n == 0:
@@ -157,11 +155,8 @@ def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, ro
         shares[:] = found
         if count > 1:
             break
-        _gaps(shares, hand, closing, there, shapes, room)
-        left, right = math.inf, math.inf
-        for i in range(room[1].shape[0]):
-            left = min(left, room[1][i] if sides[0, 0, i] else math.inf)
-            right = min(right, room[1][i] if sides[0, 1, i] else math.inf)
+        _gaps(shares, sides[0], hand, closing, there, shapes, room)
+        left, right = room[1][0], room[1][1]
         if not math.isfinite(left + right) or abs(left - right) < touch:
             break
         for i in range(3):  # the side that is farther tells where the bar lies

@@ -188,10 +188,10 @@ class Hand:
         return self._seen[share]
 
     def room(self) -> tuple[tuple[Array, Array], Array, Array]:
-        """What compiled loops write to: poses of its shapes, gaps of its fingers, work."""
+        """What compiled loops write to: poses of its shapes, gaps of the two sides of its fingers, work."""
         count = len(self.shapes)
         at = np.empty((count, 3, 3)), np.empty((count, 3))
-        return at, np.empty(len(self.fingers)), np.zeros((8, 4))
+        return at, np.empty(2), np.zeros((8, 4))
 
     def opening(self, share: float) -> tuple[tuple[str, float], ...]:
         """Positions of the finger joints, closed by a share."""

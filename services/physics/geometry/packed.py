@@ -144,7 +144,12 @@ def _of_mesh(shapes, m, b, rm, cm, rb, cb, free, hit, work):
             at[i] += rm[k, i] * (cb[k] - cm[k])
             turn[i, k] = rm[0, i] * rb[0, k] + rm[1, i] * rb[1, k] + rm[2, i] * rb[2, k]
             reach[i] += abs(turn[i, k]) * size[b, k]
-    low, high, n = math.inf, math.inf, first[m]
+    low, high, n, seed = math.inf, math.inf, first[m], -1
+    if hit == -math.inf:  # the distance itself is asked for: what is near is looked at first
+        seed = _near(shapes, m, at, reach)
+        low, high = bounds(shapes, seed, b, rm, cm, rb, cb, free, hit, work)
+        if low == -math.inf:
+            return -math.inf, high
     while n < last[m]:
         leaf = kind[n] == HULL
         middle = last[n] if leaf else first[n]
@@ -165,13 +170,31 @@ def _of_mesh(shapes, m, b, rm, cm, rb, cb, free, hit, work):
             low = min(low, gap)
             n = n + 1 if leaf else last[n]
             continue
-        if leaf:
-            near, far = bounds(shapes, n, b, rm, cm, rb, cb, free, hit, work)
+        if leaf and n != seed:
+            near, far = bounds(shapes, n, b, rm, cm, rb, cb, min(free, high), hit, work)
             low, high = min(low, near), min(high, far)
             if high <= hit or low == -math.inf:
                 return -math.inf, high  # other triangles may be nearer
         n += 1
     return low, high
+
+
+@kernel
+def _near(shapes, m, at, reach):
+    """A triangle of mesh m near a box about `at` that reaches so far along the mesh's axes."""
+    kind, size, _, first, last, vertices = shapes
+    n = first[m]
+    while kind[n] != HULL:
+        one = n + 1
+        other = one + 1 if kind[one] == HULL else last[one]
+        n, least = one, math.inf
+        for child in (one, other):
+            middle, apart = last[child] if kind[child] == HULL else first[child], -math.inf
+            for i in range(3):
+                apart = max(apart, abs(at[i] - vertices[middle, i]) - size[child, i] - reach[i])
+            if apart < least:
+                n, least = child, apart
+    return n
 
 
 @kernel
