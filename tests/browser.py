@@ -89,9 +89,10 @@ class Browser:
 
     def foreign_requests(self) -> list[str]:
         """Addresses beyond this machine asked for since the last call."""
-        return [url for url in self._requests() if not _is_local(url)]
+        return [url for url in self.requests() if not is_local(url)]
 
-    def _requests(self) -> Iterator[str]:
+    def requests(self) -> Iterator[str]:
+        """All addresses asked for since the last call."""
         for entry in self.driver.get_log("performance"):
             message = json.loads(str(entry["message"]))["message"]
             if message["method"] == "Network.requestWillBeSent":
@@ -113,7 +114,8 @@ class Browser:
         path.write_bytes(b64decode(taken["data"]))
 
 
-def _is_local(url: str) -> bool:
+def is_local(url: str) -> bool:
+    """Whether the address is of this machine, or of no machine."""
     parts = urlsplit(url)
     if parts.scheme in LOCAL_SCHEMES:
         return True

@@ -20,6 +20,14 @@ NOT_HASHED = frozenset({BUDGET_INPUT})
 
 UNKNOWN_INPUT = "unknown"
 
+START_INPUT = "embodiment.start"
+ANY_START = "where and as the motion begins"
+"""How that input says that no start was demanded."""
+TURNED = ", turned to the handle"
+"""How it says that the start's yaw is not given, but follows from the handle."""
+NEAREST = ", or the nearest that is free"
+"""How it says that a robot which would touch the kitchen there starts elsewhere."""
+
 Inputs = tuple[tuple[str, str], ...]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from predicates.case import Answer, Case, Diagnosis
+from predicates.record.inputs import ANY_START, NEAREST, TURNED
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri
@@ -18,7 +19,6 @@ from sdt_kg.twin import Container, Twin
 from services.embodiment.body.limb import Margins
 from services.embodiment.body.warm import warm
 from services.embodiment.body.world import World
-from services.embodiment.certify.certificate import ANY_START, NEAREST, TURNED
 from services.embodiment.certify.check import Certified, Refused, certify
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.grasp import grasp_settings
@@ -34,7 +34,7 @@ from services.physics.oracle import Kinematics, version_of
 Array = NDArray[np.float64]
 Start = tuple[float, float, float]
 
-EMBODIMENT_VERSION = "6"
+EMBODIMENT_VERSION = "7"
 """Raised whenever an answer of this oracle may change."""
 
 MOVED_START = (

@@ -11,7 +11,7 @@ from sdt_kg.iri import LAW, RDF, Iri, local_name, task_result_iri, verdict_iri
 from services.why import task
 from services.why import verdict as of_verdict
 from services.why.verdict import MEANS, PREDICATES, outcome, question
-from services.why.words import SHORT_KEY, Section
+from services.why.words import SHORT_KEY, Section, used
 
 __all__ = [
     "MEANS",
@@ -23,6 +23,7 @@ __all__ = [
     "results_of",
     "sections",
     "task",
+    "used",
     "verdicts_of",
     "why",
 ]

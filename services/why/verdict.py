@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from predicates.case import Outcome
 from predicates.record import StoredVerdict
 from predicates.record.facts import Facts
-from predicates.record.inputs import UNKNOWN_INPUT
+from predicates.record.inputs import ANY_START, START_INPUT, UNKNOWN_INPUT
 from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import ID, LAW, Iri, local_name
 from services.why.words import Section, in_capitals, moved, reasons, versions, with_unit
@@ -97,8 +97,8 @@ def _asked(verdict: StoredVerdict, facts: Facts) -> Iterator[str]:
     if verdict.robot:
         drive = facts.text(verdict.iri, LAW + "drive") or "not recorded"
         yield f"robot: {local_name(verdict.robot)}, its base moves: {drive}"
-    if "embodiment.start" in inputs:
-        yield f"start of the base: {_start(inputs['embodiment.start'])}"
+    if START_INPUT in inputs:
+        yield f"start of the base: {_start(inputs[START_INPUT])}"
     elsewhere = moved(verdict.iri, facts)
     yield "kitchen: " + (
         ", ".join(elsewhere) + ", all else at its start" if elsewhere else "everything at its start"
@@ -175,10 +175,10 @@ def _command(verdict: StoredVerdict, facts: Facts) -> str:
         words += ["--state", f"{local_name(joint)}={value!r}"]
     drive = inputs.get("embodiment.drive")
     words += ["--drive", drive] if drive else []
-    start = inputs.get("embodiment.start", "turned")
+    start = inputs.get(START_INPUT, "")
     if start.count(",") == 2:
         words += ["--base", start.replace(" ", "")]
-    elif "turned" not in start:
+    elif start == ANY_START:
         words.append("--any-start")
     for name in ("budget", "seed"):
         value = inputs.get(f"embodiment.{name}")

@@ -1,6 +1,7 @@
 """What verdicts and results of tasks have in common, in plain words."""
 
 import math
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
@@ -11,6 +12,8 @@ from sdt_kg.iri import ID, LAW, Iri, local_name
 
 SHORT_KEY = 12
 """[characters] Of a hash, where people read it."""
+SETTINGS = re.compile(r"^[A-Z]\w*\(((?:\w+=[-+.\deinf]+(?:, )?)+)\)$")
+"""Settings as Python writes them, all numbers: as they are hashed, not as people read them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,9 +82,24 @@ def _measured(evidence: Evidence) -> str:
 
 def versions(inputs: Iterable[tuple[str, str]]) -> Iterator[str]:
     """Everything that the IRI is the hash of, and the budget."""
+    for name, value in used(inputs):
+        yield f"{name}: {value}"
+
+
+def used(inputs: Iterable[tuple[str, str]]) -> Iterator[tuple[str, str]]:
+    """The same as pairs of name and value, those of the embodiment without its prefix."""
     for name, value in inputs:
         if value != UNKNOWN_INPUT:
-            yield f"{name.replace('_', ' ').replace('embodiment.', '')}: {value.replace(ID, '')}"
+            said = SETTINGS.sub(_settings, value).replace(ID, "")
+            yield name.replace("_", " ").replace("embodiment.", ""), said
+
+
+def _settings(found: re.Match[str]) -> str:
+    """`Tolerances(tool_angle=0.017453292519943295)` as `tool angle 0.01745 (SI units)`."""
+    pairs = (each.partition("=") for each in found[1].split(", "))
+    return (
+        ", ".join(f"{name.replace('_', ' ')} {float(value):.4g}" for name, _, value in pairs) + " (SI units)"
+    )
 
 
 def with_unit(value: float, unit: str) -> str:

@@ -13,8 +13,9 @@ from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import local_name
 from sdt_kg.motion import Motion
 from sdt_kg.task import Task, Verb
+from services.embodiment.certify.tolerances import Tolerances
 from services.physics.oracle import Kinematics
-from services.why import why
+from services.why import used, why
 from tests.small import small_twin
 from tests.small.lift import Lift
 
@@ -141,3 +142,18 @@ def test_every_start_is_told_and_goes_into_the_command(start: str) -> None:
     text, (words, options) = told(made), STARTS[start]
     assert f"start of the base: {words}\n" in text
     assert options in text
+
+
+def test_settings_are_told_as_people_write_them_and_other_inputs_as_they_are() -> None:
+    hashed = (
+        ("embodiment.tolerances", repr(replace(Tolerances(), facing=0.5))),
+        ("embodiment.grasp set", "0123(a=1)"),
+        ("body_motion", "unknown"),
+    )
+    (name, tolerances), grasps = used(hashed)
+    assert name == "tolerances"
+    assert tolerances.startswith(
+        "margin 0, resolution 0.0001, contact 0.002, depth 0.002, engaged 0.003, facing 0.5,"
+    )
+    assert tolerances.endswith("drift 0.01 (SI units)")
+    assert grasps == ("grasp set", "0123(a=1)")

@@ -13,7 +13,7 @@ from sdt_kg.motion import BodyMotion
 from services.app import load
 from services.motions import write_motion
 from services.viewer.running import Offer, running
-from tests.browser import Browser
+from tests.browser import Browser, is_local
 from tests.services.viewer.person import Person
 from tests.services.viewer.visitor import Visitor
 
@@ -138,7 +138,10 @@ def test_in_a_browser_a_case_is_judged_and_nothing_leaves_the_machine(
     person.opens(0, large)
     person.waits_for("'large.npz' has 300 MB; allowed: 32 MB")
     assert browser.console_errors() == []
-    assert browser.foreign_requests() == []
+    asked = list(browser.requests())
+    assert asked
+    assert all(map(is_local, asked))
+    assert not [url for url in asked if url.startswith("data:image/jpeg")], "viser's own light"
 
 
 @pytest.mark.oracle

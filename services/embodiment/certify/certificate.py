@@ -26,13 +26,6 @@ SCHEMA = "sdt certificate 1"
 MOST_BYTES = 200_000_000
 """[bytes] More than any motion's; a small file cannot claim a memory of its choice."""
 
-ANY_START = "where and as the motion begins"
-"""How a verdict's input says that no start was demanded."""
-TURNED = ", turned to the handle"
-"""How it says that the start's yaw is not given, but follows from the handle."""
-NEAREST = ", or the nearest that is free"
-"""How it says that a robot which would touch the kitchen there starts elsewhere."""
-
 Figures = dict[str, tuple[float, str]]
 Start = tuple[float, float, float]
 

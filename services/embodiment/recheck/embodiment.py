@@ -5,11 +5,12 @@ from functools import cached_property
 import numpy as np
 
 from predicates.case import Answer, Case, Quantity
+from predicates.record.inputs import ANY_START, NEAREST, TURNED
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import Array, BodyMotion
 from sdt_kg.twin import Twin
-from services.embodiment.certify.certificate import ANY_START, NEAREST, TURNED, Certificate
+from services.embodiment.certify.certificate import Certificate
 from services.embodiment.certify.check import Certified, certify
 from services.physics.model import Scene
 

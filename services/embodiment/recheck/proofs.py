@@ -5,13 +5,12 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from predicates.case import Outcome
-from predicates.record.inputs import verdict_iri
+from predicates.record.inputs import TURNED, verdict_iri
 from predicates.record.stored import StoredVerdict
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.state import State
 from sdt_kg.twin import Container, Twin
-from services.embodiment.certify.certificate import TURNED
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.content import Claim, read_proof
 from services.embodiment.proof_check.statement import Statement

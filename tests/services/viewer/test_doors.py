@@ -82,6 +82,7 @@ def test_the_page_has_our_title_and_colours_packed_or_not(server: viser.ViserSer
         page = gzip.decompress(body) if packing == "gzip" else body
         assert b"<title>sdt: kitchens, robots and verdicts in 3D</title><style>" in page
         assert b"<title>Viser</title>" not in page
+        assert page.index(b"'data:image/jpeg'") < page.index(b"<script data-p="), "before viser's own code"
 
 
 def test_a_link_to_a_case_becomes_the_path_of_the_connection(server: viser.ViserServer) -> None:

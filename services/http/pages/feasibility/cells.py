@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Final
 
-from predicates.record.inputs import UNKNOWN_INPUT, state_hash
+from predicates.record.inputs import START_INPUT, TURNED, UNKNOWN_INPUT, state_hash
 from predicates.scope import tee_class_hash, verb_iri
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.scope import TEE_CLASSES
@@ -19,8 +19,6 @@ from services.http.pages.stored import rows
 from services.http.pages.view import Json
 from services.http.world import World
 
-TURNED: Final = "turned to the handle"
-"""How the input of a start ends that is the kitchen's."""
 COMPARED: Final = (
     "physics", "embodiment", "embodiment.tolerances", "embodiment.margins",
     "embodiment.grasp set", "embodiment.seed",
@@ -127,7 +125,7 @@ def _is_about(found: Found, asked: Asked) -> bool:
     environment = found.inputs.get("environment", "").partition(" ")[0]
     if given or environment != asked.twin.environment:
         return False
-    return found.inputs.get("embodiment.start", TURNED).endswith(TURNED)
+    return found.inputs.get(START_INPUT, TURNED).endswith(TURNED)
 
 
 def _is_current(found: Found, models: dict[str, str]) -> bool:

@@ -10,16 +10,15 @@ from starlette.requests import Request
 from predicates.case import Artefact, Diagnosis, Evidence, Outcome
 from predicates.record import StoredVerdict, read_verdict
 from predicates.record.facts import Facts
-from predicates.record.inputs import UNKNOWN_INPUT
+from predicates.record.inputs import START_INPUT, TURNED, UNKNOWN_INPUT
 from predicates.scope import tee_class_of_hash
 from sdt_kg.errors import InputError
 from sdt_kg.iri import ID, LAW, Iri, local_name
-from services.http.pages.feasibility.cells import TURNED
 from services.http.pages.kinds import Standing
 from services.http.pages.terms import Cell, iri_cell
 from services.http.pages.view import Json, View
 from services.http.pages.writing.recheck import Rechecks
-from services.why import PREDICATES, outcome, question, sections
+from services.why import PREDICATES, outcome, question, sections, used
 
 EVIDENCE: Final = (
     "diagnosis",
@@ -63,7 +62,7 @@ def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
         "path": "/id/" + iri.removeprefix(ID),
         "graph": "/id/graph/verdict/" + local_name(iri),
         "base": _base(stored),
-        "used": _used(stored),
+        "used": list(used(stored.inputs)),
         "commands": [each for each in told.get("To check again", []) if each.startswith("sdt ")],
     }
     return View("verdict", data, data["diagnoses"], EVIDENCE, shown)
@@ -198,17 +197,8 @@ def _tee(stored: StoredVerdict) -> str | None:
 
 def _base(stored: StoredVerdict) -> str | None:
     """Where the base starts, if that is not the kitchen's own start."""
-    start = dict(stored.inputs).get("embodiment.start", TURNED)
+    start = dict(stored.inputs).get(START_INPUT, TURNED)
     return None if start.endswith(TURNED) or "," not in start else start.replace(" ", "")
-
-
-def _used(stored: StoredVerdict) -> list[tuple[str, str]]:
-    """Inputs by name, as the verdict's IRI is their hash; the embodiment's without its prefix."""
-    return [
-        (name.replace("_", " ").replace("embodiment.", ""), value.replace(ID, ""))
-        for name, value in stored.inputs
-        if value != UNKNOWN_INPUT
-    ]
 
 
 def _finite(value: float) -> float | None:
