@@ -12,12 +12,14 @@ from services.bus.client import Connection
 from services.bus.sessions import open_session
 from tests.services.bus.conftest import free_endpoint
 from tests.services.bus.mixed import Cases, Outcomes, is_typed, run, scattered
-from tests.soak.bus_stage import Stage, staged
+from tests.services.bus.stage import Stage, staged
 
 pytestmark = pytest.mark.oracle
 
 log = logging.getLogger(__name__)
 
+KINDS = ("causes", "canperform") * 2
+"""Oracles: two of each, so that one may die."""
 TASKS = (
     "open:sink_area_left_middle_drawer_main",
     "open:sink_area_left_upper_drawer_main",
@@ -35,7 +37,7 @@ ANSWERED = 0.8
 
 @pytest.fixture(scope="module")
 def stage() -> Iterator[Stage]:
-    with staged(free_endpoint()) as one:
+    with staged(free_endpoint(), KINDS) as one:
         yield one
 
 

@@ -1,36 +1,40 @@
-"""Five hundred mixed requests while workers die and clients misbehave; `make soak` asks ten thousand."""
+"""Five hundred mixed requests while everything dies now and then; `make soak` asks ten thousand."""
 
-import contextlib
-import os
-import signal
+from collections.abc import Iterator
 
 import pytest
 
 from services.bus.client import Connection
-from services.bus.server import Server
+from services.bus.sessions import open_session
+from tests.services.bus.conftest import free_endpoint
 from tests.services.bus.mixed import DRAWER, is_typed, run, scattered
+from tests.services.bus.stage import Stage, staged
 
 pytestmark = pytest.mark.oracle
 
+TASK = f"open:{DRAWER}"
 
-def test_every_request_ends_in_a_right_answer_or_a_typed_error(
-    bus: tuple[str, Server], connection: Connection
-) -> None:
-    endpoint, server = bus
-    task = f"open:{DRAWER}"
-    (said,) = connection.achieve(task, "pr2").objects
+
+@pytest.fixture
+def stage() -> Iterator[Stage]:
+    with staged(free_endpoint(), ("causes", "canperform")) as one:
+        yield one
+
+
+def test_every_request_ends_in_a_right_answer_or_a_typed_error(stage: Stage) -> None:
+    with open_session(connect=stage.endpoint, mode="client") as session:
+        (said,) = Connection(session, "b").achieve(TASK, "pr2").objects
     assert said["outcome"] == "certified"
-
-    def kill() -> None:
-        for pid in server.pids():
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
-
-    harm = scattered(500, {kill: 2})
-    found = run(endpoint, 500, harm, {(task, 0): (said["iri"], said["outcome"])})
+    harms = {stage.kill_worker: 2, stage.kill_oracle: 2, stage.restart_router: 1}
+    cases = {(TASK, 0): (said["iri"], said["outcome"])}
+    found = run(stage.endpoint, 500, scattered(500, harms), cases, 0, stage.is_excused)
     assert sum(found.counts.values()) == 500
     assert not found.wrong
     assert all(is_typed(end) for _, end in found.counts)
     assert found.counts["select", "answer"] > 50
     assert found.counts["achieve", "answer"]
-    assert connection.satisfies(), "the service lives on"
+    with open_session(connect=stage.endpoint, mode="client") as session:
+        there = Connection(session, "b")
+        assert there.satisfies(), "the service lives on"
+        _, rows = there.select("SELECT ?v WHERE { ?v a law:Verdict }")
+    assert found.verdicts <= {row["v"] for row in rows}, "nothing that was acknowledged is lost"

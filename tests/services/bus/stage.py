@@ -18,8 +18,6 @@ from services.bus.serving import alone, settle
 from services.bus.sessions import Reach, open_session
 from tests.services.bus.routed import START, route, serve_oracle, wait_for
 
-KINDS = ("causes", "canperform") * 2
-"""Oracles: two of each, so that one may die."""
 BACK = 10.0
 """[s] After a router has come back, until everybody has found it again."""
 
@@ -40,20 +38,25 @@ def _serve(endpoint: str, pipe: Pipe) -> None:
 class Stage:
     """Router, server and oracles.
 
+    Args:
+        endpoint: Free.
+        kinds: Of the oracles; where there are two of one, the other answers when one dies.
+
     Attributes:
         endpoint: Of the router.
         restarts: From when to when there was no router, or not everybody had found it again.
     """
 
-    def __init__(self, endpoint: str) -> None:
+    def __init__(self, endpoint: str, kinds: tuple[str, ...]) -> None:
+        self._kinds = kinds
         self.endpoint, self.restarts = endpoint, list[tuple[float, float]]()
         self._context = mp.get_context("forkserver")
         self._context.set_forkserver_preload(["tests.services.bus.routed", "services.judging.judge"])
         self._lock = threading.Lock()
         self._router = self._started(route)
         wait_for(endpoint)
-        self._oracles = [self._oracle(kind) for kind in KINDS]
-        self._next = cycle(range(len(KINDS)))
+        self._oracles = [self._oracle(kind) for kind in kinds]
+        self._next = cycle(range(len(kinds)))
         self._pipe, theirs = self._context.Pipe()
         self._server = self._started(_serve, theirs)
         self._pipe.recv()
@@ -78,7 +81,7 @@ class Stage:
         with self._lock:
             index = next(self._next)
             _killed(self._oracles[index])
-            self._oracles[index] = self._oracle(KINDS[index])
+            self._oracles[index] = self._oracle(self._kinds[index])
 
     def restart_router(self) -> None:
         """The router gets a -9 and is started again at the same endpoint."""
@@ -118,7 +121,9 @@ class Stage:
     def _all_there(self) -> None:
         with open_session(connect=self.endpoint, mode="client") as session:
             oracles, until = BusOracles.on(session), time.monotonic() + START
-            while sum(len(each.instances()) for each in (oracles.causes, oracles.canperform)) < len(KINDS):
+            while sum(len(each.instances()) for each in (oracles.causes, oracles.canperform)) < len(
+                self._kinds
+            ):
                 assert time.monotonic() < until, "the oracles did not come"
                 time.sleep(0.2)
 
@@ -129,9 +134,9 @@ def _killed(process: BaseProcess) -> None:
 
 
 @contextmanager
-def staged(endpoint: str) -> Iterator[Stage]:
+def staged(endpoint: str, kinds: tuple[str, ...]) -> Iterator[Stage]:
     """Everything is there until the context ends."""
-    stage = Stage(endpoint)
+    stage = Stage(endpoint, kinds)
     try:
         yield stage
     finally:
