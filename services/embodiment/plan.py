@@ -14,14 +14,15 @@ from sdt_kg.annotation import Drive
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container
+from services.embodiment.attempt import Attempt
 from services.embodiment.body.limb import Limb, touching
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.fit import Fitter
-from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import WAYPOINTS, Holding, Problem, Searcher
 from services.embodiment.hold.kit import Kit, Kits
+from services.embodiment.hold.spread import Spreader
 from services.embodiment.prove import Proved, Prover, out_of_reach
 from services.embodiment.ways.approach import Approacher, Blocked
 from services.embodiment.ways.assemble import Assembled, Assembler
@@ -29,10 +30,7 @@ from services.embodiment.ways.roads import Roads, make_roads
 
 Array = NDArray[np.float64]
 
-GRASPS = (6, 12, 36)  # grasps of one gripper that are searched in the first rounds, and from then on
-ROUNDS = 24  # batches of seeds for one gripper before the search gives up
 MORE_ROUNDS = 48  # the same, where postures were found but no way on from them
-BLOCKED = 24  # holdings of one gripper that cannot be approached before its search gives up
 EARLY_BOXES = 1_000  # of a proof looked for as soon as one batch of seeds reached no grasp
 LATE_BOXES = 6_000  # of a proof looked for when the search has given up
 TRIES = 4  # holdings of one batch that are approached
@@ -62,49 +60,6 @@ class Planned:
     motion: Motion
     grasp: int
     style: str
-
-
-@dataclass(slots=True, eq=False)
-class Attempt:
-    """The search with one gripper.
-
-    Attributes:
-        grasps: Those that are searched so far.
-        more: Those that may follow.
-        steep, steeper: The same for those that come from far above or below, which high and low handles
-            and those that tip over may need.
-        blocked: Holdings that could not be approached.
-    """
-
-    limb: Limb
-    grasps: list[tuple[Grasp, Array]]
-    more: Iterator[tuple[Grasp, Array]]
-    steep: list[tuple[Grasp, Array]]
-    steeper: Iterator[tuple[Grasp, Array]]
-    searcher: Searcher
-    approacher: Approacher
-    assembler: Assembler
-    rng: np.random.Generator
-    blocked: int = 0
-
-    def saturated(self, number: int) -> bool:
-        """Whether so much was tried for nothing that round `number` would hardly be another."""
-        return self.blocked >= BLOCKED or (number >= ROUNDS and not self.searcher.tally.paths)
-
-    def widen(self, number: int) -> None:
-        """Round `number` searches as many grasps as it is due."""
-        due = GRASPS[min(number, len(GRASPS) - 1)]
-        self.grasps.extend(islice(self.more, max(due - len(self.grasps), 0)))
-        if self._tries_steep(number):
-            self.steep.extend(islice(self.steeper, max(due - len(self.steep), 0)))
-        self.searcher.tally.grasps = len(self.grasps) + len(self.steep)
-
-    def _tries_steep(self, number: int) -> bool:
-        return number >= len(GRASPS) - 1 and number % 2 == 1 and not self.searcher.tally.paths
-
-    def due(self, number: int) -> list[tuple[Grasp, Array]]:
-        """The grasps of round `number`."""
-        return self.steep if self._tries_steep(number) and self.steep else self.grasps
 
 
 class Planner:
@@ -162,6 +117,17 @@ class Planner:
                     return
                 yield from self._round(attempt, number)
         self._give_up()
+        yield from self._spread()
+
+    def _spread(self) -> Iterator[Planned]:
+        """Plans for a base that stands: from holdings that many postures find together."""
+        if self.setting.drive is not Drive.FIXED:
+            return
+        for attempt in self.attempts:
+            if self.proof is not None or self.late() or not attempt.grasps:
+                continue
+            spreader = Spreader(attempt.searcher, attempt.all(), attempt.rng, self.late)
+            yield from self._of(attempt, spreader.holdings())
 
     def _proved_early(self, number: int) -> bool:
         """Whether there is a proof; looked for once if no posture reached the handle in the first round."""
@@ -260,8 +226,11 @@ class Planner:
         if not grasps:
             return
         pivot = (WAYPOINTS // 2, WAYPOINTS - 1, 0)[number % 3]
+        yield from self._of(attempt, attempt.searcher.batch(grasps, pivot, attempt.rng))
+
+    def _of(self, attempt: Attempt, holdings: Iterator[Holding]) -> Iterator[Planned]:
+        """Plans with some of these holdings."""
         at = time.perf_counter()
-        holdings = attempt.searcher.batch(grasps, pivot, attempt.rng)
         for holding in islice(holdings, TRIES):
             self._spent("holding", at)
             self.holdings += 1

@@ -121,6 +121,12 @@ class Tally:
         self.contacts[stage, *contact.shapes] += 1
 
 
+def inside(limb: Limb) -> tuple[Array, Array]:
+    """Limits for waypoints, shape (n,): a spline through these keeps those of the limb."""
+    kept = np.minimum(INSIDE, (limb.upper - limb.lower) / 4)
+    return limb.lower + kept, limb.upper - kept
+
+
 class Searcher:
     """Search of holdings for one limb and drive."""
 
@@ -131,8 +137,7 @@ class Searcher:
         self.telescope = telescope(limb) if drive is Drive.DIFFERENTIAL else None
         self._batches = 0
         self.weight = mobility(limb)
-        inside = np.minimum(INSIDE, (limb.upper - limb.lower) / 4)
-        self.lower, self.upper = limb.lower + inside, limb.upper - inside
+        self.lower, self.upper = inside(limb)
         self.tally = Tally()
         self._standing: Array | None = None
 
@@ -150,7 +155,7 @@ class Searcher:
     ) -> Iterator[Holding]:
         """Holdings of grasps (each with its closed scene rest) that one batch of seeds leads to."""
         chosen = [grasps[i % len(grasps)] for i in range(SEEDS)]
-        seeds = self._seeds(pivot, rng)
+        seeds = self.seeds(pivot, rng)
         poses = [one.tool(self.problem.handle_r[pivot], self.problem.handle_p[pivot]) for one, _ in chosen]
         target_r, target_p = np.stack([r for r, _ in poses]), np.stack([p for _, p in poses])
         limb, weight = self.limb, self.weight.copy()
@@ -166,7 +171,8 @@ class Searcher:
         for s in self._clear(np.flatnonzero(met), seeds, chosen, pivot):
             yield from self._led(seeds[s], *chosen[s], pivot)
 
-    def _seeds(self, pivot: int, rng: np.random.Generator) -> Array:
+    def seeds(self, pivot: int, rng: np.random.Generator) -> Array:
+        """A batch of random x about the handle at a waypoint, or where the base stands."""
         low = np.where(np.isfinite(self.lower), self.lower, -np.pi)
         high = np.where(np.isfinite(self.upper), self.upper, np.pi)
         seeds = rng.uniform(low, high, (SEEDS, len(low)))

@@ -16,7 +16,7 @@ from services.embodiment.body.limb import BASE
 from services.embodiment.body.track import bases, track
 from services.embodiment.body.world import Contact, Rules
 from services.embodiment.hold.grasp import Hand
-from services.embodiment.hold.holding import Holding, Problem
+from services.embodiment.hold.holding import Holding, Problem, inside
 from services.embodiment.ways.paths import between, connect
 from services.embodiment.ways.roads import Roads
 from services.embodiment.ways.spaces import ArmSpace, reaches
@@ -115,7 +115,7 @@ class Approacher:
         target_p = p + LEAVE * np.arange(1, PULLS + 1)[:, None] / PULLS * away
         target = np.repeat(r[None], PULLS, axis=0), target_p
         for base in bases(self.drive, turning=False):
-            path = track(self.limb, x0, target, base, (self.limb.lower, self.limb.upper))
+            path = track(self.limb, x0, target, base, inside(self.limb))
             if path is not None:
                 yield np.concatenate([x0[None], path])
 

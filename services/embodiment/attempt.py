@@ -1,0 +1,71 @@
+"""The search with one gripper: its grasps as they come due, and when it has gone on for long enough."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from services.embodiment.body.limb import Limb
+from services.embodiment.hold.grasp import Grasp
+from services.embodiment.hold.holding import Searcher
+from services.embodiment.ways.approach import Approacher
+from services.embodiment.ways.assemble import Assembler
+
+Array = NDArray[np.float64]
+
+GRASPS = (6, 12, 36)  # grasps of one gripper that are searched in the first rounds, and from then on
+MOST_GRASPS = 72  # of each kind, of one gripper, where many postures search together
+ROUNDS = 24  # batches of seeds for one gripper before the search gives up
+BLOCKED = 24  # holdings of one gripper that cannot be approached before its search gives up
+
+
+@dataclass(slots=True, eq=False)
+class Attempt:
+    """The search with one gripper.
+
+    Attributes:
+        grasps: Those that are searched so far.
+        more: Those that may follow.
+        steep, steeper: The same for those that come from far above or below, which high and low handles
+            and those that tip over may need.
+        blocked: Holdings that could not be approached.
+    """
+
+    limb: Limb
+    grasps: list[tuple[Grasp, Array]]
+    more: Iterator[tuple[Grasp, Array]]
+    steep: list[tuple[Grasp, Array]]
+    steeper: Iterator[tuple[Grasp, Array]]
+    searcher: Searcher
+    approacher: Approacher
+    assembler: Assembler
+    rng: np.random.Generator
+    blocked: int = 0
+
+    def saturated(self, number: int) -> bool:
+        """Whether so much was tried for nothing that round `number` would hardly be another."""
+        return self.blocked >= BLOCKED or (number >= ROUNDS and not self.searcher.tally.paths)
+
+    def widen(self, number: int) -> None:
+        """Round `number` searches as many grasps as it is due."""
+        due = GRASPS[min(number, len(GRASPS) - 1)]
+        self.grasps.extend(islice(self.more, max(due - len(self.grasps), 0)))
+        if self._tries_steep(number):
+            self.steep.extend(islice(self.steeper, max(due - len(self.steep), 0)))
+        self.searcher.tally.grasps = len(self.grasps) + len(self.steep)
+
+    def all(self) -> list[tuple[Grasp, Array]]:
+        """Many grasps of each kind, each once."""
+        self.grasps.extend(islice(self.more, max(MOST_GRASPS - len(self.grasps), 0)))
+        self.steep.extend(islice(self.steeper, max(MOST_GRASPS - len(self.steep), 0)))
+        self.searcher.tally.grasps = len(self.grasps) + len(self.steep)
+        return [*{one[0].index: one for one in (*self.grasps, *self.steep)}.values()]
+
+    def _tries_steep(self, number: int) -> bool:
+        return number >= len(GRASPS) - 1 and number % 2 == 1 and not self.searcher.tally.paths
+
+    def due(self, number: int) -> list[tuple[Grasp, Array]]:
+        """The grasps of round `number`."""
+        return self.steep if self._tries_steep(number) and self.steep else self.grasps
