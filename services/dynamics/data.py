@@ -18,8 +18,8 @@ from sdt_kg.twin import Twin
 
 HAS_FORCE_MODEL = SDT + "hasForceModel"
 
-ROBOT_DATA = ("effortLimitKnown", "standsOn")
-"""What is bundled for a robot, unless its own annotation says any of it."""
+ROBOT_DATA = ("effortLimitKnown", "standsOn", "gripForce", "padFriction", "wheelFriction")
+"""What is bundled of a robot, unless its own annotation says any of it."""
 
 
 def with_forces(twin: Twin, file: Path | None = None, handle_force: float | None = None) -> Twin:
@@ -66,11 +66,11 @@ def _bundled(twin: Twin) -> Path | None:
 
 
 def _with_efforts(twin: Twin, robot: Iri) -> Twin:
-    """The twin with what is bundled of a robot's efforts and wheels, if all fits and none is there yet."""
+    """The twin with a robot's bundled efforts, grippers and wheels, if all fits and none is there yet."""
     name = local_name(robot)
     file = robots.path(f"{name}/dynamics/{name}.ttl")
     facts = twin.entities.facts
-    parts = facts.having("partOf", robot)
+    parts = (*facts.having("partOf", robot), *facts.iris(robot, "hasGripper"))
     known = (each for part in (robot, *parts) for each in ROBOT_DATA if facts.all(part, each))
     if not file.is_file() or any(known):
         return twin
@@ -79,7 +79,7 @@ def _with_efforts(twin: Twin, robot: Iri) -> Twin:
     about |= {value.value for _, predicate, value in triples if predicate == SDT + "standsOn"}
     if not about <= {robot, *parts}:
         return twin
-    return twin.rewritten(Replacement(robot, frozenset(), triples, f"efforts and wheels of {name}"))
+    return twin.rewritten(Replacement(robot, frozenset(), triples, f"efforts, grippers and wheels of {name}"))
 
 
 def _has_forces(twin: Twin) -> bool:

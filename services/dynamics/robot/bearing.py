@@ -16,7 +16,7 @@ from services.dynamics.robot.checks import Bound, checks
 from services.dynamics.robot.load import loads
 from services.physics.model import Scene
 
-BEARING_VERSION = "2"
+BEARING_VERSION = "3"
 """Raised whenever an answer of this oracle may change."""
 
 BOUNDED = "forces of the robot are bounded between samples too; its hand is taken to pull along the path"
@@ -82,19 +82,25 @@ def _judged(bound: Bound, forces: Iri) -> list[Diagnosis]:
     """Nothing if it is kept; a refusal if no value keeps it; else an abstention."""
     if bound.most <= bound.bound:
         return []
-    if bound.least > bound.bound:
+    if bound.least > bound.farthest:
         reason = (
             f"{bound.name} is {bound.least:.1f} {bound.unit} or more in the motion that was found, "
-            f"{bound.bound:g} {bound.unit} allowed; another motion may ask less"
+            f"{bound.farthest:g} {bound.unit} allowed; another motion may ask less"
         )
-        return [Diagnosis(Kind.EMBODIMENT, reason, bound.evidence(bound.least))]
+        return [Diagnosis(Kind.EMBODIMENT, reason, bound.evidence(bound.least, bound.farthest))]
     what = (
         f"the intervals leave open whether the robot bears it: {bound.name} is between {bound.least:.1f} "
-        f"and {bound.most:.1f} {bound.unit}, {bound.bound:g} {bound.unit} allowed"
+        f"and {bound.most:.1f} {bound.unit}, {bound.bound:g} {bound.unit} surely allowed"
     )
     violation = Violation(forces, None, bound.most, bound.bound, what, UNDECIDED)
     found = outside(violation, D_ARTIC_DYN)
-    return [replace(found, reason=f"outside {D_ARTIC_DYN.name}: {what}", evidence=bound.evidence(bound.most))]
+    return [
+        replace(
+            found,
+            reason=f"outside {D_ARTIC_DYN.name}: {what}",
+            evidence=bound.evidence(bound.most, bound.bound),
+        )
+    ]
 
 
 def _nearest(bounds: list[Bound]) -> dict[str, tuple[float, str]]:

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from predicates.case import Evidence, Quantity
+from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.mechanism import JointType
+from sdt_kg.triples import Facts
 from sdt_kg.twin import Twin
 from services.dynamics.model import Array
 from services.dynamics.robot.load import Loads
@@ -25,10 +27,11 @@ class Bound:
         name: What it is, for people.
         least: Every value of the container's parameters makes so much of it at some time.
         most: No value makes more of it at any time.
-        bound: What is allowed.
-        unit: Of all three.
+        bound: What is surely allowed.
+        unit: Of all of them.
         entity: Joint, gripper or robot.
         time: Middle of the span of `most` [s].
+        farthest: What may be allowed at most, not below `bound`.
     """
 
     name: str
@@ -38,15 +41,16 @@ class Bound:
     unit: str
     entity: Iri
     time: float
+    farthest: float
 
     @property
     def decided(self) -> bool:
         """Whether it is surely kept, or surely not."""
-        return self.most <= self.bound or self.least > self.bound
+        return self.most <= self.bound or self.least > self.farthest
 
-    def evidence(self, value: float) -> Evidence:
-        """The value against the bound."""
-        return Evidence(Quantity.FORCE, value, self.bound, self.unit, entity=self.entity, time=self.time)
+    def evidence(self, value: float, bound: float) -> Evidence:
+        """The value against a bound."""
+        return Evidence(Quantity.FORCE, value, bound, self.unit, entity=self.entity, time=self.time)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,13 +61,15 @@ class _Allowed:
     bound: float
     unit: str
     entity: Iri
+    farthest: float | None = None
 
     def over(self, loads: Loads, value: Interval) -> Bound:
         """Its worst over all spans."""
         worst = int(np.argmax(value.hi))
         time = float(loads.begin[worst] + loads.end[worst]) / 2
         least, most = float(value.lo.max()), float(value.hi[worst])
-        return Bound(self.name, least, most, self.bound, self.unit, self.entity, time)
+        farthest = self.bound if self.farthest is None else self.farthest
+        return Bound(self.name, least, most, self.bound, self.unit, self.entity, time, farthest)
 
 
 Check = Callable[[Loads], Iterator[Bound]]
@@ -149,40 +155,60 @@ def _motors(scene: Scene, twin: Twin) -> tuple[list[_Motor], list[str]]:
     return known, unknown
 
 
+def _range(facts: Facts, subject: Iri, name: str) -> tuple[float, float]:
+    """What is surely there, and what is there at most (unknown: without end); NaN where nothing is known.
+
+    Raises:
+        InputError: It is no range of positive numbers.
+    """
+    least, most = facts.number(subject, name, math.nan), facts.number(subject, f"{name}Most", math.inf)
+    if not math.isnan(least) and not 0 < least <= most:
+        raise InputError(
+            f"sdt:{name} of {local_name(subject)} is {least:g} to {most:g}",
+            allowed=f"above 0, and not above sdt:{name}Most",
+        )
+    return least, most
+
+
 def _grip(scene: Scene, twin: Twin, gripper: str) -> _Made:
     """Friction of two pads, which close along the tool's y, against what pulls across them: the cone."""
     iri = f"{scene.robot_iri}/gripper/{gripper}"
     facts = twin.entities.facts
-    grip, friction = (facts.number(iri, name, math.nan) for name in ("gripForce", "padFriction"))
+    (grip, strongest), (friction, roughest) = (
+        _range(facts, iri, name) for name in ("gripForce", "padFriction")
+    )
     if math.isnan(grip) or math.isnan(friction):
         given = (("gripForce", grip), ("padFriction", friction))
         absent = " and no sdt:".join(name for name, value in given if math.isnan(value))
         return None, [f"not checked: grip at the handle, since {gripper} has no sdt:{absent}"]
 
     def check(loads: Loads) -> Iterator[Bound]:
-        # two pads press with `grip`; what pushes one of them off takes from what friction holds
-        pull = _pulling(loads.beside, friction) * loads.force.magnitude()
-        yield _Allowed("pull across the pads", 2 * friction * grip, "N", iri).over(loads, pull)
+        # two pads press; what pushes one of them off takes from what friction holds
+        force = loads.force.magnitude()
+        least = np.nextafter(_pulling(loads.beside, roughest).lo * force.lo / 2, 0.0)
+        most = np.nextafter(_pulling(loads.beside, friction).hi * force.hi / 2, np.inf)
+        what = _Allowed("press of the pads that the pull across them takes", grip, "N", iri, strongest)
+        yield what.over(loads, Interval(least, most))
 
     return check, []
 
 
 def _pulling(beside: Interval, friction: float) -> Interval:
-    """sqrt(1 - b²) + friction b: rises up to its top, then falls."""
+    """sqrt(1 - b²) / friction + b: rises up to its top, then falls."""
 
     def share(b: Array) -> Array:
-        return np.sqrt(np.maximum(1 - b**2, 0.0)) + friction * b
+        return np.sqrt(np.maximum(1 - b**2, 0.0)) / friction + b
 
     low, high = (np.clip(each, 0.0, 1.0) for each in (beside.lo, beside.hi))
-    top = np.clip(np.full_like(low, friction / math.hypot(1.0, friction)), low, high)
-    ends = share(low), share(high)
+    steepest = 1.0 if math.isinf(friction) else friction / math.hypot(1.0, friction)
+    top, ends = np.clip(np.full_like(low, steepest), low, high), (share(low), share(high))
     return Interval(np.nextafter(np.minimum(*ends), 0.0), np.nextafter(share(top), np.inf))
 
 
 def _slip(scene: Scene, twin: Twin, gripper: str) -> _Made:
     """Wheels hold what pushes the robot sideways."""
     del gripper
-    friction = twin.entities.facts.number(scene.robot_iri, "wheelFriction", math.nan)
+    friction, roughest = _range(twin.entities.facts, scene.robot_iri, "wheelFriction")
     if math.isnan(friction):
         return None, ["not checked: slip of the base, since the robot has no sdt:wheelFriction"]
     base, _ = unweighed(scene)
@@ -199,9 +225,9 @@ def _slip(scene: Scene, twin: Twin, gripper: str) -> _Made:
         ]
         # convex in the force: the most is at an end, the least need not be
         slips = [np.hypot(each[:, 0], each[:, 1]) - friction * each[:, 2] for each in floors]
-        wide = (1 + friction) * spread
-        most = np.maximum(*slips) + wide
-        least = _least_sideways(loads) - friction * np.maximum(floors[0][:, 2], floors[1][:, 2]) - wide
+        most = np.maximum(*slips) + (1 + friction) * spread
+        heaviest = np.maximum(np.maximum(floors[0][:, 2], floors[1][:, 2]) + spread, np.finfo(float).tiny)
+        least = _least_sideways(loads) - spread - roughest * heaviest
         what = _Allowed("sideways push on the wheels beyond their friction", 0.0, "N", scene.robot_iri)
         yield what.over(loads, Interval(least, most))
 

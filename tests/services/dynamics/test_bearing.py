@@ -10,10 +10,12 @@ from predicates.case import Answer, Case, Kind, Outcome, Verdict
 from predicates.causes import causes
 from predicates.law import law
 from predicates.record import to_record
+from sdt_kg.errors import InputError
 from sdt_kg.motion import BodyMotion
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.app import load
+from services.dynamics.data import with_forces
 from services.dynamics.oracle import Dynamics
 from services.dynamics.robot.balls import Vectors
 from services.dynamics.robot.bearing import Bearing
@@ -69,21 +71,42 @@ def test_pads_that_hold_the_handle_are_checked_and_the_share_is_told() -> None:
 
 
 def test_pads_that_slip_whatever_the_drawer_needs_are_a_refusal_of_the_motion_that_was_found() -> None:
-    verdict = judged("top_drawer", gripper={"gripForce": 2.0, "padFriction": 0.3})
+    known = {"gripForce": 1.0, "gripForceMost": 2.0, "padFriction": 0.3, "padFrictionMost": 0.4}
+    verdict = judged("top_drawer", gripper=known)
     assert verdict.outcome is Outcome.NOT_CERTIFIED
     (diagnosis,) = verdict.diagnoses
     assert (diagnosis.kind, diagnosis.proof) == (Kind.EMBODIMENT, False)
-    assert "pull across the pads is" in diagnosis.reason
+    assert "press of the pads" in diagnosis.reason
     assert diagnosis.evidence is not None
-    assert (diagnosis.evidence.bound, diagnosis.evidence.unit) == (pytest.approx(1.2), "N")
+    assert (diagnosis.evidence.bound, diagnosis.evidence.unit) == (2.0, "N")
+    assert diagnosis.evidence.value == pytest.approx(3.0 / 0.4 / 2, rel=0.5)
 
 
 def test_pads_that_may_slip_leave_it_open() -> None:
-    verdict = judged("top_drawer", gripper={"gripForce": 10.0, "padFriction": 0.3})
-    assert verdict.outcome is Outcome.ABSTAINED
+    verdict = judged("top_drawer", gripper={"gripForce": 2.0, "padFriction": 0.3})
+    assert verdict.outcome is Outcome.ABSTAINED, "that more than the least is not there nobody said"
     assert (verdict.satisfies_request, verdict.causes, verdict.can_perform) == (None, None, None)
     assert "leave open whether the robot bears it" in verdict.diagnoses[0].reason
     assert to_record(verdict).triples
+
+
+@pytest.mark.parametrize("friction", [0.0, -0.3, float("nan")])
+def test_a_friction_that_there_cannot_be_is_no_friction(friction: float) -> None:
+    with pytest.raises(InputError, match="padFriction"):
+        judged("top_drawer", gripper={"gripForce": 200.0, "padFriction": friction})
+
+
+@pytest.mark.parametrize("name", ["left", "right"])
+def test_tiagos_fingers_press_with_what_their_model_says_and_pr2s_grip_is_not_checked(name: str) -> None:
+    twin = with_forces(load("b", ["pr2", "tiago_dual"]).twin)
+    facts = twin.entities.facts
+    tiago = "https://example.org/id/tiago_dual"
+    finger = f"{tiago}/joint/gripper_{name}_left_finger_joint"
+    assert facts.number(f"{tiago}/gripper/{name}", "gripForce") == facts.number(finger, "effortLimit") == 16.0
+    notes = {robot: " ".join(checks(Scene(twin, robot), twin, name).missing) for robot in (tiago, ROBOT)}
+    assert "grip at the handle" not in notes[tiago]
+    assert "not checked: grip at the handle" in notes[ROBOT]
+    assert "slip of the base" not in notes[tiago] + notes[ROBOT]
 
 
 def test_a_lift_that_is_too_weak_for_the_oven_door_is_refused() -> None:
@@ -114,7 +137,7 @@ def felt(force: float, along: tuple[float, float, float], weight: float = 98.1, 
 
 @pytest.mark.parametrize(("force", "slips"), [(49.0, False), (49.2, True)])
 def test_wheels_hold_friction_times_weight(force: float, slips: bool) -> None:
-    twin = load("b", ["pr2"]).twin.with_edit(ROBOT, wheelFriction=0.5)
+    twin = load("b", ["pr2"]).twin.with_edit(ROBOT, wheelFriction=0.5, wheelFrictionMost=0.5)
     (slip,) = checks(Scene(twin, ROBOT), twin, "left").of
     (bound,) = slip(felt(force, (1.0, 0.0, 0.0)))
     assert bound.least == pytest.approx(force - 0.5 * 98.1, abs=1e-6)
