@@ -16,7 +16,7 @@ from sdt_kg.history.edits import (
     without_obstacle,
 )
 from sdt_kg.history.events import Event, EventType
-from sdt_kg.history.reopen import has_history, reopened
+from sdt_kg.history.reopen import continued, has_history, reopened
 from sdt_kg.history.trajectory import Trajectory
 
 __all__ = [
@@ -34,6 +34,7 @@ __all__ = [
     "brought",
     "changed",
     "content_hash",
+    "continued",
     "has_history",
     "moved",
     "obstacle",

@@ -56,8 +56,29 @@ def reopened(
     """
     kept = _Kept(quads)
     first = _first(kept, environment)
-    twin = kept.twin(first)
-    history = History.of(twin, store)
+    return _grown(History.of(kept.twin(first), store), kept, first, trajectories)
+
+
+def continued(
+    history: History, quads: Quads, trajectories: Mapping[Iri, Trajectory] = _NO_SAMPLES
+) -> History:
+    """The history with all branches that were kept of it.
+
+    Args:
+        history: Of a twin, begun anew.
+        quads: May hold other histories too, also of this kitchen as it was modelled before.
+        trajectories: As `reopened` takes them.
+
+    Raises:
+        GraphError: Something is missing or was changed.
+        InputError: The samples of a trajectory were not given.
+    """
+    kept, first = _Kept(quads), history.first.iri
+    return _grown(history, kept, first, trajectories) if first in kept.branches() else history
+
+
+def _grown(history: History, kept: "_Kept", first: Iri, trajectories: Mapping[Iri, Trajectory]) -> History:
+    """The history with the branches that derive from its first one, made again and compared."""
     _check(history, history.first, kept, first)
     waiting = kept.children()
     parents = [first]
@@ -124,9 +145,10 @@ class _Kept:
             GraphError: A parent has no record.
         """
         branches, found = self.branches(), dict[Iri, list[Iri]]()
+        known = frozenset(branches)
         for iri in branches:
             parent = self.parent(iri)
-            if parent is not None and parent not in branches:
+            if parent is not None and parent not in known:
                 raise GraphError(f"<{parent}>, from which <{iri}> derives, is not there", remedy=_REMEDY)
             if parent is not None:
                 found.setdefault(parent, []).append(iri)

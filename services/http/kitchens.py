@@ -1,15 +1,21 @@
 """Kitchens that are served: the Law over each, its present state and its branches."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import Final
+
+import pyoxigraph as ox
 
 from sdt_kg.errors import InputError
-from sdt_kg.history import Branch, Edit, History
-from sdt_kg.iri import Iri, local_name
+from sdt_kg.history import Branch, Edit, History, Trajectory, continued, has_history
+from sdt_kg.iri import SDT, Iri, graph_iri, local_name
 from sdt_kg.load import model_name
 from sdt_kg.store import MemoryStore, Triple
 from sdt_kg.twin import Twin
 from services.app import Service, load
+
+PRESENT: Final = SDT + "presentBranch"
+"""Of the branch with which a history begins: the one that holds now."""
 
 
 class Recording(MemoryStore):
@@ -73,6 +79,41 @@ class Kitchen:
     def moved(self) -> tuple[str, ...]:
         """The present state as texts, if something was moved; else none, and the kitchen is as loaded."""
         return () if self.present is None else self.states
+
+    @property
+    def present_graph(self) -> Iri:
+        """Named graph that says which branch is the present."""
+        assert self.history is not None, "begun"
+        return graph_iri("present", local_name(self.history.first.iri))
+
+    def present_triple(self) -> ox.Triple:
+        """Says which branch is the present."""
+        assert self.history is not None, "begun"
+        assert self.present is not None, "begun"
+        return ox.Triple(
+            ox.NamedNode(self.history.first.iri), ox.NamedNode(PRESENT), ox.NamedNode(self.present.iri)
+        )
+
+    def continued(self, kept: ox.Store, samples: Mapping[Iri, Trajectory]) -> "Kitchen":
+        """The kitchen with the branches that were kept of it, in the state in which it was left.
+
+        Branches of another model, or of other robots, are not its own.
+
+        Raises:
+            GraphError: What was kept was changed.
+            InputError: The samples of a trajectory are not there.
+        """
+        if not has_history(kept):
+            return self
+        begun = self.begun()
+        assert begun.history is not None, "begun"
+        assert isinstance(begun.history.store, Recording), "as begun"
+        found = replace(begun, history=continued(begun.history, kept, samples))
+        begun.history.store.written.clear()
+        for quad in kept.quads_for_pattern(None, None, None, ox.NamedNode(found.present_graph)):
+            assert isinstance(quad.object, ox.NamedNode), "as written"
+            return found.at(found.history.branch(quad.object.value))
+        return found if len(found.history.branches) > 1 else self
 
     def begun(self) -> "Kitchen":
         """The kitchen with a history."""

@@ -1,7 +1,7 @@
 """What is served: kitchens in their present state, with their robots, verdicts and observations."""
 
 import asyncio
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -10,7 +10,8 @@ import pyoxigraph as ox
 import ontology
 from predicates.record import Record, gives_way
 from sdt_kg.errors import InputError, UnknownEntityError
-from sdt_kg.history import Branch, Edit, moved
+from sdt_kg.history import Branch, Edit, Trajectory, moved
+from sdt_kg.history.records import record_graph
 from sdt_kg.iri import ID, Iri
 from sdt_kg.twin import Twin
 from services.http.kitchens import Kitchen, Recording
@@ -34,6 +35,7 @@ class World:
     Attributes:
         kitchens: By name.
         archive: Where writes are kept; None keeps them until the service ends.
+        samples: Of trajectories that branches there follow, by IRI.
         version: How often something was written.
         listeners: Called with every verdict that is kept.
         movers: Called with a kitchen whose present state is another one now.
@@ -42,14 +44,25 @@ class World:
     kitchens: dict[str, Kitchen]
     workers: Workers
     archive: QuadStore | None = None
+    samples: Mapping[Iri, Trajectory] = field(default_factory=dict[Iri, Trajectory])
     version: int = 0
     listeners: list[Callable[[Record], None]] = field(default_factory=list[Callable[[Record], None]])
     movers: list[Callable[[Kitchen], None]] = field(default_factory=list[Callable[[Kitchen], None]])
     _lock: asyncio.Lock = field(default_factory=asyncio.Lock)
 
     async def start(self) -> None:
-        """Workers hold everything."""
-        await self.workers.start(self._first())
+        """Workers hold everything, and kitchens are as they were left.
+
+        Raises:
+            GraphError: Branches that were kept were changed.
+            StoreError: What was kept cannot be read.
+        """
+        kept = None
+        if self.archive is not None:
+            kept = await asyncio.to_thread(self.archive.dump)
+            for name, kitchen in self.kitchens.items():
+                self.kitchens[name] = await asyncio.to_thread(kitchen.continued, kept, self.samples)
+        await self.workers.start(self._first(kept))
 
     async def close(self) -> None:
         """No process is left."""
@@ -91,6 +104,7 @@ class World:
             derived, branch = await asyncio.to_thread(before.derived, moved(changed))
             after = derived.at(branch)
             await self._keep_history(after)
+            await self._keep(after.present_graph, [after.present_triple()])
             await self.workers.apply(show(after.state_graph))
             if after.state_graph != before.state_graph:
                 await self.workers.apply(hide(before.state_graph))
@@ -112,13 +126,18 @@ class World:
             return made
 
     async def _keep_history(self, kitchen: Kitchen) -> None:
-        """Graphs that the history has written since the last time."""
+        """Graphs that the history has written since the last time.
+
+        Records of branches come last, of parents before their children: when the service dies meanwhile,
+        no record is there without what it names.
+        """
         assert kitchen.history is not None, "begun"
         store = kitchen.history.store
         assert isinstance(store, Recording), "as begun"
         written, store.written = store.written, set()
+        records = {record_graph(iri): place for place, iri in enumerate(kitchen.history.branches)}
         present = {each.state_graph for each in self.kitchens.values()}
-        for graph in sorted(written):
+        for graph in sorted(written, key=lambda graph: (records.get(graph, -1), graph)):
             triples = [quad.triple for quad in store.dump([graph])]
             await self._keep(graph, triples, shown=graph in present or _is_shown(graph))
 
@@ -149,12 +168,12 @@ class World:
         await self.workers.apply(put(graph, body, shown=shown, instead=True))
         self.version += 1
 
-    def _first(self) -> Iterator[Delta]:
+    def _first(self, kept: ox.Store | None) -> Iterator[Delta]:
         """What is served at the start."""
-        if self.archive is not None:
+        if kept is not None:
             served = {graph for kitchen in self.kitchens.values() for graph in kitchen.twin.graphs()}
             named = {ox.NamedNode(graph) for graph in served}  # as they are now, not as they were kept
-            quads = [quad for quad in self.archive.dump() if quad.graph_name not in named]
+            quads = [quad for quad in kept if quad.graph_name not in named]
             apart = {
                 str(quad.graph_name.value) for quad in quads if isinstance(quad.graph_name, ox.NamedNode)
             }
@@ -179,4 +198,4 @@ def _is_shown(graph: Iri) -> bool:
     States and versions of models do not: which of them hold now, a kitchen says.
     """
     kind, _, key = graph.removeprefix(f"{ID}graph/").partition("/")
-    return kind in {"asserted", "inferred", "verdict", "observed", "branch"} and "/" not in key
+    return kind in {"asserted", "inferred", "verdict", "observed", "branch", "present"} and "/" not in key

@@ -112,6 +112,7 @@ def serve(
     from services.http.settings import Address, Settings, host_names, token_for  # noqa: PLC0415 - see above
     from services.http.world import World  # noqa: PLC0415 - see above
     from services.store.files import opened  # noqa: PLC0415 - see above
+    from services.store.histories import samples_beside  # noqa: PLC0415 - see above
     from services.store.workers import Limits, Workers  # noqa: PLC0415 - see above
     from services.telemetry import logs  # noqa: PLC0415 - see above
     from services.telemetry.spans import SpansInFile  # noqa: PLC0415 - see above
@@ -136,7 +137,8 @@ def serve(
         page_beside(view_address, kitchens, robots) as viewer,
     ):
         settings = replace(settings, viewer=viewer)
-        world = World(open_kitchens(kitchens, robots), Workers(settings.workers, limits), archive)
+        samples = samples_beside(store) if store else {}
+        world = World(open_kitchens(kitchens, robots), Workers(settings.workers, limits), archive, samples)
         names = ", ".join(world.kitchens) or "none"
         port = listening.getsockname()[1]
         click.echo(f"http://{where.host}:{port}  kitchens: {names}; {_writing(settings.token)}", err=True)

@@ -66,9 +66,16 @@ def kept_history(place: str, environment: Iri | None = None) -> History | None:
         store.close()
     if not has_history(quads):
         return None
-    samples = () if is_url(place) else sorted(Path(place).parent.glob(f"{Path(place).stem}.*.npz"))
-    read = (Trajectory.from_bytes(path.read_bytes()) for path in samples)
-    return reopened(quads, {each.iri: each for each in read}, environment=environment)
+    return reopened(quads, samples_beside(place), environment=environment)
+
+
+def samples_beside(place: str) -> dict[Iri, Trajectory]:
+    """The trajectories whose samples lie beside a file or directory, by IRI; none beside a server."""
+    if is_url(place):
+        return {}
+    paths = sorted(Path(place).parent.glob(f"{Path(place).stem}.*.npz"))
+    read = (Trajectory.from_bytes(path.read_bytes()) for path in paths)
+    return {each.iri: each for each in read}
 
 
 def _beside(place: Path, trajectory: Iri) -> Path:

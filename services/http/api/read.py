@@ -1,4 +1,4 @@
-"""Verbs that read: kitchens, containers, satisfies, verdicts, why, state, branches."""
+"""Verbs that read: kitchens, containers, satisfies, verdicts, why, state, branches and their differences."""
 
 import asyncio
 import json
@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request
 
 from sdt_kg.errors import UnknownEntityError
+from sdt_kg.history.diff import twin_difference
 from sdt_kg.iri import Iri, local_name, verdict_iri
 from sdt_kg.task import Task
 from services.http.kitchens import Kitchen
@@ -94,7 +95,7 @@ async def state(request: Request, kitchen: KitchenName = None) -> Json:
 
 @router.get("/branches")
 async def branches(request: Request, kitchen: KitchenName = None) -> list[Json]:
-    """Branches of a kitchen since the service began, the first one first."""
+    """Branches of a kitchen, the first one first; none before something was written."""
     history = world_of(request).kitchen(kitchen).history
     if history is None:
         return []
@@ -104,9 +105,27 @@ async def branches(request: Request, kitchen: KitchenName = None) -> list[Json]:
             "parent": each.parent.iri if each.parent else None,
             "edit": each.edit.sentence if each.edit else None,
             "content_hash": each.content_hash,
+            "events": [event.type.value for event in each.events],
         }
         for each in history.branches.values()
     ]
+
+
+@router.get("/diff")
+async def diff(request: Request, before: str, after: str, kitchen: KitchenName = None) -> Json:
+    """How one branch differs from another one, entities and state, in sentences."""
+    history = world_of(request).kitchen(kitchen).history
+    if history is None:
+        raise UnknownEntityError("branch", before, (), "POST /api/v1/state or /api/v1/branch makes one")
+    twins = [history.branch(iri).twin for iri in (before, after)]
+    found = await asyncio.to_thread(twin_difference, *twins)
+    return {
+        "before": before,
+        "after": after,
+        "sentences": found.sentences(),
+        "removed": len(found.removed),
+        "added": len(found.added),
+    }
 
 
 @router.get("/verdicts")

@@ -214,4 +214,4 @@ def test_writes_outlive_the_service_where_there_is_an_archive(serve, tmp_path, d
         second = serve(kitchens=("a",), archive=archive)
         assert second.get("/graphs", params={"graph": graph}).status_code == 200
         assert second.query("ASK { ?b a sdt:Branch ; prov:wasDerivedFrom ?a }").json()["boolean"]
-        assert position(second, drawer) == [pytest.approx(drawer["lower"])]
+        assert position(second, drawer) == [pytest.approx(drawer["upper"])]
