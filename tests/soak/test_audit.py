@@ -1,0 +1,160 @@
+"""Certified motions of tables, and mutations of some, against an audit that shares no code. `make soak`."""
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kitchens
+import robots
+from sdt_kg.annotation import Drive
+from sdt_kg.load import load_twin, model_name
+from sdt_kg.motion import BodyMotion
+from services.app import Policy
+from services.embodiment.certify import Certified, Tolerances, certify
+from services.motions import motion_of
+from services.requests import parse_state
+from services.sweep.cell import CellResult
+from services.table import cells, run
+from tests.soak.annotated import Note, accelerations
+from tests.soak.audit import Stage, audited
+from tests.soak.machine import Machine
+from tests.soak.rewritten import Variant, variants
+from tests.soak.test_tables import REFERENCE_KITCHENS, REFERENCE_ROBOTS, ROBOTS
+
+pytestmark = [pytest.mark.oracle, pytest.mark.slow]
+
+STEP, COARSE = 0.001, 0.004  # [m] of travel between looks
+NO_LESS = -0.01  # [1] slack of a rule that is kept, but for rounding
+EACH = 40  # mutations of a motion
+DATA = {"kitchens": kitchens, "robots": robots}
+
+
+def bundled(folder: str, model: str, suffix: str) -> Path:
+    """A file of the model, or of the bundled one that it is like."""
+    likely = {"apartment": "a", "kitchen": "b", "pr2": "pr2", "tiago": "tiago_dual", "stretch": "stretch"}
+    name = next((ours for theirs, ours in likely.items() if model_name(model).startswith(theirs)), model)
+    return DATA[folder].path(f"{name}/{name}{suffix}")
+
+
+@cache
+def machine(file: Path, turned: bool) -> Machine:
+    return Machine(file, turned)
+
+
+def stage(
+    kitchen: Path, robot: Path, about: Mapping[str, str], container: str, states: tuple[str, ...]
+) -> Stage:
+    """What a motion of the container is judged against.
+
+    Args:
+        kitchen: URDF file, whose annotation is that of `about["kitchen"]`.
+        robot: URDF file, likewise.
+        about: Kitchen, robot, verb and drive.
+        container: Its name.
+        states: As `sdt table --state` takes them; which container is which is all that is believed.
+    """
+    twin = load_twin(kitchen)
+    one = twin.container(container)
+    state = {joint.rsplit("/", 1)[1]: q for joint, q in parse_state(twin, states).positions}
+    return Stage(
+        machine(kitchen, True),
+        machine(robot, False),
+        Note(bundled("robots", about["robot"], ".ttl")),
+        accelerations(bundled("kitchens", about["kitchen"], ".ttl")),
+        state,
+        one.joint.rsplit("/", 1)[1],
+        one.handle.rsplit("/", 1)[1],
+        about["verb"],
+        about["drive"],
+    )
+
+
+def broken(result: CellResult, motions: Path, drive: Drive | None) -> dict[str, float]:
+    """Rules that a certified motion does not keep, and by how much."""
+    cell = result.cell
+    files = [
+        Path(model) if "/" in model else bundled(folder, model, ".urdf")
+        for folder, model in (("kitchens", cell.kitchen), ("robots", cell.robot))
+    ]
+    about = {"kitchen": cell.kitchen, "robot": cell.robot, "verb": cell.task.partition(":")[0]}
+    about["drive"] = str(result.verdict["drive"]) if drive is None else drive.value
+    judged = stage(*files, about, cell.container, cell.states)
+    with np.load(motions / cell.file_name) as motion:
+        return {rule: one for rule, one in audited(judged, motion, STEP).slack.items() if one < NO_LESS}
+
+
+def audit(
+    kitchen: str, robots: tuple[str, ...], asked: tuple[str, tuple[str, ...], Drive | None], folder: Path
+) -> dict[str, dict[str, float]]:
+    """Case → rules that its certified motion breaks."""
+    verb, states, drive = asked
+    result = run(cells((kitchen,), robots, verb, states, Policy(drive=drive)), 2, lambda _: None, folder)
+    certified = [each for each in result.results if each.verdict["outcome"] == "certified"]
+    assert certified
+    found = {str(each.cell): broken(each, folder, drive) for each in certified}
+    return {case: rules for case, rules in found.items() if rules}
+
+
+@pytest.mark.reference
+@pytest.mark.parametrize("kitchen", REFERENCE_KITCHENS)
+def test_no_motion_certified_on_the_reference_models_is_refuted(
+    reference: Path, tmp_path: Path, kitchen: str
+) -> None:
+    robots = tuple(str(reference / robot) for robot in REFERENCE_ROBOTS)
+    model = str(reference / REFERENCE_KITCHENS[kitchen])
+    assert audit(model, robots, ("open", (), Drive.OMNI), tmp_path) == {}
+
+
+@pytest.mark.parametrize("asked", [("open", (), None), ("close", ("all=half-open:7",), None)])
+@pytest.mark.parametrize("kitchen", ["a", "b"])
+def test_no_motion_certified_with_the_real_drives_is_refuted(
+    tmp_path: Path, kitchen: str, asked: tuple[str, tuple[str, ...], Drive | None]
+) -> None:
+    assert audit(kitchen, ROBOTS, asked, tmp_path) == {}
+
+
+def judge(variant: Variant, container: str, start: np.ndarray) -> bool:
+    """Whether the certifier certifies a mutation."""
+    twin = load_twin(variant.kitchen, [variant.robot])
+    (robot,) = twin.robots
+    motion = motion_of(variant.motion, twin, robot)
+    assert isinstance(motion, BodyMotion)
+    x, y, yaw = map(float, start)
+    drive, one = Drive(variant.drive), twin.container(container)
+    found = certify(twin, robot, motion, one, Tolerances(), drive=drive, start=(x, y, yaw))
+    return isinstance(found, Certified)
+
+
+@pytest.mark.parametrize("container", ["iai_fridge_door", "sink_area_left_middle_drawer_main"])
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_mutations_of_certified_motions_are_refused_where_wrong_and_certified_where_right(
+    tmp_path: Path, robot: str, container: str
+) -> None:
+    case = next(
+        each
+        for each in cells(("b",), (robot,), "open", (), Policy(drive=Drive.OMNI))
+        if each.container == container
+    )
+    run([case], 1, lambda _: None, tmp_path)
+    with np.load(tmp_path / case.file_name) as arrays:
+        motion = dict(arrays)
+    counts, odd = Counter[str](), []
+    about = {"kitchen": "b", "robot": robot, "verb": "open"}
+    handle = load_twin("b").container(container).handle.rsplit("/", 1)[1]
+    for variant in variants(motion, robot, handle, tmp_path, EACH):
+        judged = stage(variant.kitchen, variant.robot, {**about, "drive": variant.drive}, container, ())
+        start = motion["base"][0]
+        truth = audited(replace(judged, start=tuple(start)), variant.motion, COARSE)
+        if variant.held_otherwise:
+            truth.keeps("held", 0.0, 1.0)
+        certified = judge(variant, container, start)
+        counts["wrong" if truth.wrong else "right" if truth.right else "between"] += 1
+        if (truth.wrong and certified) or (truth.right and not certified):
+            odd.append((variant.name, certified, truth.slack))
+    assert odd == []
+    assert min(counts["wrong"], counts["right"]) > EACH / 10, counts
