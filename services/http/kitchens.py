@@ -108,12 +108,13 @@ class Kitchen:
         begun = self.begun()
         assert begun.history is not None, "begun"
         assert isinstance(begun.history.store, Recording), "as begun"
-        found = replace(begun, history=continued(begun.history, kept, samples))
+        history = continued(begun.history, kept, samples)
         begun.history.store.written.clear()
+        found = replace(begun, history=history)
         for quad in kept.quads_for_pattern(None, None, None, ox.NamedNode(found.present_graph)):
             assert isinstance(quad.object, ox.NamedNode), "as written"
-            return found.at(found.history.branch(quad.object.value))
-        return found if len(found.history.branches) > 1 else self
+            return found.at(history.branch(quad.object.value))
+        return found if len(history.branches) > 1 else self
 
     def begun(self) -> "Kitchen":
         """The kitchen with a history."""
