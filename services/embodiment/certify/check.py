@@ -112,7 +112,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     findings.add(drive_limits(scene, pieces, drive, tolerances))
     findings.add(kitchen_keeps(scene, pieces, container, tolerances))
     checked = subject(scene, pieces, tolerances)
-    hold, held = _hold(checked, container, motion.gripper)
+    hold, held = _hold(checked, container, motion.gripper, in_full)
     findings.add(held)
     findings.add(collisions(checked, hold))
     findings.add(inside(checked))
@@ -137,8 +137,11 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     return Certified(findings.figures, certificate)
 
 
-def _hold(checked: Subject, container: Container, name: str) -> tuple[Hold | None, Findings]:
-    """How the named gripper holds the container; if none is named, the one that does so best."""
+def _hold(checked: Subject, container: Container, name: str, in_full: bool) -> tuple[Hold | None, Findings]:
+    """How the named gripper holds the container; if none is named, the one that does so best.
+
+    What follows a grasp that comes too late is judged as well if the refusal is to be `in_full`.
+    """
     grippers = {gripper.name: gripper for gripper in checked.scene.annotation.grippers}
     if name and name not in grippers:
         raise UnknownEntityError("gripper", name, grippers)
@@ -150,8 +153,9 @@ def _hold(checked: Subject, container: Container, name: str) -> tuple[Hold | Non
     contacts = [hold.contact() for hold in holds]
     best = min(range(len(holds)), key=lambda i: max((v.excess for v in contacts[i].violations), default=0.0))
     hold, findings = holds[best], contacts[best]
-    if findings.violations:  # what follows the late grasp, if there is one, is judged as well
-        hold = next((late for one in holds if (late := one.later()) is not None), None)
+    if findings.violations:
+        lates = (one.later() for one in (holds if in_full else ()))
+        hold = next((late for late in lates if late is not None), None)
     if hold is not None:
         findings.add(hold.follows())
         findings.add(hold.keeps_fingers())

@@ -8,6 +8,7 @@ solid. A room around the robot is a closed mesh too: its walls need an outer sur
 """
 
 from collections.abc import Iterator
+from functools import lru_cache
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
@@ -21,6 +22,7 @@ from services.embodiment.certify.sweep.subject import Subject
 from services.physics.geometry.inside import Where, where
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 TOLD = 3  # bodies that a note names; of more it says how many
 
@@ -29,8 +31,8 @@ def inside(checked: Subject) -> Findings:
     """Where the robot begins inside a mesh, and of which meshes that cannot be told."""
     findings, solids = Findings(), checked.scene.solids
     others = np.unique(checked.scene.environment_pairs[:, 1])
-    meshes = [int(k) for k in others if isinstance(solids[k].shape, coal.BVHModelBase)]
-    if not meshes:
+    meshes = np.array([k for k in others if isinstance(solids[k].shape, coal.BVHModelBase)], dtype=np.intp)
+    if not len(meshes):
         return findings
     first = checked.timeline.pieces.c[:2, 0]
     placed = checked.kinematics.place(first[:1], first[1:])
@@ -55,22 +57,22 @@ _SAID = {
 }
 
 
-def _in_boxes(checked: Subject, placed: Placed, meshes: list[int]) -> Iterator[tuple[int, int, Array]]:
+def _in_boxes(checked: Subject, placed: Placed, meshes: Indices) -> Iterator[tuple[int, int, Array]]:
     """Robot shape, mesh, and a point of the shape in the mesh's frame, for those in the mesh's box."""
     solids, robot = checked.scene.solids, np.unique(checked.scene.environment_pairs[:, 0])
     rotation, origin = checked.shapes.frames(placed, np.zeros_like(robot), robot)
     own = np.array([_point(solids[k].shape) for k in robot])
     points = origin + (rotation @ own[:, :, None])[:, :, 0]
-    for mesh in meshes:
-        frame_R, frame_p = checked.shapes.frames(placed, np.zeros(1, dtype=np.intp), np.array([mesh]))
-        seen = (points - frame_p[0]) @ frame_R[0]
-        box = solids[mesh].shape.aabb_local
-        for n in np.flatnonzero(((seen >= box.min_) & (seen <= box.max_)).all(axis=1)):
-            yield int(robot[n]), mesh, seen[n]
+    outlines, frames = checked.scene.outlines, checked.shapes.frames(placed, np.zeros_like(meshes), meshes)
+    seen = (points - frames[1][:, None]) @ frames[0]
+    off = np.abs(seen - outlines.middle[meshes, None])
+    for m, n in zip(*np.nonzero((off <= outlines.half[meshes, None]).all(axis=2)), strict=True):
+        yield int(robot[n]), int(meshes[m]), seen[m, n]
 
 
+@lru_cache(maxsize=1024)
 def _point(shape: coal.CollisionGeometry) -> Array:
-    """A point of a convex shape, in its frame, shape (3,) [m]."""
+    """A point of a convex shape, in its frame, shape (3,) [m]; kept, so not to be changed."""
     if isinstance(shape, coal.ConvexBase):
         return np.array(shape.points()).mean(axis=0)
     return np.zeros(3)

@@ -35,17 +35,16 @@ def joint_limits(scene: Scene, pieces: Pieces, container: Container, tolerances:
         findings.violations.append(
             _limit(scene, k, Quantity.POSITION, values[i, n, k], float(bound), time, excess[i, n, k])
         )
-    single = np.arange(scene.model.nq)
     rated = (
         (Quantity.VELOCITY, velocities(pieces), bounds.velocity),
         (Quantity.ACCELERATION, accelerations(pieces), bounds.acceleration),
     )
     for quantity, (rates, at), most in rated:
-        ratio = _ratio(np.abs(rates[:, :, single]), most[single])
-        for j, i, n in _first_and_worst(ratio > 1 + tolerances.rate, ratio):
-            k, time = single[j], pieces.start[n] + at[i, n, single[j]]
+        ratio = _ratio(np.abs(rates), most)
+        for k, i, n in _first_and_worst(ratio > 1 + tolerances.rate, ratio):
+            time = pieces.start[n] + at[i, n, k]
             findings.violations.append(
-                _limit(scene, k, quantity, abs(rates[i, n, k]), float(most[k]), time, ratio[i, n, j])
+                _limit(scene, k, quantity, abs(rates[i, n, k]), float(most[k]), time, ratio[i, n, k])
             )
         findings.figures[f"largest {quantity.value} ratio"] = (float(ratio.max()), "1")
     findings.add(_base_norms(scene, pieces, tolerances))

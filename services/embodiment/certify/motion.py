@@ -132,6 +132,8 @@ def _together(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
         own = [scene.coordinate[joint_iri(scene.robot.mechanism.name, name)] for name in group]
         for one, other in combinations(own, 2):
             between = replace(pieces, c=pieces.c[:, :, [one]] - pieces.c[:, :, [other]])
+            if not between.c.any():
+                continue
             off, s = positions(between)
             names = f"{local_name(scene.names[one])} and {local_name(scene.names[other])}"
             reason = f"{names} share one motor and do not move equally"
@@ -145,9 +147,9 @@ def _apart(  # noqa: PLR0913, PLR0917  # one sentence and its figures
     scene: Scene, k: int, reason: str, times: Array, off: Array, tolerances: Tolerances
 ) -> Findings:
     findings, most = Findings(), tolerances.coupling
-    unit = "rad" if joint_axes(scene)[1][k] else "m"
     for n in (int(np.argmax(off > most)), int(np.argmax(off))):
         if off[n] > most:
+            unit = "rad" if joint_axes(scene)[1][k] else "m"
             value, time = float(off[n]), float(times[n])
             evidence = Evidence(Quantity.POSITION, value, most, unit, scene.names[k], time=time)
             findings.violations.append(Violation("coupled joints", reason, evidence, value))

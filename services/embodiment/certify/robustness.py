@@ -38,7 +38,7 @@ def tolerated(checked: Subject, hold: Hold, found: Findings) -> Figures:
 def reach(checked: Subject) -> float:
     """No point of the robot is farther from the base than this all along the motion [m]."""
     scene, (values, _) = checked.scene, positions(checked.pieces)
-    farthest = np.abs(values).max(axis=(0, 1))
+    farthest = np.abs(values).max(axis=(0, 1)).tolist()
     away = np.zeros(scene.model.njoints)
     for k, joint in enumerate(scene.robot.joints, scene.robot.first):
         number = k + 1

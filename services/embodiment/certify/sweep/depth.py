@@ -5,6 +5,7 @@ which says little of a rod through a board, and it changes no faster than the bo
 """
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
@@ -72,9 +73,14 @@ def faces(shape: coal.CollisionGeometry) -> Faces | None:
     if isinstance(shape, coal.Capsule):
         return _round(shape.halfLength, shape.radius)
     if isinstance(shape, coal.ConvexBase):
-        equations = ConvexHull(np.array(shape.points())).equations
-        return Faces(equations[:, :3], -equations[:, 3])
+        return _hull(shape)
     return None
+
+
+@lru_cache(maxsize=256)
+def _hull(shape: coal.ConvexBase) -> Faces:
+    equations = ConvexHull(np.array(shape.points())).equations
+    return Faces(equations[:, :3], -equations[:, 3])
 
 
 def _round(half_length: float, radius: float) -> Faces:

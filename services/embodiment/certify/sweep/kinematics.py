@@ -80,8 +80,11 @@ class Kinematics:
     def place(self, q: Array, v: Array) -> Placed:
         """Carriers at positions and velocities of the moving coordinates, shape (U, K - 1)."""
         count = len(self._parent)
-        rotation = np.tile(np.eye(3), (len(q), count, 1, 1))
-        origin, axis, omega, linear = (np.zeros((len(q), count, 3)) for _ in range(4))
+        rotation = np.empty((len(q), count, 3, 3))
+        origin, axis, omega, linear = np.empty((4, len(q), count, 3))
+        rotation[:, WORLD] = np.eye(3)
+        for one in (origin, axis, omega, linear):
+            one[:, WORLD] = 0.0
         compiled.place(
             q,
             v,

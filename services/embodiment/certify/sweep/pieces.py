@@ -1,6 +1,7 @@
 """A motion's coordinates as cubic pieces, and sound bounds on them over any interval of time."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +10,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Pieces:
     r"""q(s) = c0 + c1 s + c2 s² + c3 s³ for 0 ≤ s ≤ h on each of N pieces.
 
@@ -34,6 +35,21 @@ class Pieces:
         """The same pieces with these coordinates only."""
         return Pieces(self.start, self.duration, self.c[:, :, coordinates])
 
+    @cached_property
+    def moving(self) -> Indices:
+        """The coordinates that do not stand still on all pieces."""
+        return np.flatnonzero((self.c[1:] != 0).any(axis=(0, 1)))
+
+    @cached_property
+    def extremes(self) -> tuple[Array, Array]:
+        """What `positions` gives; kept, so not to be changed."""
+        values = np.repeat(self.c[:1], 4, axis=0)
+        s = np.zeros_like(values)
+        s[1] = self.duration[:, None]
+        own = self.moving
+        values[:, :, own], s[:, :, own] = _extremes(self.c[:, :, own], self.duration)
+        return values, s
+
 
 def hermite(times: Array, q: Array, v: Array) -> Pieces:
     """Cubic Hermite pieces through T samples of q and v, shape (T, nq)."""
@@ -47,8 +63,12 @@ def hermite(times: Array, q: Array, v: Array) -> Pieces:
 
 def positions(pieces: Pieces) -> tuple[Array, Array]:
     """Exact candidates for the extreme positions of each piece, shape (4, N, nq), and their s [s]."""
-    c0, c1, c2, c3 = pieces.c
-    h = np.broadcast_to(pieces.duration[:, None], c0.shape)
+    return pieces.extremes
+
+
+def _extremes(c: Array, duration: Array) -> tuple[Array, Array]:
+    c0, c1, c2, c3 = c
+    h = np.broadcast_to(duration[:, None], c0.shape)
     with np.errstate(divide="ignore", invalid="ignore"):
         root = np.sqrt(np.maximum(c2**2 - 3 * c1 * c3, 0))
         far = -(c2 + np.copysign(root, c2))  # the form of the quadratic's roots that does not cancel

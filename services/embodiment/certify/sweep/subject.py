@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from services.embodiment.certify.sweep.kinematics import Kinematics
 from services.embodiment.certify.sweep.pieces import Pieces, Timeline
 from services.embodiment.certify.sweep.shapes import Shapes
@@ -30,7 +28,7 @@ class Subject:
 
 def subject(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Subject:
     """Kinematics, shapes and timeline of the coordinates that this motion moves."""
-    moving = np.flatnonzero(np.abs(pieces.c[1:]).max(axis=(0, 1)) > 0)
+    moving = pieces.moving
     kinematics = Kinematics(scene, pieces.c[0, 0], moving)
     shapes, timeline = Shapes(scene, kinematics), Timeline(pieces.columns(moving))
     return Subject(scene, tolerances, pieces, kinematics, shapes, timeline)
