@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from predicates.learn import Learned, Track
 from predicates.learn.coupled import coupled
 from predicates.learn.explain import Explanation, explain
-from predicates.learn.following import Following, follow, in_joints
+from predicates.learn.following import Following, follow, following_triples, in_joints, key_of
 from predicates.learn.phases import Latch, Plain, PushToOpen, phases
 from predicates.learn.proposal import Proposal, propose
 from predicates.learn.record import Key, learned_triples, phase_triples, proposal_triples
@@ -122,10 +122,12 @@ class SeenTogether:
 
     Attributes:
         following: The proposed twin.
-        first, second: What the tracks are in it.
+        proposals: Joints that the twin did not have right: each is proposed before the coupling.
+        first, second: What the tracks are in the proposed twin.
     """
 
     following: Following
+    proposals: tuple[Proposal, ...]
     first: Seen
     second: Seen
 
@@ -140,6 +142,8 @@ def together_in(
 ) -> SeenTogether:
     """The twin in which the container of the second track follows that of the first.
 
+    A joint that the twin does not have right is learned first, from its own track.
+
     Args:
         twin: In the state in which both tracks begin.
         tracks: Learned, in the kitchen's root frame.
@@ -148,24 +152,41 @@ def together_in(
 
     Raises:
         UnknownEntityError: No such container.
-        InputError: A track is of no container, or not on its path; or nothing follows.
+        InputError: A track is of no container, or on no path that can be learned; or nothing follows.
     """
-    seen = [seen_in(twin, learned, physics, name) for learned, name in zip(tracks, names, strict=True)]
-    for each, learned in zip(seen, tracks, strict=True):
-        if not each.fits:
+    ground, proposals, ones = twin, list[Proposal](), list[Followed]()
+    for learned, name in zip(tracks, names, strict=True):
+        seen = seen_in(ground, learned, physics, name)
+        if not seen.fits:
+            proposal, seen = proposal_for(ground, learned, seen, physics)
+            ground = proposal.twin
+            proposals.append(proposal)
+        if not seen.fits:
             raise InputError(
-                f"{learned.track.name} is not on the path of {each.followed.container.name}",
-                allowed="tracks of joints that the twin has right",
-                remedy="learn each joint by itself, accept it, and ask about its branch",
+                f"{learned.track.name} is not on the path of {seen.followed.container.name}",
+                allowed="tracks of joints that the twin has, or that can be learned",
             )
-    ones = [each.followed for each in seen]
+        ones.append(seen.followed)
     inside = [in_joints(learned, one.values, one.radius) for learned, one in zip(tracks, ones, strict=True)]
-    made = follow(twin, ones[0].container, ones[1].container, coupled(inside[0], inside[1]))
+    leader, container = (ground.container(one.container.iri) for one in ones)
+    made = follow(ground, leader, container, coupled(inside[0], inside[1]))
     first, second = (
         seen_in(made.twin, learned, physics, one.container.iri)
         for learned, one in zip(tracks, ones, strict=True)
     )
-    return SeenTogether(made, first, second)
+    return SeenTogether(made, tuple(proposals), first, second)
+
+
+def together_triples(
+    twin: Twin, tracks: tuple[Learned, Learned], found: SeenTogether
+) -> tuple[Key, list[Triple]]:
+    """Φ′ of the coupling in RDF, and of each joint that was learned before it."""
+    triples = list(following_triples(twin, tracks, found.following))
+    for proposal in found.proposals:
+        learned = tracks[0] if proposal.container.iri == found.following.leader.iri else tracks[1]
+        triples += learned_triples(twin, proposal.container, learned.track, proposal.learned)
+        triples += proposal_triples(Key.of(twin, proposal.container, learned.track).iri, proposal)
+    return key_of(twin, tracks, found.following), triples
 
 
 def held_by(learned: Learned) -> Latch | PushToOpen | Plain | None:

@@ -8,7 +8,6 @@ import numpy as np
 
 from predicates.learn import UP, Learned, learn
 from predicates.learn.coupled import coupled
-from predicates.learn.following import following_triples, key_of
 from predicates.learn.phases import Plain
 from sdt_kg.errors import InputError
 from sdt_kg.mechanism import Pose
@@ -37,6 +36,7 @@ from services.learning import (
     proposal_for,
     seen_in,
     together_in,
+    together_triples,
     write_branch,
 )
 from services.tracks import read_track
@@ -71,8 +71,8 @@ from services.tracks import read_track
     "other",
     type=click.Path(path_type=Path),
     metavar="TRACK",
-    help="A second track, seen at the same times: does its joint follow that of the first? With a kitchen, "
-    "the twin in which it does is proposed.",
+    help="A second track, seen at the same times: both joints, and whether the second follows the first. "
+    "With a kitchen, the twin in which it does is proposed, with the joints that it does not have right.",
 )
 @click.option(
     "--with-container",
@@ -120,6 +120,7 @@ def learn_command(
     second = None if other is None else _learned(other, at, up)
     row = learned_row(learned, held_by(learned))
     if second is not None:
+        row["second"] = learned_row(second, held_by(second))
         row["coupling"] = asdict(coupled(learned, second))
     if kitchen is not None:
         service = load(kitchen, state=states)
@@ -165,6 +166,9 @@ def _print(row: Json, as_json: bool) -> None:
 
 def _show(row: Json) -> None:
     show_learned(row)
+    if "second" in row:
+        click.echo("\nsecond track")
+        show_learned(row["second"])
     if "kitchen" in row:
         show_kitchen(row["kitchen"], row["proposal"])
         show_following(row.get("coupling_proposal"))
@@ -213,9 +217,7 @@ def _coupled(
         )
     if accept:
         path = output or Path(f"{found.following.container.name}.learned.trig")
-        key = key_of(service.twin, tracks, found.following)
-        triples = list(following_triples(service.twin, tracks, found.following))
-        write_branch(path, found.following.twin, key, triples)
+        write_branch(path, found.following.twin, *together_triples(service.twin, tracks, found))
         row["accepted"] = str(path)
     return row
 

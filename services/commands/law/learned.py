@@ -189,6 +189,15 @@ def following_row(found: SeenTogether) -> Json:
         "residual": made.found.residual,
         "evidence": made.found.evidence,
         "assumptions": list(made.assumptions),
+        "learned_before": [
+            {
+                "joint": each.after.name,
+                "before": _twin_joint_row(each.before),
+                "after": _twin_joint_row(each.after),
+                "assumptions": list(each.assumptions),
+            }
+            for each in found.proposals
+        ],
         "replayed": found.replayed,
     }
 
@@ -203,6 +212,9 @@ def show_following(row: Json | None) -> None:
         f"proposed  {row['joint']} follows {row['follows']}, {times}; the twin then {then} both tracks",
         highlight=False,
     )
+    for each in row["learned_before"]:
+        types = f"{each['before']['joint_type']} → {each['after']['joint_type']}"
+        console().print(f"          with {each['joint']} as it was seen: {types}", highlight=False)
     for assumption in row["assumptions"]:
         console().print(f"          {assumption}", highlight=False)
 

@@ -7,7 +7,7 @@ from predicates.learn import Learned, learn
 from predicates.learn.following import following_triples, key_of
 from sdt_kg.errors import InputError
 from sdt_kg.twin import Twin
-from services.learning import SeenTogether, together_in
+from services.learning import SeenTogether, together_in, together_triples
 from services.physics.oracle import Kinematics
 from tests.predicates.learn.observed import seen as noisy
 from tests.predicates.learn.observed import stopping
@@ -48,11 +48,31 @@ def test_a_drawer_that_goes_its_own_way_is_not_coupled() -> None:
         together(later)
 
 
-def test_what_moves_off_its_path_is_learned_by_itself_first() -> None:
-    first = slid("low_drawer", stopping(0.46), 0)
-    askew = noisy(handle(TWIN, "high_drawer") + stopping(0.4)[:, None] * np.array([-0.8, 0.6, 0.0]), 3)
-    with pytest.raises(InputError, match="not on the path of high_drawer"):
-        together_in(TWIN, (first, learn(askew)), PHYSICS, ("low_drawer", "high_drawer"))
+def test_a_joint_that_the_twin_has_wrong_is_learned_before_the_coupling() -> None:
+    tracks = slid("low_drawer", stopping(0.46), 0), askew(0.5 * stopping(0.46))
+    found = together_in(TWIN, tracks, PHYSICS, ("low_drawer", "high_drawer"))
+    (proposal,) = found.proposals
+    assert proposal.after.name == "high_drawer_joint"
+    assert found.following.found.multiplier == pytest.approx(0.5, abs=0.01)
+    assert found.replayed
+    high = found.following.twin.container("high_drawer")
+    assert high.active_joint == found.following.twin.container("low_drawer").joint
+    _, triples = together_triples(TWIN, tracks, found)
+    learned = {subject for subject, name, _ in triples if name.endswith("#replacedJointType")}
+    assert len(learned) == 1, "the branch says of each joint what it rests on"
+
+
+def test_a_leader_that_the_twin_has_wrong_is_learned_too() -> None:
+    tracks = askew(stopping(0.4)), slid("low_drawer", 0.5 * stopping(0.4), 0)
+    found = together_in(TWIN, tracks, PHYSICS, ("high_drawer", "low_drawer"))
+    assert [each.container.name for each in found.proposals] == ["high_drawer"]
+    assert found.following.found.multiplier == pytest.approx(0.5, abs=0.01)
+    assert found.replayed
+
+
+def askew(positions: np.ndarray) -> Learned:
+    """The high drawer comes out sideways."""
+    return learn(noisy(handle(TWIN, "high_drawer") + positions[:, None] * np.array([-0.8, 0.6, 0.0]), 3))
 
 
 def test_two_tracks_of_one_drawer_couple_nothing() -> None:

@@ -130,6 +130,9 @@ def test_a_second_track_that_follows_has_its_multiplier(tmp_path: Path) -> None:
     row = run(paths[0], "--with", paths[1])
     assert row["coupling"]["holds"] is True
     assert row["coupling"]["multiplier"] == pytest.approx(0.5, abs=0.02)
+    assert [row["joint_type"], row["second"]["joint_type"]] == ["revolute", "revolute"]
+    for joint, radius in ((row, 0.4), (row["second"], 0.3)):
+        assert joint["radius"] == pytest.approx(radius, abs=3 * joint["standard_deviations"]["radius"])
 
 
 def test_a_drawer_that_follows_another_is_proposed_and_accepted(tmp_path: Path) -> None:
