@@ -74,6 +74,14 @@ class Gate:
             raise RefusedError(
                 403, f"pages of '{origin[:100]}' may not ask", remedy="sdt serve --allow-origin ORIGIN"
             )
+        coding = headers.get("content-encoding", "identity")
+        if coding.lower() != "identity":
+            raise RefusedError(
+                415,
+                f"a body in the coding '{coding[:100]}' is not unpacked",
+                allowed="a body as it is",
+                headers={"Accept-Encoding": "identity"},
+            )
         if scope["path"].startswith(GUARDED) and scope["method"] not in READING:
             self._check_token(headers)
 
