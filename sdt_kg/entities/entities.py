@@ -9,8 +9,6 @@ from itertools import chain
 from threading import Lock
 from typing import Final
 
-import pyoxigraph as ox
-
 import ontology
 from sdt_kg.annotating.annotate import TEE_GRAPH, annotate
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
@@ -249,9 +247,8 @@ class Entities:
 
     def model_of(self, subject: Iri) -> Iri:
         """The kitchen or robot which an individual is asserted of; UnknownEntityError if none is."""
-        node = ox.NamedNode(subject)
         for model, graph in self.asserted.items():
-            if any(triple[0] == node.value for triple in self.store.triples(graph)):
+            if any(triple[0] == subject for triple in self.store.triples(graph)):
                 return model
         known = [iri for iri in self.facts.subjects() if iri.startswith(self.environment)]
         raise UnknownEntityError("individual", subject, known)
