@@ -41,9 +41,10 @@ def _clearance(pose, own, there, some, shapes, margins, largest, most, room):
 
     `own` is (rotations, centres) of the robot's shapes where its base is at the origin, `there` the same
     of the kitchen's with the corners of their boxes; of these `some`, (first, last + 1), are looked at.
-    `margins` and `largest` are as in `contacts.contacts`.
+    `margins` and `largest` are as in `contacts.contacts`. The pair that was nearest at the pose before is
+    looked at first: it rules out most others.
     """
-    at_r, at_c, low, high, turn, work = room
+    at_r, at_c, low, high, turn, work, nearest = room
     split, count = there[0].shape[0], own[0].shape[0]
     turn[0, 0], turn[0, 1], turn[1, 0], turn[1, 1] = (
         math.cos(pose[2]),
@@ -57,34 +58,47 @@ def _clearance(pose, own, there, some, shapes, margins, largest, most, room):
             at_c[n, i] = pose[i] + turn[i, 0] * own[1][n, 0] + turn[i, 1] * own[1][n, 1]
         at_c[n, 2] = own[1][n, 2]
     extents(at_r, at_c, shapes, split, low, high)
+    best, n, e = most, nearest[0], nearest[1]
+    if some[0] <= e < some[1] and margins[n, e] >= 0.0:
+        best = _beyond(n, e, best, split, (at_r, at_c), there, (low, high), shapes, margins[n, e], work)
+        if best == TOUCHES:
+            return TOUCHES
     for i in range(3):
         low[count, i], high[count, i] = low[:count, i].min(), high[:count, i].max()
-    best = most
     for e in range(some[0], some[1]):
         far = best + largest
         if _apart(low, high, count, there[2], there[3], e) >= far * far:
             continue
         for n in range(count):
-            margin = margins[n, e]
-            far = best + margin
-            if margin < 0.0 or _apart(low, high, n, there[2], there[3], e) >= far * far:
+            if margins[n, e] < 0.0:
                 continue
-            gap = parted(shapes, split + n, e, at_r[n], at_c[n], there[0][e], there[1][e])
-            if gap < far:
-                gap, _ = bounds_of(
-                    shapes, split + n, e, at_r[n], at_c[n], there[0][e], there[1][e], far, margin, work
-                )
-            if gap <= margin:
+            gap = _beyond(n, e, best, split, (at_r, at_c), there, (low, high), shapes, margins[n, e], work)
+            if gap < best:
+                best, nearest[0], nearest[1] = gap, n, e
+            if best == TOUCHES:
                 return TOUCHES
-            best = min(best, gap - margin)
     return best
+
+
+@kernel
+def _beyond(n, e, best, split, at, there, corners, shapes, margin, work):
+    """How much farther than the margin shapes n and e are apart at least, up to `best` [m]; or TOUCHES."""
+    far = best + margin
+    if _apart(corners[0], corners[1], n, there[2], there[3], e) >= far * far:
+        return best
+    gap = parted(shapes, split + n, e, at[0][n], at[1][n], there[0][e], there[1][e])
+    if gap < far:
+        gap, _ = bounds_of(
+            shapes, split + n, e, at[0][n], at[1][n], there[0][e], there[1][e], far, margin, work
+        )
+    return TOUCHES if gap <= margin else min(best, gap - margin)
 
 
 @kernel
 def _room(count):
     """What `_clearance` writes to."""
-    shapes = np.empty((count, 3, 3)), np.empty((count, 3))
-    return (*shapes, np.empty((count + 1, 3)), np.empty((count + 1, 3)), np.eye(3), np.zeros((8, 4)))
+    shapes, nearest = (np.empty((count, 3, 3)), np.empty((count, 3))), np.array([0, -1])
+    return (*shapes, np.empty((count + 1, 3)), np.empty((count + 1, 3)), np.eye(3), np.zeros((8, 4)), nearest)
 
 
 @kernel

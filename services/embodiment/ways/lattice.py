@@ -5,7 +5,6 @@ checked when they are reached, and kept; the pieces between them are checked whe
 those that are not free are left out of the next one.
 """
 
-import heapq
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -14,9 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
+from services.embodiment.ways import cells
 from services.embodiment.ways.spaces import TURN_REACH, DriveSpace
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 Node = tuple[int, int, int]
 
 CELL = 0.1  # [m] between poses
@@ -25,7 +26,64 @@ BEYOND = 4.0  # [m] beyond start and goal that is searched
 MOST = 12_000  # poses from which one search goes on
 REPAIRS = 40  # ways of one search that turn out not to be free
 GREED = 1.5  # [1] weight of the distance that is left: ways may be longer by this
-STEPS = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
+
+_TURN = 2 * np.pi / HEADINGS
+_LENGTHS = np.array([CELL * float(np.hypot(a, b)) for a, b in cells.STEPS] + 2 * [TURN_REACH * _TURN])
+
+
+@dataclass(slots=True, eq=False)
+class _Cells:
+    """What is known of the poses (i, j, k) in a box; each is a number, in the order of (i, j, k).
+
+    Attributes:
+        first: i and j of the first.
+        shape: How many there are of i, j and k.
+        status: Whether each is free, if that is known.
+        barred: Moves from each that are not, as bits.
+    """
+
+    first: tuple[int, int]
+    shape: tuple[int, int, int]
+    status: NDArray[np.int8] = field(init=False)
+    barred: NDArray[np.uint16] = field(init=False)
+    marks: NDArray[np.int32] = field(init=False)
+    far: Array = field(init=False)
+    before: Indices = field(init=False)
+    runs: int = 0
+
+    def __post_init__(self) -> None:
+        count = int(np.prod(self.shape))
+        self.status, self.barred = np.zeros(count, np.int8), np.zeros(count, np.uint16)
+        self.marks, self.far, self.before = (
+            np.zeros((2, count), np.int32),
+            np.empty(count),
+            np.empty(count, np.int64),
+        )
+
+    def number(self, node: Node) -> int:
+        (i, j), (_, width, turns) = self.first, self.shape
+        return ((node[0] - i) * width + node[1] - j) * turns + node[2]
+
+    def nodes(self, numbers: Indices) -> NDArray[np.int64]:
+        """Shape (N, 3)."""
+        i, j, k = np.unravel_index(numbers, self.shape)
+        return np.stack([i + self.first[0], j + self.first[1], k], axis=1)
+
+    def covering(self, low: tuple[int, int], high: tuple[int, int]) -> "_Cells":
+        """These, or more that cover i and j from `low` to `high` too."""
+        end = self.first[0] + self.shape[0] - 1, self.first[1] + self.shape[1] - 1
+        first = min(low[0], self.first[0]), min(low[1], self.first[1])
+        last = max(high[0], end[0]), max(high[1], end[1])
+        if first == self.first and last == end:
+            return self
+        more = _Cells(first, (last[0] - first[0] + 1, last[1] - first[1] + 1, HEADINGS))
+        at = tuple(
+            slice(own - new, own - new + size)
+            for own, new, size in zip(self.first, first, self.shape, strict=False)
+        )
+        for name in ("status", "barred"):
+            getattr(more, name).reshape(more.shape)[at] = getattr(self, name).reshape(self.shape)
+        return more
 
 
 @dataclass(slots=True, eq=False)
@@ -38,8 +96,7 @@ class Lattice:
 
     space: DriveSpace
     shut: set[Node] = field(default_factory=set[Node])
-    _free: dict[Node, bool] = field(default_factory=dict[Node, bool])
-    _barred: set[tuple[Node, Node]] = field(default_factory=set[tuple[Node, Node]])
+    _cells: _Cells | None = None
 
     def road(self, start: Array, goal: Array, late: Callable[[], bool]) -> list[Array] | None:
         """Base poses of a free drive between start and goal, both left out, or None."""
@@ -47,10 +104,16 @@ class Lattice:
         if not firsts or not lasts:
             return None
         ends = np.stack([start[:2], goal[:2]])
-        box = (ends.min(axis=0) - BEYOND) / CELL, (ends.max(axis=0) + BEYOND) / CELL
+        low = np.ceil((ends.min(axis=0) - BEYOND) / CELL).astype(int).tolist()
+        high = np.floor((ends.max(axis=0) + BEYOND) / CELL).astype(int).tolist()
+        if self._cells is None:
+            self._cells = _Cells((low[0], low[1]), (high[0] - low[0] + 1, high[1] - low[1] + 1, HEADINGS))
+        known = self._cells = self._cells.covering((low[0], low[1]), (high[0], high[1]))
+        (i, j) = known.first
+        box = np.array([low[0] - i, high[0] - i, low[1] - j, high[1] - j])
         for _ in range(REPAIRS):
-            nodes = self._way(firsts, set(lasts), start, box, late)
-            if nodes is None or self._clear(nodes):
+            nodes = self._way(known, (firsts, lasts), start, box, late)
+            if nodes is None or self._clear(known, nodes):
                 return None if nodes is None else self._poses(nodes[::-1], start)
         return None
 
@@ -79,72 +142,72 @@ class Lattice:
             if self.space.free(pose, there):
                 yield node
 
-    def _clear(self, nodes: list[Node]) -> bool:
+    def _clear(self, known: _Cells, nodes: list[Node]) -> bool:
         """Whether all pieces between the nodes are free; those that are not are barred."""
         clear = True
         for one, other in pairwise(nodes):
             here, there = self._poses([one, other], _pose(one))
             if not self.space.free(here, there):
-                self._barred |= {(one, other), (other, one)}
+                for start, end in ((one, other), (other, one)):
+                    known.barred[known.number(start)] |= np.uint16(1 << _move(start, end))
                 clear = False
         return clear
 
     def _way(
         self,
-        firsts: list[Node],
-        lasts: set[Node],
+        known: _Cells,
+        ends: tuple[list[Node], list[Node]],
         start: Array,
-        box: tuple[Array, Array],
+        box: Indices,
         late: Callable[[], bool],
     ) -> list[Node] | None:
         """Nodes from one of the first to one of the last; None if there is no way, or it is too far."""
-        before: dict[Node, Node | None] = dict.fromkeys(firsts)
-        far = dict.fromkeys(firsts, 0.0)
-        queue = [(0.0, node) for node in firsts]
-        done: set[Node] = set()
-        while queue:
-            _, node = heapq.heappop(queue)
-            if node in done:
-                continue
-            done.add(node)
-            if node in lasts:
-                return _back(before, node)
-            if len(done) > MOST or late():
+        firsts, lasts = (np.array(sorted(map(known.number, each)), np.int64) for each in ends)
+        known.runs += 1
+        run, room = known.runs, len(firsts) + cells.MOVES * (MOST + 1)
+        known.marks[0, firsts], known.far[firsts], known.before[firsts] = run, 0.0, -1
+        queue, waiting = np.zeros(room), np.empty(room, np.int64)
+        waiting[: len(firsts)] = firsts
+        grid = np.array(known.shape), box, known.status, known.barred
+        target = np.array([*known.first, CELL, start[0], start[1], GREED])
+        fixed = grid, self.space.drive is Drive.OMNI, _LENGTHS, target, MOST, lasts, run
+        heap = queue, waiting, np.array([len(firsts), 0])
+        asked = np.empty(cells.AHEAD * cells.MOVES, np.int64)
+        while True:
+            said, count = cells.search(*fixed, known.marks, known.far, known.before, heap, asked)
+            if said != cells.ASKED:
+                break
+            if late():
                 return None
-            for other, length in self._neighbours(node, box):
-                if far[node] + length < far.get(other, np.inf):
-                    far[other], before[other] = far[node] + length, node
-                    left = np.hypot(other[0] * CELL - start[0], other[1] * CELL - start[1])
-                    heapq.heappush(queue, (far[other] + GREED * float(left), other))
-        self.shut |= done
+            free = self.space.stand_free(known.nodes(asked[:count]).astype(np.float64) * _POSE)
+            known.status[asked[:count]] = np.where(free, cells.FREE, cells.TAKEN)
+        if said == cells.FOUND:
+            return _back(known, count)
+        if said == cells.NONE:
+            self.shut |= {
+                (i, j, k) for i, j, k in known.nodes(np.flatnonzero(known.marks[1] == run)).tolist()
+            }
         return None
 
-    def _neighbours(self, node: Node, box: tuple[Array, Array]) -> list[tuple[Node, float]]:
-        i, j, k = node
-        found = [((i, j, (k + turn) % HEADINGS), TURN_REACH * _TURN) for turn in (1, -1)]
-        for n, (a, b) in enumerate(STEPS):
-            ahead = 2 * n % (HEADINGS // 2) == k % (HEADINGS // 2)
-            inside = box[0][0] <= i + a <= box[1][0] and box[0][1] <= j + b <= box[1][1]
-            if inside and (ahead or self.space.drive is Drive.OMNI):
-                found.append(((i + a, j + b, k), CELL * float(np.hypot(a, b))))
-        new = [other for other, _ in found if other not in self._free]
-        if new:
-            stands = self.space.stand_free(np.array([_pose(other) for other in new]))
-            self._free.update(zip(new, stands, strict=True))
-        return [one for one in found if self._free[one[0]] and (node, one[0]) not in self._barred]
 
-
-_TURN = 2 * np.pi / HEADINGS
+_POSE = np.array([CELL, CELL, _TURN])
 
 
 def _pose(node: Node) -> Array:
-    return np.array([CELL * node[0], CELL * node[1], _TURN * node[2]])
+    return _POSE * node
 
 
-def _back(before: dict[Node, Node | None], node: Node) -> list[Node]:
+def _move(one: Node, other: Node) -> int:
+    """Which move leads from one node to the next."""
+    way = other[0] - one[0], other[1] - one[1]
+    if way in cells.STEPS:
+        return cells.STEPS.index(way)
+    return len(cells.STEPS) + (other[2] != (one[2] + 1) % HEADINGS)
+
+
+def _back(known: _Cells, number: int) -> list[Node]:
     """The way from the first node to this one."""
-    nodes, at = [node], before[node]
-    while at is not None:
-        nodes.append(at)
-        at = before[at]
-    return nodes[::-1]
+    numbers = [number]
+    while (before := int(known.before[numbers[-1]])) >= 0:
+        numbers.append(before)
+    return [(i, j, k) for i, j, k in known.nodes(np.array(numbers[::-1])).tolist()]
