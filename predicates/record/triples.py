@@ -12,6 +12,7 @@ from predicates.record.explained import answer_triples, position_triples, scope_
 from predicates.record.inputs import Inputs
 from predicates.record.recall import budget_of
 from predicates.record.report import answers, drive, figures, gripper, notes, tee_class
+from predicates.record.seal import SECONDS, sealed
 from predicates.record.stored import DIAGNOSIS_CLASS, OUTCOME_TERM
 from predicates.scope import verb_iri
 from sdt_kg.iri import LAW, PROV, RDF, Iri, graph_iri, local_name, part_iri
@@ -19,8 +20,6 @@ from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.state import Region
 from sdt_kg.store import Term, Triple
 from sdt_kg.task import Task
-
-SECONDS = {ox.NamedNode(LAW + "seconds"), ox.NamedNode(LAW + "searchedSeconds")}
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +57,7 @@ def to_record(verdict: Verdict) -> Record:
         *provenance_triples(verdict.iri, verdict.inputs),
         *explained,
     )
-    return Record(verdict.iri, graph_iri("verdict", key), triples)
+    return Record(verdict.iri, graph_iri("verdict", key), sealed(verdict.iri, triples))
 
 
 def write(store: ox.Store, record: Record) -> bool:
@@ -228,7 +227,7 @@ def _same_claims(stored: list[ox.Quad], fresh: list[ox.Quad]) -> bool:
     """Whether two records of a verdict differ in nothing but seconds."""
     before = {(quad.subject, quad.predicate, quad.object) for quad in stored}
     after = {(quad.subject, quad.predicate, quad.object) for quad in fresh}
-    return all(predicate in SECONDS for _, predicate, _ in before ^ after)
+    return all(predicate.value in SECONDS for _, predicate, _ in before ^ after)
 
 
 def _node(iri: Iri) -> Term:

@@ -8,6 +8,7 @@ import pyoxigraph as ox
 
 from predicates.case import Artefact
 from predicates.record import StoredVerdict, read_artefact, read_verdict
+from predicates.record.seal import check_seal
 from sdt_kg.entities import state_iri
 from sdt_kg.errors import InputError
 from sdt_kg.iri import LAW, RDF, Iri, graph_iri, local_name, verdict_iri
@@ -76,8 +77,10 @@ class Saved:
 
     def _entry(self, iri: Iri) -> Entry:
         graph = ox.NamedNode(graph_iri("verdict", local_name(iri)))
+        quads = list(self.store.quads_for_pattern(None, None, None, graph))
         try:
-            stored = read_verdict(self.store.quads_for_pattern(None, None, None, graph), iri)
+            check_seal(iri, quads)
+            stored = read_verdict(quads, iri)
             return Entry(iri, stored, read_artefact(self.store, iri))
         except InputError as error:
             return Entry(iri, None, None, str(error))

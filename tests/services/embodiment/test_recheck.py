@@ -13,12 +13,15 @@ import pytest
 
 from predicates.case import Case, Outcome
 from predicates.law import law
+from predicates.record.seal import RECORD_HASH, SECONDS, check_seal, sealed
 from sdt_kg.annotation import Drive
-from sdt_kg.iri import LAW, SDT
+from sdt_kg.errors import InputError
+from sdt_kg.iri import LAW, SDT, graph_iri, local_name
 from sdt_kg.load import load_twin
 from sdt_kg.state import State
 from sdt_kg.task import Task, Verb
-from services.embodiment.certify.certificate import read_certificate, said_in, sealed
+from services.embodiment.certify.certificate import read_certificate, said_in
+from services.embodiment.certify.certificate import sealed as packed
 from services.embodiment.oracle import WholeBody
 from services.embodiment.recheck import Rechecked, Saved, recheck_artefact, recheck_verdict
 from services.embodiment.recheck.embodiment import Certifier
@@ -29,6 +32,7 @@ from tests.services.embodiment.gantry import START, gantry_twin, opening
 pytestmark = pytest.mark.oracle
 
 Said = dict[str, object]
+Change = Callable[[ox.Store], None]
 
 
 @dataclass(frozen=True)
@@ -81,19 +85,31 @@ def test_a_certificate_is_read_as_it_was_written(kept: Kept) -> None:
     assert certificate.nearest[0].startswith("nearest (")
 
 
-def changed(kept: Kept, folder: Path, change: Callable[[ox.Store], None]) -> Rechecked:
+def sealed_again(store: ox.Store, iri: str) -> None:
+    """As one does who knows how a record is sealed."""
+    graph = ox.NamedNode(graph_iri("verdict", local_name(iri)))
+    for quad in list(store.quads_for_pattern(None, ox.NamedNode(RECORD_HASH), None, graph)):
+        store.remove(quad)
+    quads = list(store.quads_for_pattern(None, None, None, graph))
+    subject, predicate, value = sealed(iri, [(q.subject.value, q.predicate.value, q.object) for q in quads])[
+        -1
+    ]
+    store.add(ox.Quad(ox.NamedNode(subject), ox.NamedNode(predicate), value, graph))
+
+
+def changed(kept: Kept, folder: Path, change: Change, seal: bool = True) -> Rechecked:
     store = ox.Store()
     store.load(path=str(kept.file), format=ox.RdfFormat.N_QUADS)
     change(store)
+    if seal:
+        sealed_again(store, kept.iri)
     file = folder / "changed.nq"
     with file.open("wb") as out:
         store.dump(out, ox.RdfFormat.N_QUADS)
     return recheck(file)
 
 
-def setting(
-    property_iri: str, value: str | float, subject_ends: str = "", was: str | None = None
-) -> Callable[[ox.Store], None]:
+def setting(property_iri: str, value: str | float, subject_ends: str = "", was: str | None = None) -> Change:
     """Replace the value of the only triple with this property, whose subject ends and whose value is so."""
 
     def change(store: ox.Store) -> None:
@@ -117,10 +133,10 @@ def setting(
 def rewritten(kept: Kept, edit: Callable[[Said], None]) -> bytes:
     said = said_in(kept.content)
     edit(said)
-    return sealed(json.dumps(said).encode())
+    return packed(json.dumps(said).encode())
 
 
-def with_artefact(content: bytes) -> Callable[[ox.Store], None]:
+def with_artefact(content: bytes) -> Change:
     """The artefact replaced by one that is whole: its hash is right."""
 
     def change(store: ox.Store) -> None:
@@ -161,12 +177,28 @@ def test_no_flipped_byte_of_a_certificate_alone_goes_unnoticed(kept: Kept) -> No
     ],
     ids=["figure", "robot", "outcome", "predicate", "input", "limit in the twin", "speed in the twin"],
 )
-def test_a_changed_graph_does_not_hold(
-    kept: Kept, tmp_path: Path, change: Callable[[ox.Store], None], said: str
-) -> None:
+def test_a_changed_graph_does_not_hold(kept: Kept, tmp_path: Path, change: Change, said: str) -> None:
     found = changed(kept, tmp_path, change)
     assert not found.holds
     assert said in "; ".join(found.reasons)
+
+
+def test_no_triple_of_a_record_can_be_changed_added_or_removed_unseen(kept: Kept, tmp_path: Path) -> None:
+    store = ox.Store()
+    store.load(path=str(kept.file), format=ox.RdfFormat.N_QUADS)
+    graph = ox.NamedNode(graph_iri("verdict", local_name(kept.iri)))
+    quads = list(store.quads_for_pattern(None, None, None, graph))
+    check_seal(kept.iri, quads)
+    claims = [quad for quad in quads if quad.predicate.value not in SECONDS]
+    for quad in claims:
+        others = [each for each in quads if each != quad]
+        for value in (None, ox.NamedNode("a:b"), ox.Literal("another")):
+            more = [] if value is None else [ox.Quad(quad.subject, quad.predicate, value, graph)]
+            with pytest.raises(InputError, match=r"changed after it was written|has no hash"):
+                check_seal(kept.iri, [*others, *more])
+    note = ox.Quad(ox.NamedNode(kept.iri), ox.NamedNode(LAW + "note"), ox.Literal("for certain"), graph)
+    found = changed(kept, tmp_path, lambda one: one.add(note), seal=False)
+    assert "was changed after it was written" in found.reasons[0]
 
 
 def shift_a_waypoint(said: Said) -> None:
@@ -198,8 +230,9 @@ def improve(said: Said) -> None:
         (lambda said: said.update(container="https://example.org/id/cell/body/bar"), "container"),
         (lambda said: said["state"].update({next(iter(said["state"])): 0.1}), "state"),
         (lambda said: said.pop("motion"), "lacks a part"),
+        (lambda said: said.update(start=[*said["start"][:2], float("nan")]), "NaN"),
     ],
-    ids=["waypoint", "tolerance", "figure", "drive", "start", "container", "state", "part"],
+    ids=["waypoint", "tolerance", "figure", "drive", "start", "container", "state", "part", "no number"],
 )
 def test_a_changed_certificate_with_the_right_hash_does_not_hold(
     kept: Kept, tmp_path: Path, edit: Callable[[Said], None], said: str
