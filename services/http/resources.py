@@ -7,6 +7,7 @@ from starlette.responses import Response
 from sdt_kg.iri import ID, LAW, PREFIXES, RDF, Iri
 from services.http.pages.graph.entity import entity
 from services.http.pages.verdicts.one import verdict
+from services.http.pages.verdicts.results import result
 from services.http.pages.view import MEDIA, View, answered
 from services.http.problems import RefusedError
 from services.http.protocol.exchange import check_acceptable, respond, serialized
@@ -80,12 +81,17 @@ async def _about(workers: Workers, iri: Iri) -> list[ox.Quad]:
 
 
 async def _view(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
-    """The page of a verdict, or of anything else."""
-    kind = (ox.NamedNode(iri), ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + "Verdict"))
+    """The page of a verdict, of a task's result, or of anything else."""
+    workers: Workers = request.app.state.world.workers
+    judged, task = (
+        (ox.NamedNode(iri), ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + kind))
+        for kind in ("Verdict", "TaskResult")
+    )
     for quad in quads:
-        if (quad.subject, quad.predicate, quad.object) == kind and isinstance(quad.graph_name, ox.NamedNode):
-            workers: Workers = request.app.state.world.workers
-            return verdict(request, iri, await graph_quads(workers, quad.graph_name.value))
+        said = (quad.subject, quad.predicate, quad.object)
+        if said in {judged, task} and isinstance(quad.graph_name, ox.NamedNode):
+            record = await graph_quads(workers, quad.graph_name.value)
+            return verdict(request, iri, record) if said == judged else result(iri, record)
     return entity(request, iri, quads, MOST)
 
 

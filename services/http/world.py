@@ -27,6 +27,9 @@ VOCABULARIES: Final = {
 }
 """Named graph → file; there by name, not in the default graph."""
 
+SHOWN = frozenset({"asserted", "inferred", "verdict", "task_result", "observed", "branch", "present"})
+"""Kinds of graphs, as their IRIs have them."""
+
 
 @dataclass
 class World:
@@ -193,9 +196,9 @@ def lines(statements: Iterable[ox.Triple] | Iterable[ox.Quad]) -> bytes:
 
 
 def _is_shown(graph: Iri) -> bool:
-    """Whether a graph belongs to the default graph: models, verdicts, observations, records of branches.
+    """Whether it belongs to the default graph: models, verdicts, results of tasks, observations, branches.
 
     States and versions of models do not: which of them hold now, a kitchen says.
     """
     kind, _, key = graph.removeprefix(f"{ID}graph/").partition("/")
-    return kind in {"asserted", "inferred", "verdict", "observed", "branch", "present"} and "/" not in key
+    return kind in SHOWN and "/" not in key

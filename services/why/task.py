@@ -22,7 +22,7 @@ _OUTCOME: Final = {name: outcome for outcome, name in OUTCOME_TERM.items()}
 
 def sections(iri: Iri, facts: Facts) -> tuple[Section, ...]:
     """The result in plain words, part by part."""
-    outcome = _outcome(iri, facts)
+    outcome = outcome_of(iri, facts)
     steps, rules = facts.all(iri, LAW + "stepResult"), facts.all(iri, LAW + "ruleAnswer")
     diagnoses = [read_diagnosis(facts, each) for each in facts.all(iri, LAW + "diagnosis")]
     used = facts.all(facts.needed(iri, PROV + "wasGeneratedBy"), PROV + "used")
@@ -47,13 +47,17 @@ def question(iri: Iri, facts: Facts) -> str:
     return f"Can {who} do '{facts.needed(iri, RDFS + 'label')}' in kitchen {where}?"
 
 
-def outcome_of(iri: Iri, facts: Facts) -> str:
-    """CERTIFIED, NOT CERTIFIED or ABSTAINED."""
-    return in_capitals(_outcome(iri, facts))
-
-
-def _outcome(of: Iri, facts: Facts) -> Outcome:
+def outcome_of(of: Iri, facts: Facts) -> Outcome:
+    """What became of a task, or of one of its steps."""
     return term(_OUTCOME, facts.needed(of, LAW + "taskOutcome"))
+
+
+def request(asked: Iri, facts: Facts) -> str:
+    """What one step asks for."""
+    goal = facts.number(asked, LAW + "goalPosition")
+    verb = local_name(facts.needed(asked, LAW + "verb")).lower()
+    what = f"{verb} {local_name(facts.needed(asked, LAW + 'container'))}"
+    return what + ("" if goal is None else f" to {goal:g}")
 
 
 def _asked(iri: Iri, facts: Facts) -> Iterator[str]:
@@ -68,11 +72,8 @@ def _asked(iri: Iri, facts: Facts) -> Iterator[str]:
 def _step(of: Iri, facts: Facts) -> Iterator[str]:
     """The request with its outcome; the verdict, and by what the motion was chosen."""
     task = facts.needed(of, LAW + "task")
-    goal = facts.number(task, LAW + "goalPosition")
-    verb = local_name(facts.needed(task, LAW + "verb")).lower()
-    what = f"{verb} {local_name(facts.needed(task, LAW + 'container'))}"
-    what += "" if goal is None else f" to {goal:g}"
-    yield f"{facts.measured(task, LAW + 'index'):.0f}. {what}: {in_capitals(_outcome(of, facts))}"
+    said = in_capitals(outcome_of(of, facts))
+    yield f"{facts.measured(task, LAW + 'index'):.0f}. {request(task, facts)}: {said}"
     yield f"  verdict {local_name(facts.needed(of, LAW + 'verdict'))[:SHORT_KEY]}"
     if facts.text(of, LAW + "bodyMotion") is None:
         return

@@ -12,6 +12,7 @@ from services.commands.options import csv_flag, json_flag
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.store.files import is_saved_graph, readable
 from services.why import SHORT_KEY, outcome, question, results_of, sections, task, verdicts_of, why
+from services.why.words import in_capitals
 
 
 @click.command(name="why")
@@ -51,7 +52,11 @@ def _list(saved: ox.Store, as_json: bool) -> None:
     """Every result of a task specification and every verdict of the store, a row each."""
     facts = Facts(saved)
     rows = [
-        {"verdict": each, "question": task.question(each, facts), "outcome": task.outcome_of(each, facts)}
+        {
+            "verdict": each,
+            "question": task.question(each, facts),
+            "outcome": in_capitals(task.outcome_of(each, facts)),
+        }
         for each in results_of(saved)
     ]
     rows += [

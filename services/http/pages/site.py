@@ -9,6 +9,7 @@ from services.http.pages.graph.vocabulary import ontology_page
 from services.http.pages.home import home
 from services.http.pages.session import sign_in, sign_out
 from services.http.pages.verdicts.listing import listing
+from services.http.pages.verdicts.results import results
 from services.http.pages.view import routes, static
 from services.http.pages.writing.forms import artefact, ask, recheck, sign_in_page
 
@@ -21,6 +22,7 @@ def site() -> list[Route]:
         Route("/kitchens/{kitchen}/ask", ask, methods=["POST"]),
         *routes("/kitchens/{kitchen}", matrix),
         *routes("/verdicts", listing),
+        *routes("/tasks", results),
         Route("/verdicts/{key}/recheck", recheck, methods=["POST"]),
         Route("/verdicts/{key}/artefact", artefact),
         *console_routes(),

@@ -38,6 +38,7 @@ def pages(served) -> dict[str, str]:
         "/kitchens/a",
         "/kitchens/a/containers",
         "/verdicts",
+        "/tasks",
         "/id/a",
         "/id/a/body/low_drawer",
         "/about?" + urlencode({"iri": "https://example.org/law#Certified"}),

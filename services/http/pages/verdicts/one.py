@@ -2,6 +2,7 @@
 
 import hashlib
 import math
+from collections.abc import Callable
 from typing import Final
 
 import pyoxigraph as ox
@@ -38,10 +39,15 @@ TOLD: Final = ("Asked", "Notes", "To check again")
 
 def verdict(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
     """The page of a verdict, whose graph these quads are; a damaged record says so and claims nothing."""
+    return or_damaged(lambda: _read(request, iri, quads), iri, EVIDENCE)
+
+
+def or_damaged(read: Callable[[], View], iri: Iri, columns: tuple[str, ...]) -> View:
+    """What is read from a record; of one that cannot be read, that it is damaged."""
     try:
-        return _read(request, iri, quads)
+        return read()
     except InputError as error:
-        return View("damaged", {"iri": iri, "name": local_name(iri), "damage": str(error)}, (), EVIDENCE)
+        return View("damaged", {"iri": iri, "name": local_name(iri), "damage": str(error)}, (), columns)
 
 
 def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:

@@ -1,0 +1,109 @@
+"""Results of task specifications: the list of them, and one with its steps and rules."""
+
+from typing import Final
+
+import pyoxigraph as ox
+from starlette.requests import Request
+
+from predicates.case import Outcome
+from predicates.record.facts import Facts
+from predicates.record.stored import read_diagnosis
+from sdt_kg.iri import ID, LAW, RDFS, Iri, local_name
+from services.http.api.read import SPELLED
+from services.http.pages.kinds import Standing, standings
+from services.http.pages.stored import rows
+from services.http.pages.terms import id_link
+from services.http.pages.verdicts.one import or_damaged
+from services.http.pages.view import Json, View
+from services.http.world import World
+from services.why import sections, task
+
+LISTED: Final = ("kitchen", "task", "robot", "outcome", "kinds", "steps", "rules", "seconds", "result")
+PARTS: Final = ("part", "number", "what", "outcome", "how", "step", "time", "verdict")
+TOLD: Final = ("Asked", "Reasons", "Quality", "Versions and inputs", "To check again")
+"""Parts of the story that are shown as they are told on the shell."""
+
+
+async def results(request: Request) -> View:
+    """Every result that is kept, by kitchen, task and robot."""
+    world: World = request.app.state.world
+    listed: list[Json] = [
+        {
+            "kitchen": local_name(row["environment"]),
+            "task": row["label"],
+            "robot": local_name(row["robot"]),
+            "outcome": SPELLED[local_name(row["outcome"])],
+            "kinds": [each.value.key for each in standings(local_name(row["outcome"]), row.get("kinds", ""))],
+            "steps": int(row["steps"]),
+            "rules": int(row["rules"]),
+            "seconds": round(float(row["seconds"]), 3),
+            "result": row["result"],
+            "link": id_link(row["result"]),
+        }
+        for row in await rows(world, "task_results")
+    ]
+    return View("tasks", {"results": listed}, listed, LISTED)
+
+
+def result(iri: Iri, quads: list[ox.Quad]) -> View:
+    """The page of a result, whose graph these quads are; a damaged record says so and claims nothing."""
+    return or_damaged(lambda: _read(iri, quads), iri, PARTS)
+
+
+def _read(iri: Iri, quads: list[ox.Quad]) -> View:
+    facts = Facts(quads)
+    first, *others = sections(quads, iri)
+    told = {each.title: list(each.lines) for each in others}
+    outcome = task.outcome_of(iri, facts)
+    diagnoses = [read_diagnosis(facts, each) for each in facts.all(iri, LAW + "diagnosis")]
+    kinds = [] if outcome is Outcome.CERTIFIED else list(dict.fromkeys(each.kind.value for each in diagnoses))
+    steps = [_step(each, facts) for each in facts.all(iri, LAW + "stepResult")]
+    rules = [_rule(number, each, facts) for number, each in enumerate(facts.all(iri, LAW + "ruleAnswer"), 1)]
+    data: Json = {
+        "iri": iri,
+        "name": local_name(iri),
+        "question": task.question(iri, facts),
+        "outcome": outcome.value,
+        "kinds": kinds,
+        "means": " ".join(first.lines),
+        "kitchen": local_name(facts.needed(iri, LAW + "environment")),
+        "robot": local_name(facts.needed(iri, LAW + "robot")),
+        "seconds": facts.measured(iri, LAW + "seconds"),
+        "steps": steps,
+        "rules": rules,
+        "why": told,
+    }
+    usual = Standing.CERTIFIED if outcome is Outcome.CERTIFIED else Standing.NO_VERDICT
+    shown: Json = {
+        "standing_key": (kinds or [usual.value.key])[0],
+        "told": {name: told.get(name, []) for name in TOLD},
+        "path": "/id/" + iri.removeprefix(ID),
+        "graph": "/id/graph/task_result/" + local_name(iri),
+    }
+    return View("task", data, [*steps, *rules], PARTS, shown)
+
+
+def _step(of: Iri, facts: Facts) -> Json:
+    asked = facts.needed(of, LAW + "task")
+    verdict = facts.needed(of, LAW + "verdict")
+    return {
+        "part": "step",
+        "number": int(facts.measured(asked, LAW + "index")),
+        "what": task.request(asked, facts),
+        "outcome": task.outcome_of(of, facts).value,
+        "verdict": verdict,
+        "link": id_link(verdict),
+    }
+
+
+def _rule(number: int, of: Iri, facts: Facts) -> Json:
+    step = facts.text(of, LAW + "inStep")
+    return {
+        "part": "rule",
+        "number": number,
+        "what": facts.needed(of, RDFS + "label"),
+        "outcome": task.STANDING[local_name(facts.needed(of, LAW + "standing"))].lower(),
+        "how": facts.needed(of, LAW + "checkedHow"),
+        "step": None if step is None else int(local_name(step)),
+        "time": facts.number(of, LAW + "time"),
+    }
