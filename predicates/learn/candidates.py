@@ -103,9 +103,13 @@ def _smooth(positions: Array) -> Array:
 
 
 def _zero(raw: Array, steady: np.ndarray, cells: Cells) -> float:
-    """Position at which the track begins: the median of its first cell's samples."""
+    """Position at which the track begins: the median of its first cell's samples.
+
+    Where a hinge comes round to where it began, the samples after the turn are in that cell, too.
+    """
     steady = steady & (cells.members >= 0) if (steady & (cells.members >= 0)).any() else steady
-    first = cells.members == cells.members[int(np.argmax(steady))]
+    begin = int(np.argmax(steady))
+    first = (cells.members == cells.members[begin]) & (np.abs(raw - raw[begin]) < math.pi)
     return float(np.median(raw[first & steady]))
 
 

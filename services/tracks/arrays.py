@@ -11,6 +11,15 @@ from services.tracks.columns import FORCE, PLACE, TURN, track_of
 
 ALLOWED = "positions (T, 3) or poses (T, 7), optional times (T,), orientations (T, 4), forces (T, 3)"
 
+KEYS = {
+    "times": ("t",),
+    "poses": (*PLACE, *TURN),
+    "positions": PLACE,
+    "orientations": TURN,
+    "forces": FORCE,
+}
+"""Name of an array → what its columns are called elsewhere."""
+
 
 def read_arrays(path: Path) -> Track:
     """The track in an .npz file.
@@ -23,17 +32,15 @@ def read_arrays(path: Path) -> Track:
             arrays = {name: np.asarray(file[name]) for name in file.files}
     except (ValueError, OSError, EOFError, zipfile.BadZipFile, AttributeError) as error:
         raise MotionError(f"{path.name} is no .npz of plain arrays: {error}", allowed=ALLOWED) from None
+    if unknown := sorted(arrays.keys() - KEYS.keys()):
+        raise MotionError(
+            f"{path.name} has an array '{unknown[0]}', which means nothing here", allowed=ALLOWED
+        )
     if "poses" not in arrays and "positions" not in arrays:
         raise MotionError(f"{path.name} has {', '.join(arrays) or 'nothing'}", allowed=ALLOWED)
     columns, names = list[Array](), list[str]()
     samples = len(np.atleast_1d(arrays["poses" if "poses" in arrays else "positions"]))
-    for key, group in (
-        ("times", ("t",)),
-        ("poses", (*PLACE, *TURN)),
-        ("positions", PLACE),
-        ("orientations", TURN),
-        ("forces", FORCE),
-    ):
+    for key, group in KEYS.items():
         if key not in arrays or set(group) & set(names):
             continue
         columns.append(_column(path.name, key, arrays[key], (samples, len(group))))

@@ -67,6 +67,12 @@ def test_samples_without_a_position_are_counted_and_left_out(tmp_path: Path) -> 
     assert track.times.tolist() == list(range(10))
 
 
+def test_an_array_that_means_nothing_is_not_left_out_silently(tmp_path: Path) -> None:
+    np.savez(tmp_path / "track.npz", positions=np.zeros((9, 3)), t=np.arange(9.0))
+    with pytest.raises(MotionError, match="array 't', which means nothing here"):
+        read_track(tmp_path / "track.npz")
+
+
 def test_arrays_in_npz(tmp_path: Path) -> None:
     path = tmp_path / "track.npz"
     np.savez(path, poses=np.hstack([PLACES, TURNS]), times=TIMES[:, 0], forces=FORCES)

@@ -43,6 +43,13 @@ def test_a_door_is_revolute_about_its_hinge(radius: float) -> None:
     assert joint.limits == pytest.approx((0.0, 1.4), abs=0.02)
 
 
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_hinge_that_comes_round_to_where_it_began_has_turned_all_the_way(way: int) -> None:
+    turn = np.deg2rad(359.9)
+    joint = best(JointType.REVOLUTE, door(way * np.linspace(0, turn, 400)), noise=0.001)
+    assert joint.limits == pytest.approx((0.0, turn), abs=0.03)
+
+
 def test_thirty_samples_without_standstill_keep_their_range() -> None:
     joint = best(JointType.PRISMATIC, drawer(np.linspace(0, 0.4, 30)), noise=0.0)
     assert joint.limits == pytest.approx((0.0, 0.4), abs=1e-6)
