@@ -1,6 +1,7 @@
 """Kitchen and robots, by bundled name or path, → Twin."""
 
 from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Final
 
@@ -78,12 +79,29 @@ def _saved(path: Path, annotation: Path | None, robots: Sequence[tuple[str | Pat
         twin = Twin.from_quads(list(ox.parse(path=path, format=GRAPH_FORMATS[path.suffix])))
     except SyntaxError as error:
         raise GraphError(f"{path} is not RDF: {error}", allowed="TriG or N-Quads") from None
+    return _with(twin, robots)
+
+
+def with_robots(twin: Twin, robots: Sequence[str | Path]) -> Twin:
+    """The same twin in the same state, with those of the robots that it does not have.
+
+    Several twins of one kitchen share so what was read of it.
+
+    Raises:
+        UnknownEntityError, UrdfError, AnnotationError: As `load_twin`.
+    """
+    return _with(twin, [(each, None) for each in robots])
+
+
+def _with(twin: Twin, robots: Sequence[tuple[str | Path, Path | None]]) -> Twin:
+    here, entities = set(map(local_name, twin.robots)), twin.entities
     for robot, file in robots:
-        if model_name(robot) not in map(local_name, twin.robots):
-            mechanism, kind, chosen = _robot(robot, file)
-            triples = [*mechanism_triples(mechanism, kind), *chosen.triples]
-            twin = twin.with_robot(model_iri(mechanism.name), triples, _notes(mechanism, chosen))
-    return twin
+        if model_name(robot) in here:
+            continue
+        mechanism, kind, chosen = _robot(robot, file)
+        triples = chain(mechanism_triples(mechanism, kind), chosen.triples)
+        entities = entities.joined(model_iri(mechanism.name), triples, _notes(mechanism, chosen))
+    return Twin(entities, twin.state)
 
 
 def _explicit(

@@ -78,10 +78,14 @@ class Store(Protocol):
 
 
 class MemoryStore:
-    """The in-memory form, pyoxigraph's."""
+    """The in-memory form, pyoxigraph's.
 
-    def __init__(self) -> None:
-        self._store = ox.Store()
+    Args:
+        store: What it holds and may change; None: nothing yet.
+    """
+
+    def __init__(self, store: ox.Store | None = None) -> None:
+        self._store = ox.Store() if store is None else store
 
     def add(self, graph: Iri, triples: Iterable[Triple]) -> None:
         """Put triples into a named graph."""

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cache
 from pathlib import Path
 
 import pyoxigraph as ox
@@ -112,7 +113,9 @@ def _bundled(file: Path, chosen: Chosen, mechanism: Mechanism) -> Chosen:
     return Chosen(chosen.triples, (note + (", its start pose included" if start is not None else ""),))
 
 
+@cache
 def _movable_joints(urdf: Path) -> set[str]:
+    """Of a bundled kitchen: its file does not change."""
     root = parse_xml(urdf.read_bytes(), urdf)
     return {joint.get("name", "") for joint in root.findall("joint") if joint.get("type") != "fixed"}
 
@@ -172,30 +175,33 @@ def _renamed(quads: Iterable[ox.Quad], old: Iri, new: Iri, file: Path) -> Iterat
         yield renamed(subject.value), quad.predicate.value, value
 
 
-def _unknown_names(chosen: Chosen, mechanism: Mechanism) -> list[tuple[str, str, list[str]]]:
-    """(body or joint, name, nearest names) of what the annotation names and the model lacks."""
-    model = model_iri(mechanism.name)
-    known = {
+def _unknown_names(chosen: Chosen, mechanism: Mechanism) -> list[tuple[str, str]]:
+    """(body or joint, name) of what the annotation names and the model lacks."""
+    model, known = model_iri(mechanism.name), _names(mechanism)
+    iris = {subject for subject, _, _ in chosen.triples}
+    iris |= {value.value for _, _, value in chosen.triples if isinstance(value, ox.NamedNode)}
+    found: list[tuple[str, str]] = []
+    for iri in sorted(iris):
+        for kind, names in known.items():
+            itself = iri.startswith(f"{model}/{kind}/") and iri.count("/") == model.count("/") + 2
+            if itself and local_name(iri) not in names:
+                found.append((kind, local_name(iri)))
+    return found
+
+
+def _names(mechanism: Mechanism) -> dict[str, set[str]]:
+    return {
         "body": {body.name for body in mechanism.bodies},
         "joint": {joint.name for joint in mechanism.joints},
     }
-    iris = {subject for subject, _, _ in chosen.triples}
-    iris |= {value.value for _, _, value in chosen.triples if isinstance(value, ox.NamedNode)}
-    found: list[tuple[str, str, list[str]]] = []
-    for iri in sorted(iris):
-        for kind, names in known.items():
-            name = local_name(iri)
-            itself = iri.startswith(f"{model}/{kind}/") and iri.count("/") == model.count("/") + 2
-            if itself and name not in names:
-                found.append((kind, name, get_close_matches(name, names, n=3, cutoff=0.5)))
-    return found
 
 
 def _check(chosen: Chosen, mechanism: Mechanism, file: Path, kind: str) -> None:
     unknown = _unknown_names(chosen, mechanism)
     if unknown:
-        part, name, near = unknown[0]
+        part, name = unknown[0]
         more = f" (and {len(unknown) - 1} more)" if len(unknown) > 1 else ""
+        near = get_close_matches(name, _names(mechanism)[part], n=3, cutoff=0.5)
         hint = " or ".join(f"'{each}'" for each in near)
         raise AnnotationError(
             f"{file} names {part} '{name}', which '{mechanism.name}' does not have{more}",

@@ -2,12 +2,12 @@
 
 import hashlib
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from itertools import chain
 from threading import Lock
-from typing import Final
+from typing import Final, TypeVar
 
 import ontology
 from sdt_kg.annotating.annotate import TEE_GRAPH, annotate
@@ -21,6 +21,8 @@ from sdt_kg.state import State
 from sdt_kg.store import MemoryStore, Store, Triple, Value, double, rows_of, term_of
 from sdt_kg.triples import Facts, checked_model, read_kitchen, read_mechanism_of
 from sdt_kg.triples.vocabulary import fits, properties
+
+T = TypeVar("T")
 
 KEPT_STATES: Final = 256
 """State graphs that a store keeps at a time; a dropped one is written again when asked for."""
@@ -79,7 +81,18 @@ class Entities:
     @cached_property
     def facts(self) -> Facts:
         """All entity triples, grouped."""
-        return Facts(chain.from_iterable(self.store.triples(graph) for graph in self.graphs))
+        models = (self.environment, *self.robots)
+        return Facts.merged([Facts(self.store.triples(TEE_GRAPH)), *map(self._facts_of, models)])
+
+    def _facts_of(self, model: Iri) -> Facts:
+        if model not in self._facts:
+            graphs = self.graphs_of(model)
+            self._facts[model] = Facts(chain.from_iterable(map(self.store.triples, graphs)))
+        return self._facts[model]
+
+    @cached_property
+    def _facts(self) -> dict[Iri, Facts]:
+        return {}
 
     def mechanism(self, model: Iri) -> Mechanism:
         """The kitchen or a robot, read back from the graph alone (cached)."""
@@ -203,7 +216,7 @@ class Entities:
         store.add(self.asserted[model], changed)
         inferred = {**self.inferred, model: tuple(annotate(store, model, self.asserted[model]))}
         notes = (*self.notes, f"{name}: {by.note}")
-        return replace(self, store=store, inferred=inferred, notes=notes)
+        return self._kept_by(replace(self, store=store, inferred=inferred, notes=notes), model)
 
     def with_robot(self, robot: Iri, triples: Sequence[Triple], notes: Sequence[str] = ()) -> "Entities":
         """The same entities and a robot, of which these triples are asserted.
@@ -212,23 +225,30 @@ class Entities:
             InputError: There is a model of that name.
             GraphError: The robot is not whole.
         """
+        checked_model(triples, robot, "Robot")
+        return self.joined(robot, triples, notes)
+
+    def joined(self, robot: Iri, triples: Iterable[Triple], notes: Sequence[str] = ()) -> "Entities":
+        """The same entities and a robot whose triples were just made from a whole model.
+
+        Raises:
+            InputError: There is a model of that name.
+        """
         if robot in self.asserted:
             name = local_name(robot)
             raise InputError(f"there is a model named '{name}' already", allowed="each name once")
-        checked_model(triples, robot, "Robot")
         store, graph = self._copy(()), graph_iri("asserted", local_name(robot))
         store.add(graph, triples)
         asserted, inferred = {**self.asserted, robot: graph}, dict(self.inferred)
         inferred[robot] = tuple(annotate(store, robot, graph))
-        return Entities(
-            store, self.environment, (*self.robots, robot), asserted, inferred, (*self.notes, *notes)
-        )
+        robots, said = (*self.robots, robot), (*self.notes, *notes)
+        return self._kept_by(Entities(store, self.environment, robots, asserted, inferred, said))
 
     def without_robot(self, robot: Iri) -> "Entities":
         """The same entities but for one robot; UnknownEntityError if it is not there."""
         if robot not in self.robots:
             raise UnknownEntityError("robot", local_name(robot), map(local_name, self.robots))
-        return Entities(
+        others = Entities(
             self._copy(self.graphs_of(robot)),
             self.environment,
             tuple(each for each in self.robots if each != robot),
@@ -236,14 +256,20 @@ class Entities:
             {model: graphs for model, graphs in self.inferred.items() if model != robot},
             (*self.notes, f"{local_name(robot)}: taken away"),
         )
+        return self._kept_by(others, robot)
+
+    def _kept_by(self, others: "Entities", changed: Iri = "") -> "Entities":
+        """The others, which have read what they share with these: all models but the changed one."""
+        same = [model for model in others.asserted if model in self.asserted and model != changed]
+        others._facts.update(_of(same, self._facts))
+        others._mechanisms.update(_of(same, self._mechanisms))
+        others._hashes.update(_of(same, self._hashes))
+        others.annotations.update(_of(same, self.annotations))
+        return others
 
     def _copy(self, left_out: Sequence[Iri]) -> MemoryStore:
         """A store of its own with the same entity graphs, but for these."""
-        store = MemoryStore()
-        for graph in self.graphs:
-            if graph not in left_out:
-                store.add(graph, self.store.triples(graph))
-        return store
+        return MemoryStore(self.store.dump([graph for graph in self.graphs if graph not in left_out]))
 
     def model_of(self, subject: Iri) -> Iri:
         """The kitchen or robot which an individual is asserted of; UnknownEntityError if none is."""
@@ -252,6 +278,10 @@ class Entities:
                 return model
         known = [iri for iri in self.facts.subjects() if iri.startswith(self.environment)]
         raise UnknownEntityError("individual", subject, known)
+
+
+def _of(models: Iterable[Iri], read: Mapping[Iri, T]) -> dict[Iri, T]:
+    return {model: read[model] for model in models if model in read}
 
 
 def state_iri(environment: Iri, state: State) -> Iri:

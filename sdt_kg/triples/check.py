@@ -1,6 +1,6 @@
 """Asserted triples of one model → its mechanism, if they are whole; a GraphError says what is not."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Final
 
 from sdt_kg.errors import GraphError
@@ -32,13 +32,14 @@ def checked_model(triples: Sequence[Triple], model: Iri, kind: str) -> Mechanism
     facts = Facts(triples)
     try:
         mechanism = read_mechanism_of(facts, model)
-        written = _values(mechanism_triples(mechanism, kind))
+        unsaid = set(mechanism_triples(mechanism, kind)).difference(triples)
         missing = missing_of(facts, model, kind)
         if not missing:
             read_robot(facts, model) if kind == "Robot" else read_kitchen(facts, model)
     except (KeyError, ValueError, StopIteration) as error:
         raise GraphError(f"'{name}' is not whole: {error} cannot be read") from None
-    lost = sorted(f"'{local_name(s)} {local_name(p)}'" for s, p, _ in written - _values(triples))
+    lacking = _values(unsaid, unsaid) - _values(triples, unsaid)
+    lost = sorted(f"'{local_name(s)} {local_name(p)}'" for s, p, _ in lacking)
     lost += [f"'{each}'" for each in missing]
     if lost:
         raise GraphError(f"'{name}' is not whole: it lacks {lost[0]}" + _more(lost))
@@ -46,13 +47,17 @@ def checked_model(triples: Sequence[Triple], model: Iri, kind: str) -> Mechanism
     return mechanism
 
 
-def _values(triples: Iterable[Triple]) -> set[tuple[Iri, Iri, Value]]:
-    """The triples, numbers by value: annotations may say 1 or 1.0 where a mechanism says 1.0e0.
+def _values(triples: Iterable[Triple], like: Collection[Triple]) -> set[tuple[Iri, Iri, Value]]:
+    """What is said of the same subjects by the same properties as in `like`.
 
-    An index only orders, so that what is put into a scene need not number everything anew.
+    Numbers are taken by value: annotations may say 1 or 1.0 where a mechanism says 1.0e0. An index only
+    orders, so that what is put into a scene need not number everything anew.
     """
+    wanted = {(subject, predicate) for subject, predicate, _ in like if predicate != _INDEX}
     return {
-        (subject, predicate, value_of(term)) for subject, predicate, term in triples if predicate != _INDEX
+        (subject, predicate, value_of(term))
+        for subject, predicate, term in triples
+        if (subject, predicate) in wanted
     }
 
 
@@ -62,15 +67,19 @@ def _check_terms(triples: Iterable[Triple], name: str) -> None:
     for subject, predicate, term in triples:
         if not predicate.startswith(SDT):
             continue
-        where = f"sdt:{local_name(predicate)} of '{local_name(subject)}' in '{name}'"
-        known = properties().get(local_name(predicate))
+        known = properties().get(predicate.removeprefix(SDT))
         if known is None:
-            raise GraphError(f"{where}: no such property", allowed="those of sdt.ttl")
+            raise _term_error(subject, predicate, name, ": no such property", "those of sdt.ttl")
         if not fits(known, term):
-            raise GraphError(f"{where} is {term}", allowed=known.value)
+            raise _term_error(subject, predicate, name, f" is {term}", known.value)
         if known.name == "NUMBER" and (subject, predicate) in numbers:
-            raise GraphError(f"{where} has several values", allowed="one")
+            raise _term_error(subject, predicate, name, " has several values", "one")
         numbers.add((subject, predicate))
+
+
+def _term_error(subject: Iri, predicate: Iri, name: str, what: str, allowed: str) -> GraphError:
+    where = f"sdt:{local_name(predicate)} of '{local_name(subject)}' in '{name}'"
+    return GraphError(where + what, allowed=allowed)
 
 
 def _check_tree(mechanism: Mechanism) -> None:

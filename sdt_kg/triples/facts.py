@@ -1,7 +1,7 @@
 """Facts: triples grouped by subject and property, for reading values back."""
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Final
 
 from sdt_kg.iri import RDF, SDT, Iri
@@ -18,12 +18,24 @@ class Facts:
     """
 
     def __init__(self, triples: Iterable[Triple]) -> None:
-        self._values: dict[Iri, dict[Iri, list[Term]]] = defaultdict(lambda: defaultdict(list))
+        self._values: dict[Iri, dict[Iri, list[Term]]] = {}
         self._subjects: dict[tuple[Iri, Iri], list[Iri]] = defaultdict(list)
         for subject, predicate, value in triples:
-            self._values[subject][predicate].append(value)
+            self._values.setdefault(subject, {}).setdefault(predicate, []).append(value)
             if predicate in (TYPE, SDT + "partOf"):
                 self._subjects[predicate, value.value].append(subject)
+
+    @staticmethod
+    def merged(parts: Sequence["Facts"]) -> "Facts":
+        """What all parts say, in their order."""
+        whole = Facts(())
+        for part in parts:
+            for subject, values in part._values.items():
+                mine = whole._values.get(subject)
+                whole._values[subject] = values if mine is None else _both(mine, values)
+            for key, subjects in part._subjects.items():
+                whole._subjects[key] += subjects
+        return whole
 
     def all(self, subject: Iri, name: str) -> list[Value]:
         """All values, in a fixed order."""
@@ -84,6 +96,10 @@ class Facts:
         x, y, z = (self.number(subject, name) for name in ("x", "y", "z"))
         qx, qy, qz, qw = (self.number(subject, name) for name in ("qx", "qy", "qz", "qw"))
         return Pose((x, y, z), (qx, qy, qz, qw))
+
+
+def _both(one: dict[Iri, list[Term]], other: dict[Iri, list[Term]]) -> dict[Iri, list[Term]]:
+    return {name: one.get(name, []) + other.get(name, []) for name in (*one, *other)}
 
 
 def _iri(name: str) -> Iri:

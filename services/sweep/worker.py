@@ -4,15 +4,16 @@ import logging
 import threading
 from contextlib import suppress
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 from predicates.case import Verdict
+from predicates.oracle import Embodiment, Physics
 from predicates.record import to_json, to_record
 from predicates.record.recall import Recall
 from sdt_kg.errors import SdtError
-from sdt_kg.load import load_twin
+from sdt_kg.load import load_twin, with_robots
 from sdt_kg.twin import Twin
-from services.app import Policy, Service
+from services.app import Forces, Oracles, Policy, Service, whole_body
 from services.relative import Relative
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
 
@@ -85,7 +86,7 @@ def _service(
 
 @lru_cache(maxsize=TWINS_KEPT)
 def _in_class(kitchen: str, robot: str, relative: Relative) -> Service:
-    return relative.of(Service(twin_of(kitchen, robot)))
+    return relative.of(Service(twin_of(kitchen, robot), oracles=_here()))
 
 
 @lru_cache(maxsize=TWINS_KEPT)
@@ -95,4 +96,36 @@ def twin_of(kitchen: str, robot: str) -> Twin:
     Raises:
         InputError: They cannot be loaded.
     """
-    return load_twin(kitchen, [robot])
+    return with_robots(_kitchen(kitchen), [robot])
+
+
+@lru_cache(maxsize=TWINS_KEPT)
+def _kitchen(kitchen: str) -> Twin:
+    return load_twin(kitchen)
+
+
+class _Here:
+    """The oracles of this process: what Φ finds out about a kitchen counts for all its robots."""
+
+    def physics(self) -> Physics:
+        """The same Φ each time."""
+        return self._kinematics
+
+    def embodiment(self, policy: Policy) -> Embodiment:
+        """R, which keeps the scenes of one robot."""
+        return whole_body(policy)
+
+    def with_forces(self) -> Oracles:
+        """Those where forces count."""
+        return Forces()
+
+    @cached_property
+    def _kinematics(self) -> Physics:
+        from services.physics.oracle import Kinematics  # noqa: PLC0415 - a sweep that finds all stored needs none
+
+        return Kinematics()
+
+
+@lru_cache(maxsize=1)
+def _here() -> _Here:
+    return _Here()
