@@ -86,6 +86,7 @@ def content(quads: Iterable[ox.Quad]) -> str:
     """What stands between the braces of INSERT DATA; neighbours of one graph share its name."""
     parts: list[str] = []
     for graph, group in groupby(quads, key=lambda quad: quad.graph_name):
-        lines = "\n".join(f"{quad.subject} {quad.predicate} {quad.object} ." for quad in group)
-        parts.append(f"GRAPH {graph} {{\n{lines}\n}}")
+        lines = ox.serialize((quad.triple for quad in group), format=ox.RdfFormat.N_TRIPLES)
+        assert lines is not None, "no output was given"
+        parts.append(f"GRAPH {graph} {{\n{lines.decode()}}}")
     return "\n".join(parts)

@@ -184,6 +184,19 @@ LITERALS = st.one_of(
 )
 
 
+def test_what_looks_like_an_escape_is_read_back(place: str) -> None:
+    """SPARQL decodes \\uXXXX wherever it stands, before it looks for the ends of texts."""
+    texts = ["a\\u0041", "\\\\u0022", "\\U00000041", '\x00 """ \' \\', "ö+&%=\u0301"]
+    quads = {quad(str(index), ox.Literal(each)) for index, each in enumerate(texts)}
+    store = opened(place)
+    store.add(quads)
+    store.replace(H, [quad("x", ox.Literal(each), H) for each in texts])
+    store = reopened(store, place)
+    assert set(store.graph(G)) == quads
+    assert {str(each.object) for each in store.graph(H)} == {str(ox.Literal(each)) for each in texts}
+    store.close()
+
+
 @settings(
     max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], database=None
 )
