@@ -108,12 +108,30 @@ def proposal_for(twin: Twin, learned: Learned, seen: Seen, physics: Physics) -> 
     """Φ′ for the container, and what the track is in the proposed twin.
 
     Raises:
-        InputError: What was seen stands still, or the joint is coupled to others.
+        InputError: What was seen stands still, the joint is coupled to others, or what it moves then is
+            no container any more.
     """
     moving = [each for each in learned.candidates if each.joint_type is not JointType.FIXED]
     best = learned.best if not moving else moving[0]
     proposal = propose(twin, seen.followed.container, best)
+    _check_counts(proposal)
     return proposal, seen_in(proposal.twin, learned, physics, seen.followed.container.iri)
+
+
+def _check_counts(proposal: Proposal) -> None:
+    """What the learned joint moves is still a container.
+
+    Raises:
+        InputError: It is none; with the reason.
+    """
+    own = proposal.container
+    for each in proposal.twin.left_out():
+        if each.body == own.iri:
+            raise InputError(
+                f"as seen {own.name} is {proposal.after.type.value}, then it is no container: {each.reason}",
+                allowed="a joint with which it is still a container",
+                remedy="without --kitchen the track says what it is by itself",
+            )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,6 +12,7 @@ from predicates.case import Outcome
 from sdt_kg.errors import InputError
 from services.app import load
 from services.codesign.entries import Entry, Found, Grid
+from services.codesign.families import AND
 from services.codesign.grid import Asked, run
 from services.codesign.judge import Judge
 from services.codesign.report import why
@@ -178,8 +179,9 @@ def _candidates(asked: Asked, cover: Cover, within: float, jobs: int) -> list[st
             cover.kitchen, cover.robot, task, asked.states, asked.policy, asked.tee, asked.forces
         )
         for each in turned(question, within, jobs).sought:
-            if each.turn is not None and each.turn.edit.partition(":")[0] in OF_THE_ROOM:
-                found.append(each.turn.edit)
+            edit = "" if each.turn is None else each.turn.edit
+            if edit.partition(":")[0] in OF_THE_ROOM and AND not in edit:
+                found.append(edit)
     return list(dict.fromkeys(found))
 
 

@@ -1,6 +1,8 @@
 """Which edits are looked at where none is named: families, each with its range and its resolution."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 from predicates.case import Outcome, Verdict
 from sdt_kg.iri import Iri, body_iri, local_name
@@ -17,6 +19,8 @@ MOST_CLEARED = 3
 """[1] Bodies that are cleared one by one: those which the reasons of the refusal name."""
 GRADUAL_SCAN = 2
 """[1] Steps of the first scan in each direction; the rest of the time halves."""
+AND = " & "
+"""Between two edits that are made at once."""
 LENGTH_TOLERANCE = 0.02
 """[m] To which a length is told."""
 
@@ -126,6 +130,24 @@ def _height(container: Container) -> Family:
         LENGTH_TOLERANCE / HEIGHT_RANGE,
         f"up and down to {HEIGHT_RANGE} m, with the piece of furniture that it is part of",
         f"steps of {HEIGHT_RANGE / GRADUAL_SCAN:.2f} m until one turns, then {LENGTH_TOLERANCE} m",
+    )
+
+
+def pairs(found: Sequence[Family]) -> Family:
+    """Two edits of different families at once, gradual ones all the way; what each tries first comes first."""
+    ranked = [
+        (i + j, f"{one}{AND}{other}")
+        for a, b in combinations(found, 2)
+        for i, one in enumerate(a.edits)
+        for j, other in enumerate(b.edits)
+    ]
+    edits = tuple(edit for _, edit in sorted(ranked, key=lambda each: each[0]))
+    kinds = "; ".join(each.name for each in found)
+    return Family(
+        "which two together",
+        edits,
+        range=f"{len(edits)} pairs of two of these: {kinds}",
+        resolution="each edit of a pair all the way",
     )
 
 

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from sdt_kg.twin import Container
 from services.app import Policy, load
 from services.codesign.again import whole_body
 from services.codesign.entries import Found, How, found_of
-from services.codesign.families import Family, base_family, families
+from services.codesign.families import AND, Family, base_family, families, pairs
 from services.codesign.judge import one_of
 from services.commands.tee_class import in_class
 from services.embodiment.place import place
@@ -28,6 +28,8 @@ EACH = 0.05
 """[1] Of the time for the search in each edited world: what was refused so was searched, no more."""
 PLACING = 4.0
 """[s] For base poses towards which the start is moved."""
+LONGEST = 1000
+"""[1] More than any family has edits."""
 SPOTS = 2
 """[1] Base poses towards which the start is moved: the nearest."""
 FOR_ACTUAL = 0.3
@@ -108,8 +110,10 @@ def turned(question: Question, within: float, jobs: int) -> Turned:
     verdict = one_of(ground.service.achieve(question.task, world.robot_iri))
     actual = found_of(verdict, How.LAW, verdict.seconds)
     work = partial(_sought, question, actual, Deadline(began + within, EACH * within))
-    todo: list[Family | None] = [*families(world, verdict, container), None]
-    sought = _all(work, todo, jobs)
+    single = families(world, verdict, container)
+    sought = _all(work, [*single, None], jobs)
+    if all(each.turn is None for each in sought):
+        sought.append(_together(work, pairs(single), jobs))
     told = tuple(each for each in sought if each.family.edits or each.stopped)
     return Turned(question, actual, told, time.time() - began)
 
@@ -127,9 +131,28 @@ def container_asked(world: World, text: str) -> Container:
 
 
 def _all(work: Callable[[Family | None], Sought], todo: list[Family | None], jobs: int) -> list[Sought]:
-    """In the order of the families, whichever is done first."""
-    done = {family and family.name: found for family, found in each_done(todo, jobs, work)}
+    """In the order of the families, whichever is done first; the longest are begun first."""
+    longest = sorted(todo, key=_length, reverse=True)
+    done = {family and family.name: found for family, found in each_done(longest, jobs, work)}
     return [done[family and family.name] for family in todo]
+
+
+def _length(family: Family | None) -> int:
+    """[1] Worlds that a family may ask about in its first scan; base poses are looked for before."""
+    return LONGEST if family is None else len(family.edits) * max(family.scan, 1)
+
+
+def _together(work: Callable[[Family | None], Sought], family: Family, jobs: int) -> Sought:
+    """Every process takes some of the pairs; the first in their order that turns the outcome counts."""
+    parts = [
+        replace(family, name=f"{family.name} {k}", edits=family.edits[k::jobs])
+        for k in range(min(jobs, len(family.edits)))
+    ]
+    found = _all(work, [*parts], jobs)
+    turning = [each.turn for each in found if each.turn is not None]
+    first = min(turning, key=lambda each: family.edits.index(each.edit), default=None)
+    tried = sorted((t for each in found for t in each.tried), key=lambda t: family.edits.index(t.edit))
+    return Sought(family, first, tried=tuple(tried), stopped=any(each.stopped for each in found))
 
 
 @dataclass(slots=True)
@@ -188,7 +211,7 @@ def _whole(world: World, task: str, actual: Found, deadline: Deadline, family: F
         if deadline.is_late():
             return Sought(family, tried=tuple(tried), stopped=True)
         try:
-            made = partial(changed, world, (parse_change(text),))
+            made = partial(changed, world, tuple(map(parse_change, text.split(AND))))
             tried.append(Trial(text, deadline.judged(made, task)))
         except InputError:  # this robot has no such gripper, that joint stands there already
             continue

@@ -67,7 +67,9 @@ def _lack_rows(found: ScopeMap) -> list[dict[str, object]]:
     for member in found.members:
         for lack in member.lacks:
             key = member.tee.name, lack.path or "", lack.value, lack.bound, lack.message
-            groups.setdefault(key, (lack, []))[1].append(member.container)
+            names = groups.setdefault(key, (lack, []))[1]
+            if member.container not in names:  # several of its joints may lack the same
+                names.append(member.container)
     return [
         {
             "class": name,

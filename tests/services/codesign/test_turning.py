@@ -9,14 +9,14 @@ from predicates.law import law
 from services.app import Service
 from services.codesign.command.turn import sure
 from services.codesign.entries import Found, How
-from services.codesign.families import Family, base_family, families
+from services.codesign.families import Family, base_family, families, pairs
 from services.codesign.judge import one_of
-from services.codesign.turning import Deadline, Sought, Trial
+from services.codesign.turning import Deadline, Sought, Trial, _whole
 from services.physics.oracle import Kinematics
 from services.requests import parse_task
 from services.whatif import World
 from tests.small import small_twin
-from tests.small.lift import Lift
+from tests.small.lift import Lift, Lifts
 
 PROOF = ({"kind": "embodiment", "reason": "too high", "evidence": None, "proof": True, "search": None},)
 SEARCH = ({**PROOF[0], "proof": False},)
@@ -69,6 +69,27 @@ def test_base_poses_are_told_to_a_tenth_of_a_metre() -> None:
     family = base_family((0, 0, 0), [(2, 0, 0), (0, 1, 0)])
     assert family.edits == ("base:2.0000,0.0000,0.0000", "base:0.0000,1.0000,0.0000")
     assert family.tolerance * 2 == pytest.approx(0.1)
+
+
+def test_pairs_are_of_two_families_and_what_each_tries_first_comes_first() -> None:
+    drives = Family("which drive", ("drive:omni", "drive:fixed"))
+    found = pairs([WHOLE, drives, GRADUAL])
+    assert found.edits[0] == "robot:a & drive:omni"
+    assert len(found.edits) == 2 * 2 + 2 * 1 + 2 * 1
+    assert found.edits[-1] == "robot:b & drive:fixed"
+    assert "8 pairs of two of these: which robot; which drive; which height" in found.range
+    assert "searched, not proved" in sure(Sought(found, tried=(refused(),), stopped=True))
+
+
+def test_both_edits_of_a_pair_are_made() -> None:
+    twin = small_twin("b", ("pr2",))
+    world = World(Service(twin, oracles=Lifts()), "pr2")
+    task, actual = "open:top_drawer", Found("", Outcome.CERTIFIED, How.LAW, {})
+    tried = ("move:oven_door=open & drive:fixed", "drive:fixed & jam:top_drawer")
+    found = _whole(world, task, actual, Deadline(time.time() + 60, 0.1), Family("which two together", tried))
+    assert found.turn is not None
+    assert (found.turn.edit, found.turn.found.outcome) == (tried[1], Outcome.ABSTAINED)
+    assert [each.edit for each in found.tried] == list(tried)
 
 
 def test_of_a_verdict_that_holds_nothing_is_cleared() -> None:

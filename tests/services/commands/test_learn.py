@@ -21,7 +21,7 @@ from services.physics.oracle import Kinematics
 from services.tracks import read_track
 from tests.predicates.learn.logs import log
 from tests.predicates.learn.observed import door, seen, stopping
-from tests.predicates.learn.test_proposal import slid, turned
+from tests.predicates.learn.test_proposal import handle, slid, turned
 from tests.small import FOLDER
 
 KITCHEN = str(FOLDER / "a.urdf")
@@ -150,6 +150,16 @@ def test_a_drawer_that_follows_another_is_proposed_and_accepted(tmp_path: Path) 
     high = found.container("high_drawer")
     assert high.active_joint == found.container("low_drawer").joint
     assert high.multiplier == row["coupling_proposal"]["multiplier"]
+
+
+def test_a_drawer_that_is_seen_to_turn_is_no_container_and_the_reason_is_told(tmp_path: Path) -> None:
+    path, q, name = str(tmp_path / "odd.csv"), stopping(1.2), "sink_area_left_middle_drawer_main"
+    arc = 0.4 * np.column_stack([-np.sin(q), 1 - np.cos(q), 0 * q])
+    track = seen(handle(load("b").twin, name) + arc, 5)
+    np.savetxt(path, np.column_stack([track.times, track.positions]))
+    done = CliRunner().invoke(sdt, ["learn", path, "--kitchen", "b", "--container", name])
+    assert isinstance(done.exception, InputError)
+    assert f"{name} is revolute, then it is no container: it is called a drawer" in str(done.exception)
 
 
 def test_csv_has_a_row_for_each_candidate(known: str) -> None:
