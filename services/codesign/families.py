@@ -134,7 +134,7 @@ def _height(container: Container) -> Family:
 
 
 def pairs(found: Sequence[Family]) -> Family:
-    """Two edits of different families at once, gradual ones all the way; what each tries first comes first."""
+    """Two edits of different families at once, gradual ones all the way; what each tries first is first."""
     ranked = [
         (i + j, f"{one}{AND}{other}")
         for a, b in combinations(found, 2)
