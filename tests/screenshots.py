@@ -62,6 +62,10 @@ def views(browser: Browser, folder: Path) -> None:
             browser.resize(WIDTH, HEIGHT)
             browser.driver.get(f"{page.url}{case}")
             _pressed(browser, "Check", "Judged in")
+            # What viser says of software WebGL: nothing that people with a graphics card see.
+            browser.driver.execute_script(
+                "document.querySelectorAll('.mantine-Notification-closeButton').forEach(b => b.click())"
+            )
             time.sleep(DRAWN)
             browser.picture(folder / f"view_{name}.png")
             print(folder / f"view_{name}.png")  # noqa: T201 - what was made

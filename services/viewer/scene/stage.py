@@ -32,13 +32,13 @@ THICK = 0.012
 """[m] Of a line."""
 GHOST = 0.35
 """[1] Opacity of a ghost."""
-EYES = 2.5
+EYES = 2.8
 """[m] Height of the camera."""
-ASIDE = 0.7
+ASIDE = 0.9
 """[m] The camera is so far to the robot's right, so that the robot does not hide what it does."""
-BEHIND = 1.2
+BEHIND = 2.2
 """[m] From the robot's start to the camera."""
-AWAY = (0.2, 2.8, 4.5)
+AWAY = (0.2, 3.4, 6.0)
 """[m] Nearer than the first there is no direction; the camera is between the others away."""
 BELOW = -0.002
 """[m] Height of the grid, so that it does not show through the floor."""
