@@ -29,7 +29,7 @@ from sdt_kg.scope import D_ARTIC
 from sdt_kg.store import Row, Term, rows_of
 from sdt_kg.task import Task, Verb
 from services.physics.oracle import Kinematics
-from services.store.embedded import EmbeddedStore
+from services.store.embedded import EmbeddedStore, in_memory
 from services.store.files import SavedVerdicts
 from services.store.known import restricted
 from services.store.on_disk import in_folder, read_file
@@ -169,6 +169,8 @@ def test_write_back_of_a_verdict(
         return (to_record(replace(verdict, iri=verdict_iri(f"{where}{next(numbers)}"))),), {}
 
     assert benchmark.pedantic(saved.add_record, setup=another, rounds=200)
+    if where == "folder":
+        kept.close()
 
 
 @pytest.mark.parametrize("size", SIZES)
@@ -188,3 +190,26 @@ def test_load(benchmark: Benchmark, tmp_path: Path, size: int) -> None:
     lines = text(size).count(b"\n")
     benchmark.extra_info["quads a second"] = round(lines / benchmark.stats.stats.median)
     benchmark.extra_info["quads a second of CPU"] = round(lines / statistics.median(cpu))
+
+
+@pytest.mark.parametrize("where", ["memory", "folder"])
+def test_load_to_a_server(benchmark: Benchmark, tmp_path: Path, where: str) -> None:
+    """Quads in a second of CPU time: of this process, of an Oxigraph server, and into memory (extra_info)."""
+    quads = list(ox.parse(text(SIZES[0]), format=ox.RdfFormat.N_QUADS))
+    server = Server(tmp_path / "store" if where == "folder" else None, free_port())
+    server.start()
+    try:
+        server.wait()
+        remote = RemoteStore(Addresses.of(server.address))
+        ours, theirs = time.process_time(), server.seconds()
+        benchmark.pedantic(remote.add, (quads,), rounds=1)
+        ours, theirs = time.process_time() - ours, server.seconds() - theirs
+        assert len(remote.dump([quads[0].graph_name.value])) > 0
+        remote.close()
+    finally:
+        server.kill()
+    began = time.process_time()
+    in_memory().add(quads)
+    memory = time.process_time() - began
+    for name, seconds in (("client", ours), ("server", theirs), ("memory", memory)):
+        benchmark.extra_info[f"{name}, quads a second of CPU"] = round(len(quads) / seconds)

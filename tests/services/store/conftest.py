@@ -1,5 +1,6 @@
 """A real SPARQL server on a free port, and verdicts that `law` really gave."""
 
+import os
 import socket
 import subprocess
 import sys
@@ -25,9 +26,9 @@ START_TIMEOUT = 20.0
 
 @dataclass
 class Server:
-    """`oxigraph serve` over a directory; it may be killed and started again on the same port."""
+    """`oxigraph serve` over a directory or in memory; it may be killed and started again on the same port."""
 
-    folder: Path
+    folder: Path | None
     port: int
     process: subprocess.Popen[bytes] | None = field(default=None)
 
@@ -36,7 +37,8 @@ class Server:
         return f"http://127.0.0.1:{self.port}"
 
     def start(self, *options: str) -> None:
-        command = [str(OXIGRAPH), "serve", "-b", f"127.0.0.1:{self.port}", "-l", str(self.folder), *options]
+        place = [] if self.folder is None else ["-l", str(self.folder)]
+        command = [str(OXIGRAPH), "serve", "-b", f"127.0.0.1:{self.port}", *place, *options]
         self.process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
     def wait(self) -> None:
@@ -49,6 +51,12 @@ class Server:
                 time.sleep(0.02)
             else:
                 return
+
+    def seconds(self) -> float:
+        """CPU time of the process [s], as finely as the kernel counts it."""
+        assert self.process is not None, "started"
+        fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def kill(self) -> None:
         if self.process is not None:
