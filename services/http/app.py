@@ -104,7 +104,7 @@ def create_app(world: World, settings: Settings, beside: Beside | None = None) -
     app.include_router(read.router)
     app.include_router(write.router)
     app.openapi = partial(document, app)
-    app.add_middleware(Gate, settings=settings)
+    app.add_middleware(Gate, settings=settings, told=told)
     app.add_middleware(Observed, telemetry=settings.telemetry)
     return app
 

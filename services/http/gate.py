@@ -7,9 +7,12 @@ browser. Both hold on loopback too, where there may be no token.
 
 import asyncio
 import hmac
+from collections.abc import Callable
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import Request
+from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from services.http.problems import RefusedError, of_error, unexpected
@@ -30,10 +33,21 @@ SECURITY_HEADERS = {
 
 
 class Gate:
-    """The middleware."""
+    """The middleware.
 
-    def __init__(self, app: ASGIApp, settings: Settings) -> None:
-        self._app, self._settings = app, settings
+    Args:
+        app: What it guards.
+        settings: Names, origins, sizes and the token.
+        told: Makes a page of a problem, for those who may read pages.
+    """
+
+    def __init__(
+        self,
+        app: ASGIApp,
+        settings: Settings,
+        told: Callable[[Request, Response], Response] = lambda _, problem: problem,
+    ) -> None:
+        self._app, self._settings, self._told = app, settings, told
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
@@ -43,19 +57,25 @@ class Gate:
         answer = _Answer(self._finished(send, headers))
         try:
             self._check(scope, headers)
+        except RefusedError as error:  # no page: it would tell who is refused here what is served
+            await of_error(error)(scope, receive, answer)
+            return
+        try:
             if scope["method"] == "OPTIONS" and "access-control-request-method" in headers:
                 await _preflight(answer)
                 return
             body = _Body(receive, self._most(scope["path"]), headers, answer)
             await self._app(scope, body, answer)
-            if body.refusal is not None:
-                await of_error(body.refusal)(scope, receive, answer.anew)
+            refusal = body.refusal
         except RefusedError as error:
-            await of_error(error)(scope, receive, answer.anew)
+            refusal = error
         except Exception as error:
             if answer.started:
                 raise
             await unexpected(scope["method"], scope["path"], error)(scope, receive, answer)
+            return
+        if refusal is not None:
+            await self._told(Request(scope), of_error(refusal))(scope, receive, answer.anew)
 
     def _check(self, scope: Scope, headers: Headers) -> None:
         settings = self._settings

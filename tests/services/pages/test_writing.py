@@ -116,3 +116,20 @@ def test_more_cases_than_may_wait_are_refused_together() -> None:
     with pytest.raises(BusyError, match="ask again later"):
         asking.ask(wishes)
     assert {asking.standing(each) for each in wishes} == {Standing.NOT_JUDGED}
+
+
+async def endless():
+    """A body that says no length and goes on for 300 MB, if anybody reads it."""
+    for _ in range(300):
+        yield bytes(2**20)
+
+
+def test_a_form_of_300_mb_is_refused_as_a_page_before_it_is_read_and_the_pages_live_on(served) -> None:
+    declared = FORM | BEARER | {"content-length": str(300 * 2**20)}
+    told = served.post("/kitchens/a/ask", content=b"case=/", headers=declared)
+    streamed = served.post("/kitchens/a/ask", content=endless(), headers=FORM | BEARER)
+    for refused in (told, streamed):
+        assert refused.status_code == 413
+        assert refused.headers["content-type"] == "text/html; charset=utf-8"
+        assert "the request is longer than 262144 bytes" in refused.text
+    assert served.get("/kitchens/a", headers=PAGE).status_code == 200
