@@ -21,6 +21,8 @@ from sdt_kg.errors import InputError
 from services.judging.messages import Verb
 
 ROOT = "sdt/v1"
+MOST_SHOWN = 200
+"""Characters of a key that an error repeats."""
 _CHUNK = re.compile(r"[A-Za-z0-9_.-]+")
 
 
@@ -111,6 +113,17 @@ def instance_of(key: str) -> str:
     return key.rsplit("/", 1)[-1]
 
 
+def check_one(key: str) -> None:
+    """The key is one key, and no expression that matches several.
+
+    Raises:
+        InputError: It is.
+    """
+    if "*" in key or "$" in key:
+        what = f"'{key}' asks several at once" if len(key) <= MOST_SHOWN else "the key asks several at once"
+        raise InputError(what, allowed=f"{ROOT}/TWIN/rpc/VERB, each of them named")
+
+
 def job_of(key: str) -> tuple[str, Part] | None:
     """Job and part that a key names; None where it names none."""
     parts = key.split("/")
@@ -118,11 +131,6 @@ def job_of(key: str) -> tuple[str, Part] | None:
         return (parts[4], Part(parts[5])) if len(parts) == 6 and parts[3] == "jobs" else None
     except ValueError:
         return None
-
-
-def twin_of(key: str) -> str:
-    """The twin that a key is about."""
-    return key.split("/")[2]
 
 
 def asked(key: str) -> Verb | None:

@@ -19,6 +19,8 @@ from services.telemetry.told import Telemetry
 
 log = logging.getLogger(__name__)
 
+MOST_ATTACHED = 2**16
+"""[bytes] Of an attachment."""
 OTHER = "other"
 """What is counted of a key that names no verb."""
 
@@ -48,13 +50,7 @@ class Question:
         Raises:
             TooLargeError: More than may be.
         """
-        payload = self.query.payload
-        if payload is None:
-            return b""
-        if len(payload) > MAX_REQUEST:  # before it is copied
-            said = f"the request has {len(payload)} bytes; at most {MAX_REQUEST}"
-            raise TooLargeError(problem(ProblemType.TOO_LARGE, said))
-        return payload.to_bytes()
+        return b"" if self.query.payload is None else bounded(self.query.payload)
 
     @property
     def encoding(self) -> str:
@@ -91,16 +87,30 @@ class Question:
                 log.info("%s %s %s%s", self.twin, self.what, end, detail, extra={"fields": fields})
 
 
-def understood(query: zenoh.Query, what: str, telemetry: Telemetry, instance: str) -> Question | None:
-    """The question; None: its attachment was none, and that was answered."""
+def bounded(payload: zenoh.ZBytes, most: int = MAX_REQUEST) -> bytes:
+    """What was sent.
+
+    Raises:
+        TooLargeError: More than may be.
+    """
+    if len(payload) > most:  # before it is copied
+        said = f"the request has {len(payload)} bytes; at most {most}"
+        raise TooLargeError(problem(ProblemType.TOO_LARGE, said))
+    return payload.to_bytes()
+
+
+def understood(
+    query: zenoh.Query, twin: str, what: str, telemetry: Telemetry, instance: str
+) -> Question | None:
+    """The question; None: its key or attachment was none, and that was answered."""
     key = str(query.key_expr)
     named = query.accepts_replies() == zenoh.ReplyKeyExpr.ANY and not key.endswith(instance)
     reply_key = f"{key}/{instance}" if named else key
-    twin, error = keys.twin_of(key), None
-    header = Header()
+    error, header = None, Header()
     try:
+        keys.check_one(key)
         if query.attachment is not None:
-            header = decode(Header, query.attachment.to_bytes())
+            header = decode(Header, bounded(query.attachment, MOST_ATTACHED))
     except SdtError as wrong:
         error = wrong
     span = telemetry.spans.begin(f"bus {what}", header.traceparent, twin=twin, request=header.id)

@@ -5,12 +5,14 @@ import logging
 import time
 import uuid
 from asyncio import Future
+from collections.abc import Callable
+from functools import partial
 from importlib.metadata import version
 from typing import Self
 
 import zenoh
 
-from sdt_kg.errors import SdtError
+from sdt_kg.errors import InputError, SdtError
 from services.bus import keys
 from services.bus.history import Herald
 from services.bus.keys import Meta, Part
@@ -70,12 +72,14 @@ class Server:
             for tail in ("*", f"*/{self.instance}"):
                 key = f"{keys.ROOT}/{twin}/rpc/{tail}"
                 # Called by Zenoh's own thread: handing over to one of Python's takes as long as the callback.
-                asked = zenoh.handlers.Callback(self._asked, indirect=False)
+                asked = zenoh.handlers.Callback(partial(self._asked, twin), indirect=False)
                 self._declared.append(self._session.declare_queryable(key, asked, complete=True))
             jobs = f"{keys.ROOT}/{twin}/jobs/*/*"
-            self._declared.append(self._session.declare_queryable(jobs, self._asked_job))
+            self._declared.append(self._session.declare_queryable(jobs, partial(self._asked_job, twin)))
             for part in Meta:
-                self._declared.append(self._session.declare_queryable(keys.meta(twin, part), self._told))
+                key = keys.meta(twin, part)
+                told = partial(self._told, key, part)
+                self._declared.append(self._session.declare_queryable(key, told))
         for twin in self._twins:
             token = self._session.liveliness().declare_token(keys.live(twin, self.instance))
             self._declared.append(token)
@@ -93,22 +97,16 @@ class Server:
         if self._herald is not None:
             self._herald.close()
 
-    def _asked(self, query: zenoh.Query) -> None:
+    def _asked(self, twin: str, query: zenoh.Query) -> None:
         """A question: enqueued, or refused at once."""
-        key = str(query.key_expr)
-        verb = keys.asked(key)
-        question = understood(query, verb.value if verb else OTHER, self._pool.telemetry, self.instance)
-        if question is None:
-            return
-        if verb is None:
-            question.answer(problem(ProblemType.INVALID_REQUEST, f"'{key}' asks for no known verb"))
-            return
-        try:
-            self._enqueue(verb, question)
-        except SdtError as error:
-            question.answer(problem_of(error))
+        verb = keys.asked(str(query.key_expr))
+        question = understood(query, twin, verb.value if verb else OTHER, self._pool.telemetry, self.instance)
+        if question is not None:
+            _acted(question, lambda: self._enqueue(verb, question))
 
-    def _enqueue(self, verb: Verb, question: Question) -> None:
+    def _enqueue(self, verb: Verb | None, question: Question) -> None:
+        if verb is None:
+            raise InputError("the key asks for no known verb", allowed=", ".join(each.value for each in Verb))
         waiter = question.waiter()
         if verb in ACCEPTED:
             self._query(verb, question, waiter)
@@ -135,38 +133,29 @@ class Server:
         self._pool.deadlines.watch(waiter)
         self._memory.ask(Asked("query", request.query, ACCEPTED[verb]), question.seconds + GRACE, done)
 
-    def _asked_job(self, query: zenoh.Query) -> None:
+    def _asked_job(self, twin: str, query: zenoh.Query) -> None:
         """Progress, result or cancellation of a sweep; answered at once, it costs nothing."""
-        key = str(query.key_expr)
-        question = understood(query, "job", self._pool.telemetry, self.instance)
-        if question is None:
-            return
+        question = understood(query, twin, "job", self._pool.telemetry, self.instance)
+        if question is not None:
+            _acted(question, lambda: question.answer(self._of_job(str(query.key_expr))))
+
+    def _of_job(self, key: str) -> Done:
         named = keys.job_of(key)
         if named is None:
-            question.answer(problem(ProblemType.INVALID_REQUEST, f"'{key}' names no part of a job"))
-            return
+            raise InputError("the key names no part of a job", allowed=", ".join(each.value for each in Part))
         job, part = named
-        try:
-            if part is Part.RESULT:
-                question.answer(Done(self._sweeps.result(job), JSON))
-            else:
-                act = self._sweeps.cancel if part is Part.CANCEL else self._sweeps.progress
-                question.answer(Done(encode(act(job)), JSON))
-        except SdtError as error:
-            question.answer(problem_of(error))
+        if part is Part.RESULT:
+            return Done(self._sweeps.result(job), JSON)
+        act = self._sweeps.cancel if part is Part.CANCEL else self._sweeps.progress
+        return Done(encode(act(job)), JSON)
 
-    def _told(self, query: zenoh.Query) -> None:
+    def _told(self, key: str, part: Meta, query: zenoh.Query) -> None:
         """What the server says of itself; answered at once but for what it holds, which is counted."""
-        part = Meta(str(query.key_expr).rsplit("/", 1)[-1])
         if part is Meta.VOID:
-            self._memory.ask(
-                Asked("query", VOID, (MEDIA,)),
-                COUNTING,
-                lambda future: reply(query, str(query.key_expr), _answered(future)),
-            )
+            asked = Asked("query", VOID, (MEDIA,))
+            self._memory.ask(asked, COUNTING, lambda future: reply(query, key, _answered(future)))
             return
-        with query:
-            query.reply(query.key_expr, json.dumps(self._meta(part)).encode(), encoding=JSON)
+        reply(query, key, Done(json.dumps(self._meta(part)).encode(), JSON))
 
     def _meta(self, part: Meta) -> dict[str, object]:
         if part is Meta.VERSION:
@@ -188,6 +177,17 @@ class Server:
         from services.bus.schema import asyncapi  # noqa: PLC0415 - seldom asked for
 
         return asyncapi()
+
+
+def _acted(question: Question, act: Callable[[], None]) -> None:
+    """What is to be done for a question; whatever happens, the asker is answered."""
+    try:
+        act()
+    except SdtError as error:
+        question.answer(problem_of(error))
+    except Exception:
+        log.exception("%s could not be taken", question.what)
+        question.answer(problem(ProblemType.INTERNAL, f"{question.what} failed; the server's log says why"))
 
 
 def _answered(future: Future[Answered]) -> Done | Problem:

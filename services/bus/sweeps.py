@@ -4,7 +4,6 @@ import json
 import threading
 import time
 import uuid
-from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
@@ -15,7 +14,7 @@ from services.judging.codec import JSON, decode, encode
 from services.judging.jobs import Done, Job, Task, Waiter
 from services.judging.messages import AchieveRequest, SweepRequest
 from services.judging.pool import Pool
-from services.judging.problems import Problem
+from services.judging.problems import BusUnavailableError, Problem, ProblemType, problem
 from services.judging.replies import JobReply, VerdictsReply
 from services.relative import Relative
 from services.sweep.cell import Cell
@@ -23,6 +22,8 @@ from services.sweep.plan import Axes, Models, combined, policies
 
 AT_ONCE = 4
 """Cases of one sweep that are in the pool at once: others get their turn too."""
+AT_ONCE_JOBS = 32
+"""Sweeps that go on at once; one more is refused."""
 MARGIN = 60.0
 """[s] A case may take beyond its budget of search."""
 JOBS_KEPT = 100
@@ -48,6 +49,11 @@ class Sweep:
     running: set[Job] = field(default_factory=set[Job])
     lock: threading.Lock = field(default_factory=threading.Lock)
 
+    @property
+    def over(self) -> bool:
+        """Whether nothing more is judged."""
+        return self.state not in {"queued", "running"}
+
     def reply(self) -> JobReply:
         """How far it is."""
         return JobReply(
@@ -65,13 +71,15 @@ class Sweeps:
     def __init__(self, pool: Pool, catalogue: Mapping[str, Models]) -> None:
         self.catalogue = dict(catalogue)
         self._pool = pool
-        self._jobs: OrderedDict[str, Sweep] = OrderedDict()
+        self._jobs: dict[str, Sweep] = {}
+        self._lock = threading.Lock()
 
     def start(self, twin: str, request: SweepRequest) -> JobReply:
         """A new job.
 
         Raises:
             UnknownEntityError: A robot that the server does not hold.
+            BusUnavailableError: Too many sweeps are going on.
         """
         models = self.catalogue[twin]
         for robot in request.robots:
@@ -81,10 +89,16 @@ class Sweeps:
         cases = combined(chosen, _axes(request))
         if len(cases) > MOST:
             raise InputError(f"{len(cases)} cases", allowed=f"{MOST} in a job", remedy="sdt sweep")
-        sweep = Sweep(uuid.uuid4().hex[:16], twin, len(cases))
-        self._jobs[sweep.id] = sweep
-        while len(self._jobs) > JOBS_KEPT:
-            self._jobs.popitem(last=False)
+        with self._lock:
+            going = sum(not each.over for each in self._jobs.values())
+            if going >= AT_ONCE_JOBS:
+                said = f"{going} sweeps are going on already"
+                raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, said, retry_after=10.0))
+            sweep = Sweep(uuid.uuid4().hex[:16], twin, len(cases))
+            self._jobs[sweep.id] = sweep
+            finished = [job for job, each in self._jobs.items() if each.over]
+            for job in finished[: max(0, len(self._jobs) - JOBS_KEPT)]:
+                del self._jobs[job]
         threading.Thread(target=self._run, args=(sweep, cases), name=f"sweep {sweep.id}", daemon=True).start()
         return sweep.reply()
 
@@ -103,7 +117,7 @@ class Sweeps:
         """The job stops; what it has found stays."""
         sweep = self._known(job)
         with sweep.lock:
-            if sweep.state in {"queued", "running"}:
+            if not sweep.over:
                 sweep.state = "cancelled"
             for each in sweep.running:
                 each.cancelled.set()
@@ -121,7 +135,10 @@ class Sweeps:
 
     def _run(self, sweep: Sweep, cases: Iterable[Cell]) -> None:
         """Offer the cases, a few at a time, until all are answered or the job is cancelled."""
-        sweep.state = "running"
+        with sweep.lock:
+            if sweep.over:
+                return
+            sweep.state = "running"
         slots = threading.Semaphore(AT_ONCE)
         for case in cases:
             slots.acquire()

@@ -1,5 +1,6 @@
 """A question on its way to a worker process, and who waits for its answer."""
 
+import logging
 import threading
 import time
 from collections.abc import Callable, Iterable
@@ -9,6 +10,8 @@ from typing import Protocol
 from services.judging.problems import Problem
 from services.telemetry.metrics import Judged
 from services.telemetry.origin import NOBODY, Origin
+
+log = logging.getLogger(__name__)
 
 Kept = tuple[str, bytes]
 """IRI of a verdict, and its graph as N-Quads."""
@@ -104,7 +107,11 @@ class Waiter:
             if self._over:
                 return False
             self._over = True
-        self.answered(outcome)
+        try:
+            self.answered(outcome)
+        except Exception:
+            # The thread that answers works for others too.
+            log.exception("an answer could not be given")
         return True
 
     @property

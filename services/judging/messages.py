@@ -4,7 +4,7 @@ Unknown fields are tolerated, an unknown major version of the schema is refused.
 """
 
 from enum import Enum
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -12,6 +12,8 @@ from services.relative import TeeName
 
 SCHEMA = "1.0"
 DriveName = Literal["omni", "differential", "fixed"]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Seed = Annotated[int, Field(ge=0, lt=2**63)]
 
 
 class Verb(Enum):
@@ -116,9 +118,9 @@ class AchieveRequest(Classed):
     robot: str | None = Field(default=None, max_length=500)
     motion: dict[str, Any] | None = None
     drive: DriveName | None = None
-    base: tuple[float, float, float] | None = None
+    base: tuple[Finite, Finite, Finite] | None = None
     budget: float = Field(default=20.0, gt=0, le=3600)
-    seed: int = 0
+    seed: Seed = 0
     quads: bool = False
     motions: bool = False
 
@@ -134,7 +136,7 @@ class PlaceRequest(Stated):
     task: str = Field(max_length=500)
     robot: str | None = Field(default=None, max_length=500)
     budget: float = Field(default=20.0, gt=0, le=3600)
-    seed: int = 0
+    seed: Seed = 0
 
 
 class ComputeRequest(Message):
@@ -173,7 +175,7 @@ class SweepRequest(Classed):
     robots: list[str] = Field(default_factory=list, max_length=100)
     starts: list[list[str]] = Field(default_factory=list, max_length=1000)
     drives: list[DriveName] = Field(default_factory=list, max_length=3)
-    seeds: list[int] = Field(default_factory=lambda: [0], min_length=1, max_length=1000)
+    seeds: list[Seed] = Field(default_factory=lambda: [0], min_length=1, max_length=1000)
     drive: DriveName | None = None
     budget: float = Field(default=20.0, gt=0, le=3600)
 

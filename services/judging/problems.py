@@ -24,6 +24,9 @@ class ProblemType(Enum):
     INTERNAL = "internal"
 
 
+MOST_TOLD = 4_000
+"""Characters of an explanation."""
+
 RETRYABLE = {ProblemType.UNAVAILABLE, ProblemType.DEADLINE}
 
 _TITLES = {
@@ -132,11 +135,11 @@ _ERRORS: dict[ProblemType, type[BusError]] = {
 
 
 def problem(kind: ProblemType, detail: str, *, retry_after: float | None = None, report: str = "") -> Problem:
-    """A problem of that kind."""
+    """A problem of that kind; what an asker sent is not told back at any length."""
     return Problem(
         type=TYPE_ROOT + kind.value,
         title=_TITLES[kind],
-        detail=detail,
+        detail=_short(detail),
         retryable=kind in RETRYABLE,
         retry_after=retry_after,
         report=report,
@@ -155,7 +158,12 @@ def problem_of(error: SdtError) -> Problem:
     said = problem(kind, str(error))
     if not isinstance(error, InputError):
         return said
-    return said.model_copy(update={"what": error.what, "allowed": error.allowed, "remedy": error.remedy})
+    parts = {"what": error.what, "allowed": error.allowed, "remedy": error.remedy}
+    return said.model_copy(update={name: _short(text) for name, text in parts.items()})
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= MOST_TOLD else f"{text[:MOST_TOLD]} …"
 
 
 def error_of(said: Problem) -> SdtError:

@@ -11,12 +11,13 @@ from sdt_kg.errors import SdtError
 from services.bus import keys
 from services.bus.keys import Oracle
 from services.bus.oracles.handler import OracleSetup
+from services.bus.question import MOST_ATTACHED, bounded
 from services.bus.replies import reply
-from services.judging.codec import CBOR, MAX_REQUEST, decode
+from services.judging.codec import CBOR, decode
 from services.judging.jobs import Done, NoMemory, Task, Waiter
 from services.judging.messages import Header
 from services.judging.pool import Pool
-from services.judging.problems import Problem, ProblemType, TooLargeError, problem, problem_of
+from services.judging.problems import Problem, problem_of
 
 WAITING = 32
 """Questions that may wait for the oracle's worker."""
@@ -47,11 +48,10 @@ def oracle(session: zenoh.Session, kind: Oracle, workers: int = 1) -> Iterator[s
 
 
 def _understood(query: zenoh.Query, answer: Callable[[Done | Problem], None]) -> tuple[Task, Waiter]:
-    header = Header() if query.attachment is None else decode(Header, query.attachment.to_bytes())
-    if query.payload is not None and len(query.payload) > MAX_REQUEST:  # before it is copied
-        said = f"the request has {len(query.payload)} bytes; at most {MAX_REQUEST}"
-        raise TooLargeError(problem(ProblemType.TOO_LARGE, said))
-    payload = b"" if query.payload is None else query.payload.to_bytes()
+    header = (
+        Header() if query.attachment is None else decode(Header, bounded(query.attachment, MOST_ATTACHED))
+    )
+    payload = b"" if query.payload is None else bounded(query.payload)
     verb = str(query.parameters)
     seconds = header.deadline_ms / 1000
     return Task("", verb, payload, CBOR, seconds), Waiter(time.monotonic() + seconds, answer)

@@ -2,6 +2,7 @@
 
 import shutil
 import subprocess
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -17,7 +18,10 @@ CONFIGS = Path(services.bus.__file__).parent / "config"
 PASSWORDS = {name: f"secret of {name}" for name in ("reader", "requester", "writer", "admin", "server")}
 KEYS = {
     "sdt/v1/b/rpc/select": {"reader", "requester", "writer", "admin"},
+    "sdt/v1/b/rpc/history": {"reader", "requester", "writer", "admin"},
     "sdt/v1/b/rpc/canachieve": {"requester", "writer", "admin"},
+    "sdt/v1/b/rpc/place": {"requester", "writer", "admin"},
+    "sdt/v1/b/rpc/compute": {"requester", "writer", "admin"},
     "sdt/v1/b/rpc/sweep": {"writer", "admin"},
     "sdt/v1/b/jobs/1/cancel": {"writer", "admin"},
     "sdt/v1/@oracle/causes/rpc/1": {"admin"},
@@ -54,6 +58,11 @@ def _reply(query: zenoh.Query) -> None:
         query.reply(query.key_expr, b"answer")
 
 
+def _lie(query: zenoh.Query) -> None:
+    with query:
+        query.reply(query.key_expr, b"certified")
+
+
 @pytest.mark.parametrize("name", ["reader", "requester", "writer", "admin"])
 def test_each_subject_gets_what_it_may_and_nothing_else(guarded: tuple[str, Path], name: str) -> None:
     endpoint, folder = guarded
@@ -82,6 +91,86 @@ def test_a_wildcard_does_not_get_around_the_rules(guarded: tuple[str, Path]) -> 
     with open_session(connect=endpoint, mode="client", config=config) as session:
         for key in ("sdt/v1/**", "sdt/v1/b/rpc/*", "**"):
             assert not list(session.get(key, timeout=SILENCE))
+
+
+@pytest.mark.parametrize("name", ["reader", "requester", "writer"])
+def test_who_asks_can_neither_answer_nor_publish_nor_pass_for_a_server(
+    guarded: tuple[str, Path], name: str
+) -> None:
+    endpoint, folder = guarded
+    heard: list[str] = []
+    with (
+        open_session(connect=endpoint, mode="client", config=_user(folder, name, PASSWORDS[name])) as liar,
+        open_session(
+            connect=endpoint, mode="client", config=_user(folder, "admin", PASSWORDS["admin"])
+        ) as to,
+    ):
+        to.declare_subscriber("sdt/v1/*/events/**", lambda sample: heard.append(str(sample.key_expr)))
+        for key in ("sdt/v1/b/rpc/canachieve", "sdt/v1/b/rpc/select", "sdt/v1/b/@meta/health"):
+            liar.declare_queryable(key, _lie, complete=True)
+        liar.liveliness().declare_token("sdt/v1/b/@live/liar")
+        time.sleep(SILENCE)
+        liar.put("sdt/v1/b/events/verdict/000000000001", b"certified")
+        to.put("sdt/v1/b/events/verdict/000000000002", b"told")
+        until = time.monotonic() + 10
+        while not heard and time.monotonic() < until:
+            time.sleep(0.05)
+        for key in ("sdt/v1/b/rpc/canachieve", "sdt/v1/b/rpc/select"):
+            replies = to.get(key, target=zenoh.QueryTarget.ALL, timeout=SILENCE)
+            assert {each.ok.payload.to_string() for each in replies if each.ok} == {"answer"}
+        assert not list(to.liveliness().get("sdt/v1/b/@live/*", timeout=SILENCE))
+    assert heard == ["sdt/v1/b/events/verdict/000000000002"]
+
+
+def test_who_may_see_servers_sees_them_and_no_oracles_and_hears_what_is_published(
+    guarded: tuple[str, Path],
+) -> None:
+    endpoint, folder = guarded
+    heard: list[str] = []
+    with (
+        open_session(
+            connect=endpoint, mode="client", config=_user(folder, "reader", PASSWORDS["reader"])
+        ) as to,
+        open_session(
+            connect=endpoint, mode="client", config=_user(folder, "server", PASSWORDS["server"])
+        ) as server,
+    ):
+        to.declare_subscriber("sdt/v1/*/events/**", lambda sample: heard.append(str(sample.key_expr)))
+        tokens = [
+            server.liveliness().declare_token(key)
+            for key in ("sdt/v1/b/@live/one", "sdt/v1/@oracle/causes/@live/two")
+        ]
+        time.sleep(SILENCE)
+        server.put("sdt/v1/b/events/state/000000000001", b"told")
+        seen = {
+            str(each.ok.key_expr)
+            for key in ("sdt/v1/*/@live/*", "sdt/v1/@oracle/*/@live/*", "sdt/v1/@oracle/causes/@live/*")
+            for each in to.liveliness().get(key, timeout=SILENCE)
+            if each.ok
+        }
+        until = time.monotonic() + 10
+        while not heard and time.monotonic() < until:
+            time.sleep(0.05)
+        for each in tokens:
+            each.undeclare()
+    assert seen == {"sdt/v1/b/@live/one"}
+    assert heard == ["sdt/v1/b/events/state/000000000001"]
+
+
+def test_what_is_denied_takes_as_long_where_there_is_somebody_as_where_there_is_nobody(
+    guarded: tuple[str, Path],
+) -> None:
+    endpoint, folder = guarded
+    config = _user(folder, "reader", PASSWORDS["reader"])
+    with open_session(connect=endpoint, mode="client", config=config) as session:
+        took: dict[str, float] = {}
+        for key in ("sdt/v1/b/rpc/sweep", "other/nobody/is/here", "sdt/v1/b/@meta/x/y", "sdt/v1/z/@meta/x/y"):
+            began = time.monotonic()
+            assert not list(session.get(key, timeout=SILENCE))
+            took[key] = time.monotonic() - began
+        here, nowhere = ("sdt/v1/b/@meta/x/y", "sdt/v1/z/@meta/x/y")
+    assert (took["sdt/v1/b/rpc/sweep"] < SILENCE / 2) == (took["other/nobody/is/here"] < SILENCE / 2)
+    assert (took[here] < SILENCE / 2) == (took[nowhere] < SILENCE / 2)
 
 
 def test_mutual_tls_lets_only_certificates_of_the_authority_in(tmp_path: Path) -> None:
