@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property, lru_cache
+from itertools import chain
 from typing import Any, Final
 
 import pyoxigraph as ox
@@ -21,12 +22,16 @@ import ontology
 from sdt_kg.annotating.annotate import tee_triples
 from sdt_kg.entities.moving_together import MOVES_WITH, moving_together
 from sdt_kg.iri import LAW, RDF, SDT, SH, TEE, Iri, local_name
-from sdt_kg.store import Term, Triple, Value
+from sdt_kg.store import Triple, Value
 from sdt_kg.triples import Facts
+from sdt_kg.triples.to_rdflib import rdflib_graph
 from sdt_kg.twin import Container, Twin
 
 _TASK: Final = "https://example.org/id/request/task"
 _SH: Final = rdflib.Namespace(SH)
+
+KEPT: Final = 256
+"""[1] Requests whose violations are kept: the containers of some kitchens."""
 
 Engine = Callable[[rdflib.Graph, rdflib.Graph], rdflib.Graph]
 """Data and shapes → SHACL validation report."""
@@ -148,16 +153,24 @@ def violations(
         tee: D.
     """
     wider = [] if tee.refined is None else violations(twin, container, robot, verb, tee.refined)
-    asked = ["Environment", "Physics", *(["Robot"] if robot is not None else [])]
-    asked += ["Task"] if verb is not None else []
-    expected = tuple(shape for part in asked for shape in tee.shapes_of(part))
-    return [*wider, *_checked(tee, tuple(_request(twin, container, robot, verb, tee)), expected)]
+    asked = ["Environment", "Physics", *(["Task"] if verb is not None else [])]
+    found = _checked(tee, tuple(_of_kitchen(twin, container, verb, tee)), _shapes_of(tee, asked))
+    if robot is not None:
+        found += _checked(tee, tuple(_of_robot(twin, robot, tee)), _shapes_of(tee, ["Robot"]))
+    return [*wider, *sorted(found, key=_order)]
 
 
-@lru_cache(maxsize=16)
+def _shapes_of(tee: TeeClass, parts: list[str]) -> tuple[Iri, ...]:
+    return tuple(shape for part in parts for shape in tee.shapes_of(part))
+
+
+@lru_cache(maxsize=KEPT)
 def _checked(tee: TeeClass, request: tuple[Triple, ...], expected: tuple[Iri, ...]) -> tuple[Violation, ...]:
-    """Violations of a request; kept, since a motion is found and verified for the same one."""
-    return tuple(check(_graph(request), tee.shapes, list(expected)))
+    """Violations of the kitchen's or the robot's part of a request: no shape looks from one into the other.
+
+    Kept, since a motion is found and verified for the same one, and other robots are asked about it.
+    """
+    return tuple(check(rdflib_graph(request), tee.shapes, list(expected)))
 
 
 def pyshacl_report(data: rdflib.Graph, shapes: rdflib.Graph) -> rdflib.Graph:
@@ -176,7 +189,11 @@ def check(
     """SHACL results of the data, and a violation for each expected shape without focus node."""
     found = [_without_focus(shape) for shape in expected if not _has_focus(data, shapes, shape)]
     found += read_report(data, shapes, engine(data, shapes))
-    return sorted(found, key=lambda each: (each.focus, each.path or "", each.message))
+    return sorted(found, key=_order)
+
+
+def _order(each: Violation) -> tuple[str, str, str]:
+    return each.focus, each.path or "", each.message
 
 
 def read_report(data: rdflib.Graph, shapes: rdflib.Graph, report: rdflib.Graph) -> list[Violation]:
@@ -234,19 +251,16 @@ def request_graph(
     tee: TeeClass = D_ARTIC,
 ) -> rdflib.Graph:
     """What the graph says of the individuals that the request is about, as far as the class asks."""
-    return _graph(_request(twin, container, robot, verb, tee))
+    kitchen = _of_kitchen(twin, container, verb, tee)
+    return rdflib_graph(chain(kitchen, () if robot is None else _of_robot(twin, robot, tee)))
 
 
-def _graph(triples: Iterable[Triple]) -> rdflib.Graph:
-    graph = rdflib.Graph()
-    for subject, name, term in triples:
-        graph.add((rdflib.URIRef(subject), rdflib.URIRef(name), _node(term)))
-    return graph
+def _of_robot(twin: Twin, robot: Iri, tee: TeeClass) -> Iterator[Triple]:
+    facts = twin.entities.facts
+    yield from _mentioned(facts, [robot, *facts.iris(robot, "hasGripper")], tee)
 
 
-def _request(
-    twin: Twin, container: Container, robot: Iri | None, verb: Iri | None, tee: TeeClass
-) -> Iterator[Triple]:
+def _of_kitchen(twin: Twin, container: Container, verb: Iri | None, tee: TeeClass) -> Iterator[Triple]:
     facts = twin.entities.facts
     subjects = [twin.environment, container.iri, *facts.iris(container.iri, "hasHandle")]
     subjects += facts.iris(container.iri, "hasJoint")
@@ -254,49 +268,13 @@ def _request(
         yield from (coupled := list(moving_together(twin.mechanism(twin.environment), container.joint)))
         subjects += [term.value for _, name, term in coupled if name == MOVES_WITH]
         subjects += [model for each in subjects for model in facts.iris(each, "hasForceModel")]
-    if robot is not None:
-        subjects += [robot, *facts.iris(robot, "hasGripper")]
-    for subject in subjects:
-        yield from ((subject, name, term) for name, term in facts.about(subject) if name in tee.mentioned)
+    yield from _mentioned(facts, subjects, tee)
     if verb is not None:
         yield _TASK, RDF + "type", ox.NamedNode(LAW + "Task")
         yield _TASK, LAW + "verb", ox.NamedNode(verb)
         yield _TASK, LAW + "container", ox.NamedNode(container.iri)
 
 
-def _node(term: Term) -> Node:
-    if isinstance(term, ox.NamedNode):
-        return rdflib.URIRef(term.value)
-    if term.language:
-        return rdflib.Literal(term.value, lang=term.language)
-    return rdflib.Literal(term.value, datatype=rdflib.URIRef(term.datatype.value))
-
-
-def report_turtle(twin: Twin, robot: Iri | None = None, tee: TeeClass = D_ARTIC) -> str:
-    """SHACL validation report of all containers, as Turtle."""
-    found = {each: None for one in twin.containers() for each in violations(twin, one, robot, tee=tee)}
-    graph = rdflib.Graph()
-    graph.bind("sh", SH)
-    report = rdflib.URIRef(f"{twin.environment}/scope")
-    graph.add((report, RDF_NS.type, _SH.ValidationReport))
-    graph.add((report, _SH.conforms, rdflib.Literal(not found)))
-    for number, violation in enumerate(found, 1):
-        result = rdflib.URIRef(f"{report}/{number}")
-        graph.add((report, _SH.result, result))
-        for name, node in _result(violation):
-            graph.add((result, name, node))
-    return graph.serialize(format="turtle")
-
-
-def _result(violation: Violation) -> Iterator[tuple[rdflib.URIRef, Node]]:
-    yield rdflib.URIRef(RDF + "type"), _SH.ValidationResult
-    yield _SH.focusNode, rdflib.URIRef(violation.focus)
-    yield _SH.resultMessage, rdflib.Literal(violation.message)
-    yield _SH.resultSeverity, _SH.Violation
-    yield _SH.sourceShape, rdflib.URIRef(violation.shape)
-    if violation.component is not None:
-        yield _SH.sourceConstraintComponent, rdflib.URIRef(violation.component)
-    if violation.path is not None:
-        yield _SH.resultPath, rdflib.URIRef(violation.path)
-    if violation.value is not None:
-        yield _SH.value, rdflib.Literal(violation.value)
+def _mentioned(facts: Facts, subjects: Iterable[Iri], tee: TeeClass) -> Iterator[Triple]:
+    for subject in subjects:
+        yield from ((subject, name, term) for name, term in facts.about(subject) if name in tee.mentioned)

@@ -9,7 +9,7 @@ from rdflib.term import Node
 
 from sdt_kg.annotating.annotate import tee_triples
 from sdt_kg.iri import RDF, RDFS, SH, TEE, Iri, local_name
-from sdt_kg.scope import TeeClass, Violation, request_graph, violations
+from sdt_kg.scope import D_ARTIC, TeeClass, Violation, request_graph, violations
 from sdt_kg.twin import Container, LeftOut, Twin
 
 _SH = rdflib.Namespace(SH)
@@ -195,6 +195,36 @@ def _numbers(data: rdflib.Graph, focus: Node, path: Node) -> list[float]:
 def _is_number(literal: rdflib.Literal) -> bool:
     value = literal.toPython()
     return not isinstance(value, bool | str) and value is not None
+
+
+def report_turtle(twin: Twin, robot: Iri | None = None, tee: TeeClass = D_ARTIC) -> str:
+    """SHACL validation report of all containers, as Turtle."""
+    found = {each: None for one in twin.containers() for each in violations(twin, one, robot, tee=tee)}
+    graph = rdflib.Graph()
+    graph.bind("sh", SH)
+    report = rdflib.URIRef(f"{twin.environment}/scope")
+    graph.add((report, RDF_NS.type, _SH.ValidationReport))
+    graph.add((report, _SH.conforms, rdflib.Literal(not found)))
+    for number, violation in enumerate(found, 1):
+        result = rdflib.URIRef(f"{report}/{number}")
+        graph.add((report, _SH.result, result))
+        for name, node in _result(violation):
+            graph.add((result, name, node))
+    return graph.serialize(format="turtle")
+
+
+def _result(violation: Violation) -> Iterator[tuple[rdflib.URIRef, Node]]:
+    yield rdflib.URIRef(RDF + "type"), _SH.ValidationResult
+    yield _SH.focusNode, rdflib.URIRef(violation.focus)
+    yield _SH.resultMessage, rdflib.Literal(violation.message)
+    yield _SH.resultSeverity, _SH.Violation
+    yield _SH.sourceShape, rdflib.URIRef(violation.shape)
+    if violation.component is not None:
+        yield _SH.sourceConstraintComponent, rdflib.URIRef(violation.component)
+    if violation.path is not None:
+        yield _SH.resultPath, rdflib.URIRef(violation.path)
+    if violation.value is not None:
+        yield _SH.value, rdflib.Literal(violation.value)
 
 
 def to_json(kitchen: str, found: ScopeMap) -> dict[str, object]:

@@ -3,13 +3,15 @@
 import math
 from pathlib import Path
 
+import pyoxigraph as ox
 import pytest
 import rdflib
 
 import ontology
-from sdt_kg.iri import LAW, SDT, joint_iri, local_name
+from sdt_kg.iri import LAW, SDT, local_name
 from sdt_kg.load import load_twin
-from sdt_kg.scope import D_ARTIC, Violation, check, report_turtle, violations
+from sdt_kg.scope import D_ARTIC, Violation, check, request_graph, violations
+from sdt_kg.triples.to_rdflib import rdflib_graph
 from sdt_kg.twin import Twin
 from tests.sdt_kg.conftest import Write, joint, limit, link
 from tests.sdt_kg.test_twin import SLIDE, door
@@ -97,14 +99,28 @@ def test_constants_are_those_of_the_paper() -> None:
     assert len(D_ARTIC.content_hash) == 64
 
 
-def test_the_report_is_shacl(drawer: Path) -> None:
-    twin = load_twin(drawer)
-    conforms = rdflib.URIRef("http://www.w3.org/ns/shacl#conforms")
-    inside = rdflib.Graph().parse(data=report_turtle(twin))
-    assert [value.toPython() for value in inside.objects(None, conforms)] == [True]  # type: ignore[attr-defined]
-    outside = rdflib.Graph().parse(data=report_turtle(twin.with_edit(SLIDE, velocityLimit=0.0)))
-    focus = rdflib.URIRef("http://www.w3.org/ns/shacl#focusNode")
-    assert list(outside.objects(None, focus)) == [rdflib.URIRef(joint_iri("k", "slide"))]
+def test_kitchen_and_robot_are_looked_at_apart_and_nothing_is_missed_by_that() -> None:
+    twin = load_twin("b", ["stretch"])
+    (robot,), container = twin.robots, twin.containers()[0]
+    twin = twin.with_edit(robot, baseLinearVelocity=0.0).with_edit(container.joint, velocityLimit=0.0)
+    whole = check(request_graph(twin, container, robot, LAW + "Open"), D_ARTIC.shapes, [])
+    assert len(whole) == 2
+    assert violations(twin, container, robot, LAW + "Open") == whole
+
+
+def test_a_graph_for_pyshacl_says_what_the_twin_says() -> None:
+    twin = load_twin("b", ["stretch"])
+    graph = twin.entities.asserted[twin.robots[0]]
+    written = twin.entities.store.dump([graph]).dump(
+        format=ox.RdfFormat.N_TRIPLES, from_graph=ox.NamedNode(graph)
+    )
+    assert written is not None
+    read = rdflib.Graph().parse(data=written, format="nt")
+    assert _values(rdflib_graph(twin.entities.store.triples(graph))) == _values(read)
+
+
+def _values(graph: rdflib.Graph) -> set[tuple[object, ...]]:
+    return {(s, p, o.toPython()) for s, p, o in graph}  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("robot", ["pr2", "tiago_dual", "stretch"])

@@ -3,8 +3,8 @@
 import rdflib
 
 import ontology
-from sdt_kg.iri import TEE, local_name
-from services.scoping import Lack, Membership, scope_map, tee_classes, to_json
+from sdt_kg.iri import SH, TEE, local_name
+from services.scoping import Lack, Membership, report_turtle, scope_map, tee_classes, to_json
 from tests.small import small_twin
 
 TWIN = small_twin("a", ("pr2",))
@@ -78,3 +78,12 @@ def test_the_command_tells_the_map_and_refuses_nonsense(sdt) -> None:
     for text in ("D_artic_dyn", "refines", "where the interval ends", "no containers, and why"):
         assert text in done.out
     assert sdt("scope", "no-such-kitchen", "--explain").code == 2
+
+
+def test_the_report_is_shacl() -> None:
+    conforms, focus = rdflib.URIRef(SH + "conforms"), rdflib.URIRef(SH + "focusNode")
+    inside = rdflib.Graph().parse(data=report_turtle(TWIN))
+    assert [str(value) for value in inside.objects(None, conforms)] == ["true"]
+    outside = rdflib.Graph().parse(data=report_turtle(TWIN.with_edit(DRAWER.joint, velocityLimit=0.0)))
+    assert [str(value) for value in outside.objects(None, conforms)] == ["false"]
+    assert list(outside.objects(None, focus)) == [rdflib.URIRef(DRAWER.joint)]

@@ -8,7 +8,7 @@ from predicates.oracle import tee_class_of
 from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin
-from sdt_kg.scope import report_turtle, violations
+from sdt_kg.scope import violations
 from sdt_kg.twin import Container
 from services.app import load
 from services.commands.completion.types import ROBOT
@@ -25,6 +25,7 @@ from services.commands.options import (
 )
 from services.commands.show import console, csv_is_asked, print_json, print_rows
 from services.commands.tee_class import in_class
+from services.scoping import report_turtle
 
 COLUMNS = (
     "name",
