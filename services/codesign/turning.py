@@ -131,15 +131,18 @@ def container_asked(world: World, text: str) -> Container:
 
 
 def _all(work: Callable[[Family | None], Sought], todo: list[Family | None], jobs: int) -> list[Sought]:
-    """In the order of the families, whichever is done first; the longest are begun first."""
-    longest = sorted(todo, key=_length, reverse=True)
-    done = {family and family.name: found for family, found in each_done(longest, jobs, work)}
+    """In the order of the families, whichever is done first."""
+    done = {
+        family and family.name: found for family, found in each_done(sorted(todo, key=_begun), jobs, work)
+    }
     return [done[family and family.name] for family in todo]
 
 
-def _length(family: Family | None) -> int:
-    """[1] Worlds that a family may ask about in its first scan; base poses are looked for before."""
-    return LONGEST if family is None else len(family.edits) * max(family.scan, 1)
+def _begun(family: Family | None) -> tuple[bool, int]:
+    """When a family is begun: whole edits, which are few, then base poses, then the longest first."""
+    if family is None:
+        return True, -LONGEST
+    return family.scan > 0, -len(family.edits) * family.scan
 
 
 def _together(work: Callable[[Family | None], Sought], family: Family, jobs: int) -> Sought:

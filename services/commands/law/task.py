@@ -202,6 +202,6 @@ def _chosen(step: Json, said: Json) -> str:
         return ""
     unit = said["quality"]["unit"]
     return (
-        f"  (seed {step['seed']}, {step['value']:.4g} {unit}: best of {step['compared']} certified, "
-        f"{step['searches']} searched)"
+        f"  (seed {step['seed']}, {step['value']:.4g} {unit}: best of {step['compared']} certified "
+        f"that break no rule, {step['searches']} searched)"
     )
