@@ -7,9 +7,11 @@ of files: an edit of any of these compiles anew what holds it, a fresh checkout 
 """
 
 import hashlib
+import math
 import pickle
 import sys
 import tempfile
+import time
 from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
@@ -23,6 +25,9 @@ from numba.core.caching import CompileResultCacheImpl, _Cache
 from numba.core.compiler import Compiler
 from numba.core.dispatcher import Dispatcher
 from numba.core.serialize import dumps
+
+FORMER = 4
+"""[1] Files of former code that are kept of a function: one goes to and fro between branches."""
 
 LIBRARIES = {"math", "numpy"}
 """Modules of which a kernel may read attributes; what they mean is numba's, and told by its version."""
@@ -123,6 +128,14 @@ class _Pipeline(Compiler):
             _settings.OPT = usual
 
 
+def _age(file: Path) -> float:
+    """[s] Before now; of one that another process removed, endless."""
+    try:
+        return time.time() - file.stat().st_mtime
+    except FileNotFoundError:
+        return math.inf
+
+
 class _Kept(_Cache):
     """Whom numba asks for compiled code: a file for the types of each call, whose name tells what is in it.
 
@@ -149,11 +162,11 @@ class _Kept(_Cache):
         return self._placed.rebuild(target_context, data) if same == key else None
 
     def save_overload(self, sig: object, data: Any) -> None:  # noqa: ANN401 - numba's
-        """It is kept; what was kept of the function as it was before is gone."""
+        """It is kept, and of the function as it was before only what is newest."""
         if not self._enabled or not self._placed.check_cachable(data):
             return
         self._placed.locator.ensure_cache_path()
-        for each in set(self._folder.glob(f"{self._stem}.*.nbc")).difference(self.files()):
+        for each in sorted(self._former(), key=_age)[FORMER:]:
             each.unlink(missing_ok=True)
         key = self._key(sig, data.codegen)
         with tempfile.NamedTemporaryFile(dir=self._folder, suffix=".tmp", delete=False) as file:
@@ -163,6 +176,9 @@ class _Kept(_Cache):
     def files(self) -> list[Path]:
         """Those of the function as it is now."""
         return sorted(self._folder.glob(f"{self._stem}.{self._stamp}.*.nbc"))
+
+    def _former(self) -> set[Path]:
+        return set(self._folder.glob(f"{self._stem}.*.nbc")).difference(self.files())
 
     def enable(self) -> None:
         self._enabled = True

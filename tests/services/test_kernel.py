@@ -8,6 +8,7 @@ from types import ModuleType
 
 import pytest
 
+from services import kernel
 from services.kernel import kept, made_of
 
 CALLEE = """
@@ -82,15 +83,14 @@ def test_an_edit_of_a_constant_that_a_callee_reads_compiles_its_callers_anew(loa
     assert loaded(step=5.0).outer(1.0) == 6.0
 
 
-def test_only_what_belongs_to_the_present_code_is_kept(loaded: Loader) -> None:
-    first = loaded()
-    first.outer(1.0)
-    (before,) = kept(first.outer)
-    second = loaded(inner="x * STEP")
-    second.outer(1.0)
-    (after,) = kept(second.outer)
-    assert not before.exists()
-    assert after.exists()
+def test_of_former_code_only_the_newest_is_kept(loaded: Loader, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kernel, "FORMER", 1)
+    found: list[Path] = []
+    for factor in (2.0, 3.0, 4.0):
+        outer = loaded(inner=f"x * {factor}").outer
+        assert outer(1.0) == factor
+        found += kept(outer)
+    assert [each.exists() for each in found] == [False, True, True]
 
 
 def test_each_kind_of_argument_has_its_own_file(loaded: Loader) -> None:
