@@ -62,15 +62,17 @@ def size(random: Random, least: float, most: float) -> float:
     return float(np.exp(random.uniform(np.log(least), np.log(most))) * random.choice((-1, 1)))
 
 
+def _arm(motion: Motion) -> list[int]:
+    """Columns of joints that move, one by one, and are no gripper's: how fingers hold is another test's."""
+    q, names = motion["robot_positions"], motion["robot_joint_names"].tolist()
+    alone = [sum(np.array_equal(one, other) for other in q.T) == 1 and np.ptp(one) > 0.01 for one in q.T]
+    return [k for k, name in enumerate(names) if alone[k] and "gripper" not in name]
+
+
 def _column(random: Random, motion: Motion) -> tuple[int, int]:
-    """Base or robot, and a column of it; of the robot one that moves, and not together with another."""
+    """Base or robot, and a column of it."""
     part = int(random.random() < 0.7)
-    q = motion[PARTS[part][0]]
-    alone = [
-        k for k in range(q.shape[1])
-        if not part or (np.ptp(q[:, k]) > 0 and sum(np.array_equal(q[:, k], each) for each in q.T) == 1)
-    ]  # fmt: skip
-    return part, int(random.choice(alone))
+    return part, int(random.choice(_arm(motion) if part else 3))
 
 
 def _changed(motion: Motion, where: tuple[int, int], by: np.ndarray, rate: np.ndarray) -> Motion:
@@ -124,7 +126,7 @@ def another(random: Random, variant: Variant) -> Variant:
 def limit(random: Random, variant: Variant) -> Variant:
     """A limit of a joint shrinks to about what the motion uses of it."""
     motion = variant.motion
-    column = int(random.choice(np.flatnonzero(np.ptp(motion["robot_positions"], axis=0) > 0.01)))
+    column = int(random.choice(_arm(motion)))
     name = str(motion["robot_joint_names"][column])
     kind = str(random.choice(("upper", "velocity")))
     used = motion["robot_positions" if kind == "upper" else "robot_velocities"][:, column]
