@@ -47,6 +47,9 @@ codesign.matrix(found)
 # %%
 codesign.reuse(found)
 
+# %%
+codesign.verdicts(found)
+
 # %% [markdown]
 # The best of these worlds is the best of those that were listed, and no more: an edit that is not on an axis
 # was not tried. A field that is not certified and not proved may be certified with more seconds.

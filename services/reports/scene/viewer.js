@@ -66,7 +66,7 @@
   const canvas = make("canvas", stage, { tabIndex: 0 });
   canvas.setAttribute("role", "img");
   canvas.setAttribute("aria-label", `${data.title}. Drag or use the arrow keys to turn, + and - to zoom, space to play.`);
-  const gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+  const gl = canvas.getContext("webgl2", { alpha: false, antialias: true, preserveDrawingBuffer: true });
   if (!gl) {
     stage.textContent = "This browser has no WebGL 2, which the 3D view needs; figures and tables are complete without it.";
     return;

@@ -12,7 +12,7 @@ from services.app import load
 from services.codesign.entries import Entry as Judged
 from services.codesign.entries import Grid
 from services.codesign.grid import Asked, run, worlds_of
-from services.codesign.report import outcome_name, reuse_lines, turned_rows, why, world_name
+from services.codesign.report import entry_rows, outcome_name, reuse_lines, turned_rows, why, world_name
 from services.embodiment.certify.certificate import read_certificate
 from services.physics.model import Scene
 from services.reports.pages.figure import Figure, drawn
@@ -171,9 +171,25 @@ def _field(cell: Judged, found: Coverage) -> Cell:
 
 def turned(found: Coverage) -> Table:
     """What turned, which predicate, and why."""
-    rows = [{key: value for key, value in row.items() if key != "kitchen"} for row in turned_rows(found.grid)]
+    rows = [
+        {key: value for key, value in row.items() if key != "kitchen"}
+        | {"outcome": str(row["outcome"]).replace("_", " ")}
+        for row in turned_rows(found.grid)
+    ]
     return Table.of(
         "codesign_turned", "Every verdict that an edit turns.", rows or [{"world": "nothing turns"}]
+    )
+
+
+def verdicts(found: Coverage) -> Table:
+    """Every verdict by its IRI, and where its outcome is from."""
+    columns = {"edits": "world", "robot": "robot", "container": "container", "outcome": "outcome"}
+    columns |= {"how": "from", "iri": "verdict"}
+    rows = [{said: row[name] for name, said in columns.items()} for row in entry_rows(found.grid)]
+    return Table.of(
+        "codesign_verdicts",
+        "Every verdict by its name, the hash of its inputs; of a search of the world as it is, that one's.",
+        rows,
     )
 
 

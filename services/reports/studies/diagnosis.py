@@ -247,11 +247,16 @@ def _moment(found: Diagnosed, diagnosis: Diagnosis, of: Evidence, q: np.ndarray)
     lines, base = tuple[Line, ...](), q[found.scene.base]
     at = np.array([[base[0], base[1], 0.5]])
     if of.links is not None and (between := gap(found.scene, q, of.links)) is not None:
-        lines = (Line(between[1], f"nearest points, {1000 * between[0]:.1f} mm apart", "gap"),)
+        lines = (Line(between[1], f"nearest points, {_apart(between[0])}", "gap"),)
         at = between[1]
     start = found.world.service.twin.kitchen().start
     camera = beside(at, base[:2], (start[0], start[1]))
     return replace(clip, ghost=True, red=_offending(found, of), lines=lines, camera=camera)
+
+
+def _apart(distance: float) -> str:
+    """A signed distance [m] in words."""
+    return f"{1000 * abs(distance):.1f} mm {'apart' if distance >= 0 else 'in each other'}"
 
 
 def _offending(found: Diagnosed, of: Evidence) -> frozenset[str]:

@@ -56,9 +56,11 @@ def test_counterfactual_shows_what_turned_and_why_and_keeps_only_the_kitchen_as_
 
 def test_codesign_counts_every_world() -> None:
     parameters = {"kitchen": "b", "robots": "stretch", "task": f"open:{DRAWER}", "jobs": 1}
-    counts, *_ = run("codesign", edits=f"jam:{DRAWER}", **parameters, **ONE)
+    counts, *_, verdicts = run("codesign", edits=f"jam:{DRAWER}", **parameters, **ONE)
     assert re.search(r"as it is\s+0\s+1 of 1\s", words(counts))
     assert re.search(rf"jam:{DRAWER}\s+1\s+0 of 1 \(-1\)", words(counts))
+    named = re.findall(r"https://example\.org/id/verdict/[0-9a-f]{64}", words(verdicts))
+    assert len(set(named)) == 2
 
 
 def test_learning_finds_the_hinge_that_was_moved_and_proposes_it() -> None:

@@ -10,6 +10,10 @@ from tests.browser import Browser
 from tests.services.reports.conftest import DRAWER, Written
 
 READY = "return Boolean(document.querySelector('.sdt-view') && document.querySelector('.sdt-view').sdtView)"
+OPAQUE = """
+const gl = document.querySelector('.sdt-view canvas').getContext('webgl2');
+return gl.getContextAttributes().alpha === false
+"""
 COLORS = """
 const gl = document.querySelector('.sdt-view canvas').getContext('webgl2');
 const n = gl.drawingBufferWidth * gl.drawingBufferHeight, seen = new Uint8Array(4 * n), found = new Set();
@@ -24,6 +28,7 @@ def test_the_page_plays_offline_as_pinocchio_moves(written: Written, browser: Br
     driver.get(written.html.as_uri())
     browser.until(lambda: driver.execute_script(READY), "the scene")
     browser.until(lambda: driver.execute_script(COLORS) > 50, "kitchen, robot and shades of them")
+    assert driver.execute_script(OPAQUE), "the page would shine through a ghost"
     found = judged("b", "stretch", f"open:{DRAWER}", drive="omni", budget=5.0, store=str(written.store))
     scene, (one,) = found.scenes["stretch"], found.all
     assert one.motion is not None
