@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.body.limb import Limb
+from services.embodiment.hold.fit import Fitter
 from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.holding import Searcher
 from services.embodiment.ways.approach import Approacher
@@ -16,7 +17,6 @@ from services.embodiment.ways.assemble import Assembler
 Array = NDArray[np.float64]
 
 GRASPS = (6, 12, 36)  # grasps of one gripper that are searched in the first rounds, and from then on
-MOST_GRASPS = 72  # of each kind, of one gripper, where many postures search together
 ROUNDS = 24  # batches of seeds for one gripper before the search gives up
 BLOCKED = 24  # holdings of one gripper that cannot be approached before its search gives up
 
@@ -34,6 +34,7 @@ class Attempt:
     """
 
     limb: Limb
+    fitter: Fitter
     grasps: list[tuple[Grasp, Array]]
     more: Iterator[tuple[Grasp, Array]]
     steep: list[tuple[Grasp, Array]]
@@ -55,13 +56,6 @@ class Attempt:
         if self._tries_steep(number):
             self.steep.extend(islice(self.steeper, max(due - len(self.steep), 0)))
         self.searcher.tally.grasps = len(self.grasps) + len(self.steep)
-
-    def all(self) -> list[tuple[Grasp, Array]]:
-        """Many grasps of each kind, each once."""
-        self.grasps.extend(islice(self.more, max(MOST_GRASPS - len(self.grasps), 0)))
-        self.steep.extend(islice(self.steeper, max(MOST_GRASPS - len(self.steep), 0)))
-        self.searcher.tally.grasps = len(self.grasps) + len(self.steep)
-        return [*{one[0].index: one for one in (*self.grasps, *self.steep)}.values()]
 
     def _tries_steep(self, number: int) -> bool:
         return number >= len(GRASPS) - 1 and number % 2 == 1 and not self.searcher.tally.paths

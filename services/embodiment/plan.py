@@ -120,14 +120,17 @@ class Planner:
         yield from self._spread()
 
     def _spread(self) -> Iterator[Planned]:
-        """Plans for a base that stands: from holdings that many postures find together."""
-        if self.setting.drive is not Drive.FIXED:
-            return
+        """Plans from holdings of more grasps that many postures find together."""
         for attempt in self.attempts:
             if self.proof is not None or self.late() or not attempt.grasps:
                 continue
-            spreader = Spreader(attempt.searcher, attempt.all(), attempt.rng, self.late)
-            yield from self._of(attempt, spreader.holdings())
+            at = time.perf_counter()
+            grasps = attempt.fitter.wide(self.late)
+            attempt.searcher.tally.grasps += len(grasps)
+            self._spent("grasp", at)
+            if grasps:
+                spreader = Spreader(attempt.searcher, grasps, attempt.rng, self.late)
+                yield from self._of(attempt, spreader.holdings())
 
     def _proved_early(self, number: int) -> bool:
         """Whether there is a proof; looked for once if no posture reached the handle in the first round."""
@@ -213,7 +216,7 @@ class Planner:
         approacher = Approacher(roads, kit.hand, kit.opened, start, self.late)
         assembler = Assembler(world, limb, setting.robot, problem, setting.motion)
         rng = np.random.default_rng(self.seed)
-        return Attempt(limb, [], fitted, [], steep, searcher, approacher, assembler, rng)
+        return Attempt(limb, fitter, [], fitted, [], steep, searcher, approacher, assembler, rng)
 
     def _problem(self, bar: Bar, q: Array) -> Problem:
         values = np.linspace(self.mechanics.start, float(self.setting.motion.values[-1, 0]), WAYPOINTS)

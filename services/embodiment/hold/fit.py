@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from services.embodiment.body import hands
 from services.embodiment.body.world import Rules, World
-from services.embodiment.hold.grasp import TOUCH, Grasp, Hand, grasp_set, steepness
+from services.embodiment.hold.grasp import TOUCH, Grasp, Hand, grasp_set, steepness, wide_set
 from services.embodiment.hold.handle import Bar
 from services.embodiment.hold.holding import Problem
 
@@ -103,20 +103,32 @@ class Fitter:
             yield from sorted(self._all, key=lambda one: steepness(one[0].index)) if steep else self._all
             return
         found: list[Fitted] = []
+        for fitted in self._fitted_of(lambda: grasp_set(self.bar, steep), late):
+            found.append(fitted)
+            yield fitted
+        if not late():
+            self._all = found
+
+    def wide(self, late: Callable[[], bool]) -> list[Fitted]:
+        """The same of the wide set."""
+        return list(self._fitted_of(lambda: wide_set(self.bar), late))
+
+    def _fitted_of(self, grasps: Callable[[], Iterator[Grasp]], late: Callable[[], bool]) -> Iterator[Fitted]:
+        """Those of a set that fit, the fingers no narrower than needed."""
+        found = 0
         for share in OPENINGS:
-            grasps = grasp_set(self.bar, steep)
-            while block := list(islice(grasps, BLOCK)):
+            some = grasps()
+            while block := list(islice(some, BLOCK)):
                 if late():
                     return
                 self._screen(block, share)
                 for grasp in block:
                     fitted = self._fitted(grasp, share)
                     if fitted is not None:
-                        found.append(fitted)
+                        found += 1
                         yield fitted
-            if len(found) >= ENOUGH:
-                break
-        self._all = found
+            if found >= ENOUGH:
+                return
 
     def _screen(self, grasps: list[Grasp], share: float) -> None:
         """Those grasps at which the open hand touches something before the container moves are ruled out."""

@@ -26,6 +26,11 @@ PITCHES = np.radians([0, -20, 20, -40, 40, -60, 60, -80, 80])  # [rad] about the
 TILTS = np.radians([0, -25, 25, -50, 50])  # [rad] along the bar, the fingers still closing across it
 PLACES = (0.0, 0.5, -0.5)  # [1] along the bar, as a share of what of it leaves the fingers on the bar
 DEPTHS = (0.0, -0.008, 0.008, -0.016, 0.016)  # [m] the tool frame beyond the bar's middle, along the approach
+WIDE_PITCHES = np.radians([0, -10, 10, -20, 20, -30, 30, -40, 40, -50, 50, -60, 60, -80, 80])
+WIDE_TILTS = np.radians([0, -25, 25, -50, 50, -65, 65, -80, 80])
+WIDE_DEPTHS = (0.0, -0.012, 0.012)  # [m]
+"""The same of a set that is more than single paths have the time for."""
+FIRST_WIDE = 10_000  # number of the first grasp of that set
 FINGER_HALF = 0.015  # [m] kept from the ends of a bar, half a finger's width
 TOUCH = 0.0003  # [m] distance from which a finger counts as touching: certify allows 2 mm
 
@@ -60,7 +65,8 @@ def _turned(axis: Array, angle: float, vector: Array) -> Array:
 
 def grasp_settings() -> str:
     """What the grasp set depends on, as text."""
-    return repr((PITCHES.tolist(), TILTS.tolist(), PLACES, DEPTHS, FINGER_HALF, TOUCH))
+    wide = WIDE_PITCHES.tolist(), WIDE_TILTS.tolist(), WIDE_DEPTHS
+    return repr((PITCHES.tolist(), TILTS.tolist(), PLACES, DEPTHS, wide, FINGER_HALF, TOUCH))
 
 
 def grasp_set(bar: Bar, steep: bool = False) -> Iterator[Grasp]:
@@ -74,6 +80,17 @@ def grasp_set(bar: Bar, steep: bool = False) -> Iterator[Grasp]:
         rotation = turns[key]
         translation = bar.centre + PLACES[place] * room * bar.along + DEPTHS[depth] * rotation[:, 0]
         yield Grasp(rotation, translation, index)
+
+
+def wide_set(bar: Bar) -> Iterator[Grasp]:
+    """Grasps of a bar from more directions, also from beside it, nearly along the bar."""
+    room = max(bar.length / 2 - FINGER_HALF, 0.0)
+    turns = itertools.product(WIDE_PITCHES.tolist(), WIDE_TILTS.tolist(), (1, -1))
+    numbers = itertools.count(FIRST_WIDE)
+    for turn in (_turn(bar, *one) for one in turns):
+        for place, depth in itertools.product(PLACES, WIDE_DEPTHS):
+            translation = bar.centre + place * room * bar.along + depth * turn[:, 0]
+            yield Grasp(turn, translation, next(numbers))
 
 
 @lru_cache(maxsize=2)

@@ -4,6 +4,7 @@ A path that is followed step by step makes its choices as it goes: which way the
 a limit or a panel stops it much later. Here many postures, of all grasps, go from the value of the container
 at which the fewest are free to both ends. At each step every posture has children beside it, as its
 redundancy allows; those that meet the handle and touch nothing go on. A path that arrives is straightened.
+A base that does not move sideways stands while the handle moves.
 """
 
 from collections.abc import Callable, Iterator
@@ -12,7 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sdt_kg.annotation import Drive
 from services.embodiment.body import ik
+from services.embodiment.body.limb import BASE
 from services.embodiment.body.track import EXACT, JUMP
 from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.holding import STEPS, Holding, Searcher
@@ -22,7 +25,7 @@ Indices = NDArray[np.intp]
 
 LOOKED_AT = 5  # values of the container at which free postures are counted first
 BATCHES = 16  # of seeds at each of them
-MORE_BATCHES = 64  # of seeds at the one with the fewest, until there are enough
+MORE = 3  # [1] times as many, where all values have free postures
 MOST = 192  # postures that go on
 CHILDREN = 2  # of each, beside the one that moves least
 BESIDE = 0.12  # [rad or m] standard deviation of a child from its parent, before it meets the handle
@@ -72,6 +75,9 @@ class Spreader:
         self._tool_r, self._tool_p = (np.stack([one[k] for one in tools]) for k in (0, 1))
         self._rests = np.stack([rest for _, rest in grasps])
         self._last = len(problem.values) - 1
+        self._weight = searcher.weight.copy()
+        if searcher.drive is not Drive.OMNI:
+            self._weight[BASE] = 0.0
 
     def holdings(self) -> Iterator[Holding]:
         """Holdings from the first waypoint to the last."""
@@ -107,38 +113,44 @@ class Spreader:
             yield Holding(self.limb, grasp, path, rest, "followed among many")
 
     def _hardest(self) -> tuple[int, Layer] | None:
-        """The waypoint with the fewest free postures, and these; None where one has none."""
+        """The waypoint with the fewest free postures, and these, of grasps that all waypoints looked at have.
+
+        None where there are none.
+        """
+        every = np.arange(len(self.grasps))
+        looked_at = np.linspace(0, self._last, LOOKED_AT).astype(int).tolist()[::-1]
         found: dict[int, Layer] = {}
-        for index in np.linspace(0, self._last, LOOKED_AT).astype(int).tolist()[::-1]:
-            found[index] = self._free_seeds(index)
+        for index in looked_at:
+            found[index] = self._free_seeds(index, every, 1)
             if not len(found[index].xs) or self._late():
                 return None
         hardest = min(found, key=lambda index: len(found[index].xs))
-        layer, more = found[hardest], MORE_BATCHES // BATCHES
-        while len(layer.xs) < MOST and more and not self._late():
-            another, more = self._free_seeds(hardest), more - 1
-            xs = np.concatenate([layer.xs, another.xs])
-            grasps = np.concatenate([layer.grasps, another.grasps])
-            layer = Layer(xs, grasps, np.arange(len(xs)))
-        return hardest, layer
+        start = _both(found[hardest], self._free_seeds(hardest, every, MORE))
+        common = np.unique(start.grasps)
+        for index in sorted(looked_at, key=lambda index: len(found[index].xs))[1:]:
+            common = np.intersect1d(common, self._free_seeds(index, common, MORE).grasps)
+            if not len(common) or self._late():
+                return None
+        start = _both(start.some(np.isin(start.grasps, common)), self._free_seeds(hardest, common, MORE))
+        return hardest, Layer(start.xs, start.grasps, np.arange(len(start.xs)))
 
-    def _free_seeds(self, index: int) -> Layer:
-        xs = np.concatenate([self.searcher.seeds(index, self._rng) for _ in range(BATCHES)])
-        grasps = self._rng.integers(len(self.grasps), size=len(xs))
-        layer = Layer(xs, grasps, np.arange(len(xs)))
-        met = self._meet(layer, index)
+    def _free_seeds(self, index: int, grasps: Indices, times: int) -> Layer:
+        """Free postures at a waypoint that some batches of seeds for these grasps lead to."""
+        xs = np.concatenate([self.searcher.seeds(index, self._rng) for _ in range(BATCHES * times)])
+        layer = Layer(xs, self._rng.choice(grasps, len(xs)), np.arange(len(xs)))
+        met = self._meet(layer, index, self.searcher.weight)
         self.searcher.tally.seeds += len(xs)
         self.searcher.tally.solved += int(met.sum())
         layer = layer.some(met)
-        layer = layer.some(self._clear(layer, index)) if len(layer.xs) else layer
-        return Layer(layer.xs, layer.grasps, np.arange(len(layer.xs)))
+        return layer.some(self._clear(layer, index)) if len(layer.xs) else layer
 
-    def _meet(self, layer: Layer, index: int | Indices) -> NDArray[np.bool_]:
-        """Which postures were moved to where the tool is in their grasp."""
+    def _meet(self, layer: Layer, index: int | Indices, weight: Array | None = None) -> NDArray[np.bool_]:
+        """Which postures were moved to where the tool is in their grasp; without a weight as they follow."""
         one = self.searcher
         target = self._tool_r[layer.grasps, index], self._tool_p[layer.grasps, index]
         limits = one.lower, one.upper
-        return ik.solve_many(layer.xs, *target, self.limb.chain, one.weight, *limits, STEPS, EXACT)
+        weight = self._weight if weight is None else weight
+        return ik.solve_many(layer.xs, *target, self.limb.chain, weight, *limits, STEPS, EXACT)
 
     def _clear(self, layer: Layer, index: int | Indices) -> NDArray[np.bool_]:
         """Which postures touch nothing."""
@@ -170,7 +182,7 @@ class Spreader:
         parents = np.tile(np.arange(len(layer.xs)), 1 + CHILDREN)
         beside = self._rng.normal(scale=BESIDE, size=(len(parents), layer.xs.shape[1]))
         beside[: len(layer.xs)] = 0.0
-        beside[:, self.searcher.weight == 0.0] = 0.0
+        beside[:, self._weight == 0.0] = 0.0
         xs = np.clip(layer.xs[parents] + beside, self.searcher.lower, self.searcher.upper)
         return Layer(xs, layer.grasps[parents], parents)
 
@@ -197,6 +209,15 @@ class Spreader:
                 free = self._clear(layer, layer.parents)
                 path[layer.parents[free]] = layer.xs[free]
         return path if np.abs(np.diff(path, axis=0)).max() < JUMP else given
+
+
+def _both(one: Layer, other: Layer) -> Layer:
+    """The postures of two layers of one waypoint."""
+    return Layer(
+        np.concatenate([one.xs, other.xs]),
+        np.concatenate([one.grasps, other.grasps]),
+        np.concatenate([one.parents, other.parents]),
+    )
 
 
 def _traced(layers: list[Layer]) -> list[Indices]:

@@ -33,11 +33,6 @@ def test_a_drawer_at_the_height_of_a_head_is_taken_from_below(tmp_path: Path) ->
     assert result(tmp_path, 4, "pr2", Drive.OMNI, 15 * BUDGET) is Result.CERTIFIED
 
 
-def test_a_door_that_no_single_path_follows_is_opened_by_one_of_many(tmp_path: Path) -> None:
-    # Beside a fixed base: followed one by one, paths end at 95 % of the way, where the elbow is stretched out.
-    assert result(tmp_path, 14, "pr2", Drive.FIXED, 15 * BUDGET) is Result.CERTIFIED
-
-
 def test_a_drawer_that_opens_into_a_fixed_tiago_is_proved_impossible(tmp_path: Path) -> None:
     # In hand it comes 0.36 m of 0.41 m far, then it meets the base.
     assert result(tmp_path, 2, "tiago_dual", Drive.FIXED, BUDGET) is Result.PROVED

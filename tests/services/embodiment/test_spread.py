@@ -1,0 +1,78 @@
+"""Holdings that many postures find together: they hold the handle all along, and touch nothing."""
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sdt_kg.annotation import Drive
+from sdt_kg.load import load_twin
+from services.embodiment.body.limb import Margins, touching
+from services.embodiment.body.track import JUMP
+from services.embodiment.body.world import World
+from services.embodiment.hold.fit import Fitter
+from services.embodiment.hold.grasp import FIRST_WIDE, grasp_set, wide_set
+from services.embodiment.hold.handle import Bar, Mechanics, find_bar
+from services.embodiment.hold.holding import Problem, Searcher
+from services.embodiment.hold.kit import Kits
+from services.embodiment.hold.spread import Spreader
+from services.physics.model import Scene
+from tests.soak.doors import draw, write
+
+pytestmark = pytest.mark.oracle
+
+FRONT = 14
+"""A door of 0.47 m, its hinge on the left, its handle 1.65 m high, 0.58 m before the robot."""
+OPEN = 1.472  # [rad]
+
+
+def searched(folder: Path, base: tuple[float, float, float]) -> Spreader:
+    twin = load_twin(write(draw(np.random.default_rng(FRONT)), folder, "front"), ["pr2"])
+    world = World(Scene(twin, twin.robots[0]))
+    kit = Kits(world, Margins()).of(world.scene.annotation.grippers[0])
+    container = twin.container("front_door")
+    mechanics, q = Mechanics(world, container), kit.limb.q(kit.limb.parked)
+    bar = find_bar(world, mechanics, q)
+    assert bar is not None
+    values = np.linspace(0.0, OPEN, 61)
+    poses = mechanics.handle_poses(q, bar.joint, values)
+    problem = Problem(mechanics, values, *poses, poses[0][0] @ bar.outward)
+    holding = touching(world, kit.limb, kit.demands, (container.handle,))
+    searcher = Searcher(world, kit.limb, problem, holding, Drive.FIXED)
+    searcher.stand(np.array(base))
+    fitter = Fitter(kit.hand, problem, bar, (holding, kit.demands), Counter())
+    grasps = fitter.wide(lambda: False)
+    return Spreader(searcher, grasps, np.random.default_rng(0), lambda: False)
+
+
+def test_a_holding_keeps_its_grasp_its_limits_and_its_distance(tmp_path: Path) -> None:
+    spreader = searched(tmp_path, (0.0, 0.0, 0.0))
+    found = next(spreader.holdings())
+    one, problem = spreader.searcher, spreader.searcher.problem
+    target_r, target_p = found.grasp.tool(problem.handle_r, problem.handle_p)
+    for x, r, p in zip(found.xs, target_r, target_p, strict=True):
+        tool_r, tool_p = found.limb.tool(x)
+        np.testing.assert_allclose(tool_r, r, atol=1e-6)
+        np.testing.assert_allclose(tool_p, p, atol=1e-6)
+    assert (found.xs[:, :3] == 0.0).all()
+    assert (found.xs[:, 3:] >= one.lower[3:]).all()
+    assert (found.xs[:, 3:] <= one.upper[3:]).all()
+    assert np.abs(np.diff(found.xs, axis=0)).max() < JUMP
+    q = problem.mechanics.put_each(found.limb.q(found.xs, found.rest), problem.values)
+    assert one.world.contact(q, one.rules) is None
+
+
+def test_nothing_is_held_where_some_value_is_out_of_reach(tmp_path: Path) -> None:
+    assert [*searched(tmp_path, (-1.0, 0.0, 0.0)).holdings()] == []
+
+
+def test_the_wide_set_has_other_numbers_and_closes_across_the_bar() -> None:
+    bar = Bar(1, np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([-1.0, 0.0, 0.0]), 0.2, 0.012, 0.012)
+    wide = [*wide_set(bar)]
+    assert min(one.index for one in wide) == FIRST_WIDE > max(one.index for one in grasp_set(bar))
+    assert len({one.index for one in wide}) == len(wide)
+    for one in wide:
+        np.testing.assert_allclose(one.rotation.T @ one.rotation, np.eye(3), atol=1e-12)
+        assert abs(one.rotation[:, 1] @ bar.along) < 1e-12
+    assert max(abs(one.rotation[:, 0] @ bar.along) for one in wide) > np.sin(np.radians(79))
