@@ -103,8 +103,9 @@ def search(grid, omni, lengths, target, most, last, run, marks, far, before, hea
     `lengths` are those of the moves [m], `target` is (i and j of the first cell, size of a cell [m], x and y
     of the goal [m], weight of what is left). From `most` cells one search goes on; it ends at those of
     `last`. `run` is its number: `marks` (2, cells) says which cells were reached in it, and which are done;
-    `far` and `before` are the length of the way to each cell, and the cell before it. `heap` is (values, cells, (how
-    many wait, how many are done)). In `asked` are cells of which it has to be known whether they are free.
+    `far` and `before` are the length of the way to each cell, and the cell before it. `heap` is (values,
+    cells, (how many wait, how many are done)). In `asked` are cells of which it has to be known whether they
+    are free.
     """
     shape, box, status, barred = grid
     queue, nodes, counts = heap

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.errors import OracleRejectedError
-from services.embodiment.certify.sweep import compiled
+from services.embodiment.certify.sweep import compiled, telling
 from services.embodiment.certify.sweep.kinematics import Kinematics, Placed
 from services.embodiment.certify.sweep.pieces import Spans, Timeline
 from services.embodiment.certify.sweep.shapes import Shapes
@@ -153,7 +153,7 @@ class Sweep:
         least, room = float(self.pairs.least.max()) + NEAR, len(self.pairs.shapes) + ROOM
         while True:
             which, pair = np.empty((2, room), dtype=np.intp)
-            count = compiled.starting(self.pairs.shapes, low, high, least, which, pair)
+            count = telling.starting(self.pairs.shapes, low, high, least, which, pair)
             if count <= room:
                 return Items(pair[:count], intervals[which[:count]])
             room = count
@@ -163,25 +163,35 @@ class Sweep:
         unique, span = np.unique(items.interval, return_inverse=True)
         spans = self.timeline.spans(level, unique)
         placed = self.kinematics.place(spans.q, spans.v)
-        one, other = self.pairs.shapes[items.pair].T
         done, (distance, approach, between) = self._looked_at(items, span, spans, placed)
-        ask = done != compiled.SHUT
-        left = done == compiled.LEFT
-        distance[left] = self.shapes.distances(placed, span[left], self.pairs.shapes[items.pair[left]])
-        self.found.queries += int(ask.sum())
-        least, now = self._least(items.pair, spans, span)
-        width = (spans.end - spans.start)[span]
-        most = between + self.shapes.radius[one] + self.shapes.radius[other]
-        if not (distance <= most + PRECISION).all():  # also true of what is not a number
+        left = np.flatnonzero(done == telling.LEFT)
+        if len(left):
+            pairs = self.pairs.shapes[items.pair[left]]
+            distance[left] = self.shapes.distances(placed, span[left], pairs)
+        low, last, seen = np.empty(len(items)), np.empty(len(items), bool), np.empty(len(items), np.int8)
+        queries, sane = telling.settle(
+            (items.pair, span),
+            self.pairs.shapes,
+            self._keep,
+            self.shapes.radius,
+            spans.arrays,
+            spans.middle,
+            (done, distance, approach, between),
+            self.found.slack,
+            (resolution, SHORTEST, PRECISION),
+            low,
+            last,
+            seen,
+        )
+        if not sane:
             raise OracleRejectedError("a distance between two bodies came out larger than it can be")
-        low = distance - approach - least
-        last = ask & ((approach <= resolution) | (width <= SHORTEST))
-        unresolved = last & (low <= 0) & (distance >= now)
-        seen = ask & ((distance - now < self.found.slack) | (distance < now) | unresolved)
+        self.found.queries += queries
         for i in np.flatnonzero(seen):
-            pair = (int(one[i]), int(other[i]))
+            one, other = self.pairs.shapes[items.pair[i]].tolist()
             time = float(spans.middle[span[i]])
-            self.found.saw(Distance(pair, time, float(distance[i]), float(now[i]), not unresolved[i]))
+            held = time >= self.pairs.held_from
+            least = float((self.pairs.least_held if held else self.pairs.least)[items.pair[i]])
+            self.found.saw(Distance((one, other), time, float(distance[i]), least, bool(seen[i] < 2)))
         return items.where(self._open(low, spans.start[span]) & ~last)
 
     def _looked_at(
@@ -190,10 +200,10 @@ class Sweep:
         """What was done about each item; distance, approach, distance of centres, shape (3, M)."""
         done, out = np.empty(len(items), dtype=np.int64), np.empty((3, len(items)))
         first = self.found.first
-        compiled.look(
+        telling.look(
             (items.pair, span),
             self.pairs.shapes,
-            (self.pairs.least, self.pairs.least_held, self.pairs.held_from),
+            self._keep,
             self.shapes.placing,
             self.shapes.convex,
             placed.arrays,
@@ -207,15 +217,14 @@ class Sweep:
         )
         return done, out
 
+    @property
+    def _keep(self) -> tuple[Array, Array, float]:
+        """What compiled loops take of the distances to be kept."""
+        return self.pairs.least, self.pairs.least_held, self.pairs.held_from
+
     def _open(self, low: Array, start: Array) -> NDArray[np.bool_]:
         """Whether items with this lower bound on their slack can still tell something."""
         lower_than_seen = low < self.found.slack - PRECISION
         if self.found.first is None:
             return lower_than_seen | (low <= 0)
         return lower_than_seen | ((low <= 0) & (start < self.found.first.time - PROMPT))
-
-    def _least(self, pair: Indices, spans: Spans, span: Indices) -> tuple[Array, Array]:
-        """Distance to be kept all through an interval, and at its middle."""
-        held, least = self.pairs.least_held[pair], self.pairs.least[pair]
-        whole = np.where(spans.start[span] >= self.pairs.held_from, held, least)
-        return whole, np.where(spans.middle[span] >= self.pairs.held_from, held, least)

@@ -1,7 +1,6 @@
-"""Compiled inner loops of the certifier: placements, bounds on motion, distances.
+"""Compiled inner loops of the certifier: placements, bounds on motion, depths.
 
-The formulas are those of `Kinematics.bounds` and of `clearance`, one item at a time. Nothing here is
-shared with planning but the distance of two shapes, which comes with its own proof (`convex`, `packed`).
+The formulas are those of `Kinematics.bounds`, one item at a time. Nothing here is shared with planning.
 """
 
 import math
@@ -9,11 +8,6 @@ import math
 import numpy as np
 
 from services.kernel import kernel
-from services.physics.geometry.convex import parted
-from services.physics.geometry.packed import bounds_of
-
-SHUT, ASKED, LEFT = 0, 1, 2
-"""Of an item: a bound says enough, its distance is known, its distance is left to be asked for."""
 
 
 @kernel
@@ -64,17 +58,32 @@ def place(q, v, parents, offsets, axes, revolute, rotation, origin, axis, omega,
 
 
 @kernel
+def moments(piece, s, half, c, q, v, shift, v_max, a_max):
+    """What coordinates do at s into pieces, and within `half` of it, is in the last five; see `Spans`."""
+    for u in range(q.shape[0]):
+        n, t, h = piece[u], s[u], half[u]
+        for k in range(q.shape[1]):
+            c0, c1, c2, c3 = c[0, n, k], c[1, n, k], c[2, n, k], c[3, n, k]
+            q[u, k] = c0 + t * (c1 + t * (c2 + t * c3))
+            v[u, k] = c1 + t * (2 * c2 + 3 * t * c3)
+            speed, bend, cubic = abs(v[u, k]), abs(2 * c2 + 6 * t * c3) / 2, abs(c3)
+            shift[u, k] = h * (speed + h * (bend + h * cubic))
+            v_max[u, k] = speed + h * (2 * bend + 3 * h * cubic)
+            a_max[u, k] = 2 * bend + 6 * h * cubic
+
+
+@kernel
 def shift(u, i, j, c, radius, path, revolute, placed, spans, levers):
     """How far points of a ball about c on carrier i can move against carrier j during span u [m].
 
     `levers` is room, shape (K,).
     """
-    moved = _first_order(u, i, j, c, radius, path, revolute, placed, spans, levers)
-    return _second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, moved)
+    moved = first_order(u, i, j, c, radius, path, revolute, placed, spans, levers)
+    return second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, moved)
 
 
 @kernel
-def _first_order(u, i, j, c, radius, path, revolute, placed, spans, levers):
+def first_order(u, i, j, c, radius, path, revolute, placed, spans, levers):
     """The bound from positions alone; each joint's lever is in `levers`."""
     origin, axis, moves = placed[1], placed[2], spans[2]
     moved = 0.0
@@ -92,7 +101,7 @@ def _first_order(u, i, j, c, radius, path, revolute, placed, spans, levers):
 
 
 @kernel
-def _second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, moved):
+def second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, moved):
     """The bound `moved`, or the sharper one of Taylor's formula."""
     omega, linear = placed[3], placed[4]
     start, end, _, v_max, a_max = spans
@@ -120,7 +129,7 @@ def _second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, mov
 
 
 @kernel
-def _middle(u, s, shapes, placed, c):
+def middle_of(u, s, shapes, placed, c):
     """The centre of shape s in the world is in c."""
     carrier, centre = shapes[0][s], shapes[2]
     rotation, origin = placed[0], placed[1]
@@ -135,7 +144,7 @@ def _middle(u, s, shapes, placed, c):
 
 
 @kernel
-def _turn(u, s, shapes, placed, r, half):
+def turn_of(u, s, shapes, placed, r, half):
     """Rotation of shape s in the world is in r; half extents of its box along the world's axes in half."""
     carrier, own, size, rotation = shapes[0][s], shapes[1], shapes[3], placed[0]
     for i in range(3):
@@ -160,103 +169,11 @@ def swept(shapes, placed, spans, path, revolute, low, high):
                 for i in range(3):
                     low[u, s, i], high[u, s, i] = low[0, s, i], high[0, s, i]
                 continue
-            _middle(u, s, shapes, placed, c)
-            _turn(u, s, shapes, placed, r, half)
+            middle_of(u, s, shapes, placed, c)
+            turn_of(u, s, shapes, placed, r, half)
             moved = shift(u, carrier, 0, c, shapes[4][s], path, revolute, placed, spans, levers)
             for i in range(3):
                 low[u, s, i], high[u, s, i] = c[i] - half[i] - moved, c[i] + half[i] + moved
-
-
-@kernel
-def starting(pairs, low, high, least, which, pair):
-    """How many pairs of boxes come nearer than `least`; those for which there is room are in the last two."""
-    count, near = 0, np.empty(low.shape[1], np.bool_)
-    for u in range(low.shape[0]):
-        bottom, top = np.full(3, math.inf), np.full(3, -math.inf)
-        for n in range(pairs.shape[0]):
-            s = pairs[n, 0]
-            if n == 0 or s != pairs[n - 1, 0]:
-                for i in range(3):
-                    bottom[i], top[i] = min(bottom[i], low[u, s, i]), max(top[i], high[u, s, i])
-        for s in range(low.shape[1]):
-            near[s] = True
-            for i in range(3):
-                beside = low[u, s, i] - least > top[i] or bottom[i] > high[u, s, i] + least
-                near[s] = near[s] and not beside
-        for n in range(pairs.shape[0]):
-            s, e = pairs[n, 0], pairs[n, 1]
-            if near[e] and _meet(low, high, u, s, e, least):
-                if count < which.shape[0]:
-                    which[count], pair[count] = u, n
-                count += 1
-    return count
-
-
-@kernel
-def _meet(low, high, u, s, e, least):
-    for i in range(3):
-        if low[u, s, i] - least > high[u, e, i] or low[u, e, i] > high[u, s, i] + least:
-            return False
-    return True
-
-
-@kernel
-def look(items, pairs, keep, shapes, convex, placed, spans, path, revolute, slack, open_until, limits, out):
-    """What each item tells: (done, distance, approach, distance of centres) in the four arrays `out`.
-
-    `items` is (index of the pair, index of the span); `keep` is (least, least_held, held_from), `limits`
-    (PRECISION, HOPELESS, SHORTEST). Items with a bound on their slack of at least `slack` − PRECISION
-    that is above 0, or that begin after `open_until`, tell nothing more: their distance is a bound.
-    """
-    done, distance, approach, between = out
-    precision, hopeless, shortest = limits
-    one_r, one_c, one_half = np.empty((3, 3)), np.empty(3), np.empty(3)
-    two_r, two_c, two_half = np.empty((3, 3)), np.empty(3), np.empty(3)
-    work, levers = np.zeros((8, 4)), np.empty(path.shape[0])
-    for n in range(items[0].shape[0]):
-        p, u = items[0][n], items[1][n]
-        a, b = pairs[p, 0], pairs[p, 1]
-        i, j, radius = shapes[0][a], shapes[0][b], shapes[4][a]
-        _middle(u, a, shapes, placed, one_c)
-        _middle(u, b, shapes, placed, two_c)
-        x, y, z = two_c[0] - one_c[0], two_c[1] - one_c[1], two_c[2] - one_c[2]
-        between[n] = math.sqrt(x * x + y * y + z * z)
-        floor = between[n] - radius - shapes[4][b]
-        least = keep[1][p] if spans[0][u] >= keep[2] else keep[0][p]
-        enough = max(slack - precision, 0.0)
-        moved = _first_order(u, i, j, one_c, radius, path, revolute, placed, spans, levers)
-        if floor - moved - least <= enough:
-            moved = _second_order(u, i, j, one_c, radius, path, revolute, placed, spans, levers, moved)
-        approach[n], distance[n], done[n] = moved, floor, SHUT
-        if floor - moved - least > enough:
-            continue
-        wide = spans[1][u] - spans[0][u] > shortest
-        if between[n] < moved + least and moved > hopeless and wide:
-            continue
-        _turn(u, a, shapes, placed, one_r, one_half)
-        _turn(u, b, shapes, placed, two_r, two_half)
-        floor = max(floor, _apart(one_c, one_half, two_c, two_half))
-        floor = max(floor, parted(convex, a, b, one_r, one_c, two_r, two_c))
-        distance[n] = floor
-        low = floor - moved - least
-        if low >= slack - precision and (low > 0.0 or spans[0][u] >= open_until):
-            continue
-        done[n] = LEFT
-        enough = moved + least + max(slack, 0.0)
-        low, _ = bounds_of(convex, a, b, one_r, one_c, two_r, two_c, enough, -math.inf, work)
-        if low > -math.inf:
-            done[n], distance[n] = ASKED, low
-
-
-@kernel
-def _apart(one_c, one_half, two_c, two_half):
-    """Distance of two boxes along the world's axes; negative is what parts them where they overlap."""
-    outside, deepest = 0.0, -math.inf
-    for i in range(3):
-        gap = abs(two_c[i] - one_c[i]) - one_half[i] - two_half[i]
-        outside += max(gap, 0.0) ** 2
-        deepest = max(deepest, gap)
-    return math.sqrt(outside) if outside > 0.0 else deepest
 
 
 @kernel

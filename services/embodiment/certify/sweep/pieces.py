@@ -6,6 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from services.embodiment.certify.sweep import compiled
+
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
@@ -33,7 +35,7 @@ class Pieces:
 
     def columns(self, coordinates: Indices) -> "Pieces":
         """The same pieces with these coordinates only."""
-        return Pieces(self.start, self.duration, self.c[:, :, coordinates])
+        return Pieces(self.start, self.duration, np.ascontiguousarray(self.c[:, :, coordinates]))
 
     @cached_property
     def moving(self) -> Indices:
@@ -163,13 +165,12 @@ class Timeline:
             piece = np.searchsorted(self.pieces.start, middle, side="right") - 1
         else:
             piece = np.minimum(index >> (level - self.depth), len(self.pieces.start) - 1)
-        q, v, a = self.pieces.at(piece, middle - self.pieces.start[piece])
+        at = middle - self.pieces.start[piece]
         if level < self.depth:
+            q, v, _ = self.pieces.at(piece, at)
             shift = np.maximum(self._high[level][index] - q, q - self._low[level][index])
             unbounded = np.full_like(q, np.inf)
             return Spans(start, end, middle, q, v, shift, unbounded, unbounded)
-        half = ((end - start) / 2)[:, None]
-        speed, bend, cubic = np.abs(v), np.abs(a) / 2, np.abs(self.pieces.c[3, piece])
-        shift = half * (speed + half * (bend + half * cubic))
-        v_max = speed + half * (2 * bend + 3 * half * cubic)
-        return Spans(start, end, middle, q, v, shift, v_max, 2 * bend + 6 * half * cubic)
+        q, v, shift, v_max, a_max = np.empty((5, len(index), self.pieces.c.shape[2]))
+        compiled.moments(piece, at, (end - start) / 2, self.pieces.c, q, v, shift, v_max, a_max)
+        return Spans(start, end, middle, q, v, shift, v_max, a_max)

@@ -1,0 +1,138 @@
+"""Compiled inner loops of the certifier: what pairs of shapes tell of an interval of time.
+
+The formulas are those of `clearance`, one item at a time. Nothing here is shared with planning but the
+distance of two shapes, which comes with its own proof (`convex`, `packed`).
+"""
+
+import math
+
+import numpy as np
+
+from services.embodiment.certify.sweep.compiled import first_order, middle_of, second_order, turn_of
+from services.kernel import kernel
+from services.physics.geometry.convex import parted
+from services.physics.geometry.packed import bounds_of
+
+SHUT, ASKED, LEFT = 0, 1, 2
+"""Of an item: a bound says enough, its distance is known, its distance is left to be asked for."""
+
+
+@kernel
+def starting(pairs, low, high, least, which, pair):
+    """How many pairs of boxes come nearer than `least`; those for which there is room are in the last two."""
+    count, near = 0, np.empty(low.shape[1], np.bool_)
+    for u in range(low.shape[0]):
+        bottom, top = np.full(3, math.inf), np.full(3, -math.inf)
+        for n in range(pairs.shape[0]):
+            s = pairs[n, 0]
+            if n == 0 or s != pairs[n - 1, 0]:
+                for i in range(3):
+                    bottom[i], top[i] = min(bottom[i], low[u, s, i]), max(top[i], high[u, s, i])
+        for s in range(low.shape[1]):
+            near[s] = True
+            for i in range(3):
+                beside = low[u, s, i] - least > top[i] or bottom[i] > high[u, s, i] + least
+                near[s] = near[s] and not beside
+        for n in range(pairs.shape[0]):
+            s, e = pairs[n, 0], pairs[n, 1]
+            if near[e] and _meet(low, high, u, s, e, least):
+                if count < which.shape[0]:
+                    which[count], pair[count] = u, n
+                count += 1
+    return count
+
+
+@kernel
+def _meet(low, high, u, s, e, least):
+    for i in range(3):
+        if low[u, s, i] - least > high[u, e, i] or low[u, e, i] > high[u, s, i] + least:
+            return False
+    return True
+
+
+@kernel
+def look(items, pairs, keep, shapes, convex, placed, spans, path, revolute, slack, open_until, limits, out):
+    """What each item tells: (done, distance, approach, distance of centres) in the four arrays `out`.
+
+    `items` is (index of the pair, index of the span); `keep` is (least, least_held, held_from), `limits`
+    (PRECISION, HOPELESS, SHORTEST). Items with a bound on their slack of at least `slack` − PRECISION
+    that is above 0, or that begin after `open_until`, tell nothing more: their distance is a bound.
+    """
+    done, distance, approach, between = out
+    precision, hopeless, shortest = limits
+    one_r, one_c, one_half = np.empty((3, 3)), np.empty(3), np.empty(3)
+    two_r, two_c, two_half = np.empty((3, 3)), np.empty(3), np.empty(3)
+    work, levers = np.zeros((8, 4)), np.empty(path.shape[0])
+    for n in range(items[0].shape[0]):
+        p, u = items[0][n], items[1][n]
+        a, b = pairs[p, 0], pairs[p, 1]
+        i, j, radius = shapes[0][a], shapes[0][b], shapes[4][a]
+        middle_of(u, a, shapes, placed, one_c)
+        middle_of(u, b, shapes, placed, two_c)
+        x, y, z = two_c[0] - one_c[0], two_c[1] - one_c[1], two_c[2] - one_c[2]
+        between[n] = math.sqrt(x * x + y * y + z * z)
+        floor = between[n] - radius - shapes[4][b]
+        least = keep[1][p] if spans[0][u] >= keep[2] else keep[0][p]
+        enough = max(slack - precision, 0.0)
+        moved = first_order(u, i, j, one_c, radius, path, revolute, placed, spans, levers)
+        if floor - moved - least <= enough:
+            moved = second_order(u, i, j, one_c, radius, path, revolute, placed, spans, levers, moved)
+        approach[n], distance[n], done[n] = moved, floor, SHUT
+        if floor - moved - least > enough:
+            continue
+        wide = spans[1][u] - spans[0][u] > shortest
+        if between[n] < moved + least and moved > hopeless and wide:
+            continue
+        turn_of(u, a, shapes, placed, one_r, one_half)
+        turn_of(u, b, shapes, placed, two_r, two_half)
+        floor = max(floor, _apart(one_c, one_half, two_c, two_half))
+        floor = max(floor, parted(convex, a, b, one_r, one_c, two_r, two_c))
+        distance[n] = floor
+        low = floor - moved - least
+        if low >= slack - precision and (low > 0.0 or spans[0][u] >= open_until):
+            continue
+        done[n] = LEFT
+        enough = moved + least + max(slack, 0.0)
+        low, _ = bounds_of(convex, a, b, one_r, one_c, two_r, two_c, enough, -math.inf, work)
+        if low > -math.inf:
+            done[n], distance[n] = ASKED, low
+
+
+@kernel
+def settle(items, pairs, keep, radius, spans, middle, found, slack, limits, low, last, seen):
+    """(how many distances were asked for, whether none is larger than it can be) of what was looked at.
+
+    `found` is what `look` gives, `limits` (resolution, SHORTEST, PRECISION). In the last three are a bound on
+    each item's slack all through its interval; whether the interval is not halved any more; and what is seen
+    of it: nothing new (0), a distance (1), or that it cannot be shown to be kept (2).
+    """
+    done, distance, approach, between = found
+    resolution, shortest, precision = limits
+    queries, sane = 0, True
+    for n in range(items[0].shape[0]):
+        p, u = items[0][n], items[1][n]
+        least = keep[1][p] if spans[0][u] >= keep[2] else keep[0][p]
+        now = keep[1][p] if middle[u] >= keep[2] else keep[0][p]
+        most = between[n] + radius[pairs[p, 0]] + radius[pairs[p, 1]]
+        sane = sane and distance[n] <= most + precision  # also false of what is not a number
+        low[n], last[n], seen[n] = distance[n] - approach[n] - least, False, 0
+        if done[n] == SHUT:
+            continue
+        queries += 1
+        last[n] = approach[n] <= resolution or spans[1][u] - spans[0][u] <= shortest
+        if last[n] and low[n] <= 0.0 and distance[n] >= now:
+            seen[n] = 2
+        elif distance[n] - now < slack or distance[n] < now:
+            seen[n] = 1
+    return queries, sane
+
+
+@kernel
+def _apart(one_c, one_half, two_c, two_half):
+    """Distance of two boxes along the world's axes; negative is what parts them where they overlap."""
+    outside, deepest = 0.0, -math.inf
+    for i in range(3):
+        gap = abs(two_c[i] - one_c[i]) - one_half[i] - two_half[i]
+        outside += max(gap, 0.0) ** 2
+        deepest = max(deepest, gap)
+    return math.sqrt(outside) if outside > 0.0 else deepest
