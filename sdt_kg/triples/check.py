@@ -36,7 +36,7 @@ def checked_model(triples: Sequence[Triple], model: Iri, kind: str) -> Mechanism
         missing = missing_of(facts, model, kind)
         if not missing:
             read_robot(facts, model) if kind == "Robot" else read_kitchen(facts, model)
-    except (KeyError, ValueError, StopIteration) as error:
+    except (KeyError, ValueError) as error:
         raise GraphError(f"'{name}' is not whole: {error} cannot be read") from None
     lacking = _values(unsaid, unsaid) - _values(triples, unsaid)
     lost = sorted(f"'{local_name(s)} {local_name(p)}'" for s, p, _ in lacking)

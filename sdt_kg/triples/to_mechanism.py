@@ -1,14 +1,17 @@
 """Triples → Mechanism: what physics is built from."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 from urllib.parse import unquote, urlparse
 
 from sdt_kg.iri import RDFS, SDT, Iri, local_name
 from sdt_kg.mechanism import Body, Geometry, Inertia, Joint, Limits, Mechanism, Mimic
 from sdt_kg.triples.facts import Facts
 from sdt_kg.triples.from_mechanism import JOINT_CLASSES, LIMITS, MOMENTS, SHAPE_CLASSES, SIZES
+
+Kind = TypeVar("Kind")
 
 _JOINT_TYPES: Final = {SDT + name: kind for kind, name in JOINT_CLASSES.items()}
 _SHAPE_TYPES: Final = {SDT + name: kind for kind, name in SHAPE_CLASSES.items()}
@@ -57,7 +60,7 @@ def _inertia(facts: Facts, iri: Iri) -> Inertia:
 
 def geometry_of(facts: Facts, iri: Iri) -> Geometry:
     """The collision shape."""
-    shape = next(_SHAPE_TYPES[each] for each in facts.types(iri) if each in _SHAPE_TYPES)
+    shape = _kind(facts, iri, _SHAPE_TYPES)
     file = facts.one(iri, "meshFile")
     return Geometry(
         shape=shape,
@@ -68,8 +71,15 @@ def geometry_of(facts: Facts, iri: Iri) -> Geometry:
     )
 
 
+def _kind(facts: Facts, iri: Iri, kinds: Mapping[Iri, Kind]) -> Kind:
+    found = [kinds[each] for each in facts.types(iri) if each in kinds]
+    if len(found) != 1:
+        raise ValueError(f"the type of {local_name(iri)}")
+    return found[0]
+
+
 def _joint(facts: Facts, iri: Iri) -> Joint:
-    kind = next(_JOINT_TYPES[each] for each in facts.types(iri) if each in _JOINT_TYPES)
+    kind = _kind(facts, iri, _JOINT_TYPES)
     bounds = {
         attribute: facts.number(iri, name, -math.inf if attribute == "lower" else math.inf)
         for attribute, name in LIMITS.items()

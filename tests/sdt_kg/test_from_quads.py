@@ -175,6 +175,17 @@ def test_a_blank_node_in_an_rdflib_dataset_is_refused(drawer: Path) -> None:
         Twin.from_rdflib(dataset)
 
 
+@pytest.mark.parametrize("property_name", ["hasCore", "hasCollisionGeometry"])
+def test_a_shape_that_is_none_is_told(property_name: str) -> None:
+    store = store_of(load_twin("b", ["pr2"]))
+    shape = next(store.quads_for_pattern(None, ox.NamedNode(SDT + property_name), None)).object
+    assert isinstance(shape, ox.NamedNode)
+    for quad in list(store.quads_for_pattern(shape, ox.NamedNode(rdflib.RDF.type), None)):
+        store.remove(quad)
+    with pytest.raises(GraphError, match=r"is not whole: the type of"):
+        Twin.from_quads(store)
+
+
 def test_a_mesh_must_be_where_it_was_and_what_it_was(tmp_path: Path) -> None:
     (tmp_path / "m.stl").write_bytes(b"solid")
     (tmp_path / "k.urdf").write_text(f'<robot name="k">{link("w", MESH)}</robot>', encoding="utf-8")
