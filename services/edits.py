@@ -257,7 +257,8 @@ def numbers_of(text: str, counts: tuple[int, ...], whole: str) -> list[float]:
         numbers = []
     if len(numbers) not in counts or not all(map(math.isfinite, numbers)):
         wanted = " or ".join(map(str, counts))
-        raise InputError(f"'{whole}': '{text}' is not {wanted} finite number(s)", allowed="as X,Y,Z")
+        allowed = f"{wanted} finite numbers with commas between" if counts != (1,) else "one finite number"
+        raise InputError(f"'{whole}': '{text}' is no such number or numbers", allowed=allowed)
     return numbers
 
 

@@ -1,5 +1,8 @@
 """`sdt whatif --turn` without `--edit`: the smallest change of each family."""
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import click
 
 from predicates.case import Outcome
@@ -71,6 +74,16 @@ def contrast(actual: Found, other: Found) -> Json:
     }
 
 
+def print_contrast(said: Mapping[str, Any], lists: Sequence[str] = ("no_longer", "now")) -> None:
+    """Predicates that answer otherwise, and of the reasons those lists that are named."""
+    for each in said["predicates"]:
+        before, after = WORDS[each["actual"]], WORDS[each["counterfactual"]]
+        click.echo(f"  {each['predicate']}: {before}, otherwise {after}")
+    for name in lists:
+        for each in said[name]:
+            click.echo(f"  {name.replace('_', ' ')}: {diagnosis_text(each)}")
+
+
 def sure(one: Sought) -> str:
     """How sure the answer of a family is, in words."""
     if one.impossible:
@@ -116,10 +129,5 @@ def _print_sought(one: Sought, actual: Found) -> None:
         click.echo(f"  {one.turn.edit}  →  {_outcome(one.turn)} ({sure(one)})")
         if one.not_yet is not None:
             click.echo(f"  not yet at {one.not_yet.edit}")
-        said = contrast(actual, one.turn.found)
-        for each in said["predicates"]:  # pyright: ignore[reportGeneralTypeIssues]  # made above
-            before, after = WORDS[each["actual"]], WORDS[each["counterfactual"]]
-            click.echo(f"  {each['predicate']}: {before}, otherwise {after}")
-        for each in said["now"]:  # pyright: ignore[reportGeneralTypeIssues]  # made above
-            click.echo(f"  now: {diagnosis_text(each)}")
+        print_contrast(contrast(actual, one.turn.found), ("now",))
     click.echo(f"  looked at: {one.family.range}; {one.family.resolution}")

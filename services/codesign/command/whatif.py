@@ -12,7 +12,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from services.app import Policy, load
 from services.codesign.command.grid import asked_of, judged, told
-from services.codesign.command.turn import print_turned, turned_json
+from services.codesign.command.turn import print_contrast, print_turned, turned_json
 from services.codesign.turning import Question, turned
 from services.commands.completion.types import KITCHEN, ROBOT, TASK
 from services.commands.exits import Exit
@@ -30,7 +30,7 @@ from services.commands.options import (
 )
 from services.commands.show import print_json
 from services.commands.tee_class import in_class
-from services.commands.verdicts import Json, diagnosis_text
+from services.commands.verdicts import Json
 from services.requests import parse_base
 from services.whatif import KINDS, Change, World, changed, parse_change
 
@@ -38,7 +38,6 @@ SCAN = 8
 """Shares of the change that are tried first."""
 TOLERANCE = 0.01
 """[1] Of the share of the change, to which the smallest one is told."""
-WORDS = {True: "yes", False: "no", None: "not asked"}
 
 
 @click.command(epilog="SPEC is " + "; ".join(KINDS.values()) + ".")
@@ -138,7 +137,8 @@ def whatif(
     changes = tuple(parse_change(text) for text in edits)
     if turn:
         raise SystemExit(_turned(world, task, changes, as_json=as_json))
-    found = Contrast(_judged(world, task), _judged(changed(world, changes), task))
+    other = changed(world, changes)  # what cannot be made is said before anything is judged
+    found = Contrast(_judged(world, task), _judged(other, task))
     said = _contrast_json(found, edits)
     if as_json:
         print_json(said)
@@ -203,12 +203,7 @@ def _print_contrast(said: Json) -> None:
     click.echo(f"as it is   {_headline(actual)}")
     click.echo(f"otherwise  {_headline(other)}   ({'; '.join(said['edits'])})")
     click.echo("the outcome turns" if said["turned"] else "the outcome stays")
-    for each in said["predicates"]:
-        before, after = WORDS[each["actual"]], WORDS[each["counterfactual"]]
-        click.echo(f"  {each['predicate']}: {before}, otherwise {after}")
-    for title, key in (("no longer", "no_longer"), ("now", "now")):
-        for each in said[key]:
-            click.echo(f"  {title}: {diagnosis_text(each)}")
+    print_contrast(said)
 
 
 def _headline(verdict: Json) -> str:
