@@ -7,12 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
+from viser import CameraHandle
 
 from sdt_kg.motion import BodyMotion
 from services.app import load
 from services.motions import write_motion
 from services.viewer.running import Offer, running
+from services.viewer.scene.gizmos import BOX
 from tests.browser import Browser, is_local
 from tests.services.viewer.person import Person
 from tests.services.viewer.visitor import Visitor
@@ -142,6 +147,46 @@ def test_in_a_browser_a_case_is_judged_and_nothing_leaves_the_machine(
     assert asked
     assert all(map(is_local, asked))
     assert not [url for url in asked if url.startswith("data:image/jpeg")], "viser's own light"
+
+
+def pixel(camera: CameraHandle, canvas: dict[str, int], point: tuple[float, float, float]) -> tuple[int, int]:
+    """Where in the window a point of the scene is seen."""
+    w, *xyz = camera.wxyz
+    seen = (
+        Rotation.from_quat([*xyz, w]).inv().apply(np.array(point) - camera.position)
+    )  # z is forwards, y down
+    focal = canvas["height"] / 2 / np.tan(camera.fov / 2)
+    x, y = focal * seen[:2] / seen[2]
+    return round(canvas["x"] + canvas["width"] / 2 + x), round(canvas["y"] + canvas["height"] / 2 + y)
+
+
+@pytest.mark.oracle
+def test_an_obstacle_is_dragged_into_the_way_with_the_mouse(browser: Browser) -> None:
+    person = Person(browser)
+    with running("127.0.0.1:0", Offer(("b",), ("pr2",))) as page:
+        browser.driver.get(f"{page.url}case?kitchen=b&robot=pr2&task=open:{DRAWER}")
+        person.waits_for("Ready.")
+        person.clicks("What if")
+        person.ticks("A box stands there")
+        (client,) = page._server.get_clients().values()
+        box = person.browser.until(lambda: client.scene.get_handle_by_name(BOX), "a box")
+        person.clicks("Ask")
+        person.clicks("Check")
+        person.until(lambda: "\nCERTIFIED\n" in person.reads(), "a verdict with the box aside")
+        canvas = browser.driver.find_element(By.CSS_SELECTOR, "canvas[data-engine]").rect
+        x, y, z = box.position
+        grip, aim = (pixel(client.camera, canvas, (x, y + away, z)) for away in (0.4, 0.4 + 0.89))
+        drag = ActionChains(browser.driver).w3c_actions
+        drag.pointer_action.move_to_location(*grip).pointer_down()
+        for share in np.linspace(0, 1, 12):
+            at = np.round(np.array(grip) + share * (np.array(aim) - grip)).astype(int)
+            drag.pointer_action.move_to_location(*map(int, at)).pause(0.1)
+        drag.pointer_action.pointer_up()
+        drag.perform()
+        person.until(lambda: box.position[1] - y > 0.5, "the box is elsewhere")
+        assert box.position[0] == pytest.approx(x, abs=1e-3)
+        person.until(lambda: "\nNOT CERTIFIED\n" in person.reads(), "the box is in the way")
+        assert browser.console_errors() == []
 
 
 @pytest.mark.oracle
