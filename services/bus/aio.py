@@ -75,6 +75,10 @@ class AsyncConnection:
         """Where the base may stand for a task: the object of `sdt place --json`."""
         return await self._asked(self.here.place, task, robot, *state, **search)
 
+    async def task(self, task: str, robot: str | None = None, *state: str, **policy: Any) -> dict[str, Any]:  # noqa: ANN401 - fields of TaskRequest
+        """What becomes of a task with steps and rules: the object of `sdt task --json`."""
+        return await self._asked(self.here.task, task, robot, *state, **policy)
+
     async def why(self, iri: str) -> str:
         """A kept verdict in plain words."""
         return await self._asked(self.here.why, iri)

@@ -1,7 +1,5 @@
-"""The client: typed replies, typed errors; silence is never taken for an answer."""
+"""The client: a twin on the bus, its verbs with typed replies and typed errors."""
 
-import time
-import uuid
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,24 +13,25 @@ import zenoh
 from predicates.record import StoredVerdict, read_verdicts
 from sdt_kg.store import Row, rows_of
 from services.bus import keys
+from services.bus.asking import LIVE_TIMEOUT, Question, asked, servers
 from services.bus.keys import Meta, Part
 from services.bus.replies import problem_in
 from services.bus.sessions import open_session
-from services.judging.codec import CBOR, JSON, decode, encode, encode_cbor
+from services.judging.codec import CBOR, JSON, decode
 from services.judging.messages import (
     AchieveRequest,
     CausesRequest,
-    Header,
     HistoryRequest,
     Message,
     PlaceRequest,
     QueryRequest,
     SatisfiesRequest,
     SweepRequest,
+    TaskRequest,
     Verb,
     WhyRequest,
 )
-from services.judging.problems import BusUnavailableError, Problem, ProblemType, error_of, problem
+from services.judging.problems import BusUnavailableError, ProblemType, error_of, problem
 from services.judging.replies import (
     CausesReply,
     HistoryReply,
@@ -41,20 +40,12 @@ from services.judging.replies import (
     PlaceReply,
     Reply,
     SatisfiesReply,
+    TaskReply,
     TextReply,
     VerdictsReply,
 )
 
 R = TypeVar("R", bound=Reply)
-
-RETRIES = 3
-"""How often a question is asked again that got no reply although a server is there."""
-RETRY_AFTER = 0.1
-"""[s] Before the first repeat; doubled each time."""
-LIVE_TIMEOUT = 1.0
-"""[s] For the question whether a server is there."""
-MARGIN = 0.05
-"""[s] The client waits so much longer than the deadline that it tells the server, which knows more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,12 +144,24 @@ class Connection:
         request = PlaceRequest(task=task, robot=robot, state=list(state), **search)
         return self._typed(Verb.PLACE, request, PlaceReply)[0].placement
 
+    def task(self, task: str, robot: str | None = None, *state: str, **policy: Any) -> dict[str, Any]:  # noqa: ANN401 - fields of TaskRequest
+        """What becomes of a task with steps and rules: the object of `sdt task --json`.
+
+        Args:
+            task: Name of a ready task, or one in Turtle.
+            robot: Name; may be left out where the server has one.
+            state: `JOINT=VALUE` texts.
+            policy: drive, base, budget, seed, tee, handle_force.
+        """
+        request = TaskRequest(task=task, robot=robot, state=list(state), **policy)
+        return self._typed(Verb.TASK, request, TaskReply)[0].result
+
     def history(
         self, kind: str = "verdict", after: int = 0, epoch: str = "", limit: int = 100
     ) -> HistoryReply:
         """Events of `verdict` or `state` after a sequence number; a gap is told."""
-        asked = {"kind": kind, "after": after, "epoch": epoch, "limit": limit}
-        return self._typed(Verb.HISTORY, HistoryRequest.model_validate(asked), HistoryReply)[0]
+        fields = {"kind": kind, "after": after, "epoch": epoch, "limit": limit}
+        return self._typed(Verb.HISTORY, HistoryRequest.model_validate(fields), HistoryReply)[0]
 
     def sweep(self, verb: str = "open", *state: str, **policy: Any) -> JobReply:  # noqa: ANN401 - fields of SweepRequest
         """A job that judges every container for every robot (or `robots=[...]`)."""
@@ -207,67 +210,14 @@ class Connection:
 
     def servers(self) -> list[str]:
         """Instances that are there now."""
-        return self._servers(LIVE_TIMEOUT)
-
-    def _servers(self, seconds: float) -> list[str]:
-        tokens = self.session.liveliness().get(keys.any_live(self.twin), timeout=seconds)
-        return sorted(keys.instance_of(str(each.ok.key_expr)) for each in tokens if each.ok)
+        return servers(self.session, self.twin)
 
     def _typed(self, verb: Verb, request: Message, kind: type[R], encoding: str = JSON) -> tuple[R, str]:
         payload, instance = self._asked(verb, request, encoding)
         return decode(kind, payload, encoding), instance
 
     def _asked(self, verb: Verb, request: Message, encoding: str = JSON) -> tuple[bytes, str]:
-        """Payload of the reply, and who answered.
-
-        Raises:
-            BusUnavailableError: No server is there, or it stays silent.
-            DeadlineError: There was no reply in time, whoever is to blame.
-            BusError, InputError: What the server says.
-        """
-        until = time.monotonic() + self.deadline
-        pause, said = RETRY_AFTER, "nobody is there"
-        for _ in range(RETRIES + 1):
-            left = until - time.monotonic()
-            if left <= 0:
-                break
-            reply = self._once(verb, request, encoding, left)
-            if isinstance(reply, tuple):
-                return reply
-            if reply is not None and not (reply.kind is ProblemType.UNAVAILABLE and reply.retry_after):
-                raise error_of(reply)
-            left = until - time.monotonic()
-            if left <= 0:
-                raise error_of(reply or problem(ProblemType.DEADLINE, "no reply came in time"))
-            if reply is None and not self._servers(min(left, LIVE_TIMEOUT)):
-                said = f"no server of '{self.twin}' is on the bus"
-            else:
-                said = "no reply" if reply is None else reply.detail
-            wait = pause if reply is None else reply.retry_after or pause
-            time.sleep(max(0.0, min(wait, until - time.monotonic())))
-            pause *= 2
-        raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, said))
-
-    def _once(
-        self, verb: Verb, request: Message, encoding: str, left: float
-    ) -> tuple[bytes, str] | Problem | None:
-        """One question: reply and responder, what went wrong, or None for silence."""
-        header = Header(id=uuid.uuid4().hex, deadline_ms=max(1, int(left * 1000)))
-        replies = self.session.get(
-            keys.rpc(self.twin, verb),
-            payload=encode_cbor(request) if encoding == CBOR else encode(request),
-            encoding=encoding,
-            attachment=encode(header),
-            timeout=left + MARGIN,
-            consolidation=zenoh.ConsolidationMode.NONE,
-            accept_replies=zenoh.ReplyKeyExpr.ANY,
-        )
-        for reply in replies:
-            if reply.ok is not None:
-                return reply.ok.payload.to_bytes(), keys.instance_of(str(reply.ok.key_expr))
-            if reply.err is not None:
-                return problem_in(reply.err)
-        return None
+        return asked(self.session, self.twin, self.deadline, Question(verb, request, encoding))
 
 
 class _Anything(Message, extra="allow"):

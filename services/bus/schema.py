@@ -1,7 +1,8 @@
-"""AsyncAPI 3 document of the bus, made from the message types themselves."""
+"""What describes a server: AsyncAPI 3 of its keys, made from the message types, and VoID of what it holds."""
 
 import re
 from importlib.metadata import version
+from typing import Final
 
 from services.bus import keys
 from services.bus.keys import Meta, Part
@@ -9,6 +10,27 @@ from services.judging.codec import CBOR, JSON
 from services.judging.messages import REQUESTS, SCHEMA, Header
 from services.judging.problems import Problem
 from services.judging.replies import REPLIES, JobReply
+
+MEDIA: Final = "application/n-triples"
+VOID: Final = """
+PREFIX void: <http://rdfs.org/ns/void#>
+CONSTRUCT {
+  ?dataset a void:Dataset ;
+    void:classPartition ?part ;
+    void:distinctSubjects ?subjects ;
+    void:triples ?triples ;
+    void:vocabulary law:, sdt:, tee: .
+  ?part void:class ?class ;
+    void:entities ?entities .
+}
+WHERE {
+  { SELECT (COUNT(*) AS ?triples) (COUNT(DISTINCT ?s) AS ?subjects) WHERE { ?s ?p ?o } }
+  { SELECT ?class (COUNT(DISTINCT ?each) AS ?entities) WHERE { ?each a ?class } GROUP BY ?class }
+  BIND (id:dataset AS ?dataset)
+  BIND (IRI(CONCAT(STR(?dataset), "#", ENCODE_FOR_URI(STR(?class)))) AS ?part)
+}
+"""
+"""Over entities, present states and verdicts: the default graph."""
 
 Object = dict[str, object]
 
@@ -23,7 +45,7 @@ _PARAMETERS = {
     "sequence": "Number of the event, from 1",
 }
 _META: dict[Meta, Object] = {
-    Meta.VOID: {"payload": {"type": "string"}, "contentType": "application/n-triples"},
+    Meta.VOID: {"payload": {"type": "string"}, "contentType": MEDIA},
 }
 """What is no JSON object among what a server says of itself."""
 

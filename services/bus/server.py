@@ -18,8 +18,8 @@ from services.bus.history import Herald
 from services.bus.keys import Meta, Part
 from services.bus.question import OTHER, Question, understood
 from services.bus.replies import reply
+from services.bus.schema import MEDIA, VOID, asyncapi
 from services.bus.sweeps import Sweeps
-from services.bus.void import MEDIA, VOID
 from services.http.memory import Memory
 from services.judging.codec import JSON, decode, encode
 from services.judging.jobs import Done, Task, Waiter
@@ -174,8 +174,6 @@ class Server:
             }
         if part is Meta.METRICS:
             return dict(self._pool.telemetry.metrics.to_json())
-        from services.bus.schema import asyncapi  # noqa: PLC0415 - seldom asked for
-
         return asyncapi()
 
 

@@ -9,10 +9,11 @@ import pyoxigraph as ox
 
 import ontology
 from predicates.record import Record, gives_way
+from predicates.specification.record import gives_way as task_gives_way
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import Branch, Edit, Trajectory, moved
 from sdt_kg.history.records import record_graph
-from sdt_kg.iri import ID, Iri
+from sdt_kg.iri import ID, Iri, task_result_iri
 from sdt_kg.twin import Twin
 from services.http.kitchens import Kitchen, Recording
 from services.requests import parse_state
@@ -51,21 +52,28 @@ class World:
     version: int = 0
     listeners: list[Callable[[Record], None]] = field(default_factory=list[Callable[[Record], None]])
     movers: list[Callable[[Kitchen], None]] = field(default_factory=list[Callable[[Kitchen], None]])
+    _kept: ox.Store | None = None
     _lock: asyncio.Lock = field(default_factory=asyncio.Lock)
 
-    async def start(self) -> None:
-        """Workers hold everything, and kitchens are as they were left.
+    def remember(self) -> None:
+        """What was kept is read, and kitchens are as they were left.
 
         Raises:
             GraphError: Branches that were kept were changed.
+            InputError: Samples of a trajectory that one of them follows are missing.
             StoreError: What was kept cannot be read.
         """
-        kept = None
-        if self.archive is not None:
-            kept = await asyncio.to_thread(self.archive.dump)
-            for name, kitchen in self.kitchens.items():
-                self.kitchens[name] = await asyncio.to_thread(kitchen.continued, kept, self.samples)
-        await self.workers.start(self._first(kept))
+        if self.archive is None or self._kept is not None:
+            return
+        self._kept = self.archive.dump()
+        for name, kitchen in self.kitchens.items():
+            self.kitchens[name] = kitchen.continued(self._kept, self.samples)
+
+    async def start(self) -> None:
+        """Workers hold everything; raises as `remember`."""
+        await asyncio.to_thread(self.remember)
+        await self.workers.start(self._first())
+        self._kept = None
 
     async def close(self) -> None:
         """No process is left."""
@@ -150,13 +158,18 @@ class World:
             await self._keep(graph, list(triples), shown=shown)
 
     async def write_verdict(self, record: Record) -> bool:
-        """Whether the verdict was written: one that is there gives way only to a better one."""
+        """Whether the verdict was written: one that is there gives way only to a better one.
+
+        The result of a task likewise; listeners hear of the verdicts that it rests on.
+        """
         async with self._lock:
             fresh = list(record.quads())
             stored = list(ox.parse(await self.recall(record.verdict), format=ox.RdfFormat.N_QUADS))
-            if stored and not gives_way(stored, fresh):
+            if stored and not _gives_way(stored, fresh, record.verdict):
                 return False
             await self._keep(record.graph, [quad.triple for quad in fresh])
+        if _is_task(record.verdict):
+            return True
         for listener in self.listeners:
             listener(record)
         return True
@@ -171,12 +184,12 @@ class World:
         await self.workers.apply(put(graph, body, shown=shown, instead=True))
         self.version += 1
 
-    def _first(self, kept: ox.Store | None) -> Iterator[Delta]:
+    def _first(self) -> Iterator[Delta]:
         """What is served at the start."""
-        if kept is not None:
+        if self._kept is not None:
             served = {graph for kitchen in self.kitchens.values() for graph in kitchen.twin.graphs()}
             named = {ox.NamedNode(graph) for graph in served}  # as they are now, not as they were kept
-            quads = [quad for quad in kept if quad.graph_name not in named]
+            quads = [quad for quad in self._kept if quad.graph_name not in named]
             apart = {
                 str(quad.graph_name.value) for quad in quads if isinstance(quad.graph_name, ox.NamedNode)
             }
@@ -193,6 +206,15 @@ class World:
 def lines(statements: Iterable[ox.Triple] | Iterable[ox.Quad]) -> bytes:
     """N-Triples or N-Quads."""
     return b"".join(f"{each} .\n".encode() for each in statements)
+
+
+def _is_task(iri: Iri) -> bool:
+    """Whether a record is the result of a task specification."""
+    return iri.startswith(task_result_iri(""))
+
+
+def _gives_way(stored: list[ox.Quad], fresh: list[ox.Quad], iri: Iri) -> bool:
+    return task_gives_way(stored, fresh, iri) if _is_task(iri) else gives_way(stored, fresh)
 
 
 def _is_shown(graph: Iri) -> bool:

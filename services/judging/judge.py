@@ -1,7 +1,7 @@
 """What a process that judges does with each verb: a request message in, a reply message out."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 
 import pyoxigraph as ox
@@ -29,13 +29,15 @@ from services.judging.messages import (
     Classed,
     ComputeRequest,
     Message,
+    Performed,
     PlaceRequest,
     SatisfiesRequest,
+    TaskRequest,
     Verb,
     WhyRequest,
 )
 from services.judging.problems import Problem, ProblemType, problem, problem_of
-from services.judging.replies import ComputeReply, PlaceReply, TextReply, VerdictsReply
+from services.judging.replies import ComputeReply, PlaceReply, TaskReply, TextReply, VerdictsReply
 from services.relative import Relative
 from services.requests import parse_task
 from services.telemetry.metrics import Judged
@@ -110,19 +112,24 @@ class Judge:
             return problem(ProblemType.INTERNAL, f"{task.verb} failed; the server's log says why")
 
     def _answered(self, request: Message, asked: Asked) -> Done:
-        if isinstance(request, AchieveRequest):
-            return self._achieve(request, asked)
-        if isinstance(request, ComputeRequest):
-            return self._compute(request, asked)
-        if isinstance(request, WhyRequest):
-            return replied(self._why(request.iri), asked.encoding)
-        if isinstance(request, PlaceRequest):
-            return replied(self._place(request, asked), asked.encoding)
-        if isinstance(request, SatisfiesRequest):
-            return self._stated(request, asked)
-        assert isinstance(request, CausesRequest), "the server sends no others"
-        service = _relative(request).of(self._at(asked, request.state))
-        return replied(caused(service, request, asked.encoding), asked.encoding)
+        match request:
+            case AchieveRequest():
+                done = self._achieve(request, asked)
+            case TaskRequest():
+                done = self._task(request, asked)
+            case ComputeRequest():
+                done = self._compute(request, asked)
+            case WhyRequest():
+                done = replied(self._why(request.iri), asked.encoding)
+            case PlaceRequest():
+                done = replied(self._place(request, asked), asked.encoding)
+            case SatisfiesRequest():
+                done = self._stated(request, asked)
+            case _:
+                assert isinstance(request, CausesRequest), "the server sends no others"
+                service = _relative(request).of(self._at(asked, request.state))
+                done = replied(caused(service, request, asked.encoding), asked.encoding)
+        return done
 
     def _service(self, twin: str) -> Service:
         if twin not in self.services:
@@ -145,10 +152,7 @@ class Judge:
 
     def _achieve(self, request: AchieveRequest, asked: Asked) -> Done:
         """Verdicts; those that are stored are not judged again."""
-        budget = min(request.budget, max(asked.seconds, LEAST_BUDGET))
-        drive = Drive(request.drive) if request.drive else None
-        policy = Policy(drive, request.base, budget, request.seed)
-        service = self._under(asked, request, policy)
+        service = self._under(asked, request)
         robots = [service.robot(request.robot)] if request.robot else service.twin.robots
         verdicts: list[Verdict] = []
         for robot in robots:
@@ -161,8 +165,25 @@ class Judge:
             motions=[body_arrays(each, asked.encoding) for each in verdicts] if request.motions else None,
         )
         fresh = (kept for verdict, kept in zip(verdicts, records, strict=True) if not verdict.stored)
-        judged = tuple(Judged(each.outcome.value, each.stored, times(each)) for each in verdicts)
-        return replace(replied(reply, asked.encoding), records=tuple(fresh), judged=judged)
+        return replace(replied(reply, asked.encoding), records=tuple(fresh), judged=_judged(verdicts))
+
+    def _task(self, request: TaskRequest, asked: Asked) -> Done:
+        """What becomes of a task's steps and rules; the result is kept, and the verdict of each step."""
+        from services.specifications import (  # noqa: PLC0415 - seldom asked
+            achieve_task,
+            result_json,
+            specification_from,
+            task_record,
+        )
+
+        service = self._under(asked, request)
+        result = achieve_task(service, specification_from(service.twin, request.task), request.robot)
+        verdicts = [step.verdict for step in result.steps]
+        records = [(each.iri, n_quads(to_record(each))) for each in verdicts if not each.stored]
+        records.append((result.iri, n_quads(task_record(result))))
+        quads = b"".join(quads for _, quads in records).decode() if request.quads else None
+        reply = TaskReply(result=result_json(result), quads=quads)
+        return replace(replied(reply, asked.encoding), records=tuple(records), judged=_judged(verdicts))
 
     def _compute(self, request: ComputeRequest, asked: Asked) -> Done:
         """What a query can touch and nobody has judged yet, judged within bounds."""
@@ -192,8 +213,11 @@ class Judge:
             raise UnknownEntityError("verdict", iri, (), "select ?v { ?v a law:Verdict } lists what is kept")
         return TextReply(text=why(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri))
 
-    def _under(self, asked: Asked, request: AchieveRequest, policy: Policy) -> Service:
+    def _under(self, asked: Asked, request: Performed) -> Service:
         """The kitchen in this state and class under this policy; the last few keep their scenes."""
+        budget = min(request.budget, max(asked.seconds, LEAST_BUDGET))
+        drive = Drive(request.drive) if request.drive else None
+        policy = Policy(drive, request.base, budget, request.seed)
         state = (*asked.states, *request.state)
         key = (asked.twin, state, policy, request.tee, request.handle_force)
         kept = self._kept.pop(key, None)
@@ -208,6 +232,11 @@ class Judge:
     def _stored(self, iri: Iri) -> StoredVerdict | None:
         quads = self._recall(iri)
         return None if quads is None else read_verdict(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri)
+
+
+def _judged(verdicts: Iterable[Verdict]) -> tuple[Judged, ...]:
+    """What is counted of them."""
+    return tuple(Judged(each.outcome.value, each.stored, times(each)) for each in verdicts)
 
 
 def _relative(request: Classed) -> Relative:

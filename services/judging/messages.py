@@ -29,6 +29,7 @@ class Verb(Enum):
     CANACHIEVE = "canachieve"
     WHY = "why"
     PLACE = "place"
+    TASK = "task"
     COMPUTE = "compute"
     SWEEP = "sweep"
     HISTORY = "history"
@@ -102,27 +103,46 @@ class CausesRequest(Classed):
     motion: dict[str, Any] | None = None
 
 
-class AchieveRequest(Classed):
-    """CanAchieve, or CanPerform alone.
+class Performed(Classed):
+    """A question about a robot, under a policy.
 
     Attributes:
         robot: Name; without it, every robot of the server.
         drive: None is the robot's own.
         base: Start pose x, y [m], yaw [rad].
         budget: [s] Of search for each container.
-        quads: Whether the reply carries the verdicts as N-Quads.
-        motions: Whether it carries the certified body motions.
+        quads: Whether the reply carries what is kept as N-Quads.
     """
 
-    task: str = Field(max_length=500)
     robot: str | None = Field(default=None, max_length=500)
-    motion: dict[str, Any] | None = None
     drive: DriveName | None = None
     base: tuple[Finite, Finite, Finite] | None = None
     budget: float = Field(default=20.0, gt=0, le=3600)
     seed: Seed = 0
     quads: bool = False
+
+
+class AchieveRequest(Performed):
+    """CanAchieve, or CanPerform alone.
+
+    Attributes:
+        motions: Whether the reply carries the certified body motions.
+    """
+
+    task: str = Field(max_length=500)
+    motion: dict[str, Any] | None = None
     motions: bool = False
+
+
+class TaskRequest(Performed):
+    """Steps, rules that hold along the way, the best motion by J.
+
+    Attributes:
+        task: Name of a ready task, or one written in Turtle.
+        robot: Name; may be left out where the server has one.
+    """
+
+    task: str = Field(max_length=200_000)
 
 
 class PlaceRequest(Stated):
@@ -206,6 +226,7 @@ REQUESTS: dict[Verb, type[Message]] = {
     Verb.CANACHIEVE: AchieveRequest,
     Verb.WHY: WhyRequest,
     Verb.PLACE: PlaceRequest,
+    Verb.TASK: TaskRequest,
     Verb.COMPUTE: ComputeRequest,
     Verb.SWEEP: SweepRequest,
     Verb.HISTORY: HistoryRequest,

@@ -59,6 +59,18 @@ class PlaceReply(Reply):
     placement: dict[str, Any]
 
 
+class TaskReply(Reply):
+    """Of task: the object of `sdt task --json`.
+
+    Attributes:
+        result: What became of the task, its steps and rules.
+        quads: The result and the verdicts of its steps as N-Quads, where asked for.
+    """
+
+    result: dict[str, Any]
+    quads: str | None = None
+
+
 class ComputeReply(Reply):
     """Of compute.
 
@@ -123,6 +135,7 @@ REPLIES: dict[Verb, type[Reply]] = {  # the queries' replies are SPARQL's own
     Verb.CANACHIEVE: VerdictsReply,
     Verb.WHY: TextReply,
     Verb.PLACE: PlaceReply,
+    Verb.TASK: TaskReply,
     Verb.COMPUTE: ComputeReply,
     Verb.SWEEP: JobReply,
     Verb.HISTORY: HistoryReply,

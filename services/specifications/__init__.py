@@ -1,5 +1,6 @@
 """Task specifications on a service: judged, the best by J among the motions found, and kept."""
 
+from predicates.specification.record import task_record
 from predicates.specification.result import StepResult, TaskResult
 from services.specifications.keep import keep
 from services.specifications.run import achieve_task, ready, specification_from, specification_of
@@ -14,4 +15,5 @@ __all__ = [
     "result_json",
     "specification_from",
     "specification_of",
+    "task_record",
 ]

@@ -9,7 +9,7 @@ import pyoxigraph as ox
 from predicates.case import Verdict
 from predicates.record import Record, StoredVerdict, gives_way, read_verdict, to_record
 from sdt_kg.errors import InputError
-from sdt_kg.iri import Iri, graph_iri, local_name
+from sdt_kg.iri import Iri, graph_iri, local_name, task_result_iri
 from sdt_kg.store import Row, checked_query, rows_of
 from sdt_kg.twin import Twin
 from services.store.embedded import EmbeddedStore
@@ -104,8 +104,9 @@ class SavedVerdicts:
 
 
 def graph_of(verdict: Iri) -> Iri:
-    """Named graph of a verdict."""
-    return graph_iri("verdict", local_name(verdict))
+    """Named graph of a verdict, or of the result of a task specification."""
+    kind = "task_result" if verdict.startswith(task_result_iri("")) else "verdict"
+    return graph_iri(kind, local_name(verdict))
 
 
 def query_saved(place: str | Path, sparql: str) -> tuple[list[str], list[Row]]:

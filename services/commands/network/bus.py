@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from services.commands.exits import Exit
 from services.commands.options import FiniteRange, csv_flag, json_flag, states_option, tee_option
 from services.commands.show import print_json, print_rows
 from services.commands.verdicts import told
@@ -33,7 +34,7 @@ config_option = click.option(
 @click.argument(
     "verb",
     type=click.Choice(
-        ["select", "ask", "construct", "satisfies", "causes", "achieve", "place", "why", "health"]
+        ["select", "ask", "construct", "satisfies", "causes", "achieve", "task", "place", "why", "health"]
     ),
 )
 @click.argument("text", required=False, default="")
@@ -79,6 +80,8 @@ def ask(
 ) -> None:
     """Ask a server on the bus about TWIN: TEXT is the query, the task, or a verdict's IRI.
 
+    For task, TEXT is the name of a ready task (sdt task --list), or one in Turtle.
+
     Exit as `sdt achieve`; 4 if nobody answers.
     """
     from services.bus.client import Connection  # noqa: PLC0415 - other commands need no bus
@@ -95,6 +98,10 @@ def ask(
         if verb == "achieve":
             found = to.achieve(text, robot, *states, drive=drive, budget=budget, **relative)
             return told(found.objects, as_json=as_json)
+        if verb == "task":
+            return _task(
+                to.task(text, robot, *states, drive=drive, budget=budget, **relative), as_json=as_json
+            )
         rows = {"satisfies": lambda: [each.model_dump() for each in to.satisfies(*states)]}
         rows["causes"] = lambda: [
             to.causes(text, *states, **relative).model_dump(mode="json", exclude={"motions"})
@@ -105,6 +112,20 @@ def ask(
 
     with connected(twin, connect, deadline=deadline, config=config) as to:
         raise SystemExit(asked(to))
+
+
+def _task(said: dict[str, Any], *, as_json: bool) -> int:
+    """Outcome, steps and rules; the exit code is that of `sdt task`."""
+    if as_json:
+        print_json(said)
+    else:
+        click.echo(f"{said['outcome']}  {said['task']}\n{said['result']}\n")
+        steps = [{"part": "step", "what": each["step"], "outcome": each["outcome"]} for each in said["steps"]]
+        rules = [
+            {"part": "rule", "what": each["rule"], "outcome": each["standing"]} for each in said["rules"]
+        ]
+        print_rows([*steps, *rules], ("part", "outcome", "what"), "table")
+    return {"certified": Exit.DONE, "abstained": Exit.ABSTAINED}.get(said["outcome"], Exit.NO)
 
 
 def _query(to: object, verb: str, text: str, *, as_json: bool) -> int:

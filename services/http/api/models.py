@@ -43,6 +43,33 @@ class CausesBody(Body):
     handle_force: float | None = Field(default=None, gt=0, le=10_000, allow_inf_nan=False)
 
 
+class TaskBody(Body):
+    """What becomes of a task with steps, and of the rules that hold along the way? The result is kept.
+
+    Attributes:
+        task: Name of a ready task, or one written in Turtle.
+        robot: Name; may be left out where one is served.
+        state: Texts as for `sdt --state`, on top of the present state.
+        seconds: After which nobody waits any more.
+        drive: How the base moves; without it, as the robot's hardware does.
+        base: Start pose x, y [m], yaw [rad] of every step; without it the kitchen's.
+        budget: Seconds of search for each step.
+        tee: The class that is asked about: kinematics alone, or with forces that push back.
+        handle_force: Newtons allowed at the handle, for d_artic_dyn; without it, what the force data say.
+    """
+
+    task: Annotated[str, Field(min_length=1, max_length=200_000, examples=["open_two_drawers"])]
+    robot: Name | None = None
+    state: list[StateText] = Field(default_factory=list, max_length=1000)
+    seconds: float = Field(default=120.0, gt=0, le=600)
+    drive: Literal["omni", "differential", "fixed"] | None = None
+    base: tuple[Number, Number, Number] | None = None
+    budget: float = Field(default=20.0, gt=0, le=600)
+    seed: int = 0
+    tee: TeeName = "d_artic"
+    handle_force: float | None = Field(default=None, gt=0, le=10_000, allow_inf_nan=False)
+
+
 class AchieveBody(CausesBody):
     """Can the robot achieve the task? Makes a motion, or verifies the one given; the verdict is kept.
 

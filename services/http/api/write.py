@@ -18,12 +18,13 @@ from services.http.api.models import (
     ObservationBody,
     QueryBody,
     StateBody,
+    TaskBody,
 )
 from services.http.api.read import Json, state_json, world_of
 from services.http.judges import Judges, question
 from services.http.world import World
-from services.judging.messages import AchieveRequest, CausesRequest, ComputeRequest, Verb
-from services.judging.replies import CausesReply, ComputeReply, VerdictsReply
+from services.judging.messages import AchieveRequest, CausesRequest, ComputeRequest, TaskRequest, Verb
+from services.judging.replies import CausesReply, ComputeReply, TaskReply, VerdictsReply
 from services.requests import parse_state
 from services.store.workers import Asked
 
@@ -77,6 +78,16 @@ async def judged(app: FastAPI, body: AchieveBody) -> Json:
     )
     found: Json = {"verdicts": reply.verdicts}
     return found | {"motions": reply.motions} if body.motions else found
+
+
+@router.post("/task")
+async def task(request: Request, body: TaskBody) -> Json:
+    """What becomes of a task's steps and rules; the result and the verdict of each step are kept."""
+    kitchen = world_of(request).kitchen(body.kitchen)
+    asked = TaskRequest(**body.model_dump(exclude={"kitchen", "seconds"}))
+    judges: Judges = request.app.state.judges
+    reply = await judges.ask(question(Verb.TASK, kitchen.name, asked, body.seconds, kitchen.moved), TaskReply)
+    return reply.result
 
 
 @router.post("/query")

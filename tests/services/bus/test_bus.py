@@ -19,6 +19,7 @@ from services.bus.server import Server
 from services.bus.sessions import open_session
 from services.judging.codec import MAX_REQUEST
 from services.judging.problems import DeadlineError, RequestError, TooLargeError
+from services.specifications import achieve_task, specification_from
 from tests.services.bus.conftest import free_endpoint
 
 pytestmark = pytest.mark.oracle
@@ -249,6 +250,29 @@ def test_the_map_of_base_positions_is_asked_over_the_bus(connection: Connection)
     assert {cell["status"] for cell in found["map"]["cells"]} & {"certified", "unknown", "blocked"}
     with pytest.raises(RequestError, match="names no container"):
         connection.place("open", "pr2")
+
+
+def test_a_task_with_steps_is_asked_over_the_bus_and_its_result_is_kept(connection: Connection) -> None:
+    here = load("b", ["pr2"], policy=Policy(budget=20.0))
+    made = achieve_task(here, specification_from(here.twin, "open_then_close"))
+    said = connection.task("open_then_close", "pr2")
+    assert (said["result"], said["outcome"]) == (made.iri, "certified")
+    assert [each["verdict"]["iri"] for each in said["steps"]] == [each.verdict.iri for each in made.steps]
+    assert "CERTIFIED" in connection.why(said["result"])
+    _, rows = connection.select("SELECT ?v { ?r a law:TaskResult ; law:stepResult/law:verdict ?v }")
+    assert {each.verdict.iri for each in made.steps} <= {row["v"] for row in rows}
+
+
+FETCHES = """@prefix law: <https://example.org/law#> .
+<t> a law:TaskSpecification ; law:hasStep <s> ; law:avoids <r> .
+<s> a law:Task ; law:index 1 ; law:verb law:Open ; law:everyContainer true .
+<r> a law:QueryRule ; law:sparql "ASK { SERVICE <http://127.0.0.1:1/> { ?s ?p ?o } }" ."""
+
+
+@pytest.mark.parametrize("task", ["dance", "/etc/passwd", "../x.ttl", "<a> <b> .", FETCHES])
+def test_a_task_that_is_none_reads_a_file_or_fetches_is_refused(connection: Connection, task: str) -> None:
+    with pytest.raises(RequestError):
+        connection.task(task, "pr2")
 
 
 def test_a_server_counts_what_it_was_asked_and_how_it_ended(connection: Connection) -> None:

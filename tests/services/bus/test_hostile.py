@@ -28,7 +28,7 @@ def kinds(
     session: zenoh.Session, key: str, payload: bytes = QUERY, encoding: str = JSON, **more: object
 ) -> set[str]:
     """Of the problems that are the answer; `answer` where there is one."""
-    replies = list(session.get(key, payload=payload, encoding=encoding, timeout=60, **more))  # pyright: ignore[reportArgumentType]
+    replies = list(session.get(key, payload=payload, encoding=encoding, timeout=60, **more))  # pyright: ignore[reportArgumentType, reportCallIssue]
     assert replies, "silence"
     return {
         "answer" if each.err is None else json.loads(each.err.payload.to_bytes())["type"].rsplit("/", 1)[-1]

@@ -17,6 +17,7 @@ WRITES = {
     "/api/v1/observation": {"positions": {"JOINT": 0.1}, "time": "2026-01-31T12:00:00Z", "by": "camera"},
     "/api/v1/achieve": {"task": "open"},
     "/api/v1/causes": {"task": "open"},
+    "/api/v1/task": {"task": "open_then_close"},
 }
 POSITION = "SELECT ?o WHERE {{ <{joint}> sdt:position ?o }}"
 
@@ -142,6 +143,8 @@ BAD = {
     "not a number": ("observation", WRITES["/api/v1/observation"] | {"positions": {"x": "NaN"}}, 422),
     "no zone": ("observation", WRITES["/api/v1/observation"] | {"time": "2026-01-31T12:00:00"}, 400),
     "observed nobody": ("observation", WRITES["/api/v1/observation"], 404),
+    "unknown task": ("task", {"task": "dance"}, 400),
+    "file as a task": ("task", {"task": "/etc/passwd"}, 400),
     "no number of seconds": ("achieve", {"task": "open", "seconds": 1e9}, 422),
 }
 
