@@ -120,7 +120,14 @@ class Planner:
         yield from self._spread()
 
     def _spread(self) -> Iterator[Planned]:
-        """Plans from holdings of more grasps that many postures find together."""
+        """Plans from holdings of more grasps that many postures find together.
+
+        A base that moves along finds a way about contacts by itself: it is asked for them where limits end
+        every path.
+        """
+        ways = any(attempt.searcher.tally.paths for attempt in self.attempts)
+        if ways and self.setting.drive is not Drive.FIXED:
+            return
         for attempt in self.attempts:
             if self.proof is not None or self.late() or not attempt.grasps:
                 continue
