@@ -83,7 +83,8 @@ def bound(address: Address) -> socket.socket:
 
 
 def run(world: World, settings: Settings, listening: socket.socket, beside: Beside | None = None) -> None:
-    """Serve until interrupted."""
+    """Serve until interrupted; what was kept is read before, and raises as `World.remember`."""
+    world.remember()
     uvicorn.Server(configured(create_app(world, settings, beside))).run([listening])
 
 
