@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from predicates.case import Outcome
 from sdt_kg.errors import InputError
 from services.app import load
 from services.codesign.entries import Entry, Found, Grid
@@ -145,8 +144,8 @@ def covers_of(grid: Grid) -> list[Cover]:
         Cover(
             kitchen,
             robot,
-            tuple(each.container for each in own if _is_certified(each.found)),
-            tuple((each.container, why(each)) for each in own if not _is_certified(each.found)),
+            tuple(each.container for each in own if each.found.is_certified),
+            tuple((each.container, why(each)) for each in own if not each.found.is_certified),
         )
         for (kitchen, robot), own in entries.items()
     ]
@@ -192,7 +191,7 @@ def _planned(asked: Asked, cover: Cover, founds: Founds, candidates: tuple[str, 
     world = World(in_class(service, asked.tee, asked.forces), cover.robot)
     steps: list[Step] = []
     left = list(candidates)
-    while left and len(steps) < MOST_EDITS and not all(map(_is_certified, founds.values())):
+    while left and len(steps) < MOST_EDITS and not all(each.is_certified for each in founds.values()):
         step = _best_step(world, asked.verb, founds, left)
         if step is None:
             break
@@ -200,7 +199,7 @@ def _planned(asked: Asked, cover: Cover, founds: Founds, candidates: tuple[str, 
         left.remove(edit)
         steps.append(_step(edit, founds, after))
         founds = after
-    missing = tuple((name, _reason(each)) for name, each in founds.items() if not _is_certified(each))
+    missing = tuple((name, _reason(each)) for name, each in founds.items() if not each.is_certified)
     return Plan(cover.kitchen, cover.robot, len(founds), tuple(steps), missing, candidates)
 
 
@@ -216,7 +215,7 @@ def _best_step(
             continue
         judge = Judge(world, after, {})
         judged = partial(_judged, judge, verb)
-        open_now = [name for name, each in founds.items() if not _is_certified(each)]
+        open_now = [name for name, each in founds.items() if not each.is_certified]
         gained = {name: judged(name, founds[name]) for name in open_now}
         least = now if best is None else _count(best[2])
         if now + _count(gained) <= least:
@@ -232,17 +231,13 @@ def _judged(judge: Judge, verb: str, container: str, base: Found) -> Found:
 
 
 def _step(edit: str, before: Founds, after: Founds) -> Step:
-    gained = tuple(name for name in after if _is_certified(after[name]) > _is_certified(before[name]))
-    lost = tuple(name for name in after if _is_certified(after[name]) < _is_certified(before[name]))
+    gained = tuple(name for name in after if after[name].is_certified > before[name].is_certified)
+    lost = tuple(name for name in after if after[name].is_certified < before[name].is_certified)
     return Step(edit, gained, lost, _count(after))
 
 
 def _count(founds: Founds) -> int:
-    return sum(map(_is_certified, founds.values()))
-
-
-def _is_certified(found: Found) -> bool:
-    return found.outcome is Outcome.CERTIFIED
+    return sum(each.is_certified for each in founds.values())
 
 
 def _reason(found: Found) -> str:

@@ -52,6 +52,11 @@ class Found:
     seconds: float = 0.0
 
     @property
+    def is_certified(self) -> bool:
+        """Whether it is certified."""
+        return self.outcome is Outcome.CERTIFIED
+
+    @property
     def is_proved(self) -> bool:
         """Whether a refusal rests on a proof."""
         return any(each["proof"] is True for each in self.diagnoses)

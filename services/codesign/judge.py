@@ -54,7 +54,7 @@ class Judge:
 
     def _from(self, base: Found, case: Case) -> Found | None:
         """What follows in this world from what was found in the world as it is, if anything does."""
-        if base.outcome is Outcome.CERTIFIED and self._same_robot():
+        if base.is_certified and self._same_robot():
             again = self._certified_again(base, case)
             if again is not None:
                 return again

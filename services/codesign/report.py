@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-from predicates.case import Outcome
 from services.codesign.entries import REUSED, Entry, Grid, How, Json
 
 AS_IT_IS = "as it is"
@@ -38,7 +37,7 @@ def counts(grid: Grid) -> list[Json]:
     rows: dict[tuple[str, ...], dict[str, list[int]]] = {}
     for each in grid.entries:
         count = rows.setdefault(each.edits, {}).setdefault(f"{each.kitchen} {each.robot}", [0, 0])
-        count[0] += each.found.outcome is Outcome.CERTIFIED
+        count[0] += each.found.is_certified
         count[1] += each.found.outcome is not None
     actual = rows[()]
     made: list[Json] = []

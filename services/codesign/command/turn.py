@@ -101,7 +101,7 @@ def sure(one: Sought) -> str:
 def _basis(found: Found) -> str:
     """What the outcome after a turn rests on."""
     if found.outcome is not Outcome.NOT_CERTIFIED:
-        return "certified" if found.outcome is Outcome.CERTIFIED else "outside the class"
+        return "certified" if found.is_certified else "outside the class"
     return "proved" if found.is_proved else "searched"
 
 
