@@ -229,7 +229,7 @@ class WholeBody:
         handle = scene.placement(scene.q((0.0, 0.0, 0.0), {}), container.handle).translation
         if self._drive(case.twin, case.robot) is Drive.FIXED:
             return turned(x, y, handle)
-        return near(world, kits, x, y, handle)
+        return near(kits, x, y, handle)
 
     def _warm(self, world: World, kits: Kits) -> None:
         """Compilation costs no budget."""

@@ -1,6 +1,7 @@
 """The whole body follows tool poses, the base as its drive allows."""
 
 from enum import Enum
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +43,11 @@ def bases(drive: Drive, turning: bool) -> tuple[Base, ...]:
 
 def mobility(limb: Limb) -> Array:
     """How willingly each variable moves: its speed against that of the fastest arm joint, shape (n,)."""
+    return _mobility(limb).copy()
+
+
+@lru_cache(maxsize=16)
+def _mobility(limb: Limb) -> Array:
     speed = np.minimum(limb.velocity, FASTEST)
     return np.sqrt(speed / speed[3:].max())
 

@@ -140,6 +140,15 @@ class Searcher:
         self.lower, self.upper = inside(limb)
         self.tally = Tally()
         self._standing: Array | None = None
+        self._aims: dict[tuple[Grasp, int | None], tuple[Array, Array]] = {}
+
+    def _aim_at(self, grasp: Grasp, index: int | None) -> tuple[Array, Array]:
+        """World tool poses of a grasp at a waypoint, or at all of them; kept, so not to be changed."""
+        key = grasp, index
+        if key not in self._aims:
+            at = slice(None) if index is None else index
+            self._aims[key] = grasp.tool(self.problem.handle_r[at], self.problem.handle_p[at])
+        return self._aims[key]
 
     def stand(self, base: Array) -> None:
         """The base stays at this pose (3,)."""
@@ -156,8 +165,9 @@ class Searcher:
         """Holdings of grasps (each with its closed scene rest) that one batch of seeds leads to."""
         chosen = [grasps[i % len(grasps)] for i in range(SEEDS)]
         seeds = self.seeds(pivot, rng)
-        poses = [one.tool(self.problem.handle_r[pivot], self.problem.handle_p[pivot]) for one, _ in chosen]
-        target_r, target_p = np.stack([r for r, _ in poses]), np.stack([p for _, p in poses])
+        target_r, target_p = (
+            np.stack(part) for part in zip(*(self._aim_at(one, pivot) for one, _ in chosen), strict=True)
+        )
         limb, weight = self.limb, self.weight.copy()
         if self.telescope is not None and self._batches % 2 == 0:
             self._aim(seeds, pivot, rng)
@@ -221,7 +231,7 @@ class Searcher:
 
     def _followed(self, x: Array, grasp: Grasp, rest: Array, pivot: int, base: Base) -> Array | None:
         """Path through all waypoints from the pivot both ways, shape (K, n)."""
-        tool_r, tool_p = grasp.tool(self.problem.handle_r, self.problem.handle_p)
+        tool_r, tool_p = self._aim_at(grasp, None)
         limits = self.lower, self.upper
         back = tracked(self.limb, x, (tool_r[pivot::-1], tool_p[pivot::-1]), base, limits)
         if len(back) <= pivot:

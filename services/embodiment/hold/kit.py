@@ -6,6 +6,7 @@ import numpy as np
 
 from sdt_kg.annotation import Gripper
 from services.embodiment.body.limb import Limb, Margins, eased, make_limb, rules
+from services.embodiment.body.parked import Parked
 from services.embodiment.body.world import Rules, World
 from services.embodiment.hold.grasp import Hand
 
@@ -32,6 +33,8 @@ class Kits:
     world: World
     margins: Margins
     _made: dict[str, Kit] = field(default_factory=dict[str, Kit])
+    _outside: Rules | None = None
+    _parked: Parked | None = None
 
     def of(self, gripper: Gripper) -> Kit:
         """The kit of a gripper."""
@@ -45,6 +48,14 @@ class Kits:
 
     def outside(self) -> Rules:
         """Distances certification demands between the robot, wherever it stands parked, and the kitchen."""
-        gripper = self.world.scene.annotation.grippers[0]
-        demands = rules(self.world, self.of(gripper).limb, Margins(0.0, 0.0, 0.0))
-        return Rules(demands.environment, demands.pairs[:0], np.zeros(0))
+        if self._outside is None:
+            gripper = self.world.scene.annotation.grippers[0]
+            demands = rules(self.world, self.of(gripper).limb, Margins(0.0, 0.0, 0.0))
+            self._outside = Rules(demands.environment, demands.pairs[:0], np.zeros(0))
+        return self._outside
+
+    def parked(self) -> Parked:
+        """The robot, parked, wherever it stands: it keeps what `outside` says."""
+        if self._parked is None:
+            self._parked = Parked(self.world, self.world.scene.q((0.0, 0.0, 0.0), {}), self.outside())
+        return self._parked

@@ -6,8 +6,6 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment.body.parked import Parked
-from services.embodiment.body.world import World
 from services.embodiment.hold.kit import Kits
 
 Array = NDArray[np.float64]
@@ -22,12 +20,12 @@ def turned(x: float, y: float, target: Array) -> Pose2:
     return x, y, math.atan2(target[1] - y, target[0] - x)
 
 
-def near(world: World, kits: Kits, x: float, y: float, target: Array) -> Pose2:
+def near(kits: Kits, x: float, y: float, target: Array) -> Pose2:
     """The base pose nearest to x, y [m], facing the target, in which the parked robot touches nothing.
 
     Poses are tried ring after ring; the one at x, y itself is given back where none is free.
     """
-    parked = Parked(world, world.scene.q((0.0, 0.0, 0.0), {}), kits.outside())
+    parked = kits.parked()
     for ring in _rings(x, y):
         poses = [turned(*at, target) for at in ring]
         free = np.flatnonzero(parked.stands(np.array(poses)))
