@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from services.embodiment.body.kernels import forward, joint_pose, matmul, moved, place_boxes
+from services.embodiment.body.kernels import copied, forward, joint_pose, matmul, moved, place_boxes
 from services.kernel import kernel
 from services.physics.geometry.convex import parted
 from services.physics.geometry.packed import bounds_of
@@ -86,8 +86,9 @@ def track(qs, tree, boxes, radius, moves, row, count, first, base):
             if k > 0:
                 step = _apart(last_r[m], last_c[m], seen, now, radius[s])
                 own[k, m] = own[k - 1, m] + (step if step > 1e-9 else 0.0)
-            last_r[m] = seen
-            last_c[m] = now
+            copied(seen, last_r[m])
+            for i in range(3):
+                last_c[m, i] = now[i]
     return at_r, at_c, way, own
 
 

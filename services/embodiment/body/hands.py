@@ -152,7 +152,8 @@ def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, ro
             if not _closing(k, shares, sides[k], hand, closing, there, shapes, touch, rounds, room):
                 return False
             found[k] = shares[k]
-        shares[:] = found
+        for k in range(count):
+            shares[k] = found[k]
         if count > 1:
             break
         _gaps(shares, sides[0], hand, closing, there, shapes, room)

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from services.embodiment.body.kernels import REVOLUTE, matmul, rotation
+from services.embodiment.body.kernels import REVOLUTE, copied, matmul, rotation
 from services.kernel import kernel
 
 ARM = 0.2  # [m] what one radian of orientation error counts as
@@ -34,7 +34,7 @@ def tool_pose(x, chain, r, p, z, o):
                 p[i] += r[i, j] * (end_p[j] if last else place_p[c, j])
         matmul(r, end_r if last else place_r[c], tmp)
         if last:
-            r[:, :] = tmp
+            copied(tmp, r)
             return
         angle = offset[c] + (mult[c] * x[var[c]] if var[c] >= 0 else 0.0)
         for i in range(3):
@@ -44,7 +44,7 @@ def tool_pose(x, chain, r, p, z, o):
             rotation(axis[c], angle, turn)
             matmul(tmp, turn, r)
         else:
-            r[:, :] = tmp
+            copied(tmp, r)
             for i in range(3):
                 p[i] += z[c, i] * angle
 
@@ -197,5 +197,6 @@ def follow(x0, target_r, target_p, chain, weight, lower, upper, steps, tolerance
         for i in range(x.shape[0]):
             if abs(x[i] - before[i]) > jump:
                 return k
-        path[k] = x
+        for i in range(x.shape[0]):
+            path[k, i] = x[i]
     return target_r.shape[0]

@@ -33,6 +33,14 @@ def matmul(a, b, out):
 
 
 @kernel
+def copied(a, out):
+    """A (3, 3) matrix is in `out`: an array that is set to another is compiled with the words of an error."""
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = a[i, j]
+
+
+@kernel
 def moved(r, p, local, out):
     """A point (3,) of the frame (r, p) is in `out`, in the world."""
     for i in range(3):
@@ -61,7 +69,7 @@ def joint_pose(j, q, tree, turn, carried, r, p):
 def forward(q, tree, r, p):
     """World poses of all joint frames are in r (J, 3, 3), p (J, 3); joint 0 is the world."""
     turn, carried = np.empty((3, 3)), np.empty((3, 3))
-    r[0] = np.eye(3)
+    copied(np.eye(3), r[0])
     p[0] = 0.0
     for j in range(1, r.shape[0]):
         joint_pose(j, q, tree, turn, carried, r, p)

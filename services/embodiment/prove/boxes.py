@@ -48,7 +48,10 @@ def forward(q, rotation, translation, axis, turns, origins, axes, frames):
             r = r @ step
         else:
             p = p + u * q[k]
-        origins[k], axes[k], frames[k] = p, u, r
+        for i in range(3):
+            origins[k, i], axes[k, i] = p[i], u[i]
+            for j in range(3):
+                frames[k, i, j] = r[i, j]
 
 
 @kernel
@@ -189,7 +192,8 @@ def look(low, high, chain, reach, upright, tool, boxes, level, slack, arms, orig
     middle, half = (low + high) / 2, (high - low) / 2
     forward(middle, chain[0], chain[1], chain[2], chain[3], origins[:n], axes, frames)
     last = frames[n - 1]
-    origins[n] = origins[n - 1] + last @ tool[1]
+    tip = origins[n - 1] + last @ tool[1]
+    origins[n, 0], origins[n, 1], origins[n, 2] = tip[0], tip[1], tip[2]
     radius = np.sqrt((tool[2] ** 2).sum())
     chosen = -1
     for k in range(n + 1):
@@ -232,7 +236,8 @@ def divide(low, high, chain, reach, upright, tool, boxes, level, slack, inner, t
     n = len(low)
     lows, highs = np.empty((DEEPEST, n)), np.empty((DEEPEST, n))
     arms, origins, axes, frames = np.empty(n), np.empty((n + 1, 3)), np.empty((n, 3)), np.empty((n, 3, 3))
-    lows[0], highs[0] = low, high
+    for j in range(n):
+        lows[0, j], highs[0, j] = low[j], high[j]
     depth, written = 1, 0
     while depth > 0:
         depth -= 1
@@ -252,9 +257,10 @@ def divide(low, high, chain, reach, upright, tool, boxes, level, slack, inner, t
         tree[written] = split
         written += 1
         middle = (a[split] + b[split]) / 2
-        lows[depth], highs[depth] = a, b
+        for j in range(n):
+            lows[depth, j], highs[depth, j] = a[j], b[j]
+            lows[depth + 1, j], highs[depth + 1, j] = a[j], b[j]
         lows[depth, split] = middle
-        lows[depth + 1], highs[depth + 1] = a, b
         highs[depth + 1, split] = middle
         depth += 2
     return FOUND, written

@@ -99,7 +99,8 @@ def _on_triangle(w, i, j, k, share, v, other):
         at = _combined(w, other, v)
         if at < best:
             best = at
-            share[:] = other
+            for each in range(4):
+                share[each] = other[each]
 
 
 @kernel
@@ -137,7 +138,8 @@ def _nearest(w, count, share, v, spare, other):
             at = _combined(w, spare, v)
             if at < best:
                 best = at
-                share[:] = spare
+                for each in range(4):
+                    share[each] = spare[each]
         if best == math.inf:
             return 0, 0.0
     squared = _combined(w, share, v)
