@@ -47,7 +47,7 @@ def touching_many(hand, seen, tools, kitchen, split, radius, shapes, margins, fo
         for i in range(hand.shape[0]):
             matmul(tools[0][g], seen[0][i], at_r[i])
             moved(tools[0][g], tools[1][g], seen[1][i], at_c[i])
-        found[g] = touching(hand, (at_r, at_c), kitchen, split, radius, shapes, margins)
+        found[g, 0], found[g, 1] = touching(hand, (at_r, at_c), kitchen, split, radius, shapes, margins)
 
 
 @kernel
