@@ -7,7 +7,7 @@ import httpx
 import pytest
 from selenium.webdriver.common.by import By
 
-from tests.browser import Browser
+from tests.browser import PATIENCE, Browser
 from tests.services.pages.conftest import TOKEN, sdt_serve
 
 CONTAINER = "sink_area_left_middle_drawer_main"
@@ -37,9 +37,9 @@ def test_a_drawer_from_question_to_rechecked_certificate(browser: Browser, tmp_p
         link = driver.current_url
         browser.follows(driver.find_element(By.XPATH, "//button[text()='Recheck now']").click)
         assert "It holds" in driver.find_element(By.CSS_SELECTOR, ".notice.good").text
-        data = httpx.get(f"{link.partition('#')[0]}.json").json()
+        data = httpx.get(f"{link.partition('#')[0]}.json", timeout=PATIENCE).json()
         assert (data["recheck"]["holds"], data["artefact"]["kind"]) == (True, "certificate")
-        taken = httpx.get(f"{address}/verdicts/{data['name']}/artefact")
+        taken = httpx.get(f"{address}/verdicts/{data['name']}/artefact", timeout=PATIENCE)
         assert len(taken.content) == data["artefact"]["bytes"]
         assert browser.console_errors() == []
         assert browser.foreign_requests() == []

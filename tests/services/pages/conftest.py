@@ -17,7 +17,7 @@ from predicates.law import law
 from sdt_kg.task import Task, Verb
 from services.physics.oracle import Kinematics
 from services.store.files import SavedVerdicts, opened
-from tests.browser import Browser, installed, started
+from tests.browser import PATIENCE, Browser, installed, started
 from tests.services.http.conftest import Serve, Served, serve  # noqa: F401 - a fixture
 from tests.small import FOLDER, small_twin
 from tests.small.lift import Lift
@@ -65,7 +65,7 @@ def sdt_serve(*options: str, token: str | None = None) -> Iterator[str]:
         yield found[0]
     finally:
         process.send_signal(signal.SIGINT)
-        rest = process.communicate(timeout=60)[1]
+        rest = process.communicate(timeout=PATIENCE)[1]
         assert "Traceback" not in rest, rest
 
 

@@ -11,7 +11,7 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
-from tests.browser import Browser
+from tests.browser import PATIENCE, Browser
 
 SPARQL = (
     "SELECT ?container ?outcome WHERE { ?v law:container ?container ; law:outcome ?outcome ; law:robot ?r }"
@@ -20,7 +20,7 @@ SPARQL = (
 
 def links(address: str) -> dict[str, str]:
     """Every kind of page, by what it is."""
-    rows = httpx.get(f"{address}/verdicts.json").json()["verdicts"]
+    rows = httpx.get(f"{address}/verdicts.json", timeout=PATIENCE).json()["verdicts"]
     of = {row["outcome"]: row["link"] for row in rows}
     found = {
         "start": "/",
@@ -99,7 +99,7 @@ def test_the_console_is_asked_by_keyboard_and_its_answer_taken_as_csv(browser: B
         for row in driver.find_elements(By.CSS_SELECTOR, "#answer tbody tr")
     ]
     taken = driver.find_element(By.LINK_TEXT, "CSV").get_attribute("href")
-    rows = list(csv.reader(io.StringIO(httpx.get(str(taken)).text)))
+    rows = list(csv.reader(io.StringIO(httpx.get(str(taken), timeout=PATIENCE).text)))
     assert rows[0] == ["container", "outcome"]
     short = [[each.rsplit("/", 1)[-1].replace("law#", "law:") for each in row] for row in rows[1:]]
     assert sorted(short) == sorted([each.rsplit("/", 1)[-1] for each in row] for row in shown)
