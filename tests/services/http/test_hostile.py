@@ -47,7 +47,7 @@ BOMBS: dict[str, tuple[str, set[int]]] = {
         "SELECT ?x40 { BIND('ab' AS ?x0) "
         + "".join(f"BIND(CONCAT(?x{i}, ?x{i}) AS ?x{i + 1}) " for i in range(40))
         + "}",
-        {507},
+        {408, 507},
     ),
     "stars over stars": (
         "SELECT (COUNT(*) AS ?n) { ?a ((!<u:b>|^!<u:b>)*/(!<u:c>)*)+ ?b . ?b !<u:d>* ?c }",
