@@ -3,8 +3,9 @@
 import logging
 import threading
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from pathlib import Path
 
 from predicates.case import Verdict
 from predicates.oracle import Embodiment, Physics
@@ -21,6 +22,15 @@ TWINS_KEPT = 16
 """Kitchens with a robot that a worker keeps."""
 SERVICES_KEPT = 8
 """Combinations of kitchen, robot, state and policy whose scenes a worker keeps."""
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A model's name or path, and when its files were written [ns]."""
+
+    name: str
+    times: tuple[int, ...]
+
 
 _turn = threading.Lock()
 _log = logging.getLogger("sdt.sweep")
@@ -73,35 +83,46 @@ def stored_verdict(cell: Cell, recall: Recall) -> Verdict | None:
 
 def service_of(cell: Cell) -> Service:
     """The Law over the case's kitchen with its robot, in its state and under its policy."""
-    return _service(*cell.loaded)
+    kitchen, robot, *rest = cell.loaded
+    return _service(_written(kitchen), _written(robot), *rest)
 
 
 @lru_cache(maxsize=SERVICES_KEPT)
 def _service(
-    kitchen: str, robot: str, states: tuple[str, ...], policy: Policy, relative: Relative
+    kitchen: Written, robot: Written, states: tuple[str, ...], policy: Policy, relative: Relative
 ) -> Service:
     service = replace(_in_class(kitchen, robot, relative), policy=policy)
     return service.at(*states) if states else service
 
 
 @lru_cache(maxsize=TWINS_KEPT)
-def _in_class(kitchen: str, robot: str, relative: Relative) -> Service:
-    return relative.of(Service(twin_of(kitchen, robot), oracles=_here()))
+def _in_class(kitchen: Written, robot: Written, relative: Relative) -> Service:
+    return relative.of(Service(_twin(kitchen, robot), oracles=_here()))
 
 
-@lru_cache(maxsize=TWINS_KEPT)
 def twin_of(kitchen: str, robot: str) -> Twin:
     """The kitchen with that robot.
 
     Raises:
         InputError: They cannot be loaded.
     """
-    return with_robots(_kitchen(kitchen), [robot])
+    return _twin(_written(kitchen), _written(robot))
 
 
 @lru_cache(maxsize=TWINS_KEPT)
-def _kitchen(kitchen: str) -> Twin:
-    return load_twin(kitchen)
+def _twin(kitchen: Written, robot: Written) -> Twin:
+    return with_robots(_kitchen(kitchen), [robot.name])
+
+
+@lru_cache(maxsize=TWINS_KEPT)
+def _kitchen(kitchen: Written) -> Twin:
+    return load_twin(kitchen.name)
+
+
+def _written(name: str) -> Written:
+    """The model as its files are now: one that was edited since is loaded again."""
+    files = (Path(name), Path(name).with_suffix(".ttl"))
+    return Written(name, tuple(each.stat().st_mtime_ns for each in files if each.is_file()))
 
 
 class _Here:

@@ -11,13 +11,16 @@ from pathlib import Path
 import pytest
 
 from sdt_kg.errors import InputError, OracleUnavailableError, UnknownEntityError
+from services.app import Policy
 from services.sweep import handed
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
 from services.sweep.engines import Engine, processes
 from services.sweep.handed import AHEAD, each
 from services.sweep.run import run
 from services.sweep.waiting import MOST_TOGETHER, Waiting
+from services.sweep.worker import service_of
 from tests.services.sweep.judging import cell, obedient
+from tests.small import FOLDER
 
 
 def ends(found: Iterator[Found]) -> dict[str, str]:
@@ -150,3 +153,15 @@ def _known(robot: str) -> int:
     if robot == "pr3":
         raise UnknownEntityError("robot", robot, ["pr2"])
     return len(robot)
+
+
+def test_a_model_that_was_edited_is_loaded_again(tmp_path: Path) -> None:
+    copy = tmp_path / "a.urdf"
+    text = (FOLDER / "a.urdf").read_text()
+    copy.write_text(text)
+    asked = Cell(str(copy), str(FOLDER / "pr2.urdf"), "open:low_drawer", (), Policy())
+    first = service_of(asked)
+    assert service_of(asked) is first
+    copy.write_text(text.replace('upper="0.5"', 'upper="0.4"'))
+    opens = [one.twin.container("low_drawer").open_from for one in (first, service_of(asked))]
+    assert opens == pytest.approx([0.45, 0.36])
