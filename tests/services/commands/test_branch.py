@@ -85,7 +85,7 @@ def test_a_kept_history_goes_on_after_a_restart(sdt, tmp_path: Path, name: str) 
         ("set:top_drawer_joint.uperLimit=1", "did you mean 'upperLimit'"),
         ("set:top_drawer_joint=1", "names no property"),
         ("set:top_drawer_joint.upperLimit=wide", "finite number"),
-        ("box:crate=1,1", "is not 3 finite number"),
+        ("box:crate=1,1", "allowed: 3 finite numbers"),
         ("box:crate=1,1,0", "not above 0"),
         ("box:top_drawer=1,1,1", "cannot name an obstacle"),
         ("pose:nowhere=1,2,3", "no joint named 'nowhere'"),
