@@ -27,6 +27,7 @@ LOOKED_AT = 5  # values of the container at which free postures are counted firs
 BATCHES = 16  # of seeds at each of them
 MORE = 3  # [1] times as many, where all values have free postures
 MOST = 192  # postures that go on
+TOGETHER = 64  # that are looked at together, until there are as many
 CHILDREN = 2  # of each, beside the one that moves least
 BESIDE = 0.12  # [rad or m] standard deviation of a child from its parent, before it meets the handle
 PATHS = 6  # that are straightened
@@ -85,7 +86,7 @@ class Spreader:
         if started is None:
             return
         pivot, start = started
-        start = self._fewer(start)
+        start = start.some(self._in_turn(start)[:MOST])
         on = self._spread(start, range(pivot + 1, self._last + 1))
         if on is None:
             return
@@ -170,12 +171,21 @@ class Spreader:
             layer = self._children(before)
             met = self._meet(layer, index)
             met &= np.abs(layer.xs - before.xs[layer.parents]).max(axis=1) < JUMP
-            layer = layer.some(met)
-            layer = layer.some(self._clear(layer, index)) if len(layer.xs) else layer
+            layer = self._free(layer.some(met), index)
             if not len(layer.xs):
                 return None
-            layers.append(self._fewer(layer))
+            layers.append(layer)
         return layers
+
+    def _free(self, layer: Layer, index: int) -> Layer:
+        """At most MOST that touch nothing, of which one of each parent is looked at first."""
+        order, found = self._in_turn(layer), [np.empty(0, np.intp)]
+        for k in range(0, len(order), TOGETHER):
+            some = order[k : k + TOGETHER]
+            found.append(some[self._clear(layer.some(some), index)])
+            if sum(map(len, found)) >= MOST:
+                break
+        return layer.some(np.concatenate(found)[:MOST])
 
     def _children(self, layer: Layer) -> Layer:
         """Each posture as it is, and others beside it."""
@@ -186,12 +196,11 @@ class Spreader:
         xs = np.clip(layer.xs[parents] + beside, self.searcher.lower, self.searcher.upper)
         return Layer(xs, layer.grasps[parents], parents)
 
-    def _fewer(self, layer: Layer) -> Layer:
-        """At most MOST of them, one of each parent first."""
+    def _in_turn(self, layer: Layer) -> Indices:
+        """The postures in random order, one of each parent first."""
         order = self._rng.permutation(len(layer.xs))
         _, first = np.unique(layer.parents[order], return_index=True)
-        others = np.delete(order, first)
-        return layer.some(np.concatenate([order[self._rng.permutation(first)], others])[:MOST])
+        return np.concatenate([order[self._rng.permutation(first)], np.delete(order, first)])
 
     def _straightened(self, path: Array, grasp: int) -> Array:
         """The path with each posture nearer to its neighbours' middle, where it stays free of contact."""
