@@ -28,6 +28,8 @@ class OwnInterpreter(AsyncKernelManager):
                 "ipykernel_launcher",
                 "-f",
                 "{connection_file}",
+                # Errors of cells come as messages; its log would tell only that it is asked to end.
+                "--log-level=CRITICAL",
             ],
             display_name="sdt",
             language=LANGUAGE,
