@@ -63,3 +63,12 @@ def tee_of(text: str) -> TeeName:
     if text.strip().lower() not in CLASSES:
         raise UnknownEntityError("TEE class", text, CLASSES)
     return CLASSES[text.strip().lower()]
+
+
+def in_class(service: "Service", tee: str, forces: Path | None) -> "Service":
+    """The service, asked relative to that class, as `--tee` and `--forces` say.
+
+    Raises:
+        InputError: Force data for a class without forces.
+    """
+    return Relative(tee_of(tee), forces).of(service)

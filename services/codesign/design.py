@@ -16,7 +16,7 @@ from services.codesign.grid import Asked, run
 from services.codesign.judge import Judge
 from services.codesign.report import why
 from services.codesign.turning import Question, turned
-from services.commands.tee_class import in_class
+from services.relative import in_class
 from services.whatif import World, changed, parse_change
 
 MOST_EDITS = 5

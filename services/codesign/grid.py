@@ -15,7 +15,7 @@ from services.app import Policy, load
 from services.codesign.again import whole_body
 from services.codesign.entries import Entry, Found, Grid, How
 from services.codesign.judge import Judge, judged_as_it_is
-from services.commands.tee_class import in_class
+from services.relative import in_class
 from services.requests import state_joints
 from services.sweep.engines import cpu_seconds
 from services.sweep.handed import each as each_done

@@ -16,8 +16,8 @@ from services.codesign.again import whole_body
 from services.codesign.entries import Found, How, found_of
 from services.codesign.families import AND, Family, base_family, families, pairs
 from services.codesign.judge import one_of
-from services.commands.tee_class import in_class
 from services.embodiment.place import place
+from services.relative import in_class
 from services.requests import parse_task
 from services.sweep.handed import each as each_done
 from services.whatif import Change, World, changed, parse_change

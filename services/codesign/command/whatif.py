@@ -29,8 +29,8 @@ from services.commands.options import (
     tee_option,
 )
 from services.commands.show import print_json
-from services.commands.tee_class import in_class
 from services.commands.verdicts import Json
+from services.relative import in_class
 from services.requests import parse_base
 from services.whatif import KINDS, Change, World, changed, parse_change
 

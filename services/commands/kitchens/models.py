@@ -24,7 +24,7 @@ from services.commands.options import (
     tee_option,
 )
 from services.commands.show import console, csv_is_asked, print_json, print_rows
-from services.commands.tee_class import in_class
+from services.relative import in_class
 from services.scoping import report_turtle
 
 COLUMNS = (

@@ -32,9 +32,9 @@ from services.commands.options import (
     tee_option,
 )
 from services.commands.show import progress
-from services.commands.tee_class import in_class
 from services.commands.verdicts import told
 from services.motions import read_motion, write_motion
+from services.relative import in_class
 from services.requests import parse_base, parse_task
 
 if TYPE_CHECKING:

@@ -21,9 +21,9 @@ from services.commands.options import (
     tee_option,
 )
 from services.commands.show import console, csv_is_asked, print_json, print_rows
-from services.commands.tee_class import in_class
 from services.commands.verdicts import Json
 from services.motions import read_motion, write_motion
+from services.relative import in_class
 
 
 @click.command()

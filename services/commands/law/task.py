@@ -28,8 +28,8 @@ from services.commands.options import (
     tee_option,
 )
 from services.commands.show import csv_is_asked, print_json, print_rows, progress
-from services.commands.tee_class import in_class
 from services.commands.verdicts import Json, diagnosis_text
+from services.relative import in_class
 from services.requests import parse_base
 from services.specifications import (
     StepResult,

@@ -160,7 +160,6 @@ class Searcher:
         grasps: list[tuple[Grasp, Array]],
         pivot: int,
         rng: np.random.Generator,
-        near: Array | None = None,
     ) -> Iterator[Holding]:
         """Holdings of grasps (each with its closed scene rest) that one batch of seeds leads to."""
         chosen = [grasps[i % len(grasps)] for i in range(SEEDS)]
