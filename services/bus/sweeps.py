@@ -16,7 +16,6 @@ from services.judging.messages import AchieveRequest, SweepRequest
 from services.judging.pool import Pool
 from services.judging.problems import BusUnavailableError, Problem, ProblemType, problem
 from services.judging.replies import JobReply, VerdictsReply
-from services.relative import Relative
 from services.sweep.cell import Cell
 from services.sweep.plan import Axes, Models, combined, policies
 
@@ -179,7 +178,7 @@ def _axes(request: SweepRequest) -> Axes:
         tasks=tuple(request.tasks) or (request.verb,),
         states=tuple((*request.state, *each) for each in request.starts) or (tuple(request.state),),
         policies=policies(drives, seeds=request.seeds, budget=request.budget),
-        classes=(Relative(request.tee, handle_force=request.handle_force),),
+        classes=(request.relative,),
     )
 
 

@@ -26,7 +26,6 @@ from services.judging.messages import (
     REQUESTS,
     AchieveRequest,
     CausesRequest,
-    Classed,
     ComputeRequest,
     Message,
     Performed,
@@ -38,7 +37,6 @@ from services.judging.messages import (
 )
 from services.judging.problems import Problem, ProblemType, problem, problem_of
 from services.judging.replies import ComputeReply, PlaceReply, TaskReply, TextReply, VerdictsReply
-from services.relative import Relative
 from services.requests import parse_task
 from services.telemetry.metrics import Judged
 from services.why import why
@@ -127,7 +125,7 @@ class Judge:
                 done = self._stated(request, asked)
             case _:
                 assert isinstance(request, CausesRequest), "the server sends no others"
-                service = _relative(request).of(self._at(asked, request.state))
+                service = request.relative.of(self._at(asked, request.state))
                 done = replied(caused(service, request, asked.encoding), asked.encoding)
         return done
 
@@ -223,7 +221,7 @@ class Judge:
         kept = self._kept.pop(key, None)
         if kept is None:
             kept = replace(self._service(asked.twin).at(*state), policy=policy, recall=self._stored)
-            kept = _relative(request).of(kept)
+            kept = request.relative.of(kept)
         while len(self._kept) >= SERVICES_KEPT:
             del self._kept[next(iter(self._kept))]
         self._kept[key] = kept
@@ -237,15 +235,6 @@ class Judge:
 def _judged(verdicts: Iterable[Verdict]) -> tuple[Judged, ...]:
     """What is counted of them."""
     return tuple(Judged(each.outcome.value, each.stored, times(each)) for each in verdicts)
-
-
-def _relative(request: Classed) -> Relative:
-    """The class that the request names.
-
-    Raises:
-        InputError: A force for a class without forces.
-    """
-    return Relative(request.tee, handle_force=request.handle_force)
 
 
 class _Keeper:

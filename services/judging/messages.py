@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from services.relative import TeeName
+from services.relative import Relative, TeeName
 
 SCHEMA = "1.0"
 DriveName = Literal["omni", "differential", "fixed"]
@@ -77,6 +77,15 @@ class Classed(Stated):
 
     tee: TeeName = "d_artic"
     handle_force: float | None = Field(default=None, gt=0, le=10_000, allow_inf_nan=False)
+
+    @property
+    def relative(self) -> Relative:
+        """The class that is named.
+
+        Raises:
+            InputError: Forces for a class that knows none.
+        """
+        return Relative(self.tee, handle_force=self.handle_force)
 
 
 class QueryRequest(Message):

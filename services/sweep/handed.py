@@ -201,8 +201,9 @@ def _each(work: Callable[[T], R], piece: Sequence[T]) -> list[R | Lost]:
     until = time.monotonic() + TURN
     results: list[R | Lost] = []
     for item in piece:
-        if not results or time.monotonic() < until:
-            results.append(_one(work, item))
+        if results and time.monotonic() >= until:
+            break
+        results.append(_one(work, item))
     return results
 
 
