@@ -27,7 +27,7 @@ QUIET = (
     "--disable-background-networking",
     "--disable-dev-shm-usage",
     "--hide-scrollbars",
-    # Machines of tests have no graphics card: WebGL in software. How the rest is drawn is Chromium's own choice,
+    # Machines of tests have no graphics card: WebGL in software. How the rest is drawn is left to Chromium,
     # as it is on such a machine; told to draw that through the same software GPU, it makes WebGL wait for it.
     "--enable-unsafe-swiftshader",
 )
