@@ -5,9 +5,16 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from sdt_kg.errors import MotionError
 from sdt_kg.iri import Iri
 
 Array = NDArray[np.float64]
+
+LARGEST = 1e10
+"""[s, rad, m, per s] No number of a motion is larger: doubles then still tell times to 2 µs."""
+
+SHORTEST = 1e-9
+"""[s] Samples of a motion are no nearer to each other: splines between them then stay finite."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,3 +75,34 @@ class BodyMotion:
     kitchen_q: Array = field(default_factory=lambda: np.zeros((0, 0)))
     kitchen_v: Array = field(default_factory=lambda: np.zeros((0, 0)))
     phases: tuple[tuple[str, int], ...] = ()
+
+
+def check_times(times: Array) -> None:
+    """Times are those of a motion: shape (T,), two or more, increasing, neither too near nor too large.
+
+    Raises:
+        MotionError: With the index of the first wrong sample.
+    """
+    if times.ndim != 1 or len(times) < 2:
+        raise MotionError(f"a motion of {times.size} samples", allowed="two samples or more")
+    check_numbers("times", times)
+    near = np.flatnonzero(np.diff(times) < SHORTEST)
+    if near.size:
+        raise MotionError(
+            f"times do not increase after sample {int(near[0])}",
+            allowed=f"times in seconds, each {SHORTEST:g} s or more after the one before",
+        )
+
+
+def check_numbers(name: str, array: Array) -> None:
+    """Every number is finite, and not larger than any that a motion has.
+
+    Raises:
+        MotionError: With the index of the first wrong sample.
+    """
+    wrong = np.argwhere(~(np.abs(array) <= LARGEST))  # also what is not a number
+    if wrong.size:
+        raise MotionError(
+            f"'{name}' of sample {int(wrong[0][0])} is {array[tuple(wrong[0])]:g}",
+            allowed=f"finite numbers up to {LARGEST:g}",
+        )

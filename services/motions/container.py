@@ -19,7 +19,7 @@ UNIT_NORM = 1e-3
 
 def joint_motion(given: Given, twin: Twin) -> Motion:
     """τ as positions of the container's joint."""
-    times, (name,) = given.times(), given.names("joint")
+    times, name = given.times(), given.text("joint") or ""
     kitchen = twin.mechanism(twin.environment)
     check_known("joint", name, movable(kitchen))
     values = given.column("values", len(times))
@@ -28,12 +28,12 @@ def joint_motion(given: Given, twin: Twin) -> Motion:
     speeds = at_rest_velocities(times, values) if velocities is None else velocities
     check_times(times, (name,), speeds, kitchen)
     check_leaps((name,), times, values, kitchen, given)
-    return Motion(joint_iri(kitchen.name, name), times, values, _timed(given), velocities)
+    return Motion(joint_iri(kitchen.name, name), times, values, given.flag("timed", default=True), velocities)
 
 
 def frame_motion(given: Given, twin: Twin) -> Motion:
     """τ as poses of a frame of the kitchen."""
-    times, (name,) = given.times(), given.names("frame")
+    times, name = given.times(), given.text("frame") or ""
     kitchen = twin.mechanism(twin.environment)
     check_known("frame", name, {body.name for body in kitchen.bodies})
     poses = given.numbers("poses", (len(times), 7))
@@ -46,7 +46,7 @@ def frame_motion(given: Given, twin: Twin) -> Motion:
             allowed="x, y, z [m], then a unit quaternion x, y, z, w",
         )
     check_base(poses[:, :2], "poses", given)
-    return Motion(body_iri(kitchen.name, name), times, poses, _timed(given))
+    return Motion(body_iri(kitchen.name, name), times, poses, given.flag("timed", default=True))
 
 
 def container_arrays(motion: Motion) -> dict[str, np.ndarray]:
@@ -71,7 +71,3 @@ def check_known(kind: str, name: str, names: Mapping[str, object] | set[str]) ->
     """
     if name not in names:
         raise UnknownEntityError(kind, name, names)
-
-
-def _timed(given: Given) -> bool:
-    return bool(given.arrays["timed"]) if "timed" in given else True

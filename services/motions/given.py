@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sdt_kg.errors import MotionError
-from sdt_kg.motion import Array
+from sdt_kg.motion import LARGEST, SHORTEST, Array
 
 ALLOWED = (
     "times, base, robot_joint_names, robot_positions (a robot's motion); "
@@ -14,6 +14,9 @@ ALLOWED = (
 )
 
 Arrays = Mapping[str, np.ndarray]
+
+NO_REALS = "cmM"
+"""Kinds of arrays that numpy would turn into numbers, losing a part or a unit: complex, durations, dates."""
 
 
 def by_index(sample: int) -> str:
@@ -37,8 +40,30 @@ class Given:
         return name in self.arrays
 
     def text(self, name: str) -> str | None:
-        """A single text, None where the file has none."""
-        return str(self.arrays[name]) if name in self.arrays else None
+        """A single text, None where the file has none.
+
+        Raises:
+            MotionError: It holds something else, or several.
+        """
+        if name not in self.arrays:
+            return None
+        array = self.arrays[name]
+        if array.size != 1 or array.dtype.kind not in "US":
+            raise MotionError(f"'{name}' holds {array.dtype} of shape {array.shape}", allowed="one name")
+        return str(array.astype(str).item())
+
+    def flag(self, name: str, default: bool) -> bool:
+        """A single truth value; the default where the file has none.
+
+        Raises:
+            MotionError: It holds something else, or several.
+        """
+        if name not in self.arrays:
+            return default
+        array = self.arrays[name]
+        if array.size != 1 or array.dtype.kind != "b":
+            raise MotionError(f"'{name}' holds {array.dtype} of shape {array.shape}", allowed="true or false")
+        return bool(array.item())
 
     def numbers(self, name: str, shape: tuple[int | None, ...], columns: tuple[str, ...] = ()) -> Array:
         """An array of finite numbers of that shape; None stands for any length.
@@ -53,21 +78,22 @@ class Given:
         """
         if name not in self.arrays:
             raise MotionError(f"the file has no '{name}'", allowed=ALLOWED)
-        try:
-            array = np.asarray(self.arrays[name], dtype=np.float64)
-        except (TypeError, ValueError):
-            raise MotionError(f"'{name}' holds {self.arrays[name].dtype}", allowed="numbers") from None
+        array = _reals(name, self.arrays[name])
         fits = array.ndim == len(shape) and all(
             b in (None, a) for a, b in zip(array.shape, shape, strict=True)
         )
         if not fits:
             wanted = ", ".join("T" if each is None else str(each) for each in shape)
             raise MotionError(f"'{name}' has the shape {array.shape}", allowed=f"({wanted})")
-        wrong = np.argwhere(~np.isfinite(array))
+        wrong = np.argwhere(~(np.abs(array) <= LARGEST))  # also what is not a number
         if wrong.size:
             sample, *column = wrong[0].tolist()
             of = f" of {columns[column[0]]}" if columns and column else ""
-            raise MotionError(f"'{name}'{of} is not a number at {self.at(sample)}", allowed="finite numbers")
+            value = array[tuple(wrong[0])]
+            found = f"is {value:g}" if np.isfinite(value) else "is not a number"
+            raise MotionError(
+                f"'{name}'{of} {found} at {self.at(sample)}", allowed=f"finite numbers up to {LARGEST:g}"
+            )
         return array
 
     def column(self, name: str, samples: int) -> Array:
@@ -104,9 +130,22 @@ class Given:
         times = self.numbers("times", (None,))
         if len(times) < 2:
             raise MotionError(f"the motion has {len(times)} samples", allowed="two or more")
-        falling = np.flatnonzero(np.diff(times) <= 0)
+        falling = np.flatnonzero(np.diff(times) < SHORTEST)
         if falling.size:
             k = int(falling[0])
             one, other = f"{self.at(k)} is {times[k]:.6g} s", f"{self.at(k + 1)} is {times[k + 1]:.6g} s"
-            raise MotionError(f"times do not increase: {one}, {other}", allowed="strictly increasing times")
+            raise MotionError(
+                f"times do not increase: {one}, {other}",
+                allowed=f"times in seconds, each {SHORTEST:g} s or more after the one before",
+            )
         return times
+
+
+def _reals(name: str, array: np.ndarray) -> Array:
+    wrong = MotionError(f"'{name}' holds {array.dtype}", allowed="real numbers")
+    if array.dtype.kind in NO_REALS:
+        raise wrong
+    try:
+        return np.asarray(array, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise wrong from None

@@ -16,7 +16,7 @@ from predicates.oracle import Replayed
 from sdt_kg.errors import MotionError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.mechanism import JointType
-from sdt_kg.motion import Motion
+from sdt_kg.motion import Motion, check_numbers, check_times
 from sdt_kg.state import State
 from sdt_kg.twin import Twin
 from services.physics.chain import Chain, Follower, chain, follower
@@ -109,18 +109,19 @@ def check_samples(motion: Motion) -> None:
         MotionError: What is wrong, with the index of the first wrong sample.
     """
     times, values = motion.times, motion.values
-    if times.ndim != 1 or len(times) < 2:
-        raise MotionError(f"a motion of {times.size} samples", allowed="two samples or more")
+    check_times(times)
     if values.ndim != 2 or values.shape[0] != len(times) or values.shape[1] not in {1, 7}:
         raise MotionError(
             f"values of shape {values.shape} for {len(times)} times", allowed="shape (T, 1) or (T, 7)"
         )
-    finite = np.isfinite(values).all(axis=1) & np.isfinite(times)
-    if not finite.all():
-        raise MotionError(f"sample {int(np.argmin(finite))} is not a number", allowed="finite numbers")
-    falling = np.flatnonzero(np.diff(times) <= 0)
-    if falling.size:
-        raise MotionError(f"times do not increase after sample {int(falling[0])}", allowed="increasing times")
+    check_numbers("values", values)
+    if motion.velocities is not None:
+        if motion.velocities.shape != (len(times), 1):
+            raise MotionError(
+                f"velocities of shape {motion.velocities.shape} for {len(times)} times",
+                allowed="shape (T, 1)",
+            )
+        check_numbers("velocities", motion.velocities)
 
 
 def effective_bounds(model: Model, twin: Twin, followed: Follower) -> Bounds:

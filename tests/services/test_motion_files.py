@@ -75,6 +75,12 @@ def test_a_body_motion_without_velocities_gets_those_of_the_spline_at_rest(tmp_p
     assert motion.kitchen_q.shape == (9, 0)
 
 
+def test_a_name_may_be_a_list_of_one(tmp_path: Path) -> None:
+    motion = read(tmp_path, body_motion(robot=["pr2"], gripper=["left"], base_frame=["map"]))
+    assert isinstance(motion, BodyMotion)
+    assert (motion.robot, motion.gripper) == (PR2, "left")
+
+
 def test_a_body_motion_may_say_how_the_kitchen_moves(tmp_path: Path) -> None:
     kitchen = {"kitchen_joint_names": ["low_drawer_joint"], "kitchen_positions": 0.46 * SMOOTH[:, None]}
     motion = read(tmp_path, body_motion(**kitchen))
@@ -127,6 +133,21 @@ def test_a_file_written_by_us_names_its_robot(tmp_path: Path) -> None:
             "lift_joint twice",
         ),
         (body_motion(phase_names=["follow"], phase_starts=[99]), r"phases start at \[99\]"),
+        (body_motion(robot_positions=SMOOTH[:, None] + 1j), "'robot_positions' holds complex128; .* real"),
+        (body_motion(times=np.arange(9).astype("M8[s]")), r"'times' holds datetime64\[s\]"),
+        (body_motion(times=np.arange(9).astype("m8[s]")), r"'times' holds timedelta64\[s\]"),
+        (body_motion(times=TIMES * 1e-200), "times do not increase: index 0 .* 1e-09 s or more"),
+        (body_motion(times=TIMES + 1e15), "'times' is 1e.15 at index 0; allowed: finite numbers up to 1e.10"),
+        (
+            body_motion(robot_velocities=np.full((9, 1), -1e300)),
+            "'robot_velocities' of lift_joint is -1e.300 at index 0",
+        ),
+        (body_motion(gripper=["left", "right"]), r"'gripper' holds <U5 of shape \(2,\); allowed: one name"),
+        (body_motion(robot=7), "'robot' holds int64"),
+        (container_motion(joint=["low_drawer_joint"] * 2), "'joint' holds"),
+        (container_motion(joint=[]), "'joint' holds"),
+        (container_motion(timed="false"), "'timed' holds .* true or false"),
+        (container_motion(timed=[True, False]), r"'timed' holds bool of shape \(2,\)"),
         ({"times": TIMES}, "allowed: times, base"),
     ],
 )

@@ -206,6 +206,10 @@ def test_a_wrong_line_is_named(tmp_path: Path, edit: Callable[[list[str]], None]
             "'base' at index 1 has 2 values; allowed: 3",
         ),
         (json.dumps({"times": [0, None]}), "the motion has times"),
+        (
+            json.dumps({"times": [0, 10**400], "joint": "low_drawer_joint", "values": [0, 1]}),
+            "'times' holds object; allowed: real numbers",
+        ),
     ],
 )
 def test_wrong_json_is_told_where(tmp_path: Path, text: str, message: str) -> None:

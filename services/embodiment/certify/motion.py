@@ -11,7 +11,7 @@ from predicates.case import Evidence, Quantity
 from sdt_kg.errors import MotionError, UnknownEntityError
 from sdt_kg.iri import joint_iri, local_name
 from sdt_kg.mechanism import JointType
-from sdt_kg.motion import BodyMotion
+from sdt_kg.motion import BodyMotion, check_numbers, check_times
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.sweep.kinematics import joint_axes
 from services.embodiment.certify.sweep.pieces import Pieces, hermite, positions
@@ -43,7 +43,7 @@ def whole_motion(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> tu
     A listed joint that mimics another which is not listed moves that one.
 
     Raises:
-        MotionError: Shapes do not fit, times do not increase, or a value is not a number.
+        MotionError: Shapes do not fit, times do not increase, or a value is no number of a motion.
         UnknownEntityError: The robot or the kitchen has no such movable joint.
     """
     _check_arrays(motion)
@@ -93,9 +93,8 @@ def without_fixed(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> t
 
 
 def _check_arrays(motion: BodyMotion) -> None:
+    check_times(motion.times)
     count, n, m = len(motion.times), len(motion.joints), len(motion.kitchen_joints)
-    if count < 2:
-        raise MotionError(f"a body motion of {count} samples", allowed="two samples or more")
     shapes = {"base": (count, 3), "base_v": (count, 3), "q": (count, n), "v": (count, n)}
     if m:
         shapes |= {"kitchen_q": (count, m), "kitchen_v": (count, m)}
@@ -103,10 +102,7 @@ def _check_arrays(motion: BodyMotion) -> None:
         array = getattr(motion, name)
         if array.shape != shape:
             raise MotionError(f"{name} of a body motion has shape {array.shape}", allowed=f"shape {shape}")
-        if not np.isfinite(array).all():
-            raise MotionError(f"{name} of a body motion has values which are not numbers")
-    if not np.isfinite(motion.times).all() or not (np.diff(motion.times) > 0).all():
-        raise MotionError("times of a body motion do not increase", allowed="increasing times in seconds")
+        check_numbers(name, array)
 
 
 def _coordinates(scene: Scene, joints: Iterable[str]) -> Indices:

@@ -254,9 +254,18 @@ def test_what_is_no_motion_is_an_error(twin: Twin) -> None:
     times[5] = times[4]
     q = motion.q.copy()
     q[3, 2] = np.nan
-    spoiled = (replace(motion, times=times), replace(motion, q=q), replace(motion, v=motion.v[1:]))
-    for one in spoiled:
-        with pytest.raises(MotionError):
+    far, wild = motion.times + 1e15, motion.v.copy()
+    wild[3, 2] = -1e300
+    spoiled = (
+        (replace(motion, times=times), "times do not increase after sample 4"),
+        (replace(motion, times=motion.times * 1e-12), "each 1e-09 s or more"),
+        (replace(motion, times=far), "'times' of sample 0 is 1e.15; allowed: finite numbers up to 1e.10"),
+        (replace(motion, q=q), "'q' of sample 3 is nan"),
+        (replace(motion, v=wild), "'v' of sample 3 is -1e.300"),
+        (replace(motion, v=motion.v[1:]), "v of a body motion has shape"),
+    )
+    for one, said in spoiled:
+        with pytest.raises(MotionError, match=said):
             judge(twin, one)
     with pytest.raises(UnknownEntityError, match="lift_joint"):
         judge(twin, replace(motion, joints=("lift_jiont", *motion.joints[1:])))

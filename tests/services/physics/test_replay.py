@@ -182,7 +182,7 @@ def test_an_unknown_joint_names_the_nearest() -> None:
 @pytest.mark.parametrize(
     ("times", "values", "message"),
     [
-        ([0.0, 1.0], [[0.0], [math.nan]], "sample 1 is not a number"),
+        ([0.0, 1.0], [[0.0], [math.nan]], "'values' of sample 1 is nan"),
         ([0.0, 0.0], [[0.0], [0.1]], "do not increase after sample 0"),
         ([0.0], [[0.0]], "1 samples"),
         ([0.0, 1.0], [[0.0, 0.1], [0.1, 0.2]], "shape"),
