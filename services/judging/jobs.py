@@ -114,9 +114,15 @@ class Waiter:
             log.exception("an answer could not be given")
         return True
 
+    def leave(self) -> None:
+        """Nobody waits here any longer: `answered` is not called, and what is done for nobody ends soon."""
+        with self._claimed:
+            self._over = True
+        self.deadline = time.monotonic()
+
     @property
     def over(self) -> bool:
-        """Whether it was answered."""
+        """Whether it was answered, or left."""
         return self._over
 
 
@@ -125,15 +131,23 @@ class Job:
     """A task on its way through the pool, for one waiter or for several that ask the same.
 
     Attributes:
+        urgent: Whether it goes before those that are not.
         asked: When it came, on the monotonic clock [s].
+        began: When a process took it up; None while it waits.
     """
 
     task: Task
     waiters: list[Waiter]
+    urgent: bool = False
     cancelled: threading.Event = field(default_factory=threading.Event)
     asked: float = field(default_factory=time.monotonic)
+    began: float | None = None
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _finished: bool = False
+
+    def __lt__(self, other: "Job") -> bool:
+        """Whether it is taken up before the other: urgent first, then as they came."""
+        return (not self.urgent, self.asked) < (not other.urgent, other.asked)
 
     def join(self, waiter: Waiter) -> bool:
         """Whether the waiter came in time to wait for this job too."""

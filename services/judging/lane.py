@@ -74,7 +74,8 @@ class Lane(threading.Thread):
 
     def _told(self, job: Job) -> None:
         """The job is served, and a span says from when to when."""
-        began, task = time.monotonic(), job.task
+        job.began = began = time.monotonic()
+        task = job.task
         span = self._telemetry.spans.begin(
             f"judge {task.verb}", task.origin.traceparent, twin=task.twin, waited=began - job.asked
         )

@@ -48,7 +48,7 @@ class Pool:
             waiting: Jobs that may wait; one more is refused.
             telemetry: What is counted and traced; None: counted only.
         """
-        self._jobs: queue.Queue[Job] = queue.Queue(maxsize=waiting)
+        self._jobs: queue.PriorityQueue[Job] = queue.PriorityQueue(maxsize=waiting)
         self.counts = Counts()
         self.telemetry = telemetry or Telemetry()
         self._lanes = [
@@ -69,19 +69,24 @@ class Pool:
         metrics.gauge("sdt_jobs_refused_total", lambda: self.counts.refused, "counter")
         metrics.gauge("sdt_deadlines_missed_total", lambda: self.deadlines.missed, "counter")
 
-    def warm(self, count: int | None = None) -> None:
-        """So many processes are ready, or all."""
+    def warm(self, count: int | None = None, seconds: float = START_TIME) -> None:
+        """So many processes are ready, or all; or so long was waited for each, and they load still."""
         for lane in self._lanes[:count]:
             lane.warming.set()
         for lane in self._lanes[:count]:
-            lane.ready.wait(START_TIME)
+            lane.ready.wait(seconds)
+
+    @property
+    def ready(self) -> bool:
+        """Whether some process has loaded everything."""
+        return any(lane.ready.is_set() for lane in self._lanes)
 
     @property
     def queued(self) -> int:
         """Jobs that wait."""
         return self._jobs.qsize()
 
-    def submit(self, task: Task, waiter: Waiter, *, share: bool = False) -> Job:
+    def submit(self, task: Task, waiter: Waiter, *, share: bool = False, urgent: bool = False) -> Job:
         """The job that answers the waiter: a new one, or with `share` one that does the same already.
 
         Where too many jobs wait, the waiter is told so at once.
@@ -93,7 +98,7 @@ class Pool:
             if running is not None and running.join(waiter):
                 self.telemetry.metrics.count("sdt_shared_total")
                 return running
-            job = Job(task, [waiter])
+            job = Job(task, [waiter], urgent)
             if share:
                 self._shared = {key: each for key, each in self._shared.items() if not each.over} | {key: job}
         try:

@@ -10,7 +10,7 @@ from sdt_kg.load import model_name, model_path
 from services.app import DEFAULT_BUDGET
 from services.http.settings import Address
 from services.viewer.judging.judges import Judges
-from services.viewer.judging.question import Place, Warmed
+from services.viewer.judging.question import Place
 
 if TYPE_CHECKING:
     from services.viewer.page import Page
@@ -63,7 +63,7 @@ def running(  # noqa: PLR0913 - what the command takes
         )
     kitchens, robots = _named("kitchen", offer.kitchens), _named("robot", offer.robots)
     first = Place(offer.kitchens[0], offer.robots[0])
-    with closing(Judges(judges, Warmed(first))) as judging:
+    with closing(Judges(judges, first)) as judging:
         # Loaded while the judges load theirs: a person waits for the slower of both, not for their sum.
         from services.viewer.desk import Desk  # noqa: PLC0415
         from services.viewer.page import Page  # noqa: PLC0415

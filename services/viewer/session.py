@@ -13,11 +13,12 @@ import viser
 
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError
+from services.judging.problems import Problem
 from services.viewer.chooser import Chooser
 from services.viewer.desk import CLASSES, Desk
 from services.viewer.doors.uploads import bounded, hide_progress
 from services.viewer.judging.judges import Ticket
-from services.viewer.judging.question import Answered, Job, Judged, Paths, PathsAsked, Trouble
+from services.viewer.judging.question import Answered, Asked, Judged, Paths, PathsAsked
 from services.viewer.panel import Panel
 from services.viewer.showing import Showing
 
@@ -28,7 +29,7 @@ TICK: Final = 0.25
 SETTLE: Final = 0.4
 """[s] After the last change before the verdict follows."""
 OVER: Final = "leave"
-WAITING: Final = "Waiting: others have asked before."
+WAITING: Final = "Waiting: the judge is busy with what was asked before."
 GETTING_READY: Final = "Waiting: the judge gets ready (after an installation it compiles, for a minute)."
 
 _log = logging.getLogger("sdt.view")
@@ -44,7 +45,7 @@ class Session(threading.Thread):
         self._line: queue.SimpleQueue[str] = queue.SimpleQueue()
         self._due_names: set[str] = set()
         self._lock = threading.Lock()
-        self._answers: queue.SimpleQueue[tuple[Job, Answered]] = queue.SimpleQueue()
+        self._answers: queue.SimpleQueue[tuple[Asked, Answered]] = queue.SimpleQueue()
         self._ticket: Ticket | None = None
         self._paths: Ticket | None = None
         self._follow_at: float | None = None
@@ -164,12 +165,12 @@ class Session(threading.Thread):
             self._showing.no_openings()
             self._paths = self._submit(PathsAsked(self._chooser.choice.place()))
 
-    def _submit(self, job: Job) -> Ticket:
+    def _submit(self, asked: Asked) -> Ticket:
         def done(answered: Answered) -> None:
-            self._answers.put((job, answered))
+            self._answers.put((asked, answered))
             self.tell("answer")
 
-        return self._desk.judges.submit(job, done)
+        return self._desk.judges.submit(asked, done)
 
     def _check(self) -> None:
         self._give_up()
@@ -194,25 +195,25 @@ class Session(threading.Thread):
 
     def _answered(self) -> None:
         while not self._answers.empty():
-            job, answered = self._answers.get()
-            if self._ticket is not None and job is self._ticket.job:
+            asked, answered = self._answers.get()
+            if self._ticket is not None and asked is self._ticket.asked:
                 self._ticket = None
                 self._panel.stop.visible = self._panel.progress.visible = False
                 self._judged(answered)
-            elif self._paths is not None and job is self._paths.job:
+            elif self._paths is not None and asked is self._paths.asked:
                 self._paths = None
                 self._opened(answered)
 
     def _judged(self, answered: Answered) -> None:
-        if isinstance(answered, Trouble):
-            self._trouble(answered.text)
+        if isinstance(answered, Problem):
+            self._trouble(answered.detail)
         elif isinstance(answered, Judged):
             self._showing.verdict(answered, self._chooser.twin)
             self._panel.status.content = f"Judged in {answered.seconds:.1f} s."
 
     def _opened(self, answered: Answered) -> None:
-        if isinstance(answered, Trouble):
-            self._trouble(answered.text)
+        if isinstance(answered, Problem):
+            self._trouble(answered.detail)
         elif isinstance(answered, Paths):
             self._showing.openings(answered)
 

@@ -1,21 +1,16 @@
-"""The process that judges for the page: one job at a time over a socket.
-
-Run as `python -m services.viewer.judging.judge DESCRIPTOR`.
-"""
+"""What a process that judges for the page does: verdicts, and what can be opened, ready to be shown."""
 
 import copy
 import logging
-import signal
-import sys
+import pickle
 from collections import OrderedDict
 from dataclasses import dataclass, field
-from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Final
 
 from predicates.case import Answer
 from sdt_kg.annotation import Drive
-from sdt_kg.errors import InputError, NoModeError, SdtError
+from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import Motion
 from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN
@@ -23,23 +18,14 @@ from sdt_kg.task import Task
 from sdt_kg.twin import Twin
 from services.app import Policy, Service
 from services.embodiment.oracle import WholeBody
+from services.judging.jobs import Done, Quads
+from services.judging.jobs import Task as Sent
+from services.judging.problems import Problem, ProblemType, problem, problem_of
 from services.motions import read_motion
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics
-from services.store.workers.confine import die_with_parent
 from services.viewer.judging.places import Places
-from services.viewer.judging.question import (
-    Answered,
-    Job,
-    Judged,
-    Opening,
-    Paths,
-    PathsAsked,
-    Place,
-    Question,
-    Trouble,
-    Warmed,
-)
+from services.viewer.judging.question import Asked, Judged, Opening, Paths, Place, Question
 from services.viewer.judging.telling import told
 
 KEPT: Final = 6
@@ -52,28 +38,14 @@ WARMING: Final = 1.0
 _log = logging.getLogger("sdt.view.judge")
 
 
-def main(descriptor: int) -> None:
-    """Answer until the channel is closed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    die_with_parent()
+def warmed(place: Place) -> "Judge":
+    """A judge that has the place loaded and a first case judged: the next finds everything compiled."""
     judge = Judge()
-    with Connection(descriptor) as channel:
-        while True:
-            try:
-                job: Job = channel.recv()
-            except (EOFError, ConnectionError):
-                return
-            channel.send(_answered(judge, job))
-
-
-def _answered(judge: "Judge", job: Job) -> Answered:
     try:
-        return judge.answer(job)
-    except (SdtError, NoModeError) as error:
-        return Trouble(str(error))
-    except Exception:  # noqa: BLE001 - the edge of a process: logged, and answered as a failure
-        _log.exception("a case could not be judged")
-        return Trouble("the case could not be judged; the log of the service says why")
+        judge.warm(place)
+    except SdtError:
+        _log.exception("a first case could not be judged")
+    return judge
 
 
 @dataclass(slots=True)
@@ -115,18 +87,20 @@ class Judge:
     _forced: tuple[tuple[Place, Policy], Service] | None = None
     _scenes: list[Scene] = field(default_factory=list[Scene])
 
-    def answer(self, job: Job) -> Answered:
-        """What a job asks for.
-
-        Raises:
-            SdtError: What the shell would say.
-        """
-        if isinstance(job, Question):
-            return self._judged(job)
-        if isinstance(job, PathsAsked):
-            return self._paths(job.place)
-        self._warm(job)
-        return None
+    def __call__(self, task: Sent, recall: Quads) -> Done | Problem:
+        """The answer to a question, or what the shell would say of it; nothing that is kept is asked for."""
+        del recall
+        try:
+            asked: Asked = pickle.loads(task.payload)  # noqa: S301 - of the process that began this one
+            answer = self._judged(asked) if isinstance(asked, Question) else self._paths(asked.place)
+            return Done(pickle.dumps(answer), task.encoding)
+        except SdtError as error:
+            return problem_of(error)
+        except Exception:  # noqa: BLE001 - the edge of a process: logged, and answered as a failure
+            _log.exception("a case could not be judged")
+            return problem(
+                ProblemType.INTERNAL, "the case could not be judged; the log of the service says why"
+            )
 
     def _service(self, place: Place, policy: Policy) -> Service:
         return Service(self._places.twin(place), policy, oracles=self._kept)
@@ -143,9 +117,13 @@ class Judge:
             self._forced = key, Service(self._places.twin(question.place), policy).with_forces()
         return self._forced[1]
 
-    def _warm(self, job: Warmed) -> None:
-        """A first case is judged, so that the next one finds everything loaded and compiled."""
-        service = self._service(job.place, Policy(budget=WARMING))
+    def warm(self, place: Place) -> None:
+        """A first case is judged there.
+
+        Raises:
+            SdtError: A model that is none.
+        """
+        service = self._service(place, Policy(budget=WARMING))
         drawers = [each for each in service.twin.containers() if each.kind == "drawer"]
         for container in (drawers or service.twin.containers())[:1]:
             next(service.achieve(f"open:{container.name}"), None)
@@ -192,8 +170,3 @@ def _container(answer: Answer) -> Iri:
     assert isinstance(task, Task), "Causes names the task"
     assert isinstance(task.container, str), "and the container, of each answer"
     return task.container
-
-
-if __name__ == "__main__":
-    logging.basicConfig(format="%(name)s: %(message)s")
-    main(int(sys.argv[1]))

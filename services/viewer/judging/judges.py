@@ -1,59 +1,55 @@
-"""Processes that judge, each behind a thread; the jobs of all people who look wait in one line."""
+"""The processes that judge, as sessions ask them: a pool whose questions and answers are values of ours."""
 
-import itertools
-import logging
-import queue
-import socket
-import subprocess
-import sys
-import threading
-import time
+import math
+import pickle
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from multiprocessing.connection import Connection
+from dataclasses import dataclass
 from typing import Final
 
-from services.viewer.judging.question import Answered, Job, PathsAsked, Question, Trouble, Warmed
+from services.judging.jobs import Done, Handler, Job, NoMemory, Task, Waiter
+from services.judging.pool import Pool
+from services.judging.problems import Problem
+from services.viewer.judging.question import Answered, Asked, Place, Question
 
-WAITING: Final = 64
-"""Jobs that may wait; one more is refused."""
-PATIENCE: Final = 2.0
-"""[s] A job that nobody waits for may go on so long before its process is replaced."""
-POLL: Final = 0.02
-"""[s] How often a lane looks whether it is still waited for."""
-END: Final = 2.0
-"""[s] A process may take to end by itself."""
-
-_ORDER: Final = {Question: 0, PathsAsked: 1, Warmed: 2}
-_log = logging.getLogger("sdt.view")
+PICKLED: Final = "python/pickle"
+"""Encoding of payloads: between processes of ours alone, arrays as they are."""
+NEVER: Final = math.inf
+"""[s] Deadline of a question: who asks sees how long it takes, and may stop it."""
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What each process gets ready for: picklable, and makes the process's handler."""
+
+    first: Place
+
+    def __call__(self) -> Handler:
+        """Load the place, and judge a first case."""
+        from services.viewer.judging.judge import warmed  # noqa: PLC0415 - loads what only a judge needs
+
+        return warmed(self.first)
+
+
+@dataclass(frozen=True, slots=True)
 class Ticket:
-    """A job, and whether somebody still waits for its answer.
+    """A question on its way.
 
     Attributes:
-        began: When a process took it up, on the monotonic clock; None while it waits.
+        asked: What was asked.
     """
 
-    job: Job
-    done: Callable[[Answered], None]
-    began: float | None = None
-    _given_up: threading.Event = field(default_factory=threading.Event)
-
-    def give_up(self) -> None:
-        """Nobody waits any longer; `done` is not called."""
-        self._given_up.set()
+    asked: Asked
+    _job: Job
+    _waiter: Waiter
 
     @property
-    def given_up(self) -> bool:
-        """Whether nobody waits."""
-        return self._given_up.is_set()
+    def began(self) -> float | None:
+        """When a process took it up, on the monotonic clock [s]; None while it waits."""
+        return self._job.began
 
-    def answer(self, answered: Answered) -> None:
-        """Tell who waits."""
-        if not self.given_up:
-            self.done(answered)
+    def give_up(self) -> None:
+        """Nobody waits any longer."""
+        self._waiter.leave()
 
 
 class Judges:
@@ -64,99 +60,29 @@ class Judges:
         first: What each of them gets ready for when it begins.
     """
 
-    def __init__(self, count: int, first: Warmed) -> None:
-        self._line: queue.PriorityQueue[tuple[int, int, Ticket | None]] = queue.PriorityQueue()
-        self._number = itertools.count()
-        self._lanes = [_Lane(self._line, first) for _ in range(count)]
-        for lane in self._lanes:
-            lane.start()
+    def __init__(self, count: int, first: Place) -> None:
+        self._pool = Pool(Setup(first), count, NoMemory())
+        self._pool.warm(seconds=0)
 
-    def submit(self, job: Job, done: Callable[[Answered], None]) -> Ticket:
-        """The ticket of a job; `done` is called from another thread, once, unless the ticket is given up."""
-        ticket = Ticket(job, done)
-        if self._line.qsize() >= WAITING:
-            ticket.answer(Trouble(f"{WAITING} questions wait already; allowed: fewer; ask again in a while"))
-            return ticket
-        self._line.put((_ORDER[type(job)], next(self._number), ticket))
-        return ticket
+    def submit(self, asked: Asked, done: Callable[[Answered], None]) -> Ticket:
+        """The ticket of a question; `done` is called from another thread, once, unless it is given up."""
+
+        def answered(outcome: Done | Problem) -> None:
+            done(outcome if isinstance(outcome, Problem) else pickle.loads(outcome.payload))  # noqa: S301 - ours
+
+        waiter = Waiter(NEVER, answered)
+        task = Task("", type(asked).__name__, pickle.dumps(asked), PICKLED, NEVER)
+        return Ticket(asked, self._pool.submit(task, waiter, urgent=isinstance(asked, Question)), waiter)
 
     @property
     def ready(self) -> bool:
         """Whether some process has everything loaded and compiled."""
-        return any(lane.ready.is_set() for lane in self._lanes)
+        return self._pool.ready
 
-    def wait(self, seconds: float) -> bool:
-        """Whether the first process has everything loaded and compiled, after so long at most."""
-        return self._lanes[0].ready.wait(seconds)
+    def wait(self, seconds: float) -> None:
+        """The first process has everything loaded and compiled, or so long is over."""
+        self._pool.warm(1, seconds)
 
     def close(self) -> None:
         """No process is left."""
-        for lane in self._lanes:
-            lane.stopping.set()
-        for _ in self._lanes:
-            self._line.put((-1, next(self._number), None))
-        for lane in self._lanes:
-            lane.join(2 * END)
-
-    def pids(self) -> list[int]:
-        """Process ids, for tests."""
-        return [lane.process.pid for lane in self._lanes if lane.process is not None]
-
-
-class _Lane(threading.Thread):
-    """A thread with one process; it is begun anew when it dies or nobody waits for it any longer."""
-
-    def __init__(self, line: "queue.PriorityQueue[tuple[int, int, Ticket | None]]", first: Warmed) -> None:
-        super().__init__(daemon=True, name="sdt-view-judge")
-        self._line, self._first = line, first
-        self.process: subprocess.Popen[bytes] | None = None
-        self._channel: Connection | None = None
-        self.stopping, self.ready = threading.Event(), threading.Event()
-
-    def run(self) -> None:
-        self._begin()
-        self._answered(Ticket(self._first, lambda _: None))
-        self.ready.set()
-        while not self.stopping.is_set():
-            _, _, ticket = self._line.get()
-            if ticket is None:
-                break
-            if not ticket.given_up:
-                ticket.answer(self._answered(ticket))
-        self._end()
-
-    def _answered(self, ticket: Ticket) -> Answered:
-        assert self._channel is not None, "begun"
-        ticket.began = time.monotonic()
-        try:
-            self._channel.send(ticket.job)
-            while not self._channel.poll(POLL):
-                late = time.monotonic() - ticket.began > PATIENCE
-                if self.stopping.is_set() or (ticket.given_up and late):
-                    self._again()
-                    return None
-            return self._channel.recv()
-        except (EOFError, ConnectionError, OSError):
-            _log.warning("a process that judges has ended; another one is begun")
-            self._again()
-            return Trouble("the process that judged has ended; allowed: memory and time enough; ask again")
-
-    def _again(self) -> None:
-        self._end()
-        if not self.stopping.is_set():
-            self._begin()
-
-    def _begin(self) -> None:
-        ours, theirs = socket.socketpair()
-        command = [sys.executable, "-m", "services.viewer.judging.judge", str(theirs.fileno())]
-        self.process = subprocess.Popen(command, pass_fds=(theirs.fileno(),), stdin=subprocess.DEVNULL)  # noqa: S603 - ours
-        theirs.close()
-        self._channel = Connection(ours.detach())
-
-    def _end(self) -> None:
-        if self._channel is not None:
-            self._channel.close()
-        if self.process is not None:
-            self.process.kill()
-            self.process.wait(END)
-        self.process = self._channel = None
+        self._pool.close()

@@ -9,6 +9,7 @@ from predicates.case import Diagnosis
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from services.app import DEFAULT_BUDGET
+from services.judging.problems import Problem
 from services.viewer.picture.marks import Mark
 from services.why import Section
 
@@ -54,13 +55,6 @@ class Question:
     budget: float = DEFAULT_BUDGET
     motion: str = ""
     any_start: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Warmed:
-    """The judge shall have the place loaded and its loops compiled."""
-
-    place: Place
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,17 +115,6 @@ class Judged:
     trig: bytes = field(repr=False, default=b"")
 
 
-@dataclass(frozen=True, slots=True)
-class Trouble:
-    """There is no answer.
-
-    Attributes:
-        text: Why, in the words of the shell.
-    """
-
-    text: str
-
-
-Job = Question | Warmed | PathsAsked
-Answered = Judged | Paths | Trouble | None
-"""A warmed judge answers None."""
+Asked = Question | PathsAsked
+Answered = Judged | Paths | Problem
+"""A problem says in the words of the shell why there is no answer."""

@@ -1,5 +1,6 @@
 """Whoever asks a pool of workers is answered once: rightly, late, or that it failed."""
 
+import math
 import queue
 import time
 from collections.abc import Callable, Iterator
@@ -134,6 +135,28 @@ def test_a_cancelled_job_frees_its_worker() -> None:
         job.cancelled.set()
         assert kind(answers.get(timeout=SOON)) is ProblemType.CONFLICT
         assert text(asker.ask("free")) == "free "
+
+
+def test_what_its_asker_left_ends_soon_and_nothing_is_answered() -> None:
+    with pool_of(1) as (asker, _):
+        answers: queue.Queue[Done | Problem] = queue.Queue()
+        waiter = Waiter(math.inf, answers.put)
+        asker.pool.submit(Task("b", "do", b"sleep 60", "text/plain", math.inf), waiter)
+        time.sleep(0.3)
+        waiter.leave()
+        assert text(asker.ask("free")) == "free "
+        assert answers.empty()
+
+
+def test_what_is_urgent_goes_first() -> None:
+    with pool_of(1) as (asker, _):
+        asker.send("sleep 0.5")
+        answers: queue.Queue[Done | Problem] = queue.Queue()
+        for word, urgent in (("late", False), ("soon", True)):
+            task = Task("b", "do", word.encode(), "text/plain", SOON)
+            waiter = Waiter(time.monotonic() + SOON, answers.put)
+            asker.pool.submit(task, waiter, urgent=urgent)
+        assert [text(answers.get(timeout=SOON)) for _ in range(2)] == ["soon ", "late "]
 
 
 def test_closing_answers_everybody() -> None:
