@@ -24,6 +24,7 @@ from numba.core import config
 from numba.core.caching import CompileResultCacheImpl, _Cache
 from numba.core.compiler import Compiler
 from numba.core.dispatcher import Dispatcher
+from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
 
 FORMER = 4
@@ -152,7 +153,8 @@ class _Kept(_Cache):
 
     def load_overload(self, sig: object, target_context: Any) -> object:  # noqa: ANN401 - numba's
         """What was compiled for these types, or None."""
-        target_context.refresh()
+        # Loading needs numba's memory alone; all that numba can compile it looks up before it compiles.
+        rtsys.initialize(target_context)
         key = self._key(sig, target_context.codegen())
         try:
             content = self._path(key).read_bytes() if self._enabled else b""
