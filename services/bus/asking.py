@@ -7,13 +7,15 @@ from dataclasses import dataclass
 import zenoh
 
 from services.bus import keys
+from services.bus.keys import Meta
 from services.bus.replies import problem_in
-from services.judging.codec import CBOR, encode, encode_cbor
-from services.judging.messages import Header, Message, Verb
-from services.judging.problems import BusUnavailableError, Problem, ProblemType, error_of, problem
+from services.judging.codec import JSON, decode, encode
+from services.judging.messages import Header
+from services.judging.problems import Problem, ProblemType, error_of, problem
+from services.judging.replies import Reply
 
 RETRIES = 3
-"""How often a question is asked again that got no reply although a server is there."""
+"""How often a question is asked again that got no reply, or that a server could not take just then."""
 RETRY_AFTER = 0.1
 """[s] Before the first repeat; doubled each time."""
 LIVE_TIMEOUT = 1.0
@@ -24,11 +26,18 @@ MARGIN = 0.05
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What is asked, and in which encoding."""
+    """What is asked.
 
-    verb: Verb
-    request: Message
-    encoding: str
+    Attributes:
+        key: Of a verb, or of a part of a job.
+        payload: In the encoding.
+        only: The one server that can answer; empty: any.
+    """
+
+    key: str
+    payload: bytes = b""
+    encoding: str = JSON
+    only: str = ""
 
 
 def asked(session: zenoh.Session, twin: str, deadline: float, question: Question) -> tuple[bytes, str]:
@@ -43,30 +52,32 @@ def asked(session: zenoh.Session, twin: str, deadline: float, question: Question
     Raises:
         BusUnavailableError: No server is there, or it stays silent.
         DeadlineError: There was no reply in time, whoever is to blame.
+        ForbiddenError: A server tells of itself all the while, and this question never gets to it.
         BusError, InputError: What the server says.
     """
     until = time.monotonic() + deadline
-    pause, said = RETRY_AFTER, "nobody is there"
-    for _ in range(RETRIES + 1):
-        left = until - time.monotonic()
-        if left <= 0:
-            break
-        reply = _once(session, twin, question, left)
+    pause, deaf = RETRY_AFTER, list[set[str]]()
+    for tries_left in reversed(range(RETRIES + 1)):
+        reply = _once(session, question, until - time.monotonic())
         if isinstance(reply, tuple):
             return reply
-        if reply is not None and not (reply.kind is ProblemType.UNAVAILABLE and reply.retry_after):
-            raise error_of(reply)
         left = until - time.monotonic()
-        if left <= 0:
-            raise error_of(reply or problem(ProblemType.DEADLINE, "no reply came in time"))
-        if reply is None and not servers(session, twin, min(left, LIVE_TIMEOUT)):
-            said = f"no server of '{twin}' is on the bus"
-        else:
-            said = "no reply" if reply is None else reply.detail
-        wait = pause if reply is None else reply.retry_after or pause
-        time.sleep(max(0.0, min(wait, until - time.monotonic())))
+        if reply is None and left <= 0:
+            reply = problem(ProblemType.DEADLINE, "no reply came in time")
+        elif reply is None:
+            reply, there = _silence(session, twin, question.only, min(left, LIVE_TIMEOUT), pause)
+            deaf.append(there)
+        if not tries_left or not reply.retry_after or reply.retry_after >= left:
+            break
+        time.sleep(reply.retry_after)
         pause *= 2
-    raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, said))
+    if len(deaf) > RETRIES and (steady := set.intersection(*deaf)):
+        reply = problem(
+            ProblemType.FORBIDDEN,
+            f"{', '.join(sorted(steady))} is there and never hears {question.key}: "
+            "the access list of the router or server does not let this user ask it",
+        )
+    raise error_of(reply)
 
 
 def servers(session: zenoh.Session, twin: str, seconds: float = LIVE_TIMEOUT) -> list[str]:
@@ -75,18 +86,39 @@ def servers(session: zenoh.Session, twin: str, seconds: float = LIVE_TIMEOUT) ->
     return sorted(keys.instance_of(str(each.ok.key_expr)) for each in tokens if each.ok)
 
 
-def _once(
-    session: zenoh.Session, twin: str, question: Question, left: float
-) -> tuple[bytes, str] | Problem | None:
+def _silence(
+    session: zenoh.Session, twin: str, only: str, seconds: float, pause: float
+) -> tuple[Problem, set[str]]:
+    """What silence means as far as one can see, and who could have answered and tells of itself."""
+    there = {each for each in servers(session, twin, seconds) if only in {"", each}}
+    if not there:
+        nobody = f"no server of '{twin}' is on the bus"
+        said = f"{nobody} under the name '{only}'; its jobs have ended with it" if only else nobody
+        return problem(ProblemType.UNAVAILABLE, said, retry_after=pause), set()
+    said = f"{', '.join(sorted(there))} gave no reply"
+    return problem(ProblemType.UNAVAILABLE, said, retry_after=pause), there & _telling(session, twin, seconds)
+
+
+def _telling(session: zenoh.Session, twin: str, seconds: float) -> set[str]:
+    """Instances that say who they are when they are asked."""
+    replies = session.get(
+        keys.meta(twin, Meta.VERSION),
+        timeout=seconds,
+        target=zenoh.QueryTarget.ALL,
+        consolidation=zenoh.ConsolidationMode.NONE,
+    )
+    return {decode(Reply, each.ok.payload.to_bytes()).instance for each in replies if each.ok}
+
+
+def _once(session: zenoh.Session, question: Question, left: float) -> tuple[bytes, str] | Problem | None:
     """One try: reply and responder, what went wrong, or None for silence."""
     header = Header(id=uuid.uuid4().hex, deadline_ms=max(1, int(left * 1000)))
-    written = encode_cbor if question.encoding == CBOR else encode
     replies = session.get(
-        keys.rpc(twin, question.verb),
-        payload=written(question.request),
+        question.key,
+        payload=question.payload,
         encoding=question.encoding,
         attachment=encode(header),
-        timeout=left + MARGIN,
+        timeout=max(left, 0.0) + MARGIN,
         consolidation=zenoh.ConsolidationMode.NONE,
         accept_replies=zenoh.ReplyKeyExpr.ANY,
     )

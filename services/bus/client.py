@@ -15,9 +15,8 @@ from sdt_kg.store import Row, rows_of
 from services.bus import keys
 from services.bus.asking import LIVE_TIMEOUT, Question, asked, servers
 from services.bus.keys import Meta, Part
-from services.bus.replies import problem_in
 from services.bus.sessions import open_session
-from services.judging.codec import CBOR, JSON, decode
+from services.judging.codec import CBOR, JSON, decode, encode, encode_cbor
 from services.judging.messages import (
     AchieveRequest,
     CausesRequest,
@@ -31,7 +30,6 @@ from services.judging.messages import (
     Verb,
     WhyRequest,
 )
-from services.judging.problems import BusUnavailableError, ProblemType, error_of, problem
 from services.judging.replies import (
     CausesReply,
     HistoryReply,
@@ -181,13 +179,8 @@ class Connection:
         return decode(JobReply, self._told(job, Part.CANCEL))
 
     def _told(self, job: str, part: Part) -> bytes:
-        for reply in self.session.get(keys.job(self.twin, job, part), timeout=self.deadline):
-            if reply.ok is not None:
-                return reply.ok.payload.to_bytes()
-            said = None if reply.err is None else problem_in(reply.err)
-            if said is not None:
-                raise error_of(said)
-        raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, f"nobody answers for job {job}"))
+        question = Question(keys.job(self.twin, job, part), only=keys.server_of(job))
+        return asked(self.session, self.twin, self.deadline, question)[0]
 
     def health(self) -> list[dict[str, Any]]:
         """What each server of the twin says of itself."""
@@ -217,7 +210,9 @@ class Connection:
         return decode(kind, payload, encoding), instance
 
     def _asked(self, verb: Verb, request: Message, encoding: str = JSON) -> tuple[bytes, str]:
-        return asked(self.session, self.twin, self.deadline, Question(verb, request, encoding))
+        payload = encode_cbor(request) if encoding == CBOR else encode(request)
+        question = Question(keys.rpc(self.twin, verb), payload, encoding)
+        return asked(self.session, self.twin, self.deadline, question)
 
 
 class _Anything(Message, extra="allow"):

@@ -68,6 +68,16 @@ def rpc(twin: str, verb: Verb, instance: str = "") -> str:
     return f"{key}/{chunk(instance)}" if instance else key
 
 
+def job_id(instance: str, number: str) -> str:
+    """Id of a job: it tells which server has it."""
+    return f"{instance}.{number}"
+
+
+def server_of(job: str) -> str:
+    """The server that has the job; empty where its id names none."""
+    return job.partition(".")[0] if "." in job else ""
+
+
 def job(twin: str, job_id: str, part: Part) -> str:
     """Key of a part of a job."""
     return f"{ROOT}/{chunk(twin)}/jobs/{chunk(job_id)}/{part.value}"

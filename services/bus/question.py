@@ -2,6 +2,7 @@
 
 import logging
 import time
+import uuid
 from dataclasses import dataclass, field, replace
 
 import zenoh
@@ -31,6 +32,7 @@ class Question:
 
     Attributes:
         what: The verb, or another part of the key space, as it is counted.
+        header: With an id, the asker's or one of ours: the log and a problem name it.
         reply_key: Of the answer.
     """
 
@@ -75,6 +77,8 @@ class Question:
         """Reply, and let the asker know that this was all."""
         if isinstance(outcome, Done) and len(outcome.payload) > MAX_REPLY:
             outcome = problem(ProblemType.TOO_LARGE, f"the answer has {len(outcome.payload)} bytes")
+        if isinstance(outcome, Problem):
+            outcome = outcome.model_copy(update={"report": self.header.id})
         reply(self.query, self.reply_key, outcome)
         seconds = time.monotonic() - self.began
         end = outcome.kind.value if isinstance(outcome, Problem) else "answer"
@@ -113,6 +117,8 @@ def understood(
             header = decode(Header, bounded(query.attachment, MOST_ATTACHED))
     except SdtError as wrong:
         error = wrong
+    if not header.id:
+        header = header.model_copy(update={"id": uuid.uuid4().hex})
     span = telemetry.spans.begin(f"bus {what}", header.traceparent, twin=twin, request=header.id)
     question = Question(query, twin, what, header, reply_key, telemetry, span)
     if error is None:

@@ -3,7 +3,6 @@
 import json
 import logging
 import time
-import uuid
 from asyncio import Future
 from collections.abc import Callable
 from functools import partial
@@ -27,7 +26,8 @@ from services.judging.lane import GRACE
 from services.judging.messages import SCHEMA, HistoryRequest, QueryRequest, SweepRequest, Verb
 from services.judging.pool import Pool
 from services.judging.problems import Problem, ProblemType, problem, problem_of
-from services.store.workers import Answered, Asked, Limit, LimitError
+from services.judging.queried import problem_of_query
+from services.store.workers import Answered, Asked
 
 log = logging.getLogger(__name__)
 _VERSION = version("sdt-kg")  # read once: it takes half a millisecond
@@ -57,9 +57,8 @@ class Server:
         memory: Memory,
         sweeps: Sweeps,
     ) -> None:
-        self.instance = uuid.uuid4().hex[:12]
         self._session, self._sweeps = session, sweeps
-        self._twins = tuple(sweeps.catalogue)
+        self.instance, self._twins = sweeps.instance, tuple(sweeps.catalogue)
         self._pool, self._memory = pool, memory
         self._declared: list[zenoh.Queryable[None] | zenoh.LivelinessToken] = []
         self._herald: Herald | None = None
@@ -135,9 +134,14 @@ class Server:
 
     def _asked_job(self, twin: str, query: zenoh.Query) -> None:
         """Progress, result or cancellation of a sweep; answered at once, it costs nothing."""
+        key = str(query.key_expr)
+        named = keys.job_of(key)
+        if named is not None and keys.server_of(named[0]) not in {"", self.instance}:
+            query.drop()  # the server that has it answers
+            return
         question = understood(query, twin, "job", self._pool.telemetry, self.instance)
         if question is not None:
-            _acted(question, lambda: question.answer(self._of_job(str(query.key_expr))))
+            _acted(question, lambda: question.answer(self._of_job(key)))
 
     def _of_job(self, key: str) -> Done:
         named = keys.job_of(key)
@@ -192,9 +196,6 @@ def _answered(future: Future[Answered]) -> Done | Problem:
     """A query's answer in SPARQL's own formats, or what is wrong."""
     try:
         answered = future.result()
-    except LimitError as error:
-        kind = ProblemType.DEADLINE if error.limit is Limit.TIME else ProblemType.TOO_LARGE
-        return problem(kind, str(error))
     except SdtError as error:
-        return problem_of(error)
+        return problem_of_query(error)
     return Done(answered.body, answered.media)

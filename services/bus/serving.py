@@ -4,6 +4,7 @@ import asyncio
 import ctypes
 import gc
 import sys
+import uuid
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -88,7 +89,8 @@ def serving(session: zenoh.Session, pool: Pool, memory: Memory) -> Iterator[Serv
     """
     _give_back()
     kitchens = memory.world.kitchens.items()
-    sweeps = Sweeps(pool, {name: _models(name, kitchen.service.twin) for name, kitchen in kitchens})
+    models = {name: _models(name, kitchen.service.twin) for name, kitchen in kitchens}
+    sweeps = Sweeps(pool, models, uuid.uuid4().hex[:12])
     server = Server(session, pool, memory, sweeps).start()
     try:
         yield server

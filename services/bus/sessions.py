@@ -46,15 +46,15 @@ def open_session(
     try:
         return zenoh.open(settings)
     except zenoh.ZError as error:
-        where = f"listen at {listen}" if listen else f"reach {connect}"
-        raise BusUnavailableError(
-            problem(ProblemType.UNAVAILABLE, f"cannot {where}: {_said(error)}")
-        ) from None
+        raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, _said(error, listen, connect))) from None
 
 
-def _said(error: zenoh.ZError) -> str:
-    """Zenoh's message without the place in its source."""
-    return str(error).partition(" at /")[0]
+def _said(error: zenoh.ZError, listen: str | None, connect: str | None) -> str:
+    """Zenoh's message without the place in its source; it tries a name that is refused until time is up."""
+    said = str(error).partition(" at /")[0]
+    if listen:
+        return f"cannot listen at {listen}: {said}"
+    return f"cannot reach {connect}: nobody listens there, or this name or certificate is refused ({said})"
 
 
 def _settings(config: Path | None) -> zenoh.Config:

@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, UnknownEntityError
+from services.bus import keys
 from services.judging.codec import JSON, decode, encode
 from services.judging.jobs import Done, Job, Task, Waiter
 from services.judging.messages import AchieveRequest, SweepRequest
@@ -65,10 +66,11 @@ class Sweeps:
 
     Attributes:
         catalogue: Twin → what it can be swept over.
+        instance: Name of the server.
     """
 
-    def __init__(self, pool: Pool, catalogue: Mapping[str, Models]) -> None:
-        self.catalogue = dict(catalogue)
+    def __init__(self, pool: Pool, catalogue: Mapping[str, Models], instance: str) -> None:
+        self.catalogue, self.instance = dict(catalogue), instance
         self._pool = pool
         self._jobs: dict[str, Sweep] = {}
         self._lock = threading.Lock()
@@ -93,7 +95,7 @@ class Sweeps:
             if going >= AT_ONCE_JOBS:
                 said = f"{going} sweeps are going on already"
                 raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, said, retry_after=10.0))
-            sweep = Sweep(uuid.uuid4().hex[:16], twin, len(cases))
+            sweep = Sweep(keys.job_id(self.instance, uuid.uuid4().hex[:16]), twin, len(cases))
             self._jobs[sweep.id] = sweep
             finished = [job for job, each in self._jobs.items() if each.over]
             for job in finished[: max(0, len(self._jobs) - JOBS_KEPT)]:

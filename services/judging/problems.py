@@ -48,7 +48,7 @@ class Problem(BaseModel):
         detail: What was wrong, what is allowed, what to do.
         retryable: Whether the same request may succeed later.
         retry_after: Seconds to wait before asking again, where that is known.
-        report: Id under which the server logged it.
+        report: Id of the request in the server's log.
         what, allowed, remedy: The detail of an invalid request in its parts.
     """
 
@@ -97,7 +97,7 @@ class DeadlineError(BusError):
 
 
 class ForbiddenError(BusError):
-    """This subject may not ask this."""
+    """This user may not ask this, or the query asks for what is done for nobody."""
 
 
 class TooLargeError(BusError):
@@ -146,20 +146,21 @@ def problem(kind: ProblemType, detail: str, *, retry_after: float | None = None,
     )
 
 
-def problem_of(error: SdtError) -> Problem:
-    """What a server says when a question raises this."""
+def problem_of(error: SdtError, kind: ProblemType | None = None) -> Problem:
+    """What a server says when a question raises this; of that kind, where one knows better than the error."""
     if isinstance(error, BusError | RequestError):
         return error.problem
-    kind = (
-        ProblemType.INVALID_REQUEST if isinstance(error, InputError | NoModeError) else ProblemType.INTERNAL
-    )
-    if isinstance(error, OracleUnavailableError):
-        kind = ProblemType.UNAVAILABLE
-    said = problem(kind, str(error))
+    said = problem(kind or _kind_of(error), str(error))
     if not isinstance(error, InputError):
         return said
     parts = {"what": error.what, "allowed": error.allowed, "remedy": error.remedy}
     return said.model_copy(update={name: _short(text) for name, text in parts.items()})
+
+
+def _kind_of(error: SdtError) -> ProblemType:
+    if isinstance(error, InputError | NoModeError):
+        return ProblemType.INVALID_REQUEST
+    return ProblemType.UNAVAILABLE if isinstance(error, OracleUnavailableError) else ProblemType.INTERNAL
 
 
 def _short(text: str) -> str:

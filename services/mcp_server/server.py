@@ -20,15 +20,14 @@ from mcp.types import (
 )
 from pydantic import ValidationError
 
-from sdt_kg.errors import InputError, OracleUnavailableError, SdtError
+from sdt_kg.errors import InputError, SdtError
 from services.app import Service
 from services.http.problems import RefusedError
 from services.judging.problems import RETRYABLE, ProblemType
+from services.judging.queried import problem_of_query
 from services.mcp_server import arguments, examples, judging, reading
 from services.mcp_server.desk import Desk, Setup, opened
 from services.mcp_server.report import LIMIT, Json, Report
-from services.store.guard import RefusedQueryError
-from services.store.workers import Limit, LimitError
 
 INSTRUCTIONS: Final = (
     "Certifies that a robot's body motion achieves a task in a kitchen (open or close a door or drawer). "
@@ -176,21 +175,11 @@ async def _answer(desk: Desk, name: str, given: Json) -> Report:
 
 def failed(error: SdtError) -> CallToolResult:
     """A typed failure: kind, what, allowed, remedy, and whether asking again may help."""
+    # What is refused by the judges is late: see Desk.judge.
+    kind = ProblemType.DEADLINE if isinstance(error, RefusedError) else problem_of_query(error).kind
     if isinstance(error, InputError):
-        return _failure(_kind(error), error.what, error.allowed, error.remedy)
-    return _failure(_kind(error), str(error), "", "ask again")
-
-
-def _kind(error: SdtError) -> ProblemType:
-    if isinstance(error, RefusedError):
-        return ProblemType.DEADLINE
-    if isinstance(error, LimitError):
-        return ProblemType.DEADLINE if error.limit is Limit.TIME else ProblemType.TOO_LARGE
-    if isinstance(error, RefusedQueryError):
-        return ProblemType.FORBIDDEN
-    if isinstance(error, InputError):
-        return ProblemType.INVALID_REQUEST
-    return ProblemType.UNAVAILABLE if isinstance(error, OracleUnavailableError) else ProblemType.INTERNAL
+        return _failure(kind, error.what, error.allowed, error.remedy)
+    return _failure(kind, str(error), "", "ask again")
 
 
 def _failure(kind: ProblemType, what: str, allowed: str, remedy: str) -> CallToolResult:

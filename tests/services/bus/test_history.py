@@ -12,30 +12,24 @@ from sdt_kg.iri import graph_iri
 from services.bus import history
 from services.bus.client import Connection
 from services.bus.history import Log
-from services.bus.serving import serving
 from services.bus.sessions import open_session
-from services.http.judges import setup_of
-from services.http.kitchens import open_kitchens
-from services.http.memory import Memory, running
-from services.http.world import World
+from services.http.memory import Memory
 from services.judging.messages import HistoryRequest
-from services.judging.pool import Pool
 from services.store.files import opened
-from services.store.workers import Workers
 from tests.services.bus.conftest import free_endpoint
-from tests.small import FOLDER
+from tests.services.bus.served import small
 
 
 @pytest.fixture
 def served() -> Iterator[tuple[Memory, Connection]]:
-    """The small kitchen A on a bus; a process that judges is started when somebody asks for it."""
+    """The small kitchen A on a bus."""
     endpoint = free_endpoint()
-    world = World(open_kitchens((str(FOLDER / "a.urdf"),), ()), Workers(1))
-    with open_session(listen=endpoint) as session, running(world) as memory:
-        pool = Pool(setup_of(world), 1, memory)
-        with serving(session, pool, memory), open_session(connect=endpoint, mode="client") as client:
-            yield memory, Connection(client, "a", 30.0)
-        pool.close()
+    with (
+        open_session(listen=endpoint) as session,
+        small(session) as (memory, _),
+        open_session(connect=endpoint, mode="client") as client,
+    ):
+        yield memory, Connection(client, "a", 30.0)
 
 
 def move(memory: Memory, *state: str) -> None:

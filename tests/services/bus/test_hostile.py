@@ -1,6 +1,7 @@
 """Whatever is sent, under whatever key: one typed problem, soon, and the next question is answered."""
 
 import json
+import re
 
 import cbor2
 import pytest
@@ -115,6 +116,15 @@ def test_a_wrong_attachment_is_refused(session: zenoh.Session, attachment: bytes
     assert kinds(session, "sdt/v1/b/rpc/ask", attachment=attachment) == {kind}
 
 
+@pytest.mark.parametrize(("attachment", "report"), [(b'{"id": "mine"}', "mine"), (None, r"[0-9a-f]{32}")])
+def test_a_problem_names_the_request_as_the_log_does(
+    session: zenoh.Session, attachment: bytes | None, report: str
+) -> None:
+    (reply,) = session.get("sdt/v1/b/rpc/ask", payload=b"{", attachment=attachment, timeout=60)
+    assert reply.err is not None
+    assert re.fullmatch(report, json.loads(reply.err.payload.to_bytes())["report"])
+
+
 def test_a_request_that_is_replayed_is_answered_again(session: zenoh.Session) -> None:
     for _ in range(3):
         assert kinds(session, "sdt/v1/b/rpc/ask", attachment=b'{"id": "one and the same"}') == {"answer"}
@@ -131,7 +141,7 @@ def test_finished_sweeps_give_way_and_those_that_go_on_do_not(monkeypatch: pytes
     monkeypatch.setattr(sweeps, "JOBS_KEPT", 2)
     monkeypatch.setattr(sweeps.Sweeps, "_run", lambda *_: None)
     models = sweeps.Models("b", ("pr2",), (DRAWER,))
-    kept = sweeps.Sweeps(None, {"b": models})  # pyright: ignore[reportArgumentType]  # nothing is judged
+    kept = sweeps.Sweeps(None, {"b": models}, "one")  # pyright: ignore[reportArgumentType]  # nothing is judged
     jobs = [kept.start("b", SweepRequest()).job for _ in range(3)]
     kept.cancel(jobs[1])
     jobs.append(kept.start("b", SweepRequest()).job)

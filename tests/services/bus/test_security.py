@@ -4,6 +4,7 @@ import shutil
 import subprocess
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -11,11 +12,17 @@ import zenoh
 
 import services.bus
 from sdt_kg.errors import OracleUnavailableError
+from services.bus import keys
+from services.bus.client import Connection
 from services.bus.sessions import open_session
+from services.judging.problems import BusUnavailableError, ForbiddenError, RequestError
 from tests.services.bus.conftest import free_endpoint
+from tests.services.bus.served import small
 
 CONFIGS = Path(services.bus.__file__).parent / "config"
-PASSWORDS = {name: f"secret of {name}" for name in ("reader", "requester", "writer", "admin", "server")}
+SUBJECTS = ("reader", "requester", "writer", "admin", "server", "nobody")
+"""Names with a password; the access list says nothing about nobody."""
+PASSWORDS = {name: f"secret of {name}" for name in SUBJECTS}
 KEYS = {
     "sdt/v1/b/rpc/select": {"reader", "requester", "writer", "admin"},
     "sdt/v1/b/rpc/history": {"reader", "requester", "writer", "admin"},
@@ -38,10 +45,9 @@ def _user(folder: Path, name: str, password: str) -> Path:
     return path
 
 
-@pytest.fixture(scope="module")
-def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Path]]:
-    """A router with the user configuration that we ship, which answers at every key."""
-    folder = tmp_path_factory.mktemp("users")
+@contextmanager
+def _router(folder: Path) -> Iterator[tuple[str, zenoh.Session]]:
+    """A router with the user configuration that we ship."""
     users = folder / "users.txt"
     users.write_text("".join(f"{name}:{password}\n" for name, password in PASSWORDS.items()))
     config = folder / "server.json5"
@@ -49,9 +55,35 @@ def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Pat
     config.write_text(text.replace('"users.txt"', f'"{users}"').replace("change-me", PASSWORDS["server"]))
     endpoint = free_endpoint()
     with open_session(listen=endpoint, mode="router", config=config) as session:
+        yield endpoint, session
+
+
+@pytest.fixture(scope="module")
+def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Path]]:
+    """A router that answers at every key."""
+    folder = tmp_path_factory.mktemp("users")
+    with _router(folder) as (endpoint, session):
         for key in ("sdt/v1/**", "sdt/v1/@oracle/**"):
             session.declare_queryable(key, _reply)
         yield endpoint, folder
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Path]]:
+    """A router behind which there is a server of the small kitchen A."""
+    folder = tmp_path_factory.mktemp("served")
+    with _router(folder) as (endpoint, _):
+        config = _user(folder, "server", PASSWORDS["server"])
+        with open_session(connect=endpoint, mode="client", config=config) as session, small(session):
+            yield endpoint, folder
+
+
+@contextmanager
+def _asking(where: tuple[str, Path], name: str, twin: str = "a") -> Iterator[Connection]:
+    endpoint, folder = where
+    config = _user(folder, name, PASSWORDS[name])
+    with open_session(connect=endpoint, mode="client", config=config) as session:
+        yield Connection(session, twin, deadline=10.0)
 
 
 def _reply(query: zenoh.Query) -> None:
@@ -71,6 +103,37 @@ def test_each_subject_gets_what_it_may_and_nothing_else(guarded: tuple[str, Path
     with open_session(connect=endpoint, mode="client", config=config) as session:
         allowed = {key for key in KEYS if list(session.get(key, timeout=SILENCE))}
     assert allowed == {key for key, names in KEYS.items() if name in names}
+
+
+def test_a_known_user_is_told_what_is_forbidden_and_gets_what_is_not(served: tuple[str, Path]) -> None:
+    with _asking(served, "reader") as to:
+        assert to.ask("ASK { ?d a sdt:Drawer }")
+        for forbidden in (
+            lambda: to.achieve("open"),
+            to.sweep,
+            lambda: to.progress("1"),
+            lambda: to.cancel(keys.job_id(to.servers()[0], "1")),
+        ):
+            with pytest.raises(ForbiddenError, match="never hears sdt/v1/a/") as refused:
+                forbidden()
+            assert not refused.value.problem.retryable
+        assert to.ask("ASK { ?d a sdt:Drawer }")
+    with _asking(served, "writer") as to, pytest.raises(RequestError, match="no job"):
+        to.progress("1")
+
+
+def test_whom_the_list_does_not_name_cannot_tell_a_twin_from_one_that_is_not_there(
+    served: tuple[str, Path],
+) -> None:
+    said: list[str] = []
+    for twin in ("a", "z"):
+        with _asking(served, "nobody", twin) as to:
+            assert not to.servers()
+            for question in (lambda to=to: to.ask("ASK { ?d a sdt:Drawer }"), lambda to=to: to.progress("1")):
+                with pytest.raises(BusUnavailableError) as silence:
+                    question()
+                said.append(str(silence.value).replace(f"'{twin}'", "it"))
+    assert said == ["Nobody can answer now: no server of it is on the bus"] * 4
 
 
 @pytest.mark.parametrize(("name", "password"), [("reader", "wrong"), ("stranger", "x"), ("reader", "")])

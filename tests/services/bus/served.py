@@ -1,0 +1,29 @@
+"""A server over the small kitchen A, cheap enough to have several of."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import zenoh
+
+from services.bus.server import Server
+from services.bus.serving import serving
+from services.http.judges import setup_of
+from services.http.kitchens import open_kitchens
+from services.http.memory import Memory, running
+from services.http.world import World
+from services.judging.pool import Pool
+from services.store.workers import Workers
+from tests.small import FOLDER
+
+
+@contextmanager
+def small(session: zenoh.Session) -> Iterator[tuple[Memory, Server]]:
+    """What it keeps, and the server; a process that judges is started when somebody asks for it."""
+    world = World(open_kitchens((str(FOLDER / "a.urdf"),), ()), Workers(1))
+    with running(world) as memory:
+        pool = Pool(setup_of(world), 1, memory)
+        try:
+            with serving(session, pool, memory) as server:
+                yield memory, server
+        finally:
+            pool.close()
