@@ -6,7 +6,7 @@ from dataclasses import replace
 from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity
 from predicates.meant import containers_meant, moved_by, tasks_meant, unit_of
 from predicates.oracle import Physics, tee_class_of
-from predicates.satisfies_request import demanded, met_requests, threshold
+from predicates.satisfies_request import demanded, meets, threshold
 from predicates.scope import out_of_scope
 from sdt_kg.errors import NoModeError
 from sdt_kg.iri import Iri, local_name
@@ -102,7 +102,7 @@ def _generated(case: Case, goal: Region, physics: Physics) -> Answer:
 def _nothing_to_cause(case: Case, task: Task, container: Container) -> Iterator[Diagnosis]:
     """The request is already met."""
     state = case.twin.state
-    if (task.verb, container.iri) not in met_requests(case.twin, state):
+    if not meets(case.twin, state, task.verb, container):
         return
     position, unit = state[container.joint], unit_of(case.twin, container)
     bound = threshold(container, task.verb)

@@ -5,13 +5,12 @@ from dataclasses import replace
 
 from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity
 from predicates.meant import tasks_meant, unit_of
+from predicates.scope import verb_iri
 from sdt_kg.errors import NoModeError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.state import Interval, Region, State
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container, Twin
-
-NOTHING: frozenset[tuple[Verb, Iri]] = frozenset()
 
 
 def satisfies_request(case: Case) -> Iterator[Answer]:
@@ -25,11 +24,10 @@ def satisfies_request(case: Case) -> Iterator[Answer]:
         NoModeError: Neither the task nor the final state is known.
     """
     if isinstance(case.task, Task):
-        met = _met(case.twin.at(case.final)) if isinstance(case.final, State) else NOTHING
         for task, container in tasks_meant(case):
-            yield _forwards(replace(case, task=task), task, container, met)
+            yield _forwards(replace(case, task=task), task, container)
     elif isinstance(case.final, State):
-        met = _met(case.twin.at(case.final))
+        met = met_requests(case.twin, case.final)
         for verb, container in sorted(met, key=lambda each: (each[1], each[0].value)):
             yield Answer(replace(case, task=Task(verb, container)), holds=True)
     else:
@@ -47,19 +45,21 @@ def demanded(container: Container, verb: Verb) -> Region:
 
 def met_requests(twin: Twin, state: State) -> frozenset[tuple[Verb, Iri]]:
     """Every request which the state meets, as verb and container."""
-    return _met(twin.at(state))
-
-
-def _met(twin: Twin) -> frozenset[tuple[Verb, Iri]]:
-    rows = twin.select("satisfied_requests")
+    rows = twin.at(state).select("satisfied_requests")
     return frozenset((Verb(local_name(str(row["verb"])).lower()), str(row["container"])) for row in rows)
 
 
-def _forwards(case: Case, task: Task, container: Container, met: frozenset[tuple[Verb, Iri]]) -> Answer:
+def meets(twin: Twin, state: State, verb: Verb, container: Container) -> bool:
+    """Whether the state meets this request; the same query, of which one answer is looked for."""
+    asked = {"verb": verb_iri(verb), "container": container.iri}
+    return bool(twin.at(state).select("satisfied_requests", **asked))
+
+
+def _forwards(case: Case, task: Task, container: Container) -> Answer:
     """The answer for one container, its request known."""
     region = demanded(container, task.verb)
     if isinstance(case.final, State):
-        if (task.verb, container.iri) in met:
+        if meets(case.twin, case.final, task.verb, container):
             return Answer(case, holds=True)
         return Answer(case, holds=False, diagnoses=(_unmet(case.twin, container, task.verb, case.final),))
     if isinstance(case.final, Region):

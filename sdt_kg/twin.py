@@ -172,6 +172,8 @@ class Twin:
 
         A mimicking joint follows the one that it mimics; setting it sets that one.
         """
+        if state is self.state:
+            return self
         return Twin(self.entities, self.entities.coupling.moved(self.state, state))
 
     def with_edit(self, subject: Iri, **changes: Value) -> "Twin":
