@@ -9,8 +9,8 @@ from predicates.learn.fitting.cells import Cells
 from predicates.learn.fitting.curve import Curves
 from predicates.learn.fitting.fit import ARC, LINE, Fit
 from predicates.learn.fitting.priors import (
-    SCALE,
-    SCALE_WEIGHT,
+    STILL_SCALE,
+    STILL_WEIGHT,
     TURN_SCALE,
     Plumb,
     log_scale_density,
@@ -33,14 +33,17 @@ ROUNDS = 30
 
 def still(track: Track, cells: Cells, turning: Turning | None) -> Articulation:
     """The candidate that nothing moves."""
-    origin, scale = np.median(track.positions, axis=0), SCALE
+    expected = math.hypot(STILL_SCALE, cells.noise)
+    origin, scale = np.median(track.positions, axis=0), expected
     squares, pull = np.zeros(0), cells.weights
     for _ in range(ROUNDS):
         squares = ((cells.points - origin) ** 2).sum(axis=1)
         pull = cells.weights * (FREEDOM + 3) / (FREEDOM + squares / scale**2)
-        scale = math.sqrt((float(pull @ squares) / 3 + SCALE_WEIGHT * SCALE**2) / (pull.sum() + SCALE_WEIGHT))
+        known = STILL_WEIGHT * expected**2
+        scale = math.sqrt((float(pull @ squares) / 3 + known) / (pull.sum() + STILL_WEIGHT))
         origin = pull @ cells.points / pull.sum()
-    evidence = float(log_student(squares, scale, 3) @ cells.weights) + log_scale_density(scale, SCALE)
+    evidence = float(log_student(squares, scale, 3) @ cells.weights)
+    evidence += log_scale_density(scale, expected, STILL_WEIGHT)
     spread = scale / math.sqrt(float(pull.sum()))
     evidence += 1.5 * math.log(2 * math.pi) + 3 * math.log(spread)
     if turning is not None:

@@ -49,10 +49,9 @@ def read_arrays(path: Path) -> Track:
 
 
 def _column(name: str, key: str, array: np.ndarray, shape: tuple[int, int]) -> Array:
-    try:
-        found = np.asarray(array, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise MotionError(f"'{key}' of {name} holds {array.dtype}", allowed="numbers") from None
+    if array.dtype.kind not in "iuf":
+        raise MotionError(f"'{key}' of {name} holds {array.dtype}", allowed="real numbers")
+    found = np.asarray(array, dtype=np.float64)
     if shape[1] == 1 and found.ndim == 1:
         found = found[:, None]
     if found.shape != shape:

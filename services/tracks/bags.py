@@ -1,39 +1,44 @@
 """Tracks in ROS 2 bags: PoseStamped, Odometry or TF, with WrenchStamped as force.
 
 The poses are in the message's frame; those of TF in the root frame of the tree of transforms. A wrench
-is taken to be given in the same frame, and is interpolated to the times of the poses.
+is given in the same frame, and is interpolated to the times of the poses.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any  # messages are classes that rosbags makes from the bag's own definitions
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from predicates.learn.track import Array, Track
 from sdt_kg.errors import InputError, MotionError
 from services.tracks.columns import FORCE, PLACE, TURN, track_of
+from services.tracks.transforms import Transforms, row_of, seconds
 
 POSE, ODOMETRY = "geometry_msgs/msg/PoseStamped", "nav_msgs/msg/Odometry"
 TRANSFORMS, WRENCH = "tf2_msgs/msg/TFMessage", "geometry_msgs/msg/WrenchStamped"
 
 ALLOWED = "PoseStamped, Odometry or TF, optional WrenchStamped"
+STILL = "tf_static"
+"""End of the topic of transforms that hold for all times, whenever they are told."""
 
-Tree = dict[str, tuple[str, Array, Rotation]]
-"""Frame → the frame that it hangs from, and its pose there."""
-
-LONGEST_CHAIN = 100
-"""[1] Frames from a root; a longer chain is a loop."""
+Messages = Iterator[tuple[str, str, Any]]
 
 
 @dataclass(frozen=True, slots=True)
 class _Found:
-    """Messages of one bag: poses by topic (or frame of TF), each a row t x y z qx qy qz qw; wrenches."""
+    """Messages of one bag.
 
-    poses: dict[str, list[list[float]]]
-    wrenches: list[list[float]]
+    Attributes:
+        poses: Topic (or frame of TF) → rows t x y z qx qy qz qw.
+        wrenches: Topic → rows t fx fy fz.
+        frames: Topic → the frames in which it is given; none for TF, whose root may have any name.
+    """
+
+    poses: dict[str, list[list[float]]] = field(default_factory=dict[str, list[list[float]]])
+    wrenches: dict[str, list[list[float]]] = field(default_factory=dict[str, list[list[float]]])
+    frames: dict[str, set[str]] = field(default_factory=dict[str, set[str]])
 
 
 def read_bag(path: Path, topic: str | None, frame: str | None) -> Track:
@@ -41,7 +46,7 @@ def read_bag(path: Path, topic: str | None, frame: str | None) -> Track:
 
     Raises:
         InputError: rosbags is not installed, or no bag.
-        MotionError: No poses, or those of several topics and none was chosen.
+        MotionError: No poses, those of several topics and none was chosen, or in several frames.
     """
     try:
         from rosbags.highlevel import AnyReader, AnyReaderError  # noqa: PLC0415 - an extra
@@ -50,82 +55,47 @@ def read_bag(path: Path, topic: str | None, frame: str | None) -> Track:
         raise InputError("ROS bags need rosbags", remedy="pip install 'sdt-kg[ros]'") from None
     try:
         with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-            messages = (
-                (c.topic, c.msgtype, reader.deserialize(raw, c.msgtype)) for c, _, raw in reader.messages()
-            )
-            found = _found(messages, frame)
-    except AnyReaderError as error:
+
+            def messages(*, still: bool) -> Messages:
+                # rosbags takes an empty list of connections for all of them
+                for c, _, raw in reader.messages():
+                    if c.topic.endswith(STILL) == still:
+                        yield c.topic, c.msgtype, reader.deserialize(raw, c.msgtype)
+
+            known = [
+                each for _, kind, one in messages(still=True) if kind == TRANSFORMS for each in one.transforms
+            ]
+            found = _found(messages(still=False), Transforms(known), frame)
+    except (AnyReaderError, OSError) as error:
         raise InputError(f"{path.name} is no ROS bag: {error}", allowed=ALLOWED) from None
     chosen = _chosen(found, topic, frame, path.name)
+    _check_frames(found, chosen)
     rows = np.array(found.poses[chosen], dtype=np.float64).reshape(-1, 8)
     _, order = np.unique(rows[:, 0], return_index=True)
-    rows = rows[order]
-    rows[:, 0] -= rows[0, 0] if not found.wrenches else 0
-    names: tuple[str, ...] = ("t", *PLACE, *TURN)
+    rows, names = rows[order], ("t", *PLACE, *TURN)
     if found.wrenches:
-        rows, names = _with_forces(rows, np.array(found.wrenches)), (*names, *FORCE)
+        rows, names = _with_forces(rows, *next(iter(found.wrenches.items()))), (*names, *FORCE)
+    rows[:, 0] -= rows[0, 0]
     return track_of(rows, names, f"{chosen} of {path.name}", [f"message {k + 1}" for k in range(len(rows))])
 
 
-def _found(messages: Iterator[tuple[str, str, Any]], frame: str | None) -> _Found:
-    found = _Found({}, [])
-    tree: Tree = {}
+def _found(messages: Messages, transforms: Transforms, frame: str | None) -> _Found:
+    found = _Found()
     for topic, kind, message in messages:
         if kind in {POSE, ODOMETRY}:
             pose = message.pose if kind == POSE else message.pose.pose
-            found.poses.setdefault(topic, []).append(
-                [_seconds(message.header), *_row(pose.position, pose.orientation)]
-            )
+            row = [seconds(message.header), *row_of(pose.position, pose.orientation)]
+            found.poses.setdefault(topic, []).append(row)
         elif kind == WRENCH:
             force = message.wrench.force
-            found.wrenches.append([_seconds(message.header), force.x, force.y, force.z])
+            row = [seconds(message.header), force.x, force.y, force.z]
+            found.wrenches.setdefault(topic, []).append(row)
         elif kind == TRANSFORMS:
-            _follow(tree, message.transforms, frame, found)
+            for name, row in transforms.rows(message.transforms, frame).items():
+                found.poses.setdefault(f"frame {name}", []).append(row)
+        if kind in {POSE, ODOMETRY, WRENCH}:
+            found.frames.setdefault(topic, set()).add(message.header.frame_id)
     return found
-
-
-def _follow(tree: Tree, transforms: list[Any], frame: str | None, found: _Found) -> None:
-    """Rows for the frame that is meant, or for each that moves, once the whole message is known."""
-    for each in transforms:
-        _hang(tree, each)
-    moved = {each.child_frame_id: _seconds(each.header) for each in transforms}
-    for name in [frame] if frame else moved:
-        stamps = [moved[each] for each in _ancestors(tree, name) if each in moved]
-        if stamps:
-            found.poses.setdefault(f"frame {name}", []).append([max(stamps), *_pose_in_root(tree, name)])
-
-
-def _hang(tree: Tree, stamped: Any) -> None:  # noqa: ANN401 - see Any
-    transform = stamped.transform
-    row = _row(transform.translation, transform.rotation)
-    if float(np.linalg.norm(row[3:])) < 0.5:
-        raise MotionError(f"frame {stamped.child_frame_id} has no rotation", allowed="a unit quaternion")
-    tree[stamped.child_frame_id] = (stamped.header.frame_id, np.array(row[:3]), Rotation.from_quat(row[3:]))
-
-
-def _ancestors(tree: Tree, frame: str) -> list[str]:
-    """The frame and those that it hangs from, so far as they are known."""
-    chain: list[str] = []
-    while frame in tree and len(chain) < LONGEST_CHAIN:
-        chain.append(frame)
-        frame = tree[frame][0]
-    return chain
-
-
-def _pose_in_root(tree: Tree, frame: str) -> list[float]:
-    place, turn = np.zeros(3), Rotation.identity()
-    for name in _ancestors(tree, frame):
-        _, position, rotation = tree[name]
-        place, turn = position + rotation.apply(place), rotation * turn
-    return [*place.tolist(), *turn.as_quat().tolist()]
-
-
-def _row(position: Any, orientation: Any) -> list[float]:  # noqa: ANN401 - see Any
-    return [position.x, position.y, position.z, orientation.x, orientation.y, orientation.z, orientation.w]
-
-
-def _seconds(header: Any) -> float:  # noqa: ANN401 - see Any
-    return header.stamp.sec + header.stamp.nanosec * 1e-9
 
 
 def _chosen(found: _Found, topic: str | None, frame: str | None, name: str) -> str:
@@ -141,9 +111,38 @@ def _chosen(found: _Found, topic: str | None, frame: str | None, name: str) -> s
     raise MotionError(f"{name} has {what}", allowed=", ".join(sources[:20]) or ALLOWED, remedy=remedy)
 
 
-def _with_forces(rows: Array, wrenches: Array) -> Array:
-    """Rows t, pose, force: the force interpolated in time, NaN-free, times from the first row."""
-    times, order = np.unique(wrenches[:, 0], return_index=True)
-    forces = [np.interp(rows[:, 0], times, wrenches[order, k]) for k in (1, 2, 3)]
-    began = rows[:, 0] - rows[0, 0]
-    return np.column_stack([began, rows[:, 1:], *forces])
+def _check_frames(found: _Found, chosen: str) -> None:
+    """One topic of wrenches at most, and all of it and of the poses in one frame.
+
+    Raises:
+        MotionError: It is not so.
+    """
+    if len(found.wrenches) > 1:
+        topics = ", ".join(sorted(found.wrenches))
+        raise MotionError(f"wrenches of {topics}", allowed="one topic of WrenchStamped")
+    for topic in (chosen, *found.wrenches):
+        if len(frames := found.frames.get(topic, {""})) > 1:
+            what = f"{topic} is given in several frames: {', '.join(sorted(frames))}"
+            raise MotionError(what, allowed="one frame, that of the world")
+    if found.wrenches and chosen in found.frames:
+        (topic,), (poses,) = found.wrenches, found.frames[chosen]
+        (wrenches,) = found.frames[topic]
+        if poses != wrenches:
+            what = f"{topic} is given in the frame '{wrenches}', {chosen} in '{poses}'"
+            raise MotionError(what, allowed="wrenches in the frame of the poses", remedy="transform them")
+
+
+def _with_forces(rows: Array, topic: str, wrenches: list[list[float]]) -> Array:
+    """Rows t, pose, force: interpolated between wrenches, missing before the first and after the last.
+
+    Raises:
+        MotionError: No pose is seen while wrenches are.
+    """
+    table = np.array(wrenches)
+    times, order = np.unique(table[:, 0], return_index=True)
+    at = rows[:, 0]
+    forces = [np.interp(at, times, table[order, k], left=np.nan, right=np.nan) for k in (1, 2, 3)]
+    if not ((at >= times[0]) & (at <= times[-1])).any():
+        what = f"no pose is of the time of {topic}, {times[0]:.3f} to {times[-1]:.3f} s"
+        raise MotionError(what, allowed=f"{at[0]:.3f} to {at[-1]:.3f} s, one clock for both")
+    return np.column_stack([rows, *forces])

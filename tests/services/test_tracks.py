@@ -73,6 +73,12 @@ def test_an_array_that_means_nothing_is_not_left_out_silently(tmp_path: Path) ->
         read_track(tmp_path / "track.npz")
 
 
+def test_complex_numbers_are_no_positions(tmp_path: Path) -> None:
+    np.savez(tmp_path / "track.npz", positions=np.zeros((9, 3)) * 1j)
+    with pytest.raises(MotionError, match=r"holds complex128; allowed: real numbers"):
+        read_track(tmp_path / "track.npz")
+
+
 def test_arrays_in_npz(tmp_path: Path) -> None:
     path = tmp_path / "track.npz"
     np.savez(path, poses=np.hstack([PLACES, TURNS]), times=TIMES[:, 0], forces=FORCES)

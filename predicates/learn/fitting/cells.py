@@ -48,6 +48,7 @@ class Cells:
         members: Shape (T,): cell of each sample; -1 for spikes, which belong to none.
         extent: Diagonal of the box that holds the positions [m].
         travel: The same, turning included, less what noise alone would spread over [m].
+        noise: Standard deviation of a coordinate from one sample to the next [m].
     """
 
     points: Array
@@ -55,6 +56,7 @@ class Cells:
     members: np.ndarray
     extent: float
     travel: float
+    noise: float
 
     @property
     def observations(self) -> float:
@@ -90,8 +92,9 @@ def cells_of(positions: Array, turns: Array | None = None) -> Cells:
     points = np.stack([np.bincount(cell, column) / counts for column in seen.T], axis=1)
     members = np.full(len(positions), -1)
     members[kept] = cell
-    moved = max(travel - NOISE_SPAN * _white_noise(seen), LEAST_TRAVEL)
-    return Cells(points, np.full(len(points), min(1.0, size / CORRELATION)), members, extent, moved)
+    noise = _white_noise(seen)
+    moved = max(travel - NOISE_SPAN * noise, LEAST_TRAVEL)
+    return Cells(points, np.full(len(points), min(1.0, size / CORRELATION)), members, extent, moved, noise)
 
 
 def _white_noise(positions: Array) -> float:

@@ -39,6 +39,13 @@ SCALE = 0.002
 SCALE_WEIGHT = 2.0
 """[1] Samples that this expectation is worth."""
 
+STILL_SCALE = 0.001
+"""[m] Deviation of a point that nothing moves, beside noise of single samples: no hand slips on it."""
+
+STILL_WEIGHT = 4.0
+"""[1] Samples that this is worth. With more, what a tracker wanders by 4 mm in seconds is taken for motion;
+with less, a drawer that is seen to come out 3 cm is taken to stand still."""
+
 TURN_SCALE = math.radians(2)
 """[rad] The same for an observed orientation."""
 
@@ -125,7 +132,7 @@ def log_normal(value: float, median: float, spread: float) -> float:
     return -z * z / 2 - math.log(spread * math.sqrt(2 * math.pi))
 
 
-def log_scale_density(scale: float, expected: float) -> float:
-    """Log density of a deviation's scale, up to a constant that all candidates share."""
+def log_scale_density(scale: float, expected: float, weight: float = SCALE_WEIGHT) -> float:
+    """Log density of the logarithm of a deviation's scale, up to a constant that all candidates share."""
     ratio = (expected / scale) ** 2
-    return SCALE_WEIGHT * (math.log(ratio) + 1 - ratio)
+    return weight * (math.log(ratio) + 1 - ratio) + math.log(weight / SCALE_WEIGHT) / 2

@@ -1,5 +1,6 @@
 """Mode 3: which joint moves what was seen."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,6 +25,21 @@ def test_what_does_not_move_is_fixed_whatever_the_noise(noise: float) -> None:
     for seed in range(3):
         joint = best(JointType.FIXED, np.tile([1.0, 0.5, 0.8], (100, 1)), seed, noise)
     assert joint.origin == pytest.approx([1.0, 0.5, 0.8], abs=0.002)
+
+
+def test_what_a_tracker_wanders_by_is_no_motion() -> None:
+    for seed in range(5):
+        generator = np.random.default_rng(seed)
+        wandering = np.zeros((300, 3))
+        for k in range(1, 300):
+            wandering[k] = 0.9 * wandering[k - 1] + generator.normal(0, 0.002 * math.sqrt(1 - 0.9**2), 3)
+        best(JointType.FIXED, wandering, seed, 0.001)
+
+
+@pytest.mark.parametrize("noise", [0.0002, 0.001, 0.003])
+def test_three_centimetres_of_a_drawer_are_motion(noise: float) -> None:
+    found = [learn(seen(drawer(stopping(0.03)), seed, noise)).best.joint_type for seed in range(5)]
+    assert found == [JointType.PRISMATIC] * 5
 
 
 def test_a_drawer_is_prismatic_along_its_axis_with_the_range_that_was_seen() -> None:
