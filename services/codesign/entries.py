@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from predicates.case import Artefact, Outcome, Verdict
-from predicates.record import diagnosis_json
+from predicates.record import Record, diagnosis_json
 from predicates.record.report import answers
 from services.codesign.again import Swept
 
@@ -16,6 +16,7 @@ class How(Enum):
     """Where an entry's outcome is from."""
 
     LAW = "asked anew"
+    KEPT = "kept from before"
     SAME = "same question as it is"
     AGAIN = "motion of the world as it is, certified again"
     CAUSES = "refused before CanPerform, which was not asked"
@@ -40,6 +41,7 @@ class Found:
         artefact: Certificate or proof; None where there is none, or where it is another world's.
         swept: Pairs of shapes that were swept, where a motion was certified again.
         seconds: CPU time [s].
+        record: To be kept; only of a verdict about the world as it is.
     """
 
     iri: str
@@ -50,6 +52,7 @@ class Found:
     artefact: Artefact | None = None
     swept: Swept | None = None
     seconds: float = 0.0
+    record: Record | None = None
 
     @property
     def is_certified(self) -> bool:

@@ -1,7 +1,7 @@
 """Product grids: every container, for every robot, in every combination of edits, in worker processes."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
@@ -21,7 +21,9 @@ from services.sweep.engines import cpu_seconds
 from services.sweep.handed import each as each_done
 from services.whatif import World, changed, depends_on_robot, parse_change
 
-Base = dict[tuple[str, str, str], Found]
+Key = tuple[str, str, str]
+"""Kitchen, robot and container."""
+Base = dict[Key, Found]
 Report = Callable[[Entry], None]
 
 BAR = " | "
@@ -63,6 +65,11 @@ class Job:
     edits: tuple[str, ...]
 
     @property
+    def key(self) -> Key:
+        """Of the entry of its first container in the world as it is."""
+        return self.kitchen, self.robot, self.containers[0]
+
+    @property
     def world(self) -> tuple[str, tuple[str, ...]]:
         """What is loaded and made once for all robots."""
         return self.kitchen, self.edits
@@ -86,8 +93,16 @@ def worlds_of(axes: Sequence[str]) -> tuple[tuple[str, ...], ...]:
     return tuple(each for each in made if each)
 
 
-def run(asked: Asked, jobs: int, report: Report = lambda entry: None) -> Grid:
+def run(
+    asked: Asked, jobs: int, report: Report = lambda entry: None, kept: Mapping[Key, Found] | None = None
+) -> Grid:
     """All entries, the worlds as they are first; each is reported as soon as it is there.
+
+    Args:
+        asked: What the grid is about.
+        jobs: Processes.
+        report: Told of each entry that is judged.
+        kept: What is known of the worlds as they are and is not judged again.
 
     Raises:
         InputError: A kitchen, robot, state or container that is not there.
@@ -100,8 +115,10 @@ def run(asked: Asked, jobs: int, report: Report = lambda entry: None) -> Grid:
         for robot in asked.robots
         for container in names[kitchen]
     ]
-    entries = list(_results(asked, partial(_as_it_is, asked), first, jobs, report))
-    base: Base = {each.key: each.found for each in entries}
+    entries = [Entry(*key, (), found) for key, found in (kept or {}).items()]
+    fresh = [each for each in first if each.key not in (kept or {})]
+    entries += _results(asked, partial(_as_it_is, asked), fresh, jobs, report)
+    base: Base = {each.key: replace(each.found, record=None) for each in entries}
     more = [
         Job(kitchen, robot, names[kitchen], edits)
         for kitchen in asked.kitchens
@@ -110,7 +127,7 @@ def run(asked: Asked, jobs: int, report: Report = lambda entry: None) -> Grid:
     ]
     entries += _results(asked, partial(_otherwise, asked, base), more, jobs, report)
     worlds = {edits: number for number, edits in enumerate(((), *asked.worlds))}
-    order = {(each.kitchen, each.robot, each.containers[0]): n for n, each in enumerate(first)}
+    order = {each.key: n for n, each in enumerate(first)}
     entries.sort(key=lambda each: (worlds[each.edits], order[each.key]))
     return Grid(entries, time.perf_counter() - began, cpu_seconds() - cpu_began)
 

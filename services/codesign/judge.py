@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from predicates.case import ArtefactKind, Case, Outcome, Verdict
 from predicates.law import law
+from predicates.record import to_record
 from predicates.record.inputs import inputs_of, verdict_iri
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion
@@ -101,7 +102,7 @@ def judged_as_it_is(world: World, verb: str, container: str) -> Found:
     """The whole Law in the world as it is."""
     began = time.process_time()
     verdict = one_of(world.service.achieve(f"{verb}:{container}", world.robot_iri))
-    return found_of(verdict, How.LAW, time.process_time() - began)
+    return replace(found_of(verdict, How.LAW, time.process_time() - began), record=to_record(verdict))
 
 
 def motion_of(found: Found) -> BodyMotion | None:

@@ -14,11 +14,12 @@ state = ""  # joints elsewhere, as --state of sdt whatif takes them, comma-separ
 drive = "omni"  # omni (the paper's), differential, fixed; empty: as each robot's hardware
 budget = 6.0  # seconds of search for each container
 jobs = 2  # processes that judge
+store = ""  # where verdicts about the kitchen as it is are read from and kept; empty: nowhere
 
 # %%
 from services.reports.studies import codesign
 
-options = {"state": state, "drive": drive, "budget": budget, "jobs": jobs}
+options = {"state": state, "drive": drive, "budget": budget, "jobs": jobs, "store": store}
 found = codesign.covered(kitchen, robots, task, edits, **options)
 codesign.counts(found)
 

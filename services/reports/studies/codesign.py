@@ -1,17 +1,18 @@
 """Which changes of a kitchen let which robots achieve more: coverage, world by world."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from matplotlib.ticker import MaxNLocator
 
 from predicates.case import ArtefactKind, Outcome
 from sdt_kg.errors import InputError
+from sdt_kg.load import model_name
 from sdt_kg.motion import BodyMotion
-from services.app import load
+from services.app import Service, load
 from services.codesign.entries import Entry as Judged
-from services.codesign.entries import Grid
-from services.codesign.grid import Asked, run, worlds_of
+from services.codesign.entries import Found, Grid, How, found_of
+from services.codesign.grid import Asked, Key, run, worlds_of
 from services.codesign.report import entry_rows, outcome_name, reuse_lines, turned_rows, why, world_name
 from services.embodiment.certify.certificate import read_certificate
 from services.physics.model import Scene
@@ -20,7 +21,7 @@ from services.reports.pages.table import Cell, Table
 from services.reports.scene.clip import body_clip
 from services.reports.scene.colors import COLORS
 from services.reports.scene.view import View, view_of
-from services.reports.studies.judged import policy_of
+from services.reports.studies.judged import opened, policy_of
 from services.whatif import World, changed, parse_change
 
 Edits = tuple[str, ...]
@@ -69,6 +70,7 @@ def covered(  # noqa: PLR0913 - the options of sdt whatif --grid
     drive: str = "",
     budget: float = 20.0,
     jobs: int = 1,
+    store: str = "",
 ) -> Coverage:
     """Every container for every robot in every combination of edits.
 
@@ -81,6 +83,7 @@ def covered(  # noqa: PLR0913 - the options of sdt whatif --grid
         drive: omni, differential or fixed.
         budget: Seconds of search for each container.
         jobs: Processes that judge.
+        store: Where verdicts about the world as it is are recalled from and kept; empty: nowhere.
 
     Raises:
         InputError: Something of these does not exist.
@@ -100,7 +103,31 @@ def covered(  # noqa: PLR0913 - the options of sdt whatif --grid
         _parts(state, ","),
         _parts(containers, ","),
     )
-    return Coverage(asked, run(asked, jobs))
+    with opened(store) as saved:
+        service = replace(
+            load(kitchen, asked.robots, state=asked.states, policy=asked.policy), recall=saved.stored
+        )
+        grid = run(asked, jobs, kept=_kept(asked, service))
+        fresh = [each.found.record for each in grid.entries if each.found.record is not None]
+        if fresh:
+            saved.add_twin(service.twin)
+        for record in fresh:
+            saved.add_record(record)
+    return Coverage(asked, grid)
+
+
+def _kept(asked: Asked, service: Service) -> dict[Key, Found]:
+    """What the store has of the world as it is."""
+    (kitchen,) = asked.kitchens
+    names = asked.containers or [each.name for each in service.twin.containers()]
+    known = {each.name for each in service.twin.containers()}
+    return {
+        (kitchen, robot, name): found_of(verdict, How.KEPT, 0.0)
+        for robot in asked.robots
+        for name in names
+        if name in known
+        for verdict in service.stored(f"{asked.verb}:{name}", model_name(robot)) or ()
+    }
 
 
 def _parts(text: str, sign: str) -> tuple[str, ...]:
@@ -188,7 +215,8 @@ def verdicts(found: Coverage) -> Table:
     rows = [{said: row[name] for name, said in columns.items()} for row in entry_rows(found.grid)]
     return Table.of(
         "codesign_verdicts",
-        "Every verdict by its name, the hash of its inputs; of a search of the world as it is, that one's.",
+        "Every verdict by its name, the hash of its inputs; of a search of the world as it is, that one's."
+        " Those about the world as it is are kept where a store is named.",
         rows,
     )
 

@@ -54,13 +54,19 @@ def test_counterfactual_shows_what_turned_and_why_and_keeps_only_the_kitchen_as_
     assert store.read_text().count("law#Verdict>") == 1
 
 
-def test_codesign_counts_every_world() -> None:
+def test_codesign_counts_every_world_and_keeps_the_verdict_about_the_kitchen_as_it_is(tmp_path: Path) -> None:
+    store = tmp_path / "store.nq"
     parameters = {"kitchen": "b", "robots": "stretch", "task": f"open:{DRAWER}", "jobs": 1}
+    parameters |= {"store": str(store)}
     counts, *_, verdicts = run("codesign", edits=f"jam:{DRAWER}", **parameters, **ONE)
     assert re.search(r"as it is\s+0\s+1 of 1\s", words(counts))
     assert re.search(rf"jam:{DRAWER}\s+1\s+0 of 1 \(-1\)", words(counts))
     named = re.findall(r"https://example\.org/id/verdict/[0-9a-f]{64}", words(verdicts))
     assert len(set(named)) == 2
+    (kept,) = (row for row in store.read_text().splitlines() if "law#Verdict>" in row)
+    assert any(each in kept for each in named)
+    *_, verdicts = run("codesign", edits=f"jam:{DRAWER}", **parameters, **ONE)
+    assert "kept from before" in words(verdicts)
 
 
 def test_learning_finds_the_hinge_that_was_moved_and_proposes_it() -> None:
