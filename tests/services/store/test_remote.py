@@ -3,6 +3,7 @@
 import json
 import socket
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -39,12 +40,54 @@ def test_there_is_a_server() -> None:
     assert OXIGRAPH.is_file()
 
 
+def by_updates(server: Server) -> str:
+    """Addresses of a server of which nothing is known but that it speaks SPARQL 1.1."""
+    return f"{server.address}/query,{server.address}/update"
+
+
 def test_many_quads_take_several_requests(server: Server) -> None:
-    store = remote(server.address)
+    store = remote(by_updates(server))
     store.add(quads(2 * BATCH + 1))
     assert counted(store) == 2 * BATCH + 1
     assert set(store.dump()) == set(quads(2 * BATCH + 1))
     store.close()
+
+
+@pytest.fixture
+def file_size(monkeypatch: pytest.MonkeyPatch) -> int:
+    """Quads of which one file is made: the fewest of which files are made at all."""
+    monkeypatch.setattr("services.store.remote.BULK", BATCH + 1)
+    return BATCH + 1
+
+
+def test_an_oxigraph_takes_many_quads_as_files(server: Server, file_size: int) -> None:
+    store, count = remote(server.address), 2 * file_size + 1
+    store.add(quads(1))
+    store.add(quads(count))
+    assert set(store.graph(G)) == set(quads(count))
+    store.close()
+
+
+def test_an_oxigraph_killed_in_a_file_has_it_whole_or_not_at_all(server: Server, file_size: int) -> None:
+    store, given = remote(server.address), quads(9 * file_size)
+    killer = threading.Timer(1.5 * seconds_of(store, quads(file_size, "https://example.org/h")), server.kill)
+    killer.start()
+    with pytest.raises(StoreUnavailableError):
+        store.add(given)
+    killer.join()
+    server.start()
+    server.wait()
+    found = len(store.graph(G))
+    assert found % file_size == 0
+    assert found < len(given)
+    store.close()
+
+
+def seconds_of(store: RemoteStore, given: list[ox.Quad]) -> float:
+    """How long it takes to add them."""
+    began = time.monotonic()
+    store.add(given)
+    return time.monotonic() - began
 
 
 def test_a_server_that_is_killed_is_named_and_what_it_acknowledged_is_there_later(server: Server) -> None:
@@ -74,7 +117,7 @@ def test_a_restart_is_survived(server: Server) -> None:
 
 
 def test_a_server_killed_in_a_long_write_has_whole_batches_and_takes_it_again(server: Server) -> None:
-    store = remote(server.address)
+    store = remote(by_updates(server))
 
     def slowly() -> Iterator[ox.Quad]:
         for index, quad in enumerate(quads(4 * BATCH)):
@@ -202,16 +245,16 @@ def test_a_server_that_says_nothing_is_left_after_the_time_limit() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "query", "update"),
+    ("text", "query", "update", "files"),
     [
-        ("http://h:7878", "http://h:7878/query", "http://h:7878/update"),
-        ("http://h:7878/", "http://h:7878/query", "http://h:7878/update"),
-        ("https://h/ds/q, https://h/ds/u", "https://h/ds/q", "https://h/ds/u"),
-        ("http://h/sparql", "http://h/sparql", None),
+        ("http://h:7878", "http://h:7878/query", "http://h:7878/update", "http://h:7878/store"),
+        ("http://h:7878/", "http://h:7878/query", "http://h:7878/update", "http://h:7878/store"),
+        ("https://h/ds/q, https://h/ds/u", "https://h/ds/q", "https://h/ds/u", None),
+        ("http://h/sparql", "http://h/sparql", None, None),
     ],
 )
-def test_addresses(text: str, query: str, update: str | None) -> None:
-    assert Addresses.of(text) == Addresses(query, update)
+def test_addresses(text: str, query: str, update: str | None, files: str | None) -> None:
+    assert Addresses.of(text) == Addresses(query, update, files)
 
 
 @pytest.mark.parametrize(
