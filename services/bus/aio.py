@@ -84,10 +84,10 @@ class AsyncConnection:
         return await self._asked(self.here.why, iri)
 
     async def history(
-        self, kind: str = "verdict", after: int = 0, epoch: str = "", limit: int = 100
+        self, kind: str = "verdict", after: int = 0, epoch: str = "", limit: int = 100, instance: str = ""
     ) -> HistoryReply:
         """Events of `verdict` or `state` after a sequence number; a gap is told."""
-        return await self._asked(self.here.history, kind, after, epoch, limit)
+        return await self._asked(self.here.history, kind, after, epoch, limit, instance)
 
     async def sweep(self, verb: str = "open", *state: str, **policy: Any) -> JobReply:  # noqa: ANN401 - fields of SweepRequest
         """A job that judges every container for every robot, and whatever else is varied."""

@@ -83,7 +83,7 @@ def asked(session: zenoh.Session, twin: str, deadline: float, question: Question
 def servers(session: zenoh.Session, twin: str, seconds: float = LIVE_TIMEOUT) -> list[str]:
     """Instances that are there now."""
     tokens = session.liveliness().get(keys.any_live(twin), timeout=seconds)
-    return sorted(keys.instance_of(str(each.ok.key_expr)) for each in tokens if each.ok)
+    return sorted({keys.instance_of(str(each.ok.key_expr)) for each in tokens if each.ok})
 
 
 def _silence(

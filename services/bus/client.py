@@ -155,11 +155,20 @@ class Connection:
         return self._typed(Verb.TASK, request, TaskReply)[0].result
 
     def history(
-        self, kind: str = "verdict", after: int = 0, epoch: str = "", limit: int = 100
+        self, kind: str = "verdict", after: int = 0, epoch: str = "", limit: int = 100, instance: str = ""
     ) -> HistoryReply:
-        """Events of `verdict` or `state` after a sequence number; a gap is told."""
+        """Events of `verdict` or `state` after a sequence number; a gap is told.
+
+        Args:
+            kind: verdict or state.
+            after: Number of the last event that is known.
+            epoch: Of that number, as the publication or an earlier reply said.
+            limit: Events in the reply.
+            instance: The server whose numbers are meant; empty: any.
+        """
         fields = {"kind": kind, "after": after, "epoch": epoch, "limit": limit}
-        return self._typed(Verb.HISTORY, HistoryRequest.model_validate(fields), HistoryReply)[0]
+        request = HistoryRequest.model_validate(fields)
+        return self._typed(Verb.HISTORY, request, HistoryReply, instance=instance)[0]
 
     def sweep(self, verb: str = "open", *state: str, **policy: Any) -> JobReply:  # noqa: ANN401 - fields of SweepRequest
         """A job that judges every container for every robot (or `robots=[...]`)."""
@@ -205,13 +214,17 @@ class Connection:
         """Instances that are there now."""
         return servers(self.session, self.twin)
 
-    def _typed(self, verb: Verb, request: Message, kind: type[R], encoding: str = JSON) -> tuple[R, str]:
-        payload, instance = self._asked(verb, request, encoding)
-        return decode(kind, payload, encoding), instance
+    def _typed(
+        self, verb: Verb, request: Message, kind: type[R], encoding: str = JSON, instance: str = ""
+    ) -> tuple[R, str]:
+        payload, who = self._asked(verb, request, encoding, instance)
+        return decode(kind, payload, encoding), who
 
-    def _asked(self, verb: Verb, request: Message, encoding: str = JSON) -> tuple[bytes, str]:
+    def _asked(
+        self, verb: Verb, request: Message, encoding: str = JSON, instance: str = ""
+    ) -> tuple[bytes, str]:
         payload = encode_cbor(request) if encoding == CBOR else encode(request)
-        question = Question(keys.rpc(self.twin, verb), payload, encoding)
+        question = Question(keys.rpc(self.twin, verb, instance), payload, encoding, instance)
         return asked(self.session, self.twin, self.deadline, question)
 
 

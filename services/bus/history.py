@@ -1,5 +1,6 @@
 """What has happened, in order: numbered, published, and told again after a sequence number."""
 
+import json
 import logging
 import queue
 import threading
@@ -99,13 +100,14 @@ class Herald:
     """A thread that numbers, keeps and publishes what happens, and tells it again.
 
     Args:
-        session: On which it is published.
+        session: On which it is published, with who tells it and the epoch of its number attached.
+        instance: Name of the server: another one numbers for itself.
         memory: The world in which it happens.
         twins: Names of those that are served.
     """
 
-    def __init__(self, session: zenoh.Session, memory: Memory, twins: Iterable[str]) -> None:
-        self._session, self._memory = session, memory
+    def __init__(self, session: zenoh.Session, instance: str, memory: Memory, twins: Iterable[str]) -> None:
+        self._session, self._instance, self._memory = session, instance, memory
         archive = memory.world.archive
         self._logs = {(twin, kind): Log(twin, kind, archive) for twin in twins for kind in KINDS}
         self._doing: queue.Queue[Callable[[], None] | None] = queue.Queue()
@@ -143,7 +145,8 @@ class Herald:
         log = self._logs.get((twin, kind))
         if log is not None:
             key = keys.event(twin, kind, log.append(graph))
-            self._session.put(key, quads, encoding="application/n-quads")
+            teller = json.dumps({"instance": self._instance, "epoch": log.epoch})
+            self._session.put(key, quads, encoding="application/n-quads", attachment=teller)
 
     def _told(self, twin: str, request: HistoryRequest) -> Done:
         reply, events = self._logs[twin, request.kind].after(request)

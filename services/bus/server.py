@@ -66,7 +66,7 @@ class Server:
 
     def start(self) -> Self:
         """Questions are answered from now on; the liveliness tokens come last."""
-        self._herald = Herald(self._session, self._memory, self._twins)
+        self._herald = Herald(self._session, self.instance, self._memory, self._twins)
         for twin in self._twins:
             for tail in ("*", f"*/{self.instance}"):
                 key = f"{keys.ROOT}/{twin}/rpc/{tail}"

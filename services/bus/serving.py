@@ -90,13 +90,18 @@ def serving(session: zenoh.Session, pool: Pool, memory: Memory) -> Iterator[Serv
     _give_back()
     kitchens = memory.world.kitchens.items()
     models = {name: _models(name, kitchen.service.twin) for name, kitchen in kitchens}
-    sweeps = Sweeps(pool, models, uuid.uuid4().hex[:12])
+    sweeps = Sweeps(pool, models, new_name())
     server = Server(session, pool, memory, sweeps).start()
     try:
         yield server
     finally:
         server.close()
         sweeps.close()
+
+
+def new_name() -> str:
+    """Of a server: two that begin at once have different ones."""
+    return uuid.uuid4().hex[:12]
 
 
 def settle() -> None:
