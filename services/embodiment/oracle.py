@@ -159,7 +159,8 @@ class WholeBody:
             rejected.append(outcome.diagnoses)
         search = planner.searched(time.perf_counter() - began)
         reasons = refusal(planner, rejected, search, self.budget)
-        artefact = None if planner.proof is None else planner.proof.artefact
+        proof = planner.proof or planner.in_hand
+        artefact = None if proof is None else proof.artefact
         return Answer(case, False, reasons, self._notes(setting, None), clock.seconds, artefact=artefact)
 
     def _verified(

@@ -18,12 +18,13 @@ from services.embodiment.attempt import Attempt
 from services.embodiment.body.limb import Limb, touching
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.hold.fit import Fitter
+from services.embodiment.hold.fit import Fitted, Fitter
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import WAYPOINTS, Holding, Problem, Searcher
 from services.embodiment.hold.kit import Kit, Kits
 from services.embodiment.hold.spread import Spreader
-from services.embodiment.prove import Proved, Prover, out_of_reach
+from services.embodiment.proof_check.content import IN_HAND
+from services.embodiment.prove import Proved, Prover, in_hand, out_of_reach
 from services.embodiment.ways.approach import Approacher, Blocked
 from services.embodiment.ways.assemble import Assembled, Assembler
 from services.embodiment.ways.roads import Roads, make_roads
@@ -71,6 +72,7 @@ class Planner:
         holdings: How many were found.
         unfit: Pairs of shapes in contact that ruled grasps out → how often.
         proof: That no gripper can hold the handle all along, if one was found and verified.
+        in_hand: The same of holds with the handle in hand, as all have it that were searched.
         start_contact: Shapes of robot and kitchen in contact at the start, and their distance [m].
         rough: Motions that leave limits: too fast where times are required, or beyond a joint's end.
     """
@@ -87,6 +89,8 @@ class Planner:
         self.bar: Bar | None = None
         self.holdings = 0
         self.proof: Proved | None = None
+        self.in_hand: Proved | None = None
+        self._wide: list[Fitted] = []
         self._prover: Prover | None = None
         self.start_contact: tuple[tuple[int, int], float] | None = None
         self.unfit: Counter[tuple[int, int]] = Counter()
@@ -118,6 +122,7 @@ class Planner:
                 yield from self._round(attempt, number)
         self._give_up()
         yield from self._spread()
+        self._prove_in_hand()
 
     def _spread(self) -> Iterator[Planned]:
         """Plans from holdings of more grasps that many postures find together.
@@ -134,6 +139,7 @@ class Planner:
             at = time.perf_counter()
             grasps = attempt.fitter.wide(self.late)
             attempt.searcher.tally.grasps += len(grasps)
+            self._wide += grasps
             self._spent("grasp", at)
             if grasps:
                 spreader = Spreader(attempt.searcher, grasps, attempt.rng, self.late)
@@ -165,13 +171,30 @@ class Planner:
         ):  # it refutes what these accept, no more
             return
         if self._prover is None:
-            twin, values = setting.world.scene.twin, setting.motion.values[:, 0]
-            about = setting.robot, setting.container, setting.drive, setting.start
-            self._prover = Prover(twin, *about, values)
+            self._prover = self._about(None)
         self.proof = self._prover.hurried(setting.motion)
         if self.proof is None and boxes:
             self.proof = self._prover.prove(boxes)
         self._spent("proof", at)
+
+    def _prove_in_hand(self) -> None:
+        """Look for a proof about holds in hand, where none of those that were searched leads anywhere."""
+        at, setting = time.perf_counter(), self.setting
+        searched = [one for each in self.attempts for one in (*each.grasps, *each.steep)] + self._wide
+        ways = any(attempt.searcher.tally.paths for attempt in self.attempts)
+        if self.proof is not None or ways or setting.tolerances != Tolerances():
+            return
+        tools = (grasp.translation for grasp, _ in searched)
+        if searched and in_hand(setting.world, setting.container.handle, tools):
+            self.in_hand = self._about(IN_HAND).prove(EARLY_BOXES)
+        self._spent("proof", at)
+
+    def _about(self, within: float | None) -> Prover:
+        """Who looks for proofs about this setting, and such holds."""
+        setting = self.setting
+        twin, values = setting.world.scene.twin, setting.motion.values[:, 0]
+        about = setting.robot, setting.container, setting.drive, setting.start
+        return Prover(twin, *about, values, within)
 
     def searched(self, seconds: float) -> Search:
         """What was tried so far."""

@@ -1,6 +1,7 @@
 """A search that gave up, in words and figures: the stage that nothing passed, and what stood in the way."""
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 
@@ -35,6 +36,8 @@ def refusal(
     found = [Diagnosis(Kind.EMBODIMENT, reason, evidence, search=search)]
     if not planner.holdings and (farthest := _farthest(planner)) is not None:
         found.append(Diagnosis(Kind.EMBODIMENT, *farthest, search=search))
+    if planner.in_hand is not None:
+        found.append(replace(planner.in_hand.diagnosis, search=search))
     if planner.late():
         reason = f"the search was stopped after {search.seconds:.1f} s, its budget"
         found.append(Diagnosis(Kind.EMBODIMENT, reason, spent, search=search))

@@ -13,6 +13,7 @@ from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import ROUNDING, Arm
 from services.embodiment.proof_check.content import (
+    IN_HAND,
     LEAF,
     Claim,
     Proof,
@@ -65,7 +66,8 @@ def check(twin: Twin, robot: Iri, container: Container, content: bytes) -> Check
     reasons = [*_differs(twin, robot, container, claim)]
     leaves = 0
     if not reasons:
-        statement = Statement(twin, robot, container, claim.drive, claim.start, claim.tolerances)
+        about = twin, robot, container, claim.drive, claim.start, claim.tolerances
+        statement = Statement(*about, within=claim.within)
         if claim.timing is not None:
             reasons += _hurried(statement, proof, claim.timing)
         else:
@@ -76,7 +78,8 @@ def check(twin: Twin, robot: Iri, container: Container, content: bytes) -> Check
         return Checked(tuple(reasons), sentence, proof.assumptions(), leaves)
     values = sorted({f"{one.value:.4g}" for one in proof.refutations})
     past = ", ".join(values) or "any value"
-    sentence = f"no certified motion of {local_name(robot)} takes {container.name} past {past}"
+    meant = "" if claim.within is None else f"with {local_name(container.handle)} in hand "
+    sentence = f"no certified motion of {local_name(robot)} {meant}takes {container.name} past {past}"
     return Checked(tuple(reasons), sentence, proof.assumptions(), leaves)
 
 
@@ -103,6 +106,8 @@ def _differs(twin: Twin, robot: Iri, container: Container, claim: Claim) -> Iter
         yield "the proof is about another state of the kitchen"
     if claim.tolerances != Tolerances():
         yield f"the proof holds for other tolerances than this version's: {claim.tolerances}"
+    if claim.within is not None and (claim.within != IN_HAND or claim.timing is not None):
+        yield f"the proof is about holds within {claim.within:g} m, in hand are those within {IN_HAND:g} m"
     yield from _not_needed(container, twin.state[container.joint], claim.span)
 
 

@@ -5,7 +5,7 @@ it is the joint whose interval is halved there, lower half first; from 128 on th
 the rest of the byte is the joint whose origin is too far from the handle in all of the leaf's box, or the
 number n of joints where the grasp box itself is apart from it, or n + 1 + c where the arm's core c meets
 something solid. A proof about times has no tree but the window of samples that is too fast. "sdt proof 1"
-had neither, and is read as it is.
+had neither, and is read as it is. "sdt proof 3" is a proof about some holds alone: those `within` a distance.
 """
 
 import base64
@@ -23,7 +23,11 @@ from sdt_kg.twin import Twin
 from services.embodiment.certify.tolerances import Tolerances
 
 SCHEMA = "sdt proof 2"
-READ = ("sdt proof 1", SCHEMA)
+OF_SOME_HOLDS = "sdt proof 3"
+READ = ("sdt proof 1", SCHEMA, OF_SOME_HOLDS)
+IN_HAND = 0.03
+"""[m] Ours: in hand is a handle whose box is so near to the tool's origin, amid the fingertips, at the grasp;
+the search has it there to within 16 mm."""
 LEAF = 128
 MOST_BYTES = 20_000_000
 """[bytes] More than any proof's; a small file cannot claim a memory of its choice."""
@@ -68,6 +72,8 @@ class Claim:
         state: Joint IRI → position [rad or m] in which the motion begins.
         span: Values [rad or m] all of which the container has to pass.
         start: Base pose x, y [m], yaw [rad] of a fixed base; any pose is meant otherwise.
+        within: How far the tool's origin is at most from a box about the handle when it is grasped, of the
+            holds that are meant [m]; None: every hold that certification accepts is.
     """
 
     models: tuple[tuple[Iri, str], tuple[Iri, str]]
@@ -78,6 +84,21 @@ class Claim:
     start: Start
     tolerances: Tolerances
     timing: Timing | None = None
+    within: float | None = None
+
+    @property
+    def holds(self) -> str:
+        """Those that are meant, in words."""
+        if self.within is None:
+            return (
+                "every hold that certification accepts, two fingers on both sides of the handle anywhere "
+                "along it, at any angle"
+            )
+        return (
+            f"holds with the handle, or a box about it, at most {1000 * self.within:g} mm from the tool's "
+            "origin when it is grasped, at any angle; a hold farther out on the fingers, or deeper between "
+            "them, is not refuted"
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,8 +128,7 @@ class Proof:
             )
         return (
             f"base policy: {claim.drive.value}, {base}",
-            "grasp set: every hold that certification accepts, two fingers on both sides of the handle "
-            "anywhere along it, at any angle",
+            f"grasp set: {claim.holds}",
             f"tolerances: those of certification, {claim.tolerances}",
             "joints: limits of the twin, each joint for itself",
             "collision geometry: of the fingers and the handle, which a hold is about; besides, with a fixed "
@@ -125,20 +145,23 @@ def claim_about(  # noqa: PLR0913, PLR0917  # the parts of a claim
     drive: Drive,
     start: Start,
     timing: Timing | None = None,
+    within: float | None = None,
 ) -> Claim:
     """The claim about a robot and a container of a twin, with this version's tolerances."""
     models = ((twin.environment, twin.content_hash(twin.environment)), (robot, twin.content_hash(robot)))
-    return Claim(models, dict(twin.state), container, span, drive, start, Tolerances(), timing)
+    return Claim(models, dict(twin.state), container, span, drive, start, Tolerances(), timing, within)
 
 
 def to_bytes(proof: Proof) -> bytes:
     """The proof as an artefact's content; the same proof gives the same bytes."""
     claim = asdict(proof.claim) | {"drive": proof.claim.drive.value}
+    if proof.claim.within is None:
+        del claim["within"]
     refutations = [
         asdict(one) | {"tree": base64.b64encode(one.tree).decode("ascii")} for one in proof.refutations
     ]
     whole = {
-        "schema": SCHEMA,
+        "schema": SCHEMA if proof.claim.within is None else OF_SOME_HOLDS,
         "claim": claim,
         "assumptions": proof.assumptions(),
         "refutations": refutations,
@@ -166,7 +189,7 @@ def read_proof(content: bytes) -> Proof:
         raise InputError(f"a proof of the schema '{whole.get('schema')}'", allowed=" or ".join(READ))
     try:
         refutations = tuple(_refutation(one) for one in whole["refutations"])
-        return Proof(_claim(whole["claim"]), refutations, _window(whole.get("window")))
+        return Proof(_claim(whole["claim"], whole["schema"]), refutations, _window(whole.get("window")))
     except (KeyError, TypeError, ValueError, AttributeError, binascii.Error) as error:
         raise InputError(f"the proof is damaged: {error!r}", allowed=f"a whole {SCHEMA}") from None
 
@@ -183,7 +206,9 @@ def _unpacked(content: bytes) -> dict[str, Any]:  # Any: JSON
     return whole
 
 
-def _claim(given: dict[str, Any]) -> Claim:  # Any: JSON
+def _claim(given: dict[str, Any], schema: str) -> Claim:  # Any: JSON
+    if ("within" in given) is not (schema == OF_SOME_HOLDS):
+        raise ValueError(f"which holds are meant is told in {OF_SOME_HOLDS} alone")
     environment, robot = ((str(iri), str(known)) for iri, known in given["models"])
     low, high = (_number(each) for each in given["span"])
     x, y, yaw = (_number(each) for each in given["start"])
@@ -199,6 +224,7 @@ def _claim(given: dict[str, Any]) -> Claim:  # Any: JSON
         (x, y, yaw),
         Tolerances(**{name: _number(value) for name, value in given["tolerances"].items()}),
         _timing(given.get("timing")),
+        _number(given["within"]) if "within" in given else None,
     )
 
 

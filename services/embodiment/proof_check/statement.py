@@ -13,6 +13,9 @@ fixed base stands within `start_position` and `start_angle` of its start pose. T
 value of the container, for each gripper and all joint positions, is to refute every certificate of a
 motion that takes the container past that value.
 
+Of holds *in hand* less is to be refuted: when the handle is grasped, the tool's origin is at most `within`
+from a box about it, later by `tool\_position` more. Nothing is then asked of the fingers.
+
 In a box of joint positions that is shown by a joint's origin, farther from the handle than any point
 of the grasp box can be from it; by the grasp box itself, apart from the handle in all of the box; or,
 with a fixed base, by a box inside one of the arm's bodies that meets something solid (`cores`). No other
@@ -61,8 +64,9 @@ class Target:
 
     Attributes:
         boxes: Where its shapes' boxes are in the world.
-        half: Their half extents, widened by what certification tolerates [m], shape (B, 3).
-        shift: By how much they were widened: how far each may be from there [m], shape (B,).
+        half: Their half extents, widened by what certification tolerates, and by the distance at which a
+            hold has the handle in hand, where that is meant [m], shape (B, 3).
+        shift: How far each may be from there [m], shape (B,).
     """
 
     boxes: tuple[Placement, ...]
@@ -116,6 +120,7 @@ class Statement:
         twin: Kitchen and robot, in the state in which the motion begins.
         start: Base pose x, y [m], yaw [rad] of a fixed base; not looked at otherwise.
         room: How far from `start` the fixed base may stand [m, m, rad]; a map asks for more than a pose.
+        within: Of the holds that are meant, see `Claim`.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917  # what a claim is about
@@ -127,8 +132,10 @@ class Statement:
         start: tuple[float, float, float],
         tolerances: Tolerances,
         room: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        within: float | None = None,
     ) -> None:
         self.twin, self.robot, self.container, self.room = twin, robot, container, room
+        self.within = within
         self.level, self.start, self.tolerances = drive is not Drive.FIXED, start, tolerances
         self._annotation = twin.robot(robot)
         self.grippers = self._annotation.grippers
@@ -141,7 +148,8 @@ class Statement:
 
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Statement":
         """The same, with the fixed base elsewhere."""
-        other = Statement(self.twin, self.robot, self.container, Drive.FIXED, start, self.tolerances, room)
+        about = self.twin, self.robot, self.container, Drive.FIXED, start, self.tolerances, room
+        other = Statement(*about, self.within)
         other._chains, other._targets = self._chains, self._targets
         other._surroundings, other._solids = self._surroundings, self._solids
         return other
@@ -166,15 +174,15 @@ class Statement:
 
     def _behind_base(self, gripper: Gripper) -> tuple[Chain, Array] | None:
         """The chain from the base's frame to the tool, and the corners of the grasp box."""
-        box = finger_box(self._tree.mechanism, gripper, self.tolerances)
-        if box is None:
+        corners = self._corners(gripper)
+        if corners is None:
             return None
         joints = self._tree.path(self._tree.carrier(gripper.tool_body))
         first = base_T_root(self._tree, self._annotation)
         chain = self._tree.chain(joints, first, self.tolerances.position)
         whole = Chain(chain.links, chain.end @ tool_in(self._tree, gripper))
         bounded = all(np.isfinite((link.lower, link.upper)).all() for link in whole.links)
-        return (whole, self._corners(box)) if bounded and whole.links else None
+        return (whole, corners) if bounded and whole.links else None
 
     def around(self, arm: Arm, value: float) -> tuple[Solids, NDArray[np.bool_]]:
         """What is solid with the container at a value, and which core is kept apart from it, shape (C, S)."""
@@ -204,8 +212,13 @@ class Statement:
             for k, (name, place) in enumerate(zip(BASE, places, strict=True))
         )
 
-    def _corners(self, box: tuple[Array, Array]) -> Array:
-        """Corners of the grasp box in the tool's frame [m], shape (8, 3)."""
+    def _corners(self, gripper: Gripper) -> Array | None:
+        """Corners of the grasp box in the tool's frame [m], shape (8, 3); for holds in hand its origin."""
+        if self.within is not None:
+            return np.zeros((8, 3))
+        box = finger_box(self._tree.mechanism, gripper, self.tolerances)
+        if box is None:
+            return None
         far = float(np.linalg.norm(np.maximum(np.abs(box[0]), np.abs(box[1])))) + self.tolerances.contact
         turned = 2 * float(np.sin(self.tolerances.tool_angle / 2)) * far
         wide = self.tolerances.contact + self.tolerances.tool_position + turned + ROUNDING
@@ -247,6 +260,7 @@ class Statement:
         name = self._kitchen.mechanism.name
         q = np.array([[state[joint_iri(name, link.name)] for link in chain.links]])
         origins, axes, end = chain.frames(q)
+        about = 0.0 if self.within is None else self.within + self.tolerances.tool_position
         places: list[Placement] = []
         halves: list[Array] = []
         shifts: list[float] = []
@@ -257,7 +271,7 @@ class Statement:
             moved = float(((arms + np.where(turns, np.linalg.norm(box.half), 0.0)) * slack).sum())
             places.append(Placement(at.rotation[0], at.translation[0]))
             shifts.append(moved + ROUNDING)
-            halves.append(box.half + shifts[-1])
+            halves.append(box.half + shifts[-1] + about)
         return Target(tuple(places), np.array(halves).reshape(-1, 3), np.array(shifts))
 
 

@@ -51,6 +51,7 @@ class Prover:
         twin: Kitchen and robot, in the state in which the motion begins.
         start: Base pose x, y [m], yaw [rad] of a fixed base.
         values: Of the container's joint along τ; only what opens or closes it is taken for needed.
+        within: Of the holds that are meant, see `Claim`; None: every one that certification accepts.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917  # what a claim is about
@@ -61,11 +62,13 @@ class Prover:
         drive: Drive,
         start: tuple[float, float, float],
         values: Array,
+        within: float | None = None,
     ) -> None:
         self.twin, self.robot, self.container, self.drive = twin, robot, container, drive
         self.start = (float(start[0]), float(start[1]), float(start[2]))
         self.span = needed(container, twin.state[container.joint], values)
-        self.statement = Statement(twin, robot, container, drive, self.start, Tolerances())
+        about = twin, robot, container, drive, self.start, Tolerances()
+        self.statement = Statement(*about, within=within)
         self.count = VALUES
         self._arms: dict[str, Arm | None] = {}
 
@@ -83,7 +86,8 @@ class Prover:
         if found is None or self.span is None:
             return None
         refutations, leaves = found
-        claim = claim_about(self.twin, self.robot, self.container.iri, self.span, self.drive, self.start)
+        about = self.twin, self.robot, self.container.iri, self.span, self.drive, self.start
+        claim = claim_about(*about, within=self.statement.within)
         artefact = Artefact(ArtefactKind.PROOF, to_bytes(Proof(claim, tuple(refutations))))
         return Proved(self._diagnosis(refutations, leaves), artefact, leaves)
 
@@ -182,8 +186,10 @@ class Prover:
             if self.statement.level
             else "with its base fixed at {:.2f} m, {:.2f} m, {:.2f} rad".format(*self.start)
         )
+        within = self.statement.within
+        come = "come to" if within is None else f"have the middle between its fingers within {within:g} m of"
         reason = (
-            f"no gripper of {robot} can come to {handle} with {self.container.name} at "
+            f"no gripper of {robot} can {come} {handle} with {self.container.name} at "
             f"{value:.3g} {unit}, {where}: all joint positions are refuted, in {leaves} box(es)"
         )
         if inside := self._inside(refutations):
@@ -191,7 +197,7 @@ class Prover:
         opens = self.twin.state[self.container.joint] <= self.span[0]
         demanded = self.span[1] if opens else self.span[0]
         evidence = Evidence(Quantity.POSITION, demanded, value, unit, entity=self.container.joint)
-        return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=True)
+        return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=within is None)
 
     def _inside(self, refutations: list[Refutation]) -> str:
         """Names of the bodies whose cores refute something."""

@@ -61,8 +61,11 @@ def _claim_differs(stored: StoredVerdict, claim: Claim) -> Iterator[str]:
         yield "the verdict's IRI is not the hash of its inputs: one of them was changed"
     if stored.outcome is not Outcome.NOT_CERTIFIED or stored.can_perform is not False:
         yield f"the verdict says {stored.outcome.value}, and has a proof that nothing can be certified"
-    if not any(each.proof for each in stored.diagnoses):
+    proved = any(each.proof for each in stored.diagnoses)
+    if claim.within is None and not proved:
         yield "the verdict has a proof, and none of its diagnoses says so"
+    if claim.within is not None and proved:
+        yield "the verdict says that nothing can be certified, and its proof is about some holds alone"
     (environment, _), (robot, _) = claim.models
     for name, said, proved in (
         ("environment", stored.environment, environment),

@@ -67,7 +67,8 @@ def region(twin: Twin, artefact: Artefact | None) -> Mark | None:
         return None
     value = proof.refutations[0].value
     container = twin.container(claim.container)
-    statement = Statement(twin, claim.models[1][0], container, claim.drive, claim.start, Tolerances())
+    about = twin, claim.models[1][0], container, claim.drive, claim.start, Tolerances()
+    statement = Statement(*about, within=claim.within)
     target = statement.target(value)
     boxes = []
     for place, half in zip(target.boxes, target.half, strict=True):
@@ -75,5 +76,6 @@ def region(twin: Twin, artefact: Artefact | None) -> Mark | None:
         middle = (place.translation.lo + place.translation.hi) / 2
         a, b, c, w = (float(each) for each in Rotation.from_matrix(rotation).as_quat())
         boxes.append(Box(_point(middle), (a, b, c, w), _point(2 * half)))
-    text = f"proved: no finger of any gripper gets here with {container.name} at {value:.3g}"
+    what = "finger" if claim.within is None else "middle between the fingers"
+    text = f"proved: no {what} of any gripper gets here with {container.name} at {value:.3g}"
     return Mark(What.REGION, text, reason=0, bodies=(container.handle,), boxes=tuple(boxes))

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from predicates.case import Artefact, ArtefactKind, Outcome
@@ -10,6 +11,7 @@ from services.app import Policy, load
 from services.embodiment.recheck import Saved, recheck_artefact, recheck_verdict
 from services.embodiment.recheck.saved import Entry, by_name
 from services.store.files import SavedVerdicts
+from tests.soak.doors import draw, write
 
 pytestmark = pytest.mark.oracle
 
@@ -53,3 +55,33 @@ def test_a_verdict_that_says_something_else_than_its_proof_does_not_hold(entry: 
         assert not recheck_verdict(other, artefact, by_name).holds
     damaged = Artefact(ArtefactKind.PROOF, artefact.content[:-9])
     assert not recheck_verdict(stored, damaged, by_name).holds
+
+
+@pytest.fixture(scope="module")
+def in_hand(tmp_path_factory: pytest.TempPathFactory) -> tuple[Entry, Saved]:
+    """A Stretch before a handle that only the end of a finger reaches."""
+    folder = tmp_path_factory.mktemp("front")
+    front = write(draw(np.random.default_rng(14)), folder, "front14")
+    service = load(front, ["stretch"], policy=Policy(Drive.OMNI, (0.0, 0.0, 0.0)))
+    (verdict,) = service.achieve("open:front_door")
+    with SavedVerdicts(folder / "verdicts.trig") as saved:
+        saved.add_twin(service.twin)
+        saved.add(verdict)
+    saved = Saved(folder / "verdicts.trig")
+    (entry,) = saved.entries()
+    return entry, saved
+
+
+def test_a_proof_of_holds_in_hand_is_kept_with_a_verdict_that_nothing_is_proved_of_others(
+    in_hand: tuple[Entry, Saved],
+) -> None:
+    entry, saved = in_hand
+    assert entry.stored is not None
+    assert entry.artefact is not None
+    assert not any(each.proof for each in entry.stored.diagnoses)
+    found = recheck_verdict(entry.stored, entry.artefact, saved.twin)
+    assert found.holds, found.reasons
+    assert any("30 mm" in note for note in found.notes)
+    sure = tuple(replace(each, proof=True) for each in entry.stored.diagnoses)
+    other = recheck_verdict(replace(entry.stored, diagnoses=sure), entry.artefact, saved.twin)
+    assert any("some holds alone" in reason for reason in other.reasons)

@@ -28,6 +28,11 @@ def test_no_front_is_both_certified_and_refuted(tmp_path: Path, seed: int, robot
     assert result(tmp_path, seed, robot, drive, BUDGET) in Result
 
 
+def test_a_door_that_only_the_end_of_a_finger_reaches_is_proved_of_holds_in_hand(tmp_path: Path) -> None:
+    # Its handle is 1.65 m high.
+    assert result(tmp_path, 14, "stretch", Drive.OMNI, 5 * BUDGET) is Result.IN_HAND
+
+
 def test_a_drawer_at_the_height_of_a_head_is_taken_from_below(tmp_path: Path) -> None:
     # Its handle is 1.72 m high: no straight grasp of it can be reached.
     assert result(tmp_path, 4, "pr2", Drive.OMNI, 15 * BUDGET) is Result.CERTIFIED
