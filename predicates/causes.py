@@ -6,7 +6,7 @@ from dataclasses import replace
 from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity
 from predicates.meant import containers_meant, moved_by, tasks_meant, unit_of
 from predicates.oracle import Physics, tee_class_of
-from predicates.satisfies_request import demanded, meets, threshold
+from predicates.satisfies_request import demanded, meets, satisfies_request, threshold
 from predicates.scope import out_of_scope
 from sdt_kg.errors import NoModeError
 from sdt_kg.iri import Iri, local_name
@@ -41,6 +41,30 @@ def causes(case: Case, physics: Physics) -> Iterator[Answer]:
         yield _reached(case, case.final, physics)
     else:
         raise NoModeError("Causes needs a motion, a task or a final state")
+
+
+def causes_request(case: Case, physics: Physics) -> Iterator[Answer]:
+    """Whether the task is caused: Causes holds, and its final state meets the request.
+
+    Modes: (+task, -motion) as `causes`; (+task, +motion) one answer for each container that the task
+    and the motion may mean. Causes alone says of a given motion where it ends, not whether that is
+    what was asked for.
+
+    Raises:
+        NoModeError: The task is unknown.
+        MotionError: The motion is none of this kitchen.
+    """
+    for answer in causes(case, physics):
+        if not answer.holds or not isinstance(case.motion, Motion):
+            yield answer
+            continue
+        requests = list(satisfies_request(answer.case))
+        for met in requests:
+            found = replace(answer.case, task=met.case.task)
+            yield replace(answer, case=found, holds=met.holds, diagnoses=met.diagnoses)
+        if not requests:
+            reason = f"the motion of {local_name(case.motion.of)} moves no container"
+            yield replace(answer, holds=False, diagnoses=(Diagnosis(Kind.SEMANTIC, reason, proof=True),))
 
 
 def _verified(case: Case, motion: Motion, physics: Physics) -> Answer:

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Protocol, runtime_checkable
 
 from predicates.case import Answer, ArtefactKind, Case, Outcome, Verdict
-from predicates.causes import causes
+from predicates.causes import causes_request
 from predicates.law import law, stored_verdicts
 from predicates.oracle import Embodiment, Physics
 from predicates.record.recall import REMEDY, Recall, nothing_stored
 from predicates.satisfies_request import satisfies_request
 from sdt_kg.annotation import Drive
-from sdt_kg.errors import InputError
+from sdt_kg.errors import InputError, QueryError
 from sdt_kg.iri import Iri
 from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion, Motion
@@ -113,7 +113,7 @@ class Service:
     def causes(self, task: str | Task, motion: Motion | None = None) -> Iterator[Answer]:
         """Motions that would cause the task, or whether the given one does; no robot."""
         case = Case(self.twin, task=self._task(task), motion=UNKNOWN if motion is None else motion)
-        return causes(case, self.physics)
+        return causes_request(case, self.physics)
 
     def achieve(
         self, task: str | Task, robot: str | Iri | None = None, motion: Motion | BodyMotion | None = None
@@ -136,7 +136,19 @@ class Service:
         return None if found is None else list(map(_with_motion, found))
 
     def query(self, sparql: str) -> tuple[list[str], list[dict[str, object]]]:
-        """Columns and rows of a SPARQL query over entities and present state."""
+        """Columns and rows of a SPARQL query over entities and present state.
+
+        Raises:
+            QueryError: It does not parse, would write or fetch, or has a FROM.
+        """
+        from services.store.guard import guarded  # noqa: PLC0415 - only where a query is asked
+
+        if guarded(sparql, is_graph=lambda _: True).has_dataset:
+            raise QueryError(
+                "the query has a FROM, and a kitchen is asked as a whole",
+                allowed="GRAPH ?g { … } for one of its graphs",
+                remedy="leave FROM out",
+            )
         return self.twin.query(sparql)
 
     def robot(self, name: str | Iri | None) -> Iri:

@@ -11,7 +11,7 @@ from sdt_kg.triples.annotation import missing_of, read_kitchen, read_robot
 from sdt_kg.triples.facts import Facts
 from sdt_kg.triples.from_mechanism import mechanism_triples
 from sdt_kg.triples.to_mechanism import read_mechanism_of
-from sdt_kg.triples.vocabulary import fits, properties
+from sdt_kg.triples.vocabulary import NUMBERS, fits, properties
 
 _INDEX: Final = SDT + "index"
 
@@ -72,7 +72,7 @@ def _check_terms(triples: Iterable[Triple], name: str) -> None:
             raise _term_error(subject, predicate, name, ": no such property", "those of sdt.ttl")
         if not fits(known, term):
             raise _term_error(subject, predicate, name, f" is {term}", known.value)
-        if known.name == "NUMBER" and (subject, predicate) in numbers:
+        if known in NUMBERS and (subject, predicate) in numbers:
             raise _term_error(subject, predicate, name, " has several values", "one")
         numbers.add((subject, predicate))
 

@@ -16,8 +16,34 @@ class Kind(Enum):
 
     INDIVIDUAL = "an IRI"
     NUMBER = "a finite number"
+    AMOUNT = "a finite number, 0 or above"
     TEXT = "a text"
     TRUTH = "true or false"
+
+
+NUMBERS = frozenset((Kind.NUMBER, Kind.AMOUNT))
+
+
+AMOUNTS = frozenset(
+    (
+        "accelerationLimit",
+        "baseAngularAcceleration",
+        "baseAngularVelocity",
+        "baseLinearAcceleration",
+        "baseLinearVelocity",
+        "effortLimit",
+        "length",
+        "mass",
+        "opening",
+        "overhang",
+        "radius",
+        "sizeX",
+        "sizeY",
+        "sizeZ",
+        "velocityLimit",
+    )
+)
+"""Properties that mean nothing below 0: no motion would break a negative limit of its speed."""
 
 
 @cache
@@ -32,7 +58,7 @@ def properties() -> dict[str, Kind]:
         if quad.object.value == OWL + "ObjectProperty":
             kinds[name] = Kind.INDIVIDUAL
         elif quad.object.value == OWL + "DatatypeProperty":
-            kinds[name] = Kind.NUMBER
+            kinds[name] = Kind.AMOUNT if name in AMOUNTS else Kind.NUMBER
         elif quad.predicate.value == RDFS + "range":
             ranges[name] = quad.object.value
     by_range = {XSD + "string": Kind.TEXT, XSD + "boolean": Kind.TRUTH}
@@ -46,8 +72,9 @@ def fits(kind: Kind, term: Term) -> bool:
         return kind is Kind.INDIVIDUAL and isinstance(term, ox.NamedNode)
     if kind is Kind.TRUTH or isinstance(value, bool):
         return kind is Kind.TRUTH and isinstance(value, bool)
-    if kind is Kind.NUMBER:
-        return isinstance(value, int | float) and math.isfinite(value)
+    if kind in NUMBERS:
+        least = 0 if kind is Kind.AMOUNT else -math.inf
+        return isinstance(value, int | float) and math.isfinite(value) and value >= least
     return isinstance(value, str)
 
 

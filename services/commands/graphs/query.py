@@ -1,5 +1,8 @@
 """`sdt query`: a twin or saved verdicts, asked in SPARQL."""
 
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -61,8 +64,19 @@ def query(
         print_computed(source, text, Asked(**options), "json" if as_json else form)
         return
     refuse_without_compute(Asked(**options))
-    columns, rows = query_saved(source, text) if is_saved_graph(source) else load(source).query(text)
+    with _stopped_at_once():
+        columns, rows = query_saved(source, text) if is_saved_graph(source) else load(source).query(text)
     print_rows(rows, columns, "json" if as_json else form)
+
+
+@contextmanager
+def _stopped_at_once() -> Iterator[None]:
+    """An interrupt ends this process: pyoxigraph hears of none before it has an answer."""
+    before = signal.signal(signal.SIGINT, signal.SIG_DFL)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _known(text: str) -> tuple[str, ox.NamedNode]:

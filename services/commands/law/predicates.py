@@ -49,7 +49,7 @@ def satisfies(kitchen: str, states: tuple[str, ...], as_json: bool) -> None:
     "--motion",
     type=click.Path(exists=True, path_type=Path),
     metavar="FILE.npz",
-    help="What would this container's motion cause? Without it, motions that would cause the task.",
+    help="Would this container's motion cause the task? Without it, motions that would.",
 )
 @click.option(
     "--motion-out", type=click.Path(path_type=Path), metavar="FILE.npz", help="Write the first motion found."
@@ -69,7 +69,7 @@ def causes(
     forces: Path | None,
     as_json: bool,
 ) -> None:
-    """Motions that would cause TASK, or what a given motion causes; no robot.
+    """Motions that would cause TASK, or whether a given one would; no robot.
 
     Exit 0 if all would, 1 if some would not, 3 if all are out of scope.
     """

@@ -6,7 +6,7 @@ import numpy as np
 
 from predicates.case import Artefact, ArtefactKind, Diagnosis
 from sdt_kg.annotation import Drive
-from sdt_kg.errors import UnknownEntityError
+from sdt_kg.errors import OracleRejectedError, UnknownEntityError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Container, Twin
@@ -97,6 +97,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     Raises:
         MotionError: The arrays are no motion: shapes, times, values which are not numbers.
         UnknownEntityError: The motion names a joint or gripper that is not there.
+        OracleRejectedError: A figure came out as no number, so that nothing can be said.
     """
     scene = Scene(twin, robot) if scene is None else scene
     assert scene.twin.state == twin.state, "the scene is of another state"
@@ -123,6 +124,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
         return Refused(findings.diagnoses(), findings.figures)
     assert hold is not None, "a container that moves unheld is refused"
     findings.figures |= tolerated(checked, hold, findings)
+    _check_figures(findings.figures)
     certificate = Certificate(
         models=models_of(twin, robot),
         state=dict(twin.state),
@@ -135,6 +137,15 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
         nearest=tuple(findings.nearest),
     )
     return Certified(findings.figures, certificate)
+
+
+def _check_figures(figures: dict[str, tuple[float, str]]) -> None:
+    """Every figure is a number: what is none compares with no bound, and would have kept them all."""
+    for name, (value, _) in figures.items():
+        if not np.isfinite(value):
+            raise OracleRejectedError(
+                f"the certificate's figure '{name}' came out as {value}: nothing is certified"
+            )
 
 
 def _hold(checked: Subject, container: Container, name: str, in_full: bool) -> tuple[Hold | None, Findings]:

@@ -48,6 +48,22 @@ def joint_limits(scene: Scene, pieces: Pieces, container: Container, tolerances:
             )
         findings.figures[f"largest {quantity.value} ratio"] = (float(ratio.max()), "1")
     findings.add(_base_norms(scene, pieces, tolerances))
+    findings.add(_unbounded(scene, pieces, scene.coordinate[container.joint], bounds))
+    return findings
+
+
+def _unbounded(scene: Scene, pieces: Pieces, own: int, bounds: Bounds) -> Findings:
+    """The container and each joint of the robot that moves have limits, or those of what they mimic."""
+    rated = (Quantity.VELOCITY, bounds.velocity), (Quantity.ACCELERATION, bounds.acceleration)
+    findings = Findings()
+    for k in pieces.moving:
+        if k != own and (k < scene.base[0] or scene.coupling.source[k] != k):
+            continue
+        for quantity in [one for one, most in rated if not np.isfinite(most[k])]:
+            name = local_name(scene.names[k])
+            reason = f"{name} moves, and nothing says how fast: it has no limit of {quantity.value}"
+            evidence = Evidence(Quantity.COUNT, 0.0, 1.0, "1", scene.names[k])
+            findings.violations.append(Violation(f"no limit of {quantity.value}", reason, evidence, 0.0))
     return findings
 
 

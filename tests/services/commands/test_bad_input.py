@@ -22,6 +22,7 @@ BAD = {
     "query that is no query": (["query", "b", "SELEKT"], ["SPARQL"]),
     "update": (["query", "b", "INSERT DATA { <a:a> <a:b> <a:c> }"], ["SELECT"]),
     "service": (["query", "b", "SELECT * { SERVICE <http://127.0.0.1:1/> { ?a ?b ?c } }"], ["SERVICE"]),
+    "dataset": (["query", "b", "SELECT * FROM <file:///etc/passwd> { ?a ?b ?c }"], ["leave FROM out"]),
     "load": (["query", "b", "LOAD <http://127.0.0.1:1/>"], ["SELECT"]),
     "no query": (["query", "b"], ["-f FILE.rq"]),
     "no such store": (["query", "gone.trig", "ASK { ?a ?b ?c }"], ["gone.trig"]),

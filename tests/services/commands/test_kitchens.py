@@ -104,6 +104,19 @@ def test_a_motion_beyond_the_limit_is_refused_with_its_evidence(sdt, tmp_path: P
     assert "position" in quantities
 
 
+def test_a_motion_of_another_container_or_too_short_does_not_cause_the_task(sdt, tmp_path: Path) -> None:
+    times, path = np.linspace(0.0, 4.0, 41), tmp_path / "ajar.npz"
+    np.savez(path, joint="iai_fridge_door_joint", times=times, values=0.35 * (1 - np.cos(np.pi * times / 4)))
+    for container, reason in (
+        ("iai_fridge_door", "iai_fridge_door ends at 0.7 rad: open begins at 1.414 rad"),
+        ("sink_area_trash_drawer_main", "sink_area_trash_drawer_main ends at 0 m: open begins at 0.432 m"),
+    ):
+        done = sdt("causes", "b", "--task", f"open:{container}", "--motion", str(path), "--json")
+        ((row,), (diagnosis,)) = done.json, done.json[0]["diagnoses"]
+        assert (done.code, row["outcome"], row["container"]) == (1, "does_not_cause", container)
+        assert (diagnosis["kind"], diagnosis["reason"]) == ("semantic", reason)
+
+
 @pytest.mark.parametrize("known", ["kind=sdt:Door", f"kind=<{SDT}Door>", "?kind=sdt:Door"])
 def test_a_query_is_asked_about_what_is_known(sdt, known: str) -> None:
     count = "SELECT (COUNT(?c) AS ?n) { ?c a ?kind FILTER(?kind IN (sdt:Door, sdt:Drawer)) }"

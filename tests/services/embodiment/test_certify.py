@@ -8,7 +8,7 @@ import pytest
 
 from predicates.case import Quantity
 from sdt_kg.annotation import Drive
-from sdt_kg.errors import MotionError, UnknownEntityError
+from sdt_kg.errors import InputError, MotionError, UnknownEntityError
 from sdt_kg.iri import body_iri, joint_iri, model_iri
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused, Tolerances
@@ -269,3 +269,26 @@ def test_what_is_no_motion_is_an_error(twin: Twin) -> None:
             judge(twin, one)
     with pytest.raises(UnknownEntityError, match="lift_joint"):
         judge(twin, replace(motion, joints=("lift_jiont", *motion.joints[1:])))
+
+
+def test_a_joint_without_a_limit_of_speed_moves_in_no_certified_motion(twin: Twin) -> None:
+    arm = joint_iri("gantry", "arm_joint")
+    for name, quantity in (("velocityLimit", "velocity"), ("accelerationLimit", "acceleration")):
+        verdict = judge(twin.with_edit(arm, **{name: None}), opening())
+        assert isinstance(verdict, Refused)
+        (found,) = verdict.diagnoses
+        assert found.reason == f"arm_joint moves, and nothing says how fast: it has no limit of {quantity}"
+
+
+@pytest.mark.parametrize("name", ["velocityLimit", "accelerationLimit", "effortLimit"])
+def test_a_limit_below_zero_is_none(twin: Twin, name: str) -> None:
+    with pytest.raises(InputError, match=f"sdt:{name} cannot be -1.0; allowed: a finite number, 0 or above"):
+        twin.with_edit(joint_iri("gantry", "arm_joint"), **{name: -1.0})
+
+
+@pytest.mark.parametrize("name", ["overhang", "baseLinearVelocity", "baseAngularAcceleration"])
+def test_no_robot_sticks_out_by_less_than_nothing_nor_drives_slower_than_not_at_all(
+    twin: Twin, name: str
+) -> None:
+    with pytest.raises(InputError, match="0 or above"):
+        twin.with_edit(twin.robots[0], **{name: -0.1})
