@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from predicates.case import Artefact, ArtefactKind, Case, Outcome, Verdict
 from predicates.law import law
 from predicates.oracle import Physics, tee_class_of
+from predicates.record.inputs import NEAREST, START_INPUT
 from predicates.record.stored import StoredVerdict
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
@@ -23,7 +24,7 @@ from services.embodiment.recheck.claim import (
     loosened,
     twin_differs,
 )
-from services.embodiment.recheck.embodiment import Certifier
+from services.embodiment.recheck.embodiment import Certifier, is_at
 from services.embodiment.recheck.proofs import TwinOf, about, proof_again
 from services.physics.oracle import Kinematics
 
@@ -177,6 +178,12 @@ def _notes(certificate: Certificate, stored: StoredVerdict | None, physics: Phys
     said = dict(stored.inputs)
     if said.get("physics") != physics.version:
         notes.append(f"judged with {said.get('physics')}, rechecked with {physics.version}")
+    text, start = said.get(START_INPUT, ""), certificate.start
+    if NEAREST in text and start is not None and not is_at(start, text):
+        notes.append(
+            "the robot starts beside the kitchen's start: that it touches something there, parked, was checked, "
+            "not that no free pose is nearer to it"
+        )
     if tee_class_of(physics) is not D_ARTIC:
         notes.append("forces at the handle were bounded again; what the robot bears was not checked again")
     if said.get("motion", NOT_GIVEN) != NOT_GIVEN:

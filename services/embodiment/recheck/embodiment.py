@@ -51,7 +51,7 @@ class Certifier:
         turned = float(np.arctan2(at[1] - y, at[0] - x))
         if abs(turned - yaw) >= self.certificate.tolerances.start_angle:
             return False
-        return text.startswith(f"{x:g}, {y:g}, ") or (NEAREST in text and self._moved_from(text, at))
+        return is_at(start, text) or (NEAREST in text and self._moved_from(text, at))
 
     def _moved_from(self, text: str, handle: Array) -> bool:
         """Whether the parked robot cannot stand at the start pose in the text, turned to the handle."""
@@ -96,3 +96,9 @@ class Certifier:
         if isinstance(outcome, Certified):
             return Answer(case, True, figures=outcome.figures)
         return Answer(case, False, outcome.diagnoses, figures=outcome.figures)
+
+
+def is_at(start: tuple[float, float, float], text: str) -> bool:
+    """Whether a start pose is where a verdict's input `start` begins with, at whatever angle."""
+    x, y, _ = start
+    return text.startswith(f"{x:g}, {y:g}, ")
