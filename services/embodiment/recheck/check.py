@@ -181,8 +181,8 @@ def _notes(certificate: Certificate, stored: StoredVerdict | None, physics: Phys
     text, start = said.get(START_INPUT, ""), certificate.start
     if NEAREST in text and start is not None and not is_at(start, text):
         notes.append(
-            "the robot starts beside the kitchen's start: that it touches something there, parked, was checked, "
-            "not that no free pose is nearer to it"
+            "the robot starts beside the kitchen's start: that it touches something there, parked, was "
+            "checked, not that no free pose is nearer to it"
         )
     if tee_class_of(physics) is not D_ARTIC:
         notes.append("forces at the handle were bounded again; what the robot bears was not checked again")
