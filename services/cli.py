@@ -102,7 +102,14 @@ def sdt(context: click.Context, config: Path | None) -> None:
 
 def main() -> None:
     """Run `sdt` as a program."""
-    sys.exit(run())
+    code = run()
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # What nobody reads is written nowhere, or Python would complain of it at the end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = Exit.BROKEN_PIPE
+    sys.exit(code)
 
 
 def run(words: list[str] | None = None) -> int:
@@ -131,9 +138,6 @@ def _told(error: BaseException) -> int:
             line = f"error: {error}"
         case SdtError():
             line, code = f"error: {error}", Exit.NO_ORACLE
-        case BrokenPipeError():
-            sys.stderr.close()
-            return Exit.BROKEN_PIPE
         case OSError(filename=str(path), strerror=str(what)):
             line = f"error: {path}: {what.lower()}"
         case _:

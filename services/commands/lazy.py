@@ -7,6 +7,8 @@ from importlib import import_module
 import click
 from click.shell_completion import CompletionItem
 
+from services.commands.exits import Exit
+
 
 @dataclass(frozen=True, slots=True)
 class Listed:
@@ -42,6 +44,13 @@ class LazyGroup(click.Group):
         self.commands = _Loading(
             {name: each for section in sections.values() for name, each in section.items()}
         )
+
+    def invoke(self, ctx: click.Context) -> object:
+        """Run the subcommand; where nobody reads what it prints, click itself would end with our "no"."""
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError:
+            raise SystemExit(Exit.BROKEN_PIPE) from None
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """The sections as they are listed, with nothing imported."""

@@ -3,6 +3,8 @@
 import csv
 import io
 import shlex
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -131,6 +133,16 @@ def test_every_command_that_tells_something_tells_it_as_json() -> None:
     assert without == SILENT
 
 
+def test_every_command_that_tells_rows_tells_them_as_csv() -> None:
+    without = {
+        name
+        for name, command in all_commands()
+        if "--csv" not in {option for each in command.params for option in each.opts}
+    }
+    # Its rows are one for each case, written as Parquet or asked of the store; a report writes CSV as assets.
+    assert without == SILENT | {"report", "sweep"}
+
+
 def test_the_help_lists_every_exit_code_and_every_command(sdt: Callable[..., Done]) -> None:
     out = sdt("--help").out
     for code, meaning in MEANING.items():
@@ -147,3 +159,27 @@ def test_a_bug_is_no_verdict(sdt: Callable[..., Done], monkeypatch: pytest.Monke
     done = sdt("broken")
     assert done.code == Exit.BUG
     assert "ZeroDivisionError" in done.err
+
+
+def test_a_command_that_is_interrupted_says_so(
+    sdt: Callable[..., Done], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    @click.command()
+    def interrupted() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setitem(root.commands, "interrupted", interrupted)
+    done = sdt("interrupted")
+    assert (done.code, done.out) == (Exit.INTERRUPTED, "")
+    assert "interrupted: verdicts which were finished are saved" in done.err
+
+
+@pytest.mark.parametrize("query", ["SELECT * { ?a ?b ?c }", "ASK {}"])
+def test_a_reader_that_goes_away_hears_no_answer(query: str) -> None:
+    command = [sys.executable, "-m", "services.cli", "query", "b", query, "--csv"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.close()
+        said = process.stderr.read()
+    assert (process.returncode, said) == (Exit.BROKEN_PIPE, "")
