@@ -15,7 +15,7 @@ from tests.services.pages.conftest import sdt_serve
 
 ROBOTS = ("pr2", "tiago_dual", "stretch")
 REPORTS = ("feasibility", "counterfactual", "codesign", "diagnosis", "learning")
-WITHOUT_STORE = ("codesign", "learning")
+WITHOUT_STORE = ("learning",)
 WIDTH, HEIGHT = 1280, 720
 TALLEST = 6000
 """[px] Of a picture."""
