@@ -48,6 +48,12 @@ class Policy:
     any_start: bool = False
     contact: float | None = None
 
+    def __post_init__(self) -> None:
+        if self.base is not None:
+            from services.motions.units import check_start  # noqa: PLC0415 - seldom given
+
+            check_start(self.base)
+
 
 class Oracles(Protocol):
     """Who answers for Φ and R in place of this process."""

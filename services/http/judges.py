@@ -64,7 +64,8 @@ class Judges:
             InputError: The question is wrong.
             RefusedError: There was no answer in time: nothing is kept.
             BusyError: Too many cases are waiting.
-            OracleUnavailableError: The process died twice, or could not judge.
+            OracleUnavailableError: There is no process or oracle that could judge.
+            InternalError: The process died twice, or failed.
         """
         done = await self.answer(task)
         return decode(kind, done.payload, done.encoding)
@@ -101,7 +102,7 @@ def _error(said: Problem, seconds: float) -> SdtError:
             allowed="600 s",
             remedy="ask with more 'seconds', about one container, or with a smaller 'budget'",
         )
-    if said.kind is ProblemType.INVALID_REQUEST:
+    if said.kind in {ProblemType.INVALID_REQUEST, ProblemType.INTERNAL}:
         return error_of(said)
     if said.retry_after:
         return BusyError(f"{said.detail}: ask again later")

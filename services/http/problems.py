@@ -13,6 +13,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Match
 
 from sdt_kg.errors import InputError, OracleUnavailableError, SdtError, UnknownEntityError
+from services.judging.problems import InternalError
 from services.store.guard import RefusedQueryError
 from services.store.workers import BusyError, Limit, LimitError, NotAcceptableError
 
@@ -26,6 +27,7 @@ ERROR_STATUS: tuple[tuple[type[SdtError], int], ...] = (
     (UnknownEntityError, 404),
     (InputError, 400),
     (OracleUnavailableError, 503),
+    (InternalError, 500),
     (SdtError, 422),
 )
 

@@ -2,10 +2,24 @@
 
 from typing import Annotated, Any, Final
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from services.judging.messages import Finite, Seed
 
 MOST_BUDGET: Final = 120.0
 """[s] Of search that a call may ask for."""
+
+_SAMPLED: Final = ("robot", "base", "kitchen")
+FORMS: Final = {
+    "joint": {"joint", "times", "values", "velocities", "timed"},
+    "frame": {"frame", "times", "poses", "timed"},
+    "robot_positions": {
+        *("times", "base", "robot", "gripper", "base_frame", "phase_names", "phase_starts"),
+        *("robot_joint_names", "kitchen_joint_names", "robot_positions", "kitchen_positions"),
+        *(f"{part}_velocities" for part in _SAMPLED),
+    },
+}
+"""Array that says what kind of motion it is → the arrays of such a motion."""
 
 Kitchen = Annotated[str | None, Field(description="Name of the kitchen; may be left out where there is one.")]
 Robot = Annotated[str | None, Field(description="Name of the robot; may be left out where there is one.")]
@@ -81,11 +95,11 @@ class Judged(Arguments):
     drive: str | None = Field(
         None, description="How the base moves: omni, differential or fixed; default: as its hardware does."
     )
-    base: tuple[float, float, float] | None = Field(
+    base: tuple[Finite, Finite, Finite] | None = Field(
         None, description="Start of the base: x, y [m], yaw [rad]; default: the kitchen's."
     )
     budget: float = Field(20.0, gt=0, le=MOST_BUDGET, description="Seconds of search before giving up.")
-    seed: int = Field(0, description="Of the search.")
+    seed: Seed = Field(0, description="Of the search.")
 
 
 class VerifyMotion(Judged):
@@ -97,6 +111,18 @@ class VerifyMotion(Judged):
         "robot's: times (T), base (T,3: x y yaw), robot_joint_names (n), robot_positions (T,n); "
         "robot_velocities, base_velocities, kitchen_joint_names, kitchen_positions, gripper may be there."
     )
+
+    @field_validator("motion")
+    @classmethod
+    def _knows_each_array(cls, motion: dict[str, Any]) -> dict[str, Any]:
+        """A misspelled one would be a verdict about another motion."""
+        form = "robot_positions" if "base" in motion else next((each for each in FORMS if each in motion), "")
+        known = FORMS.get(form, set().union(*FORMS.values()))
+        unknown = sorted(set(motion) - known)
+        if unknown:
+            raise ValueError(f"no array '{unknown[0][:80]}' in such a motion: {', '.join(sorted(known))}")
+        return motion
+
     any_start: bool = Field(
         False, description="Whether a robot's motion may begin anywhere, in any posture, not only parked."
     )

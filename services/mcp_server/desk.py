@@ -149,7 +149,8 @@ class Desk:
         Raises:
             InputError: The question is wrong.
             RefusedError: There is no answer in time; the process is killed.
-            OracleUnavailableError: The process died or could not judge, or too many are waiting.
+            OracleUnavailableError: There is no oracle that could judge, or too many are waiting.
+            InternalError: The process died twice, or failed.
         """
         task = Task(question["kitchen"], question["do"], json.dumps(question).encode(), JSON, seconds)
         try:

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from sdt_kg.annotation import BaseLimits
-from sdt_kg.errors import MotionError
+from sdt_kg.errors import InputError, MotionError
 from sdt_kg.mechanism import Joint, JointType, Mechanism
 from sdt_kg.motion import Array
 from services.motions.given import Given
@@ -23,6 +23,12 @@ MANY_TURNS = 10 * FULL_TURN
 
 ROOM = 100.0
 """[m] A base or handle farther from the kitchen's origin is probably given in millimetres."""
+
+_BASE = (
+    ("x", ROOM, "m", "millimetres"),
+    ("y", ROOM, "m", "millimetres"),
+    ("yaw", MANY_TURNS, "rad", "degrees"),
+)
 
 SLOW_SPACING = 1.0
 """[s] Samples farther apart than this, in a motion that nearly stands still, look like milliseconds."""
@@ -73,18 +79,25 @@ def _absurd(joint: Joint) -> tuple[float, str, str]:
     return (MANY_TURNS if math.isinf(largest) else max(FULL_TURN, 1.5 * largest)), "rad", "degrees"
 
 
+def check_start(base: tuple[float, float, float]) -> None:
+    """A start pose of the base is in a room: no search goes a way that has no end.
+
+    Raises:
+        InputError: With the coordinate.
+    """
+    for (name, bound, unit, _), value in zip(_BASE, base, strict=True):
+        if not abs(value) <= bound:
+            said = f"the base starts at {name} = {value:.6g} {unit}"
+            raise InputError(said, allowed=f"{unit}, from {-bound:.4g} to {bound:.4g}")
+
+
 def check_base(poses: Array, array: str, given: Given) -> None:
     """x, y and, where there is one, yaw are not in millimetres or degrees.
 
     Raises:
         MotionError: With the first sample and the coordinate.
     """
-    named = (
-        ("x", ROOM, "m", "millimetres"),
-        ("y", ROOM, "m", "millimetres"),
-        ("yaw", MANY_TURNS, "rad", "degrees"),
-    )
-    for column, (name, bound, unit, other) in enumerate(named[: poses.shape[1]]):
+    for column, (name, bound, unit, other) in enumerate(_BASE[: poses.shape[1]]):
         beyond = np.flatnonzero(np.abs(poses[:, column]) > bound)
         if beyond.size:
             k = int(beyond[0])

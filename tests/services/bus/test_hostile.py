@@ -85,6 +85,7 @@ def test_what_cannot_be_read_is_refused_at_once(
 @pytest.mark.parametrize(
     "more",
     [
+        *({"base": [1e308] * 3}, {"base": [1e6, 0.0, 0.0]}, {"base": [0.0, 0.0, 1e6]}),
         *({"base": [NAN, 0.0, 0.0]}, {"base": [INF, 0.0, 0.0]}, {"budget": NAN}, {"budget": INF}),
         *({"seed": 2**80}, {"seed": -1}, {"tee": "d"}, {"tee": "d_artic_dyn", "handle_force": NAN}),
         *({"state": [f"{DRAWER}={value}"]} for value in ("nan", "inf", "1e308", "")),

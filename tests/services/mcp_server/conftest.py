@@ -25,11 +25,11 @@ class Agent:
     client: Client
     loop: asyncio.AbstractEventLoop
 
-    def ask(self, tool: str, **given: Any) -> "Future[CallToolResult]":
+    def ask(self, tool: str, /, **given: Any) -> "Future[CallToolResult]":
         """The answer, when it comes."""
         return asyncio.run_coroutine_threadsafe(self.client.call_tool(tool, given), self.loop)
 
-    def __call__(self, tool: str, **given: Any) -> CallToolResult:
+    def __call__(self, tool: str, /, **given: Any) -> CallToolResult:
         return self.ask(tool, **given).result(PATIENCE)
 
     def tools(self) -> list[Tool]:
