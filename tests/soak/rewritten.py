@@ -154,19 +154,7 @@ def wall(random: Random, variant: Variant) -> Variant:
         random.uniform(0.1, 1.3),
     )
     xyz, box = " ".join(map(repr, map(float, centre))), " ".join(map(repr, extent.tolist()))
-
-    def board(root: ElementTree.Element) -> None:
-        children = {str(each.get("link")) for each in root.findall("joint/child")}
-        first = next(each for each in root.findall("link") if each.get("name") not in children)
-        shape = f'<collision><geometry><box size="{box}"/></geometry></collision>'
-        root.append(ElementTree.fromstring(f'<link name="board">{shape}</link>'))  # noqa: S314 - ours
-        joint = (
-            f'<joint name="board_joint" type="fixed"><parent link="{first.get("name")}"/>'
-            f'<child link="board"/><origin xyz="{xyz}"/></joint>'
-        )
-        root.append(ElementTree.fromstring(joint))  # noqa: S314 - ours
-
-    return replace(variant, name="wall", kitchen=_rewritten(variant.kitchen, variant.folder, board))
+    return replace(variant, name="wall", kitchen=with_box(variant.kitchen, variant.folder, box, xyz))
 
 
 def moved(random: Random, variant: Variant, handle: str) -> Variant:
@@ -196,3 +184,42 @@ def _rewritten(file: Path, folder: Path, edit: Callable[[ElementTree.Element], N
     annotation = file.with_suffix(".ttl")
     shutil.copy(annotation, folder / annotation.name)
     return folder / file.name
+
+
+def with_limit(kitchen: Path, folder: Path, joint: str, upper: float) -> Path:
+    """The kitchen with another upper limit of a joint."""
+
+    def shrink(root: ElementTree.Element) -> None:
+        known = root.find(f"joint[@name='{joint}']/limit")
+        assert known is not None
+        known.set("upper", repr(upper))
+
+    return _rewritten(kitchen, folder, shrink)
+
+
+def with_origin(kitchen: Path, folder: Path, joint: str, xyz: str) -> Path:
+    """The kitchen with a joint elsewhere."""
+
+    def put(root: ElementTree.Element) -> None:
+        origin = root.find(f"joint[@name='{joint}']/origin")
+        assert origin is not None
+        origin.set("xyz", xyz)
+
+    return _rewritten(kitchen, folder, put)
+
+
+def with_box(kitchen: Path, folder: Path, size: str, xyz: str) -> Path:
+    """The kitchen with a box in it."""
+    return _rewritten(kitchen, folder, lambda root: _stand(root, size, xyz))
+
+
+def _stand(root: ElementTree.Element, size: str, xyz: str) -> None:
+    children = {str(each.get("link")) for each in root.findall("joint/child")}
+    first = next(each for each in root.findall("link") if each.get("name") not in children)
+    shape = f'<collision><geometry><box size="{size}"/></geometry></collision>'
+    root.append(ElementTree.fromstring(f'<link name="board">{shape}</link>'))  # noqa: S314 - ours
+    joint = (
+        f'<joint name="board_joint" type="fixed"><parent link="{first.get("name")}"/>'
+        f'<child link="board"/><origin xyz="{xyz}"/></joint>'
+    )
+    root.append(ElementTree.fromstring(joint))  # noqa: S314 - ours

@@ -1,7 +1,7 @@
 """Certified motions of tables, and mutations of some, against an audit that shares no code. `make soak`."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -11,19 +11,21 @@ import pytest
 
 import kitchens
 import robots
+from predicates.case import Outcome
 from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin, model_name
 from sdt_kg.motion import BodyMotion
-from services.app import Policy
+from services.app import Policy, load
+from services.edits import parse_edit
 from services.embodiment.certify import Certified, Tolerances, certify
-from services.motions import motion_of
+from services.motions import arrays_of, motion_of
 from services.requests import parse_state
 from services.sweep.cell import CellResult
 from services.table import cells, run
 from tests.soak.annotated import Note, accelerations
 from tests.soak.audit import Stage, audited
 from tests.soak.machine import Machine
-from tests.soak.rewritten import Variant, variants
+from tests.soak.rewritten import Variant, variants, with_box, with_limit, with_origin
 from tests.soak.test_tables import REFERENCE_KITCHENS, REFERENCE_ROBOTS, ROBOTS
 
 pytestmark = [pytest.mark.oracle, pytest.mark.slow]
@@ -77,13 +79,13 @@ def stage(
 def broken(result: CellResult, motions: Path, drive: Drive | None) -> dict[str, float]:
     """Rules that a certified motion does not keep, and by how much."""
     cell = result.cell
-    files = [
+    kitchen, robot = (
         Path(model) if "/" in model else bundled(folder, model, ".urdf")
         for folder, model in (("kitchens", cell.kitchen), ("robots", cell.robot))
-    ]
+    )
     about = {"kitchen": cell.kitchen, "robot": cell.robot, "verb": cell.task.partition(":")[0]}
     about["drive"] = str(result.verdict["drive"]) if drive is None else drive.value
-    judged = stage(*files, about, cell.container, cell.states)
+    judged = stage(kitchen, robot, about, cell.container, cell.states)
     with np.load(motions / cell.file_name) as motion:
         return {rule: one for rule, one in audited(judged, motion, STEP).slack.items() if one < NO_LESS}
 
@@ -116,6 +118,52 @@ def test_no_motion_certified_with_the_real_drives_is_refuted(
     tmp_path: Path, kitchen: str, asked: tuple[str, tuple[str, ...], Drive | None]
 ) -> None:
     assert audit(kitchen, ROBOTS, asked, tmp_path) == {}
+
+
+DRAWER, DOOR = "sink_area_left_middle_drawer_main", "iai_fridge_door"
+EDITED: tuple[tuple[str, str, Callable[[Path, Path], Path]], ...] = (
+    (
+        DRAWER,
+        f"set:{DRAWER}_joint.upperLimit=0.3",
+        lambda kitchen, folder: with_limit(kitchen, folder, f"{DRAWER}_joint", 0.3),
+    ),
+    (
+        DOOR,
+        f"pose:{DOOR}_handle_joint=0.06,-0.5,0.1",
+        lambda kitchen, folder: with_origin(kitchen, folder, f"{DOOR}_handle_joint", "0.06 -0.5 0.1"),
+    ),
+    (
+        DOOR,
+        "box:crate=0.3,0.4,0.5@0.3,0.8,0.25",
+        lambda kitchen, folder: with_box(kitchen, folder, "0.3 0.4 0.5", "0.3 0.8 0.25"),
+    ),
+)
+"""Container, what is asked for as people type it, and the same done to the file that the audit reads."""
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize("edit", EDITED)
+def test_no_motion_certified_in_an_edited_world_is_refuted(
+    tmp_path: Path, robot: str, edit: tuple[str, str, Callable[[Path, Path], Path]]
+) -> None:
+    container, text, rewrite = edit
+    service = load("b", [robot])
+    service = replace(service, twin=parse_edit(service.twin, text).applied(service.twin))
+    (verdict,) = service.achieve(f"open:{container}")
+    assert verdict.outcome is Outcome.CERTIFIED
+    assert verdict.can_perform is not None
+    body = verdict.can_perform.case.body_motion
+    assert isinstance(body, BodyMotion)
+    about = {
+        "kitchen": "b",
+        "robot": robot,
+        "verb": "open",
+        "drive": service.twin.robot(body.robot).drive.value,
+    }
+    kitchen = rewrite(kitchens.path("b/b.urdf"), tmp_path)
+    judged = stage(kitchen, bundled("robots", robot, ".urdf"), about, container, ())
+    slack = audited(judged, arrays_of(body), STEP).slack
+    assert {rule: one for rule, one in slack.items() if one < NO_LESS} == {}
 
 
 def judge(variant: Variant, container: str, start: np.ndarray) -> bool:
