@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ import rdflib
 import ontology
 from predicates.case import Case
 from predicates.law import law
-from predicates.record import to_record
+from predicates.record import Record, to_record
 from sdt_kg.iri import PREFIXES, body_iri, model_iri, verdict_iri
 from sdt_kg.scope import D_ARTIC
 from sdt_kg.store import Row, Term, rows_of
@@ -33,7 +34,7 @@ from services.store.embedded import EmbeddedStore, in_memory
 from services.store.files import SavedVerdicts
 from services.store.known import restricted
 from services.store.on_disk import in_folder, read_file
-from services.store.quads import QuadStore
+from services.store.quads import QuadStore, content
 from services.store.remote import Addresses, RemoteStore
 from services.store.wire import Wire
 from tests.services.store.conftest import Server, free_port
@@ -152,25 +153,48 @@ def test_question_over_http(benchmark: Benchmark, served: RemoteStore, query: Pa
     benchmark.pedantic(ask, rounds=15, warmup_rounds=2)
 
 
-@pytest.mark.parametrize("where", ["memory", "folder", "server"])
-def test_write_back_of_a_verdict(
-    benchmark: Benchmark, request: pytest.FixtureRequest, tmp_path: Path, where: str
-) -> None:
+@pytest.mark.parametrize("where", ["memory", "folder"])
+def test_write_back_of_a_verdict(benchmark: Benchmark, tmp_path: Path, where: str) -> None:
     """A verdict that is new, read before it is written, next to many others."""
-    kept: QuadStore
-    if where == "server":
-        kept = request.getfixturevalue("served")
-    else:
-        kept = store(SIZES[0]) if where == "memory" else in_folder(tmp_path / "store")
-    saved, verdict = SavedVerdicts(kept), judged()[1][0]
-    numbers = itertools.count()
-
-    def another() -> tuple[tuple[Any], dict[str, Any]]:
-        return (to_record(replace(verdict, iri=verdict_iri(f"{where}{next(numbers)}"))),), {}
-
-    assert benchmark.pedantic(saved.add_record, setup=another, rounds=200)
+    kept: QuadStore = store(SIZES[0]) if where == "memory" else in_folder(tmp_path / "store")
+    _write_back(benchmark, kept, where)
     if where == "folder":
         kept.close()
+
+
+@pytest.mark.parametrize("where", ["memory", "folder"])
+def test_write_back_to_a_server(benchmark: Benchmark, tmp_path: Path, where: str) -> None:
+    """The same on an Oxigraph; in the same run [ms], one request with one quad or its quads (extra_info)."""
+    server = Server(tmp_path / "store" if where == "folder" else None, free_port())
+    server.start()
+    try:
+        server.wait()
+        wire = Wire()
+        remote = RemoteStore(Addresses.of(server.address), wire)
+        _write_back(benchmark, remote, where)
+        for name, count in (("one quad", 1), ("all its quads", None)):
+            times: list[float] = []
+            for number in range(200):
+                quads = list(islice(_another(f"bare{count}{number}").quads(), count))
+                update = f"INSERT DATA {{ {content(quads)} }}"
+                began = time.perf_counter()
+                wire.update(f"{server.address}/update", update)
+                times.append(time.perf_counter() - began)
+            benchmark.extra_info[f"{name}, bare"] = round(1e3 * statistics.median(times), 2)
+        remote.close()
+    finally:
+        server.kill()
+
+
+def _write_back(benchmark: Benchmark, kept: QuadStore, where: str) -> None:
+    saved, numbers = SavedVerdicts(kept), itertools.count()
+    fresh: Callable[[], Any] = lambda: ((_another(f"{where}{next(numbers)}"),), {})  # noqa: E731 - of a round
+    assert benchmark.pedantic(saved.add_record, setup=fresh, rounds=200)
+
+
+def _another(name: str) -> Record:
+    """A verdict as if of other inputs."""
+    return to_record(replace(judged()[1][0], iri=verdict_iri(name)))
 
 
 @pytest.mark.parametrize("size", SIZES)
