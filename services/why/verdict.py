@@ -12,10 +12,11 @@ from sdt_kg.iri import ID, LAW, Iri, local_name
 from services.why.words import Section, in_capitals, moved, reasons, versions, with_unit
 
 PREDICATES = {
-    "SatisfiesRequest": "the final state meets the request",
-    "Causes": "the physics, replayed under the motion, ends there",
-    "CanPerform": "the robot can do it inside its limits and without collision",
+    "SatisfiesRequest": "does the final state meet the request?",
+    "Causes": "does the physics, replayed under the motion, end there?",
+    "CanPerform": "can the robot do it inside its limits and without collision?",
 }
+"""What each asks; as statements they would contradict a no that stands beside them."""
 MEANS = {
     Outcome.CERTIFIED: "All three predicates hold; the motion was checked by code that did not make it. "
     "Relative to {tee}: rigid bodies, {forces}, no error of perception; and to the models.",

@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from predicates.case import Diagnosis, Evidence, Outcome
+from predicates.case import Diagnosis, Evidence, Outcome, Quantity
 from predicates.record.facts import Facts
 from predicates.record.inputs import UNKNOWN_INPUT
 from sdt_kg.iri import ID, LAW, Iri, local_name
@@ -57,7 +57,7 @@ def _grounds(diagnosis: Diagnosis) -> Iterator[str]:
         path = f", property {local_name(violation.path)}" if violation.path else ""
         yield f"SHACL result: {local_name(violation.focus)}{path}, shape {local_name(violation.shape)}"
         yield f"  value {_plain(violation.value)}, demanded {_plain(violation.bound)}"
-    elif diagnosis.evidence is not None:
+    elif diagnosis.evidence is not None and not _of_search(diagnosis):
         yield _measured(diagnosis.evidence)
     if diagnosis.proof:
         yield "proved"
@@ -66,6 +66,12 @@ def _grounds(diagnosis: Diagnosis) -> Iterator[str]:
         yield f"not proved: searched {tried} in {search.seconds:.1f} s, then gave up"
     elif violation is None:
         yield "not proved"
+
+
+def _of_search(diagnosis: Diagnosis) -> bool:
+    """Whether what is measured is how long was searched: of the search, not of the body that it names."""
+    evidence = diagnosis.evidence
+    return diagnosis.search is not None and evidence is not None and evidence.quantity is Quantity.TIME
 
 
 def _measured(evidence: Evidence) -> str:
