@@ -23,7 +23,7 @@ NEAR = 0.02  # [m] smallest distances above this are not looked for more closely
 PRECISION = 0.001  # [m] of the smallest distance and the deepest penetration that are reported
 PROMPT = 0.02  # [s] precision of the first time of a violation
 SHORTEST = 1e-5  # [s] an interval that is not halved any more
-HOPELESS = 0.01  # [m] above this shift, pairs whose centres are nearer are halved without a query
+HOPELESS = 0.01  # [m] above this shift, pairs that are nearer are halved, however much nearer they are
 ROOM = 100_000  # items for which there is room at first; more are counted, and then room is made
 CHUNK = 20_000  # items that are looked at together, for memory
 MOST_ITEMS = 2_000_000  # pairs × intervals of one level: more means a motion too wild to be checked
@@ -93,7 +93,7 @@ class Clearance:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Items:
-    """Pairs on intervals of one level: index of the pair and of the interval, shape (M,) each."""
+    """Pairs on intervals of one level, in the order of time: indices of both, shape (M,) each."""
 
     pair: Indices = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     interval: Indices = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
@@ -105,7 +105,14 @@ class Items:
     def halves(self) -> "Items":
         """Both halves of each interval."""
         both = np.concatenate((2 * self.interval, 2 * self.interval + 1))
-        return Items(np.tile(self.pair, 2), both)
+        order = np.argsort(both, kind="stable")
+        return Items(np.concatenate((self.pair, self.pair))[order], both[order])
+
+    def spans(self) -> tuple[Indices, Indices]:
+        """The intervals, each once, and which of them each item has."""
+        new = np.ones(len(self), dtype=bool)
+        np.not_equal(self.interval[1:], self.interval[:-1], out=new[1:])
+        return self.interval[new], np.cumsum(new) - 1
 
     def __len__(self) -> int:
         return len(self.pair)
@@ -160,7 +167,7 @@ class Sweep:
 
     def _step(self, level: int, items: Items, resolution: float) -> Items:
         """Those items which have to be halved; what the others say is in `found`."""
-        unique, span = np.unique(items.interval, return_inverse=True)
+        unique, span = items.spans()
         spans = self.timeline.spans(level, unique)
         placed = self.kinematics.place(spans.q, spans.v)
         done, (distance, approach, between) = self._looked_at(items, span, spans, placed)

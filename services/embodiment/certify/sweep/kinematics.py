@@ -5,6 +5,7 @@ wrong is not repeated here. Joints that stand still during the whole motion are 
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,13 +65,13 @@ class Kinematics:
         self.path = np.zeros((count, count), dtype=bool)
         self.carrier = np.zeros(model.njoints, dtype=np.intp)
         self.fixed = np.tile(np.eye(4), (model.njoints, 1, 1))
-        own = {int(k): i + 1 for i, k in enumerate(moving)}
+        own, moved = {int(k): i + 1 for i, k in enumerate(moving)}, _displacements(axes, revolute, q)
         for joint in range(1, model.njoints):
             parent, k = model.parents[joint], joint - 1
             placement = self.fixed[parent] @ model.jointPlacements[joint].homogeneous
             self.carrier[joint] = self.carrier[parent]
             if k not in own:
-                self.fixed[joint] = placement @ _displacement(axes[k], bool(revolute[k]), float(q[k]))
+                self.fixed[joint] = placement @ moved[k]
                 continue
             i = self.carrier[joint] = own[k]
             self._parent[i], self._offset[i] = self.carrier[parent], placement
@@ -169,8 +170,12 @@ def cross(one: Array, other: Array) -> Array:
     return np.stack((y * w - z * v, z * u - x * w, x * v - y * u), axis=-1)
 
 
+@lru_cache(maxsize=4)
 def joint_axes(scene: Scene) -> tuple[Array, NDArray[np.bool_]]:
-    """Axis of each coordinate's joint in its own frame, shape (nq, 3), and whether it turns."""
+    """Axis of each coordinate's joint in its own frame, shape (nq, 3), and whether it turns.
+
+    Kept, so not to be changed.
+    """
     axes, revolute = np.zeros((scene.model.nq, 3)), np.zeros(scene.model.nq, dtype=bool)
     axes[scene.base] = np.eye(3)
     revolute[scene.base[2]] = True
@@ -180,20 +185,15 @@ def joint_axes(scene: Scene) -> tuple[Array, NDArray[np.bool_]]:
     return axes, revolute
 
 
-def _rotations(axis: Array, angle: Array) -> Array:
-    x, y, z = axis
-    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    turn = angle[:, None, None]
-    return np.eye(3) + np.sin(turn) * skew + (1 - np.cos(turn)) * (skew @ skew)
-
-
-def _displacement(axis: Array, revolute: bool, q: float) -> Array:
-    joint_T_moved = np.eye(4)
-    if revolute:
-        joint_T_moved[:3, :3] = _rotations(axis, np.array([q]))[0]
-    else:
-        joint_T_moved[:3, 3] = q * axis
-    return joint_T_moved
+def _displacements(axes: Array, revolute: NDArray[np.bool_], q: Array) -> Array:
+    """What each joint at its position does, shape (nq, 4, 4); the axes are of length 1."""
+    moved = np.tile(np.eye(4), (len(q), 1, 1))
+    moved[~revolute, :3, 3] = (q[:, None] * axes)[~revolute]
+    turn, skew = q[revolute, None, None], np.zeros((int(revolute.sum()), 3, 3))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        skew[:, j, i], skew[:, i, j] = axes[revolute, k], -axes[revolute, k]
+    moved[revolute, :3, :3] += np.sin(turn) * skew + (1 - np.cos(turn)) * (skew @ skew)
+    return moved
 
 
 def _with_world(x: Array) -> Array:

@@ -56,44 +56,58 @@ def look(items, pairs, keep, shapes, convex, placed, spans, path, revolute, slac
 
     `items` is (index of the pair, index of the span); `keep` is (least, least_held, held_from), `limits`
     (PRECISION, HOPELESS, SHORTEST). Items with a bound on their slack of at least `slack` − PRECISION
-    that is above 0, or that begin after `open_until`, tell nothing more: their distance is a bound.
+    that is above 0, or that begin after `open_until`, tell nothing more: their distance is a bound. So is
+    that of items which are halved whatever it is: those that move by more than HOPELESS, and may meet so.
+    What items that follow one another have in common is worked out once.
     """
     done, distance, approach, between = out
     precision, hopeless, shortest = limits
     one_r, one_c, one_half = np.empty((3, 3)), np.empty(3), np.empty(3)
     two_r, two_c, two_half = np.empty((3, 3)), np.empty(3), np.empty(3)
     work, levers = np.zeros((8, 4)), np.empty(path.shape[0])
+    span, shape, against, turned = -1, -1, -1, False  # what is known of the first shape of the item before
+    first, second = 0.0, 0.0
     for n in range(items[0].shape[0]):
         p, u = items[0][n], items[1][n]
         a, b = pairs[p, 0], pairs[p, 1]
         i, j, radius = shapes[0][a], shapes[0][b], shapes[4][a]
-        middle_of(u, a, shapes, placed, one_c)
+        if u != span or a != shape:
+            span, shape, against, turned = u, a, -1, False
+            middle_of(u, a, shapes, placed, one_c)
+        if j != against:
+            against, second = j, math.inf
+            first = first_order(u, i, j, one_c, radius, path, revolute, placed, spans, levers)
         middle_of(u, b, shapes, placed, two_c)
         x, y, z = two_c[0] - one_c[0], two_c[1] - one_c[1], two_c[2] - one_c[2]
         between[n] = math.sqrt(x * x + y * y + z * z)
-        floor = between[n] - radius - shapes[4][b]
+        floor, moved = between[n] - radius - shapes[4][b], first
         least = keep[1][p] if spans[0][u] >= keep[2] else keep[0][p]
         enough = max(slack - precision, 0.0)
-        moved = first_order(u, i, j, one_c, radius, path, revolute, placed, spans, levers)
         if floor - moved - least <= enough:
-            moved = second_order(u, i, j, one_c, radius, path, revolute, placed, spans, levers, moved)
+            if second == math.inf:
+                second = second_order(u, i, j, one_c, radius, path, revolute, placed, spans, levers, first)
+            moved = second
         approach[n], distance[n], done[n] = moved, floor, SHUT
         if floor - moved - least > enough:
             continue
         wide = spans[1][u] - spans[0][u] > shortest
         if between[n] < moved + least and moved > hopeless and wide:
             continue
-        turn_of(u, a, shapes, placed, one_r, one_half)
+        if not turned:
+            turn_of(u, a, shapes, placed, one_r, one_half)
+            turned = True
         turn_of(u, b, shapes, placed, two_r, two_half)
         floor = max(floor, _apart(one_c, one_half, two_c, two_half))
-        floor = max(floor, parted(convex, a, b, one_r, one_c, two_r, two_c))
-        distance[n] = floor
+        distance[n] = floor = max(floor, parted(convex, a, b, one_r, one_c, two_r, two_c))
         low = floor - moved - least
         if low >= slack - precision and (low > 0.0 or spans[0][u] >= open_until):
             continue
-        done[n] = LEFT
         enough = moved + least + max(slack, 0.0)
-        low, _ = bounds_of(convex, a, b, one_r, one_c, two_r, two_c, enough, -math.inf, work)
+        hit = moved + least if moved > hopeless and wide else -math.inf
+        low, high = bounds_of(convex, a, b, one_r, one_c, two_r, two_c, enough, hit, work)
+        if high <= hit:
+            continue
+        done[n] = LEFT
         if low > -math.inf:
             done[n], distance[n] = ASKED, low
 
