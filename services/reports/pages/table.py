@@ -159,8 +159,9 @@ def _cell(cell: object) -> str:
 
 
 def _breakable(text: str) -> str:
-    """As HTML in which a long name may break after its signs."""
-    return re.sub(r"(?<=[^\s\d][_./:;=@,])(?=[^\s])", "<wbr>", html.escape(text))
+    """As HTML in which a long name may break after its signs, and a hash within itself."""
+    broken = re.sub(r"(?<=[^\s\d][_./:;=@,])(?=[^\s])", "<wbr>", html.escape(text))
+    return re.sub(r"([0-9a-f]{16})(?=[0-9a-f]{16})", r"\1<wbr>", broken)
 
 
 def _latex(text: str) -> str:

@@ -6,6 +6,14 @@ from typing import Final
 
 from websockets.http11 import Response
 
+NAMED: Final = (
+    b"<script>new MutationObserver(()=>{"
+    b"for(const each of document.querySelectorAll('button:not([aria-label])'))"
+    b"if(!each.textContent.trim())each.setAttribute('aria-label',/close/i.test(each.className)?'Close':"
+    b"'Connection and scene')}).observe(document,{childList:true,subtree:true})</script>"
+)
+"""Two of viser's buttons are pictures alone: that which closes a notification, that of its own settings."""
+
 TITLE: Final = b"<title>sdt: kitchens, robots and verdicts in 3D</title>"
 STYLE: Final = (
     b"<style>:root{--mantine-color-dimmed:#50575e!important;--mantine-color-gray-6:#50575e!important;"
@@ -33,5 +41,5 @@ def dressed(response: Response) -> None:
 @lru_cache(maxsize=4)
 def _dressed(body: bytes, packed: bool) -> bytes:
     page = gzip.decompress(body) if packed else body
-    page = page.replace(b"<title>Viser</title>", TITLE + STYLE + UNLIT, 1)
+    page = page.replace(b"<title>Viser</title>", TITLE + STYLE + NAMED + UNLIT, 1)
     return gzip.compress(page, compresslevel=1) if packed else page
