@@ -1,13 +1,14 @@
 r"""Whether a container's timed motion is too fast for any hand that holds its handle, whatever its posture.
 
-Between two samples of τ a point of the handle goes from one place to another, a distance d apart in a
-time t. Held, it keeps its place in the tool to within the slip that certification allows; so a point of
-the hand makes that way but for the slip, and no joint may exceed its velocity limit by more than `rate`:
+Between two samples of τ every point of the handle goes at least a distance d, in a time t. One that a finger
+touches lies in the grasp box and, held, keeps its place in the tool to within the slip that certification
+allows; so a point of the hand in that box makes this way but for the slip, and no joint may exceed its
+velocity limit by more than `rate`:
 
 .. math:: d - slip \le t \sum_j \dot q_j^{max} (1 + rate) \, r_j,
 
-where r_j is the largest distance that the point can have from the axis of joint j (1 for a slide), for
-lengths add up. If that is false for every gripper, no motion keeps these times.
+where r_j is the largest distance that a point of the grasp box can have from the axis of joint j (1 for a
+slide). If that is false for every gripper, no motion keeps these times.
 """
 
 from collections.abc import Iterator
@@ -18,6 +19,8 @@ from numpy.typing import NDArray
 from sdt_kg.annotation import Drive, Gripper
 from services.embodiment.proof_check.arm import ROUNDING, Arm
 from services.embodiment.proof_check.content import Timing
+from services.embodiment.proof_check.interval import Interval, apply, exact
+from services.embodiment.proof_check.mechanics import Placement
 from services.embodiment.proof_check.statement import BASE, Statement
 
 Array = NDArray[np.float64]
@@ -44,37 +47,43 @@ def too_fast(statement: Statement, drive: Drive, timing: Timing, window: tuple[i
 
 
 def travelled(statement: Statement, one: float, other: float) -> tuple[float, dict[str, float]]:
-    """How far a point of the handle goes at least between two values [m], and of it what may be slip."""
+    """How far each point of the handle goes at least between two values [m], and of it what may be slip."""
     before, after = (statement.target(value) for value in (one, other))
     if not before.boxes:
         return 0.0, {gripper.name: 0.0 for gripper in statement.grippers}
-    way = (after.boxes[0].translation - before.boxes[0].translation).norm().lo
+    way = min(_least_way(*each) for each in zip(before.boxes, after.boxes, before.half, strict=True))
     kept = statement.tolerances
     slips: dict[str, float] = {}
     for gripper in statement.grippers:
         arm = statement.arm(gripper)
-        turned = 2 * np.sin(kept.tool_angle / 2) * (0.0 if arm is None else _radius(statement, arm))
-        slips[gripper.name] = 2 * (kept.tool_position + float(turned))
-    return float(way) - float(before.shift[0] + after.shift[0]), slips
+        away = 0.0 if arm is None else float(np.linalg.norm(np.abs(arm.middle) + arm.half))
+        slips[gripper.name] = 2 * (kept.tool_position + 2 * float(np.sin(kept.tool_angle / 2)) * away)
+    return way - float((before.shift + after.shift).max()), slips
+
+
+def _least_way(before: Placement, after: Placement, half: Array) -> float:
+    """How far each point of a box goes at least from one placement to another [m]."""
+    turned = (after.rotation - before.rotation).magnitude()
+    parts = apply(Interval(np.zeros_like(turned.hi), turned.hi), exact(half))
+    return float((after.translation - before.translation).norm().lo - parts.norm().hi)
 
 
 def fastest(statement: Statement, drive: Drive, gripper: Gripper) -> float:
-    """Speed that no point of the handle can exceed while the gripper holds it [m/s]; infinite if unknown."""
+    """Speed that no point of the grasp box can exceed [m/s]; infinite if unknown."""
     arm = statement.arm(gripper)
     if arm is None:
         return np.inf
-    handle = _diameter(statement) + 2 * statement.tolerances.tool_position
-    rate = 1 + statement.tolerances.rate
+    arms, rate = arms_of(arm), 1 + statement.tolerances.rate
     speed = 0.0
     own = [k for k, link in enumerate(arm.chain.links) if link.name not in BASE]
     for k in own:
         link = arm.chain.links[k]
         most = statement.joint_velocity(link.name) * rate
-        speed += most * (float(arm.reach[k]) + handle if link.turns else 1.0)
+        speed += most * (arms[k] if link.turns else 1.0)
     if drive is not Drive.FIXED:
         base = statement.base_limits
         first = arm.chain.links[own[0]]
-        out = float(arm.reach[own[0]]) + handle + float(first.before.translation.norm().hi)
+        out = float(arm.reach[own[0]]) + float(first.before.translation.norm().hi)
         if not first.turns:
             out += max(abs(first.lower), abs(first.upper))
         sideways = statement.tolerances.sideways
@@ -82,14 +91,31 @@ def fastest(statement: Statement, drive: Drive, gripper: Gripper) -> float:
     return speed * (1 + 1e-9)
 
 
-def _diameter(statement: Statement) -> float:
-    """Of the handle, so that any point of it is so near to any other [m]; at the state's own value."""
-    target = statement.target(statement.twin.state[statement.container.joint])
-    middles = np.array([(box.translation.lo + box.translation.hi) / 2 for box in target.boxes])
-    spread = np.linalg.norm(middles[:, None] - middles[None], axis=2).max(initial=0.0)
-    return float(spread + 2 * np.linalg.norm(target.half, axis=1).max(initial=0.0))
+def arms_of(arm: Arm) -> list[float]:
+    """How far a point of the grasp box can be from each joint's axis, or origin where it slides [m].
+
+    From the last joint inwards the box lies in a ball, as the joint's frame sees it after its motion, and
+    behind the joint in one that holds it wherever the joint is.
+    """
+    end, links = arm.chain.end, arm.chain.links
+    middle = apply(end.rotation, exact(arm.middle)) + end.translation
+    radius, arms = float(np.linalg.norm(arm.half)) * (1 + 1e-12), [0.0] * len(links)
+    for k in range(len(links) - 1, -1, -1):
+        link = links[k]
+        along, across = _parted(middle, link.axis)
+        arms[k] = min((across.norm().hi if link.turns else middle.norm().hi) + radius, float(arm.reach[k]))
+        arms[k] = float(arms[k]) + ROUNDING
+        if link.turns:
+            middle, radius = along, radius + float(across.norm().hi)
+        else:
+            half, place = (link.upper - link.lower) / 2, (link.upper + link.lower) / 2
+            middle = middle + exact(link.axis) * exact(place)
+            radius += abs(half) * float(exact(link.axis).norm().hi) + ROUNDING
+        middle = apply(link.before.rotation, middle) + link.before.translation
+    return arms
 
 
-def _radius(statement: Statement, arm: Arm) -> float:
-    """How far the handle's point can be from the tool's origin [m]."""
-    return float(np.linalg.norm(np.abs(arm.middle) + arm.half)) + _diameter(statement)
+def _parted(vector: Interval, axis: Array) -> tuple[Interval, Interval]:
+    """Parts of a vector along a unit axis and across it."""
+    along = exact(axis) * (exact(axis) * vector).total()
+    return along, vector - along

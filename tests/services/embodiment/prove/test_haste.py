@@ -15,13 +15,15 @@ from sdt_kg.motion import Motion
 from sdt_kg.twin import Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.haste import fastest
+from services.embodiment.proof_check.arm import ROUNDING
+from services.embodiment.proof_check.haste import arms_of, fastest, travelled
 from services.embodiment.proof_check.statement import BASE, Statement
 from services.embodiment.prove.prover import Proved, Prover
 
 DRAWER = "sink_area_left_middle_drawer_main"
 ROBOTS = ("pr2", "tiago_dual", "stretch")
 HERE = (0.0, 0.0, 0.0)
+POSTURES = 2000
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +72,8 @@ def test_what_need_not_keep_its_times_is_not_refuted_by_them(twin: Twin) -> None
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_no_random_motion_within_the_limits_moves_a_tool_faster(twin: Twin, robot: str) -> None:
+def test_no_motion_within_the_limits_moves_a_point_of_the_grasp_box_faster(twin: Twin, robot: str) -> None:
+    # Each joint turns the way that moves the point on, and the posture is the fastest of many.
     (iri,) = (one for one in twin.robots if twin.name(one) == robot)
     rng = np.random.default_rng(4)
     about = Statement(twin, iri, twin.container(DRAWER), Drive.FIXED, HERE, Tolerances())
@@ -80,12 +83,52 @@ def test_no_random_motion_within_the_limits_moves_a_tool_faster(twin: Twin, robo
         links = arm.chain.links
         low, high = (np.array([getattr(one, end) for one in links]) for end in ("lower", "upper"))
         most = np.array([0.0 if one.name in BASE else about.joint_velocity(one.name) for one in links])
-        q, step = rng.uniform(low, high, (1000, len(links))), 1e-4
-        moved = q + step * most * rng.choice([-1.0, 1.0], q.shape)
-        tools = [arm.chain.frames(each)[2].translation.lo for each in (q, moved)]
-        speed = np.linalg.norm(tools[1] - tools[0], axis=1).max() / step
-        assert 0 < speed < fastest(about, Drive.FIXED, gripper)
-        assert fastest(about, Drive.FIXED, gripper) < fastest(about, Drive.OMNI, gripper)
+        q = rng.uniform(low, high, (POSTURES, len(links)))
+        origins, axes, tool = arm.chain.frames(q)
+        corner = arm.middle + (arm.half - ROUNDING) * rng.choice([-1.0, 1.0], (len(q), 3))
+        point = (tool.rotation.lo @ corner[:, :, None])[:, :, 0] + tool.translation.lo
+        moved = np.cross(axes.lo, point[:, None] - origins.lo)
+        moved = np.where(np.array([one.turns for one in links])[:, None], moved, axes.lo) * most[:, None]
+        way = rng.normal(size=(len(q), 3))
+        for _ in range(20):
+            way = (np.sign((moved * way[:, None]).sum(axis=2))[:, :, None] * moved).sum(axis=1)
+        speed = np.linalg.norm(way, axis=1).max()
+        bound = fastest(about, Drive.FIXED, gripper)
+        assert bound / 3 < speed < bound < fastest(about, Drive.OMNI, gripper)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_no_point_of_the_grasp_box_is_farther_from_an_axis_than_its_arm(twin: Twin, robot: str) -> None:
+    (iri,) = (one for one in twin.robots if twin.name(one) == robot)
+    rng = np.random.default_rng(6)
+    about = Statement(twin, iri, twin.container(DRAWER), Drive.FIXED, HERE, Tolerances())
+    arm = about.arm(about.grippers[0])
+    assert arm is not None
+    links = arm.chain.links
+    low, high = (np.array([getattr(one, end) for one in links]) for end in ("lower", "upper"))
+    q = np.where(
+        rng.random((POSTURES, len(links))) < 0.3, low, rng.uniform(low, high, (POSTURES, len(links)))
+    )
+    origins, axes, tool = arm.chain.frames(q)
+    corner = arm.middle + (arm.half - ROUNDING) * rng.choice([-1.0, 1.0], (len(q), 3))
+    point = (tool.rotation.lo @ corner[:, :, None])[:, :, 0] + tool.translation.lo
+    away = np.linalg.norm(np.cross(axes.lo, point[:, None] - origins.lo), axis=2).max(axis=0)
+    turns = np.array([one.turns for one in links])
+    assert (away < arms_of(arm))[turns].all()
+
+
+def test_every_point_of_a_handle_goes_as_far_as_is_said(twin: Twin) -> None:
+    door = twin.container("iai_fridge_door")
+    (pr2,) = (one for one in twin.robots if twin.name(one) == "pr2")
+    about = Statement(twin, pr2, door, Drive.FIXED, HERE, Tolerances())
+    rng = np.random.default_rng(7)
+    for one, other in rng.uniform(0.0, door.upper, (20, 2)):
+        way, _ = travelled(about, float(one), float(other))
+        ends = [about.target(float(value)) for value in (one, other)]
+        for before, after, half in zip(ends[0].boxes, ends[1].boxes, ends[0].half, strict=True):
+            local = rng.uniform(-half, half, (200, 3))
+            places = [local @ box.rotation.lo.T + box.translation.lo for box in (before, after)]
+            assert way <= np.linalg.norm(places[1] - places[0], axis=1).min()
 
 
 def slower(whole: dict[str, Any]) -> None:
