@@ -1,6 +1,7 @@
 """The rigid body that a container's joint moves, for one kilogram of it: inertia, weight and lever."""
 
 import math
+from collections.abc import Collection
 
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
@@ -14,7 +15,13 @@ from services.physics.geometry.shapes import surface
 from services.physics.tree import UNIVERSE, Model, Part, se3
 
 
-def load_of(model: Model, twin: Twin, joint: Iri, container: Container | None = None) -> Load:
+def load_of(
+    model: Model,
+    twin: Twin,
+    joint: Iri,
+    container: Container | None = None,
+    apart: Collection[Iri] = (),
+) -> Load:
     """What hangs on a joint, everything else being where the state has it.
 
     Where the twin gives the moved bodies inertias, mass is spread as they say; else evenly over their
@@ -25,13 +32,14 @@ def load_of(model: Model, twin: Twin, joint: Iri, container: Container | None = 
         twin: The kitchen in its state.
         joint: What moves.
         container: Whose own joint it is; without it nothing holds a handle, and the lever is 1.
+        apart: Joints which move with it: what hangs on one of them does not count here.
 
     Raises:
         OracleRejectedError: Nothing that moves has a shape or an inertia, or the handle has no shape.
     """
     index = model.model.getJointId(joint)
-    _place(model, twin)
-    body = _unit_inertia(model, index)
+    placed(model, twin)
+    body = unit_inertia(model, index, apart)
     prismatic = model.model.joints[index].shortname().startswith("JointModelP")
     parent = model.model.parents[index]
     world_T_joint = model.data.oMi[parent] * model.model.jointPlacements[index]
@@ -44,7 +52,7 @@ def load_of(model: Model, twin: Twin, joint: Iri, container: Container | None = 
     ]
     pushed = float(pin.rnea(single, data, still, still, np.ones(1))[0]) - weights[0]
     lever = (
-        (1.0, 1.0) if prismatic or container is None else _lever(model.part, _axis(model, index), container)
+        (1.0, 1.0) if prismatic or container is None else _lever(model.part, axis_of(model, index), container)
     )
     if prismatic:
         return Load(True, pushed, 0.0, 0.0, weights[0], lever)
@@ -52,16 +60,19 @@ def load_of(model: Model, twin: Twin, joint: Iri, container: Container | None = 
     return Load(False, pushed, weights[0] - constant, weights[1] - constant, constant, lever)
 
 
-def _place(model: Model, twin: Twin) -> None:
-    """The model's data is where the state has the kitchen."""
-    name = model.part.mechanism.name
-    at = [twin.state.get(joint_iri(name, each.name), 0.0) for each in model.part.joints]
+def placed(model: Model, twin: Twin, zero: Collection[Iri] = ()) -> None:
+    """The model's data is where the state has the kitchen, but for joints that are at 0."""
+    joints = [joint_iri(model.part.mechanism.name, each.name) for each in model.part.joints]
+    at = [0.0 if each in zero else twin.state.get(each, 0.0) for each in joints]
     pin.forwardKinematics(model.model, model.data, np.array(at))
 
 
-def _unit_inertia(model: Model, index: int) -> pin.Inertia:
-    """Of one kilogram of all that hangs on the joint, in the joint's frame."""
+def unit_inertia(model: Model, index: int, apart: Collection[Iri] = ()) -> pin.Inertia:
+    """Of one kilogram of all that hangs on the joint, in its frame; not of what hangs on those apart."""
     part, below = model.part, set(model.model.subtrees[index])
+    for other in (model.model.getJointId(each) for each in apart):
+        if other in below and other != index:
+            below -= set(model.model.subtrees[other])
     bodies = [each for each in part.mechanism.bodies if part.attached[each.name][0] in below]
     given = any(each.inertia is not None and each.inertia.mass > 0 for each in bodies)
     total = pin.Inertia.Zero()
@@ -107,7 +118,7 @@ def _box(geometry: Geometry) -> tuple[Array, Array]:
     return (box.min_ + box.max_) / 2, (box.max_ - box.min_) / 2
 
 
-def _axis(model: Model, index: int) -> Array:
+def axis_of(model: Model, index: int) -> Array:
     """Unit vector of the hinge in its frame."""
     joint = next(
         each
@@ -123,20 +134,41 @@ def _lever(part: Part, axis: Array, container: Container) -> tuple[float, float]
 
     A box lies within the largest of its corners' distances from its middle, seen along the axis.
     """
-    name = local_name(container.handle)
-    body = next(each for each in part.mechanism.bodies if each.name == name)
-    _, joint_T_body = part.attached[name]
+    joint_T_body, shapes = _handle(part, container)
     across = np.eye(3) - np.outer(axis, axis)
     found: list[tuple[float, float]] = []
-    for geometry in body.collision:
+    for geometry in shapes:
         middle, half = _box(geometry)
         joint_T_shape = joint_T_body * se3(geometry.pose)
-        corners = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T * half
-        spread = float(np.linalg.norm(corners @ joint_T_shape.rotation.T @ across, axis=1).max())
+        spread = float(np.linalg.norm(_corners(half) @ joint_T_shape.rotation.T @ across, axis=1).max())
         at = float(np.linalg.norm(across @ joint_T_shape.act(middle)))
         found.append((max(at - spread, 0.0), at + spread))
-    if not found:
+    return min(low for low, _ in found), max(high for _, high in found)
+
+
+def handle_at(part: Part, container: Container) -> tuple[Array, Array]:
+    """Lowest and highest coordinates of the handle's boxes in the frame of the joint that moves it."""
+    joint_T_body, shapes = _handle(part, container)
+    found = list[Array]()
+    for geometry in shapes:
+        middle, half = _box(geometry)
+        joint_T_shape = joint_T_body * se3(geometry.pose)
+        found.append((_corners(half) + middle) @ joint_T_shape.rotation.T + joint_T_shape.translation)
+    corners = np.concatenate(found)
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def _handle(part: Part, container: Container) -> tuple[pin.SE3, tuple[Geometry, ...]]:
+    """Where the handle's body is on what moves it, and its shapes."""
+    name = local_name(container.handle)
+    body = next(each for each in part.mechanism.bodies if each.name == name)
+    if not body.collision:
         raise OracleRejectedError(
             f"the handle {name} has no shape, so its distance from the hinge is unknown"
         )
-    return min(low for low, _ in found), max(high for _, high in found)
+    return part.attached[name][1], body.collision
+
+
+def _corners(half: Array) -> Array:
+    """Of a box about 0, shape (8, 3)."""
+    return np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T * half

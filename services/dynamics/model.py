@@ -5,14 +5,16 @@ With q the container's own joint, 0 closed, r the distance of the handle from th
 .. math::
     r F = M \ddot q + m w \gamma(q) + k (q - q_0) + L(q) + S(q) + (b + d(q, \dot q)) \dot q + \lambda
 
-Joints that move together (two leaves of a door, one of which follows the other) hang on nothing that moves:
-each has q_i = ρ q + o, and by virtual work the handle gives the sum of ρ times what each of them needs.
+Joints that move together (two leaves of a door, one of which follows the other) have q_i = ρ q + o each, and
+by virtual work the handle gives the sum of ρ times what each of them needs. Where one carries another (panels
+of a folding door), inertia and weight of what is carried depend on q: see `Fold`.
 
 M = m u κ with κ and γ from the twin's shapes (Pinocchio), u and w factors that say how far mass may be
 from uniform; L a latch that pulls shut and lets go over its width; S and d a soft closer, which pulls
 within its range and damps closing there; λ friction: within ± break-away at rest, ± Coulomb while sliding.
 """
 
+import math
 from dataclasses import astuple, dataclass, fields
 from itertools import product
 
@@ -22,6 +24,9 @@ from numpy.typing import NDArray
 from sdt_kg.iri import Iri
 
 Array = NDArray[np.float64]
+
+LOAD_ERROR = 1e-9
+"""[1] Share by which inertia and weight from the twin's shapes are widened: more than Pinocchio errs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,6 +129,69 @@ class Load:
         return self.cosine * np.cos(q) + self.sine * np.sin(q) + self.constant
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Wave:
+    """A sum of size · cos(rate · q + phase); the three have the shape (K,)."""
+
+    size: Array
+    rate: Array
+    phase: Array
+
+    def at(self, q: Array) -> Array:
+        """Values, shape of q."""
+        angles = np.multiply.outer(np.asarray(q), self.rate) + self.phase
+        return (self.size * np.cos(angles)).sum(axis=-1)
+
+    def slope(self) -> "Wave":
+        """The derivative by q."""
+        return Wave(self.size * self.rate, self.rate, self.phase + math.pi / 2)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fold:
+    r"""The panel of a folding door that hangs on panels which move with it, for one kilogram of it.
+
+    All hinges are parallel. With o(q) the panel's own hinge, c its centre and Ω how fast it turns for each
+    rad of the container's joint q, all in the plane across the hinges, the inertia that q feels is
+
+    .. math:: |o'|^2 + w \, 2 o' \cdot (\Omega \times c) + u \, \Omega^2 \kappa
+
+    and of the weight likewise: w scales the moment of mass about the panel's own hinge, as everywhere else.
+
+    Attributes:
+        carried, mixed, turned: The three terms of the inertia; the last is the same all along.
+        weight_carried, weight_own: What holds it: of the way of its hinge, and about it (for w = 1).
+    """
+
+    carried: Wave
+    mixed: Wave
+    turned: float
+    weight_carried: Wave
+    weight_own: Wave
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reach:
+    """Where a folding door's handle goes, in the kitchen's root frame.
+
+    Attributes:
+        axis: Unit vector of all hinges, shape (3,).
+        origin: A point of the first hinge, shape (3,) [m].
+        arms: From each hinge to the next when every joint is at 0, across the axis, shape (N - 1, 3) [m].
+        rates, phases: Panel k is turned about the axis by rates[k] · q + phases[k]; shape (N,).
+        lever: Square of the way of the handle's middle for each rad or m of q [m²].
+        spread: How far the way of other points of the handle may differ from that [m].
+    """
+
+    axis: Array
+    origin: Array
+    arms: Array
+    rates: Array
+    phases: Array
+    lever: Wave
+    spread: float
+
+
 @dataclass(frozen=True, slots=True)
 class Mechanics:
     """All that forces at a container's handle depend on.
@@ -132,6 +200,8 @@ class Mechanics:
         joint: IRI of the container's own joint.
         lower, upper: Its stops [rad or m]; of all that move together the first that is reached.
         others: Joints that move with it.
+        fold: Where another that moves with it carries it.
+        reach: Of the container's own joint, where another carries it.
     """
 
     joint: Iri
@@ -140,6 +210,8 @@ class Mechanics:
     lower: float
     upper: float
     others: "tuple[Other, ...]" = ()
+    fold: Fold | None = None
+    reach: Reach | None = None
 
     @property
     def moving(self) -> "tuple[Other, ...]":

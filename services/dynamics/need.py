@@ -6,7 +6,7 @@ import numpy as np
 
 from sdt_kg.motion import Motion
 from services.dynamics.cells import Cells, cells
-from services.dynamics.model import Load, Mechanics
+from services.dynamics.model import Mechanics
 from services.dynamics.resistance import (
     STILL,
     at,
@@ -14,8 +14,10 @@ from services.dynamics.resistance import (
     closer,
     damping,
     friction,
+    heavy,
     inertial,
     latch,
+    lever,
     mass,
     resisting,
     spring,
@@ -71,7 +73,7 @@ def need(mechanics: Mechanics, motion: Motion) -> Need:
 def _need(mechanics: Mechanics, motion: Motion, parts: int) -> Need:
     spans = cells(motion, parts)
     force = joint_force(mechanics, spans)
-    size = at_handle(force.magnitude(), mechanics.load)
+    size = at_handle(force.magnitude(), lever(mechanics, spans.q))
     onset, begin = _onset(mechanics, motion, spans, parts)
     low, high = int(np.argmax(size.lo)), int(np.argmax(size.hi))
     least, at = max((float(size.lo[low]), float(spans.begin[low])), (onset, begin))
@@ -79,12 +81,11 @@ def _need(mechanics: Mechanics, motion: Motion, parts: int) -> Need:
     return Need(least, at, float(size.hi[high]), middle, onset, _monotone(mechanics, spans, size))
 
 
-def at_handle(size: Interval, load: Load) -> Interval:
-    """Force at the handle for a force of the joint, wherever on the handle it is held [N]."""
-    near, far = load.lever
+def at_handle(size: Interval, way: Interval) -> Interval:
+    """Force at the handle for a force of the joint [N]; the way is that of the handle for each rad or m."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        high = np.where(size.hi > 0, size.hi / near, 0.0)
-    return Interval(np.maximum(np.nextafter(size.lo / far, -np.inf), 0.0), np.nextafter(high, np.inf))
+        high = np.where(size.hi > 0, size.hi / way.lo, 0.0)
+    return Interval(np.maximum(np.nextafter(size.lo / way.hi, -np.inf), 0.0), np.nextafter(high, np.inf))
 
 
 def joint_force(mechanics: Mechanics, spans: Cells) -> Interval:
@@ -92,10 +93,10 @@ def joint_force(mechanics: Mechanics, spans: Cells) -> Interval:
     moving = exact(np.zeros_like(spans.begin))
     for each in mechanics.moving:
         one, ratio = each.mechanics, exact(each.ratio)
-        q, v, a = at(each, spans.q), ratio * spans.v, ratio * spans.a
-        heavy = mass(one) * (inertial(one, a) + weight(one, q))
+        q, v = at(each, spans.q), ratio * spans.v
         still = spring(one, q) + latch(one, q) + closer(one, q)
-        moving = moving + ratio * (heavy + still + damping(one, q, v) + friction(one, v))
+        moving = moving + heavy(each, spans.q, spans.v, spans.a)
+        moving = moving + ratio * (still + damping(one, q, v) + friction(one, v))
     held = unborne(mechanics, resisting(mechanics, spans.q), spans.q)
     grip, _ = break_away(mechanics)
     return Interval(
@@ -114,18 +115,19 @@ def _onset(mechanics: Mechanics, motion: Motion, spans: Cells, parts: int) -> tu
     speed = 0.0 if motion.velocities is None else float(motion.velocities[piece, 0])
     if abs(speed) > STILL:
         return 0.0, begin
-    pulled = resisting(mechanics, exact(motion.values[piece : piece + 1, 0]))
+    start = exact(motion.values[piece : piece + 1, 0])
+    pulled = resisting(mechanics, start)
     opens = bool(spans.v.hi[first] > -spans.v.lo[first])
     along = float(pulled.lo[0] if opens else -pulled.hi[0]) + break_away(mechanics)[0]
     size = Interval(np.array([max(along, 0.0)]), np.array([max(along, 0.0)]))
-    return float(at_handle(size, mechanics.load).lo[0]), begin
+    return float(at_handle(size, lever(mechanics, start)).lo[0]), begin
 
 
 def _monotone(mechanics: Mechanics, spans: Cells, size: Interval) -> bool:
     """Whether the largest value of every parameter needs most: see `Need.monotone`."""
     moving = ~spans.rests
     opens, closes = bool((spans.v.lo[moving] >= -STILL).all()), bool((spans.v.hi[moving] <= STILL).all())
-    if opens == closes:
+    if opens == closes or any(each.mechanics.fold for each in mechanics.moving):
         return False
     q, v, a = (each[moving] for each in (spans.q, spans.v, spans.a))
     slow = Interval(np.maximum(v.lo, 0.0), np.maximum(v.hi, 0.0))
@@ -137,9 +139,9 @@ def _monotone(mechanics: Mechanics, spans: Cells, size: Interval) -> bool:
         terms = [weight(one, own), spring(one, own), latch(one, own), closer(one, own)]
         if any(_least(ratio * term, opens) < -NO_FORCE for term in terms):
             return False
-        heavy = mass(one) * (inertial(one, ratio * a) + terms[0])
+        loaded = mass(one) * (inertial(one, ratio * a) + terms[0])
         slowed = damping(one, own, ratio * slow)
-        driven = driven + ratio * (heavy + terms[1] + terms[2] + terms[3] + slowed)
+        driven = driven + ratio * (loaded + terms[1] + terms[2] + terms[3] + slowed)
         driven = driven + exact((1.0 if opens else -1.0) * each.ratio * one.forces.lower.coulomb)
     if _least(driven, opens) < -NO_FORCE:
         return False

@@ -18,11 +18,11 @@ from sdt_kg.twin import Container, Twin
 from services.dynamics.judge import forced
 from services.dynamics.model import Mechanics
 from services.dynamics.need import need
-from services.dynamics.parameters import folds, mechanics_of
+from services.dynamics.parameters import mechanics_of, unfit
 from services.physics.oracle import Kinematics
 from services.physics.tree import Model, build
 
-DYNAMICS_VERSION = "2"
+DYNAMICS_VERSION = "3"
 """Raised whenever an answer of this oracle may change."""
 
 SLOWER = (1.0, 2.0, 4.0, 8.0)
@@ -57,7 +57,7 @@ class Dynamics:
     def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:
         for motion in self._kinematics.generate(twin, goal):
             container, model = _container(twin, motion.of), self._model(twin)
-            if folds(twin.mechanism(twin.environment), container.joint):
+            if unfit(twin.mechanism(twin.environment), container.joint):
                 yield motion
                 continue
             yield _slow_enough(mechanics_of(model, twin, container), motion)

@@ -2,11 +2,12 @@
 
 from dataclasses import replace
 
-from sdt_kg.entities.moving_together import HANGS_ON, moving_together
+from sdt_kg.entities.moving_together import FOLDS_ON, HANGS_ON, moving_together
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.twin import Container, Twin
+from services.dynamics.fold import Moves, chain_of, fold_of, reach_of
 from services.dynamics.load import load_of
 from services.dynamics.model import ForceModel, Mechanics, Other, Values
 from services.physics.tree import Model
@@ -67,34 +68,47 @@ def mechanics_of(model: Model, twin: Twin, container: Container) -> Mechanics:
     Args:
         model: Built from the twin's environment.
         twin: The kitchen in its state.
-        container: One of whose joints that move together none carries another.
+        container: Whose joints that move together carry one another only as panels of a folding door.
 
     Raises:
-        OracleRejectedError: A parameter or a shape is missing, or a joint carries another that moves with it.
+        OracleRejectedError: A parameter or a shape is missing, or a joint carries another in another way.
     """
-    kitchen = twin.mechanism(twin.environment)
-    if folds(kitchen, container.joint):
-        raise OracleRejectedError(f"{container.name} folds: one of its joints hangs on another")
+    if unfit(twin.mechanism(twin.environment), container.joint):
+        what = (
+            f"one joint of {container.name} carries another that moves with it, but not as a folding door's"
+        )
+        raise OracleRejectedError(what)
+    moves = {container.joint: (1.0, 0.0), **twin.entities.coupling.together(container.joint)}
     others = tuple(
-        _other(model, twin, container, joint, *how)
-        for joint, how in sorted(twin.entities.coupling.together(container.joint).items())
+        _other(model, twin, container, joint, moves) for joint in sorted(moves) if joint != container.joint
     )
-    load, forces = load_of(model, twin, container.joint, container), force_model(twin, container.joint)
-    return Mechanics(container.joint, forces, load, container.lower, container.upper, others)
+    chain = chain_of(model, twin, container.joint, moves)
+    return Mechanics(
+        container.joint,
+        force_model(twin, container.joint),
+        load_of(model, twin, container.joint, container, moves),
+        container.lower,
+        container.upper,
+        others,
+        None if chain is None else fold_of(model, twin, chain, moves),
+        None if chain is None else reach_of(model, twin, chain, container, moves),
+    )
 
 
-def _other(  # noqa: PLR0913, PLR0917 - a joint, and how it moves with the container's
-    model: Model, twin: Twin, container: Container, joint: Iri, ratio: float, offset: float
-) -> Other:
+def _other(model: Model, twin: Twin, container: Container, joint: Iri, moves: Moves) -> Other:
     """A joint that moves with a container's own, counted from closed to open, wherever its axis points."""
-    load = load_of(model, twin, joint)
+    load, (ratio, offset) = load_of(model, twin, joint, apart=moves), moves[joint]
+    chain = chain_of(model, twin, joint, moves)
     if ratio < 0:
         load = replace(load, cosine=-load.cosine, constant=-load.constant)
         ratio, offset = -ratio, -offset
     lower, upper = (ratio * end + offset for end in (container.lower, container.upper))
-    return Other(ratio, offset, Mechanics(joint, force_model(twin, joint), load, lower, upper))
+    fold = None if chain is None else fold_of(model, twin, chain, moves)
+    own = Mechanics(joint, force_model(twin, joint), load, lower, upper, fold=fold)
+    return Other(ratio, offset, own)
 
 
-def folds(kitchen: Mechanism, joint: Iri) -> bool:
-    """Whether one of the joints that move together hangs on another."""
-    return any(name == HANGS_ON for _, name, _ in moving_together(kitchen, joint))
+def unfit(kitchen: Mechanism, joint: Iri) -> bool:
+    """Whether of the joints that move together one carries another otherwise than in a folding door."""
+    told = set(moving_together(kitchen, joint))
+    return any(name == HANGS_ON and (one, FOLDS_ON, other) not in told for one, name, other in told)

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from services.dynamics.model import Array, Mechanics, Other
+from services.dynamics.model import LOAD_ERROR, Array, Mechanics, Other, Wave
 from services.embodiment.proof_check.interval import TRIG, Interval, exact
 
 AT_STOP = 1e-6
@@ -16,9 +16,6 @@ AT_STOP = 1e-6
 
 STILL = 1e-9
 """[rad/s or m/s] Speed that is rounding."""
-
-LOAD_ERROR = 1e-9
-"""[1] Share by which inertia and weight from the twin's shapes are widened: more than Pinocchio errs."""
 
 
 def span(low: float, high: float) -> Interval:
@@ -33,6 +30,51 @@ def weight(mechanics: Mechanics, q: Interval) -> Interval:
     cosine = _cosine(Interval(q.lo - phase, q.hi - phase))
     found = cosine * _about(size) + _about(load.constant)
     return found * span(low.weight, high.weight)
+
+
+def wave(one: Wave, q: Interval) -> Interval:
+    """Values of a wave."""
+    total = exact(np.zeros_like(q.lo))
+    for size, rate, phase in zip(one.size, one.rate, one.phase, strict=True):
+        total = total + _about(float(size)) * _cosine(q * _about(float(rate)) + _about(float(phase)))
+    return total
+
+
+def held(each: Other, q: Interval) -> Interval:
+    """What of the container's own force bears the weight of what one of the joints moves."""
+    one = each.mechanics
+    if one.fold is None:
+        return exact(each.ratio) * mass(one) * weight(one, at(each, q))
+    low, high = one.forces.lower, one.forces.upper
+    own = wave(one.fold.weight_own, q) * span(low.weight, high.weight)
+    return mass(one) * (wave(one.fold.weight_carried, q) + own)
+
+
+def heavy(each: Other, q: Interval, v: Interval, a: Interval) -> Interval:
+    """What of the container's own force bears weight and inertia of what one of the joints moves.
+
+    For an inertia M(q) that is M a + M' v² / 2; each parameter occurs once.
+    """
+    one, fold = each.mechanics, each.mechanics.fold
+    if fold is None:
+        own = inertial(one, exact(each.ratio) * a) + weight(one, at(each, q))
+        return exact(each.ratio) * (mass(one) * own)
+    low, high, half = one.forces.lower, one.forces.upper, exact(0.5) * _square(v)
+    carried = wave(fold.carried, q) * a + wave(fold.carried.slope(), q) * half
+    mixed = wave(fold.mixed, q) * a + wave(fold.mixed.slope(), q) * half
+    own = span(low.weight, high.weight) * (mixed + wave(fold.weight_own, q))
+    turned = span(low.inertia, high.inertia) * _about(fold.turned) * a
+    return mass(one) * (carried + wave(fold.weight_carried, q) + own + turned)
+
+
+def lever(mechanics: Mechanics, q: Interval) -> Interval:
+    """Way of the handle for each rad (or m) of the container's joint, wherever on the handle it is held."""
+    reach = mechanics.reach
+    if reach is None:
+        return span(*mechanics.load.lever)
+    square = wave(reach.lever, q)
+    low, high = (np.sqrt(np.maximum(each, 0.0)) for each in (square.lo, square.hi))
+    return Interval(np.maximum(low - reach.spread, 0.0), np.nextafter(high + reach.spread, np.inf))
 
 
 def inertial(mechanics: Mechanics, a: Interval) -> Interval:
@@ -87,8 +129,8 @@ def resisting(mechanics: Mechanics, q: Interval) -> Interval:
     total = exact(np.zeros_like(q.lo))
     for each in mechanics.moving:
         one, own = each.mechanics, at(each, q)
-        held = mass(one) * weight(one, own) + spring(one, own) + latch(one, own) + closer(one, own)
-        total = total + exact(each.ratio) * held
+        still = spring(one, own) + latch(one, own) + closer(one, own)
+        total = total + held(each, q) + exact(each.ratio) * still
     return total
 
 
@@ -131,6 +173,11 @@ def unborne(mechanics: Mechanics, pulled: Interval, q: Interval) -> Interval:
 
 def _about(value: float) -> Interval:
     return span(value - LOAD_ERROR * abs(value), value + LOAD_ERROR * abs(value))
+
+
+def _square(v: Interval) -> Interval:
+    size = v.magnitude()
+    return size * size
 
 
 def _cosine(angle: Interval) -> Interval:

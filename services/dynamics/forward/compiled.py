@@ -27,10 +27,26 @@ def resisting(q, values, load, shape, lower):
 
 
 @kernel
-def advanced(q, v, force, h, joints, stops):
-    """Position and speed after h, under a constant force of the first joint; a row of `joints` for each."""
+def summed(waves, q):
+    """A sum of size · cos(rate · q + phase), of rows size, rate, phase, and its slope."""
+    value, slope = 0.0, 0.0
+    for k in range(waves.shape[0]):
+        angle = waves[k, 1] * q + waves[k, 2]
+        value += waves[k, 0] * math.cos(angle)
+        slope -= waves[k, 0] * waves[k, 1] * math.sin(angle)
+    return value, slope
+
+
+@kernel
+def advanced(q, v, force, h, joints, folded, lifted, stops):
+    """Position and speed after h, under a constant force of the first joint; a row of `joints` for each.
+
+    Of panels that others carry, `folded` is the inertia M(q), whose M' v² / 2 is taken as M' v v⁺ / 2, v⁺ the
+    speed after the step, and `lifted` the force that holds their weight: waves of the first joint's position.
+    """
     middle = q + 0.5 * h * v
-    inertia, damping, push, sliding, held = 0.0, 0.0, force, 0.0, 0.0
+    inertia, slope = summed(folded, middle)
+    damping, push, sliding, held = 0.0, force - summed(lifted, middle)[0], 0.0, 0.0
     for k in range(joints.shape[0]):
         ratio, values, load, shape = joints[k, 0], joints[k, 2:12], joints[k, 12:16], joints[k, 16:19]
         own, lower = ratio * middle + joints[k, 1], ratio * stops[0] + joints[k, 1]
@@ -40,7 +56,7 @@ def advanced(q, v, force, h, joints, stops):
             damping += ratio * ratio * values[9]
         push -= ratio * resisting(own, values, load, shape, lower)
         sliding, held = sliding + ratio * values[3], held + ratio * values[4]
-    heavy = inertia + 0.5 * h * damping
+    heavy = inertia + 0.5 * h * (damping + slope * v)
     free = (inertia * v + h * (push - 0.5 * damping * v)) / heavy
     resting = abs(v) < REST
     bearable = h * (held if resting else sliding) / heavy
@@ -53,7 +69,7 @@ def advanced(q, v, force, h, joints, stops):
 
 
 @kernel
-def simulated(times, force, start, speed, step, joints, stops):
+def simulated(times, force, start, speed, step, joints, folded, lifted, stops):
     """Positions and speeds at the times, shape (T,) each, under forces (T,) linear between them."""
     q, v = start, speed
     qs, vs = np.empty(times.shape[0]), np.empty(times.shape[0])
@@ -64,6 +80,7 @@ def simulated(times, force, start, speed, step, joints, stops):
         h = span / count
         for k in range(count):
             share = (k + 0.5) / count
-            q, v = advanced(q, v, force[i] + share * (force[i + 1] - force[i]), h, joints, stops)
+            now = force[i] + share * (force[i + 1] - force[i])
+            q, v = advanced(q, v, now, h, joints, folded, lifted, stops)
         qs[i + 1], vs[i + 1] = q, v
     return qs, vs

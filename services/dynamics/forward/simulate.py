@@ -7,7 +7,7 @@ import numpy as np
 
 from sdt_kg.errors import MotionError, OracleRejectedError
 from services.dynamics.forward.compiled import simulated
-from services.dynamics.model import Array, Mechanics, Values
+from services.dynamics.model import Array, Mechanics, Values, Wave
 
 FIRST_STEP = 1e-3
 """[s] The longest step that is tried."""
@@ -73,10 +73,11 @@ def simulate(  # noqa: PLR0913 - the profile, and the state in which it begins
             f"a start at {start:.4g}", allowed=f"between {mechanics.lower:.4g} and {mechanics.upper:.4g}"
         )
     joints = _joints(mechanics, values, others)
+    folded, lifted = _carried(mechanics, (values, *others))
     stops = np.array([mechanics.lower, mechanics.upper])
     step, coarse = FIRST_STEP, None
     while step >= SHORTEST_STEP:
-        q, v = simulated(times, force, start, speed, step, joints, stops)
+        q, v = simulated(times, force, start, speed, step, joints, folded, lifted, stops)
         if coarse is not None and (difference := float(np.abs(q - coarse).max())) <= tolerance:
             return Simulated(times, q, v, step, difference)
         coarse, step = q, step / 2
@@ -95,9 +96,31 @@ def _joints(mechanics: Mechanics, values: Values, others: Sequence[Values]) -> A
     for each, own in zip(mechanics.moving, (values, *others), strict=True):
         load, forces = each.mechanics.load, each.mechanics.forces
         body = (load.inertia, load.cosine, load.sine, load.constant)
+        if each.mechanics.fold is not None:
+            body = (0.0, 0.0, 0.0, 0.0)
         lengths = (forces.rest, forces.latch_width, forces.closer_range)
         rows.append(np.concatenate([(each.ratio, each.offset), own.array(), body, lengths]))
     return np.stack(rows)
+
+
+def _carried(mechanics: Mechanics, values: Sequence[Values]) -> tuple[Array, Array]:
+    """Inertia and weight of panels that others carry: rows size, rate, phase of waves of the first joint."""
+    inertia, weight = list[tuple[float, Wave]](), list[tuple[float, Wave]]()
+    for each, own in zip(mechanics.moving, values, strict=True):
+        fold = each.mechanics.fold
+        if fold is None:
+            continue
+        still = Wave(np.array([fold.turned]), np.zeros(1), np.zeros(1))
+        inertia += [(own.mass, fold.carried), (own.mass * own.weight, fold.mixed)]
+        inertia += [(own.mass * own.inertia, still)]
+        weight += [(own.mass, fold.weight_carried), (own.mass * own.weight, fold.weight_own)]
+    return _rows(inertia), _rows(weight)
+
+
+def _rows(waves: list[tuple[float, Wave]]) -> Array:
+    """Shape (K, 3); waves times factors."""
+    rows = [np.column_stack([factor * wave.size, wave.rate, wave.phase]) for factor, wave in waves]
+    return np.concatenate([np.zeros((0, 3)), *rows])
 
 
 def _check(times: Array, force: Array) -> None:

@@ -14,7 +14,7 @@ from sdt_kg.iri import local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container
 from services.dynamics.cells import cells
-from services.dynamics.model import Array, Mechanics
+from services.dynamics.model import Array, Mechanics, Reach
 from services.dynamics.need import joint_force
 from services.dynamics.robot.balls import Numbers, Vectors, fixed
 from services.dynamics.robot.newton import Along, Placed, Robot
@@ -87,7 +87,7 @@ def loads(  # noqa: PLR0913, PLR0917 - of one motion of one container
     frame = scene.model.frames[scene.model.getFrameId(scene.tool_frame(body.gripper))]
     hand = placed[frame.parentJoint - 1]
     tool = hand.origin + hand.carried(frame.placement.translation)
-    direction, lever = _path(scene, pieces, container, mechanics, tool)
+    direction, lever = _path(scene, pieces, mechanics, tool, spans.q)
     up = fixed(np.array([0.0, 0.0, scene.annotation.base_height]), len(along))
     base, whole = placed[robot.yaw], wrenches[int(scene.base[0])]
     weightless = robot.placed(along, gravity=np.zeros(3))
@@ -118,18 +118,21 @@ def _at_sources(scene: Scene, forces: dict[int, Numbers]) -> dict[int, Interval]
 
 
 def _path(
-    scene: Scene, pieces: Pieces, container: Container, mechanics: Mechanics, tool: Vectors
+    scene: Scene, pieces: Pieces, mechanics: Mechanics, tool: Vectors, q: Interval
 ) -> tuple[Vectors, Interval]:
-    """Unit vector along which opening moves the tool's point, and its distance from the axis [m]."""
-    model, index = scene.model, int(scene.model.getJointId(container.joint))
+    """Unit vector along which opening moves the tool's point, and its way for each rad or m of the joint."""
+    model, index = scene.model, int(scene.model.getJointId(mechanics.joint))
+    if mechanics.reach is not None:
+        across = _folding(mechanics.reach, tool, q)
+        return across.unit(), across.length()
     above = int(model.parents[index])
     while above:
         if pieces.c[1:, :, above - 1].any():
-            what = f"{local_name(container.joint)} hangs on {local_name(model.names[above])}, which moves too"
+            what = f"{local_name(mechanics.joint)} hangs on {local_name(model.names[above])}, which moves too"
             raise OracleRejectedError(f"forces are not bounded: {what}")
         above = int(model.parents[above])
     pin.forwardKinematics(model, scene.data, pieces.c[0, 0])
-    placement, name = scene.data.oMi[index], local_name(container.joint)
+    placement, name = scene.data.oMi[index], local_name(mechanics.joint)
     joint = next(each for each in scene.kitchen.joints if each.name == name)
     axis = placement.rotation @ np.array(joint.axis)
     along = fixed(axis / np.linalg.norm(axis), len(tool.radius))
@@ -137,6 +140,23 @@ def _path(
         return along, Interval(np.ones_like(tool.radius), np.ones_like(tool.radius))
     across = along.cross(tool - fixed(placement.translation, len(tool.radius)))
     return across.unit(), across.length()
+
+
+def _folding(reach: Reach, tool: Vectors, q: Interval) -> Vectors:
+    """How a point of a folding door's last panel moves for each rad of the container's joint.
+
+    With a the axis, Ω_k the rate of panel k, l_k(q) the arm from its hinge to the next and o that of the
+    first: a × (Ω_N (x - o) - Σ (Ω_N - Ω_k) l_k(q)).
+    """
+    count, last = len(tool.radius), reach.rates[-1]
+    middle, half = (q.lo + q.hi) / 2, (q.hi - q.lo) / 2
+    found = (tool - fixed(reach.origin, count)).scaled(float(last))
+    for arm, rate, phase in zip(reach.arms, reach.rates, reach.phases, strict=False):
+        angle = (rate * middle + phase)[:, None]
+        turned = arm * np.cos(angle) + np.cross(reach.axis, arm) * np.sin(angle)
+        bent = Vectors(turned, float(np.linalg.norm(arm)) * abs(rate) * half)
+        found = found - bent.scaled(float(last - rate))
+    return fixed(reach.axis, count).cross(found)
 
 
 def _over(force: Interval, lever: Interval) -> Interval:

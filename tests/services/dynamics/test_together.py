@@ -10,7 +10,7 @@ import pytest
 
 from predicates.case import Case, Outcome, Verdict
 from predicates.law import law
-from sdt_kg.errors import MotionError, OracleRejectedError
+from sdt_kg.errors import MotionError
 from sdt_kg.load import load_twin
 from sdt_kg.motion import Motion
 from sdt_kg.scope import D_ARTIC_DYN, violations
@@ -23,7 +23,6 @@ from services.dynamics.need import need
 from services.dynamics.oracle import Dynamics
 from services.dynamics.rest import at_rest
 from tests.services.dynamics.mechanisms import NOTHING, slide
-from tests.small import small_twin
 
 HERE = Path(__file__).parent
 ID = "https://example.org/id/pair/"
@@ -151,11 +150,3 @@ def test_bad_figures_of_a_follower_keep_its_leader_outside() -> None:
     twin = pair().with_edit(own, coulombFrictionFrom=-1.0)
     (found,) = violations(twin, twin.container("left_leaf"), tee=D_ARTIC_DYN)
     assert (found.focus, found.value) == (own, -1.0)
-
-
-def test_a_folding_door_is_outside_and_the_reason_is_told() -> None:
-    twin = small_twin("a")
-    found = violations(twin, twin.container("folding_door"), tee=D_ARTIC_DYN)
-    assert any("as in a folding door" in each.message for each in found)
-    with pytest.raises(OracleRejectedError, match="folds"):
-        Dynamics().mechanics(twin, twin.container("folding_door"))
