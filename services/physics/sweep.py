@@ -13,11 +13,12 @@ import coal  # pyright: ignore[reportMissingImports]  # found through a .pth fil
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
-from sdt_kg.iri import Iri, body_iri
-from sdt_kg.mechanism import JointType, Limits, Mechanism
+from sdt_kg.iri import Iri
+from sdt_kg.mechanism import JointType, Limits
 from sdt_kg.state import State
-from services.physics.geometry.pieces import pieces
-from services.physics.tree import Array, Model, se3
+from services.physics.geometry.bodies import BodyShape, shapes_of
+from services.physics.geometry.passing import Boxes, Way, may_meet
+from services.physics.tree import Array, Model
 
 ALLOWANCE = 0.01
 """[m] How much deeper than in the present state a moved shape may sink into another: the doors of
@@ -38,8 +39,8 @@ KEPT = 4096
 LEAST_STEP = 5e-4
 """[m] Shortest step of a shape's fastest point."""
 
-GRID = 17
-"""[1] Positions at which boxes around the shapes are compared first."""
+PARTS = 16
+"""[1] Of a way, on each of which boxes around the shapes are compared first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,27 +60,12 @@ class Block:
     other: Iri
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Shape:
-    body: Iri
-    parent: Iri | None
-    mount: frozenset[Iri]
-    joint: int
-    pose: pin.SE3
-    shape: coal.CollisionGeometry
-    rotation: Array
-    centre: Array
-    half: Array
-    radius: float
-    thickness: float
-
-
 class Sweep:
     """The kitchen's shapes, for questions about what moves into what."""
 
     def __init__(self, model: Model) -> None:
         self._model = model
-        self._shapes = tuple(_shapes(model))
+        self._shapes = tuple(shapes_of(model))
         self._rest = _Rest(model, self._shapes)
         self._known: dict[tuple[State, Iri, float], Block | None] = {}
 
@@ -99,8 +85,8 @@ class Sweep:
     def _searched(self, state: State, active: Iri, end: float) -> Block | None:
         path = _Path(self._model, self._rest, state, active, end)
         found: Block | None = None
-        for one, other in path.near(self._shapes):
-            block = path.followed(one, other, end if found is None else found.position)
+        for one, other, until in path.near(self._shapes):
+            block = path.followed(one, other, end if found is None else found.position, until)
             found = block or found
         return found
 
@@ -108,20 +94,20 @@ class Sweep:
 class _Rest:
     """The kitchen with every joint at its start position, in which its parts were fitted together."""
 
-    def __init__(self, model: Model, shapes: Sequence[_Shape]) -> None:
+    def __init__(self, model: Model, shapes: Sequence[BodyShape]) -> None:
         q = np.array([_start(joint.limits) for joint in model.part.joints])
         pin.forwardKinematics(model.model, model.data, model.coupling.positions(q))
         self._placed = {id(each): _placed(model.data.oMi[each.joint] * each.pose) for each in shapes}
-        self._bodies: dict[Iri, list[_Shape]] = {}
+        self._bodies: dict[Iri, list[BodyShape]] = {}
         for each in shapes:
             self._bodies.setdefault(each.body, []).append(each)
         self._known: dict[tuple[Iri, Iri], bool] = {}
 
-    def depth(self, one: _Shape, other: _Shape) -> float:
+    def depth(self, one: BodyShape, other: BodyShape) -> float:
         """[m] How deep the shapes are in each other, 0 where they are apart."""
         return max(0.0, -_gap(one, self._placed[id(one)], other, self._placed[id(other)]))
 
-    def bears(self, one: _Shape, other: _Shape) -> bool:
+    def bears(self, one: BodyShape, other: BodyShape) -> bool:
         """One moves in or on the other: its joint's parent, or what is fixed to that and encloses it."""
         key = (one.body, other.body)
         if key not in self._known:
@@ -161,40 +147,63 @@ class _Path:
         pin.forwardKinematics(self._model.model, self._model.data, self._model.coupling.positions(q))
         return self._model.data.oMi
 
-    def near(self, shapes: Sequence[_Shape]) -> Iterator[tuple[_Shape, _Shape]]:
-        """Pairs of a moved and a resting shape whose surrounding boxes meet on the way."""
+    def near(self, shapes: Sequence[BodyShape]) -> Iterator[tuple[BodyShape, BodyShape, float]]:
+        """Pairs of a moved and a resting shape whose boxes may meet on the way, and until where they may."""
         moved = [each for each in shapes if each.joint in self._moving]
         resting = [each for each in shapes if each.joint not in self._moving]
         if not moved or not resting:
             return
-        low, high = self._boxes(resting, self._begin)
-        reach = np.zeros((len(moved), len(resting)), dtype=bool)
-        step = abs(self._end - self._begin) / (GRID - 1)
-        pad = np.array([self._speed(each) for each in moved])[:, None] * step
-        for position in np.linspace(self._begin, self._end, GRID):
-            below, above = self._boxes(moved, float(position))
-            reach |= ((below - pad)[:, None] <= high).all(2) & ((above + pad)[:, None] >= low).all(2)
-        for i, j in np.argwhere(reach):
-            one, other = moved[i], resting[j]
-            if not self._rest.bears(one, other):
-                yield one, other
+        step = (self._end - self._begin) / PARTS
+        middles = np.linspace(self._begin + step / 2, self._end - step / 2, PARTS)
+        boxes, still = self._boxes(moved, middles), self._boxes(resting, middles[:1])
+        (below, above), (low, high) = boxes.corners(), still.corners()
+        pad = np.array([self._speed(each) for each in moved])[:, None] * abs(step) / 2
+        reach = ((below.min(axis=0) - pad)[:, None] <= high).all(2)
+        reach &= ((above.max(axis=0) + pad)[:, None] >= low).all(2)
+        one, other = np.nonzero(reach)
+        least = np.array([_least(moved[i], resting[j]) for i, j in zip(one, other, strict=True)])
+        meet = np.ones((PARTS, len(one)), dtype=bool)
+        if len(self._follows) == 1:
+            meet = may_meet(self._way(abs(step) / 2), boxes.where(one), still.where(other), least)
+        for n in np.flatnonzero(meet.any(axis=0)):
+            if not self._rest.bears(moved[one[n]], resting[other[n]]):
+                last = int(np.flatnonzero(meet[:, n])[-1]) + 1
+                until = self._end if last == PARTS else self._begin + step * last
+                yield moved[one[n]], resting[other[n]], until
 
-    def _boxes(self, shapes: Sequence[_Shape], position: float) -> tuple[Array, Array]:
-        frames = self._frames(position)
-        turns, at = np.array([one.rotation for one in frames]), np.array([one.translation for one in frames])
-        joint = np.array([each.joint for each in shapes])
-        middle = (turns[joint] @ np.array([each.centre for each in shapes])[:, :, None])[:, :, 0] + at[joint]
-        rotation = turns[joint] @ np.array([each.rotation for each in shapes])
-        reach = (np.abs(rotation) @ np.array([each.half for each in shapes])[:, :, None])[:, :, 0]
-        return middle - reach, middle + reach
+    def _way(self, half: float) -> Way:
+        """The way of the only joint that moves, whose axis rests."""
+        (joint,) = self._follows
+        own = self._model.part.joints[self._model.model.idx_qs[joint] - self._model.part.first]
+        frame, axis = self._frames(self._begin)[joint], np.array(own.axis)
+        return Way(
+            frame.rotation @ (axis / np.linalg.norm(axis)),
+            frame.translation.copy(),
+            own.type is JointType.PRISMATIC,
+            half * abs(float(self._model.coupling.multiplier[self._model.model.idx_qs[joint]])),
+        )
 
-    def _speed(self, one: _Shape) -> float:
+    def _boxes(self, shapes: Sequence[BodyShape], positions: Array) -> Boxes:
+        """Those about the shapes with the actuated joint at each position, shape (N, S)."""
+        joints, index = np.unique([each.joint for each in shapes], return_inverse=True)
+        turns, at = np.empty((len(positions), len(joints), 3, 3)), np.empty((len(positions), len(joints), 3))
+        for n, position in enumerate(positions):
+            frames = self._frames(float(position))
+            for k, joint in enumerate(joints.tolist()):
+                turns[n, k], at[n, k] = frames[joint].rotation, frames[joint].translation
+        turn, centre = turns[:, index], np.array([each.centre for each in shapes])
+        half = np.array([each.half for each in shapes])
+        middle = (turn @ centre[:, :, None])[..., 0] + at[:, index]
+        rotation = turn @ np.array([each.rotation for each in shapes])
+        return Boxes(rotation, middle, np.broadcast_to(half, middle.shape))
+
+    def _speed(self, one: BodyShape) -> float:
         """Bound of the speed of the shape's points [m per unit of the actuated joint], kept."""
         if id(one) not in self._speeds:
             self._speeds[id(one)] = self._fastest(one)
         return self._speeds[id(one)]
 
-    def _fastest(self, one: _Shape) -> float:
+    def _fastest(self, one: BodyShape) -> float:
         total, slid = 0.0, 0.0
         pinocchio, frames = self._model.model, self._frames(self._begin)
         supports = [i for i in pinocchio.supports[one.joint].tolist() if i in self._follows]
@@ -214,11 +223,11 @@ class _Path:
         part = self._model.part
         return part.joints[coordinate - part.first].type
 
-    def followed(self, one: _Shape, other: _Shape, end: float) -> Block | None:
-        """The first position up to `end` at which the two are too deep in each other."""
+    def followed(self, one: BodyShape, other: BodyShape, end: float, until: float) -> Block | None:
+        """The first position up to `end` at which the two are too deep in each other; none after `until`."""
         direction, speed = np.sign(end - self._begin), self._speed(one)
         resting = _placed(self._frames(self._begin)[other.joint] * other.pose)
-        least = min(ALLOWANCE, THIN_SHARE * (one.thickness + other.thickness))
+        least = _least(one, other)
         position, allowed = self._begin, least
         while speed > 0:
             placed = _placed(self._frames(position)[one.joint] * one.pose)
@@ -227,7 +236,7 @@ class _Path:
                 allowed += max(0.0, -gap, REST_FACTOR * self._rest.depth(one, other))
             if gap < -allowed:
                 return Block(position, -gap, allowed, one.body, other.body)
-            if position == end:
+            if position == end or (until - position) * direction <= 0:
                 return None
             step = max(gap, least / 2, LEAST_STEP) / speed
             ahead = position + direction * step
@@ -235,11 +244,16 @@ class _Path:
         return None
 
 
-def _gap(one: _Shape, one_at: coal.Transform3s, other: _Shape, other_at: coal.Transform3s) -> float:
+def _gap(one: BodyShape, one_at: coal.Transform3s, other: BodyShape, other_at: coal.Transform3s) -> float:
     """Distance of two shapes [m], negative where they penetrate."""
     # Request and result of its own for each call: a cached guess gives wrong answers.
     request, result = coal.DistanceRequest(), coal.DistanceResult()
     return float(coal.distance(one.shape, one_at, other.shape, other_at, request, result))
+
+
+def _least(one: BodyShape, other: BodyShape) -> float:
+    """[m] How deep the shapes may be in each other, wherever they are."""
+    return min(ALLOWANCE, THIN_SHARE * (one.thickness + other.thickness))
 
 
 def _start(limits: Limits) -> float:
@@ -248,47 +262,3 @@ def _start(limits: Limits) -> float:
 
 def _placed(pose: pin.SE3) -> coal.Transform3s:
     return coal.Transform3s(pose.rotation, pose.translation)
-
-
-def _shapes(model: Model) -> Iterator[_Shape]:
-    part = model.part
-    name, carried, mounts = part.mechanism.name, _carriers(part.mechanism), _mounts(part.mechanism)
-    for body in part.mechanism.bodies:
-        index, joint_T_body = part.attached[body.name]
-        parent = carried[body.name]
-        for geometry in body.collision:
-            pose = joint_T_body * se3(geometry.pose)
-            for shape in pieces(geometry):
-                box = shape.aabb_local
-                size = box.max_ - box.min_
-                yield _Shape(
-                    body=body_iri(name, body.name),
-                    parent=body_iri(name, parent) if parent else None,
-                    mount=frozenset(body_iri(name, each) for each in mounts.get(parent, ())),
-                    joint=index,
-                    pose=pose,
-                    shape=shape,
-                    rotation=pose.rotation.copy(),
-                    half=size / 2,
-                    centre=pose.act((box.min_ + box.max_) / 2),
-                    radius=float(np.linalg.norm(size)) / 2,
-                    thickness=float(size.min()),
-                )
-
-
-def _carriers(mechanism: Mechanism) -> dict[str, str]:
-    """Body → parent of the joint that moves it, empty where none does."""
-    carriers = {mechanism.root: ""}
-    for joint in mechanism.joints:
-        carriers[joint.child] = carriers[joint.parent] if joint.type is JointType.FIXED else joint.parent
-    return carriers
-
-
-def _mounts(mechanism: Mechanism) -> dict[str, set[str]]:
-    """Body → the bodies which a single fixed joint joins to it."""
-    mounts: dict[str, set[str]] = {}
-    for joint in mechanism.joints:
-        if joint.type is JointType.FIXED:
-            mounts.setdefault(joint.parent, set()).add(joint.child)
-            mounts.setdefault(joint.child, set()).add(joint.parent)
-    return mounts

@@ -1,0 +1,86 @@
+"""Shapes of a kitchen's bodies, and what bears which."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
+import numpy as np
+import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
+
+from sdt_kg.iri import Iri, body_iri
+from sdt_kg.mechanism import JointType, Mechanism
+from services.physics.geometry.pieces import pieces
+from services.physics.tree import Array, Model, se3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BodyShape:
+    """A shape of a kitchen's body.
+
+    Attributes:
+        parent: The body against which its joint moves it; None where none does.
+        mount: What a single fixed joint joins to that.
+        joint: Pinocchio's index of the joint that moves it.
+        pose: joint_T_shape.
+        rotation: Of that.
+        centre, half: Middle of its own box in the joint's frame, half extents in its own, shape (3,) [m].
+        radius: Of the sphere about `centre` that contains it [m].
+        thickness: Least extent of its box [m].
+    """
+
+    body: Iri
+    parent: Iri | None
+    mount: frozenset[Iri]
+    joint: int
+    pose: pin.SE3
+    shape: coal.CollisionGeometry
+    rotation: Array
+    centre: Array
+    half: Array
+    radius: float
+    thickness: float
+
+
+def shapes_of(model: Model) -> Iterator[BodyShape]:
+    """The pieces of all shapes of a mechanism's bodies."""
+    part = model.part
+    name, carried, mounts = part.mechanism.name, _carriers(part.mechanism), _mounts(part.mechanism)
+    for body in part.mechanism.bodies:
+        index, joint_T_body = part.attached[body.name]
+        parent = carried[body.name]
+        for geometry in body.collision:
+            pose = joint_T_body * se3(geometry.pose)
+            for shape in pieces(geometry):
+                box = shape.aabb_local
+                size = box.max_ - box.min_
+                yield BodyShape(
+                    body=body_iri(name, body.name),
+                    parent=body_iri(name, parent) if parent else None,
+                    mount=frozenset(body_iri(name, each) for each in mounts.get(parent, ())),
+                    joint=index,
+                    pose=pose,
+                    shape=shape,
+                    rotation=pose.rotation.copy(),
+                    half=size / 2,
+                    centre=pose.act((box.min_ + box.max_) / 2),
+                    radius=float(np.linalg.norm(size)) / 2,
+                    thickness=float(size.min()),
+                )
+
+
+def _carriers(mechanism: Mechanism) -> dict[str, str]:
+    """Body → parent of the joint that moves it, empty where none does."""
+    carriers = {mechanism.root: ""}
+    for joint in mechanism.joints:
+        carriers[joint.child] = carriers[joint.parent] if joint.type is JointType.FIXED else joint.parent
+    return carriers
+
+
+def _mounts(mechanism: Mechanism) -> dict[str, set[str]]:
+    """Body → the bodies which a single fixed joint joins to it."""
+    mounts: dict[str, set[str]] = {}
+    for joint in mechanism.joints:
+        if joint.type is JointType.FIXED:
+            mounts.setdefault(joint.parent, set()).add(joint.child)
+            mounts.setdefault(joint.child, set()).add(joint.parent)
+    return mounts
