@@ -1,14 +1,19 @@
 """Facts: triples grouped by subject and property, for reading values back."""
 
+import math
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from typing import Final
 
+from sdt_kg.errors import GraphError
 from sdt_kg.iri import RDF, SDT, Iri
 from sdt_kg.mechanism import Pose
 from sdt_kg.store import Term, Triple, Value, value_of
 
 TYPE: Final = RDF + "type"
+
+UNIT_NORM: Final = 1e-3
+"""[1] How far the norm of a quaternion may be from 1: what is farther would scale what it turns."""
 
 
 class Facts:
@@ -92,9 +97,20 @@ class Facts:
         return ((name, term) for name, terms in values.items() for term in terms)
 
     def pose(self, subject: Iri) -> Pose:
-        """The pose individual's value; coordinates in m, quaternion xyzw."""
+        """The pose individual's value; coordinates in m, quaternion xyzw.
+
+        Raises:
+            GraphError: The quaternion is none of a rotation.
+        """
         x, y, z = (self.number(subject, name) for name in ("x", "y", "z"))
         qx, qy, qz, qw = (self.number(subject, name) for name in ("qx", "qy", "qz", "qw"))
+        norm = math.hypot(qx, qy, qz, qw)
+        if abs(norm - 1) > UNIT_NORM:
+            raise GraphError(
+                f"the quaternion of '{subject}' has the norm {norm:.6g}",
+                allowed="1",
+                remedy="divide sdt:qx, sdt:qy, sdt:qz and sdt:qw by it",
+            )
         return Pose((x, y, z), (qx, qy, qz, qw))
 
 

@@ -33,6 +33,10 @@ NUMBERS: Final[dict[str, dict[str, int]]] = {
     "origin": {"xyz": 3, "rpy": 3},
     "sphere": {"radius": 1},
 }
+LARGEST: Final = 1e6
+"""[m or rad] Of a pose, a size or an axis: no kitchen's or robot's is larger, and no product overflows."""
+
+BOUNDED: Final = ("origin", "box", "cylinder", "sphere", "axis", "mesh")
 POSITIVE: Final = {("box", "size"), ("cylinder", "radius"), ("cylinder", "length"), ("sphere", "radius")}
 
 
@@ -172,6 +176,10 @@ def _check_numbers(owner: ET.Element, source: Path) -> None:
             text = element.get(attribute)
             if text is not None:
                 _check_number(f"{where}: {element.tag} {attribute}", text, count)
+                if element.tag in BOUNDED and any(abs(float(word)) > LARGEST for word in text.split()):
+                    raise UrdfError(
+                        f"{where}: {element.tag} {attribute}='{text}'", allowed=f"up to {LARGEST:g}"
+                    )
                 if (element.tag, attribute) in POSITIVE and any(float(word) <= 0 for word in text.split()):
                     raise UrdfError(f"{where}: {element.tag} {attribute}='{text}'", allowed="above 0 m")
     _check_geometry(owner, where)

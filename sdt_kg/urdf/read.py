@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Final
 from xml.etree import ElementTree as ET
+from xml.parsers.expat import ExpatError
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,13 +82,29 @@ def _text(path: Path) -> bytes:
     xacro: Parsed = importlib.import_module("xacro")
 
     refuse_unsafe(path.read_bytes(), path)
+    xacro.all_includes.clear()
     try:
         document = xacro.process_file(str(path))
     except RecursionError:
         raise UrdfError(f"{path}: a xacro macro calls itself without end") from None
-    except (xacro.XacroException, ET.ParseError, SyntaxError, OSError, ValueError, KeyError) as error:
+    except (
+        xacro.XacroException,
+        ExpatError,
+        SyntaxError,
+        RuntimeError,
+        OSError,
+        ValueError,
+        KeyError,
+    ) as error:
         said = " ".join(str(error).split())
         raise UrdfError(f"{path}: xacro says: {said}", remedy="run xacro on it by hand") from None
+    for read in map(Path, xacro.all_includes):
+        if not read.resolve().is_relative_to(path.parent.resolve()):
+            raise UrdfError(
+                f"{path}: reads '{read}', which lies outside of '{path.parent}'",
+                allowed="files below that folder",
+                remedy="put it there, or run xacro on it by hand",
+            )
     return str(document.toxml()).encode()
 
 

@@ -158,7 +158,7 @@ def _check_leaps(
     if not names:
         return
     steps, spacing = np.abs(np.diff(values, axis=0)), np.diff(times)
-    leaps = (steps > LEAST_LEAP) & (steps > LEAP * np.array(fastest) * spacing[:, None])
+    leaps = (steps > LEAST_LEAP) & (steps / (LEAP * spacing[:, None]) > np.array(fastest))
     if leaps.any():
         k, column = (int(each) for each in np.argwhere(leaps)[0])
         raise MotionError(

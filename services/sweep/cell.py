@@ -43,7 +43,8 @@ class Cell:
     @property
     def file_name(self) -> str:
         """Where the case's certified body motion is kept, in a folder of motions."""
-        return f"{model_name(self.kitchen)}_{model_name(self.robot)}_{self.container}.npz"
+        container = self.container.replace("/", "_")  # links may have any name
+        return f"{model_name(self.kitchen)}_{model_name(self.robot)}_{container}.npz"
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,7 +35,11 @@ def tuples(length: int) -> st.SearchStrategy[tuple[float, ...]]:
     return st.tuples(*[numbers] * length)
 
 
-poses = st.builds(Pose, tuples(3), tuples(4))
+parts = st.floats(-1, 1)
+turns = st.tuples(parts, parts, parts, parts.filter(lambda part: abs(part) > 0.1)).map(
+    lambda four: tuple(part / math.hypot(*four) for part in four)
+)
+poses = st.builds(Pose, tuples(3), turns)
 
 
 def geometries() -> st.SearchStrategy[Geometry]:

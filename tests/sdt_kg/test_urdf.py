@@ -179,10 +179,17 @@ def test_xacro_is_expanded(tmp_path: Path) -> None:
         ('<xacro:include filename="nowhere.xacro"/>', "No such file"),
         ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "without end"),
         ('<link name="${__import__(1)}"/>', "invalid name"),
+        ('<xacro:include filename="broken.xml"/>', "syntax error"),
+        ("<xacro:unless/>", "missing attribute 'value'"),
+        ('<link name="l"/><xacro:include filename="../outside.xml"/>', "outside.xml', which lies outside of"),
+        ("<link name=\"${xacro.load_yaml('../outside.xml')}\"/>", "outside.xml', which lies outside of"),
     ],
 )
 def test_a_bad_xacro_is_refused_with_its_reason(tmp_path: Path, body: str, reason: str) -> None:
-    path = tmp_path / "my.xacro"
+    (tmp_path / "in").mkdir()
+    path = tmp_path / "in" / "my.xacro"
+    (tmp_path / "outside.xml").write_text("<robot/>")
+    (tmp_path / "in" / "broken.xml").write_text("no XML")
     head = '<robot name="k" xmlns:xacro="http://www.ros.org/wiki/xacro">'
     path.write_text(f"{head}{body}</robot>", encoding="utf-8")
     with pytest.raises(UrdfError) as caught:

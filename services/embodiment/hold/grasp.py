@@ -12,6 +12,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from sdt_kg.errors import AnnotationError
 from sdt_kg.iri import joint_iri
 from services.embodiment.body import hands
 from services.embodiment.body.kernels import rotation
@@ -145,6 +146,11 @@ class Hand:
         self.world, self.limb = world, limb
         palm, self.fingers = world.shapes_of(limb.palm), world.shapes_of(limb.fingers)
         self.shapes = np.concatenate([palm, self.fingers])
+        if not len(self.shapes):
+            raise AnnotationError(
+                f"gripper '{limb.gripper.name}' has no collision shape to hold a handle with",
+                allowed="<collision> in the URDF's links of its fingers",
+            )
         self._tool = limb.tool(np.zeros(len(limb.lower)))
         self.closing = self._closings()
         joints = np.array([j for j in range(1, len(world.tree[0])) if self._follows(j)], np.int64)

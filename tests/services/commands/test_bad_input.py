@@ -64,6 +64,10 @@ BAD_URDF = {
     "missing mesh": (MESH.format("gone.stl"), ["gone.stl"]),
     "mesh outside": (MESH.format("../../etc/x.stl"), ["x.stl"]),
     "zero axis": (JOINT.format(xyz="0 0 0", axis="0 0 0", lower=0), ["'j'", "axis"]),
+    "pose out of this world": (
+        JOINT.format(xyz="1e200 0 0", axis="0 0 1", lower=0),
+        ["1e200", "up to 1e+06"],
+    ),
     "inverted limits": (JOINT.format(xyz="0 0 0", axis="0 0 1", lower=2), ["'j'", "limit"]),
     "NaN": (JOINT.format(xyz="nan 0 0", axis="0 0 1", lower=0), ["'j'", "nan"]),
     "loop": (
