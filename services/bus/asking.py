@@ -5,10 +5,10 @@ import uuid
 from dataclasses import dataclass
 
 import zenoh
+from pydantic import ValidationError
 
 from services.bus import keys
 from services.bus.keys import Meta
-from services.bus.replies import problem_in
 from services.judging.codec import JSON, decode, encode
 from services.judging.messages import Header
 from services.judging.problems import Problem, ProblemType, error_of, problem
@@ -80,17 +80,27 @@ def asked(session: zenoh.Session, twin: str, deadline: float, question: Question
     raise error_of(reply)
 
 
-def servers(session: zenoh.Session, twin: str, seconds: float = LIVE_TIMEOUT) -> list[str]:
-    """Instances that are there now."""
-    tokens = session.liveliness().get(keys.any_live(twin), timeout=seconds)
+def present(session: zenoh.Session, tokens_at: str, seconds: float = LIVE_TIMEOUT) -> list[str]:
+    """Instances of servers or oracles that are there now, by the key expression of their tokens."""
+    tokens = session.liveliness().get(tokens_at, timeout=seconds)
     return sorted({keys.instance_of(str(each.ok.key_expr)) for each in tokens if each.ok})
+
+
+def problem_in(error: zenoh.ReplyError) -> Problem | None:
+    """What the responder says; None where Zenoh itself says that time is up: that is no JSON."""
+    if not str(error.encoding).startswith(JSON):
+        return None
+    try:
+        return Problem.model_validate_json(error.payload.to_bytes())
+    except ValidationError:
+        return problem(ProblemType.INTERNAL, "the responder's error is not readable")
 
 
 def _silence(
     session: zenoh.Session, twin: str, only: str, seconds: float, pause: float
 ) -> tuple[Problem, set[str]]:
     """What silence means as far as one can see, and who could have answered and tells of itself."""
-    there = {each for each in servers(session, twin, seconds) if only in {"", each}}
+    there = {each for each in present(session, keys.any_live(twin), seconds) if only in {"", each}}
     if not there:
         nobody = f"no server of '{twin}' is on the bus"
         said = f"{nobody} under the name '{only}'; its jobs have ended with it" if only else nobody

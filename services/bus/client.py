@@ -13,7 +13,7 @@ import zenoh
 from predicates.record import StoredVerdict, read_verdicts
 from sdt_kg.store import Row, rows_of
 from services.bus import keys
-from services.bus.asking import LIVE_TIMEOUT, Question, asked, servers
+from services.bus.asking import LIVE_TIMEOUT, Question, asked, present
 from services.bus.keys import Meta, Part
 from services.bus.sessions import open_session
 from services.judging.codec import CBOR, JSON, decode, encode, encode_cbor
@@ -212,7 +212,7 @@ class Connection:
 
     def servers(self) -> list[str]:
         """Instances that are there now."""
-        return servers(self.session, self.twin)
+        return present(self.session, keys.any_live(self.twin))
 
     def _typed(
         self, verb: Verb, request: Message, kind: type[R], encoding: str = JSON, instance: str = ""

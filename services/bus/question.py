@@ -9,7 +9,6 @@ import zenoh
 
 from sdt_kg.errors import SdtError
 from services.bus import keys
-from services.bus.replies import reply
 from services.judging.codec import CBOR, JSON, MAX_REPLY, MAX_REQUEST, decode
 from services.judging.jobs import Done, Waiter
 from services.judging.messages import Header
@@ -89,6 +88,18 @@ class Question:
             detail = f": {outcome.detail}" if isinstance(outcome, Problem) else ""
             with within(self.origin):
                 log.info("%s %s %s%s", self.twin, self.what, end, detail, extra={"fields": fields})
+
+
+def reply(query: zenoh.Query, key: str, outcome: Done | Problem) -> None:
+    """The reply or the error is sent under the key, and the query is over."""
+    with query:
+        try:
+            if isinstance(outcome, Done):
+                query.reply(key, outcome.payload, encoding=outcome.encoding)
+            else:
+                query.reply_err(outcome.model_dump_json().encode(), encoding=JSON)
+        except zenoh.ZError as error:  # the asker has gone
+            log.info("nobody took the reply under %s: %s", key, error)
 
 
 def bounded(payload: zenoh.ZBytes, most: int = MAX_REQUEST) -> bytes:

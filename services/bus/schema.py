@@ -4,7 +4,7 @@ import re
 from importlib.metadata import version
 from typing import Final
 
-from services.bus import keys
+from services.bus import examples, keys
 from services.bus.keys import Meta, Part
 from services.judging.codec import CBOR, JSON
 from services.judging.messages import REQUESTS, SCHEMA, Header
@@ -69,8 +69,14 @@ def _verbs() -> dict[str, Object]:
     found: dict[str, Object] = {}
     for verb, request in REQUESTS.items():
         reply = REPLIES.get(verb)
-        asked: Object = {"payload": _reference(request.__name__), "headers": _reference(Header.__name__)}
+        asked: Object = {
+            "payload": _reference(request.__name__),
+            "headers": _reference(Header.__name__),
+            "examples": [{"payload": examples.REQUESTS[verb], "headers": examples.HEADER}],
+        }
         answer: Object = {"payload": _SPARQL if reply is None else _reference(reply.__name__)}
+        if verb in examples.REPLIES:
+            answer["examples"] = [{"payload": examples.REPLIES[verb]}]
         found[verb.value] = _channel(f"rpc/{verb.value}", _QUERYABLE, request=asked, reply=answer)
     return found
 
@@ -112,7 +118,10 @@ def _told() -> dict[str, Object]:
 def _channel(tail: str, zenoh: Object, **messages: Object) -> Object:
     address = f"{keys.ROOT}/{{twin}}/{tail}"
     if "error" in zenoh:
-        messages["problem"] = {"payload": _reference(Problem.__name__)}
+        messages["problem"] = {
+            "payload": _reference(Problem.__name__),
+            "examples": [{"payload": examples.PROBLEM}],
+        }
     return {
         "address": address,
         "parameters": {name: {"description": _PARAMETERS[name]} for name in re.findall(r"{(\w+)}", address)},

@@ -15,8 +15,7 @@ from sdt_kg.errors import InputError, SdtError
 from services.bus import keys
 from services.bus.history import Herald
 from services.bus.keys import Meta, Part
-from services.bus.question import OTHER, Question, understood
-from services.bus.replies import reply
+from services.bus.question import OTHER, Question, reply, understood
 from services.bus.schema import MEDIA, VOID, asyncapi
 from services.bus.sweeps import Sweeps
 from services.http.memory import Memory

@@ -18,6 +18,7 @@ from sdt_kg.state import Region
 from sdt_kg.twin import Container, Twin
 from services.app import Oracles, Policy
 from services.bus import keys
+from services.bus.asking import present, problem_in
 from services.bus.keys import Oracle
 from services.bus.oracles.codec import (
     Plain,
@@ -30,7 +31,6 @@ from services.bus.oracles.codec import (
     replayed_value,
 )
 from services.bus.oracles.handler import UNKNOWN_TWIN
-from services.bus.replies import problem_in
 from services.bus.sessions import Reach
 from services.judging.codec import CBOR, encode, from_cbor, to_cbor
 from services.judging.messages import Header
@@ -38,8 +38,6 @@ from services.judging.problems import BusUnavailableError, ConflictError, Proble
 from services.relative import TeeName
 
 _LATE = problem(ProblemType.UNAVAILABLE, "the oracle gave no answer in time")
-LIVE_TIMEOUT = 1.0
-"""[s] For the question which oracles are there."""
 QUICK = 60.0
 """[s] For everything but a search; the first question builds models."""
 MARGIN = 30.0
@@ -63,8 +61,7 @@ class Callers:
 
     def instances(self) -> list[str]:
         """Who is there now."""
-        tokens = self.session.liveliness().get(keys.any_oracle(self.kind), timeout=LIVE_TIMEOUT)
-        return sorted(keys.instance_of(str(each.ok.key_expr)) for each in tokens if each.ok)
+        return present(self.session, keys.any_oracle(self.kind))
 
     def call(self, verb: str, twin: Twin | None, seconds: float = QUICK, **given: Any) -> Any:  # noqa: ANN401 - what CBOR carries
         """The answer of whichever oracle was asked least; if it dies, of another.

@@ -11,8 +11,7 @@ from sdt_kg.errors import SdtError
 from services.bus import keys
 from services.bus.keys import Oracle
 from services.bus.oracles.handler import OracleSetup
-from services.bus.question import MOST_ATTACHED, bounded
-from services.bus.replies import reply
+from services.bus.question import MOST_ATTACHED, bounded, reply
 from services.judging.codec import CBOR, decode
 from services.judging.jobs import Done, NoMemory, Task, Waiter
 from services.judging.messages import Header

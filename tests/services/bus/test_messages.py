@@ -4,6 +4,7 @@ import json
 from typing import Any
 
 import cbor2
+import jsonschema
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,12 +12,13 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from sdt_kg.errors import InputError, OracleUnavailableError
-from services.bus import keys
+from services.bus import examples, keys
 from services.bus.keys import Meta, Part, Verb
 from services.bus.schema import asyncapi
 from services.judging.codec import CBOR, decode, encode, encode_cbor, from_cbor, to_cbor
-from services.judging.messages import AchieveRequest, CausesRequest, Header
+from services.judging.messages import REQUESTS, AchieveRequest, CausesRequest, Header
 from services.judging.problems import ProblemType, error_of, problem, problem_of
+from services.judging.replies import REPLIES
 
 
 @given(arrays(np.float64, st.tuples(st.integers(0, 5), st.integers(0, 4))))
@@ -111,6 +113,33 @@ def test_every_key_has_a_channel_of_the_asyncapi_document() -> None:
         keys.event("b", "state", 7),
         keys.live("b", "me"),
     }
+
+
+def _validated(schema: dict[str, Any], document: dict[str, Any], value: object) -> None:
+    validator = jsonschema.Draft202012Validator({**schema, "components": document["components"]})
+    validator.validate(value)
+
+
+def test_every_example_of_the_asyncapi_document_is_what_its_schema_says() -> None:
+    document: dict[str, Any] = json.loads(json.dumps(asyncapi()))
+    messages = [each for channel in document["channels"].values() for each in channel["messages"].values()]
+    examples = [(message, example) for message in messages for example in message.get("examples", ())]
+    assert len(examples) > 2 * len(Verb)
+    for message, example in examples:
+        for part, value in example.items():
+            _validated(message[part], document, value)
+
+
+def test_every_example_of_a_request_is_read_whole() -> None:
+    for verb, kind in REQUESTS.items():
+        example = examples.REQUESTS[verb]
+        assert example == decode(kind, json.dumps(example).encode()).model_dump(
+            mode="json", include=set(example)
+        )
+    for verb, example in examples.REPLIES.items():
+        assert set(example) <= set(REPLIES[verb].model_fields)
+    header = decode(Header, json.dumps(examples.HEADER).encode())
+    assert header.model_dump(by_alias=True) == examples.HEADER
 
 
 def _references(value: object) -> set[str]:

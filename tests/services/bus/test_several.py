@@ -2,6 +2,7 @@
 
 import json
 import queue
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 
@@ -32,7 +33,11 @@ def two(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iter
         ended.enter_context(open_session(listen=endpoint, mode="router"))
         sessions = [ended.enter_context(open_session(connect=endpoint, mode="client")) for _ in range(3)]
         first, second = (ended.enter_context(small(session)) for session in sessions[:2])
-        yield first, second, Connection(sessions[2], "a", 30.0)
+        to, names = Connection(sessions[2], "a", 30.0), {server.instance for _, server in (first, second)}
+        until = time.monotonic() + 30
+        while set(to.servers()) != names:
+            assert time.monotonic() < until, "their tokens did not come"
+        yield first, second, to
 
 
 @pytest.mark.oracle
