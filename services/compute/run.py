@@ -99,7 +99,7 @@ class Computed:
     def told(self) -> str:
         """The same on a few lines."""
         if self.plan == Plan((), (), ()):
-            return "the query asks for no verdict of what is loaded: nothing to compute"
+            return "nothing to compute: no pattern of law: in the query can match a case of what is loaded"
         lines = [
             f"computed {len(self.ran)} verdicts in {self.seconds:.1f} s; {len(self.plan.stored)} were stored"
         ]
