@@ -172,6 +172,7 @@ class Server:
                 "answered": counts.answered,
                 "late": self._pool.deadlines.missed,
                 "crashed": counts.crashed,
+                "replaced": counts.replaced,
                 "refused": counts.refused,
                 "workers": len(self._pool.pids()),
             }

@@ -182,3 +182,4 @@ class Counts:
     answered: int = 0
     crashed: int = 0
     refused: int = 0
+    replaced: int = 0

@@ -3,6 +3,7 @@
 import logging
 import multiprocessing as mp
 import queue
+import resource
 import select
 import signal
 import threading
@@ -11,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
+from pathlib import Path
 
 from services.judging.jobs import Counts, Done, Handler, Job, Keeper, Wanted
 from services.judging.problems import Problem, ProblemType, problem
@@ -29,6 +31,8 @@ TICK = 0.02
 """[s] How often a lane looks whether a running job was cancelled or is late."""
 PAUSE = 0.1
 """[s] How often a lane without a job looks whether it is to be warmed or to stop."""
+MOST_MEMORY = 4 * 2**30
+"""[bytes] A process that holds more when its job is done is replaced; its models take a tenth of that."""
 TRIES = 2
 """A job whose worker dies is tried once more."""
 
@@ -61,6 +65,15 @@ class Lane(threading.Thread):
         """Process id of the worker."""
         return None if self._process is None else self._process.pid
 
+    @property
+    def resident(self) -> int:
+        """Memory of the worker [bytes]; 0 without one, and on systems that have no /proc."""
+        try:
+            pages = int(Path(f"/proc/{self.pid}/statm").read_text().split()[1])
+        except OSError:
+            return 0
+        return pages * resource.getpagesize()
+
     def run(self) -> None:
         """Feed the worker until told to stop."""
         while not self.stopping.is_set():
@@ -81,6 +94,10 @@ class Lane(threading.Thread):
         )
         self._serve(job)
         span.end(request=task.origin.request)
+        if self.resident > MOST_MEMORY:
+            self._counts.replaced += 1
+            log.warning("a worker held %.1f GiB after %s and is replaced", self.resident / 2**30, task.verb)
+            self._start()
 
     def _next(self) -> Job | None:
         """The next job; None for now."""

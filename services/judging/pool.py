@@ -66,6 +66,8 @@ class Pool:
         metrics.gauge("sdt_jobs_waiting", lambda: self.queued)
         metrics.gauge("sdt_processes", lambda: len(self.pids()))
         metrics.gauge("sdt_process_deaths_total", lambda: self.counts.crashed, "counter")
+        metrics.gauge("sdt_process_replacements_total", lambda: self.counts.replaced, "counter")
+        metrics.gauge("sdt_process_resident_bytes", lambda: sum(lane.resident for lane in self._lanes))
         metrics.gauge("sdt_jobs_refused_total", lambda: self.counts.refused, "counter")
         metrics.gauge("sdt_deadlines_missed_total", lambda: self.deadlines.missed, "counter")
 

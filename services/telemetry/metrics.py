@@ -38,6 +38,8 @@ HELP: Final = {
     "sdt_jobs_waiting": "Questions that wait for a process that judges.",
     "sdt_processes": "Processes that judge.",
     "sdt_process_deaths_total": "Processes that died while they judged.",
+    "sdt_process_replacements_total": "Processes that were replaced, because they held too much memory.",
+    "sdt_process_resident_bytes": "Memory of the processes that judge, all together.",
     "sdt_jobs_refused_total": "Questions that were refused, because too many were waiting.",
     "sdt_deadlines_missed_total": "Questions whose deadline passed first.",
 }

@@ -13,15 +13,16 @@ from services.http.memory import Memory, running
 from services.http.world import World
 from services.judging.pool import Pool
 from services.store.workers import Workers
+from services.telemetry.told import Telemetry
 from tests.small import FOLDER
 
 
 @contextmanager
-def small(session: zenoh.Session) -> Iterator[tuple[Memory, Server]]:
+def small(session: zenoh.Session, telemetry: Telemetry | None = None) -> Iterator[tuple[Memory, Server]]:
     """What it keeps, and the server; a process that judges is started when somebody asks for it."""
     world = World(open_kitchens((str(FOLDER / "a.urdf"),), ()), Workers(1))
     with running(world) as memory:
-        pool = Pool(setup_of(world), 1, memory)
+        pool = Pool(setup_of(world), 1, memory, telemetry=telemetry)
         try:
             with serving(session, pool, memory) as server:
                 yield memory, server

@@ -13,6 +13,9 @@ from services.judging.problems import Problem
 class Obedient:
     """Does what the payload says."""
 
+    def __init__(self) -> None:
+        self.hoard = list[bytes]()
+
     def __call__(self, task: Task, recall: Callable[[str], bytes | None]) -> Done | Problem:
         word, _, rest = task.payload.decode().partition(" ")
         if word == "sleep":
@@ -26,6 +29,8 @@ class Obedient:
             with Path(rest).open("a") as log:
                 log.write("x")
             time.sleep(0.3)
+        if word == "hoard":
+            self.hoard.append(b"x" * (int(rest) * 2**20))
         if word == "recall":
             return Done(recall(rest) or b"nothing", "text/plain")
         if word == "keep":

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from services.judging import lane
 from services.judging.jobs import Done, Kept, Task, Waiter
 from services.judging.pool import Pool
 from services.judging.problems import Problem, ProblemType
@@ -163,3 +164,24 @@ def test_closing_answers_everybody() -> None:
     with pool_of(1) as (asker, _):
         waiting = [asker.send("sleep 60", 100), asker.send("never", 100)]
     assert {kind(each()) for each in waiting} <= {ProblemType.UNAVAILABLE, ProblemType.CONFLICT}
+
+
+@pytest.mark.skipif(
+    not Path("/proc/self/statm").exists(), reason="the system does not tell a process' memory"
+)
+def test_a_worker_that_has_grown_too_large_is_replaced_when_its_job_is_done(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with pool_of(1) as (asker, _):
+        assert isinstance(asker.ask("pid"), Done)
+        before = asker.pool.pids()
+        loaded = asker.pool.telemetry.metrics.to_json()["sdt_process_resident_bytes"]
+        monkeypatch.setattr(lane, "MOST_MEMORY", loaded + 100 * 2**20)
+        assert isinstance(asker.ask("pid"), Done)
+        assert asker.pool.pids() == before, "it has not grown"
+        assert isinstance(asker.ask("hoard 200"), Done)
+        assert isinstance(asker.ask("pid"), Done)
+        assert asker.pool.pids() != before
+        counted = asker.pool.telemetry.metrics.to_json()
+        assert (counted["sdt_process_replacements_total"], counted["sdt_process_deaths_total"]) == (1, 0)
+        assert counted["sdt_process_resident_bytes"] < loaded + 100 * 2**20
