@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import viser
 
-from services.viewer.words import nothing_yet
+from services.viewer.words import nothing_yet, status
 
 Tell = Callable[[str], None]
 Control = Any  # viser's handles have no common type
@@ -83,7 +83,7 @@ class Panel:
         self.check = self._on("check", gui.add_button("Check", color=(20, 96, 42)))
         self.stop = self._on("stop", gui.add_button("Stop", visible=False))
         self.progress = gui.add_progress_bar(0.0, visible=False)
-        self.status = gui.add_markdown("Loading …")
+        self._status = gui.add_html(status("Loading …"))
 
     def _what_if(self) -> None:
         gui = self._gui
@@ -146,6 +146,10 @@ class Panel:
             self.story = gui.add_html("")
         answer.dock_left()
         answer.set_width(WIDTH)
+
+    def say(self, text: str, *, trouble: bool = False) -> None:
+        """What goes on, or what cannot be done."""
+        self._status.content = status(text, trouble=trouble)
 
     def offer(self, control: Control, options: Sequence[str], chosen: str | None = None) -> None:
         """A drop-down offers these; chosen is that one, else the same as before, else the first."""

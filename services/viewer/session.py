@@ -109,7 +109,7 @@ class Session(threading.Thread):
             self._trouble("the page could not do that; the log of the service says why")
 
     def _trouble(self, text: str) -> None:
-        self._panel.status.content = f"**error:** {text}"
+        self._panel.say(text, trouble=True)
         self._client.add_notification("This cannot be done", text, color=(161, 18, 18), auto_close_seconds=30)
 
     def _open(self) -> None:
@@ -130,7 +130,7 @@ class Session(threading.Thread):
         finally:
             self._chooser.show()
             self._moved()
-        self._panel.status.content = "Ready. Choose, then **Check**."
+        self._panel.say("Ready. Choose, then Check.")
 
     def _do(self, name: str) -> None:
         acts: dict[str, Callable[[], None]] = {
@@ -179,11 +179,11 @@ class Session(threading.Thread):
         self._ticket = self._submit(question)
         self._panel.stop.visible = self._panel.progress.visible = True
         self._panel.progress.value = 0.0
-        self._panel.status.content = "Asked …"
+        self._panel.say("Asked …")
 
     def _stop(self) -> None:
         self._give_up()
-        self._panel.status.content = "Stopped: there is no new verdict."
+        self._panel.say("Stopped: there is no new verdict.")
 
     def _give_up(self) -> None:
         """Nothing is waited for."""
@@ -209,7 +209,7 @@ class Session(threading.Thread):
             self._trouble(answered.detail)
         elif isinstance(answered, Judged):
             self._showing.verdict(answered, self._chooser.twin)
-            self._panel.status.content = f"Judged in {answered.seconds:.1f} s."
+            self._panel.say(f"Judged in {answered.seconds:.1f} s.")
 
     def _opened(self, answered: Answered) -> None:
         if isinstance(answered, Problem):
@@ -234,19 +234,19 @@ class Session(threading.Thread):
         budget = self._chooser.choice.budget
         if ticket.began is None:
             ready = self._desk.judges.ready
-            self._panel.status.content = WAITING if ready else GETTING_READY
+            self._panel.say(WAITING if ready else GETTING_READY)
             return
         spent = now - ticket.began
         self._panel.progress.value = min(100 * spent / budget, 100.0)
         more = f"it searches for {budget:g} s at most" if spent <= budget else "a last look for a proof"
-        self._panel.status.content = f"Judging, {spent:.1f} s: {more}."
+        self._panel.say(f"Judging, {spent:.1f} s: {more}.")
 
     def _motion(self) -> None:
         """A motion of the person's own is to be judged."""
         path = self._kept(self._panel.motion.value)
         self._chooser.use(motion=str(path))
         self._moved()
-        self._panel.status.content = f"Motion {path.name}."
+        self._panel.say(f"Motion {path.name}.")
         self._check()
 
     def _model(self) -> None:
@@ -257,7 +257,7 @@ class Session(threading.Thread):
         self._chooser.use(kitchen=str(path))
         self._showing.nothing()
         self._moved()
-        self._panel.status.content = f"Kitchen {path.stem}."
+        self._panel.say(f"Kitchen {path.stem}.")
 
     def _kept(self, file: viser.UploadedFile) -> Path:
         """The file, in a folder of this person; each upload is another file."""

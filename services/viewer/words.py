@@ -21,6 +21,12 @@ FOLDED: Final = ("Asked", "Answers", "Margins", "Notes", "Versions and inputs", 
 STYLE: Final = "font-size:0.85em;line-height:1.4;color:#1a1a1a;overflow-wrap:anywhere;padding:0 0.8em"
 
 
+def status(text: str, *, trouble: bool = False) -> str:
+    """What goes on, or what cannot be done; names of files and links are not read as HTML or Markdown."""
+    error = "<b>error:</b> " if trouble else ""
+    return f"<div id='sdt-status' role='status' style='{STYLE}'>{error}{escape(text)}</div>"
+
+
 def headline(judged: Judged, stale: bool) -> str:
     """Outcome, question and the three predicates."""
     text, colour = BADGES[judged.outcome]
@@ -51,7 +57,8 @@ def story(judged: Judged) -> str:
     by_title = {section.title: section for section in judged.sections[1:]}
     reasons = _section(by_title["Reasons"]) if "Reasons" in by_title else ""
     folded = "".join(
-        f"<details><summary><b>{escape(title)}</b></summary>{_lines(by_title[title].lines)}</details>"
+        f"<details><summary style='padding:0.2em 0'><b>{escape(title)}</b></summary>"
+        f"{_lines(by_title[title].lines)}</details>"
         for title in FOLDED
         if title in by_title
     )

@@ -8,11 +8,16 @@ from websockets.http11 import Response
 
 NAMED: Final = (
     b"<script>new MutationObserver(()=>{"
-    b"for(const each of document.querySelectorAll('button:not([aria-label])'))"
-    b"if(!each.textContent.trim())each.setAttribute('aria-label',/close/i.test(each.className)?'Close':"
-    b"'Connection and scene')}).observe(document,{childList:true,subtree:true})</script>"
+    b"const bare=':not([aria-label]:not([aria-label=\"\"]))',all=what=>document.querySelectorAll(what+bare);"
+    b"for(const each of all('button'))if(!each.textContent.trim())"
+    b"each.setAttribute('aria-label',/close/i.test(each.className)?'Close':'Connection and scene');"
+    b"for(const each of [...all('input:not([type=file])'),...all('[role=slider]')]){"
+    b"if(each.labels?.length)continue;"
+    b"let near=each;while(near&&!near.querySelector('label'))near=near.parentElement;"
+    b"each.setAttribute('aria-label',near?.querySelector('label').textContent||'value')}"
+    b"}).observe(document,{childList:true,subtree:true})</script>"
 )
-"""Two of viser's buttons are pictures alone: that which closes a notification, that of its own settings."""
+"""Buttons of viser's that are pictures alone, its sliders and numbers have no name that could be read out."""
 
 TITLE: Final = b"<title>sdt: kitchens, robots and verdicts in 3D</title>"
 STYLE: Final = (

@@ -1,6 +1,7 @@
 """What people at the page do, and what they are shown: in the page's own protocol, without a browser."""
 
 from collections.abc import Iterator
+from urllib.parse import quote
 
 import pytest
 from viser import _messages as wire
@@ -111,6 +112,12 @@ def test_a_wrong_link_is_said_and_the_page_opens(page: Page, case: str, words: s
     with Visitor(page.port, f"/case/{case}") as one:
         one.until(lambda: any(words in each for each in one.said), words)
         assert one.value("Kitchen") == "b"
+
+
+@pytest.mark.parametrize("name", ["<img src=x onerror=alert(1)>", "<h1>CERTIFIED</h1>", "*a*_b_ قفل"])
+def test_what_a_link_or_file_is_called_is_not_read_as_html_or_markdown(page: Page, name: str) -> None:
+    with Visitor(page.port, f"/case/kitchen={quote(name, safe='')}") as one:
+        one.until(lambda: f"error: no kitchen named '{name}'" in " ".join(one.reads().split()), name)
 
 
 def test_a_browser_cannot_open_the_tunnel(page: Page, visitor: Visitor) -> None:
