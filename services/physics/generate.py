@@ -17,12 +17,9 @@ from services.physics.tree import Model
 SAMPLES = 33
 """[1] Samples of a generated motion; the spline through them is within 1e-5 of the quintic."""
 
-DEPTH_SHARE = 0.2
-"""[1] How deep into the goal a motion goes, as a share of the goal's width: open ends at 0.92 · upper."""
-
-LEAST_DEPTH = 0.01
-"""[rad or m] At least so deep, so far as the goal reaches: five times the tolerance of the tool on
-the handle (2 mm). A container is therefore closed to its lower limit."""
+DEPTH = 0.005
+"""[rad or m] How deep into the goal a motion goes, at least: the tool may slip by 2 mm on the handle,
+which at 0.4 m from a hinge is as much. What is beyond that the robot would have to reach for nothing."""
 
 LIMIT_SHARE = 0.99
 """[1] Share of the velocity and acceleration limits that a generated motion uses."""
@@ -62,8 +59,11 @@ def generate(model: Model, twin: Twin, joint: Iri, goal: Interval) -> Motion:
 
 
 def _target(begin: float, lower: float, upper: float, name: str) -> float:
-    """A point inside [lower, upper], deep enough from the edge at which the motion enters."""
+    """A point inside [lower, upper], deep enough from the edge at which the motion enters.
+
+    A goal of hardly that width is gone through to its end: a container is closed to its lower limit.
+    """
     if lower > upper:
         raise OracleRejectedError(f"no position of {name} within its limits lies in the goal")
-    depth = min(max(DEPTH_SHARE * (upper - lower), LEAST_DEPTH), upper - lower)
+    depth = DEPTH if upper - lower > 3 * DEPTH else upper - lower
     return lower + depth if begin < lower else upper - depth

@@ -1,5 +1,5 @@
 # Edit   What was measured of the folding door is lost.
-# Loses  folding_door,stretch,position,1.00585,1,m
+# Loses  folding_door,stretch,position,0.996019,0.98,m
 PREFIX id: <https://example.org/id/>
 PREFIX law: <https://example.org/law#>
 

@@ -1,6 +1,6 @@
 # Edit   The side door's way is longer, so that open begins later.
-# Loses  Open,side_door,1.38,1.35,0.03
-# Gains  Open,side_door,1.38,1.4,0.02
+# Loses  Open,side_door,1.355,1.35,0.005
+# Gains  Open,side_door,1.355,1.4,0.045
 PREFIX id: <https://example.org/id/>
 PREFIX sdt: <https://example.org/sdt#>
 

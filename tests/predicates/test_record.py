@@ -191,7 +191,7 @@ def test_json_has_the_keys_of_sdt_achieve_and_names_instead_of_iris() -> None:
         "evidence": {
             "quantity": "position",
             "value": 1.3,
-            "bound": 1.0,
+            "bound": 0.98,
             "unit": "m",
             "time": None,
             "entity": "lift_joint",
