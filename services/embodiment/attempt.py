@@ -1,7 +1,7 @@
 """The search with one gripper: its grasps as they come due, and when it has gone on for long enough."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from itertools import islice
 
 import numpy as np
@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from services.embodiment.body.limb import Limb
 from services.embodiment.hold.fit import Fitter
 from services.embodiment.hold.grasp import Grasp
-from services.embodiment.hold.holding import Searcher
+from services.embodiment.hold.holding import Holding, Searcher
+from services.embodiment.hold.spread import Spreader
 from services.embodiment.ways.approach import Approacher
 from services.embodiment.ways.assemble import Assembler
 
@@ -30,6 +31,7 @@ class Attempt:
         more: Those that may follow.
         steep, steeper: The same for those that come from far above or below, which high and low handles
             and those that tip over may need.
+        wide: Those that many postures search together.
         blocked: Holdings that could not be approached.
     """
 
@@ -43,6 +45,7 @@ class Attempt:
     approacher: Approacher
     assembler: Assembler
     rng: np.random.Generator
+    wide: list[tuple[Grasp, Array]] = field(default_factory=list[tuple[Grasp, Array]])
     blocked: int = 0
 
     def saturated(self, number: int) -> bool:
@@ -55,7 +58,24 @@ class Attempt:
         self.grasps.extend(islice(self.more, max(due - len(self.grasps), 0)))
         if self._tries_steep(number):
             self.steep.extend(islice(self.steeper, max(due - len(self.steep), 0)))
-        self.searcher.tally.grasps = len(self.grasps) + len(self.steep)
+        self._count()
+
+    def spread(self, late: Callable[[], bool]) -> Iterator[Holding]:
+        """Holdings of more grasps that many postures find together."""
+        if not self.grasps:
+            return
+        self.wide = self.wide or self.fitter.wide(late)
+        self._count()
+        if self.wide:
+            yield from Spreader(self.searcher, self.wide, self.rng, late).holdings()
+
+    def searched(self) -> Iterator[Grasp]:
+        """The grasps that were searched."""
+        for grasp, _ in (*self.grasps, *self.steep, *self.wide):
+            yield grasp
+
+    def _count(self) -> None:
+        self.searcher.tally.grasps = len(self.grasps) + len(self.steep) + len(self.wide)
 
     def _tries_steep(self, number: int) -> bool:
         return number >= len(GRASPS) - 1 and number % 2 == 1 and not self.searcher.tally.paths

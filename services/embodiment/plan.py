@@ -18,11 +18,10 @@ from services.embodiment.attempt import Attempt
 from services.embodiment.body.limb import Limb, touching
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.hold.fit import Fitted, Fitter
+from services.embodiment.hold.fit import Fitter
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import WAYPOINTS, Holding, Problem, Searcher
 from services.embodiment.hold.kit import Kit, Kits
-from services.embodiment.hold.spread import Spreader
 from services.embodiment.proof_check.content import IN_HAND
 from services.embodiment.prove import Proved, Prover, in_hand, out_of_reach
 from services.embodiment.ways.approach import Approacher, Blocked
@@ -32,6 +31,7 @@ from services.embodiment.ways.roads import Roads, make_roads
 Array = NDArray[np.float64]
 
 MORE_ROUNDS = 48  # the same, where postures were found but no way on from them
+ALONE = 4  # rounds of single paths before many postures search together
 EARLY_BOXES = 1_000  # of a proof looked for as soon as one batch of seeds reached no grasp
 LATE_BOXES = 6_000  # of a proof looked for when the search has given up
 TRIES = 4  # holdings of one batch that are approached
@@ -90,7 +90,6 @@ class Planner:
         self.holdings = 0
         self.proof: Proved | None = None
         self.in_hand: Proved | None = None
-        self._wide: list[Fitted] = []
         self._prover: Prover | None = None
         self.start_contact: tuple[tuple[int, int], float] | None = None
         self.unfit: Counter[tuple[int, int]] = Counter()
@@ -113,6 +112,8 @@ class Planner:
         for number in range(MORE_ROUNDS):
             if self._proved_early(number):
                 return
+            if number == ALONE:
+                yield from self._spread()
             for attempt in self._attempts(kits, number):
                 if attempt.saturated(number):
                     continue
@@ -127,23 +128,13 @@ class Planner:
     def _spread(self) -> Iterator[Planned]:
         """Plans from holdings of more grasps that many postures find together.
 
-        A base that moves along finds a way about contacts by itself: it is asked for them where limits end
-        every path.
+        A base that moves needs no others where there are some, but ways to them.
         """
-        ways = any(attempt.searcher.tally.paths for attempt in self.attempts)
-        if ways and self.setting.drive is not Drive.FIXED:
+        if self.holdings and self.setting.drive is not Drive.FIXED:
             return
         for attempt in self.attempts:
-            if self.proof is not None or self.late() or not attempt.grasps:
-                continue
-            at = time.perf_counter()
-            grasps = attempt.fitter.wide(self.late)
-            attempt.searcher.tally.grasps += len(grasps)
-            self._wide += grasps
-            self._spent("grasp", at)
-            if grasps:
-                spreader = Spreader(attempt.searcher, grasps, attempt.rng, self.late)
-                yield from self._of(attempt, spreader.holdings())
+            if self.proof is None and not self.late():
+                yield from self._of(attempt, attempt.spread(self.late))
 
     def _proved_early(self, number: int) -> bool:
         """Whether there is a proof; looked for once if no posture reached the handle in the first round."""
@@ -180,13 +171,15 @@ class Planner:
     def _prove_in_hand(self) -> None:
         """Look for a proof about holds in hand, where none of those that were searched leads anywhere."""
         at, setting = time.perf_counter(), self.setting
-        searched = [one for each in self.attempts for one in (*each.grasps, *each.steep)] + self._wide
+        searched = [grasp for attempt in self.attempts for grasp in attempt.searched()]
         ways = any(attempt.searcher.tally.paths for attempt in self.attempts)
         if self.proof is not None or ways or setting.tolerances != Tolerances():
             return
-        tools = (grasp.translation for grasp, _ in searched)
+        tools = (grasp.translation for grasp in searched)
         if searched and in_hand(setting.world, setting.container.handle, tools):
-            self.in_hand = self._about(IN_HAND).prove(EARLY_BOXES)
+            # Heights alone are cheap to compare; bodies in the way are not.
+            boxes = EARLY_BOXES if setting.drive is Drive.FIXED else LATE_BOXES
+            self.in_hand = self._about(IN_HAND).prove(boxes)
         self._spent("proof", at)
 
     def _about(self, within: float | None) -> Prover:

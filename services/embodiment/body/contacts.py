@@ -226,15 +226,6 @@ def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, largest
 
 
 @kernel
-def contacts_each(found, qs, tree, boxes, split, radius, shapes, base, own, margins, largest):
-    """The two shapes of a contact at each of qs (N, nq) alone, or (−1, −1), are in `found` (N, 2)."""
-    for n in range(qs.shape[0]):
-        one = qs[n : n + 1]
-        _, a, b = contacts(one, tree, boxes, split, radius, shapes, base, own, margins, largest)
-        found[n, 0], found[n, 1] = a, b
-
-
-@kernel
 def distances(shapes, boxes, pairs, r, p, low, high):
     """Bounds of the distances of pairs of shapes (M, 2) at joint frames r, p are in low and high (M,)."""
     joint, local_r, local_c = boxes

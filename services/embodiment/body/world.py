@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.iri import Iri
 from sdt_kg.mechanism import JointType
-from services.embodiment.body import contacts, kernels
+from services.embodiment.body import contacts, kernels, postures
 from services.physics.geometry.convex import BALL, MESH
 from services.physics.model import Scene
 
@@ -118,7 +118,7 @@ class World:
     def contact_each(self, configurations: Array, rules: Rules) -> list[Pair | None]:
         """The shapes of a contact at each of some configurations (N, nq), None where it is free."""
         found = np.empty((len(configurations), 2), np.int64)
-        contacts.contacts_each(found, np.ascontiguousarray(configurations), *self._scene(rules))
+        postures.contacts_each(found, np.ascontiguousarray(configurations), *self._scene(rules))
         return [(a, b) if a >= 0 else None for a, b in found.tolist()]
 
     def free(self, q: Array, rules: Rules) -> bool:

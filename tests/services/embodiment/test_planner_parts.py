@@ -85,6 +85,20 @@ def test_a_path_is_free_exactly_where_each_of_its_configurations_is(limb_world: 
     assert found[False]
 
 
+def test_postures_that_are_looked_at_together_touch_what_each_does_alone(
+    limb_world: tuple[World, Limb],
+) -> None:
+    world, limb = limb_world
+    demands = rules(world, limb, Margins())
+    xs = draw(limb, 40, 9)
+    xs[:, :3] = np.random.default_rng(9).uniform((-1.5, -1.5, -3), (1.0, 1.5, 3), (len(xs), 3))
+    qs = limb.q(xs)
+    qs[::2, : world.scene.base[0]] += 0.1  # the kitchen moves, too
+    alone = [world.contact(q[None], demands) for q in qs]
+    assert world.contact_each(qs, demands) == [one and one.shapes for one in alone]
+    assert 0 < sum(one is None for one in alone) < len(qs)
+
+
 def test_a_reachable_pose_is_reached_from_a_near_seed(limb_world: tuple[World, Limb]) -> None:
     _, limb = limb_world
     goals = draw(limb, 50, 2)

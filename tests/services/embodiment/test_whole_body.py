@@ -164,7 +164,7 @@ def test_a_usual_start_pose_that_is_not_free_is_left_for_the_nearest_that_is(dri
 
 def test_a_search_that_gave_up_says_so_and_proves_nothing() -> None:
     twin = load_twin("b", ["stretch"])
-    answer = ask(WholeBody(drive=Drive.OMNI), twin, "sink_area_dish_washer_door")
+    answer = ask(WholeBody(drive=Drive.DIFFERENTIAL), twin, "sink_area_dish_washer_door")
     assert not answer.holds
     first = answer.diagnoses[0]
     assert not first.proof
@@ -175,7 +175,7 @@ def test_a_search_that_gave_up_says_so_and_proves_nothing() -> None:
     assert "what stopped it" in came.reason
     assert came.evidence is not None
     assert came.evidence.quantity is Quantity.POSITION
-    assert 0 < came.evidence.value < came.evidence.bound == pytest.approx(1.38)  # 0.92 · 1.5 rad
+    assert 0 < came.evidence.value < came.evidence.bound == pytest.approx(1.355)  # 0.9 · 1.5 rad, and 0.005
 
 
 def test_a_required_time_that_joints_cannot_keep_is_refused() -> None:

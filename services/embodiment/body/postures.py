@@ -1,0 +1,88 @@
+"""Compiled inner loops: contacts of a scene's shapes at configurations that are looked at one by one."""
+
+import math
+
+import numpy as np
+
+from services.embodiment.body.contacts import beside, parting
+from services.embodiment.body.kernels import forward, joint_pose, matmul, moved
+from services.kernel import kernel
+
+
+@kernel
+def contacts_each(found, qs, tree, boxes, split, radius, shapes, base, own, margins, largest):
+    """The two shapes of a contact at each of qs (N, nq) alone, or (−1, −1), are in `found` (N, 2).
+
+    What one configuration has in common with that before it is not placed again.
+    """
+    count, joints = boxes[0].shape[0], tree[0].shape[0]
+    r, p, moves = np.empty((joints, 3, 3)), np.empty((joints, 3)), np.zeros(joints, np.bool_)
+    at, low, high = (
+        (np.empty((count, 3, 3)), np.empty((count, 3))),
+        np.empty((count, 3)),
+        np.empty((count, 3)),
+    )
+    turn, carried, work = np.empty((3, 3)), np.empty((3, 3)), np.zeros((8, 4))
+    forward(qs[0], tree, r, p)
+    for n in range(qs.shape[0]):
+        for j in range(1, joints):
+            moves[j] = moves[tree[0][j]] or (n > 0 and qs[n, j - 1] != qs[n - 1, j - 1])
+            if moves[j]:
+                joint_pose(j, qs[n], tree, turn, carried, r, p)
+        for s in range(count):
+            if n == 0 or moves[boxes[0][s]]:
+                _placed(s, r, p, boxes, shapes, at, low, high)
+        e, s = _near(split, shapes, at, low, high, margins, largest, work)
+        if e < 0:
+            e, s = _near_own(radius, shapes, at, own, work)
+        found[n, 0], found[n, 1] = e, s
+
+
+@kernel
+def _placed(s, r, p, boxes, shapes, at, low, high):
+    """Shape s is where its joint's frame is: its pose, and the corners of its box along the world's axes."""
+    joint, local_r, local_c = boxes
+    matmul(r[joint[s]], local_r[s], at[0][s])
+    moved(r[joint[s]], p[joint[s]], local_c[s], at[1][s])
+    for i in range(3):
+        reach = shapes[2][s]
+        for k in range(3):
+            reach += abs(at[0][s, i, k]) * shapes[1][s, k]
+        low[s, i], high[s, i] = at[1][s, i] - reach, at[1][s, i] + reach
+
+
+@kernel
+def _near(split, shapes, at, low, high, margins, largest, work):
+    """A shape of the robot and one of the kitchen nearer than their margin, or (−1, −1)."""
+    bottom, top = np.full(3, math.inf), np.full(3, -math.inf)
+    for s in range(split, low.shape[0]):
+        for i in range(3):
+            bottom[i], top[i] = min(bottom[i], low[s, i]), max(top[i], high[s, i])
+    for e in range(split):
+        far = False
+        for i in range(3):
+            far = far or low[e, i] > top[i] + largest or high[e, i] < bottom[i] - largest
+        if far:
+            continue
+        for s in range(split, low.shape[0]):
+            margin = margins[s - split, e]
+            if margin < 0.0 or beside(low, high, s, e, margin):
+                continue
+            if parting(shapes, s, e, at[0][s], at[1][s], at[0][e], at[1][e], margin, work) <= margin:
+                return s, e
+    return -1, -1
+
+
+@kernel
+def _near_own(radius, shapes, at, own, work):
+    """Two shapes of the robot nearer than their margin, or (−1, −1)."""
+    pairs, margins = own
+    for n in range(pairs.shape[0]):
+        a, b, margin = pairs[n, 0], pairs[n, 1], margins[n]
+        x, y, z = at[1][a, 0] - at[1][b, 0], at[1][a, 1] - at[1][b, 1], at[1][a, 2] - at[1][b, 2]
+        near = radius[a] + radius[b] + margin
+        if x * x + y * y + z * z > near * near:
+            continue
+        if parting(shapes, a, b, at[0][a], at[1][a], at[0][b], at[1][b], margin, work) <= margin:
+            return a, b
+    return -1, -1
