@@ -25,7 +25,7 @@ from services.embodiment.certify.tolerances import Tolerances
 SCHEMA = "sdt proof 2"
 OF_SOME_HOLDS = "sdt proof 3"
 READ = ("sdt proof 1", SCHEMA, OF_SOME_HOLDS)
-IN_HAND = 0.03
+IN_HAND = 0.02
 """[m] Ours: in hand is a handle whose box is so near to the tool's origin, amid the fingertips, at the grasp;
 the search has it there to within 16 mm."""
 LEAF = 128

@@ -11,7 +11,7 @@ from services.embodiment.proof_check.content import IN_HAND
 
 Array = NDArray[np.float64]
 
-MARGIN = 0.005  # [m] by which they are nearer than they had to be
+MARGIN = 0.002  # [m] by which they are nearer than they had to be
 
 
 def in_hand(world: World, handle: Iri, tools: Iterable[Array]) -> bool:

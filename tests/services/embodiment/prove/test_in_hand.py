@@ -59,7 +59,7 @@ def high(tmp_path_factory: pytest.TempPathFactory) -> tuple[Twin, bytes]:
     proved = found(twin, IN_HAND)
     assert proved is not None
     assert not proved.diagnosis.proof, "other holds are not refuted"
-    assert "within 0.03 m" in proved.diagnosis.reason
+    assert "within 0.02 m" in proved.diagnosis.reason
     return twin, proved.artefact.content
 
 
@@ -70,7 +70,7 @@ def test_a_handle_that_can_be_touched_is_refuted_in_hand_and_the_proof_says_so(
     checked = check(twin, twin.robots[0], twin.container("front_door"), content)
     assert checked.holds, checked.reasons
     assert "in hand" in checked.statement
-    assert any("at most 30 mm" in each for each in checked.assumptions)
+    assert any("at most 20 mm" in each for each in checked.assumptions)
 
 
 def test_a_handle_in_reach_is_not_refuted(tmp_path: Path) -> None:

@@ -81,7 +81,7 @@ def test_a_proof_of_holds_in_hand_is_kept_with_a_verdict_that_nothing_is_proved_
     assert not any(each.proof for each in entry.stored.diagnoses)
     found = recheck_verdict(entry.stored, entry.artefact, saved.twin)
     assert found.holds, found.reasons
-    assert any("30 mm" in note for note in found.notes)
+    assert any("20 mm" in note for note in found.notes)
     sure = tuple(replace(each, proof=True) for each in entry.stored.diagnoses)
     other = recheck_verdict(replace(entry.stored, diagnoses=sure), entry.artefact, saved.twin)
     assert any("some holds alone" in reason for reason in other.reasons)
