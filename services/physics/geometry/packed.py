@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from services.kernel import kernel
 from services.physics.geometry.convex import BALL, BOX, CAPSULE, CYLINDER, HULL, MESH, bounds
+from services.physics.geometry.shapes import corners
 
 Array = NDArray[np.float64]
 
@@ -67,9 +68,7 @@ def _part(shape: coal.CollisionGeometry) -> tuple[int, tuple[float, ...] | Array
         case coal.ConvexBase():
             return HULL, half, 0.0, np.array(shape.points()) - middle
     assert isinstance(shape, coal.BVHModelBase), f"{type(shape)} is made nowhere in `shapes`"
-    faces = [shape.tri_indices(i) for i in range(shape.num_tris)]
-    corners = np.array(shape.vertices())[[[face[0], face[1], face[2]] for face in faces]]
-    return MESH, half, 0.0, corners - middle
+    return MESH, half, 0.0, corners(shape) - middle
 
 
 @kernel

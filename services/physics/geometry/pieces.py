@@ -7,10 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import ConvexHull, QhullError
 
 from sdt_kg.mechanism import Geometry, ShapeType
-from services.physics.geometry.shapes import hull, surface
+from services.physics.geometry.shapes import corners, hull_of_solid, surface, with_volume
 
 Array = NDArray[np.float64]
 
@@ -37,26 +36,26 @@ def _components(
     mesh_hash: str, scale: tuple[float, ...], mesh: coal.BVHModelBase
 ) -> tuple[coal.CollisionGeometry, ...]:
     del mesh_hash, scale  # the key; the mesh itself is one object for both
-    faces = [mesh.tri_indices(i) for i in range(mesh.num_tris)]
-    corners = np.array(mesh.vertices())[[[face[0], face[1], face[2]] for face in faces]]
-    _, index = np.unique(np.round(corners.reshape(-1, 3), SAME_POINT), axis=0, return_inverse=True)
+    triangles = corners(mesh)
+    _, index = np.unique(np.round(triangles.reshape(-1, 3), SAME_POINT), axis=0, return_inverse=True)
     index = index.reshape(-1, 3)
     rows, columns = index[:, [0, 1]].ravel(), index[:, [1, 2]].ravel()
     size = int(index.max()) + 1
     graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(size, size))
     label = connected_components(graph, directed=False)[1][index[:, 0]]
-    parts = [corners[label == each] for each in np.unique(label)]
-    return tuple(hull(part.reshape(-1, 3)) if _is_convex(part) else _triangles(part) for part in parts)
+    return tuple(_shape(triangles[label == each]) for each in np.unique(label))
 
 
-def _is_convex(triangles: Array) -> bool:
-    try:
-        filled = ConvexHull(triangles.reshape(-1, 3)).volume
-    except (QhullError, ValueError):
-        return True  # flat: its hull is itself
-    centred = triangles - triangles.mean(axis=(0, 1))
-    volume = abs(np.einsum("ti,ti->t", centred[:, 0], np.cross(centred[:, 1], centred[:, 2])).sum()) / 6
-    return bool(abs(volume - filled) <= CONVEX_SHARE * filled)
+def _shape(triangles: Array) -> coal.CollisionGeometry:
+    """The hull of a component, shape (M, 3, 3), if that is convex or flat; else its triangles."""
+    points = triangles.reshape(-1, 3)
+    solid = with_volume(points)
+    whole = hull_of_solid(solid)
+    if len(solid) > len(points):
+        return whole
+    filled = whole.computeVolume()
+    volume = abs(float(np.linalg.det(triangles - triangles.mean(axis=(0, 1))).sum())) / 6
+    return whole if abs(volume - filled) <= CONVEX_SHARE * filled else _triangles(triangles)
 
 
 def _triangles(triangles: Array) -> coal.BVHModelBase:

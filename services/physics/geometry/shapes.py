@@ -92,14 +92,27 @@ def _code() -> str:
 
 def _corners(mesh_file: str, scale: tuple[float, ...]) -> NDArray[np.float64]:
     """Triangles of a mesh, shape (M, 3, 3) [m]."""
-    mesh = _loaded(mesh_file, scale, coal.BV_AABB)  # the cheapest tree: nothing is asked of it
+    return _read(_loaded(mesh_file, scale, coal.BV_AABB))  # the cheapest tree: nothing is asked of it
+
+
+@lru_cache(maxsize=1024)
+def corners(mesh: coal.BVHModelBase) -> NDArray[np.float64]:
+    """Triangles of a mesh in its own frame, shape (M, 3, 3) [m]; kept, so neither is to be changed."""
+    return _read(mesh)
+
+
+def _read(mesh: coal.BVHModelBase) -> NDArray[np.float64]:
     faces = [mesh.tri_indices(i) for i in range(mesh.num_tris)]
     return np.array(mesh.vertices())[[[face[0], face[1], face[2]] for face in faces]]
 
 
 def hull(points: NDArray[np.float64]) -> coal.ConvexBase:
     """Convex hull of points, shape (K, 3); what is flat gets a thickness of 2 · PADDING."""
-    points = _with_volume(points)
+    return hull_of_solid(with_volume(points))
+
+
+def hull_of_solid(points: NDArray[np.float64]) -> coal.ConvexBase:
+    """Convex hull of points that do not lie in a plane."""
     mesh = coal.BVHModelOBBRSS()
     mesh.beginModel(0, len(points))
     mesh.addVertices(points)
@@ -111,7 +124,7 @@ def hull(points: NDArray[np.float64]) -> coal.ConvexBase:
     return hull
 
 
-def _with_volume(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def with_volume(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """The points, and where they lie in a plane or on a line copies on both sides of it."""
     _, _, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
     for axis in axes:
