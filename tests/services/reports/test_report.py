@@ -19,6 +19,8 @@ from services.reports.run.export import write
 from services.reports.studies.judged import judged
 from tests.services.reports.conftest import DRAWER, Written
 
+SMALL = Path(__file__).resolve().parents[2] / "small"
+
 LOADING = {"src", "href", "srcset", "data", "poster", "action", "xlink:href"}
 
 
@@ -104,6 +106,26 @@ def test_a_notebook_runs_in_this_interpreter_and_listens_to_nobody_else() -> Non
     # ipykernel's own pipe for the output of child processes, on loopback
     assert [each.split()[1].split(":")[0] for each in found["inet"]] in ([], [LOOPBACK])
     assert (found["python"], found["x"]) == (sys.executable, 5)
+
+
+SHOWN = """
+from IPython.display import display
+from services import load
+from services.table import TableResult
+
+kitchen = load("{kitchen}", robots=["{robot}"])
+for each in (kitchen.twin, *kitchen.achieve("open:swing_door"), TableResult()):
+    display(each)
+"""
+
+
+def test_a_twin_a_verdict_and_a_table_show_themselves_in_a_notebook_that_runs() -> None:
+    files = {name: str(SMALL / f"{file}.urdf") for name, file in (("kitchen", "a"), ("robot", "stretch"))}
+    outputs = executed(small(SHOWN.format(**files)), {}).cells[-1].outputs
+    twin, verdict, table = ("".join(each["data"]["text/html"]) for each in outputs)
+    assert "Twin of kitchen a" in twin
+    assert ">abstained<" in verdict
+    assert "<table" in table
 
 
 def test_an_error_of_ours_in_a_cell_is_the_same_line_as_on_the_shell() -> None:
