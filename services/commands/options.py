@@ -24,6 +24,32 @@ class FiniteRange(click.FloatRange):
         return number
 
 
+class OutFile(click.Path):
+    """A file that can be written in the end: its folder is there, and its suffix is known.
+
+    What is asked for may take minutes, so this is looked at before.
+    """
+
+    def __init__(self, *suffixes: str, dash: bool = False) -> None:
+        super().__init__(dir_okay=False, writable=True, path_type=Path, allow_dash=dash)
+        self.suffixes, self.dash = suffixes, dash
+
+    def convert(
+        self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None
+    ) -> Path:
+        """The path."""
+        path = Path(os.fsdecode(super().convert(value, param, ctx)))
+        if self.dash and path == Path("-"):
+            return path
+        if self.suffixes and path.suffix not in self.suffixes:
+            self.fail(f"a file '{path.name}'; allowed: {', '.join(self.suffixes)}", param, ctx)
+        if not path.parent.is_dir():
+            self.fail(f"{path}: there is no folder '{path.parent}'", param, ctx)
+        return path
+
+
+MOTION_FILE = OutFile(".npz", ".json", ".csv")
+
 kitchen_argument = click.argument("kitchen", type=KITCHEN)
 kitchens_option = click.option(
     "--kitchens", default="a,b", show_default=True, help="Bundled kitchens or paths, comma-separated."

@@ -5,7 +5,6 @@ from pathlib import Path
 import click
 
 from predicates.oracle import tee_class_of
-from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin
 from sdt_kg.scope import violations
@@ -16,6 +15,7 @@ from services.commands.exits import Exit
 from services.commands.kitchens.explain import explain
 from services.commands.options import (
     ROBOT_HELP,
+    OutFile,
     annotation_option,
     csv_flag,
     forces_option,
@@ -92,11 +92,9 @@ def container_row(container: Container) -> dict[str, object]:
 @kitchen_argument
 @click.option("--robot", "robots", multiple=True, type=ROBOT, help=ROBOT_HELP + " Repeatable.")
 @annotation_option
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE.ttl|.trig|.nq")
+@click.option("-o", "--output", type=OutFile(*GRAPH_FORMATS), required=True, metavar="FILE.ttl|.trig|.nq")
 def graph(kitchen: str, robots: tuple[str, ...], annotation: str | None, output: Path) -> None:
     """Write the twin of KITCHEN (and robots) as RDF."""
-    if output.suffix not in GRAPH_FORMATS:
-        raise InputError(f"no RDF format for '{output.name}'", allowed=", ".join(GRAPH_FORMATS))
     twin = load_twin(kitchen, robots, annotation=annotation)
     output.write_bytes(twin.serialize(GRAPH_FORMATS[output.suffix]))
     click.echo(f"{output}: {twin.triple_count()} triples")

@@ -6,6 +6,7 @@ import click
 
 from sdt_kg.describe import describe as describe_robot
 from sdt_kg.errors import InputError
+from services.commands.options import OutFile
 
 
 @click.group()
@@ -18,7 +19,7 @@ def robot() -> None:
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=OutFile(".ttl"),
     metavar="FILE.ttl",
     help="Default: NAME.ttl beside the URDF.",
 )

@@ -1,6 +1,6 @@
 """`sdt achieve`: CanAchieve for one task."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -18,8 +18,10 @@ from services.app import Policy, load
 from services.commands.completion.types import KITCHEN, ROBOT, TASK
 from services.commands.options import (
     KITCHEN_HELP,
+    MOTION_FILE,
     ROBOT_HELP,
     FiniteRange,
+    OutFile,
     annotation_option,
     budget_option,
     csv_flag,
@@ -77,13 +79,13 @@ if TYPE_CHECKING:
 @save_option
 @click.option(
     "--motion-out",
-    type=click.Path(path_type=Path),
+    type=MOTION_FILE,
     metavar="FILE.npz",
     help="Write the certified body motion: .npz, .json or .csv.",
 )
 @click.option(
     "--certificate",
-    type=click.Path(path_type=Path),
+    type=OutFile(),
     metavar="FILE",
     help="Write what re-verifies the verdict, for sdt recheck.",
 )
@@ -128,6 +130,8 @@ def achieve(
             service = replace(service, recall=saved.stored)
         of_all = parse_task(service.twin, task).container is UNKNOWN
         count = len(service.twin.containers()) if of_all and given is None else 1
+        if count > 1:
+            _refuse_one_file({"--motion-out": motion_out, "--certificate": certificate})
         bar = stack.enter_context(progress(task, count)) if count > 1 else None
         for verdict in service.achieve(task, motion=given):
             verdicts.append(verdict)
@@ -149,13 +153,19 @@ def _saved(place: str) -> "SavedVerdicts":
     return SavedVerdicts(place)
 
 
+def _refuse_one_file(files: Mapping[str, Path | None]) -> None:
+    """Several verdicts do not go into one file."""
+    for option in (name for name, path in files.items() if path):
+        raise InputError(
+            f"{option} takes one verdict", allowed="a task with a container, such as open:CONTAINER"
+        )
+
+
 def _write_certificate(verdicts: Sequence[Verdict], path: Path) -> None:
     answers = [verdict.can_perform for verdict in verdicts]
     artefacts = [each.artefact for each in answers if each is not None and each.artefact is not None]
     if len(verdicts) > 1:
-        raise InputError(
-            "--certificate takes one verdict", allowed="a task with a container, such as open:CONTAINER"
-        )
+        _refuse_one_file({"--certificate": path})
     if artefacts:
         path.write_bytes(artefacts[0].content)
     else:
@@ -165,9 +175,7 @@ def _write_certificate(verdicts: Sequence[Verdict], path: Path) -> None:
 def _write_motion(verdicts: Sequence[Verdict], path: Path) -> None:
     motions = [verdict.case.body_motion for verdict in verdicts if verdict.outcome is Outcome.CERTIFIED]
     if len(verdicts) > 1:
-        raise InputError(
-            "--motion-out takes one motion", allowed="a task with a container, such as open:CONTAINER"
-        )
+        _refuse_one_file({"--motion-out": path})
     if motions and isinstance(motions[0], BodyMotion):
         write_motion(path, motions[0])
     else:

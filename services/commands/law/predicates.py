@@ -13,6 +13,7 @@ from services.app import load
 from services.commands.completion.types import TASK
 from services.commands.exits import Exit
 from services.commands.options import (
+    MOTION_FILE,
     csv_flag,
     forces_option,
     json_flag,
@@ -51,9 +52,7 @@ def satisfies(kitchen: str, states: tuple[str, ...], as_json: bool) -> None:
     metavar="FILE.npz",
     help="Would this container's motion cause the task? Without it, motions that would.",
 )
-@click.option(
-    "--motion-out", type=click.Path(path_type=Path), metavar="FILE.npz", help="Write the first motion found."
-)
+@click.option("--motion-out", type=MOTION_FILE, metavar="FILE.npz", help="Write the first motion found.")
 @tee_option
 @forces_option
 @csv_flag

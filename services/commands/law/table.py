@@ -12,6 +12,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
 from services.app import Policy
 from services.commands.options import (
+    OutFile,
     budget_option,
     drive_option,
     jobs_option,
@@ -54,7 +55,7 @@ STDOUT = Path("-")
 @click.option(
     "--csv",
     "csv_file",
-    type=click.Path(path_type=Path),
+    type=OutFile(dash=True),
     metavar="FILE",
     help="Write every case as CSV; - prints it in place of the table.",
 )

@@ -19,6 +19,18 @@ BAD = {
     "state that is nan": (["satisfies", "b", "--state", "iai_fridge_door_joint=nan"], ["nan"]),
     "state without value": (["satisfies", "b", "--state", "iai_fridge_door"], ["JOINT=VALUE"]),
     "unknown graph format": (["graph", "b", "-o", "x.json"], ["x.json", ".ttl"]),
+    "table into no folder": (["table", "--csv", "gone/table.csv"], ["--csv", "no folder 'gone'"]),
+    "motion into no folder": (
+        ["causes", "b", "--task", "open", "--motion-out", "gone/x.npz"], ["--motion-out", "no folder 'gone'"],
+    ),
+    "motion of no known format": (
+        ["achieve", "--kitchen", "b", "--robot", "pr2", "--task", "open", "--motion-out", "x.txt"],
+        ["x.txt", ".npz, .json, .csv"],
+    ),
+    "many motions into one file": (
+        ["achieve", "--kitchen", "b", "--robot", "pr2", "--task", "open", "--motion-out", "x.npz"],
+        ["--motion-out takes one verdict", "open:CONTAINER"],
+    ),
     "query that is no query": (["query", "b", "SELEKT"], ["SPARQL"]),
     "update": (["query", "b", "INSERT DATA { <a:a> <a:b> <a:c> }"], ["SELECT"]),
     "service": (["query", "b", "SELECT * { SERVICE <http://127.0.0.1:1/> { ?a ?b ?c } }"], ["SERVICE"]),

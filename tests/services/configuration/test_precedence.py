@@ -25,7 +25,10 @@ def three(option: click.Option, folder: Path) -> list[str]:
         step = 0.01 if NUMBERS[kind.name] is float else 1
         return [str(least + k * step) for k in (1, 2, 3)]
     if isinstance(kind, click.Path):
-        return [str(folder / "files" / name if kind.file_okay else folder / name) for name in NAMES]
+        suffix = next(iter(getattr(kind, "suffixes", ())), "")
+        return [
+            str(folder / "files" / (name + suffix) if kind.file_okay else folder / name) for name in NAMES
+        ]
     return [*NAMES]
 
 
