@@ -1,13 +1,26 @@
-"""Whether a query can do no more with a number than to compare it, and with which numbers."""
+"""What a query's text tells: whether it only compares numbers, and whether its terms are known."""
 
 import re
+from collections.abc import Iterator
+from difflib import get_close_matches
+from functools import cache
 from typing import Any, Final, cast
 
+import pyoxigraph as ox
 import rdflib
 from pyparsing import ParseBaseException
 from rdflib.plugins.sparql import prepareQuery
 
-from sdt_kg.iri import PREFIXES, Iri
+import ontology
+from sdt_kg.iri import ID, LAW, PREFIXES, SDT, TEE, Iri
+from sdt_kg.twin import Twin
+
+FILES = ("sdt.ttl", "law.ttl", "tee.ttl")
+"""Where the terms of the vocabularies are declared."""
+
+LIKENESS = 0.8
+"""[1] Share of letters in common from which a term may have been meant."""
+
 
 WORDS: Final = frozenset(
     {
@@ -41,7 +54,7 @@ def only_compares(sparql: str) -> bool:
     and named graphs are not trusted, nor is what this does not know.
     """
     before = ""
-    for kind, part in _tokens(sparql):
+    for kind, part in tokens(sparql):
         if kind == "unknown":
             return False
         if kind == "word" and part.lower() not in WORDS:
@@ -56,7 +69,7 @@ def only_compares(sparql: str) -> bool:
 
 def numbers_in(sparql: str) -> list[float]:
     """Numbers that the query spells."""
-    return [float(part) for kind, part in _tokens(sparql) if kind == "number"]
+    return [float(part) for kind, part in tokens(sparql) if kind == "number"]
 
 
 def predicates_in(sparql: str) -> frozenset[Iri] | None:
@@ -88,7 +101,45 @@ def _predicates(part: Any) -> list[object]:  # noqa: ANN401 - a tree of rdflib's
     return found
 
 
-def _tokens(sparql: str) -> list[tuple[str, str]]:
+def unknown_term(sparql: str, twin: Twin) -> tuple[Iri, tuple[Iri, ...]] | None:
+    """The first term or individual of ours that no vocabulary and no kitchen has, and what may be meant."""
+    for iri in _named(sparql):
+        declared = _terms() if not iri.startswith(ID) else frozenset[Iri]()
+        if iri in declared or _in_graph(iri, twin):
+            continue
+        return iri, tuple(get_close_matches(iri, sorted(declared), n=2, cutoff=LIKENESS))
+    return None
+
+
+def _named(sparql: str) -> Iterator[Iri]:
+    """IRIs of our own namespaces, spelled out or with a prefix; declarations of prefixes do not count."""
+    prefixes, found = dict(PREFIXES), tokens(sparql)
+    edge = ("", "")
+    for before, (kind, text), after in zip([edge, *found], found, [*found[1:], edge], strict=False):
+        if kind == "iri" and before[0] == "name" and before[1].endswith(":"):
+            prefixes[before[1][:-1]] = text[1:-1]
+            continue
+        iri = text[1:-1] if kind == "iri" else ""
+        if kind == "name" and after[0] != "unknown":  # an escape goes on behind it
+            prefix, _, name = text.partition(":")
+            iri = prefixes.get(prefix, "") + name if name else ""
+        if iri.startswith((SDT, LAW, TEE, ID)):
+            yield iri
+
+
+@cache
+def _terms() -> frozenset[Iri]:
+    """What the vocabularies declare."""
+    quads = (quad for name in FILES for quad in ox.parse(path=str(ontology.path(name))))
+    return frozenset(quad.subject.value for quad in quads if isinstance(quad.subject, ox.NamedNode))
+
+
+def _in_graph(iri: Iri, twin: Twin) -> bool:
+    _, rows = twin.query(f"ASK {{ {{ <{iri}> ?p ?o }} UNION {{ ?s <{iri}> ?o }} UNION {{ ?s ?p <{iri}> }} }}")
+    return bool(rows[0]["answer"])
+
+
+def tokens(sparql: str) -> list[tuple[str, str]]:
     """Kind and text of each part; what is no known part is `unknown`."""
     found: list[tuple[str, str]] = []
     at = 0

@@ -10,6 +10,7 @@ import rdflib
 from rdflib.namespace import RDF, RDFS
 from rdflib.term import Node
 
+from predicates.specification.comparing import unknown_term
 from predicates.specification.model import (
     Demand,
     KeepsDistance,
@@ -43,6 +44,8 @@ _KNOWN: Final[dict[str, frozenset[str]]] = {
 }
 """Which terms of law: each class may have: a misspelt rule must not be no rule."""
 
+_TERMS: Final = frozenset(term for terms in _KNOWN.values() for term in terms)
+
 
 def read_specification(twin: Twin, text: str, source: str) -> Specification:
     """The one specification in a Turtle text, about the containers and bodies of the twin's kitchen.
@@ -60,7 +63,11 @@ def read_specification(twin: Twin, text: str, source: str) -> Specification:
     graph = rdflib.Graph()
     try:
         graph.parse(data=text, format="turtle")
-    except (SyntaxError, ValueError) as error:
+    except (
+        SyntaxError,
+        ValueError,
+        IndexError,
+    ) as error:  # IndexError: rdflib's, of a text that ends too early
         raise InputError(f"{source} is not Turtle: {error}") from None
     found = list(graph.subjects(RDF.type, _LAW.TaskSpecification))
     if len(found) != 1:
@@ -178,6 +185,13 @@ class _Reader:
         sparql = checked_query(self._text(node, "sparql"))
         if not _asks(sparql):
             raise self._error(f"the query of {_name(node)} is no question", allowed="ASK or SELECT")
+        if (unknown := unknown_term(sparql, self._twin)) is not None:
+            iri, likest = unknown
+            raise self._error(
+                f"the query of {_name(node)} names <{iri}>, which neither a vocabulary nor the kitchen has",
+                allowed=" or ".join(f"<{each}>" for each in likest),
+                remedy="correct it: a pattern that nothing matches keeps every rule",
+            )
         over = self._one(node, "over")
         scope = Scope.STATES if over is None else self._member(Scope, over, "scope")
         label = self._graph.value(node, RDFS.label)
@@ -193,6 +207,8 @@ class _Reader:
         self._read.add(node)
         for predicate in set(self._graph.predicates(node)):
             term = local_name(str(predicate))
+            if str(predicate) != LAW + term and term in _TERMS:
+                raise self._error(f"{predicate} is no law:{term}", allowed=LAW + term)
             if str(predicate).startswith(LAW) and term not in _KNOWN[name]:
                 raise self._error(
                     f"a law:{name} has no law:{term}",
