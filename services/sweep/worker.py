@@ -116,7 +116,9 @@ def _twin(kitchen: Written, robot: Written) -> Twin:
 
 @lru_cache(maxsize=TWINS_KEPT)
 def _kitchen(kitchen: Written) -> Twin:
-    return load_twin(kitchen.name)
+    twin = load_twin(kitchen.name)
+    twin.content_hash(twin.environment)  # what is read here, twins with robots need not read again
+    return twin
 
 
 def _written(name: str) -> Written:

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from services.physics.spline import Hermite, at_rest_velocities, excesses
 
@@ -14,8 +15,6 @@ FINITE = st.floats(-3, 3, allow_subnormal=False)
 
 
 def dense(times: np.ndarray, values: np.ndarray, velocities: np.ndarray, order: int) -> np.ndarray:
-    from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415 - the other implementation
-
     fine = np.concatenate([np.linspace(a, b, 200, endpoint=False) for a, b in pairwise(times)])
     return CubicHermiteSpline(times, values, velocities)(fine, order)
 
@@ -33,8 +32,6 @@ def test_no_sampled_value_lies_beyond_the_extrema(rows: np.ndarray, steps: np.nd
 
 @given(arrays(float, 6, elements=FINITE), arrays(float, 5, elements=st.floats(0.05, 2)))
 def test_every_extremum_is_a_value_of_the_spline(values: np.ndarray, steps: np.ndarray) -> None:
-    from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415 - the other implementation
-
     times = np.concatenate([[0.0], np.cumsum(steps)])
     velocities = at_rest_velocities(times, values[:, None])[:, 0]
     at, found = Hermite(times, values, velocities).position()
@@ -50,6 +47,13 @@ def test_a_parabola_peaks_between_its_samples() -> None:
 def test_the_spline_through_samples_begins_and_ends_at_rest() -> None:
     velocities = at_rest_velocities(np.array([0.0, 1.0, 2.0]), np.array([[0.0], [1.0], [0.0]]))
     assert velocities[:, 0] == pytest.approx([0.0, 0.0, 0.0], abs=1e-15)
+
+
+@given(arrays(float, (7, 2), elements=FINITE), arrays(float, 6, elements=st.floats(0.05, 2)))
+def test_velocities_at_samples_are_those_of_the_clamped_spline(values: np.ndarray, steps: np.ndarray) -> None:
+    times = np.concatenate([[0.0], np.cumsum(steps)])
+    expected = CubicSpline(times, values, bc_type="clamped")(times, 1)
+    np.testing.assert_allclose(at_rest_velocities(times, values), expected, atol=1e-9)
 
 
 def test_first_and_worst_excess_are_told_apart() -> None:
