@@ -80,6 +80,13 @@ def _classes() -> dict[str, str]:
     return {tee_class_hash(each): each.name for each in TEE_CLASSES}
 
 
+def _in_order(reasons: str) -> str:
+    """The texts of diagnoses, in the order in which the verdict has them."""
+    told = [each.partition(" ") for each in reasons.split("\x1e") if each]
+    # IRIs of one verdict's diagnoses differ in their number at the end alone.
+    return "\n".join(text for _, _, text in sorted(told, key=lambda each: (len(each[0]), each[0])))
+
+
 async def kept_verdicts(world: World, asked: Asked) -> Kept:
     """Verdicts about the cells, and what else there is."""
     state = ("text", state_hash(asked.twin.state))
@@ -100,7 +107,7 @@ async def kept_verdicts(world: World, asked: Asked) -> Kept:
             local_name(row["outcome"]),
             row.get("kinds", ""),
             row.get("proved") == "true",
-            row.get("reasons", ""),
+            _in_order(row.get("reasons", "")),
             used[row["verdict"]],
         )
         for row in verdicts
