@@ -57,7 +57,7 @@ def story(judged: Judged) -> str:
     by_title = {section.title: section for section in judged.sections[1:]}
     reasons = _section(by_title["Reasons"]) if "Reasons" in by_title else ""
     folded = "".join(
-        f"<details><summary style='padding:0.2em 0'><b>{escape(title)}</b></summary>"
+        f"<details><summary style='padding:0.35em 0'><b>{escape(title)}</b></summary>"
         f"{_lines(by_title[title].lines)}</details>"
         for title in FOLDED
         if title in by_title
