@@ -83,9 +83,12 @@ def _rows(verdicts: Sequence[StoredVerdict]) -> list[Row]:
 
 def _marks(verdict: StoredVerdict) -> list[str]:
     """What a verdict counts as."""
-    artefact = {ArtefactKind.CERTIFICATE: "certificates", ArtefactKind.PROOF: "proofs"}
-    shown = [] if verdict.artefact is None else [artefact[verdict.artefact.kind]]
-    return [verdict.outcome.value, *shown]
+    shown, artefact = [verdict.outcome.value], verdict.artefact
+    if artefact is not None and artefact.kind is ArtefactKind.CERTIFICATE:
+        shown.append("certificates")
+    elif artefact is not None and any(each.proof for each in verdict.diagnoses):
+        shown.append("proofs")  # not those of some holds alone: they deny nothing
+    return shown
 
 
 def _following(store: str, rows: Sequence[Row]) -> list[str]:
