@@ -1,7 +1,6 @@
 """Kitchen and robots, by bundled name or path, → Twin."""
 
 from collections.abc import Sequence
-from itertools import chain
 from pathlib import Path
 from typing import Final
 
@@ -10,7 +9,7 @@ import pyoxigraph as ox
 import kitchens
 import robots as bundled_robots
 from sdt_kg.annotating.annotate import TEE_GRAPH, annotate, tee_triples
-from sdt_kg.annotating.files import Chosen, chosen_kitchen, chosen_robot, described
+from sdt_kg.annotating.files import Chosen, chosen_kitchen, chosen_robot, described, with_annotation
 from sdt_kg.entities import Entities
 from sdt_kg.errors import AnnotationError, GraphError, InputError, UnknownEntityError
 from sdt_kg.iri import Iri, graph_iri, local_name, model_iri
@@ -61,8 +60,7 @@ def load_twin(
         if model in asserted:
             raise InputError(f"two models are named '{mechanism.name}'", allowed="each name once")
         asserted[model] = graph_iri("asserted", mechanism.name)
-        store.add(asserted[model], mechanism_triples(mechanism, kind))
-        store.add(asserted[model], chosen.triples)
+        store.add(asserted[model], with_annotation(mechanism_triples(mechanism, kind), chosen))
         inferred[model] = tuple(annotate(store, model, asserted[model]))
         notes += _notes(mechanism, chosen)
     environment, *others = asserted
@@ -99,7 +97,7 @@ def _with(twin: Twin, robots: Sequence[tuple[str | Path, Path | None]]) -> Twin:
         if model_name(robot) in here:
             continue
         mechanism, kind, chosen = _robot(robot, file)
-        triples = chain(mechanism_triples(mechanism, kind), chosen.triples)
+        triples = with_annotation(mechanism_triples(mechanism, kind), chosen)
         entities = entities.joined(model_iri(mechanism.name), triples, _notes(mechanism, chosen))
     return Twin(entities, twin.state)
 

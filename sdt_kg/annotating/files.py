@@ -14,12 +14,12 @@ import robots
 from sdt_kg.errors import AnnotationError
 from sdt_kg.iri import SDT, Iri, joint_iri, local_name, model_iri
 from sdt_kg.mechanism import JointType, Mechanism, Pose
-from sdt_kg.store import Triple
+from sdt_kg.store import Triple, Value, value_of
 from sdt_kg.triples import Facts
 from sdt_kg.triples.annotation import missing_of
 from sdt_kg.triples.facts import TYPE
 from sdt_kg.triples.from_mechanism import pose_triples
-from sdt_kg.triples.vocabulary import DRIVES, fits, properties
+from sdt_kg.triples.vocabulary import DRIVES, NUMBERS, fits, properties
 from sdt_kg.urdf import parse_xml
 
 
@@ -29,6 +29,25 @@ class Chosen:
 
     triples: tuple[Triple, ...]
     notes: tuple[str, ...] = ()
+
+
+def with_annotation(triples: Iterable[Triple], chosen: Chosen) -> list[Triple]:
+    """A model's own triples and those of its annotation, each number said once.
+
+    Raises:
+        AnnotationError: Two values of one number: which of them counted would be chance.
+    """
+    both, said = [*triples, *chosen.triples], dict[tuple[Iri, Iri], Value]()
+    for subject, predicate, term in both:
+        if predicate.startswith(SDT) and properties().get(local_name(predicate)) in NUMBERS:
+            value = value_of(term)
+            if said.setdefault((subject, predicate), value) != value:
+                first = said[subject, predicate]
+                raise AnnotationError(
+                    f"sdt:{local_name(predicate)} of '{local_name(subject)}' is {first} and {value}",
+                    allowed="one value, in the model or in its annotation",
+                )
+    return both
 
 
 def chosen_robot(mechanism: Mechanism, urdf: Path, explicit: Path | None) -> Chosen:

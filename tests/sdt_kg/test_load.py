@@ -94,6 +94,22 @@ def test_the_annotation_beside_the_model_is_taken(drawer: Path) -> None:
     assert twin.mechanism(twin.environment).joint("slide").limits.acceleration == 0.5
 
 
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        (
+            "<https://example.org/id/k/joint/slide> sdt:upperLimit 9.0 .",
+            "upperLimit of 'slide' is 0.5 and 9.0",
+        ),
+        ("<https://example.org/id/k/joint/slide> sdt:accelerationLimit 0.5, 0.7 .", "0.5 and 0.7"),
+    ],
+)
+def test_a_number_that_is_said_twice_is_refused(drawer: Path, line: str, said: str) -> None:
+    drawer.with_suffix(".ttl").write_text(KITCHEN + line, encoding="utf-8")
+    with pytest.raises(AnnotationError, match=said):
+        load_twin(drawer)
+
+
 def test_an_explicit_annotation_comes_first_and_may_have_another_name(drawer: Path, tmp_path: Path) -> None:
     other = tmp_path / "other.ttl"
     other.write_text(KITCHEN.replace("id:k", "id:somewhere"), encoding="utf-8")
