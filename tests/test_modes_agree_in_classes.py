@@ -18,7 +18,7 @@ from sdt_kg.twin import Twin
 from services.dynamics.oracle import Dynamics
 from services.dynamics.robot.bearing import Bearing
 from services.physics.oracle import Kinematics
-from tests.services.dynamics.forced import forced_twin
+from tests.services.dynamics.forced import forced_twin, light_folding_twin
 from tests.small import small_twin
 from tests.small.lift import Lift
 
@@ -43,6 +43,9 @@ CLASSES = {
     "D_artic, kitchen b": Class(small_twin("b", ("pr2",)), Kinematics(), Lift(), ("top_drawer", "oven_door")),
     "D_artic_dyn": Class(forced_twin(("pr2",)), Dynamics(), Bearing(Lift()), ("top_drawer", "oven_door")),
 }
+CLASSES["D_artic_dyn, a folding door"] = Class(
+    light_folding_twin(("pr2",)), Dynamics(), Bearing(Lift()), ("folding_door",)
+)
 SAMPLE = [(name, container) for name, each in CLASSES.items() for container in each.containers]
 
 

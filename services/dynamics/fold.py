@@ -8,7 +8,7 @@ import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found throug
 
 from sdt_kg.iri import Iri
 from sdt_kg.twin import Container, Twin
-from services.dynamics.load import axis_of, handle_at, placed, unit_inertia
+from services.dynamics.load import axis_of, handle_corners, placed, unit_inertia
 from services.dynamics.model import LOAD_ERROR, Array, Fold, Reach, Wave
 from services.physics.tree import UNIVERSE, Model
 
@@ -108,11 +108,12 @@ def reach_of(model: Model, twin: Twin, chain: Chain, container: Container, moves
     """Where the handle on the last panel of a chain goes."""
     placed(model, twin, zero=moves)
     place = model.data.oMi[chain.joints[-1]]
-    low, high = handle_at(model.part, container)
-    points = [*chain.arms, chain.across(place.rotation @ ((low + high) / 2))]
+    corners = [chain.across(place.rotation @ each) for each in handle_corners(model.part, container)]
+    middle = complex(np.mean(corners))
+    points = [*chain.arms, middle]
     ways = [1j * rate * point for rate, point in zip(chain.rates, points, strict=True)]
     arms = np.array([each.real * chain.plane[0] + each.imag * chain.plane[1] for each in chain.arms])
-    spread = (1 + LOAD_ERROR) * abs(float(chain.rates[-1])) * float(np.linalg.norm(high - low)) / 2
+    spread = (1 + LOAD_ERROR) * abs(float(chain.rates[-1])) * max(abs(each - middle) for each in corners)
     origin = model.data.oMi[chain.joints[0]].translation.copy()
     lever = _square(list(zip(ways, chain.rates, chain.phases, strict=True)))
     return Reach(chain.axis, origin, arms, chain.rates, chain.phases, lever, spread)

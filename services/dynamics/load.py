@@ -146,16 +146,15 @@ def _lever(part: Part, axis: Array, container: Container) -> tuple[float, float]
     return min(low for low, _ in found), max(high for _, high in found)
 
 
-def handle_at(part: Part, container: Container) -> tuple[Array, Array]:
-    """Lowest and highest coordinates of the handle's boxes in the frame of the joint that moves it."""
+def handle_corners(part: Part, container: Container) -> Array:
+    """Corners of the handle's boxes in the frame of the joint that moves it, shape (8 K, 3)."""
     joint_T_body, shapes = _handle(part, container)
     found = list[Array]()
     for geometry in shapes:
         middle, half = _box(geometry)
         joint_T_shape = joint_T_body * se3(geometry.pose)
         found.append((_corners(half) + middle) @ joint_T_shape.rotation.T + joint_T_shape.translation)
-    corners = np.concatenate(found)
-    return corners.min(axis=0), corners.max(axis=0)
+    return np.concatenate(found)
 
 
 def _handle(part: Part, container: Container) -> tuple[pin.SE3, tuple[Geometry, ...]]:
