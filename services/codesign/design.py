@@ -11,16 +11,16 @@ from functools import partial
 from sdt_kg.errors import InputError
 from services.app import load
 from services.codesign.entries import Entry, Found, Grid
-from services.codesign.families import AND
+from services.codesign.families import AND, made_at_once
 from services.codesign.grid import Asked, run
 from services.codesign.judge import Judge
 from services.codesign.report import why
 from services.codesign.turning import Question, turned
 from services.relative import in_class
-from services.whatif import World, changed, parse_change
+from services.whatif import World, changed
 
 MOST_EDITS = 5
-"""[1] Edits that a plan has at most."""
+"""[1] Steps that a plan has at most."""
 FOR_CANDIDATE = 5.0
 """[s] Of search for each container in a world that might be chosen."""
 OF_THE_ROOM = ("handle", "furniture", "clear", "move")
@@ -54,7 +54,7 @@ class Step:
     """One more robot, or one more edit.
 
     Attributes:
-        what: Name of the robot, or the edit.
+        what: Name of the robot, or the edit; `A & B` for two that are made at once.
         gained: Containers that are certified then and were not before.
         lost: The other way round.
         covered: How many are certified from then on.
@@ -179,7 +179,7 @@ def _candidates(asked: Asked, cover: Cover, within: float, jobs: int) -> list[st
         )
         for each in turned(question, within, jobs).sought:
             edit = "" if each.turn is None else each.turn.edit
-            if edit.partition(":")[0] in OF_THE_ROOM and AND not in edit:
+            if edit and all(part.partition(":")[0] in OF_THE_ROOM for part in edit.split(AND)):
                 found.append(edit)
     return list(dict.fromkeys(found))
 
@@ -210,7 +210,7 @@ def _best_step(
     now, best = _count(founds), None
     for edit in candidates:
         try:
-            after = changed(world, (parse_change(edit),))
+            after = changed(world, made_at_once(edit))
         except InputError:  # an edit before it has made it impossible: it is no candidate here
             continue
         judge = Judge(world, after, {})

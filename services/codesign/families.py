@@ -8,7 +8,7 @@ from predicates.case import Outcome, Verdict
 from sdt_kg.iri import Iri, body_iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.codesign.again import FREEDOM, drive_of
-from services.whatif import World
+from services.whatif import Change, World, parse_change
 
 ROBOTS = ("pr2", "tiago_dual", "stretch")
 HANDLE_RANGE = 0.3
@@ -44,6 +44,11 @@ class Family:
     tolerance: float = 0.0
     range: str = ""
     resolution: str = ""
+
+
+def made_at_once(text: str) -> tuple[Change, ...]:
+    """The edits of `A & B`, or the one of `A`."""
+    return tuple(map(parse_change, text.split(AND)))
 
 
 def families(world: World, verdict: Verdict, container: Container) -> list[Family]:

@@ -14,7 +14,7 @@ from sdt_kg.twin import Container
 from services.app import Policy, load
 from services.codesign.again import whole_body
 from services.codesign.entries import Found, How, found_of
-from services.codesign.families import AND, Family, base_family, families, pairs
+from services.codesign.families import Family, base_family, families, made_at_once, pairs
 from services.codesign.judge import one_of
 from services.embodiment.place import place
 from services.relative import in_class
@@ -214,7 +214,7 @@ def _whole(world: World, task: str, actual: Found, deadline: Deadline, family: F
         if deadline.is_late():
             return Sought(family, tried=tuple(tried), stopped=True)
         try:
-            made = partial(changed, world, tuple(map(parse_change, text.split(AND))))
+            made = partial(changed, world, made_at_once(text))
             tried.append(Trial(text, deadline.judged(made, task)))
         except InputError:  # this robot has no such gripper, that joint stands there already
             continue

@@ -9,6 +9,7 @@ from sdt_kg.annotation import Drive
 from services.app import Policy
 from services.codesign.design import Design, Plan, Step, designed, to_json
 from services.codesign.entries import Entry
+from services.codesign.families import made_at_once
 from services.codesign.grid import Asked
 from services.commands.options import (
     FiniteRange,
@@ -24,7 +25,6 @@ from services.commands.options import (
     tee_option,
 )
 from services.commands.show import csv_text, print_json, print_rows, progress
-from services.whatif import parse_change
 
 COVER_COLUMNS = ("kitchen", "robot", "certified", "of", "missing")
 
@@ -38,7 +38,8 @@ COVER_COLUMNS = ("kitchen", "robot", "certified", "of", "missing")
     "edits",
     multiple=True,
     metavar="SPEC",
-    help="An edit that a plan may take (sdt whatif --edit help); without it they are looked for. Repeatable.",
+    help="An edit that a plan may take (sdt whatif --edit help), or two that are made at once, 'A & B'; "
+    "without it they are looked for. Repeatable.",
 )
 @click.option("--no-plan", is_flag=True, help="Only what is certified as things are.")
 @click.option(
@@ -82,7 +83,7 @@ def codesign(
     Everything counted is certified; covers are greedy, so a smaller one may exist. Exit 0.
     """
     for each in edits:
-        parse_change(each)
+        made_at_once(each)
     policy = Policy(Drive(drive) if drive else None, None, budget, seed)
     models = tuple(kitchens.split(",")), tuple(robots.split(","))
     asked = Asked(*models, verb, (), policy, states, tee=tee, forces=forces)
