@@ -25,6 +25,12 @@ from tests.services.viewer.visitor import Visitor
 STILL = 4
 """Pictures in a row, a second apart."""
 DRAWER = "sink_area_left_middle_drawer_main"
+NAMELESS = """
+    const named = each => each.textContent.trim() || each.getAttribute('aria-label') || each.labels?.length;
+    const controls = document.querySelectorAll('button, input:not([type=file]), [role=slider]');
+    return [...controls].filter(each => !named(each)).map(each => each.outerHTML.slice(0, 200));
+"""
+"""Controls that nobody could read out."""
 
 
 @pytest.fixture(scope="module")
@@ -136,6 +142,7 @@ def test_in_a_browser_a_case_is_judged_and_nothing_leaves_the_machine(
     assert "CERTIFIED\n" in said
     for predicate in ("SatisfiesRequest", "Causes", "CanPerform"):
         assert f"{predicate}\t✓ yes" in said
+    assert browser.driver.execute_script(NAMELESS) == []
     person.clicks("Files")
     large = tmp_path / "large.npz"
     with large.open("wb") as hole:
