@@ -60,12 +60,14 @@ class Attempt:
             self.steep.extend(islice(self.steeper, max(due - len(self.steep), 0)))
         self._count()
 
+    def fit_wide(self, late: Callable[[], bool]) -> None:
+        """The grasps that many postures search together are known, if any fits at all."""
+        if self.grasps and not self.wide:
+            self.wide = self.fitter.wide(late)
+            self._count()
+
     def spread(self, late: Callable[[], bool]) -> Iterator[Holding]:
-        """Holdings of more grasps that many postures find together."""
-        if not self.grasps:
-            return
-        self.wide = self.wide or self.fitter.wide(late)
-        self._count()
+        """Holdings of these grasps that many postures find together."""
         if self.wide:
             yield from Spreader(self.searcher, self.wide, self.rng, late).holdings()
 

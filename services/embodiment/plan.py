@@ -134,6 +134,9 @@ class Planner:
             return
         for attempt in self.attempts:
             if self.proof is None and not self.late():
+                at = time.perf_counter()
+                attempt.fit_wide(self.late)
+                self._spent("grasp", at)
                 yield from self._of(attempt, attempt.spread(self.late))
 
     def _proved_early(self, number: int) -> bool:
