@@ -8,7 +8,8 @@ import pytest
 
 from sdt_kg.annotation import Drive
 from services.app import Policy
-from services.embodiment import plan
+from services.embodiment import attempt, plan
+from services.embodiment.hold import spread
 from services.sweep.cell import CellResult
 from services.table import TableResult, cells, run
 
@@ -25,6 +26,18 @@ REFERENCE_ROBOTS = (
 )
 
 TEN = 10
+SEARCHED = (
+    (attempt, "ROUNDS"),
+    (attempt, "BLOCKED"),
+    (plan, "MORE_ROUNDS"),
+    (spread, "MOST_BATCHES"),
+    (spread, "HOPELESS"),
+    (spread, "TRIES"),
+    (spread, "MOST"),
+    (spread, "PATHS"),
+)
+"""What ends a search: of these there are ten times as many."""
+
 SATURATED = 120.0  # [s] budget with which the search ends by itself, on a busy machine too
 
 pytestmark = [pytest.mark.oracle, pytest.mark.slow]
@@ -70,8 +83,8 @@ def test_ten_times_the_search_opens_nothing_more(
     asked = cells((model,), robots, "open", (), policy)
     searched = [each.cell for each in run(asked, 1, lambda result: None).results if open_question(each)]
     assert searched
-    for limit in ("ROUNDS", "MORE_ROUNDS", "BLOCKED"):
-        monkeypatch.setattr(plan, limit, TEN * getattr(plan, limit))
+    for module, limit in SEARCHED:
+        monkeypatch.setattr(module, limit, TEN * getattr(module, limit))
     again = [replace(each, policy=replace(policy, budget=TEN * SATURATED)) for each in searched]
     results = run(again, 1, lambda result: None).results
     found = [each.cell.task for each in results if each.verdict["outcome"] == "certified"]
