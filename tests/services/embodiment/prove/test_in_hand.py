@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from predicates.case import Artefact, ArtefactKind
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.load import load_twin
@@ -31,6 +32,7 @@ from services.embodiment.proof_check.mechanics import Placement
 from services.embodiment.proof_check.statement import Statement, Target
 from services.embodiment.prove import Proved, Prover, in_hand
 from services.physics.model import Scene
+from services.viewer.judging.measure import region
 from tests.soak.doors import draw, write
 
 HERE = (0.0, 0.0, 0.0)
@@ -71,6 +73,14 @@ def test_a_handle_that_can_be_touched_is_refuted_in_hand_and_the_proof_says_so(
     assert checked.holds, checked.reasons
     assert "in hand" in checked.statement
     assert any("at most 20 mm" in each for each in checked.assumptions)
+
+
+def test_the_region_that_is_drawn_is_about_the_middle_between_the_fingers(high: tuple[Twin, bytes]) -> None:
+    twin, content = high
+    mark = region(twin, Artefact(ArtefactKind.PROOF, content))
+    assert mark is not None
+    assert "middle between the fingers" in mark.text
+    assert min(min(box.sides) for box in mark.boxes) > 2 * IN_HAND
 
 
 def test_a_handle_in_reach_is_not_refuted(tmp_path: Path) -> None:
