@@ -1,14 +1,20 @@
 """Edits of different things commute, and an edit that is undone leaves the world, and its question's IRI."""
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from predicates.record.inputs import inputs_of, verdict_iri
 from services.app import Service
 from services.whatif import World, changed, parse_change
+from tests.services.dynamics.forced import FOLDING
 from tests.small import small_twin
 
-WORLD = World(Service(small_twin("a", ("pr2",))), "pr2")
+KINEMATIC = Service(small_twin("a", ("pr2",)))
+WORLDS = {
+    "D_artic": World(KINEMATIC, "pr2"),
+    "D_artic_dyn": World(KINEMATIC.with_forces(FOLDING), "pr2"),
+}
 ASKED = "open:side_door"
 CONTAINERS = ("low_drawer", "high_drawer", "side_door")
 OBSTACLES = ("crate", "stool")
@@ -57,31 +63,38 @@ OF_THINGS = st.lists(st.sampled_from(sorted(THINGS)), min_size=2, max_size=3, un
 LAWS = settings(max_examples=6, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 
 
-def iri_after(*texts: str) -> str:
-    """Of the question in the world after edits."""
-    world = changed(WORLD, tuple(map(parse_change, texts)))
+def iri_after(tee: str, *texts: str) -> str:
+    """Of the question in the class's world after edits."""
+    world = changed(WORLDS[tee], tuple(map(parse_change, texts)))
     service = world.service
     case = service.case(ASKED, world.robot_iri)
     return verdict_iri(inputs_of(case, service.physics, service.embodiment))
 
 
-AS_IT_IS = iri_after()
+AS_IT_IS = {tee: iri_after(tee) for tee in WORLDS}
 
 
+def test_the_classes_ask_different_questions() -> None:
+    assert AS_IT_IS["D_artic"] != AS_IT_IS["D_artic_dyn"]
+
+
+@pytest.mark.parametrize("tee", WORLDS)
 @LAWS
-@given(OF_THINGS, st.randoms(use_true_random=False))
-def test_edits_of_different_things_commute(edits: tuple[Undone, ...], chance) -> None:
+@given(edits=OF_THINGS, chance=st.randoms(use_true_random=False))
+def test_edits_of_different_things_commute(tee: str, edits: tuple[Undone, ...], chance) -> None:
     texts = [edit for edit, _ in edits]
     shuffled = [*texts]
     chance.shuffle(shuffled)
-    assert iri_after(*texts) == iri_after(*shuffled) == iri_after(*texts[::-1]) != AS_IT_IS
+    after = iri_after(tee, *texts)
+    assert after == iri_after(tee, *shuffled) == iri_after(tee, *texts[::-1]) != AS_IT_IS[tee]
 
 
+@pytest.mark.parametrize("tee", WORLDS)
 @LAWS
-@given(OF_THINGS)
-def test_an_edit_that_is_undone_leaves_the_question_as_it_was(edits: tuple[Undone, ...]) -> None:
+@given(edits=OF_THINGS)
+def test_an_edit_that_is_undone_leaves_the_question_as_it_was(tee: str, edits: tuple[Undone, ...]) -> None:
     (first, undone), *others = edits
     rest = [edit for edit, _ in others]
-    assert iri_after(first, undone) == AS_IT_IS
-    assert iri_after(first, *rest, undone) == iri_after(*rest)
-    assert iri_after(first) != AS_IT_IS
+    assert iri_after(tee, first, undone) == AS_IT_IS[tee]
+    assert iri_after(tee, first, *rest, undone) == iri_after(tee, *rest)
+    assert iri_after(tee, first) != AS_IT_IS[tee]
