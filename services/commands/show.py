@@ -33,9 +33,16 @@ CSV = "sdt.csv"
 Row = Mapping[str, object]
 
 
+class _Console(Console):
+    def on_broken_pipe(self) -> None:
+        """Rich would end with 1 where nobody reads on, which says "no" here."""
+        self.quiet = True
+        raise BrokenPipeError
+
+
 def console() -> Console:
     """Where people read: full width and no colour on a pipe."""
-    return Console() if sys.stdout.isatty() else Console(width=PIPE_WIDTH, no_color=True)
+    return _Console() if sys.stdout.isatty() else _Console(width=PIPE_WIDTH, no_color=True)
 
 
 def csv_is_asked() -> bool:

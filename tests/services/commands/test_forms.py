@@ -174,9 +174,13 @@ def test_a_command_that_is_interrupted_says_so(
     assert "interrupted: verdicts which were finished are saved" in done.err
 
 
-@pytest.mark.parametrize("query", ["SELECT * { ?a ?b ?c }", "ASK {}"])
-def test_a_reader_that_goes_away_hears_no_answer(query: str) -> None:
-    command = [sys.executable, "-m", "services.cli", "query", "b", query, "--csv"]
+@pytest.mark.parametrize(
+    "words",
+    [("query", "b", "SELECT * { ?a ?b ?c }", "--csv"), ("query", "b", "ASK {}"), ("config", "path")],
+    ids=("long", "table", "short"),
+)
+def test_a_reader_that_goes_away_hears_no_answer(words: tuple[str, ...]) -> None:
+    command = [sys.executable, "-m", "services.cli", *words]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         assert process.stderr is not None
