@@ -1,7 +1,9 @@
 """What certification allows; part of every verdict's inputs."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+
+from sdt_kg.errors import InputError
 
 MOST_CONTACT = 0.1
 """[m] More than anybody may ask for: farther from a handle than that nothing is held."""
@@ -50,3 +52,13 @@ class Tolerances:
     coupling: float = 1e-3
     sideways: float = 0.002
     drift: float = 0.01
+
+    def __post_init__(self) -> None:
+        """Each is a number: what is none would allow everything.
+
+        Raises:
+            InputError: One is not.
+        """
+        for field in fields(self):
+            if math.isnan(getattr(self, field.name)):
+                raise InputError(f"the tolerance '{field.name}' is not a number", allowed="0 or above")

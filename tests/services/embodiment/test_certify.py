@@ -1,6 +1,5 @@
 """The certifier accepts a good motion and refuses each way of spoiling it, for the right reason."""
 
-import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,12 +8,14 @@ import pytest
 
 from predicates.case import Quantity
 from sdt_kg.annotation import Drive
-from sdt_kg.errors import AnnotationError, GraphError, InputError, MotionError, UnknownEntityError
+from sdt_kg.errors import (
+    MotionError,
+    UnknownEntityError,
+)
 from sdt_kg.iri import body_iri, joint_iri, model_iri
 from sdt_kg.twin import Twin
-from services.app import load
 from services.embodiment.certify import Certified, Refused, Tolerances
-from tests.services.embodiment.gantry import DRAWER, FOLDER, RESTS, gantry_twin, opening
+from tests.services.embodiment.gantry import DRAWER, RESTS, gantry_twin, opening
 from tests.services.embodiment.judging import judge, only, refusal, with_rests
 
 pytestmark = pytest.mark.oracle
@@ -271,43 +272,3 @@ def test_what_is_no_motion_is_an_error(twin: Twin) -> None:
             judge(twin, one)
     with pytest.raises(UnknownEntityError, match="lift_joint"):
         judge(twin, replace(motion, joints=("lift_jiont", *motion.joints[1:])))
-
-
-def test_a_joint_without_a_limit_of_speed_moves_in_no_certified_motion(twin: Twin) -> None:
-    arm = joint_iri("gantry", "arm_joint")
-    for name, quantity in (("velocityLimit", "velocity"), ("accelerationLimit", "acceleration")):
-        verdict = judge(twin.with_edit(arm, **{name: None}), opening())
-        assert isinstance(verdict, Refused)
-        (found,) = verdict.diagnoses
-        assert found.reason == f"arm_joint moves, and nothing says how fast: it has no limit of {quantity}"
-
-
-@pytest.mark.parametrize("name", ["velocityLimit", "accelerationLimit", "effortLimit"])
-def test_a_limit_below_zero_is_none(twin: Twin, name: str) -> None:
-    with pytest.raises(InputError, match=f"sdt:{name} cannot be -1.0; allowed: a finite number, 0 or above"):
-        twin.with_edit(joint_iri("gantry", "arm_joint"), **{name: -1.0})
-
-
-@pytest.mark.parametrize("name", ["overhang", "baseLinearVelocity", "baseAngularAcceleration"])
-def test_no_robot_sticks_out_by_less_than_nothing_nor_drives_slower_than_not_at_all(
-    twin: Twin, name: str
-) -> None:
-    with pytest.raises(InputError, match="0 or above"):
-        twin.with_edit(twin.robots[0], **{name: -0.1})
-
-
-@pytest.mark.parametrize("scale", [0.1, 7.0])
-def test_a_tool_frame_that_would_scale_distances_is_refused(twin: Twin, scale: float) -> None:
-    # The closing direction would be scaled too, and with it how far a finger may be from the handle.
-    part = scale * np.sqrt(0.5)
-    with pytest.raises(GraphError, match=rf"tool' has the norm {scale:g}; allowed: 1"):
-        judge(twin.with_edit(f"{twin.robots[0]}/tool", qx=part, qw=part), opening())
-
-
-def test_a_gripper_without_a_shape_holds_nothing_and_says_so(tmp_path: Path) -> None:
-    bare = re.sub("<collision>.*?</collision>", "", (FOLDER / "gantry.urdf").read_text(), flags=re.DOTALL)
-    (tmp_path / "gantry.urdf").write_text(bare)
-    (tmp_path / "gantry.ttl").write_bytes((FOLDER / "gantry.ttl").read_bytes())
-    service = load(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"])
-    with pytest.raises(AnnotationError, match="gripper 'hand' has no collision shape to hold a handle with"):
-        next(service.achieve("open:drawer_main"))

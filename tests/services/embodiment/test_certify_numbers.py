@@ -1,0 +1,75 @@
+"""Numbers that would bound nothing certify nothing: no limit, one below zero, frames that scale, NaN."""
+
+import re
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sdt_kg.errors import AnnotationError, GraphError, InputError, OracleRejectedError
+from sdt_kg.iri import joint_iri
+from sdt_kg.twin import Twin
+from services.app import load
+from services.embodiment.certify import Refused, Tolerances, check
+from tests.services.embodiment.gantry import FOLDER, gantry_twin, opening
+from tests.services.embodiment.judging import judge
+
+pytestmark = pytest.mark.oracle
+
+
+@pytest.fixture(scope="module")
+def twin(tmp_path_factory: pytest.TempPathFactory) -> Twin:
+    return gantry_twin(tmp_path_factory.mktemp("gantry"))
+
+
+def test_a_joint_without_a_limit_of_speed_moves_in_no_certified_motion(twin: Twin) -> None:
+    arm = joint_iri("gantry", "arm_joint")
+    for name, quantity in (("velocityLimit", "velocity"), ("accelerationLimit", "acceleration")):
+        verdict = judge(twin.with_edit(arm, **{name: None}), opening())
+        assert isinstance(verdict, Refused)
+        (found,) = verdict.diagnoses
+        assert found.reason == f"arm_joint moves, and nothing says how fast: it has no limit of {quantity}"
+
+
+@pytest.mark.parametrize("name", ["velocityLimit", "accelerationLimit", "effortLimit"])
+def test_a_limit_below_zero_is_none(twin: Twin, name: str) -> None:
+    with pytest.raises(InputError, match=f"sdt:{name} cannot be -1.0; allowed: a finite number, 0 or above"):
+        twin.with_edit(joint_iri("gantry", "arm_joint"), **{name: -1.0})
+
+
+@pytest.mark.parametrize("name", ["overhang", "baseLinearVelocity", "baseAngularAcceleration"])
+def test_no_robot_sticks_out_by_less_than_nothing_nor_drives_slower_than_not_at_all(
+    twin: Twin, name: str
+) -> None:
+    with pytest.raises(InputError, match="0 or above"):
+        twin.with_edit(twin.robots[0], **{name: -0.1})
+
+
+@pytest.mark.parametrize("scale", [0.1, 7.0])
+def test_a_tool_frame_that_would_scale_distances_is_refused(twin: Twin, scale: float) -> None:
+    # The closing direction would be scaled too, and with it how far a finger may be from the handle.
+    part = scale * np.sqrt(0.5)
+    with pytest.raises(GraphError, match=rf"tool' has the norm {scale:g}; allowed: 1"):
+        judge(twin.with_edit(f"{twin.robots[0]}/tool", qx=part, qw=part), opening())
+
+
+def test_a_gripper_without_a_shape_holds_nothing_and_says_so(tmp_path: Path) -> None:
+    bare = re.sub("<collision>.*?</collision>", "", (FOLDER / "gantry.urdf").read_text(), flags=re.DOTALL)
+    (tmp_path / "gantry.urdf").write_text(bare)
+    (tmp_path / "gantry.ttl").write_bytes((FOLDER / "gantry.ttl").read_bytes())
+    service = load(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"])
+    with pytest.raises(AnnotationError, match="gripper 'hand' has no collision shape to hold a handle with"):
+        next(service.achieve("open:drawer_main"))
+
+
+@pytest.mark.parametrize("name", [field.name for field in fields(Tolerances)])
+def test_a_tolerance_that_is_no_number_is_none(name: str) -> None:
+    with pytest.raises(InputError, match=f"the tolerance '{name}' is not a number"):
+        Tolerances(**{name: np.nan})
+
+
+def test_nothing_is_certified_with_a_figure_that_is_no_number(twin: Twin, monkeypatch) -> None:
+    monkeypatch.setattr(check, "tolerated", lambda *_: {"room": (np.nan, "m")})
+    with pytest.raises(OracleRejectedError, match="figure 'room' came out as nan: nothing is certified"):
+        judge(twin, opening(0.5))
