@@ -2,6 +2,10 @@
 
 import csv
 import io
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -142,3 +146,14 @@ def test_query_prints_csv(sdt) -> None:
         "oven_area_oven_door",
         "sink_area_dish_washer_door",
     ]
+
+
+def test_an_interrupt_ends_a_query_that_would_take_for_ever() -> None:
+    query = "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i }"
+    process = subprocess.Popen([sys.executable, "-m", "services.cli", "query", "b", query])
+    try:
+        time.sleep(2.5)  # the query has begun; where it has not, an interrupt ends this as well
+        process.send_signal(signal.SIGINT)
+        assert process.wait(timeout=20) in {-signal.SIGINT, 130}
+    finally:
+        process.kill()
