@@ -113,7 +113,10 @@ class Table:
             body = f'<tr><td colspan="{max(1, len(self.columns))}">none</td></tr>'
         caption = f"<caption>{html.escape(self.caption)}</caption>"
         parts = f"{caption}<thead><tr>{head}</tr></thead><tbody>{body}</tbody>"
-        return f'<div class="sdt-table"><table>{parts}</table></div>'
+        label = html.escape(self.caption, quote=True)
+        # Where it is wider than the page, it is scrolled by keyboard too.
+        region = f'<div class="sdt-table" tabindex="0" role="region" aria-label="{label}">'
+        return f"{region}<table>{parts}</table></div>"
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, object]:
         del include, exclude

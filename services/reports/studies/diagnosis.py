@@ -136,7 +136,7 @@ def story(found: Diagnosed) -> Table:
     parts = sections(list(to_record(found.verdict).quads()), found.verdict.iri)
     kept = [each for each in parts if each.title not in {"Versions and inputs"}]
     rows = [
-        {"": "" if i else each.title, "in words": line.strip()}
+        {"part": "" if i else each.title, "in words": line.strip()}
         for each in kept
         for i, line in enumerate(each.lines)
     ]

@@ -188,7 +188,7 @@ def _task(task: Task) -> str:
 def proposed(found: Lesson) -> Table:
     """The joint as it is and as it would have to be; no row where the twin has the path already."""
     if found.proposal is None:
-        rows = [{"joint": "unchanged", "": "the twin has the path already"}]
+        rows = [{"joint": "unchanged", "what": "the twin has the path already"}]
         return Table.of("learning_proposal", "Nothing is proposed.", rows)
     proposal, _ = found.proposal
     rows = [_joint_row("as it is", proposal.before), _joint_row("proposed", proposal.after)]
@@ -202,7 +202,7 @@ def proposed(found: Lesson) -> Table:
 
 def _joint_row(which: str, joint: Joint) -> dict[str, object]:
     return {
-        "": which,
+        "the joint": which,
         "type": joint.type.value,
         "origin [m]": _vector(joint.origin.position),
         "axis": _vector(joint.axis),
