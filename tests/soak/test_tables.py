@@ -31,6 +31,7 @@ SEARCHED = (
     (attempt, "BLOCKED"),
     (plan, "MORE_ROUNDS"),
     (spread, "MOST_BATCHES"),
+    (spread, "FEW_BATCHES"),
     (spread, "HOPELESS"),
     (spread, "TRIES"),
     (spread, "MOST"),

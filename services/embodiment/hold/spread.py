@@ -26,7 +26,8 @@ Indices = NDArray[np.intp]
 LOOKED_AT = 5  # values of the container at which free postures are counted first
 ENOUGH = 24  # free postures at a value that tell how many of its seeds lead to one
 BATCHES = 4  # of seeds that are looked at together
-MOST_BATCHES = 144  # at one value
+MOST_BATCHES = 144  # at one value, until one is free
+FEW_BATCHES = 96  # at one value, where some are
 HOPELESS = 24  # batches that lead to no posture at all, of one value
 TRIES = 4  # looks for a free posture of a grasp at another value
 EACH = 4  # seeds for each grasp at such a look
@@ -183,7 +184,8 @@ class Spreader:
             layer = _both(layer, self._free_seeds(index, more))
             seeds += len(more)
             hopeless = batch >= HOPELESS and self.searcher.tally.solved == solved
-            if len(layer.xs) >= enough or hopeless or self._late():
+            few = batch >= FEW_BATCHES and len(layer.xs)
+            if len(layer.xs) >= enough or few or hopeless or self._late():
                 break
         return layer, len(layer.xs) / seeds
 
