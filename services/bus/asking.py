@@ -61,13 +61,12 @@ def asked(session: zenoh.Session, twin: str, deadline: float, question: Question
         reply = _once(session, question, until - time.monotonic())
         if isinstance(reply, tuple):
             return reply
-        left = until - time.monotonic()
-        if reply is None and left <= 0:
+        if reply is None and time.monotonic() >= until:
             reply = problem(ProblemType.DEADLINE, "no reply came in time")
         elif reply is None:
-            reply, there = _silence(session, twin, question.only, min(left, LIVE_TIMEOUT), pause)
+            reply, there = _silence(session, twin, question.only, until, pause)
             deaf.append(there)
-        if not tries_left or not reply.retry_after or reply.retry_after >= left:
+        if not tries_left or not reply.retry_after or reply.retry_after >= until - time.monotonic():
             break
         time.sleep(reply.retry_after)
         pause *= 2
@@ -97,16 +96,22 @@ def problem_in(error: zenoh.ReplyError) -> Problem | None:
 
 
 def _silence(
-    session: zenoh.Session, twin: str, only: str, seconds: float, pause: float
+    session: zenoh.Session, twin: str, only: str, until: float, pause: float
 ) -> tuple[Problem, set[str]]:
     """What silence means as far as one can see, and who could have answered and tells of itself."""
-    there = {each for each in present(session, keys.any_live(twin), seconds) if only in {"", each}}
+    there = {each for each in present(session, keys.any_live(twin), _left(until)) if only in {"", each}}
     if not there:
         nobody = f"no server of '{twin}' is on the bus"
         said = f"{nobody} under the name '{only}'; its jobs have ended with it" if only else nobody
         return problem(ProblemType.UNAVAILABLE, said, retry_after=pause), set()
     said = f"{', '.join(sorted(there))} gave no reply"
-    return problem(ProblemType.UNAVAILABLE, said, retry_after=pause), there & _telling(session, twin, seconds)
+    telling = _telling(session, twin, _left(until))
+    return problem(ProblemType.UNAVAILABLE, said, retry_after=pause), there & telling
+
+
+def _left(until: float) -> float:
+    """[s] That may be spent on whether somebody is there, before the deadline."""
+    return min(max(until - time.monotonic(), 0.001), LIVE_TIMEOUT)
 
 
 def _telling(session: zenoh.Session, twin: str, seconds: float) -> set[str]:
