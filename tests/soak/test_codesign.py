@@ -11,17 +11,18 @@ from services.codesign.grid import Asked
 from services.codesign.judge import one_of
 from services.whatif import World, changed, parse_change
 
+OPENED = "move:cabinet7_door_bottom_left=open"
+
 pytestmark = [pytest.mark.oracle, pytest.mark.slow]
 
 
-def test_the_drawer_behind_the_dishwasher_door_is_planned_by_opening_that_door() -> None:
-    drawer, door = "dishwasher_drawer_middle", "cabinet7_door_bottom_left"
+@pytest.mark.parametrize("edit", [OPENED, f"furniture:wardrobe=0.5,0 & {OPENED}"])
+def test_the_drawer_behind_the_dishwasher_door_is_planned_by_opening_that_door(edit: str) -> None:
+    drawer = "dishwasher_drawer_middle"
     asked = Asked(("a",), ("stretch",), "open", (), Policy(budget=5), (), (drawer, "cabinet9_drawer_top"))
-    edits = ("furniture:wardrobe=0.5,0", f"move:{door}=open")
+    edits = ("furniture:wardrobe=0.5,0", edit)
     (plan,) = designed(asked, 1, edits).plans
-    assert [(each.what, each.gained, each.covered) for each in plan.steps] == [
-        (f"move:{door}=open", (drawer,), 2)
-    ]
+    assert [(each.what, each.gained, each.covered) for each in plan.steps] == [(edit, (drawer,), 2)]
 
 
 def test_what_a_refusal_names_is_cleared_and_a_door_that_stands_open_is_closed() -> None:
