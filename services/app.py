@@ -35,7 +35,7 @@ class Policy:
     Attributes:
         drive: How the base moves; None takes the robot's own.
         base: Start pose x, y [m], yaw [rad]; None takes the kitchen's, turned towards the handle.
-        budget: Seconds of search for each container.
+        budget: Seconds of CPU for the search of each container.
         seed: Of the search.
         any_start: Whether a body motion that is given may begin anywhere, in any posture.
         contact: How far a finger may be from the handle that it holds [m]; None takes the certifier's.

@@ -87,7 +87,7 @@ budget_option = click.option(
     type=FiniteRange(min=0, min_open=True),
     default=20.0,
     show_default=True,
-    help="Seconds of search for each container before giving up.",
+    help="Seconds of CPU that the search for each container may take before it gives up.",
 )
 seed_option = click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
 jobs_option = click.option(

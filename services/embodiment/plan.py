@@ -64,7 +64,7 @@ class Planned:
 
 
 class Planner:
-    """Plans for one setting.
+    """Plans for one setting, until the thread that asks has spent the deadline's seconds of CPU.
 
     Attributes:
         attempts: One for each gripper that has a grasp.
@@ -96,7 +96,7 @@ class Planner:
 
     def late(self) -> bool:
         """Whether the budget is spent."""
-        return time.perf_counter() > self.deadline
+        return time.thread_time() > self.deadline
 
     def plans(self) -> Iterator[Planned]:
         """Body motions, one after the other, until the search gives up."""
@@ -236,9 +236,10 @@ class Planner:
         start = np.array(setting.start)
         if setting.drive is Drive.FIXED:
             searcher.stand(start)
-        roads = setting.roads.setdefault(
-            limb.gripper.name, make_roads(world, limb, kit.opened, setting.drive, self.seed)
-        )
+        name = limb.gripper.name
+        roads = setting.roads.get(name) or make_roads(world, limb, kit.opened, setting.drive)
+        setting.roads[name] = roads
+        roads.begin(self.seed)
         approacher = Approacher(roads, kit.hand, kit.opened, start, self.late)
         assembler = Assembler(world, limb, setting.robot, problem, setting.motion)
         rng = np.random.default_rng(self.seed)

@@ -1,6 +1,6 @@
 """A server or an oracle that is there and does nothing any more: its token is stale, and others answer.
 
-Zenoh notices a partner that says nothing when its lease ends: ten seconds, unless a configuration says otherwise.
+Zenoh notices a partner that says nothing when its lease ends: ten seconds, unless a configuration differs.
 Until then a question may have gone to whoever is frozen.
 """
 

@@ -103,8 +103,8 @@ def arms_of(arm: Arm) -> list[float]:
     for k in range(len(links) - 1, -1, -1):
         link = links[k]
         along, across = _parted(middle, link.axis)
-        arms[k] = min((across.norm().hi if link.turns else middle.norm().hi) + radius, float(arm.reach[k]))
-        arms[k] = float(arms[k]) + ROUNDING
+        far = float((across if link.turns else middle).norm().hi) + radius
+        arms[k] = min(far, float(arm.reach[k])) + ROUNDING
         if link.turns:
             middle, radius = along, radius + float(across.norm().hi)
         else:

@@ -98,6 +98,12 @@ class Lattice:
     shut: set[Node] = field(default_factory=set[Node])
     _cells: _Cells | None = None
 
+    def begin(self) -> None:
+        """Forget what another question learned, but whether poses are free: that changes no answer."""
+        self.shut.clear()
+        if self._cells is not None:
+            self._cells.barred[:] = 0
+
     def road(self, start: Array, goal: Array, late: Callable[[], bool]) -> list[Array] | None:
         """Base poses of a free drive between start and goal, both left out, or None."""
         firsts, lasts = list(self._joined(goal)), list(self._joined(start))

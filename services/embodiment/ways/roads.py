@@ -1,7 +1,7 @@
 """Roads: how a parked robot drives among the furniture.
 
-A probabilistic roadmap (Kavraki et al. 1996) of one scene, grown only as far as questions need it
-and kept for the next question: containers of one kitchen share their roads.
+A probabilistic roadmap (Kavraki et al. 1996), grown only as far as a question needs it. Containers of one
+kitchen share what is known of free poses, and nothing else: no answer depends on what was asked before.
 """
 
 from collections.abc import Callable
@@ -41,10 +41,17 @@ class Roads:
     """
 
     space: DriveSpace
-    rng: np.random.Generator
     lattice: Lattice
+    rng: np.random.Generator = field(default_factory=np.random.default_rng)
     nodes: list[Array] = field(default_factory=list[Array])
     edges: list[tuple[int, int, float]] = field(default_factory=list[tuple[int, int, float]])
+
+    def begin(self, seed: int) -> None:
+        """Be ready for another question, as if it were the first."""
+        self.rng = np.random.default_rng(seed)
+        self.nodes.clear()
+        self.edges.clear()
+        self.lattice.begin()
 
     def road(self, start: Array, goal: Array, growths: int, late: Callable[[], bool]) -> Array | None:
         """Corners of a free drive, shape (K, 3), or None if it needs a larger roadmap.
@@ -131,7 +138,7 @@ class Roads:
         return np.concatenate(corners)
 
 
-def make_roads(world: World, limb: Limb, rules: Rules, drive: Drive, seed: int) -> Roads:
+def make_roads(world: World, limb: Limb, rules: Rules, drive: Drive) -> Roads:
     """An empty roadmap for the robot with that limb parked and its hand open."""
     space = DriveSpace(Parked(world, limb.q(limb.parked), rules), drive)
-    return Roads(space, np.random.default_rng(seed), Lattice(space))
+    return Roads(space, Lattice(space))

@@ -1,4 +1,4 @@
-"""Drives over a lattice: found through a gap, refused where there is none."""
+"""Drives over a roadmap and a lattice: found through a gap, refused where there is none."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ import pytest
 
 from sdt_kg.annotation import Drive
 from services.embodiment.ways.lattice import Lattice
+from services.embodiment.ways.roads import Roads
 from services.embodiment.ways.spaces import DriveSpace
 
 START, GOAL = np.array([0.03, 0.02, 0.3]), np.array([2.04, 0.07, 1.5])
@@ -30,6 +31,12 @@ class Yard:
 
     def stand_free(self, poses: np.ndarray) -> list[bool]:
         return [self.stands(pose) for pose in poses]
+
+    def distance(self, one: np.ndarray, others: np.ndarray) -> np.ndarray:
+        return np.linalg.norm((others - one)[:, :2], axis=1)
+
+    def edge(self, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        return np.stack([start, end])
 
     def free(self, start: np.ndarray, end: np.ndarray) -> bool:
         pieces = int(np.linalg.norm(end[:2] - start[:2]) / STEP) + 2
@@ -73,3 +80,19 @@ def test_where_there_is_no_gap_the_goal_is_known_to_be_shut_in() -> None:
     assert closed.shut_in(GOAL)
     assert not closed.shut_in(START)
     assert all(i > 10 for i, _, _ in closed.shut)
+
+
+@pytest.mark.parametrize("growths", [0, 1, 12])
+def test_a_drive_does_not_depend_on_what_was_asked_before(growths: int) -> None:
+    yard = cast(DriveSpace, Yard(Drive.OMNI, (0.62, 0.92)))
+    fresh, used = (Roads(yard, Lattice(yard)) for _ in range(2))
+    for seed, goal in enumerate((GOAL - [0.3, 0.5, 0.0], np.array([9.0, 0.0, 0.0]), GOAL)):
+        used.begin(seed)
+        used.road(START, goal, 4, late)
+    assert used.nodes
+    for roads in (fresh, used):
+        roads.begin(7)
+    one, other = (roads.road(START, GOAL, growths, late) for roads in (fresh, used))
+    assert (one is None) == (other is None) == (growths == 0)
+    if one is not None and other is not None:
+        np.testing.assert_array_equal(one, other)
