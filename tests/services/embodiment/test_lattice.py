@@ -80,6 +80,8 @@ def test_where_there_is_no_gap_the_goal_is_known_to_be_shut_in() -> None:
     assert closed.shut_in(GOAL)
     assert not closed.shut_in(START)
     assert all(i > 10 for i, _, _ in closed.shut)
+    closed.begin()
+    assert not closed.shut_in(GOAL)
 
 
 @pytest.mark.parametrize("growths", [0, 1, 12])
