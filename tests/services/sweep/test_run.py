@@ -52,7 +52,7 @@ def test_a_case_that_kills_its_process_twice_is_alone_without_a_verdict() -> Non
 
 def test_a_worker_that_fails_is_no_verdict_and_no_end() -> None:
     found = list(run([cell("fail badly"), cell("good")], processes(1), judging=obedient))
-    assert [type(each) for each in found] == [Unjudged, CellResult]
+    assert {each.cell.container: type(each) for each in found} == {"fail badly": Unjudged, "good": CellResult}
 
 
 def test_cases_are_taken_as_there_is_room_so_that_endless_ones_can_be_begun() -> None:
