@@ -98,14 +98,20 @@ def _text(path: Path) -> bytes:
     ) as error:
         said = " ".join(str(error).split())
         raise UrdfError(f"{path}: xacro says: {said}", remedy="run xacro on it by hand") from None
+    folder = _package_of(path.resolve())
     for read in map(Path, xacro.all_includes):
-        if not read.resolve().is_relative_to(path.parent.resolve()):
+        if not read.resolve().is_relative_to(folder):
             raise UrdfError(
-                f"{path}: reads '{read}', which lies outside of '{path.parent}'",
-                allowed="files below that folder",
+                f"{path}: reads '{read}', which lies outside of '{folder}'",
+                allowed="files below that folder, which is the one with package.xml if there is one",
                 remedy="put it there, or run xacro on it by hand",
             )
     return str(document.toxml()).encode()
+
+
+def _package_of(path: Path) -> Path:
+    """The folder of the package that a file belongs to; the file's own where there is none."""
+    return next((each for each in path.parents if (each / "package.xml").is_file()), path.parent)
 
 
 def _parsed(root: ET.Element, source: Path) -> Parsed:

@@ -197,6 +197,17 @@ def test_a_bad_xacro_is_refused_with_its_reason(tmp_path: Path, body: str, reaso
     assert reason in str(caught.value)
 
 
+def test_xacro_reads_what_is_in_its_package(tmp_path: Path) -> None:
+    (tmp_path / "in").mkdir()
+    path, head = tmp_path / "in" / "my.xacro", '<robot name="k" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    (tmp_path / "more.xacro").write_text(f"{head}{''.join(DRAWER)}</robot>")
+    path.write_text(f'{head}<xacro:include filename="../more.xacro"/></robot>')
+    with pytest.raises(UrdfError, match="outside of"):
+        read_mechanism(path)
+    (tmp_path / "package.xml").write_text("<package/>")
+    assert len(read_mechanism(path).bodies) == len([each for each in DRAWER if "<link" in each])
+
+
 def test_endless_nesting_is_refused(write: Write) -> None:
     deep = "<a>" * 50_000 + "</a>" * 50_000
     with pytest.raises(UrdfError, match="nested too deep"):
