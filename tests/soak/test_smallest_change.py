@@ -13,7 +13,7 @@ REFUSED = (
     ("a", "pr2", "wardrobe_door_left"),
     ("a", "stretch", "dishwasher_drawer_middle"),
     ("b", "stretch", "oven_area_oven_door"),
-    ("b", "pr2", "sink_area_dish_washer_door"),
+    ("a", "pr2", "cabinet7_door_bottom_left"),
 )
 WITHIN = 30.0  # [s] a case
 LAST = 3.0  # [s] by which the last edit may take longer than the longest before it
@@ -23,6 +23,7 @@ LAST = 3.0  # [s] by which the last edit may take longer than the longest before
 def test_what_turns_a_refusal_is_certified_when_asked_by_name(kitchen, robot, container) -> None:
     question = Question(kitchen, robot, f"open:{container}", (), Policy())
     found = turned(question, WITHIN, 2)
+    assert found.actual.outcome is Outcome.NOT_CERTIFIED
     assert found.seconds < WITHIN + LAST
     world = World(load(kitchen, [robot]), robot)
     for each in found.sought:
