@@ -78,7 +78,7 @@ def reports(browser: Browser, store: Path, folder: Path) -> None:
         command = (sys.executable, "-m", "services.cli", "report", name, "-o", str(html))
         takes_store = () if name in WITHOUT_STORE else ("--store", str(store))
         subprocess.run((*command, *takes_store), check=True)
-        taken(browser, html.as_uri(), html.with_suffix(".png"))
+        taken(browser, html.absolute().as_uri(), html.with_suffix(".png"))
 
 
 def _pressed(browser: Browser, label: str, answer: str) -> None:
