@@ -22,6 +22,8 @@ LIVE_TIMEOUT = 1.0
 """[s] For the question whether a server is there."""
 MARGIN = 0.05
 """[s] The client waits so much longer than the deadline that it tells the server, which knows more."""
+SMALL = 2**16
+"""[bytes] A question of at most so many, one fragment of Zenoh's, does not wait behind larger ones."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +87,11 @@ def present(session: zenoh.Session, tokens_at: str, seconds: float = LIVE_TIMEOU
     return sorted({keys.instance_of(str(each.ok.key_expr)) for each in tokens if each.ok})
 
 
+def priority_of(payload: bytes | zenoh.ZBytes) -> zenoh.Priority:
+    """Of a question and its reply: small ones overtake the fragments of large ones on a shared link."""
+    return zenoh.Priority.INTERACTIVE_HIGH if len(payload) <= SMALL else zenoh.Priority.DATA
+
+
 def problem_in(error: zenoh.ReplyError) -> Problem | None:
     """What the responder says; None where Zenoh itself says that time is up: that is no JSON."""
     if not str(error.encoding).startswith(JSON):
@@ -134,6 +141,7 @@ def _once(session: zenoh.Session, question: Question, left: float) -> tuple[byte
         encoding=question.encoding,
         attachment=encode(header),
         timeout=max(left, 0.0) + MARGIN,
+        priority=priority_of(question.payload),
         consolidation=zenoh.ConsolidationMode.NONE,
         accept_replies=zenoh.ReplyKeyExpr.ANY,
     )

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import zenoh
 
 from sdt_kg.errors import InputError, OracleUnavailableError
+from services.bus.asking import priority_of
 from services.bus.client import Connection
 from services.bus.sessions import open_session
 from services.judging.codec import MAX_REQUEST
@@ -87,7 +88,15 @@ class Asking:
         """Ask without our library; silence is told apart."""
         began = time.monotonic()
         key = f"sdt/v1/b/rpc/{verb}"
-        replies = list(self.session.get(key, payload=payload, attachment=attachment, timeout=PATIENT))
+        replies = list(
+            self.session.get(
+                key,
+                payload=payload,
+                attachment=attachment,
+                timeout=PATIENT,
+                priority=priority_of(payload),
+            )
+        )
         spent = time.monotonic() - began
         if not replies or (
             replies[0].err and not str(replies[0].err.encoding).startswith("application/json")
