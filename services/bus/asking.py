@@ -12,7 +12,7 @@ from services.bus.keys import Meta
 from services.judging.codec import JSON, decode, encode
 from services.judging.messages import Header
 from services.judging.problems import Problem, ProblemType, error_of, problem
-from services.judging.replies import Reply
+from services.judging.replies import VersionReply
 
 RETRIES = 3
 """How often a question is asked again that got no reply, or that a server could not take just then."""
@@ -129,7 +129,7 @@ def _telling(session: zenoh.Session, twin: str, seconds: float) -> set[str]:
         target=zenoh.QueryTarget.ALL,
         consolidation=zenoh.ConsolidationMode.NONE,
     )
-    return {decode(Reply, each.ok.payload.to_bytes()).instance for each in replies if each.ok}
+    return {decode(VersionReply, each.ok.payload.to_bytes()).instance for each in replies if each.ok}
 
 
 def _once(session: zenoh.Session, question: Question, left: float) -> tuple[bytes, str] | Problem | None:

@@ -8,9 +8,13 @@ from services.judging.messages import Message, Verb
 
 
 class Reply(Message):
-    """What all replies share: which server answered."""
+    """Any of them; over Zenoh the reply's key names who answered."""
 
-    instance: str = ""
+
+class VersionReply(Reply):
+    """Of `@meta/version`: the server's name."""
+
+    instance: str
 
 
 class MetRequest(BaseModel):
