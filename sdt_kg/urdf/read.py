@@ -1,6 +1,5 @@
 """URDF or xacro file → Mechanism."""
 
-import importlib
 import io
 import logging
 import math
@@ -8,7 +7,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Final
 from xml.etree import ElementTree as ET
-from xml.parsers.expat import ExpatError
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,13 +24,14 @@ from sdt_kg.mechanism import (
     Pose,
     ShapeType,
 )
-from sdt_kg.urdf.document import parse_xml, refuse_unsafe
+from sdt_kg.urdf.document import parse_xml
 from sdt_kg.urdf.joints import checked, resolved, turned, with_fixed
 from sdt_kg.urdf.meshes import mesh_hash, mesh_path
+from sdt_kg.urdf.xacro import expanded
 
 XACRO: Final = ".xacro"
 
-# yourdfpy and xacro have no types of their own: what they return enters here and leaves as Mechanism.
+# yourdfpy has no types of its own: what it returns enters here and leaves as Mechanism.
 Parsed = Any
 
 logging.getLogger("yourdfpy").setLevel(logging.ERROR)
@@ -77,41 +76,7 @@ def model_stem(path: Path) -> str:
 def _text(path: Path) -> bytes:
     if not path.is_file():
         raise UrdfError(f"no file at {path}", allowed="a .urdf or .xacro file")
-    if path.suffix != XACRO:
-        return path.read_bytes()
-    xacro: Parsed = importlib.import_module("xacro")
-
-    refuse_unsafe(path.read_bytes(), path)
-    xacro.all_includes.clear()
-    try:
-        document = xacro.process_file(str(path))
-    except RecursionError:
-        raise UrdfError(f"{path}: a xacro macro calls itself without end") from None
-    except (
-        xacro.XacroException,
-        ExpatError,
-        SyntaxError,
-        RuntimeError,
-        OSError,
-        ValueError,
-        KeyError,
-    ) as error:
-        said = " ".join(str(error).split())
-        raise UrdfError(f"{path}: xacro says: {said}", remedy="run xacro on it by hand") from None
-    folder = _package_of(path.resolve())
-    for read in map(Path, xacro.all_includes):
-        if not read.resolve().is_relative_to(folder):
-            raise UrdfError(
-                f"{path}: reads '{read}', which lies outside of '{folder}'",
-                allowed="files below that folder, which is the one with package.xml if there is one",
-                remedy="put it there, or run xacro on it by hand",
-            )
-    return str(document.toxml()).encode()
-
-
-def _package_of(path: Path) -> Path:
-    """The folder of the package that a file belongs to; the file's own where there is none."""
-    return next((each for each in path.parents if (each / "package.xml").is_file()), path.parent)
+    return expanded(path) if path.suffix == XACRO else path.read_bytes()
 
 
 def _parsed(root: ET.Element, source: Path) -> Parsed:

@@ -1,0 +1,72 @@
+"""xacro → XML, expanded in a process of its own whose time, memory and files are bounded."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Final
+
+from sdt_kg.errors import UrdfError
+from sdt_kg.urdf.document import MAX_BYTES, refuse_unsafe
+
+SECONDS: Final = 10
+"""[s] Of CPU. The largest xacro that we know of, with three robots in it, takes one."""
+
+MEMORY: Final = 2_000_000_000
+"""[byte]"""
+
+PATIENCE: Final = 60
+"""[s] Until a process that waits for something is given up."""
+
+SCRIPT: Final = Path(__file__).with_name("expanding.py")
+
+
+def expanded(path: Path) -> bytes:
+    """The document that a xacro file stands for.
+
+    Raises:
+        UrdfError: It says nothing that can be expanded, takes too much to be, or reads what is not its own.
+    """
+    refuse_unsafe(path.read_bytes(), path)
+    folder = _package_of(path.resolve())
+    words = (str(path), str(folder), str(SECONDS), str(MEMORY), str(MAX_BYTES))
+    # No variable of who asks is for the file to read, and our own search path is not for it to change.
+    environment = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "PYTHONUTF8": "1"}
+    try:
+        done = subprocess.run(  # noqa: S603 - our own script, without a shell
+            [sys.executable, "-P", "-S", str(SCRIPT), *words],
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            timeout=PATIENCE,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise _too_much(path) from None
+    head, _, document = done.stdout.partition(b"\n")
+    if done.returncode or not head:
+        raise _too_much(path)
+    wrong = str(json.loads(head)["wrong"])
+    if wrong.startswith("reads '"):
+        raise UrdfError(
+            f"{path}: {wrong}",
+            allowed="files below that folder, which is the one with package.xml if there is one",
+            remedy="put it there, or run xacro on it by hand",
+        )
+    if wrong:
+        raise UrdfError(f"{path}: xacro says: {wrong}", remedy="run xacro on it by hand")
+    return document
+
+
+def _too_much(path: Path) -> UrdfError:
+    return UrdfError(
+        f"{path}: expanding it takes too much",
+        allowed=f"{SECONDS} s of CPU and {MEMORY / 1e9:g} GB of memory",
+        remedy="look for an expression or a macro that grows without end",
+    )
+
+
+def _package_of(path: Path) -> Path:
+    """The folder of the package that a file belongs to; the file's own where there is none."""
+    return next((each for each in path.parents if (each / "package.xml").is_file()), path.parent)
