@@ -86,6 +86,11 @@ def _pairs(before: Twin, after: Twin) -> Iterator[tuple[Container, Container]]:
     return ((known[each.iri], each) for each in after.containers() if each.iri in known)
 
 
+def claims(container: Container, values: Values) -> NDArray[np.bool_]:
+    """What is so of a container at positions of shape (T,): a row for each kind of claim."""
+    return np.stack([claim(container, values) for claim, _, _ in _CLAIMS])
+
+
 def events_along(twin: Twin, trajectory: Trajectory) -> list[Event]:
     """Events of a trajectory that begins in the twin's state, in the order of their samples."""
     found = list(_grasps(twin, trajectory))
@@ -111,8 +116,7 @@ def _positions(container: Container, trajectory: Trajectory, start: State) -> Va
 
 
 def _changes(container: Container, values: Values, trajectory: Trajectory) -> Iterator[Event]:
-    for claim, begun, ended in _CLAIMS:
-        holds = claim(container, values)
+    for holds, (_, begun, ended) in zip(claims(container, values), _CLAIMS, strict=True):
         for sample in (np.flatnonzero(holds[1:] != holds[:-1]) + 1).tolist():
             kind = begun if holds[sample] else ended
             if kind is not None:

@@ -115,7 +115,7 @@ def designed(  # noqa: PLR0913, PLR0917 - what is asked, and how long it may tak
         asked: Kitchens, robots, verb and policy; its worlds are not looked at.
         jobs: Processes.
         edits: Those that a plan may take; none: whatever turns a refusal, looked for.
-        within: Seconds for each refusal, where edits are looked for.
+        within: Seconds of CPU of each process for each refusal, where edits are looked for.
         plan: Whether to plan edits at all.
         report: Called with each entry as things are.
     """

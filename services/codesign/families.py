@@ -23,6 +23,8 @@ AND = " & "
 """Between two edits that are made at once."""
 LENGTH_TOLERANCE = 0.02
 """[m] To which a length is told."""
+LEAST_LENGTH = 1e-6
+"""[m] A shorter way is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +38,7 @@ class Family:
         tolerance: [1] Of the share of gradual edits.
         range: What was looked at, in words.
         resolution: How finely, in words.
+        lengths: Of the directions of gradual edits, where they differ [m].
     """
 
     name: str
@@ -44,6 +47,14 @@ class Family:
     tolerance: float = 0.0
     range: str = ""
     resolution: str = ""
+    lengths: tuple[float, ...] = ()
+
+    @property
+    def directions(self) -> list[Change]:
+        """Its edits as changes of which equal shares go equally far."""
+        changes, longest = [parse_change(each) for each in self.edits], max(self.lengths, default=0.0)
+        factors = [longest / max(each, LEAST_LENGTH) for each in self.lengths] or [1.0] * len(changes)
+        return [each.sooner(factor) for each, factor in zip(changes, factors, strict=True)]
 
 
 def made_at_once(text: str) -> tuple[Change, ...]:
@@ -166,7 +177,8 @@ def base_family(start: tuple[float, float, float], spots: list[tuple[float, floa
         2 * GRADUAL_SCAN,
         min(1.0, LENGTH_TOLERANCE * 5 / max([*lengths, LENGTH_TOLERANCE])),
         "straight towards base poses that are certified with a fixed base",
-        f"quarters of the way until one turns, then {LENGTH_TOLERANCE * 5} m",
+        f"quarters of the longest way until one turns, then {LENGTH_TOLERANCE * 5} m",
+        tuple(lengths),
     )
 
 

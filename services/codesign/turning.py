@@ -13,21 +13,23 @@ from sdt_kg.task import Task
 from sdt_kg.twin import Container
 from services.app import Policy, load
 from services.codesign.again import whole_body
+from services.codesign.deadline import Deadline
 from services.codesign.entries import Found, How, found_of
 from services.codesign.families import Family, base_family, families, made_at_once, pairs
 from services.codesign.judge import one_of
 from services.embodiment.place import place
 from services.relative import in_class
 from services.requests import parse_task
+from services.sweep.engines import cpu_seconds
 from services.sweep.handed import each as each_done
-from services.whatif import Change, World, changed, parse_change
+from services.whatif import Change, World, changed
 
 Start = tuple[float, float, float]
 
 EACH = 0.05
 """[1] Of the time for the search in each edited world: what was refused so was searched, no more."""
 PLACING = 4.0
-"""[s] For base poses towards which the start is moved."""
+"""[s] Of CPU for base poses towards which the start is moved."""
 LONGEST = 1000
 """[1] More than any family has edits."""
 SPOTS = 2
@@ -66,6 +68,7 @@ class Sought:
         not_yet: The edit before it, which does not; None: it is a whole one.
         tried: Everything that was judged, in order.
         stopped: Whether the time ended before the family did.
+        spent: CPU time of its process on the search until then [s].
         impossible: Why the family's edits cannot be made here; empty where they can.
     """
 
@@ -74,6 +77,7 @@ class Sought:
     not_yet: Trial | None = None
     tried: tuple[Trial, ...] = ()
     stopped: bool = False
+    spent: float = 0.0
     impossible: str = ""
 
     @property
@@ -89,33 +93,44 @@ class Turned:
 
     Attributes:
         seconds: Wall time [s].
+        cpu_seconds: CPU time of this process and its workers [s].
     """
 
     question: Question
     actual: Found
     sought: tuple[Sought, ...]
     seconds: float
+    cpu_seconds: float
 
 
 def turned(question: Question, within: float, jobs: int) -> Turned:
-    """The smallest change of each family that turns the verdict, within so many seconds.
+    """The smallest change of each family that turns the verdict.
+
+    Args:
+        question: What is asked.
+        within: Seconds of CPU for each process; on an idle machine the search takes as long.
+        jobs: Processes.
 
     Raises:
         InputError: The task is about more than one container, or something has no such name.
     """
-    began = time.time()
+    began, cpu_began = time.time(), cpu_seconds()
+    whole = Deadline(within, EACH * within, f"{began} as it is")
+    whole.spent()
     world = _world(question)
     container = container_asked(world, question.task)
     ground = world.under(budget=min(question.policy.budget, FOR_ACTUAL * within))
     verdict = one_of(ground.service.achieve(question.task, world.robot_iri))
     actual = found_of(verdict, How.LAW, verdict.seconds)
-    work = partial(_sought, question, actual, Deadline(began + within, EACH * within))
-    single = families(world, verdict, container)
-    sought = _all(work, [*single, None], jobs)
+    work, single = partial(_sought, question, actual), families(world, verdict, container)
+    deadline = Deadline(within - whole.spent(), EACH * within, f"{began} one change")
+    sought = _all(partial(work, deadline), [*single, None], jobs)
     if all(each.turn is None for each in sought):
-        sought.append(_together(work, pairs(single), jobs))
+        left = deadline.left - max(each.spent for each in sought)
+        deadline = Deadline(left, EACH * within, f"{began} two changes")
+        sought.append(_together(partial(work, deadline), pairs(single), jobs))
     told = tuple(each for each in sought if each.family.edits or each.stopped)
-    return Turned(question, actual, told, time.time() - began)
+    return Turned(question, actual, told, time.time() - began, cpu_seconds() - cpu_began)
 
 
 def container_asked(world: World, text: str) -> Container:
@@ -158,32 +173,6 @@ def _together(work: Callable[[Family | None], Sought], family: Family, jobs: int
     return Sought(family, first, tried=tuple(tried), stopped=any(each.stopped for each in found))
 
 
-@dataclass(slots=True)
-class Deadline:
-    """When to stop: before an edit that would end late, if it took as long as the longest before it.
-
-    Attributes:
-        until: Of the wall clock [s].
-        each: Of search in each edited world [s].
-    """
-
-    until: float
-    each: float
-    _longest: float = 0.0
-
-    def is_late(self) -> bool:
-        """Whether no further edit is to be tried."""
-        return time.time() + max(self._longest, self.each) > self.until
-
-    def judged(self, made: Callable[[], World], task: str) -> Found:
-        """The verdict in the world that is made; both are timed."""
-        began, cpu_began = time.time(), time.process_time()
-        world = made()
-        verdict = one_of(world.service.achieve(task, world.robot_iri))
-        self._longest = max(self._longest, time.time() - began)
-        return found_of(verdict, How.LAW, time.process_time() - cpu_began)
-
-
 @lru_cache(maxsize=2)
 def _world(question: Question) -> World:
     """Loaded once; processes that begin as copies of this one have it."""
@@ -192,6 +181,11 @@ def _world(question: Question) -> World:
 
 
 def _sought(question: Question, actual: Found, deadline: Deadline, family: Family | None) -> Sought:
+    """What one family gives, and what its process had spent by then."""
+    return replace(_given(question, actual, deadline, family), spent=deadline.spent())
+
+
+def _given(question: Question, actual: Found, deadline: Deadline, family: Family | None) -> Sought:
     """What one family gives; None stands for base poses, which have to be found first."""
     ground = _world(question).under(budget=min(question.policy.budget, deadline.each))
     if family is None:
@@ -227,7 +221,7 @@ def _whole(world: World, task: str, actual: Found, deadline: Deadline, family: F
 
 def _gradual(world: World, task: str, actual: Found, deadline: Deadline, family: Family) -> Sought:
     """The smallest share over all directions."""
-    changes = [parse_change(text) for text in family.edits]
+    changes = family.directions
     judges = [partial(_at, world, task, change, deadline) for change in changes]
     turns = nearest_turns(judges, actual, family.scan, family.tolerance, deadline.is_late)
     tried = [_trials(world, change, turn) for change, turn in zip(changes, turns, strict=True)]
@@ -271,7 +265,7 @@ def _spots(world: World, task: str, start: Start, deadline: Deadline) -> list[St
     """The nearest base poses from which a base that stands still is certified."""
     if deadline.is_late():
         return []
-    service, left = world.service, min(PLACING, deadline.until - time.time())
+    service, left = world.service, min(PLACING, deadline.left - deadline.spent())
     asked = parse_task(service.twin, task)
     found = place(service.twin, world.robot_iri, asked, budget=left, seed=service.policy.seed, enough=SPOTS)
     spots = ((each.x, each.y, each.yaw) for each in found.spots)

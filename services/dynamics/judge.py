@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from predicates.case import Diagnosis, Evidence, Kind, Quantity
+from predicates.causes import STATE_TOLERANCE
 from predicates.scope import outside
 from sdt_kg.iri import local_name
 from sdt_kg.motion import Motion
@@ -11,7 +12,7 @@ from sdt_kg.scope import D_ARTIC_DYN, Violation
 from sdt_kg.twin import Container
 from services.dynamics.model import Mechanics
 from services.dynamics.need import Need, need
-from services.dynamics.rest import Rest, at_rest
+from services.dynamics.rest import Rest, at_rest, driven
 
 UNDECIDED = "https://example.org/tee/d_artic_dyn#ForceModelShape"
 """The shape whose intervals are too wide, or leave open what a verdict would have to claim."""
@@ -111,12 +112,19 @@ def _after(mechanics: Mechanics, container: Container, motion: Motion, rest: Res
         return
     where = f"{container.name} let go at {q:.3g}"
     drives = f"{rest.pull:.1f} {mechanics.unit} {{}} friction of {rest.friction:.1f} {mechanics.unit}"
-    if rest.surely:
+    if rest.surely and driven(mechanics, q, _undone_at(container, q, rest), shut=rest.shuts):
         reason = f"{where} does not stay: it moves {_way(rest)}, " + drives.format("against")
         yield Diagnosis(Kind.CAUSAL, reason, _pull(mechanics, rest), proof=motion.timed)
     else:
         what = f"{where} may move {_way(rest)}: up to " + drives.format("against a least")
         yield _open(mechanics, what, _pull(mechanics, rest))
+
+
+def _undone_at(container: Container, q: float, rest: Rest) -> float:
+    """Where what was achieved at q is undone on the way that it takes when let go."""
+    if rest.shuts:
+        return container.open_from if q >= container.open_from else q - STATE_TOLERANCE
+    return container.closed_to if q <= container.closed_to else q + STATE_TOLERANCE
 
 
 def _way(rest: Rest) -> str:

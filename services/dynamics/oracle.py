@@ -22,7 +22,7 @@ from services.dynamics.parameters import mechanics_of, unfit
 from services.physics.oracle import Kinematics
 from services.physics.tree import Model, build
 
-DYNAMICS_VERSION = "3"
+DYNAMICS_VERSION = "4"
 """Raised whenever an answer of this oracle may change."""
 
 SLOWER = (1.0, 2.0, 4.0, 8.0)

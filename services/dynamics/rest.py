@@ -6,7 +6,10 @@ import numpy as np
 
 from services.dynamics.model import Mechanics
 from services.dynamics.resistance import break_away, resisting, unborne
-from services.embodiment.proof_check.interval import exact
+from services.embodiment.proof_check.interval import Interval, exact
+
+CUTS = 64
+"""[1] Cells of a way, over each of which forces are bounded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,3 +44,12 @@ def at_rest(mechanics: Mechanics, q: float) -> Rest:
     low, high = break_away(mechanics)
     surely = float(pulled.lo[0]) > high or float(-pulled.hi[0]) > high
     return Rest(shut > low, opened > low, surely, max(shut, opened, 0.0), low)
+
+
+def driven(mechanics: Mechanics, begin: float, end: float, *, shut: bool) -> bool:
+    """Whether every value drives it from rest at `begin` past `end`: friction bears it nowhere on the way."""
+    edges = np.linspace(min(begin, end), max(begin, end), CUTS + 1)
+    way = Interval(edges[:-1], edges[1:])
+    pulled = unborne(mechanics, resisting(mechanics, way), way)
+    _, high = break_away(mechanics)
+    return bool(((pulled.lo if shut else -pulled.hi) > high).all())

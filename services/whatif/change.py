@@ -55,6 +55,20 @@ class Change:
         """Whether there is something between nothing and all of it."""
         return self.amount is not None
 
+    def sooner(self, factor: float) -> "Change":
+        """A gradual change that is complete after a share of 1 / factor."""
+        amount = self.amount
+        assert amount is not None, "a whole change is made or not"
+
+        def share_of(share: float) -> float:
+            return min(1.0, factor * share)
+
+        return Change(
+            self.text,
+            lambda world, share: self.at(world, share_of(share)),
+            lambda world, share: amount(world, share_of(share)),
+        )
+
 
 def parse_change(text: str) -> Change:
     """The change that a text means; the names in it are looked up in the world to which it is applied.

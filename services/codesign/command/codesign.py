@@ -47,7 +47,7 @@ COVER_COLUMNS = ("kitchen", "robot", "certified", "of", "missing")
     type=FiniteRange(min=1),
     default=30.0,
     show_default=True,
-    help="Seconds to look for edits, for each refusal.",
+    help="Seconds of CPU for each process to look for edits, for each refusal.",
 )
 @drive_option
 @tee_option

@@ -22,6 +22,7 @@ def turned_json(found: Turned) -> Json:
         "actual": found_json(found.actual),
         "families": [_sought_json(each, found.actual) for each in found.sought],
         "seconds": round(found.seconds, 3),
+        "cpu_seconds": round(found.cpu_seconds, 3),
     }
 
 

@@ -82,7 +82,7 @@ TOLERANCE = 0.01
     type=FiniteRange(min=1),
     default=30.0,
     show_default=True,
-    help="Seconds for --turn without --edit.",
+    help="Seconds of CPU for each process of --turn without --edit.",
 )
 @states_option
 @click.option("--base", metavar="X,Y,YAW", help="Start pose of the base [m, m, rad].")

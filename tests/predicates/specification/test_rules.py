@@ -148,11 +148,39 @@ def test_keeps_is_the_opposite_of_avoids_and_reaches_is_about_the_end() -> None:
 def test_events_between_samples_count() -> None:
     opened = f"ASK {{ ?event a sdt:NoLongerClosed ; sdt:about <{LOW.iri}> }}"
     found = ask(query(opened, over=Scope.EVENTS), BUMP)
-    assert (found.standing, found.time) == (Standing.BROKEN, 0.5)
+    assert (found.standing, found.step) == (Standing.BROKEN, 1)
+    assert found.time == pytest.approx((1 - 0.9**0.5) / 2, abs=1e-8), "0.4 t (1 - t) is 0.01 m then"
     assert ask(query(opened.replace("low", "high"), over=Scope.EVENTS), BUMP).standing is Standing.KEPT
     for tells in ("sdt:time", "sdt:step", "?any"):
         when = f"ASK {{ ?event a sdt:Opened ; {tells} ?when FILTER (?when < 0.1) }}"
         assert ask(query(when, over=Scope.EVENTS), BUMP).standing is Standing.UNBOUNDED
+
+
+BOTH = leg(1, {LOW.joint: ([0.0, 0.5], [0.0, 0.0]), HIGH.joint: ([0.0, 0.46], [0.0, 0.0])})
+"""Both open between two samples, LOW before HIGH."""
+
+
+def test_what_begins_between_the_same_two_samples_is_told_in_its_order() -> None:
+    alone = (
+        "ASK {{ ?one a sdt:Opened ; sdt:about <{}> "
+        "FILTER NOT EXISTS {{ ?other a sdt:Opened ; sdt:about <{}> }} }}"
+    )
+    for first, then, standing in ((LOW, HIGH, Standing.BROKEN), (HIGH, LOW, Standing.KEPT)):
+        assert ask(query(alone.format(first.iri, then.iri), over=Scope.EVENTS), BOTH).standing is standing
+    earlier = (
+        "ASK {{ ?one a sdt:Opened ; sdt:about <{}> ; sdt:step ?s . "
+        "?other a sdt:Opened ; sdt:about <{}> ; sdt:step ?t FILTER (?s < ?t) }}"
+    )
+    for first, then, standing in ((LOW, HIGH, Standing.BROKEN), (HIGH, LOW, Standing.KEPT)):
+        assert ask(query(earlier.format(first.iri, then.iri), over=Scope.EVENTS), BOTH).standing is standing
+    assert ask(OpensBefore(LOW, HIGH), BOTH).standing is Standing.KEPT
+    assert ask(OpensBefore(HIGH, LOW), BOTH).standing is Standing.BROKEN
+
+
+def test_what_begins_at_once_is_in_no_order() -> None:
+    both = leg(1, {each.joint: ([0.0, 0.46], [0.0, 0.0]) for each in (LOW, HIGH)})
+    for first, then in ((LOW, HIGH), (HIGH, LOW)):
+        assert ask(OpensBefore(first, then), both).standing is Standing.BROKEN
 
 
 def test_the_first_of_several_broken_rules_is_named() -> None:

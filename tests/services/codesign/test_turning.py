@@ -6,12 +6,13 @@ import pytest
 
 from predicates.case import Outcome
 from predicates.law import law
-from services.app import Service
+from services.app import Policy, Service
 from services.codesign.command.turn import sure
+from services.codesign.deadline import Deadline
 from services.codesign.entries import Found, How
 from services.codesign.families import Family, base_family, families, pairs
 from services.codesign.judge import one_of
-from services.codesign.turning import Deadline, Sought, Trial, _whole
+from services.codesign.turning import Sought, Trial, _whole
 from services.physics.oracle import Kinematics
 from services.requests import parse_task
 from services.whatif import World
@@ -57,18 +58,41 @@ def test_a_family_whose_edits_were_not_all_tried_in_time_says_so() -> None:
 def test_no_edit_is_begun_that_would_end_late_if_it_took_as_long_as_the_longest_before() -> None:
     twin = small_twin("b", ("pr2",))
     world = World(Service(twin), "pr2")
-    deadline = Deadline(time.time() + 60, 1.0)
+    deadline = Deadline(60.0, 1.0, "a test of deadlines")
     assert not deadline.is_late()
     deadline.judged(lambda: world, f"close:{twin.containers()[0].name}")
     assert not deadline.is_late()
-    deadline.until = time.time() + 0.5
+    deadline.left = deadline.spent() + 0.5
     assert deadline.is_late()
+
+
+def test_time_in_which_a_process_does_nothing_does_not_count() -> None:
+    deadline = Deadline(60.0, 0.0, "another test of deadlines")
+    assert deadline.spent() < 0.01
+    time.sleep(0.1)
+    assert deadline.spent() < 0.05
+    again = Deadline(60.0, 0.0, "a third one")
+    assert again.spent() < deadline.spent() + 0.01
 
 
 def test_base_poses_are_told_to_a_tenth_of_a_metre() -> None:
     family = base_family((0, 0, 0), [(2, 0, 0), (0, 1, 0)])
     assert family.edits == ("base:2.0000,0.0000,0.0000", "base:0.0000,1.0000,0.0000")
     assert family.tolerance * 2 == pytest.approx(0.1)
+
+
+def test_equal_shares_go_equally_far_towards_every_base_pose() -> None:
+    twin = small_twin("b", ("pr2",))
+    world = World(Service(twin, Policy(base=(0.0, 0.0, 0.0))), "pr2")
+    family = base_family((0, 0, 0), [(2, 0, 0), (0, 1, 0)])
+    assert all(each.amount for each in family.directions)
+    amounts = [[each.amount(world, share) for share in (0.25, 0.5, 1.0)] for each in family.directions]
+    assert amounts == [
+        ["base:0.5,0,0", "base:1,0,0", "base:2,0,0"],
+        ["base:0,0.5,0", "base:0,1,0", "base:0,1,0"],
+    ]
+    ends = [each.at(world, 0.25).service.policy.base for each in family.directions]
+    assert ends == [(0.5, 0.0, 0.0), (0.0, 0.5, 0.0)]
 
 
 def test_pairs_are_of_two_families_and_what_each_tries_first_comes_first() -> None:
@@ -86,7 +110,9 @@ def test_both_edits_of_a_pair_are_made() -> None:
     world = World(Service(twin, oracles=Lifts()), "pr2")
     task, actual = "open:top_drawer", Found("", Outcome.CERTIFIED, How.LAW, {})
     tried = ("move:oven_door=open & drive:fixed", "drive:fixed & jam:top_drawer")
-    found = _whole(world, task, actual, Deadline(time.time() + 60, 0.1), Family("which two together", tried))
+    found = _whole(
+        world, task, actual, Deadline(60.0, 0.1, "a test of pairs"), Family("which two together", tried)
+    )
     assert found.turn is not None
     assert (found.turn.edit, found.turn.found.outcome) == (tried[1], Outcome.ABSTAINED)
     assert [each.edit for each in found.tried] == list(tried)

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from predicates.case import Answer, Case, Kind, Outcome, Quantity, Verdict
@@ -17,7 +18,9 @@ from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services import load
 from services.dynamics.data import with_forces
+from services.dynamics.judge import forced
 from services.dynamics.oracle import Dynamics
+from services.dynamics.rest import at_rest, driven
 from services.physics.oracle import Kinematics
 from tests.services.dynamics.forced import DATA, RUNNERS, edited, forced_twin
 from tests.small import FOLDER, small_twin
@@ -98,6 +101,22 @@ def test_a_drawer_that_springs_back_when_let_go_is_not_opened() -> None:
     assert "does not stay: it moves shut" in diagnosis.reason
     unsure = answered(edited(RUNNERS, springStiffness=(10, 60)))
     assert [each.kind for each in unsure.diagnoses] == [Kind.OUT_OF_SCOPE]
+
+
+def test_what_springs_back_and_may_stay_open_is_not_refused() -> None:
+    """Surely it leaves its upper stop; whether it stays within open_from to upper nothing here decides."""
+    twin = edited(RUNNERS, springStiffness=(400, 400), springRestPosition=0.47, allowedHandleForce=400.0)
+    drawer = twin.container("top_drawer")
+    times, values = np.array([0.0, 2.0, 4.0]), np.array([[0.0], [drawer.upper / 2], [drawer.upper]])
+    motion = Motion(drawer.joint, times, values)
+    mechanics = PHYSICS.mechanics(twin, drawer)
+    assert at_rest(mechanics, drawer.upper).surely
+    assert not driven(mechanics, drawer.upper, drawer.open_from, shut=True)
+    assert driven(mechanics, drawer.upper, drawer.upper, shut=True)
+    found = forced(mechanics, drawer, replace(motion, timed=True)).diagnoses
+    told = [each for each in found if "may move shut" in each.reason]
+    assert [(each.kind, each.proof) for each in told] == [(Kind.OUT_OF_SCOPE, False)]
+    assert not any("does not stay" in each.reason for each in found)
 
 
 def test_a_door_that_would_fall_from_where_it_begins_is_no_state_to_ask_about() -> None:
