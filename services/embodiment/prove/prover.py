@@ -21,7 +21,8 @@ from services.embodiment.proof_check.cores import Solids
 from services.embodiment.proof_check.haste import too_fast
 from services.embodiment.proof_check.interval import Interval
 from services.embodiment.proof_check.statement import Statement, Target
-from services.embodiment.prove.boxes import FOUND, LEAF, SLACK, divide
+from services.embodiment.prove.boxes import FOUND, LEAF, divide
+from services.embodiment.prove.inner import SLACK
 from services.embodiment.prove.windows import window
 
 Array = NDArray[np.float64]
@@ -256,7 +257,7 @@ def _inner(arm: Arm, solids: Solids, keeps: NDArray[np.bool_]) -> tuple[object, 
             np.array([_middle(core.middle.translation) for core in cores]).reshape(-1, 3),
             np.array([core.half for core in cores]).reshape(-1, 3),
         ),
-        (_middle(solids.at.rotation)[near], places[near], half[near]),
+        (_middle(solids.at.rotation)[near], places[near], half[near], np.linalg.norm(half[near], axis=1)),
         np.ascontiguousarray(keeps[:, near]),
     )
 
