@@ -72,12 +72,12 @@ def posed(q, hand, at):
 
 
 @kernel
-def _gaps(shares, sides, hand, closing, handle, shapes, room):
+def _gaps(shares, sides, hand, closing, handle, shapes, room, near):
     """Distances of the handle from the nearest finger shape of each of two `sides` (2, fingers), in room[1].
 
     Negative where they are in each other: as deep as their own boxes are, at least. `closing` is (open
     configuration, what closing each finger joint adds to it), `handle` (indices, rotations, centres) as the
-    tool sees it.
+    tool sees it. The shapes in `near` (2,), which were the nearest before, are looked at first.
     """
     at, out, work = room
     q = closing[0].copy()
@@ -85,7 +85,11 @@ def _gaps(shares, sides, hand, closing, handle, shapes, room):
         q += closing[1][k] * shares[k]
     posed(q, hand, at)
     out[:] = math.inf
-    for n in range(sides.shape[1]):
+    one, other = near[0], near[1]
+    for turn in range(-2, sides.shape[1]):
+        n = one if turn == -2 else (other if turn == -1 else turn)
+        if (turn == -1 and one == other) or (turn >= 0 and (n == one or n == other)):
+            continue
         i = hand[1] + n
         s = hand[0][i]
         for m in range(handle[0].shape[0]):
@@ -103,43 +107,56 @@ def _gaps(shares, sides, hand, closing, handle, shapes, room):
             if low == -math.inf:
                 low = min(widest, 0.0)
             for side in range(2):
-                out[side] = min(out[side], low if sides[side, n] else math.inf)
+                if sides[side, n] and low < out[side]:
+                    out[side], near[side] = low, n
 
 
 @kernel
-def _closing(k, shares, sides, hand, closing, handle, shapes, touch, rounds, room):
+def _closing(k, shares, sides, hand, closing, handle, shapes, touch, rounds, room, guess, near):
     """Whether finger joint k alone can be closed until it touches; shares[k], in [0, 1], says how far.
 
-    Regula falsi (Illinois) for the gap of the side that is farther to fall to `touch`.
+    Regula falsi (Illinois) for the gap of the side that is farther to fall to within `touch`. It begins at
+    `guess`, (a share, by how much a share of 1 closes the gap or 0), which then is what was found.
     """
-    low, at_low, high, at_high = 0.0, 0.0, 1.0, 0.0
-    for n in range(rounds + 2):
+    low, at_low, high, at_high, before = -1.0, 0.0, 2.0, 0.0, 0.0  # ends outside [0, 1] are not known yet
+    share, slope = guess[0], guess[1]
+    for _ in range(rounds):
         shares[:] = 0.0
-        shares[k] = float(n) if n < 2 else (low * at_high - high * at_low) / (at_high - at_low)
-        _gaps(shares, sides, hand, closing, handle, shapes, room)
-        at = max(room[1][0], room[1][1]) - touch
-        if (n == 0 and at <= 0.0) or (n == 1 and at > 0.0):
-            return False
-        if n == 0:
-            at_low = at
-        elif n == 1:
-            at_high = at
-        elif at > 0.0:
-            low, at_low, at_high = shares[k], at, at_high / 2
+        shares[k] = share
+        _gaps(shares, sides, hand, closing, handle, shapes, room, near)
+        at = max(room[1][0], room[1][1]) - touch / 2  # what is accepted lies on both sides of 0
+        if at > touch / 2:
+            at_high = at_high / 2 if before > 0.0 else at_high
+            low, at_low = share, at
         else:
-            high, at_high, at_low = shares[k], at, at_low / 2
-            if at > -touch:
+            at_low = at_low / 2 if before < 0.0 else at_low
+            high, at_high = share, at
+            if at > -touch / 2:
                 break
-    shares[k] = high
+        before = at
+        if low >= 0.0 and high <= 1.0:
+            share = (low * at_high - high * at_low) / (at_high - at_low)
+        elif low >= 1.0 or high <= 0.0:
+            return False
+        elif slope > 0.0:
+            share = min(max(share + at / slope, 0.0), 1.0)
+        else:
+            share = 1.0 if at > 0.0 else 0.0
+    if high > 1.0:
+        return False
+    if low >= 0.0:
+        guess[1] = (at_low - at_high) / (high - low)
+    shares[k] = guess[0] = high
     return True
 
 
 @kernel
-def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, room):
+def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, room, guess, near):
     """Whether a hand at a tool pose can be centred across a handle and closed on it.
 
     `tool` (rotation, translation) is then where it is centred; `shares` (F,) are how far its finger joints
-    are closed. `sides` (F, 2, fingers) are those that each closes; `handle` is in the world.
+    are closed. `sides` (F, 2, fingers) are those that each closes; `handle` is in the world. What closing
+    each joint found before is in `guess` (F, 2) and `near` (F, 2): it saves looks, at first all are 0.
     """
     seen, back, nowhere = (np.empty_like(handle[1]), np.empty_like(handle[2])), tool[0].T.copy(), np.zeros(3)
     count, found = shares.shape[0], np.empty_like(shares)
@@ -149,14 +166,15 @@ def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, ro
             moved(back, nowhere, handle[2][m] - tool[1], seen[1][m])
         there = handle[0], seen[0], seen[1]
         for k in range(count):
-            if not _closing(k, shares, sides[k], hand, closing, there, shapes, touch, rounds, room):
+            rest = hand, closing, there, shapes, touch, rounds, room, guess[k], near[k]
+            if not _closing(k, shares, sides[k], *rest):
                 return False
             found[k] = shares[k]
         for k in range(count):
             shares[k] = found[k]
         if count > 1:
             break
-        _gaps(shares, sides[0], hand, closing, there, shapes, room)
+        _gaps(shares, sides[0], hand, closing, there, shapes, room, near[0])
         left, right = room[1][0], room[1][1]
         if not math.isfinite(left + right) or abs(left - right) < touch:
             break

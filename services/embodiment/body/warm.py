@@ -37,5 +37,6 @@ def _warm_hands(world: World, limb: Limb, demands: Rules) -> None:
     hands.posed(limb.q(x), hand, at)
     hands.touching_many(hand[0], at, at, kitchen, *rest, margins, np.empty((1, 2), np.int64))
     sides = np.ones((1, 2, 1), np.bool_)
-    hands.closed(tool, shares, sides, hand, closing, kitchen, world.shapes, 0.0, 0, room)
+    begin = np.zeros((1, 2)), np.zeros((1, 2), np.int64)
+    hands.closed(tool, shares, sides, hand, closing, kitchen, world.shapes, 0.0, 0, room, *begin)
     hands.kept(tool, shares, shares, 1, hand, closing, (*kitchen, one), rest, (margins, margins), room)

@@ -96,6 +96,8 @@ class Fitter:
         self._known: dict[tuple[float, int], Fitted | None] = {}
         self._all: list[Fitted] | None = None
         self._work = hand.room()
+        joints = len(hand.closing[1])
+        self._begin = np.zeros((joints, 2)), np.zeros((joints, 2), np.int64)
 
     def fitting(self, late: Callable[[], bool] = lambda: False, steep: bool = False) -> Iterator[Fitted]:
         """Those grasps; those that come from far above or below are first if `steep`."""
@@ -165,7 +167,15 @@ class Fitter:
         tool = grasp.tool(handle_r, handle_p)
         shares = np.zeros(len(hand.closing[1]))
         if not hands.closed(
-            tool, shares, hand.sides, hand.parts, hand.closing, self.room.handle, *scene, self._work
+            tool,
+            shares,
+            hand.sides,
+            hand.parts,
+            hand.closing,
+            self.room.handle,
+            *scene,
+            self._work,
+            *self._begin,
         ):
             return
         start = np.full(len(shares), share)
