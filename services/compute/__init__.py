@@ -1,6 +1,6 @@
 """What a query asks for and nobody has computed yet is computed before it runs (ARCHITECTURE, decision 2)."""
 
-from services.compute.patterns import Pattern, verdict_patterns
+from services.compute.patterns import Pattern, not_judged, verdict_patterns
 from services.compute.plan import Plan, Request, Unplanned, planned
 from services.compute.run import Bounds, Computed, Keeper, Loaded, compute
 
@@ -14,6 +14,7 @@ __all__ = [
     "Request",
     "Unplanned",
     "compute",
+    "not_judged",
     "planned",
     "verdict_patterns",
 ]

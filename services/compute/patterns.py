@@ -1,29 +1,32 @@
 """Which verdicts a SPARQL query can be about: its patterns over law:, and what they demand of a case.
 
 Every bound found here holds of all verdicts that the pattern can match in a solution that survives, so
-that leaving the other cases out cannot change the answer. What cannot be told bounds nothing. What has no
-term of law:, `?s ?p ?o` or the names of graphs, is no question about verdicts: nothing is computed for it.
+that leaving the other cases out cannot change the answer. What cannot be told bounds nothing. A query
+without any term of law: is no question about verdicts, `?s ?p ?o` or the names of graphs: nothing is
+computed for it. In one that has such a term, whatever can match a verdict's record counts.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import lru_cache
 from typing import Final
 
-import rdflib
-from rdflib.namespace import RDF, RDFS
-from rdflib.paths import InvPath, Path, SequencePath
 from rdflib.plugins.sparql.algebra import translateQuery
 from rdflib.plugins.sparql.parser import parseQuery
 from rdflib.plugins.sparql.parserutils import CompValue
 from rdflib.term import Literal, Node, URIRef, Variable
 
-import ontology
 from sdt_kg.errors import QueryError
-from sdt_kg.iri import LAW, PREFIXES, PROV, verdict_iri
+from sdt_kg.iri import LAW, PREFIXES, PROV, Iri, verdict_iri
 from services.compute.certain import Algebra, certain
+from services.compute.terms import (
+    Triple,
+    expanded,
+    is_about_verdicts,
+    is_of_verdict,
+    kinds_made_otherwise,
+)
 
-Triple = tuple[Node, Node | Path, Node]
 Bound = frozenset[str] | None
 """IRIs or texts that a part of the case may be; None for any."""
 
@@ -35,8 +38,8 @@ _UNTRANSLATED: Final = "GroupGraphPatternSub"
 """What rdflib leaves of an EXISTS that is selected: syntax, in which paths are not resolved."""
 _TESTS: Final = {"Builtin_EXISTS", "Builtin_NOTEXISTS"}
 
-_OTHER: Final = {LAW + "LearnedPhysics", LAW + "Observation"}
-"""Classes of law: that come from observations, not from judging."""
+KEPT_QUERIES: Final = 16
+"""Queries whose algebra is remembered: more than one thing is asked of it."""
 
 _PARTS: Final = {
     "environment": "environments",
@@ -44,6 +47,7 @@ _PARTS: Final = {
     "container": "containers",
     "verb": "verbs",
     "drive": "drives",
+    "teeClass": "classes",
 }
 
 
@@ -57,6 +61,7 @@ class Pattern:
         verbs: law:Open, law:Close.
         containers: IRIs.
         drives: omni, differential, fixed.
+        classes: IRIs of classes D.
         verdicts: IRIs of the verdicts themselves.
     """
 
@@ -65,6 +70,7 @@ class Pattern:
     verbs: Bound = None
     containers: Bound = None
     drives: Bound = None
+    classes: Bound = None
     verdicts: Bound = None
 
 
@@ -82,23 +88,37 @@ def verdict_patterns(sparql: str) -> tuple[Pattern, ...]:
     Raises:
         QueryError: rdflib does not parse it, so that nothing is known of what it asks.
     """
+    algebra = _translated(sparql)
+    if not is_about_verdicts(algebra):
+        return ()
+    found = [] if algebra.p is None else list(_patterns(algebra.p, _Scope()))
+    described = [frozenset({str(each)}) for each in algebra.PV or () if isinstance(each, URIRef)]
+    return tuple(dict.fromkeys([*found, *(Pattern(verdicts=each) for each in described)]))
+
+
+def not_judged(sparql: str) -> tuple[Iri, ...]:
+    """Classes of records that the query asks for and that no judging makes; raises as `verdict_patterns`."""
+    return kinds_made_otherwise(_translated(sparql))
+
+
+@lru_cache(KEPT_QUERIES)
+def _translated(sparql: str) -> Algebra:
     try:
-        algebra = translateQuery(parseQuery(sparql), initNs=dict(PREFIXES)).algebra
+        return translateQuery(parseQuery(sparql), initNs=dict(PREFIXES)).algebra
     except Exception as error:  # noqa: BLE001 - rdflib's translation has no exception of its own
         raise QueryError(
             f"cannot tell what the query asks for: {error}",
             allowed="SPARQL 1.1",
             remedy="ask without --compute",
         ) from None
-    return tuple(dict.fromkeys(_patterns(algebra.p, _Scope()))) if algebra.p is not None else ()
 
 
 def _patterns(group: Algebra, outer: _Scope) -> Iterator[Pattern]:
     """Patterns of a group, then of the groups in it that solutions need not match."""
     if group.name == _UNTRANSLATED:
-        yield from [Pattern()] if LAW in repr(group) else ()
+        yield Pattern()
         return
-    own = tuple(expanded for triple in _triples(group) for expanded in _expanded(triple))
+    own = tuple(step for triple in _triples(group) for step in expanded(triple))
     values = dict(outer.values)
     for variable, found in _values(group):
         values[variable] = values[variable] & found if variable in values else found
@@ -192,20 +212,6 @@ def _equalities(expression: Algebra) -> Iterator[tuple[Node, frozenset[Node]]]:
             yield left, frozenset(constants)
 
 
-def _expanded(triple: Triple) -> Iterator[Triple]:
-    """A path of steps as triples, step by step, with a variable between two steps."""
-    subject, predicate, value = triple
-    if isinstance(predicate, SequencePath):
-        steps = list(predicate.args)
-        nodes = [subject, *(Variable(f"{id(predicate)}_{index}") for index in range(1, len(steps))), value]
-        for index, step in enumerate(steps):
-            yield from _expanded((nodes[index], step, nodes[index + 1]))
-    elif isinstance(predicate, InvPath):
-        yield from _expanded((value, predicate.arg, subject))
-    else:
-        yield triple
-
-
 def _own_patterns(own: Iterable[Triple], scope: _Scope) -> Iterator[Pattern]:
     """A pattern for each root of the group's law: triples."""
     owners: dict[Node, Node] = {
@@ -214,29 +220,17 @@ def _own_patterns(own: Iterable[Triple], scope: _Scope) -> Iterator[Pattern]:
         if isinstance(predicate, URIRef) and str(predicate).startswith((LAW, PROV))
         if isinstance(value, Variable) and str(predicate).removeprefix(LAW) not in _PARTS
     }
-    others = {subject for subject, predicate, value in scope.triples if _is_other(predicate, value)}
-    for subject, predicate, value in own:
+    others = {value for _, predicate, value in scope.triples if _part(predicate) is not None}
+    others |= {each[0] for each in scope.triples if not is_of_verdict(each, scope.values)}
+    for subject, _, _ in own:
         root = _root(subject, owners)
-        if root not in others and (_is_law(predicate) or (predicate == RDF.type and _is_law(value))):
+        if not others & {subject, root}:
             yield _pattern(root, owners, scope)
 
 
-def _is_law(term: Node | Path) -> bool:
-    """Whether it is a term of law:, or a path that has one."""
-    return (isinstance(term, URIRef) and term.startswith(LAW)) or (
-        isinstance(term, Path) and LAW in term.n3()
-    )
-
-
-def _is_other(predicate: Node | Path, value: Node) -> bool:
-    """Whether the triple says of its subject that it is nothing which the Law makes with a verdict."""
-    return (predicate == RDF.type and str(value) in _OTHER) or str(predicate) in _other_properties()
-
-
-@cache
-def _other_properties() -> frozenset[str]:
-    graph = rdflib.Graph().parse(ontology.path("law.ttl"))
-    return frozenset(str(each) for name in _OTHER for each in graph.subjects(RDFS.domain, URIRef(name)))
+def _part(predicate: object) -> str | None:
+    """The bound of a pattern that a property of law: gives."""
+    return _PARTS.get(str(predicate).removeprefix(LAW)) if str(predicate).startswith(LAW) else None
 
 
 def _root(node: Node, owners: Mapping[Node, Node]) -> Node:
@@ -255,7 +249,7 @@ def _pattern(root: Node, owners: Mapping[Node, Node], scope: _Scope) -> Pattern:
     if themselves is not None:
         bounds["verdicts"] = frozenset(_verdict_of(str(each)) for each in themselves)
     for subject, predicate, value in scope.triples:
-        name = _PARTS.get(str(predicate).removeprefix(LAW)) if _is_law(predicate) else None
+        name = _part(predicate)
         if name is None or _root(subject, owners) != root:
             continue
         found = scope.values.get(value) if isinstance(value, Variable) else frozenset({value})

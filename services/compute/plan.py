@@ -1,15 +1,16 @@
 """The cases that a query can touch, and those of them that no stored verdict answers."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from predicates.case import Case
-from predicates.oracle import Embodiment, Physics
+from predicates.oracle import Embodiment, Physics, tee_class_of
 from predicates.record.inputs import inputs_of, verdict_iri
 from predicates.record.recall import Recall, answers_again
 from predicates.scope import verb_iri
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import Iri, local_name
+from sdt_kg.iri import verdict_iri as verdict_stem
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.app import Policy, Service
@@ -45,10 +46,17 @@ class Request:
 
 @dataclass(frozen=True, slots=True)
 class Unplanned:
-    """Something that the query names and no loaded twin has, so that nothing is computed about it."""
+    """Something that the query names and no case has, so that nothing is computed about it.
+
+    Attributes:
+        kind: kitchen, robot, container, verb, drive, class, verdict or record.
+        iri: Of a drive its name.
+        why: Why there is no such case.
+    """
 
     kind: str
     iri: Iri
+    why: str = "it is not loaded"
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +66,7 @@ class Plan:
     Attributes:
         stored: Cases whose verdict is there already.
         missing: Cases that have to be run, in the order of kitchens, robots, verbs and containers.
-        unplanned: What the query names and nobody has loaded.
+        unplanned: What the query names and no case has.
     """
 
     stored: tuple[Request, ...]
@@ -77,7 +85,9 @@ def planned(patterns: Sequence[Pattern], services: Sequence[Service], recall: Re
         iri: each for iri, each in touched.items() if _is_stored(each, by_service[each.environment], recall)
     }
     missing = tuple(each for iri, each in touched.items() if iri not in stored)
-    return Plan(tuple(stored.values()), missing, tuple(_unplanned(patterns, services)))
+    unplanned = [*_not_loaded(patterns, services), *_without_case(patterns, services)]
+    unplanned += _of_other_inputs(patterns, touched, recall)
+    return Plan(tuple(stored.values()), missing, tuple(dict.fromkeys(unplanned)))
 
 
 def case_of(request: Request, twin: Twin) -> Case:
@@ -100,18 +110,24 @@ def _requests(patterns: Sequence[Pattern], service: Service) -> Iterator[Request
                 drives = {
                     drive
                     for pattern in patterns
-                    if _matches(pattern, twin.environment, robot, task)
+                    if _matches(pattern, twin.environment, robot, task, _tee(service))
                     for drive in _drives(pattern, service.policy)
                 }
                 for drive in sorted(drives, key=str):
                     request = Request(twin.environment, robot, task, drive, "")
                     request = replace(request, verdict=verdict_iri(_inputs(request, service)))
-                    if any(_is_meant(pattern, request) for pattern in patterns):
+                    if any(_is_meant(pattern, request, _tee(service)) for pattern in patterns):
                         yield request
 
 
-def _matches(pattern: Pattern, environment: Iri, robot: Iri, task: Task) -> bool:
+def _tee(service: Service) -> Iri:
+    """The class D relative to which its verdicts are."""
+    return tee_class_of(service.physics).iri
+
+
+def _matches(pattern: Pattern, environment: Iri, robot: Iri, task: Task, tee: Iri) -> bool:
     asked = (
+        (tee, pattern.classes),
         (environment, pattern.environments),
         (robot, pattern.robots),
         (verb_iri(task.verb), pattern.verbs),
@@ -120,9 +136,9 @@ def _matches(pattern: Pattern, environment: Iri, robot: Iri, task: Task) -> bool
     return all(_is_in(value, bound) for value, bound in asked)
 
 
-def _is_meant(pattern: Pattern, request: Request) -> bool:
+def _is_meant(pattern: Pattern, request: Request, tee: Iri) -> bool:
     """Whether the pattern also lets the verdict itself be this one."""
-    case = _matches(pattern, request.environment, request.robot, request.task)
+    case = _matches(pattern, request.environment, request.robot, request.task, tee)
     return case and _is_in(request.verdict, pattern.verdicts)
 
 
@@ -134,8 +150,12 @@ def _drives(pattern: Pattern, policy: Policy) -> Iterable[Drive | None]:
     """Drives to be tried: the policy's, or those which the query names where the policy leaves it open."""
     if pattern.drives is None:
         return (policy.drive,)
-    named = [drive for drive in Drive if drive.value in pattern.drives]
-    return [drive for drive in named if policy.drive in {None, drive}]
+    return [drive for drive in _allowed(policy) if drive.value in pattern.drives]
+
+
+def _allowed(policy: Policy) -> list[Drive]:
+    """Drives that the policy leaves open."""
+    return [drive for drive in Drive if policy.drive in {None, drive}]
 
 
 def _inputs(request: Request, service: Service) -> tuple[tuple[str, str], ...]:
@@ -154,17 +174,41 @@ def _is_stored(request: Request, service: Service, recall: Recall) -> bool:
     return stored is not None and answers_again(stored, _inputs(request, service))
 
 
-def _unplanned(patterns: Iterable[Pattern], services: Sequence[Service]) -> Iterator[Unplanned]:
+def _not_loaded(patterns: Iterable[Pattern], services: Sequence[Service]) -> Iterator[Unplanned]:
+    """What the query names and no loaded twin has."""
     known = {
         "kitchen": {service.twin.environment for service in services},
         "robot": {robot for service in services for robot in service.twin.robots},
         "container": {each.iri for service in services for each in service.twin.containers()},
     }
-    found: dict[Unplanned, None] = {}
     for pattern in patterns:
         bounds = {"kitchen": pattern.environments, "robot": pattern.robots, "container": pattern.containers}
         for kind, bound in bounds.items():
-            found |= dict.fromkeys(
-                Unplanned(kind, iri) for iri in sorted((bound or frozenset()) - known[kind])
-            )
-    yield from found
+            yield from (Unplanned(kind, iri) for iri in sorted((bound or frozenset()) - known[kind]))
+
+
+def _without_case(patterns: Iterable[Pattern], services: Sequence[Service]) -> Iterator[Unplanned]:
+    """Verbs, drives and classes D that the query names and no case of these services has."""
+    drives = {drive.value for service in services for drive in _allowed(service.policy)}
+    known = {
+        "verb": ({verb_iri(verb) for verb in Verb}, "there is no such verb"),
+        "drive": (drives, "--drive says otherwise, or there is none"),
+        "class": ({_tee(service) for service in services}, "cases are judged relative to another class D"),
+    }
+    for pattern in patterns if services else ():
+        bounds = {"verb": pattern.verbs, "drive": pattern.drives, "class": pattern.classes}
+        for kind, bound in bounds.items():
+            there, why = known[kind]
+            yield from (Unplanned(kind, each, why) for each in sorted((bound or frozenset()) - there))
+
+
+def _of_other_inputs(
+    patterns: Iterable[Pattern], touched: Collection[Iri], recall: Recall
+) -> Iterator[Unplanned]:
+    """Verdicts that the query names, that are not stored, and that none of the cases has."""
+    named = {
+        iri for pattern in patterns for iri in pattern.verdicts or () if iri.startswith(verdict_stem(""))
+    }
+    for iri in sorted(named.difference(touched)):
+        if recall(iri) is None:
+            yield Unplanned("verdict", iri, "no case of what is loaded has these inputs")

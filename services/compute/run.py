@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Protocol
 
 from predicates.record import Record, StoredVerdict
@@ -12,10 +12,13 @@ from sdt_kg.iri import Iri, local_name, model_iri
 from sdt_kg.load import load_twin, model_name
 from sdt_kg.twin import Twin
 from services.app import Policy, Service, load
-from services.compute.patterns import Bound, Pattern, verdict_patterns
+from services.compute.patterns import Bound, Pattern, not_judged, verdict_patterns
 from services.compute.plan import Plan, Request, planned, policy_of
+from services.compute.terms import MADE_BY
 from services.requests import state_joints
 from services.table import Cell, CellResult, run
+
+NO_QUESTION = "nothing to compute: no pattern of the query asks about a verdict; what is there was searched"
 
 SHOWN = 10
 """[lines] Of the cases that were left out, where people read it."""
@@ -75,14 +78,19 @@ class Computed:
     """What was run for a query, and what was left out.
 
     Attributes:
+        plan: The cases that the query can touch.
+        about_verdicts: Whether the query asks about verdicts; if not, it finds what is there.
         ran: JSON objects of the verdicts that were made, as `sdt achieve --json` prints them.
         left_out: Cases that the query can touch and that were not run, with the reason.
+        not_judged: Classes of records that the query asks for and that no judging makes.
         seconds: Wall time [s].
     """
 
     plan: Plan
+    about_verdicts: bool = True
     ran: list[dict[str, object]] = field(default_factory=list[dict[str, object]])
     left_out: list[tuple[Request, str]] = field(default_factory=list[tuple[Request, str]])
+    not_judged: tuple[Iri, ...] = ()
     seconds: float = 0.0
 
     def to_json(self) -> dict[str, object]:
@@ -92,14 +100,16 @@ class Computed:
             "stored": len(self.plan.stored),
             "ran": [{key: each[key] for key in keys} for each in self.ran],
             "left_out": [each.to_json() | {"why": why} for each, why in self.left_out],
-            "not_loaded": [{"kind": each.kind, "iri": each.iri} for each in self.plan.unplanned],
+            "not_loaded": [asdict(each) for each in self.plan.unplanned],
+            "not_judged": [{"class": each, "made_by": MADE_BY[each]} for each in self.not_judged],
+            "about_verdicts": self.about_verdicts,
             "seconds": round(self.seconds, 3),
         }
 
     def told(self) -> str:
         """The same on a few lines."""
-        if self.plan == Plan((), (), ()):
-            return "nothing to compute: no pattern of law: in the query can match a case of what is loaded"
+        if not self.about_verdicts:
+            return "\n".join([NO_QUESTION, *self._beyond()])
         lines = [
             f"computed {len(self.ran)} verdicts in {self.seconds:.1f} s; {len(self.plan.stored)} were stored"
         ]
@@ -111,8 +121,11 @@ class Computed:
             lines += [f"  {name}" for name in names[:SHOWN]]
             lines += [f"  and {len(names) - SHOWN} more, which --json names"] if len(names) > SHOWN else []
         for each in self.plan.unplanned:
-            lines.append(f"nothing computed about {each.kind} {local_name(each.iri)}: it is not loaded")
-        return "\n".join(lines)
+            lines.append(f"nothing computed about {each.kind} {local_name(each.iri)}: {each.why}")
+        return "\n".join([*lines, *self._beyond()])
+
+    def _beyond(self) -> list[str]:
+        return [f"no {local_name(each)} is computed: {MADE_BY[each]} makes them" for each in self.not_judged]
 
 
 class _BoundReachedError(Exception):
@@ -131,14 +144,14 @@ def compute(sparql: str, loaded: Loaded, bounds: Bounds, keeper: Keeper, runner:
         OracleUnavailableError: An oracle did not answer: what is missing stays missing.
     """
     began = time.perf_counter()
-    patterns = verdict_patterns(sparql)
+    patterns, beyond = verdict_patterns(sparql), not_judged(sparql)
     if not patterns:
-        return Computed(Plan((), (), ()))
+        return Computed(Plan((), (), ()), about_verdicts=False, not_judged=beyond)
     policy = loaded.policy
     loaded = replace(loaded, policy=replace(policy, budget=min(policy.budget, bounds.budget)))
     loaded = _narrowed(loaded, patterns)
     services = _services(loaded)
-    computed = Computed(planned(patterns, list(services.values()), keeper.stored))
+    computed = Computed(planned(patterns, list(services.values()), keeper.stored), not_judged=beyond)
     cells = {_cell(each, loaded, services): each for each in computed.plan.missing}
     for environment in {request.environment: None for request in cells.values()}:
         keeper.add_twin(_of(services, environment)[1].twin)

@@ -5,11 +5,13 @@ from pathlib import Path
 
 import pytest
 
+from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, OracleUnavailableError
 from sdt_kg.iri import ID, LAW, local_name
 from sdt_kg.store import rows_of
+from services.app import Policy
 from services.compute import Bounds, Computed, Loaded, compute
-from services.compute.run import Report
+from services.compute.run import NO_QUESTION, Report
 from services.store.files import SavedVerdicts
 from services.table import Cell, run
 
@@ -17,6 +19,7 @@ SMALL = Path(__file__).resolve().parents[2] / "small"
 A, B = str(SMALL / "a.urdf"), str(SMALL / "b.urdf")
 PR2, STRETCH = str(SMALL / "pr2.urdf"), str(SMALL / "stretch.urdf")
 LOADED = Loaded((B,), (PR2, STRETCH))
+OMNI = Loaded((B,), (PR2,), policy=Policy(Drive.OMNI))
 SWING = f"SELECT ?o {{ ?v law:container <{ID}a/body/swing_door> ; law:robot id:stretch ; law:outcome ?o }}"
 CLOSED = (
     "SELECT ?c { ?v law:robot id:pr2 ; law:container ?c ; law:task/law:verb law:Close ; law:causes false }"
@@ -90,6 +93,57 @@ def test_what_is_not_loaded_is_said(saved: SavedVerdicts) -> None:
     unplanned = {(each.kind, local_name(each.iri)) for each in done.plan.unplanned}
     assert unplanned == {("container", "swing_door"), ("robot", "stretch")}
     assert "nothing computed about container swing_door: it is not loaded" in done.told()
+
+
+def ask(where: str) -> str:
+    return f"SELECT * {{ ?v law:robot id:pr2 ; {where} }}"
+
+
+@pytest.mark.parametrize(
+    ("sparql", "loaded", "kind", "why"),
+    [
+        (ask('law:drive "hover"'), LOADED, "drive", "--drive says otherwise, or there is none"),
+        (ask('law:drive "fixed"'), OMNI, "drive", "--drive says otherwise, or there is none"),
+        (ask("law:task/law:verb law:Opne"), LOADED, "verb", "there is no such verb"),
+        (
+            ask("law:teeClass tee:D_artic_dyn"),
+            LOADED,
+            "class",
+            "cases are judged relative to another class D",
+        ),
+        (
+            f"SELECT * {{ <{ID}verdict/0a/diagnosis/1> law:reason ?r }}",
+            LOADED,
+            "verdict",
+            "no case of what is",
+        ),
+        (f"DESCRIBE <{ID}verdict/0a>", LOADED, "verdict", "no case of what is loaded has these inputs"),
+    ],
+)
+def test_what_no_case_has_is_said(
+    saved: SavedVerdicts, sparql: str, loaded: Loaded, kind: str, why: str
+) -> None:
+    done = computed(saved, sparql, loaded)
+    assert done.ran == []
+    assert [each.kind for each in done.plan.unplanned] == [kind]
+    assert f"nothing computed about {kind}" in done.told()
+    assert why in done.told()
+    assert why in str(done.to_json()["not_loaded"])
+
+
+def test_what_a_property_that_is_no_term_may_be_is_run(saved: SavedVerdicts) -> None:
+    sparql = ask("?p law:NotCertified ; law:task/law:verb law:Close")
+    assert len(computed(saved, sparql).ran) == 2
+    assert answer(saved, sparql)
+
+
+def test_what_is_not_computed_and_a_query_that_asks_about_no_verdict_are_said(saved: SavedVerdicts) -> None:
+    rules = computed(saved, "SELECT * { ?r a law:TaskResult ; law:firstBroken ?b }")
+    assert "no TaskResult is computed: sdt task makes them" in rules.told()
+    assert rules.to_json()["not_judged"] == [{"class": f"{LAW}TaskResult", "made_by": "sdt task"}]
+    everything = computed(saved, "SELECT * { ?s ?p ?o }")
+    assert everything.told() == NO_QUESTION
+    assert everything.to_json()["about_verdicts"] is False
 
 
 def test_models_that_the_query_rules_out_are_not_read(saved: SavedVerdicts) -> None:

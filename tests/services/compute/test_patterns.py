@@ -7,9 +7,9 @@ from predicates.case import Case
 from predicates.law import law
 from predicates.record import to_record
 from sdt_kg.errors import QueryError
-from sdt_kg.iri import ID, LAW
+from sdt_kg.iri import ID, LAW, RDF, TEE
 from sdt_kg.task import Task, Verb
-from services.compute import Pattern, verdict_patterns
+from services.compute import Pattern, not_judged, verdict_patterns
 from services.physics.oracle import Kinematics
 from tests.small import small_twin
 from tests.small.lift import Lift
@@ -43,6 +43,13 @@ def select(where: str) -> set[Pattern]:
         ("<https://example.org/id/verdict/0a> law:outcome ?o", Pattern(verdicts=ONE)),
         ("<https://example.org/id/verdict/0a/diagnosis/1> law:reason ?o", Pattern(verdicts=ONE)),
         ("?v law:robot id:pr2, id:stretch", Pattern(robots=frozenset())),  # one verdict has one robot
+        ("?v law:teeClass tee:D_artic_dyn", Pattern(classes=frozenset({f"{TEE}D_artic_dyn"}))),
+        ("?v law:robot id:pr2 ; ?p ?o", Pattern(robots=PR2)),
+        ("<https://example.org/id/verdict/0a> ?p ?o", Pattern(verdicts=ONE)),
+        ("?v law:robot id:pr2 ; law:container ?c . ?c ?p ?o", Pattern(robots=PR2)),
+        ("?v law:robot id:pr2 ; law:motion/law:entity ?j . ?j sdt:upperLimit|sdt:lowerLimit ?o ; ?p ?q",
+         Pattern(robots=PR2)),
+        ("?v law:robot id:pr2 . VALUES ?p { sdt:upperLimit } ?j ?p ?o", Pattern(robots=PR2)),
     ],
 )  # fmt: skip
 def test_what_binds_every_solution_bounds_the_case(where: str, expected: Pattern) -> None:
@@ -61,6 +68,14 @@ def test_what_binds_every_solution_bounds_the_case(where: str, expected: Pattern
         "VALUES (?r) { (id:pr2) (UNDEF) } ?v law:robot ?r",
         "?v law:robot|law:environment id:pr2",
         "?v law:task/law:verb? law:Open",
+        "?v ?p law:Certified",
+        "VALUES ?p { law:outcome } ?v ?p ?o",
+        "?v ?p ?o FILTER(STRSTARTS(STR(?p), STR(law:)))",
+        "?v law:robot id:pr2 . ?a prov:wasDerivedFrom ?b",
+        "?v !(rdf:type|^law:robot) ?x",
+        "?v (!law:robot)/law:verb ?x",
+        "BIND(EXISTS { ?v !(rdf:type|^law:robot) ?x } AS ?y)",
+        "GRAPH <https://example.org/id/graph/verdict/0a> { ?s ?p ?o }",
     ],
 )
 def test_what_does_not_bind_every_solution_bounds_nothing(where: str) -> None:
@@ -109,17 +124,32 @@ def test_nothing_known_outside_bounds_a_subquery_or_an_aggregate() -> None:
 
 
 @pytest.mark.parametrize(
-    "where",
-    ["?p a law:LearnedPhysics ; law:name ?n", "?p law:residual ?r ; law:unit ?u", "?o law:trackHash ?h"],
+    ("where", "kind"),
+    [
+        ("?p a law:LearnedPhysics ; law:name ?n", "LearnedPhysics"),
+        ("?p law:residual ?r ; law:unit ?u", "LearnedPhysics"),
+        ("?o law:trackHash ?h", "Observation"),
+        ("?r law:firstBroken ?b ; law:environment id:a", "TaskResult"),
+        ("?r law:taskOutcome law:Certified", "TaskResult"),
+        ("?r a law:StaysClosed", "Rule"),
+    ],
 )
-def test_what_comes_from_observations_is_not_computed(where: str) -> None:
+def test_what_no_judging_makes_is_not_computed_and_said(where: str, kind: str) -> None:
     assert select(where) == set()
     assert select(f"{where} . ?v law:robot id:pr2") == {Pattern(robots=PR2)}
+    assert f"{LAW}{kind}" in not_judged(f"SELECT * WHERE {{ {where} . ?v law:robot id:pr2 }}")
 
 
 @pytest.mark.parametrize("query", ["ASK { ?door a sdt:Door }", "SELECT * { ?s ?p ?o }", "DESCRIBE id:a"])
 def test_a_query_without_law_terms_touches_nothing(query: str) -> None:
     assert verdict_patterns(query) == ()
+    assert not_judged(query) == ()
+
+
+def test_a_verdict_that_is_described_is_asked_for() -> None:
+    assert set(verdict_patterns("DESCRIBE <https://example.org/id/verdict/0a>")) == {Pattern(verdicts=ONE)}
+    asked = verdict_patterns("DESCRIBE ?v <https://example.org/id/verdict/0a> { ?v law:robot id:pr2 }")
+    assert set(asked) == {Pattern(verdicts=ONE), Pattern(robots=PR2)}
 
 
 @pytest.mark.parametrize("name", ["cq01", "cq02", "cq07"])
@@ -142,7 +172,10 @@ def test_every_property_of_a_record_is_seen_as_about_verdicts() -> None:
     twin = small_twin("a", ("pr2", "stretch"))
     case = Case(twin, robot=twin.robots[1], task=Task(Verb.OPEN))
     records = [to_record(each) for each in law(case, Kinematics(), Lift())]
-    used = {p for record in records for _, p, _ in record.triples if p.startswith(LAW)}
+    used = {p for record in records for _, p, _ in record.triples}
+    kinds = {value.value for record in records for _, p, value in record.triples if p == RDF + "type"}
     assert len(used) > 20
     for predicate in used:
-        assert select(f"?x <{predicate}> ?y"), predicate
+        assert select(f"?x <{predicate}> ?y . ?w law:robot id:pr2") - {Pattern(robots=PR2)}, predicate
+    for kind in kinds:
+        assert select(f"?x a <{kind}> . ?w law:robot id:pr2") - {Pattern(robots=PR2)}, kind

@@ -1,6 +1,6 @@
 """Leaving out what no pattern matches never changes an answer, whatever the query is made of.
 
-What has no term of law: is no question about verdicts: `?s ?p ?o`, or which named graphs there are.
+A query without any term of law: is no question about verdicts: `?s ?p ?o`, or which named graphs there are.
 """
 
 from functools import cache
@@ -77,6 +77,20 @@ def triples(draw: st.DrawFn) -> str:
     return f"{verdict} {path} {draw(st.sampled_from(choices))} ."
 
 
+OPEN_PREDICATES = (
+    "?p", "prov:wasDerivedFrom", "prov:wasGeneratedBy/prov:used", "a", "!law:robot", "law:answer|^law:task",
+    "(law:task|law:diagnosis)*/law:verb", "!(rdf:type|^law:robot)", "law:diagnosis/law:reason",
+)  # fmt: skip
+
+
+@st.composite
+def unbounded(draw: st.DrawFn) -> str:
+    """A triple whose property says little; beside it, one of law:."""
+    value = draw(st.sampled_from(("?o", "?w", "?k", "law:Open", "law:Certified", "false")))
+    beside = draw(triples())
+    return f"{draw(st.sampled_from(VARIABLES))} {draw(st.sampled_from(OPEN_PREDICATES))} {value} . {beside}"
+
+
 @st.composite
 def values(draw: st.DrawFn) -> str:
     robots = draw(st.lists(st.sampled_from(ROBOTS[:2]), min_size=1, max_size=2, unique=True))
@@ -102,7 +116,7 @@ def groups(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
     return st.lists(inner, min_size=1, max_size=3).map(" ".join)
 
 
-LEAF = groups(st.one_of(triples(), triples(), values()))
+LEAF = groups(st.one_of(triples(), triples(), values(), unbounded()))
 GROUP = st.recursive(LEAF, lambda group: groups(st.one_of(triples(), values(), nested(group))), max_leaves=6)
 
 
