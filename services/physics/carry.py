@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 LIMIT_PLAY = 0.002
 """[rad or m] How far beyond a stop a dragged joint may seem to be: the tool's tolerance on the handle."""
 
+FINGER_PLAY = 0.01
+"""[rad or m] A finger joint that moves farther lets go. Ours: more than a grip gives, less than it opens."""
+
 STOP_STEP = 1e-5
 """[rad or m] Differences beyond a stop which count when the moment of the grasp is looked for."""
 
@@ -55,8 +58,8 @@ def carried(
 
     If the body motion says how the kitchen moves, as it says; what it does not name stands still, as does
     everything under the motion of a robot that is not there. If it says nothing, the handle moves
-    rigidly with a gripper that is at it, for as long as the joint can follow; before and after, the
-    container stands still.
+    rigidly with a gripper that is at it, for as long as the joint can follow and the fingers stay as
+    they are; before and after, the container stands still.
 
     Args:
         model: Built from the twin's environment.
@@ -93,7 +96,8 @@ def _dragged(
     most = 0.0
     for gripper in _grippers(scene, body_motion):
         tools = _tool_poses(scene, body_motion, gripper, 0.0)
-        hold = _longest_hold(scene, handle, bounds, twin, tools, gripper, container)
+        fingers = _fingers(body_motion, gripper)
+        hold = _longest_hold(scene, handle, bounds, twin, tools, fingers, gripper, container)
         if hold is None or np.ptp(hold.values) <= most:
             continue
         most = float(np.ptp(hold.values))
@@ -128,12 +132,19 @@ def _tool_poses(scene: Scene, motion: BodyMotion, gripper: Gripper, dt: float) -
     return np.array(poses)
 
 
+def _fingers(motion: BodyMotion, gripper: Gripper) -> Array:
+    """Positions of the joints that open and close a gripper, those that the motion names, shape (T, n)."""
+    names = {each.joint for each in gripper.finger_joints}
+    return motion.q[:, [k for k, name in enumerate(motion.joints) if name in names]]
+
+
 def _longest_hold(  # noqa: PLR0913, PLR0917 - two paths, what joins them, and where the search may begin
     scene: Scene,
     handle: Chain,
     bounds: Bounds,
     twin: Twin,
     tools: Array,
+    fingers: Array,
     gripper: Gripper,
     container: Container,
 ) -> _Hold | None:
@@ -148,7 +159,8 @@ def _longest_hold(  # noqa: PLR0913, PLR0917 - two paths, what joins them, and w
         fitted = handle.poses((values - handle.follower.offset) / handle.follower.multiplier)[0]
         gaps, angles = apart(fitted, tools[begin:] @ _tool_T_handle(handle, twin, tools[begin]))
         inside = (values >= bounds.lower - LIMIT_PLAY) & (values <= bounds.upper + LIMIT_PLAY)
-        fits = (gaps <= POSE_TOLERANCE) & (angles <= ANGLE_TOLERANCE) & inside
+        closed = (np.abs(fingers[begin:] - fingers[begin]) <= FINGER_PLAY).all(axis=1)
+        fits = (gaps <= POSE_TOLERANCE) & (angles <= ANGLE_TOLERANCE) & inside & closed
         length = len(fits) if fits.all() else int(np.argmin(fits))
         hold = _Hold(begin, begin + length - 1, values[:length])
         if best is None or _rank(hold, bounds) > _rank(best, bounds):

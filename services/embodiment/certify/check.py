@@ -1,5 +1,6 @@
 """All checks of a body motion, one after the other."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -171,7 +172,15 @@ def _hold(checked: Subject, container: Container, name: str, in_full: bool) -> t
         findings.add(hold.follows())
         findings.add(hold.keeps_fingers())
         findings.add(pressed(checked, hold))
+        findings.nearest.extend(_let_go(hold))
     return hold, findings
+
+
+def _let_go(hold: Hold) -> Iterator[str]:
+    """What a certificate rests on if the hand leaves the handle before the motion ends."""
+    if hold.left() < len(hold.pieces.start):
+        name, when = hold.container.name, f"from {hold.time:.2f} s to {hold.until:.2f} s"
+        yield f"let go: {name} is held {when}, and nothing in D_artic moves it afterwards"
 
 
 def _survey(checked: Subject, container: Container, name: str) -> Findings:

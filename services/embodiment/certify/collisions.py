@@ -8,6 +8,7 @@ from sdt_kg.iri import local_name
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
 from services.embodiment.certify.sweep.clearance import NEAR, PRECISION, Distance, Pairs, Sweep
+from services.embodiment.certify.sweep.pieces import Timeline
 from services.embodiment.certify.sweep.subject import Subject
 from services.physics.model import Scene
 
@@ -20,26 +21,38 @@ def collisions(checked: Subject, hold: Hold | None) -> Findings:
     """Robot against itself and against the kitchen as it moves.
 
     The only contact allowed is that of the holding gripper's fingers with the container's handle,
-    from the time on at which the tool is in its grasp.
+    from the time on at which the tool is in its grasp until it leaves it, the container at rest for good.
     """
     findings, timeline = Findings(), checked.timeline
-    block = max(0, timeline.depth - int(np.log2(BLOCK)))
+    pieces, count = timeline.pieces, len(timeline.pieces.start)
+    left = count if hold is None else hold.left()
     own = (
         np.zeros(len(checked.scene.environment_pairs), dtype=bool)
         if hold is None
         else _touching(checked, hold)
     )
     others = _keep(checked, checked.scene.environment_pairs[~own])
-    for scope, name, pairs, level in (
-        ("self", "self", _keep(checked, checked.scene.self_pairs), 0),
-        ("environment", "environment", others, block),
-        ("environment", "handle", _touch(checked, hold, own), block),
-    ):
+    kept = checked.scene.environment_pairs[own]
+    looks = [
+        ("self", "self", _keep(checked, checked.scene.self_pairs), timeline, 0),
+        ("environment", "environment", others, timeline, _blocks(timeline)),
+    ]
+    held = timeline if left == count else Timeline(pieces.part(0, left))
+    looks.append(("environment", "handle", _touch(checked, hold, kept), held, _blocks(held)))
+    if left < count:
+        after = Timeline(pieces.part(left, count))
+        looks.append(("environment", "handle, let go", _keep(checked, kept), after, _blocks(after)))
+    for scope, name, pairs, along, level in looks:
         if len(pairs.shapes):
-            sweep = Sweep(timeline, checked.kinematics, checked.shapes, pairs)
+            sweep = Sweep(along, checked.kinematics, checked.shapes, pairs)
             sweep.run(level, checked.tolerances.resolution)
             findings.add(_findings(checked.scene, sweep, scope, name))
     return findings
+
+
+def _blocks(timeline: Timeline) -> int:
+    """Level of a timeline that joins `BLOCK` pieces."""
+    return max(0, timeline.depth - int(np.log2(BLOCK)))
 
 
 def _keep(checked: Subject, shapes: Indices) -> Pairs:
@@ -53,8 +66,8 @@ def _touching(checked: Subject, hold: Hold) -> NDArray[np.bool_]:
     return np.isin(pairs[:, 0], hold.fingers) & np.isin(pairs[:, 1], hold.bar)
 
 
-def _touch(checked: Subject, hold: Hold | None, own: NDArray[np.bool_]) -> Pairs:
-    kept = _keep(checked, checked.scene.environment_pairs[own])
+def _touch(checked: Subject, hold: Hold | None, shapes: Indices) -> Pairs:
+    kept = _keep(checked, shapes)
     if hold is None:
         return kept
     held = np.full(len(kept.shapes), -checked.tolerances.depth)

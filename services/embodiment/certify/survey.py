@@ -57,7 +57,11 @@ def survey(
         acting = holds[best]
         findings.violations.extend(_contact(checked, acting, times, gaps[best]))
     for rule, scope, pairs in _kinds(checked, acting):
-        findings.violations.extend(_collisions(checked, rule, scope, pairs, times))
+        touches = [touch for part in _parts(times) for touch in _touches(checked, pairs, part)]
+        if acting is not None and rule == "collision: fingers and handle":
+            depth, clear = checked.tolerances.depth, acting.clear_from()
+            touches = [each for each in touches if each.way > depth or each.time > clear]
+        findings.violations.extend(_collisions(checked, rule, scope, touches, times))
     return findings
 
 
@@ -107,11 +111,10 @@ def hand(mechanism: Mechanism, gripper: Gripper) -> set[Iri]:
     return {body_iri(mechanism.name, name) for name in names}
 
 
-def _collisions(checked: Subject, rule: str, scope: str, pairs: Indices, times: Array) -> Iterator[Violation]:
-    """The first overlap of these pairs, and the deepest."""
-    touches = [touch for part in _parts(times) for touch in _touches(checked, pairs, part)]
-    if rule == "collision: fingers and handle":
-        touches = [each for each in touches if each.way > checked.tolerances.depth]
+def _collisions(
+    checked: Subject, rule: str, scope: str, touches: list[Touch], times: Array
+) -> Iterator[Violation]:
+    """The first of these overlaps, and the deepest."""
     if not touches:
         return
     first = min(touches, key=lambda each: (each.time, -each.way))
@@ -214,7 +217,8 @@ def _contact(checked: Subject, hold: Hold, times: Array, gaps: Array) -> Iterato
         reason = f"{container.name} has moved by {far:.4g} {unit} until {until}"
         evidence = Evidence(Quantity.POSITION, far, 0.0, unit, container.joint, time=float(times[reached]))
         yield Violation("moves before it is held", reason, evidence, far)
-    lost = np.flatnonzero(~near & (np.arange(len(times)) > reached))
+    held = (np.arange(len(times)) > reached) & (times <= hold.until)
+    lost = np.flatnonzero(~near & held)
     chosen = [lost[0], lost[np.argmax(gaps[lost])]] if near.any() and len(lost) else []
     if not near.any():
         chosen = [int(np.argmin(gaps))]

@@ -1,4 +1,8 @@
-"""The tool holds the handle from the moment in which the container begins to move."""
+"""The tool holds the handle from the moment in which the container begins to move to that in which it stops.
+
+What follows is letting go: nothing moves the container any more, so nobody has to hold it. Fingers may
+still be at the handle as long as the tool stays in its grasp, and from then on must keep clear of it.
+"""
 
 from dataclasses import dataclass
 
@@ -44,7 +48,9 @@ class Hold:
 
     Attributes:
         begin: First piece on which the container moves; its start is the moment of the grasp.
-        time: That moment [s].
+        last: Last piece on which it moves; until its end it is held.
+        time: The moment of the grasp [s].
+        until: The end of holding [s].
         room: By how much the handle may be elsewhere and is still held [m]; known once `contact` holds.
     """
 
@@ -54,7 +60,9 @@ class Hold:
         self.tolerances, self.timeline = checked.tolerances, checked.timeline
         self.kinematics, self.shapes = checked.kinematics, checked.shapes
         self.pieces, self.begin = checked.timeline.pieces, begin
+        self.last = _last(scene, checked.pieces, container)
         self.time = float(self.pieces.start[begin])
+        self.until = float(self.pieces.start[self.last] + self.pieces.duration[self.last])
         self.room = 0.0
         self.gripper, self.container = gripper, container
         joint, joint_T_body = scene.robot.attached[gripper.tool_body]
@@ -95,6 +103,27 @@ class Hold:
         )
         return float(self.pieces.start[away[-1] + 1 if len(away) else 0])
 
+    def left(self) -> int:
+        """First piece on which fingers have to be clear of the handle; as many as there are if on none.
+
+        It begins with the last sample up to which the tool, after the container has stopped, is in its grasp.
+        """
+        count = len(self.pieces.start)
+        later = np.arange(self.last + 1, count)
+        if not len(later):
+            return count
+        ends = self.pieces.at(later, self.pieces.duration[later])
+        slipped, turned = self._errors(self.kinematics.place(*ends[:2]))
+        away = np.flatnonzero(
+            (slipped > self.tolerances.tool_position) | (turned > self.tolerances.tool_angle)
+        )
+        return int(later[away[0]]) if len(away) else count
+
+    def clear_from(self) -> float:
+        """When that piece begins [s]; infinite if there is none."""
+        left = self.left()
+        return float(self.pieces.start[left]) if left < len(self.pieces.start) else np.inf
+
     def contact(self) -> Findings:
         """At the grasp two fingers have the handle between them: they reach over it and touch it."""
         placed = self._at_grasp()
@@ -111,7 +140,7 @@ class Hold:
 
     def later(self) -> "Hold | None":
         """The first sample after the container began to move at which it is held, if there is one."""
-        pieces = np.arange(self.begin, len(self.pieces.start))
+        pieces = np.arange(self.begin, self.last + 1)
         q, v, _ = self.pieces.at(pieces, np.zeros(len(pieces)))
         placed = self.kinematics.place(q, v)
         touched = np.zeros(len(pieces), dtype=bool)
@@ -149,10 +178,10 @@ class Hold:
         return Findings([Violation("held", reason, evidence, excess)])
 
     def follows(self) -> Findings:
-        """From the grasp on the tool neither slips nor turns on the handle, between samples too."""
+        """While it is held the tool neither slips nor turns on the handle, between samples too."""
         findings, seen, safe = Findings(), np.zeros(2), np.zeros(2)
         most = np.array([self.tolerances.tool_position, 2 * np.sin(self.tolerances.tool_angle / 2)])
-        level, intervals = self.timeline.depth, np.arange(self.begin, len(self.pieces.start))
+        level, intervals = self.timeline.depth, np.arange(self.begin, self.last + 1)
         for halving in range(DEEPEST + 1):
             spans = self.timeline.spans(level + halving, intervals)
             placed = self.kinematics.place(spans.q, spans.v)
@@ -199,10 +228,10 @@ class Hold:
             findings.violations.append(Violation(f"tool {verb}", reason, evidence, value))
 
     def keeps_fingers(self) -> Findings:
-        """From the grasp on the fingers do not move against the tool by more than a contact allows."""
+        """While they hold, the fingers do not move against the tool by more than a contact allows."""
         findings, placed = Findings(), self._at_grasp()
         values, _ = positions(self.pieces)
-        later = values[:, self.begin :]
+        later = values[:, self.begin : self.last + 1]
         shift = np.abs(later - self.pieces.c[0, self.begin]).max(axis=(0, 1))
         for finger in self.fingers:
             between = (
@@ -228,6 +257,19 @@ def _shapes_of(scene: Scene, bodies: list[Iri]) -> list[int]:
 def begin(scene: Scene, pieces: Pieces, container: Container) -> int | None:
     """First piece on which the container moves, None if it never does."""
     k = scene.coordinate[container.joint]
+    moved = _away(pieces, k, float(pieces.c[0, 0, k]))
+    return int(moved[0]) if len(moved) else None
+
+
+def _last(scene: Scene, pieces: Pieces, container: Container) -> int:
+    """Last piece on which the container moves; that of the motion if it hardly does."""
+    k, last = scene.coordinate[container.joint], len(pieces.start) - 1
+    end = pieces.at(np.array([last]), pieces.duration[-1:])[0][0, k]
+    moved = _away(pieces, k, float(end))
+    return int(moved[-1]) if len(moved) else last
+
+
+def _away(pieces: Pieces, k: int, value: float) -> Indices:
+    """Pieces on which a coordinate is not all the time at a value."""
     candidates, _ = positions(pieces)
-    moved = np.abs(candidates[:, :, k] - pieces.c[0, 0, k]).max(axis=0) > MOVES
-    return int(np.argmax(moved)) if moved.any() else None
+    return np.flatnonzero(np.abs(candidates[:, :, k] - value).max(axis=0) > MOVES)

@@ -37,6 +37,10 @@ class Pieces:
         """The same pieces with these coordinates only."""
         return Pieces(self.start, self.duration, np.ascontiguousarray(self.c[:, :, coordinates]))
 
+    def part(self, first: int, end: int) -> "Pieces":
+        """Those pieces from `first` on that come before `end`."""
+        return Pieces(self.start[first:end], self.duration[first:end], self.c[:, first:end])
+
     @cached_property
     def moving(self) -> Indices:
         """The coordinates that do not stand still on all pieces."""

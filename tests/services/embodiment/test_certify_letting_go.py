@@ -1,0 +1,141 @@
+"""A container that stays where it was brought may be let go: the hand opens and leaves."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from predicates.case import Case, Outcome, Quantity
+from predicates.law import law
+from sdt_kg.annotation import Drive
+from sdt_kg.motion import BodyMotion
+from sdt_kg.task import Task, Verb
+from sdt_kg.twin import Twin
+from services.embodiment.certify import Certified, Refused, certify
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.oracle import WholeBody
+from services.physics.oracle import Kinematics
+from tests.services.embodiment.gantry import RESTS, START, gantry_twin, opening
+from tests.services.embodiment.judging import judge, refusal
+
+pytestmark = pytest.mark.oracle
+
+OPENED = (20.0, 0.0, 0.0, 0.0, 0.2, 0.575, 0.0, 0.04, 0.46)
+AWAY = (23.0, 0.0, 0.0, 0.0, 0.2, 0.375, 0.0, 0.04, 0.46)
+
+
+def letting_go(*more: tuple[float, ...], step: float = 0.1) -> BodyMotion:
+    """The good motion, and then rests of one's own."""
+    return opening(step, rests=np.vstack((RESTS, more or (OPENED, AWAY))))
+
+
+@pytest.fixture(scope="module")
+def twin(tmp_path_factory: pytest.TempPathFactory) -> Twin:
+    return gantry_twin(tmp_path_factory.mktemp("gantry"))
+
+
+@pytest.mark.parametrize("step", [0.1, 100.0])
+def test_a_hand_may_open_and_leave_when_the_container_is_where_it_stays(twin: Twin, step: float) -> None:
+    verdict = judge(twin, letting_go(step=step))
+    assert isinstance(verdict, Certified), verdict.diagnoses
+    assert verdict.figures["container at the end"] == (pytest.approx(0.46), "m")
+    # A finger that is open by 0.04 m is 35 mm from a bar of 10 mm: nothing is nearer than what is told.
+    assert verdict.figures["smallest distance, handle, let go"] == (0.02, "m")
+    assert verdict.figures["tool slip"][0] < 0.0005
+    assert (
+        "let go: drawer_main is held from 11.00 s to 18.00 s, and nothing in D_artic moves it afterwards"
+    ) in verdict.nearest
+
+
+def test_a_hand_that_only_opens_has_let_go_too(twin: Twin) -> None:
+    assert isinstance(judge(twin, letting_go(OPENED)), Certified)
+
+
+def test_fingers_that_stay_closed_are_not_drawn_off_the_handle(twin: Twin) -> None:
+    closed = (*AWAY[:7], 0.005, AWAY[8])
+    found = refusal(twin, letting_go(closed), Quantity.DISTANCE)
+    assert {
+        one.evidence.links[1].rsplit("/", 1)[1] for one in found if one.evidence and one.evidence.links
+    } == {"drawer_handle"}
+
+
+def test_letting_go_before_the_container_stands_is_refused(twin: Twin) -> None:
+    rests = np.vstack((RESTS, OPENED))
+    rests[4, 7] = 0.04  # the fingers open on the way
+    found = refusal(twin, opening(rests=rests), Quantity.TOOL_ERROR)
+    assert "while it holds the handle" in found[0].reason
+
+
+@pytest.mark.parametrize("farther", [0.47, 0.45])
+def test_a_container_that_moves_on_when_it_was_let_go_is_refused(twin: Twin, farther: float) -> None:
+    rolls = (*AWAY[:8], farther)
+    found = refusal(twin, letting_go(OPENED, rolls), Quantity.TOOL_ERROR)
+    reasons = " ".join(one.reason for one in found)
+    assert "slips" in reasons
+    assert "while it holds the handle" in reasons
+
+
+def test_a_container_that_moves_by_itself_much_later_is_refused(twin: Twin) -> None:
+    stays, creeps = (30.0, *AWAY[1:]), (40.0, *AWAY[1:8], 0.461)
+    refusal(twin, letting_go(OPENED, AWAY, stays, creeps), Quantity.TOOL_ERROR)
+
+
+@pytest.mark.parametrize("finger", [0.002, 0.004])
+def test_a_hand_that_comes_back_through_the_handle_is_refused(twin: Twin, finger: float) -> None:
+    shut = (25.0, *AWAY[1:7], finger, AWAY[8])
+    back = (28.0, *OPENED[1:7], finger, OPENED[8])
+    found = refusal(twin, letting_go(OPENED, AWAY, shut, back), Quantity.DISTANCE)
+    first = next(one.evidence for one in found if one.evidence)
+    assert first.links is not None
+    assert first.links[1].endswith("drawer_handle")
+    assert first.time is not None
+    assert 25 < first.time < 28
+
+
+def test_a_hand_that_comes_back_and_closes_again_is_refused(twin: Twin) -> None:
+    back, closed = (26.0, *OPENED[1:]), (28.0, *OPENED[1:7], 0.005, OPENED[8])
+    assert isinstance(judge(twin, letting_go(OPENED, AWAY, back)), Certified)
+    refusal(twin, letting_go(OPENED, AWAY, back, closed), Quantity.DISTANCE)
+
+
+@pytest.mark.parametrize(("y", "clear"), [(0.5, False), (1.5, True)])
+def test_the_way_back_is_checked_between_samples_as_all_else(tmp_path: Path, y: float, clear: bool) -> None:
+    wall = f"""<link name="wall"><collision><geometry><box size="1 0.001 1"/></geometry></collision></link>
+    <joint name="wall_joint" type="fixed"><parent link="world"/><child link="wall"/>
+    <origin xyz="0.6 {y} 0.6"/></joint>"""
+    beside = (28.0, 0.0, 0.6, *AWAY[3:])  # through the wall, with no sample near it
+    motion = letting_go(OPENED, AWAY, beside, step=100.0)
+    assert isinstance(judge(gantry_twin(tmp_path, wall), motion), Certified) is clear
+
+
+@pytest.mark.parametrize("away", [AWAY, (23.0, -0.3, *AWAY[2:5], 0.575, *AWAY[6:])])
+def test_a_container_goes_where_the_gripper_drags_it_until_the_fingers_open(
+    twin: Twin, away: tuple[float, ...]
+) -> None:
+    # Both ways back lead along the drawer's own way: a hand that is thought to hold on would pull it farther.
+    motion = letting_go(OPENED, away)
+    bare = replace(motion, kitchen_joints=(), kitchen_q=np.zeros((0, 0)), kitchen_v=np.zeros((0, 0)))
+    container = twin.container("drawer_main")
+    carried = Kinematics().carried(twin, bare, container)
+    assert carried.values == pytest.approx(motion.kitchen_q, abs=1e-5)
+    assert carried.values[-1, 0] == pytest.approx(0.46, abs=1e-6)
+    (verdict,) = law(
+        Case(twin, twin.robots[0], Task(Verb.OPEN, container.iri), body_motion=bare),
+        Kinematics(),
+        WholeBody(start=START),
+    )
+    assert verdict.outcome is Outcome.CERTIFIED, verdict.diagnoses
+
+
+def test_every_kind_of_violation_is_told_of_a_hand_that_lets_go_wrongly(twin: Twin) -> None:
+    shut, back = (25.0, *AWAY[1:7], 0.002, AWAY[8]), (28.0, *OPENED[1:7], 0.002, OPENED[8])
+    motion = letting_go(OPENED, AWAY, shut, back)
+    container = twin.container("drawer_main")
+    verdict = certify(
+        twin, twin.robots[0], motion, container, Tolerances(), drive=Drive.OMNI, start=START, in_full=True
+    )
+    assert isinstance(verdict, Refused)
+    said = " ".join(one.reason for one in verdict.diagnoses)
+    assert "contact with drawer_handle is lost" not in said
+    assert "drawer_handle are" in said
