@@ -22,7 +22,7 @@ class Recording(MemoryStore):
     """A store that knows which of its graphs were written.
 
     Attributes:
-        written: Their names, until somebody takes them.
+        written: Their names, until they are kept.
     """
 
     def __init__(self) -> None:

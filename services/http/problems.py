@@ -12,7 +12,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Match
 
-from sdt_kg.errors import InputError, OracleUnavailableError, SdtError, UnknownEntityError
+from sdt_kg.errors import InputError, OracleUnavailableError, SdtError, StoreError, UnknownEntityError
 from services.judging.problems import InternalError
 from services.store.guard import RefusedQueryError
 from services.store.workers import BusyError, Limit, LimitError, NotAcceptableError
@@ -27,6 +27,7 @@ ERROR_STATUS: tuple[tuple[type[SdtError], int], ...] = (
     (UnknownEntityError, 404),
     (InputError, 400),
     (OracleUnavailableError, 503),
+    (StoreError, 503),
     (InternalError, 500),
     (SdtError, 422),
 )
@@ -80,6 +81,9 @@ def of_error(error: SdtError) -> Response:
     if isinstance(error, BusyError):
         headers = {"Retry-After": "1"}
     title = type(error).__name__.removesuffix("Error")
+    if isinstance(error, StoreError):  # where it lies is not for everybody
+        _log.error("%s", error)
+        return problem(status, title, f"the store of this service {error.what}", headers, remedy=error.remedy)
     if not isinstance(error, InputError):
         return problem(status, title, str(error), headers)
     limit = error.limit.value if isinstance(error, LimitError) else ""

@@ -140,17 +140,19 @@ class World:
         """Graphs that the history has written since the last time.
 
         Records of branches come last, of parents before their children: when the service dies meanwhile,
-        no record is there without what it names.
+        no record is there without what it names. What cannot be kept now is kept with the next branch, but
+        for the record of a branch that was not acknowledged.
         """
         assert kitchen.history is not None, "begun"
         store = kitchen.history.store
         assert isinstance(store, Recording), "as begun"
-        written, store.written = store.written, set()
         records = {record_graph(iri): place for place, iri in enumerate(kitchen.history.branches)}
         present = {each.state_graph for each in self.kitchens.values()}
-        for graph in sorted(written, key=lambda graph: (records.get(graph, -1), graph)):
-            triples = [quad.triple for quad in store.dump([graph])]
-            await self._keep(graph, triples, shown=graph in present or _is_shown(graph))
+        for graph in sorted(store.written, key=lambda graph: (records.get(graph, -1), graph)):
+            if graph in records or not graph.startswith(record_graph("")):
+                triples = [quad.triple for quad in store.dump([graph])]
+                await self._keep(graph, triples, shown=graph in present or _is_shown(graph))
+            store.written.discard(graph)
 
     async def write(self, graph: Iri, triples: Iterable[ox.Triple], *, shown: bool = True) -> None:
         """A named graph has these triples and no others."""

@@ -14,7 +14,9 @@ from sdt_kg.errors import GraphError
 from sdt_kg.iri import SDT
 from services import cli
 from services.store.files import opened
+from services.store.on_disk import JOURNAL
 from tests.services.store.conftest import free_port
+from tests.services.store.test_folder import files_of_at_most
 from tests.small import FOLDER
 
 DRAWERS = ("low_drawer", "high_drawer")
@@ -69,6 +71,26 @@ def test_branches_present_events_and_differences_are_those_from_before(serve, tm
 def joint(served, container: str) -> str:
     found = served.get("/api/v1/containers?kitchen=a").json()["containers"]
     return next(each["joint"] for each in found if each["name"] == container)
+
+
+def test_a_branch_that_did_not_fit_on_the_disk_is_there_when_it_is_asked_for_again(serve, tmp_path) -> None:
+    journal = tmp_path / "store" / JOURNAL
+    with closing(opened(tmp_path / "store")) as archive:
+        first = serve(kitchens=("a",), robots=("pr2",), archive=archive)
+        moved(first, "low_drawer=0.1")
+        kept = told(first)
+        limit = {"edit": {"entity": joint(first, "low_drawer"), "changes": {"upperLimit": 0.6}}}
+        for more in (20, 20_000):  # bytes: none of its graphs is kept, some are
+            with files_of_at_most(journal.stat().st_size + more):
+                full = first.post("/api/v1/branch", json=limit)
+            assert (full.status_code, "cannot be written" in full.json()["detail"]) == (503, True), full.text
+            assert str(tmp_path) not in full.text
+            assert told(first) == kept
+        moved(first, "high_drawer=0.1")  # of the branch that failed nothing is said
+        assert first.post("/api/v1/branch", json=limit).status_code == 201
+        before = told(first)
+    with closing(opened(tmp_path / "store")) as archive:
+        assert told(serve(kitchens=("a",), robots=("pr2",), archive=archive)) == before
 
 
 def test_another_model_begins_anew_and_the_first_one_goes_on_where_it_was(serve, tmp_path) -> None:
