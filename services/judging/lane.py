@@ -14,8 +14,9 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
+from sdt_kg.errors import SdtError
 from services.judging.jobs import Counts, Done, Handler, Job, Keeper, Wanted
-from services.judging.problems import Problem, ProblemType, problem
+from services.judging.problems import Problem, ProblemType, problem, problem_of
 from services.sweep.engines import end_with_parent
 from services.telemetry import logs
 from services.telemetry.origin import within
@@ -139,6 +140,11 @@ class Lane(threading.Thread):
                     continue
                 self._finish(job, said)
                 return True
+        except SdtError as error:
+            log.error("what is stored cannot be asked or added to: %s", error)  # noqa: TRY400 - typed, and said
+            job.answer(problem_of(error, ProblemType.UNAVAILABLE))
+            self._start()  # it may be waiting for what was stored
+            return True
         except (EOFError, OSError):
             return False
 

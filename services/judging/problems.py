@@ -7,7 +7,14 @@ from enum import Enum
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from sdt_kg.errors import InputError, NoModeError, OracleError, OracleUnavailableError, SdtError
+from sdt_kg.errors import (
+    InputError,
+    NoModeError,
+    OracleError,
+    OracleUnavailableError,
+    SdtError,
+    StoreError,
+)
 
 TYPE_ROOT = "https://example.org/sdt/problems/"
 
@@ -150,7 +157,10 @@ def problem_of(error: SdtError, kind: ProblemType | None = None) -> Problem:
     """What a server says when a question raises this; of that kind, where one knows better than the error."""
     if isinstance(error, BusError | RequestError):
         return error.problem
-    said = problem(kind or _kind_of(error), str(error))
+    detail = str(error)
+    if isinstance(error, StoreError):  # where it lies is not for everybody
+        detail = "; ".join(part for part in (f"the store of this service {error.what}", error.remedy) if part)
+    said = problem(kind or _kind_of(error), detail)
     if not isinstance(error, InputError):
         return said
     parts = {"what": error.what, "allowed": error.allowed, "remedy": error.remedy}
@@ -160,7 +170,8 @@ def problem_of(error: SdtError, kind: ProblemType | None = None) -> Problem:
 def _kind_of(error: SdtError) -> ProblemType:
     if isinstance(error, InputError | NoModeError):
         return ProblemType.INVALID_REQUEST
-    return ProblemType.UNAVAILABLE if isinstance(error, OracleUnavailableError) else ProblemType.INTERNAL
+    may_pass = isinstance(error, OracleUnavailableError | StoreError)
+    return ProblemType.UNAVAILABLE if may_pass else ProblemType.INTERNAL
 
 
 def _short(text: str) -> str:

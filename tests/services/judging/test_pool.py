@@ -3,12 +3,13 @@
 import math
 import queue
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
+from sdt_kg.errors import StoreRejectedError
 from services.judging import lane
 from services.judging.jobs import Done, Kept, Task, Waiter
 from services.judging.pool import Pool
@@ -28,8 +29,26 @@ class Shelf:
     def recall(self, iri: str) -> bytes | None:
         return self.kept.get(iri)
 
-    def keep(self, kept: tuple[Kept, ...]) -> None:
+    def keep(self, kept: Iterable[Kept]) -> None:
         self.kept |= dict(kept)
+
+
+class FullShelf(Shelf):
+    """Remembers nothing more, and cannot be asked either, until there is room."""
+
+    full = True
+
+    def recall(self, iri: str) -> bytes | None:
+        self._check()
+        return super().recall(iri)
+
+    def keep(self, kept: Iterable[Kept]) -> None:
+        self._check()
+        super().keep(kept)
+
+    def _check(self) -> None:
+        if self.full:
+            raise StoreRejectedError("/its/place", "cannot be written: No space left on device")
 
 
 class Asker:
@@ -51,8 +70,8 @@ class Asker:
 
 
 @contextmanager
-def pool_of(size: int, waiting: int = 8) -> Iterator[tuple[Asker, Shelf]]:
-    shelf = Shelf()
+def pool_of(size: int, waiting: int = 8, shelf: Shelf | None = None) -> Iterator[tuple[Asker, Shelf]]:
+    shelf = shelf or Shelf()
     pool = Pool(obedient, size, shelf, waiting)
     try:
         yield Asker(pool), shelf
@@ -125,6 +144,19 @@ def test_what_is_acknowledged_is_kept_first() -> None:
     with pool_of(1) as (asker, shelf):
         assert text(asker.ask("keep verdict")) == "kept"
         assert "verdict" in shelf.kept
+
+
+def test_a_store_that_is_full_or_gone_is_said_and_the_pool_lives_on() -> None:
+    with pool_of(1, shelf=(shelf := FullShelf())) as (asker, _):
+        for word in ("keep verdict", "recall known"):
+            refused = asker.ask(word)
+            assert kind(refused) is ProblemType.UNAVAILABLE
+            assert isinstance(refused, Problem)
+            assert refused.detail == "the store of this service cannot be written: No space left on device"
+        shelf.full = False
+        assert text(asker.ask("keep verdict")) == "kept"
+        assert text(asker.ask("recall known")) == "stored quads"
+        assert asker.pool.counts.crashed == 0
 
 
 def test_a_cancelled_job_frees_its_worker() -> None:
