@@ -77,8 +77,8 @@ class EmbeddedStore:
         """Finish writing, and let another process have the place."""
         if self._is_open:
             self._is_open = False
-            self._finish(self._store)
-            self._store = ox.Store()
+            store, self._store = self._store, ox.Store()
+            self._finish(store)
 
     def _quads(self, graphs: Sequence[Iri] | None) -> Iterator[ox.Quad]:
         if graphs is None:

@@ -1,12 +1,14 @@
 """Quads in a directory: a journal takes what is written, RocksDB's tables take much of it at once."""
 
 import threading
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import chain, islice
 from typing import Final
 
 import pyoxigraph as ox
 
+from sdt_kg.errors import StoreRejectedError
 from sdt_kg.iri import Iri
 from sdt_kg.store import Solutions, Term
 from services.store.embedded import BATCH, EmbeddedStore
@@ -31,12 +33,12 @@ class FolderStore:
         journal: What a process that was killed has left there is put into the tables at once.
 
     Raises:
-        StoreRejectedError: The journal is damaged.
+        StoreRejectedError: The journal is damaged, or what it has cannot be put into the tables.
     """
 
     def __init__(self, tables: ox.Store, journal: Journal) -> None:
         self._tables, self._journal = tables, journal
-        self._reader = EmbeddedStore(tables, ox.Store.flush)
+        self._reader = EmbeddedStore(tables, lambda _: None)
         self._emptied: set[ox.NamedNode] = set()
         self._written: dict[ox.NamedNode, list[ox.Quad]] = {}
         self._count = 0
@@ -85,9 +87,14 @@ class FolderStore:
             if not self._is_open:
                 return
             self._is_open = False
-            self._settle()
-            self._reader.close()
-            self._tables = ox.Store()
+            try:
+                self._settle()
+                with self._said():
+                    self._tables.flush()
+            finally:  # what the tables could not take is in the journal
+                self._journal.close()
+                self._reader.close()
+                self._tables = ox.Store()
 
     def _write(self, entry: Entry) -> None:
         with self._lock:
@@ -114,15 +121,32 @@ class FolderStore:
             return self._reader
 
     def _settle(self) -> None:
-        """The tables have what the journal has; a process that is killed meanwhile does it again."""
+        """The tables have what the journal has; a process that is killed meanwhile does it again.
+
+        Raises:
+            StoreRejectedError: They do not; the journal keeps it, and it is tried again.
+        """
         if not self._written:
             return
-        for graph in self._emptied:
-            self._tables.remove_graph(graph)
         quads = list(chain.from_iterable(self._written.values()))
         put = self._tables.extend if len(quads) <= FEW else self._tables.bulk_extend
-        put(quads)
+        with self._said():
+            for graph in self._emptied:
+                self._tables.remove_graph(graph)
+            put(quads)
         self._journal.clear()
         self._emptied.clear()
         self._written.clear()
         self._count = 0
+
+    @contextmanager
+    def _said(self) -> Iterator[None]:
+        """What RocksDB cannot write is an error of the store."""
+        try:
+            yield
+        except (OSError, RuntimeError) as error:
+            raise StoreRejectedError(
+                str(self._journal.path.parent),
+                f"cannot put into its tables what its journal has: {error}",
+                remedy="make room; what was acknowledged is kept, and there when it is opened again",
+            ) from None

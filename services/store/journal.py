@@ -35,12 +35,12 @@ class Entry:
 class Journal:
     """The file. What was added to it is there when `add` returns, also if this process is killed then.
 
-    Args:
+    Attributes:
         path: There while it holds something; the caller sees to it that one process at a time has it.
     """
 
     def __init__(self, path: Path) -> None:
-        self._path = path
+        self.path = path
         self._file: FileIO | None = None
 
     def add(self, entry: Entry) -> None:
@@ -51,7 +51,7 @@ class Journal:
         """
         body = _text(entry)
         if self._file is None:
-            self._file = FileIO(self._path, "a")
+            self._file = FileIO(self.path, "a")
         end = self._file.tell()
         try:
             left = memoryview(_HEAD.pack(MARK, len(body), zlib.crc32(body)) + body)
@@ -61,7 +61,7 @@ class Journal:
             self._file.truncate(end)
             self._file.seek(end)
             raise StoreRejectedError(
-                str(self._path), f"cannot be written: {error.strerror}", remedy="make room for it"
+                str(self.path), f"cannot be written: {error.strerror}", remedy="make room for it"
             ) from None
 
     def entries(self) -> Iterator[Entry]:
@@ -72,14 +72,14 @@ class Journal:
         Raises:
             StoreRejectedError: The file is damaged.
         """
-        held, at = self._path.read_bytes() if self._path.exists() else b"", 0
+        held, at = self.path.read_bytes() if self.path.exists() else b"", 0
         while len(held) - at >= _HEAD.size:
             mark, length, checksum = _HEAD.unpack_from(held, at)
             body = held[at + _HEAD.size : at + _HEAD.size + length]
             whole = len(body) == length
             if mark != MARK or (whole and zlib.crc32(body) != checksum):
                 raise StoreRejectedError(
-                    str(self._path),
+                    str(self.path),
                     f"is damaged at byte {at}",
                     remedy="take a backup; or delete this file, which loses what was written last",
                 )
@@ -91,7 +91,7 @@ class Journal:
     def clear(self) -> None:
         """Nothing is there any more."""
         self.close()
-        self._path.unlink(missing_ok=True)
+        self.path.unlink(missing_ok=True)
 
     def close(self) -> None:
         """The file is let go; what it holds stays."""

@@ -78,6 +78,7 @@ def in_file(path: Path) -> EmbeddedStore:
 
     Raises:
         InputError: It is not RDF, or cannot be written.
+        StoreRejectedError: When it is closed: there is no room for it.
         StoreUnavailableError: Another process is saving to it.
     """
     if path.suffix not in WRITTEN:
@@ -93,12 +94,20 @@ def in_file(path: Path) -> EmbeddedStore:
         raise
 
     def finish(store: ox.Store) -> None:
-        with partial:
-            partial.truncate(0)
-            store.dump(partial, FORMATS[path.suffix], prefixes=PREFIXES)
-            partial.flush()
-            os.fsync(partial.fileno())
-            Path(partial.name).replace(path)
+        try:
+            with partial:
+                partial.truncate(0)
+                store.dump(partial, FORMATS[path.suffix], prefixes=PREFIXES)
+                partial.flush()
+                os.fsync(partial.fileno())
+                Path(partial.name).replace(path)
+        except OSError as error:
+            Path(partial.name).unlink(missing_ok=True)
+            raise StoreRejectedError(
+                str(path),
+                f"cannot be written: {error.strerror or error}",
+                remedy="it is as it was before; make room, or save to another place",
+            ) from None
 
     return EmbeddedStore(store, finish)
 

@@ -15,7 +15,7 @@ from services.store import folder as folders
 from services.store.embedded import in_memory
 from services.store.folder import FolderStore
 from services.store.journal import Entry, Journal
-from services.store.on_disk import JOURNAL, in_folder
+from services.store.on_disk import JOURNAL, in_file, in_folder
 from tests.services.store.test_every_store import LITERALS
 
 GRAPHS = [f"https://example.org/g{index}" for index in range(3)]
@@ -141,6 +141,45 @@ def files_of_at_most(size: int) -> Iterator[None]:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def test_tables_that_cannot_grow_are_said_and_nothing_acknowledged_is_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(folders, "MOST", 50)
+    folder = tmp_path / "store"
+    store, written = in_folder(folder), list[ox.Quad]()
+    with files_of_at_most(100_000), pytest.raises(StoreRejectedError, match="what its journal has"):
+        fill(store, written)
+    for what in ("dump", "close"):
+        with pytest.raises(StoreRejectedError, match="make room"):
+            getattr(store, what)()
+    del store
+    again = in_folder(folder)
+    assert len(written) > 100
+    assert set(written) <= set(again.dump())
+    again.close()
+
+
+def fill(store: FolderStore, written: list[ox.Quad]) -> None:
+    """Add and add; what was acknowledged is in the list."""
+    for number in range(10_000):
+        fresh = quads(
+            f"https://example.org/g{number}", [ox.Literal(f"{number} {index}") for index in range(10)]
+        )
+        store.add(fresh)
+        written += fresh
+
+
+def test_a_file_for_which_there_is_no_room_is_as_it_was(tmp_path: Path) -> None:
+    path = tmp_path / "x.nq"
+    path.write_text('<urn:s> <urn:p> "1" <urn:g> .\n')
+    store = in_file(path)
+    store.add(FIRST.quads)
+    with files_of_at_most(10), pytest.raises(StoreRejectedError, match="as it was before; make room"):
+        store.close()
+    assert [each.name for each in tmp_path.iterdir()] == ["x.nq"]
+    assert path.read_text() == '<urn:s> <urn:p> "1" <urn:g> .\n'
 
 
 def test_what_does_not_fit_on_the_disk_is_not_acknowledged_and_harms_nothing(tmp_path: Path) -> None:
