@@ -55,7 +55,8 @@ def in_folder(folder: Path) -> FolderStore:
             ) from None
         except OSError as error:
             if not any(reason in str(error) for reason in HELD):
-                raise InputError(f"cannot open the store {folder}: {error}") from None
+                remedy = "" if os.access(folder, os.W_OK) else "copy it to where it can be written"
+                raise InputError(f"cannot open the store {folder}: {error}", remedy=remedy) from None
     raise StoreUnavailableError(
         str(folder),
         "is open in another process",
