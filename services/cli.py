@@ -1,6 +1,8 @@
 """The `sdt` command."""
 
 import contextlib
+import errno
+import io
 import os
 import sys
 import traceback
@@ -102,13 +104,16 @@ def sdt(context: click.Context, config: Path | None) -> None:
 
 def main() -> None:
     """Run `sdt` as a program."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # what a terminal has no letter for is no bug
     code = run()
     try:
         sys.stdout.flush()
-    except BrokenPipeError:
+    except OSError as error:
+        code = Exit.BROKEN_PIPE if isinstance(error, BrokenPipeError) else _told(error)
         # What nobody reads is written nowhere, or Python would complain of it at the end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        code = Exit.BROKEN_PIPE
     sys.exit(code)
 
 
@@ -140,6 +145,8 @@ def _told(error: BaseException) -> int:
             line, code = f"error: {error}", Exit.NO_ORACLE
         case OSError(filename=str(path), strerror=str(what)):
             line = f"error: {path}: {what.lower()}"
+        case OSError(errno=errno.ENOSPC | errno.EDQUOT | errno.EFBIG | errno.EIO, strerror=str(what)):
+            line = f"error: what was to be written cannot be: {what.lower()}"
         case _:
             traceback.print_exception(error)
             line, code = "this is a bug of sdt, and no verdict; please report the lines above", Exit.BUG

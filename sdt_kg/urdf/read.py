@@ -3,6 +3,7 @@
 import io
 import logging
 import math
+import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Final
@@ -69,8 +70,18 @@ def read_mechanism(path: str | Path, *, name: str | None = None, turn_axes: bool
 
 
 def model_stem(path: Path) -> str:
-    """Name of a model after its file: `my.urdf.xacro` is `my`."""
-    return path.name.removesuffix(XACRO).removesuffix(".urdf")
+    """Name of a model after its file: `my.urdf.xacro` is `my`, whatever the locale.
+
+    Raises:
+        UrdfError: The file's name is no text.
+    """
+    try:
+        name = os.fsencode(path.name).decode()
+    except UnicodeDecodeError:
+        raise UrdfError(
+            f"the name of {os.fsencode(path)!r} is no text", allowed="UTF-8", remedy="rename the file"
+        ) from None
+    return name.removesuffix(XACRO).removesuffix(".urdf")
 
 
 def _text(path: Path) -> bytes:

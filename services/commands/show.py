@@ -55,7 +55,8 @@ def print_json(value: object) -> None:
     """JSON on standard output; JSON has no word for a number without end, so that is null."""
     if csv_is_asked():
         raise click.UsageError("--json and --csv: one of them")
-    click.echo(json.dumps(_finite(value), indent=2, ensure_ascii=False))
+    escaped = "utf" not in (sys.stdout.encoding or "").lower()  # elsewhere some letters cannot be written
+    click.echo(json.dumps(_finite(value), indent=2, ensure_ascii=escaped))
 
 
 def _finite(value: object) -> object:

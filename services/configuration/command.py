@@ -6,6 +6,7 @@ import click
 
 from sdt_kg.errors import InputError, UnknownEntityError
 from services.commands.options import csv_flag, json_flag
+from services.commands.output import write_file
 from services.commands.show import print_json, print_rows
 from services.configuration.read import LOCAL, Settings, places
 from services.configuration.schema import schema
@@ -110,7 +111,7 @@ def init(output: Path, *, force: bool) -> None:
     """Write a file to start from: every setting that commands share, commented out."""
     if output.exists() and not force:
         raise InputError(f"{output} exists", allowed="a file that is not there yet", remedy="--force")
-    output.write_text(template(), encoding="utf-8")
+    write_file(output, template())
     click.echo(f"{output}: take the # from what you want; sdt config show says what holds")
 
 

@@ -2,6 +2,7 @@
 
 import shlex
 from collections.abc import Iterator
+from urllib.parse import unquote
 
 from predicates.case import Outcome
 from predicates.record import StoredVerdict
@@ -94,7 +95,7 @@ def _given(verdict: StoredVerdict) -> str:
 def _asked(verdict: StoredVerdict, facts: Facts) -> Iterator[str]:
     """The case: request, robot with drive and start, state, motion."""
     inputs = dict(verdict.inputs)
-    yield f"request: {inputs.get('task', UNKNOWN_INPUT).replace(ID, '')}"
+    yield f"request: {unquote(inputs.get('task', UNKNOWN_INPUT).replace(ID, ''))}"
     if verdict.robot:
         drive = facts.text(verdict.iri, LAW + "drive") or "not recorded"
         yield f"robot: {local_name(verdict.robot)}, its base moves: {drive}"

@@ -1,6 +1,7 @@
 """URDF → Mechanism: what is kept, what is changed and noted, and what is refused."""
 
 import math
+import os
 from pathlib import Path
 
 import pytest
@@ -249,6 +250,13 @@ def test_a_link_out_of_the_folder_is_refused(write: Write, tmp_path: Path) -> No
     (tmp_path / "mesh.stl").symlink_to(secret)
     with pytest.raises(UrdfError, match="lies outside of"):
         read_mechanism(write(link("world", MESH.format("mesh.stl"))))
+
+
+def test_a_file_name_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / os.fsdecode(b"k\xff.urdf")
+    path.write_text('<robot name="r"><link name="l"/></robot>')
+    with pytest.raises(UrdfError, match="is no text; allowed: UTF-8; rename the file"):
+        read_mechanism(path)
 
 
 def test_nothing_is_printed(drawer: Path, capfd: pytest.CaptureFixture[str]) -> None:

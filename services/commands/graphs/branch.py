@@ -15,6 +15,7 @@ from sdt_kg.iri import local_name
 from services.commands.completion.types import ROBOT
 from services.commands.graphs.saved_graphs import checked_format, graph_of, write_graph
 from services.commands.options import ROBOT_HELP, annotation_option, csv_flag, json_flag, kitchen_argument
+from services.commands.output import write_file
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.edits import EDITS, parse_edit, twin_of
 from services.store.files import is_saved_graph
@@ -173,7 +174,7 @@ def diff(
         click.echo("\n".join(sentences) if sentences else "nothing differs")
         click.echo(f"{len(found.removed)} triples removed, {len(found.added)} added", err=True)
     if patch_file is not None:
-        patch_file.write_text(patch_of(found, first, second).to_text(), encoding="utf-8")
+        write_file(patch_file, patch_of(found, first, second).to_text())
         click.echo(f"{patch_file}: {len(found.removed) + len(found.added)} changes", err=True)
 
 

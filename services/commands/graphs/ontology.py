@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from sdt_kg.errors import InputError
+from services.commands.output import write_file
 from services.ontology_page import page
 
 
@@ -25,8 +25,5 @@ def ontology_command(output: Path | None) -> None:
     if output is None:
         click.echo(text)
         return
-    try:
-        output.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot write {output}: {error.strerror}") from None
+    write_file(output, text)
     click.echo(f"{output}: {len(text.encode()) // 1024} KiB")

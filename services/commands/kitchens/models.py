@@ -23,6 +23,7 @@ from services.commands.options import (
     kitchen_argument,
     tee_option,
 )
+from services.commands.output import write_file
 from services.commands.show import console, csv_is_asked, print_json, print_rows
 from services.relative import in_class
 from services.scoping import report_turtle
@@ -96,7 +97,7 @@ def container_row(container: Container) -> dict[str, object]:
 def graph(kitchen: str, robots: tuple[str, ...], annotation: str | None, output: Path) -> None:
     """Write the twin of KITCHEN (and robots) as RDF."""
     twin = load_twin(kitchen, robots, annotation=annotation)
-    output.write_bytes(twin.serialize(GRAPH_FORMATS[output.suffix]))
+    write_file(output, twin.serialize(GRAPH_FORMATS[output.suffix]))
     click.echo(f"{output}: {twin.triple_count()} triples")
 
 

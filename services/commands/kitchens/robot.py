@@ -7,6 +7,7 @@ import click
 from sdt_kg.describe import describe as describe_robot
 from sdt_kg.errors import InputError
 from services.commands.options import OutFile
+from services.commands.output import write_file
 
 
 @click.group()
@@ -33,5 +34,5 @@ def describe(urdf: Path, output: Path | None, force: bool) -> None:
         raise InputError(
             f"{path} exists", allowed="a file which is not there yet", remedy="--force overwrites it"
         )
-    path.write_text(describe_robot(urdf, sampled_contacts))
+    write_file(path, describe_robot(urdf, sampled_contacts))
     click.echo(f"{path}: check every line that says 'check'")

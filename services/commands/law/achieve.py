@@ -33,6 +33,7 @@ from services.commands.options import (
     states_option,
     tee_option,
 )
+from services.commands.output import write_file
 from services.commands.show import progress
 from services.commands.verdicts import told
 from services.motions import read_motion, write_motion
@@ -167,7 +168,7 @@ def _write_certificate(verdicts: Sequence[Verdict], path: Path) -> None:
     if len(verdicts) > 1:
         _refuse_one_file({"--certificate": path})
     if artefacts:
-        path.write_bytes(artefacts[0].content)
+        write_file(path, artefacts[0].content)
     else:
         click.echo(f"{path} is not written: nothing was certified or proved", err=True)
 

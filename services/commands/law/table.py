@@ -21,6 +21,7 @@ from services.commands.options import (
     seed_option,
     states_option,
 )
+from services.commands.output import write_file
 from services.commands.show import csv_text, print_json, print_rows, progress
 from services.commands.verdicts import COLUMNS, Json, verdict_row
 from services.store.files import SavedVerdicts
@@ -122,7 +123,7 @@ def _write_csv(path: Path, objects: Sequence[Json]) -> None:
     if path == STDOUT:
         click.echo(text, nl=False)
     else:
-        path.write_text(text, encoding="utf-8")
+        write_file(path, text)
 
 
 def _add_twins(saved: SavedVerdicts, kitchens: Sequence[str], robots: Sequence[str]) -> None:

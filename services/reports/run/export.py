@@ -12,6 +12,7 @@ from nbformat import NotebookNode
 from pygments.formatters import HtmlFormatter
 
 from sdt_kg.errors import InputError
+from services.commands.output import write_file
 from services.reports.pages import figure, table
 from services.reports.run.catalogue import Notebook, Value
 
@@ -43,7 +44,7 @@ def write(path: Path, notebook: Notebook, node: NotebookNode, values: Mapping[st
         InputError: Another suffix, or a folder that is not there.
     """
     checked(path)
-    path.write_text(nbformat.writes(node) if path.suffix == ".ipynb" else page(notebook, node, values))
+    write_file(path, nbformat.writes(node) if path.suffix == ".ipynb" else page(notebook, node, values))
 
 
 def checked(path: Path) -> Path:
