@@ -124,6 +124,8 @@ def _patterns(group: Algebra, outer: _Scope) -> Iterator[Pattern]:
         values[variable] = values[variable] & found if variable in values else found
     scope = _Scope((*outer.triples, *own), values)
     yield from _own_patterns(own, scope)
+    if any(node.name == "Graph" and not any(_triples(node.p)) for node in _conjuncts(group)):
+        yield Pattern()  # what matches without a triple matches once in each verdict's graph
     for inner, shared in _inner(group):
         yield from _patterns(inner, scope if shared is None else _of_shared(scope, shared, inner))
 

@@ -46,13 +46,18 @@ def own_url(request: Request) -> str:
     return f"{request.url.scheme}://{request.headers['host']}{request.scope['path']}"
 
 
+def accept_of(request: Request) -> str | None:
+    """The Accept header; several lines of it are one list (RFC 9110, section 5.3)."""
+    return ", ".join(request.headers.getlist("accept")) or None
+
+
 def check_acceptable(request: Request, offers: tuple[str, ...]) -> tuple[str, ...]:
     """Media types that the client takes, best first.
 
     Raises:
         RefusedError: None of the offers.
     """
-    taken = accepted(request.headers.get("accept"), offers)
+    taken = accepted(accept_of(request), offers)
     if not taken:
         raise RefusedError(406, "none of the accepted media types is offered", allowed=", ".join(offers))
     return taken
@@ -68,7 +73,7 @@ def serialized(triples: Iterable[ox.Triple], media: str, prefixes: Mapping[str, 
 
 def respond(request: Request, answered: Answered) -> Response:
     """The answer; for HEAD its headers alone."""
-    headers = {"Content-Type": called(answered.media, request.headers.get("accept")), "Vary": "Accept"}
+    headers = {"Content-Type": called(answered.media, accept_of(request)), "Vary": "Accept"}
     if request.method == "HEAD":
         headers["Content-Length"] = str(len(answered.body))
         return Response(b"", 200, headers)

@@ -25,6 +25,8 @@ async def graphs(request: Request) -> Response:
     if "default" in names:
         return await graph_response(request, DEFAULT_GRAPH)
     graph = single(parameters, "graph")
+    if graph == "":
+        raise RefusedError(400, "the parameter 'graph' is empty", allowed="an absolute IRI, or 'default'")
     if graph is not None:
         return await graph_response(request, graph)
     if request.scope["path"].rstrip("/") == "/graphs":

@@ -58,7 +58,7 @@ async def _posted(request: Request, url: Pairs) -> tuple[str, Pairs]:
             allowed=f"{FORM}, {QUERY}",
             headers={"Accept-Post": f"{FORM}, {QUERY}"},
         )
-    if charset not in {"", "utf-8"}:
+    if charset not in {"", "utf-8", "utf8"}:
         raise RefusedError(415, f"the query is in {charset}", allowed="UTF-8")
     if media == UPDATE:
         raise RefusedError(403, "this endpoint does no updates", remedy=NO_UPDATE)

@@ -76,6 +76,7 @@ def test_what_binds_every_solution_bounds_the_case(where: str, expected: Pattern
         "?v (!law:robot)/law:verb ?x",
         "BIND(EXISTS { ?v !(rdf:type|^law:robot) ?x } AS ?y)",
         "GRAPH <https://example.org/id/graph/verdict/0a> { ?s ?p ?o }",
+        "GRAPH ?g { OPTIONAL { ?v law:robot id:pr2 } }",
     ],
 )
 def test_what_does_not_bind_every_solution_bounds_nothing(where: str) -> None:

@@ -73,6 +73,12 @@ def test_what_cannot_be_given_is_not_acceptable(served, query: str, accept: str)
     assert answer.json()["allowed"]
 
 
+def test_several_accept_headers_are_one_list(served) -> None:
+    accept = [("accept", "text/turtle, text/csv;q=0.5"), ("accept", "text/tab-separated-values")]
+    answer = served.query(SELECT, headers=accept)
+    assert answer.headers["content-type"] == "text/tab-separated-values; charset=utf-8"
+
+
 def test_the_default_graph_holds_what_is_shown_and_the_rest_is_there_by_name(served) -> None:
     assert values(served.query(SELECT)) == {"one"}
     assert values(served.query("SELECT ?o { GRAPH ?g { <http://e/s> <http://e/p> ?o } }")) == {"one", "two"}
@@ -117,6 +123,7 @@ BAD = {
     "PATCH of a graph": (("PATCH", "/graphs?default", {"content": b"x"}), 405),
     "graph and default": (("GET", "/graphs?graph=http://e/one&default", {}), 400),
     "graph twice": (("GET", "/graphs?graph=http://e/one&graph=http://e/two", {}), 400),
+    "empty graph": (("GET", "/graphs?graph=", {}), 400),
     "relative graph": (("GET", "/graphs?graph=one", {}), 400),
     "relative default graph": (("GET", "/sparql?query=ASK%7B%7D&default-graph-uri=one", {}), 400),
     "unknown graph": (("GET", "/graphs?graph=http://e/three", {}), 404),
