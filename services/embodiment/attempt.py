@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.body.limb import Limb
-from services.embodiment.hold.fit import Fitter
+from services.embodiment.hold.fit import Fitter, Opened
 from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.holding import Holding, Searcher
 from services.embodiment.hold.spread import Spreader
@@ -45,7 +45,7 @@ class Attempt:
     approacher: Approacher
     assembler: Assembler
     rng: np.random.Generator
-    wide: list[tuple[Grasp, Array]] = field(default_factory=list[tuple[Grasp, Array]])
+    wide: list[Opened] = field(default_factory=list[Opened])
     blocked: int = 0
 
     def saturated(self, number: int) -> bool:
@@ -61,7 +61,7 @@ class Attempt:
         self._count()
 
     def fit_wide(self, late: Callable[[], bool]) -> None:
-        """The grasps that many postures search together are known, if any fits at all."""
+        """The grasps that many postures may search together are known, if any fits at all."""
         if self.grasps and not self.wide:
             self.wide = self.fitter.wide(late)
             self._count()
@@ -69,12 +69,15 @@ class Attempt:
     def spread(self, late: Callable[[], bool]) -> Iterator[Holding]:
         """Holdings of these grasps that many postures find together."""
         if self.wide:
-            yield from Spreader(self.searcher, self.wide, self.rng, late).holdings()
+            yield from Spreader(self.searcher, self.fitter, self.wide, self.rng, late).holdings()
 
     def searched(self) -> Iterator[Grasp]:
-        """The grasps that were searched."""
-        for grasp, _ in (*self.grasps, *self.steep, *self.wide):
+        """The grasps that were searched; those of the wide set that were not needed as they were meant."""
+        for grasp, _ in (*self.grasps, *self.steep):
             yield grasp
+        for opened in self.wide:
+            closed = self.fitter.known(opened)
+            yield opened[0] if closed is None else closed[0]
 
     def _count(self) -> None:
         self.searcher.tally.grasps = len(self.grasps) + len(self.steep) + len(self.wide)

@@ -24,6 +24,17 @@ def parting(shapes, a, b, ra, ca, rb, cb, margin, work):
 
 
 @kernel
+def clear(shapes, a, r, c, middle, reach):
+    """Whether a ball about `middle` is beside the box of shape a, which is at (r, c)."""
+    x, y, z, away = middle[0] - c[0], middle[1] - c[1], middle[2] - c[2], 0.0
+    for i in range(3):
+        gap = abs(r[0, i] * x + r[1, i] * y + r[2, i] * z) - shapes[1][a, i] - shapes[2][a]
+        if gap > 0.0:
+            away += gap * gap
+    return away > reach * reach
+
+
+@kernel
 def movers(qs, tree, joint, base):
     """(which joints move along qs, whether the base does, row of each shape among those that move or −1)."""
     parent = tree[0]

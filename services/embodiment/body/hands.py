@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from services.embodiment.body.contacts import parting
+from services.embodiment.body.contacts import clear, parting
 from services.embodiment.body.kernels import joint_pose, matmul, moved
 from services.kernel import kernel
 from services.physics.geometry.convex import parted
@@ -23,12 +23,7 @@ def touching(hand, at, kitchen, split, radius, shapes, margins):
         for i in range(hand.shape[0]):
             s = hand[i]
             margin = margins[s - split, e]
-            x, y, z = (
-                at[1][i, 0] - kitchen[2][n, 0],
-                at[1][i, 1] - kitchen[2][n, 1],
-                at[1][i, 2] - kitchen[2][n, 2],
-            )
-            if margin < 0.0 or math.sqrt(x * x + y * y + z * z) > radius[s] + radius[e] + margin:
+            if margin < 0.0 or clear(shapes, e, kitchen[1][n], kitchen[2][n], at[1][i], radius[s] + margin):
                 continue
             there = kitchen[1][n], kitchen[2][n]
             if parting(shapes, s, e, at[0][i], at[1][i], *there, margin, work) <= margin:
@@ -87,8 +82,8 @@ def _gaps(shares, sides, hand, closing, handle, shapes, room, near):
     out[:] = math.inf
     one, other = near[0], near[1]
     for turn in range(-2, sides.shape[1]):
-        n = one if turn == -2 else (other if turn == -1 else turn)
-        if (turn == -1 and one == other) or (turn >= 0 and (n == one or n == other)):
+        n = turn if turn >= 0 else (one if turn == -2 else other)
+        if (turn > -2 and n == one) or (turn >= 0 and n == other):
             continue
         i = hand[1] + n
         s = hand[0][i]
@@ -184,31 +179,46 @@ def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, ro
 
 
 @kernel
-def kept(tool, shares, start, steps, hand, closing, kitchens, rest, margins, room):
-    """What rules out that a hand closes from `start` to `shares` and stays: a pair of shapes, or (−1, −1).
+def _put(tool, shares, hand, closing, seen, at):
+    """Poses of a hand's shapes in the world, its finger joints closed by these shares, are in `at`."""
+    q = closing[0].copy()
+    for k in range(shares.shape[0]):
+        q += closing[1][k] * shares[k]
+    posed(q, hand, seen)
+    for i in range(hand[0].shape[0]):
+        matmul(tool[0], seen[0][i], at[0][i])
+        moved(tool[0], tool[1], seen[1][i], at[1][i])
 
-    It stays free as the container moves, the kitchen as in `kitchens` (indices, rotations, centres, where
-    each of them ends), and its fingers swing free in the first of these, open and in `steps` steps.
-    `margins` are those of a hand that holds, and of an open one; `rest` is (split, radius, shapes).
+
+@kernel
+def stays(tool, shares, hand, closing, kitchens, rest, margins, room):
+    """What rules out that a closed hand stays as the container moves: a pair of shapes, or (−1, −1).
+
+    The kitchen is at each value as in `kitchens` (indices, rotations, centres, where each value ends), seen
+    from the handle; `rest` is (split, radius, shapes).
     """
-    seen = room[0]
-    at = np.empty_like(seen[0]), np.empty_like(seen[1])
-    one, other = -1, -1
-    for step in range(-1, steps + 1):  # first closed, at all values of the container
-        part = 1.0 if step < 0 else step / steps
-        q = closing[0].copy()
-        for k in range(shares.shape[0]):
-            q += closing[1][k] * (start[k] + part * (shares[k] - start[k]))
-        posed(q, hand, seen)
-        for i in range(hand[0].shape[0]):
-            matmul(tool[0], seen[0][i], at[0][i])
-            moved(tool[0], tool[1], seen[1][i], at[1][i])
-        first, allowed = 0, margins[1 if step == 0 else 0]
-        for n in range(kitchens[3].shape[0] if step < 0 else 1):
-            last = kitchens[3][n]
-            there = kitchens[0][first:last], kitchens[1][first:last], kitchens[2][first:last]
-            one, other = touching(hand[0], at, there, rest[0], rest[1], rest[2], allowed)
-            if one >= 0:
-                return one, other
-            first = last
-    return one, other
+    at = np.empty_like(room[0][0]), np.empty_like(room[0][1])
+    _put(tool, shares, hand, closing, room[0], at)
+    first = 0
+    for last in kitchens[3]:
+        there = kitchens[0][first:last], kitchens[1][first:last], kitchens[2][first:last]
+        one, other = touching(hand[0], at, there, rest[0], rest[1], rest[2], margins)
+        if one >= 0:
+            return one, other
+        first = last
+    return -1, -1
+
+
+@kernel
+def swings(tool, shares, start, steps, hand, closing, kitchen, rest, margins, room):
+    """What rules out that a hand closes from `start` to `shares`, in steps: a pair of shapes, or (−1, −1).
+
+    `margins` are those of a hand that holds, and of an open one.
+    """
+    at = np.empty_like(room[0][0]), np.empty_like(room[0][1])
+    for step in range(steps):
+        _put(tool, start + (shares - start) * (step / steps), hand, closing, room[0], at)
+        one, other = touching(hand[0], at, kitchen, rest[0], rest[1], rest[2], margins[1 if step == 0 else 0])
+        if one >= 0:
+            return one, other
+    return -1, -1

@@ -254,6 +254,14 @@ def touching(world: World, limb: Limb, demands: Rules, bodies: tuple[str, ...]) 
     return Rules(environment, demands.pairs, demands.own)
 
 
+def without_fingers(world: World, limb: Limb, demands: Rules) -> Rules:
+    """The same distances, but none of the fingers."""
+    fingers, environment = world.shapes_of(limb.fingers), demands.environment.copy()
+    environment[fingers - world.split] = MAY_TOUCH
+    others = ~np.isin(demands.pairs, fingers).any(axis=1)
+    return Rules(environment, demands.pairs[others], demands.own[others])
+
+
 def _moving_pairs(world: World, limb: Limb) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Self pairs whose relative pose depends on the limb's arm or fingers, and how many joints part them."""
     scene = world.scene

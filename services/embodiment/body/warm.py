@@ -39,4 +39,5 @@ def _warm_hands(world: World, limb: Limb, demands: Rules) -> None:
     sides = np.ones((1, 2, 1), np.bool_)
     begin = np.zeros((1, 2)), np.zeros((1, 2), np.int64)
     hands.closed(tool, shares, sides, hand, closing, kitchen, world.shapes, 0.0, 0, room, *begin)
-    hands.kept(tool, shares, shares, 1, hand, closing, (*kitchen, one), rest, (margins, margins), room)
+    hands.stays(tool, shares, hand, closing, (*kitchen, one), rest, margins, room)
+    hands.swings(tool, shares, shares, 1, hand, closing, kitchen, rest, (margins, margins), room)

@@ -17,6 +17,7 @@ from services.embodiment.hold.holding import Problem
 Array = NDArray[np.float64]
 Pair = tuple[int, int]
 Fitted = tuple[Grasp, Array]
+Opened = tuple[Grasp, float]
 
 OPENINGS = (0.0, 0.55, 0.75)  # [1] shares by which the fingers are closed when the hand comes near
 SWING = 6  # steps at which closing fingers are checked
@@ -93,6 +94,7 @@ class Fitter:
         world = hand.world
         self._margins = demands[0].environment, demands[1].environment
         self._rest = world.split, world.radius, world.shapes
+        self._closed: dict[int, tuple[Array, Array] | None] = {}
         self._known: dict[tuple[float, int], Fitted | None] = {}
         self._all: list[Fitted] | None = None
         self._work = hand.room()
@@ -105,89 +107,110 @@ class Fitter:
             yield from sorted(self._all, key=lambda one: steepness(one[0].index)) if steep else self._all
             return
         found: list[Fitted] = []
-        for fitted in self._fitted_of(lambda: grasp_set(self.bar, steep), late):
-            found.append(fitted)
-            yield fitted
+        for share in OPENINGS:
+            for grasp in self._screened(grasp_set(self.bar, steep), share, late):
+                fitted = self.fitted((grasp, share))
+                if fitted is not None:
+                    found.append(fitted)
+                    yield fitted
+            if len(found) >= ENOUGH or late():
+                break
         if not late():
             self._all = found
 
-    def wide(self, late: Callable[[], bool]) -> list[Fitted]:
-        """The same of the wide set."""
-        return list(self._fitted_of(lambda: wide_set(self.bar), late))
-
-    def _fitted_of(self, grasps: Callable[[], Iterator[Grasp]], late: Callable[[], bool]) -> Iterator[Fitted]:
-        """Those of a set that fit, the fingers no narrower than needed."""
-        found = 0
+    def wide(self, late: Callable[[], bool]) -> list[Opened]:
+        """Grasps of the wide set that may fit, the fingers no narrower than needed; `fitted` tells."""
+        found: list[Opened] = []
         for share in OPENINGS:
-            some = grasps()
-            while block := list(islice(some, BLOCK)):
-                if late():
-                    return
-                self._screen(block, share)
-                for grasp in block:
-                    fitted = self._fitted(grasp, share)
-                    if fitted is not None:
-                        found += 1
-                        yield fitted
-            if found >= ENOUGH:
+            some = [(grasp, share) for grasp in self._screened(wide_set(self.bar), share, late)]
+            found += islice((one for one in some if self.fitted(one) is not None), ENOUGH - len(found))
+            if len(found) == ENOUGH:
+                return [*dict.fromkeys((*found, *(one for one in some if not self._out(*one))))]
+        return found
+
+    def _screened(self, grasps: Iterator[Grasp], share: float, late: Callable[[], bool]) -> Iterator[Grasp]:
+        """Those at which the open hand touches nothing before the container moves."""
+        while block := list(islice(grasps, BLOCK)):
+            if late():
                 return
+            new = [one for one in block if (share, one.index) not in self._known]
+            new = [one for one in new if not self._out(one, share)]
+            if new:
+                self._screen(new, share)
+            yield from (one for one in block if not self._out(one, share))
+
+    def _out(self, grasp: Grasp, share: float) -> bool:
+        """Whether it is known that a grasp does not fit."""
+        never = self._closed.get(grasp.index, self._begin) is None
+        return never or self._known.get((share, grasp.index), self._begin) is None
 
     def _screen(self, grasps: list[Grasp], share: float) -> None:
         """Those grasps at which the open hand touches something before the container moves are ruled out."""
-        new = [one for one in grasps if (share, one.index) not in self._known]
-        if not new:
-            return
         r, p = self.problem.handle_r[0], self.problem.handle_p[0]
         tools = (
-            r @ np.stack([one.rotation for one in new]),
-            np.stack([one.translation for one in new]) @ r.T + p,
+            r @ np.stack([one.rotation for one in grasps]),
+            np.stack([one.translation for one in grasps]) @ r.T + p,
         )
-        found = np.empty((len(new), 2), np.int64)
+        found = np.empty((len(grasps), 2), np.int64)
         seen, margins = self.hand.shapes_seen(share), self._margins[1]
         hands.touching_many(self.hand.shapes, seen, tools, self.room.near, *self._rest, margins, found)
-        for grasp, pair in zip(new, found.tolist(), strict=True):
-            if pair[0] >= 0:
-                self._rule_out(grasp, share, (pair[0], pair[1]))
+        for grasp, (one, other) in zip(grasps, found.tolist(), strict=True):
+            if one >= 0:
+                self.unfit[one, other] += 1
+                self._known[share, grasp.index] = None
+                if one in self.hand.still:
+                    self._closed[grasp.index] = None
 
-    def _rule_out(self, grasp: Grasp, share: float, pair: Pair) -> None:
-        self.unfit[pair] += 1
-        self._known[share, grasp.index] = None
-
-    def _fitted(self, grasp: Grasp, share: float) -> Fitted | None:
+    def fitted(self, opened: Opened) -> Fitted | None:
         """The grasp with its fingers closed on the handle, if they can be and the hand can stay."""
+        grasp, share = opened
         key = share, grasp.index
         if key not in self._known:
-            self._known[key] = None
-            self._close(grasp, share)
+            if grasp.index not in self._closed:
+                self._closed[grasp.index] = self._close(grasp)
+            self._known[key] = self._swung(grasp, share)
         return self._known[key]
 
-    def _close(self, grasp: Grasp, share: float) -> None:
+    def known(self, opened: Opened) -> Fitted | None:
+        """The same, if it is known."""
+        return self._known.get((opened[1], opened[0].index))
+
+    def _close(self, grasp: Grasp) -> tuple[Array, Array] | None:
+        """Where the tool is when the hand has closed on the handle, and how far its joints are then.
+
+        None if they cannot be closed, or if the hand could not stay there as the container moves.
+        """
         hand, scene = self.hand, (self._rest[2], TOUCH, ROUNDS)
-        handle_r, handle_p = self.problem.handle_r[0], self.problem.handle_p[0]
-        tool = grasp.tool(handle_r, handle_p)
+        tool = grasp.tool(self.problem.handle_r[0], self.problem.handle_p[0])
         shares = np.zeros(len(hand.closing[1]))
+        bar = self.room.handle
         if not hands.closed(
-            tool,
-            shares,
-            hand.sides,
-            hand.parts,
-            hand.closing,
-            self.room.handle,
-            *scene,
-            self._work,
-            *self._begin,
+            tool, shares, hand.sides, hand.parts, hand.closing, bar, *scene, self._work, *self._begin
         ):
-            return
-        start = np.full(len(shares), share)
-        held = hand.parts, hand.closing, self.room.always, self._rest, self._margins, self._work
-        pair = hands.kept(tool, shares, start, SWING, *held)
+            return None
+        held = hand.parts, hand.closing, self.room.always, self._rest, self._margins[0], self._work
+        pair = hands.stays(tool, shares, *held)
         if pair[0] >= 0:
-            self._rule_out(grasp, share, pair)
-            return
+            self.unfit[pair] += 1
+            return None
+        return tool[1], shares
+
+    def _swung(self, grasp: Grasp, share: float) -> Fitted | None:
+        """The closed grasp, if the fingers can swing there from where they are closed by a share."""
+        closed, hand = self._closed[grasp.index], self.hand
+        if closed is None:
+            return None
+        handle_r, handle_p = self.problem.handle_r[0], self.problem.handle_p[0]
+        (place, shares), start = closed, np.full(len(closed[1]), share)
+        held = hand.parts, hand.closing, self.room.near, self._rest, self._margins, self._work
+        pair = hands.swings((handle_r @ grasp.rotation, place), shares, start, SWING, *held)
+        if pair[0] >= 0:
+            self.unfit[pair] += 1
+            return None
         centred = replace(
             grasp,
-            translation=handle_r.T @ (tool[1] - handle_p),
+            translation=handle_r.T @ (place - handle_p),
             fingers=hand.positions(shares),
             opened=hand.opening(share),
         )
-        self._known[share, grasp.index] = centred, hand.configuration(dict(centred.fingers))
+        return centred, hand.configuration(dict(centred.fingers))

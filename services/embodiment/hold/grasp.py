@@ -136,9 +136,10 @@ class Hand:
     """A gripper without its arm, to be put anywhere.
 
     Attributes:
-        parts, closing, sides: What `hands.closed` and `hands.kept` take.
+        parts, closing, sides: What `hands.closed` and `hands.stays` take.
         shapes: Indices of its shapes, fingers last.
         fingers: Indices of those of its fingers.
+        still: Indices of those that closing does not move.
         reach: Of any of them from the tool frame [m].
     """
 
@@ -156,6 +157,7 @@ class Hand:
         joints = np.array([j for j in range(1, len(world.tree[0])) if self._follows(j)], np.int64)
         frames = world.frames(self.closing[0])
         self.parts = (self.shapes, len(palm), joints, world.tree, world.boxes, self._tool, frames)
+        self.still = frozenset(self.shapes[~np.isin(world.boxes[0][self.shapes], joints)].tolist())
         self.sides = self._sides()
         self._seen: dict[float, tuple[Array, Array]] = {}
         open_at, closed_at = (self.shapes_seen(share)[1] for share in (0.0, 1.0))

@@ -11,7 +11,7 @@ from sdt_kg.load import load_twin
 from services.embodiment.body.limb import Margins, touching
 from services.embodiment.body.track import JUMP
 from services.embodiment.body.world import World
-from services.embodiment.hold.fit import Fitter
+from services.embodiment.hold.fit import Fitter, Opened
 from services.embodiment.hold.grasp import FIRST_WIDE, grasp_set, wide_set
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import Problem, Searcher
@@ -28,6 +28,10 @@ OPEN = 1.472  # [rad]
 
 
 def searched(folder: Path, base: tuple[float, float, float]) -> Spreader:
+    return spread(folder, base)[0]
+
+
+def spread(folder: Path, base: tuple[float, float, float]) -> tuple[Spreader, Fitter, list[Opened]]:
     twin = load_twin(write(draw(np.random.default_rng(FRONT)), folder, "front"), ["pr2"])
     world = World(Scene(twin, twin.robots[0]))
     kit = Kits(world, Margins()).of(world.scene.annotation.grippers[0])
@@ -42,8 +46,8 @@ def searched(folder: Path, base: tuple[float, float, float]) -> Spreader:
     searcher = Searcher(world, kit.limb, problem, holding, Drive.FIXED)
     searcher.stand(np.array(base))
     fitter = Fitter(kit.hand, problem, bar, (holding, kit.demands), Counter())
-    grasps = fitter.wide(lambda: False)
-    return Spreader(searcher, grasps, np.random.default_rng(0), lambda: False)
+    opened = fitter.wide(lambda: False)
+    return Spreader(searcher, fitter, opened, np.random.default_rng(0), lambda: False), fitter, opened
 
 
 def test_a_holding_keeps_its_grasp_its_limits_and_its_distance(tmp_path: Path) -> None:
@@ -65,6 +69,13 @@ def test_a_holding_keeps_its_grasp_its_limits_and_its_distance(tmp_path: Path) -
 
 def test_nothing_is_held_where_some_value_is_out_of_reach(tmp_path: Path) -> None:
     assert [*searched(tmp_path, (-1.0, 0.0, 0.0)).holdings()] == []
+
+
+def test_a_hand_is_closed_only_in_grasps_that_a_posture_was_found_for(tmp_path: Path) -> None:
+    spreader, fitter, opened = spread(tmp_path, (0.0, 0.0, 0.0))
+    next(spreader.holdings())
+    closed = [one for one in opened if fitter.known(one) is not None]
+    assert 0 < len(closed) < len(opened) / 2
 
 
 def test_the_wide_set_has_other_numbers_and_closes_across_the_bar() -> None:

@@ -231,6 +231,7 @@ def test_a_grasp_has_the_handle_in_hand_when_the_fingers_are_closed_too(tmp_path
         handle_r, handle_p = mechanics.handle_poses(q, bar.joint, values)
         problem = Problem(mechanics, values, handle_r, handle_p, handle_r[0] @ bar.outward)
         rules = touching(world, kit.limb, kit.demands, (container.handle,)), kit.demands
-        grasps = Fitter(kit.hand, problem, bar, rules, Counter()).wide(lambda: False)
+        fitter = Fitter(kit.hand, problem, bar, rules, Counter())
+        grasps = [*filter(None, map(fitter.fitted, fitter.wide(lambda: False)))]
         assert grasps
         assert in_hand(world, container.handle, [grasp.translation for grasp, _ in grasps])

@@ -1,0 +1,213 @@
+"""Free postures of many grasps at some values of the container, from many seeds of inverse kinematics.
+
+A hand is closed in a grasp only once a posture is found there that touches nothing but for its fingers: of a
+thousand grasps that an open hand has room for, some hundred are needed.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.annotation import Drive
+from services.embodiment.body import ik
+from services.embodiment.body.limb import BASE, without_fingers
+from services.embodiment.body.track import EXACT
+from services.embodiment.body.world import Rules
+from services.embodiment.hold.fit import Fitted, Fitter, Opened
+from services.embodiment.hold.holding import SEEDS, STEPS, Searcher
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+LOOKED_AT = 5  # values of the container at which free postures are counted first
+ENOUGH = 24  # free postures at a value that tell how many of its seeds lead to one
+BATCHES = 4  # of seeds that are looked at together
+MOST_BATCHES = 36  # at one value, until one is free
+FEW_BATCHES = 24  # at one value, where some are
+HOPELESS = 24  # batches that lead to no posture at all, of one value
+TRIES = 4  # looks for a free posture of a grasp at another value
+EACH = 4  # seeds for each grasp at such a look
+MOST = 128  # postures that go on
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Layer:
+    """Postures at one waypoint.
+
+    Attributes:
+        xs: Shape (N, n).
+        grasps: Which grasp each holds, shape (N,).
+        parents: Which posture of the layer before each comes from, shape (N,).
+    """
+
+    xs: Array
+    grasps: Indices
+    parents: Indices
+
+    def some(self, chosen: NDArray[np.bool_] | Indices) -> "Layer":
+        """Those of them."""
+        return Layer(self.xs[chosen], self.grasps[chosen], self.parents[chosen])
+
+
+class Sampler:
+    """Free postures of one limb at single waypoints.
+
+    Args:
+        searcher: What is held, by what, and at which distances.
+        fitter: Closes the hand in a grasp, which is done only where a posture is free but for its fingers.
+        opened: Grasps that may fit.
+
+    Attributes:
+        weight: How willingly each variable moves while the handle does, shape (n,).
+        last: The last waypoint.
+    """
+
+    def __init__(
+        self,
+        searcher: Searcher,
+        fitter: Fitter,
+        opened: list[Opened],
+        rng: np.random.Generator,
+        late: Callable[[], bool],
+    ) -> None:
+        self.searcher, self.limb, self._rng, self._late = searcher, searcher.limb, rng, late
+        self._fitter, self.opened = fitter, opened
+        self._fitted: dict[int, Fitted | None] = {}
+        self._rotation = np.stack([grasp.rotation for grasp, _ in opened])
+        self._translation = np.stack([grasp.translation for grasp, _ in opened])
+        self._rests = np.repeat(self.limb.rest[None], len(opened), axis=0)
+        self._bare = without_fingers(searcher.world, self.limb, searcher.rules)
+        self.last = len(searcher.problem.values) - 1
+        self.weight = searcher.weight.copy()
+        if searcher.drive is not Drive.OMNI:
+            self.weight[BASE] = 0.0
+
+    def fitted(self, grasp: int) -> Fitted:
+        """A grasp of which a posture was found, closed."""
+        fitted = self._fitted[grasp]
+        assert fitted is not None, "a posture that holds it was found"
+        return fitted
+
+    def hardest(self) -> tuple[int, Layer] | None:
+        """The waypoint with the fewest free postures, and these, of grasps that all waypoints looked at have.
+
+        Waypoints where none is found count for nothing: postures of others may come there. None where no
+        posture is found at all, or no seed leads to the handle at some waypoint.
+        """
+        every = np.arange(len(self.opened))
+        looked_at = np.linspace(0, self.last, LOOKED_AT).astype(int).tolist()[::-1]
+        found: dict[int, Layer] = {}
+        share: dict[int, float] = {}
+        for index in looked_at:
+            solved = self.searcher.tally.solved
+            found[index], share[index] = self._sampled(index, every, ENOUGH)
+            if self.searcher.tally.solved == solved or self._late():
+                return None
+        looked_at = [index for index in looked_at if len(found[index].xs)]
+        if not looked_at:
+            return None
+        looked_at.sort(key=lambda index: share[index])
+        hardest = looked_at[0]
+        start = both(found[hardest], self._sampled(hardest, np.unique(found[hardest].grasps), MOST)[0])
+        common = np.unique(start.grasps)
+        for index in looked_at[1:]:
+            common = self._shared(index, common)
+            if not len(common) or self._late():
+                return None
+        start = start.some(np.isin(start.grasps, common))
+        if len(start.xs) < MOST:
+            start = both(start, self._sampled(hardest, common, MOST)[0])
+        return hardest, Layer(start.xs, start.grasps, np.arange(len(start.xs)))
+
+    def _shared(self, index: int, grasps: Indices) -> Indices:
+        """Those of the grasps for which a free posture is found at another waypoint."""
+        known = np.empty(0, np.intp)
+        for _ in range(TRIES):
+            open_ones = np.setdiff1d(grasps, known)
+            if not len(open_ones):
+                break
+            known = np.union1d(known, self._free_seeds(index, np.repeat(open_ones, EACH)).grasps)
+        return known
+
+    def _sampled(self, index: int, grasps: Indices, enough: int) -> tuple[Layer, float]:
+        """Free postures at a waypoint, as many as are enough if they are found, and their share of the seeds.
+
+        Half of the seeds are for grasps that a posture was found for.
+        """
+        layer, seeds, solved = self._free_seeds(index, grasps[:0]), 0, self.searcher.tally.solved
+        for batch in range(0, MOST_BATCHES, BATCHES):
+            left = grasps[[self._may_fit(one) for one in grasps.tolist()]]
+            if not len(left):
+                break
+            more = self._rng.choice(left, BATCHES * SEEDS)
+            if len(layer.xs):
+                more[::2] = self._rng.choice(layer.grasps, len(more[::2]))
+            layer = both(layer, self._free_seeds(index, more))
+            seeds += len(more)
+            hopeless = batch >= HOPELESS and self.searcher.tally.solved == solved
+            few = batch >= FEW_BATCHES and len(layer.xs)
+            if len(layer.xs) >= enough or few or hopeless or self._late():
+                break
+        return layer, len(layer.xs) / max(seeds, 1)
+
+    def _free_seeds(self, index: int, grasps: Indices) -> Layer:
+        """Free postures at a waypoint that one seed for each of these grasps leads to."""
+        batches = -(-len(grasps) // SEEDS)
+        none = np.empty((0, len(self.weight)))
+        xs = np.concatenate([none, *(self.searcher.seeds(index, self._rng) for _ in range(batches))])[
+            : len(grasps)
+        ]
+        layer = Layer(xs, grasps, np.arange(len(xs)))
+        met = self.meet(layer, index, self.searcher.weight)
+        self.searcher.tally.seeds += len(xs)
+        self.searcher.tally.solved += int(met.sum())
+        layer = layer.some(met)
+        layer = layer.some(self.clear(layer, index, self._bare))
+        layer = layer.some(np.array([self._fits(one) for one in layer.grasps.tolist()], dtype=np.bool_))
+        layer = layer.some(self.meet(layer, index, self.searcher.weight))
+        return layer.some(self.clear(layer, index))
+
+    def _may_fit(self, grasp: int) -> bool:
+        """Whether it is not known that a grasp does not fit."""
+        return self._fitted.get(grasp, self.opened) is not None
+
+    def _fits(self, grasp: int) -> bool:
+        """Whether a grasp fits; its tool is then where the hand is closed, not where it was meant."""
+        if grasp not in self._fitted:
+            fitted = self._fitted[grasp] = self._fitter.fitted(self.opened[grasp])
+            if fitted is not None:
+                self._translation[grasp], self._rests[grasp] = fitted[0].translation, fitted[1]
+        return self._fitted[grasp] is not None
+
+    def meet(self, layer: Layer, index: int | Indices, weight: Array | None = None) -> NDArray[np.bool_]:
+        """Which postures were moved to where the tool is in their grasp; without a weight as they follow."""
+        one, problem = self.searcher, self.searcher.problem
+        turn, place = problem.handle_r[index], problem.handle_p[index]
+        there = self._translation[layer.grasps]
+        target = turn @ self._rotation[layer.grasps], (turn @ there[:, :, None])[:, :, 0] + place
+        limits = one.lower, one.upper
+        weight = self.weight if weight is None else weight
+        return ik.solve_many(layer.xs, *target, self.limb.chain, weight, *limits, STEPS, EXACT)
+
+    def clear(self, layer: Layer, index: int | Indices, rules: Rules | None = None) -> NDArray[np.bool_]:
+        """Which postures touch nothing, at the distances demanded while they hold or at these."""
+        one = self.searcher
+        if not len(layer.xs):
+            return np.empty(0, np.bool_)
+        q = self.limb.q(layer.xs, self._rests[layer.grasps])
+        values = np.broadcast_to(one.problem.values[index], len(q))
+        q = one.problem.mechanics.put_each(q, values)
+        return np.array(
+            [pair is None for pair in one.world.contact_each(q, rules or one.rules)], dtype=np.bool_
+        )
+
+
+def both(one: Layer, other: Layer) -> Layer:
+    """The postures of two layers of one waypoint."""
+    return Layer(
+        np.concatenate([one.xs, other.xs]),
+        np.concatenate([one.grasps, other.grasps]),
+        np.concatenate([one.parents, other.parents]),
+    )
