@@ -1,5 +1,6 @@
 """A group whose subcommands are imported when they are run, so that help and completion are at once."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, MutableMapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -52,6 +53,15 @@ class LazyGroup(click.Group):
         except BrokenPipeError:
             raise SystemExit(Exit.BROKEN_PIPE) from None
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The subcommand that is meant; of an option said twice click would take the last, without a word."""
+        name, command, rest = super().resolve_command(ctx, args)
+        if command is not None and not ctx.resilient_parsing:
+            _refuse_twice(click.Context(command, ctx, name), command, rest)
+        return name, command, rest
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """The sections as they are listed, with nothing imported."""
         del ctx
@@ -76,6 +86,15 @@ class LazyGroup(click.Group):
             if name.startswith(incomplete)
         ]
         return [*found, *click.Command.shell_complete(self, ctx, incomplete)]
+
+
+def _refuse_twice(ctx: click.Context, command: click.Command, args: list[str]) -> None:
+    """Refuse an option that takes one value and is given several times."""
+    _, _, said = command.make_parser(ctx).parse_args(list(args))
+    for option, times in Counter(said).items():
+        if times > 1 and isinstance(option, click.Option) and not (option.multiple or option.count):
+            label = option.opts[-1]
+            raise click.UsageError(f"{label} is given {times} times, and {command.name} takes one.", ctx)
 
 
 class _Loading(MutableMapping[str, click.Command]):

@@ -47,6 +47,10 @@ BAD = {
     "kitchen twice": (["table", "--kitchens", "a,a"], ["share a name"]),
     "state of no kitchen": (["table", "--kitchens", "b", "--state", "nothing=1"], ["nothing=1"]),
     "unknown option": (["containers", "b", "--jason"], ["--jason"]),
+    "one robot named twice": (
+        ("achieve", "--kitchen", "b", "--robot", "pr2", "--robot", "stretch", "--task", "open"),
+        ["--robot is given 2 times, and achieve takes one"],
+    ),
 }  # fmt: skip
 
 
