@@ -30,6 +30,7 @@ class Articulation:
         evidence: Log evidence, comparable among the candidates of one track.
         plumb: How the axis was taken to lie.
         curve: The path; None if fixed.
+        extent: Diagonal of the box that holds all samples but spikes [m]: the point moved by less.
     """
 
     joint_type: JointType
@@ -45,6 +46,7 @@ class Articulation:
     evidence: float
     plumb: Plumb
     curve: Curves | None
+    extent: float
 
     @property
     def residual_rms(self) -> float:

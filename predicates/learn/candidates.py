@@ -9,8 +9,8 @@ from predicates.learn.fitting.cells import Cells
 from predicates.learn.fitting.curve import Curves
 from predicates.learn.fitting.fit import ARC, LINE, Fit
 from predicates.learn.fitting.priors import (
+    SCALE_WEIGHT,
     STILL_SCALE,
-    STILL_WEIGHT,
     TURN_SCALE,
     Plumb,
     log_scale_density,
@@ -39,11 +39,11 @@ def still(track: Track, cells: Cells, turning: Turning | None) -> Articulation:
     for _ in range(ROUNDS):
         squares = ((cells.points - origin) ** 2).sum(axis=1)
         pull = cells.weights * (FREEDOM + 3) / (FREEDOM + squares / scale**2)
-        known = STILL_WEIGHT * expected**2
-        scale = math.sqrt((float(pull @ squares) / 3 + known) / (pull.sum() + STILL_WEIGHT))
+        known = SCALE_WEIGHT * expected**2
+        scale = math.sqrt((float(pull @ squares) / 3 + known) / (pull.sum() + SCALE_WEIGHT))
         origin = pull @ cells.points / pull.sum()
     evidence = float(log_student(squares, scale, 3) @ cells.weights)
-    evidence += log_scale_density(scale, expected, STILL_WEIGHT)
+    evidence += log_scale_density(scale, expected)
     spread = scale / math.sqrt(float(pull.sum()))
     evidence += 1.5 * math.log(2 * math.pi) + 3 * math.log(spread)
     if turning is not None:
@@ -52,25 +52,23 @@ def still(track: Track, cells: Cells, turning: Turning | None) -> Articulation:
     return Articulation(
         JointType.FIXED, np.zeros(3), origin, 0.0, np.zeros(len(distances)), (0.0, 0.0), distances,
         scale, int((distances > OUTLIER * scale).sum()), {"origin": spread}, evidence, Plumb.FREE, None,
+        cells.extent,
     )  # fmt: skip
 
 
 def moving(
     track: Track, family: list[tuple[Plumb, Fit, float]], turning: Turning | None, cells: Cells
 ) -> Articulation:
-    """The best fit of a family as a joint, with the evidence of the whole family."""
-    plumb, best, _ = max(family, key=lambda each: each[2])
-    evidence = float(np.logaddexp.reduce([each for _, _, each in family])) + log_travel_density(cells.travel)
+    """The best fit of a family as a joint, with the evidence of the whole family, orientations included."""
+    told = [each + _turned(track, one, turning) for _, one, each in family]
+    plumb, best, _ = family[int(np.argmax(told))]
+    evidence = float(np.logaddexp.reduce(told)) + log_travel_density(cells.travel)
     curve, revolute = best.curve, best.free == ARC
     distances = np.linalg.norm(curve.residuals(track.positions)[0], axis=1)
     along = curve.progress(track.positions)[0]
     radius = 1 / float(curve.curvature[0]) if revolute else 0.0
     axis = curve.normal[0] if revolute else curve.tangent[0]
     unsure = best.scale / radius if revolute else 0.0
-    if turning is not None:
-        evidence += (
-            turning.evidence_turning(axis, along / radius, unsure) if revolute else turning.evidence_still()
-        )
     steady = distances <= OUTLIER * best.scale
     steady = steady if steady.any() else np.ones_like(steady)
     raw = _raw_positions(along, axis, radius, unsure, turning)
@@ -86,8 +84,19 @@ def moving(
     kind = JointType.REVOLUTE if revolute else JointType.PRISMATIC
     return Articulation(
         kind, axis, origin, radius, positions, limits, distances, best.scale, int((~steady).sum()),
-        deviations, evidence, plumb, curve,
+        deviations, evidence, plumb, curve, cells.extent,
     )  # fmt: skip
+
+
+def _turned(track: Track, one: Fit, turning: Turning | None) -> float:
+    """Log evidence of the orientations, if the path is the fit's."""
+    if turning is None:
+        return 0.0
+    if one.free != ARC:
+        return turning.evidence_still()
+    curve, curvature = one.curve, float(one.curve.curvature[0])
+    angles = curve.progress(track.positions)[0] * curvature
+    return turning.evidence_turning(curve.normal[0], angles, one.scale * curvature)
 
 
 def _raw_positions(along: Array, axis: Array, radius: float, unsure: float, turning: Turning | None) -> Array:

@@ -22,11 +22,17 @@ LEVER = 0.3
 NOISE_SPAN = 9.0
 """[1] Diagonal of the box that some hundred samples of noise fill, in standard deviations."""
 
+NOISE_MOST = 0.01
+"""[m] No tracker of handles is noisier; what differs more from sample to sample are outliers, or motion."""
+
 LEAST_TRAVEL = 1e-4
 """[m] What is left where noise explains all of a track's extent."""
 
-MEDIAN_OF_NORMAL, SECOND_DIFFERENCE = 0.6745, 6**0.5
-"""[1] Median of |z| for a standard normal z; standard deviation of z0 - 2 z1 + z2."""
+CALM = 0.15
+"""[1] Share of second differences that tell the noise: of those without outliers half, if a third are."""
+
+CALM_OF_NORMAL, SECOND_DIFFERENCE = 0.1891, 6**0.5
+"""[1] That quantile of |z| for a standard normal z; standard deviation of z0 - 2 z1 + z2."""
 
 WINDOW = 11
 """[1] Samples among which a lone spike is told from motion."""
@@ -92,17 +98,21 @@ def cells_of(positions: Array, turns: Array | None = None) -> Cells:
     points = np.stack([np.bincount(cell, column) / counts for column in seen.T], axis=1)
     members = np.full(len(positions), -1)
     members[kept] = cell
-    noise = _white_noise(seen)
+    noise = min(_white_noise(seen), NOISE_MOST)
     moved = max(travel - NOISE_SPAN * noise, LEAST_TRAVEL)
     return Cells(points, np.full(len(points), min(1.0, size / CORRELATION)), members, extent, moved, noise)
 
 
 def _white_noise(positions: Array) -> float:
-    """Standard deviation of a coordinate's noise, from second differences [m]; 0 of very few samples."""
-    if len(positions) < WINDOW:
-        return 0.0
+    """Standard deviation of a coordinate's noise, from second differences [m]; 0 of very few samples.
+
+    Differences of 0 are of a source that says one sample twice, or rounds.
+    """
     second = np.abs(np.diff(positions, 2, axis=0))
-    return float(np.median(second)) / (MEDIAN_OF_NORMAL * SECOND_DIFFERENCE)
+    second = second[second > 0]
+    if len(second) < WINDOW:
+        return 0.0
+    return float(np.quantile(second, CALM)) / (CALM_OF_NORMAL * SECOND_DIFFERENCE)
 
 
 def spikes(positions: Array) -> np.ndarray:

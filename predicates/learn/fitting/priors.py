@@ -36,15 +36,13 @@ the reference's drawers is predicted within 4.6 mm at the median, with 2 degrees
 SCALE = 0.002
 """[m] Typical deviation of a handle from its ideal path: play, compliance, a hand that slips."""
 
-SCALE_WEIGHT = 2.0
-"""[1] Samples that this expectation is worth."""
+SCALE_WEIGHT = 4.0
+"""[1] Samples that such an expectation is worth. With fewer, a few outliers make a straight line that nothing
+follows likelier than an arc that most samples follow, and a drawer that is seen to come out 3 cm is taken to
+stand still; with more, what a tracker wanders by 4 mm in seconds is taken for motion."""
 
 STILL_SCALE = 0.001
 """[m] Deviation of a point that nothing moves, beside noise of single samples: no hand slips on it."""
-
-STILL_WEIGHT = 4.0
-"""[1] Samples that this is worth. With more, what a tracker wanders by 4 mm in seconds is taken for motion;
-with less, a drawer that is seen to come out 3 cm is taken to stand still."""
 
 TURN_SCALE = math.radians(2)
 """[rad] The same for an observed orientation."""
@@ -132,7 +130,7 @@ def log_normal(value: float, median: float, spread: float) -> float:
     return -z * z / 2 - math.log(spread * math.sqrt(2 * math.pi))
 
 
-def log_scale_density(scale: float, expected: float, weight: float = SCALE_WEIGHT) -> float:
+def log_scale_density(scale: float, expected: float) -> float:
     """Log density of the logarithm of a deviation's scale, up to a constant that all candidates share."""
     ratio = (expected / scale) ** 2
-    return weight * (math.log(ratio) + 1 - ratio) + math.log(weight / SCALE_WEIGHT) / 2
+    return SCALE_WEIGHT * (math.log(ratio) + 1 - ratio)

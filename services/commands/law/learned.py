@@ -23,6 +23,9 @@ UNIT = {JointType.FIXED: "m", JointType.PRISMATIC: "m", JointType.REVOLUTE: "rad
 SURE = 0.95
 """[1] Below this probability the report says which other joint it may be."""
 
+SCATTER, SHARE_OFF = 0.01, 0.25
+"""[m], [1] Where more lies off the path, or farther, few samples tell the joint, whatever its probability."""
+
 
 def learned_row(learned: Learned, phase: Latch | PushToOpen | Plain | None) -> Json:
     """What was learned, as JSON; vectors in the track's frame."""
@@ -52,6 +55,7 @@ def _joint_row(joint: Articulation) -> Json:
         "radius": joint.radius if revolute else None,
         "limits": None if fixed else list(joint.limits),
         "unit": UNIT[joint.joint_type],
+        "moved_less_than": joint.extent if fixed else None,
         "residual_rms": joint.residual_rms,
         "scale": joint.scale,
         "standard_deviations": {k: v for k, v in joint.deviations.items() if k != "zero"},
@@ -73,6 +77,13 @@ def _notes(learned: Learned) -> list[str]:
     if learned.probabilities[0] < SURE:
         second = learned.candidates[1].joint_type.value
         notes.append(f"unsure: {second} has the probability {learned.probabilities[1]:.2f}")
+    if best.joint_type is JointType.FIXED:
+        notes.append(f"a motion of less than {best.extent * 1000:.0f} mm is not excluded")
+    if best.scale > SCATTER or best.outliers > SHARE_OFF * len(learned.track.positions):
+        notes.append(
+            f"unsure: {best.outliers} of {len(learned.track.positions)} samples lie off the path, "
+            f"the others scatter by {best.scale * 1000:.1f} mm; too few show what moves"
+        )
     if best.joint_type is not JointType.FIXED:
         notes.append("limits are what was seen, not where the joint stops")
     return notes
@@ -106,7 +117,7 @@ def show_learned(row: Json) -> None:
     """Print what was learned, for people."""
     unit, deviations = row["unit"], row["standard_deviations"]
     lines = {
-        "joint": row["joint_type"],
+        "joint": row["joint_type"] + _moved(row["moved_less_than"]),
         "axis": _vector(row["axis"], deviations.get("axis"), "rad"),
         "origin": _vector(row["origin"], deviations.get("origin"), "m"),
         "radius": _figure(row["radius"], deviations.get("radius"), "m"),
@@ -130,6 +141,11 @@ def _vector(values: list[float] | None, deviation: float | None, unit: str) -> s
         return None
     shown = ", ".join(f"{value:.3f}" for value in values)
     return f"({shown})" + (f" ± {deviation:.3f} {unit}" if deviation is not None else "")
+
+
+def _moved(less_than: float | None) -> str:
+    """What a joint that is taken to be fixed may have moved by all the same."""
+    return "" if less_than is None else f", or moved less than {less_than * 1000:.0f} mm"
 
 
 def _figure(value: float | None, deviation: float | None, unit: str) -> str | None:

@@ -42,6 +42,33 @@ def test_three_centimetres_of_a_drawer_are_motion(noise: float) -> None:
     assert found == [JointType.PRISMATIC] * 5
 
 
+@pytest.mark.parametrize("travel", [0.01, 0.02])
+def test_what_is_taken_to_be_fixed_may_have_moved_by_less_than_is_told(travel: float) -> None:
+    """A tracker that wanders looks like this; what is told of such a point is only how far it stays."""
+    for seed in range(3):
+        joint = best(JointType.FIXED, drawer(stopping(travel)), seed, 0.003)
+        assert travel < joint.extent < travel + 12 * 0.003
+    assert best(JointType.FIXED, np.zeros((100, 3)), noise=0.0005).extent < 0.006
+
+
+def test_a_few_samples_with_outliers_are_no_proof_of_standstill() -> None:
+    """Noise is told by the calmest samples: outliers are no reason to expect a wide scatter."""
+    positions = drawer(np.linspace(0, 0.3, 20))
+    found = [learn(seen(positions, seed, 0.0005, outliers=0.3)).best.joint_type for seed in range(8)]
+    assert found == [JointType.PRISMATIC] * 8
+
+
+def test_orientations_choose_among_axes_that_the_path_leaves_open() -> None:
+    """A short arc whose plane the points hardly show: 17 degrees about a level axis, seen in orientations."""
+    angle = stopping(0.3, still=20, moving=20)
+    level = np.column_stack([0.28 * np.sin(angle), 0 * angle, 0.28 * np.cos(angle)])
+    half = np.sin(angle / 2)
+    turns = np.column_stack([0 * half, half, 0 * half, np.cos(angle / 2)])
+    learned = learn(replace(seen(level, noise=0.001), orientations=turns))
+    assert learned.best.joint_type is JointType.REVOLUTE
+    assert abs(learned.best.axis @ [0.0, 1.0, 0.0]) > 0.99
+
+
 def test_a_drawer_is_prismatic_along_its_axis_with_the_range_that_was_seen() -> None:
     joint = best(JointType.PRISMATIC, drawer(stopping(0.4)))
     assert joint.axis == pytest.approx([0.6, -0.8, 0.0], abs=0.01)

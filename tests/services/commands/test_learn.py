@@ -20,7 +20,7 @@ from services.learning import seen_in
 from services.physics.oracle import Kinematics
 from services.tracks import read_track
 from tests.predicates.learn.logs import log
-from tests.predicates.learn.observed import door, seen, stopping
+from tests.predicates.learn.observed import door, drawer, seen, stopping
 from tests.predicates.learn.test_proposal import handle, slid, turned
 from tests.small import FOLDER
 
@@ -59,6 +59,23 @@ def test_a_track_alone_has_a_joint_and_no_task(known: str) -> None:
     assert {each["joint_type"] for each in row["candidates"]} == {"fixed", "prismatic", "revolute"}
     assert row["limits"] == pytest.approx([0, 0.47], abs=0.005)
     assert row["residual_rms"] == pytest.approx(0.0028, abs=0.0004)
+
+
+def test_fixed_is_told_with_what_it_does_not_exclude(tmp_path: Path) -> None:
+    path = tmp_path / "still.csv"
+    np.savetxt(path, seen(drawer(stopping(0.01)), 0, 0.003).positions)
+    row = run(str(path))
+    assert (row["joint_type"], row["limits"]) == ("fixed", None)
+    assert 0.01 < row["moved_less_than"] < 0.05
+    assert f"a motion of less than {row['moved_less_than'] * 1000:.0f} mm is not excluded" in row["notes"]
+    shown = CliRunner().invoke(sdt, ["learn", str(path)]).output
+    assert f"fixed, or moved less than {row['moved_less_than'] * 1000:.0f} mm" in shown
+
+
+def test_a_joint_that_few_samples_show_is_told_to_be_unsure(tmp_path: Path) -> None:
+    path = tmp_path / "poor.csv"
+    np.savetxt(path, seen(drawer(np.linspace(0, 0.2, 20)), 0, 0.001, outliers=0.4).positions)
+    assert any("samples lie off the path" in note for note in run(str(path))["notes"])
 
 
 def test_a_known_motion_is_named_by_its_task(known: str) -> None:
