@@ -24,6 +24,8 @@ COMPARED: Final = (
     "embodiment.grasp set", "embodiment.seed",
 )  # fmt: skip
 """Inputs which all cells should share; where one differs, its cell says so."""
+VERSIONS: Final = ("physics", "embodiment")
+"""Those of them that name who judged."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,6 +205,15 @@ def _unjudged(wish: Wish | None, asking: Asking) -> Json:
         "differs": [],
         "verdict": None,
     }
+
+
+def unlike(differs: Iterable[str]) -> str:
+    """How a verdict was judged otherwise than most of a matrix, in words; empty if it was not."""
+    others = list(differs)
+    settings = [name for name in others if name not in VERSIONS]
+    parts = ["by another version of sdt"] if len(settings) < len(others) else []
+    parts += [f"with other {' and '.join(settings)}"] if settings else []
+    return f"judged {', '.join(parts)} than most here" if parts else ""
 
 
 def common_settings(found: list[Found]) -> dict[str, str]:

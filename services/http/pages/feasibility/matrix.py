@@ -11,7 +11,7 @@ from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.scope import D_ARTIC, TEE_CLASSES
 from services.http.pages.feasibility.asked import Asked, asked_of, moved
-from services.http.pages.feasibility.cells import Kept, cells_of, common_settings, kept_verdicts
+from services.http.pages.feasibility.cells import Kept, cells_of, common_settings, kept_verdicts, unlike
 from services.http.pages.kinds import LEGEND, Standing
 from services.http.pages.view import Json, View, here
 from services.http.world import World
@@ -52,6 +52,7 @@ async def matrix(request: Request) -> View:
     }
     more: Json = {
         "lines": _lines(asked, robots, cells, shown),
+        "unlike": unlike,
         "legend": LEGEND,
         "show": shown,
         "in_progress": any(each["standing"] in IN_PROGRESS for each in cells),
