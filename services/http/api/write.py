@@ -137,12 +137,14 @@ async def observation(request: Request, body: ObservationBody) -> Json:
     text = f"{twin.environment} {body.time.isoformat()} {body.by} {sorted(positions.items())}"
     key = hashlib.sha256(text.encode()).hexdigest()
     graph = graph_iri("observed", key)
-    await world.write(graph, _observed(f"{ID}observation/{key}", positions, body))
+    whole = f"{ID}observation/{key}"
+    await world.write(graph, observed_triples(whole, positions, body.time.isoformat(), body.by))
     return {"graph": graph, "observations": len(positions)}
 
 
-def _observed(whole: Iri, positions: dict[Iri, float], body: ObservationBody) -> list[ox.Triple]:
-    moment = ox.Literal(body.time.isoformat(), datatype=ox.NamedNode(XSD + "dateTime"))
+def observed_triples(whole: Iri, positions: dict[Iri, float], time: str, by: str) -> list[ox.Triple]:
+    """Where joints [rad or m] were seen, when (xsd:dateTime) and by whom, as SOSA observations."""
+    moment = ox.Literal(time, datatype=ox.NamedNode(XSD + "dateTime"))
     triples: list[ox.Triple] = []
     for index, (joint, position) in enumerate(sorted(positions.items()), 1):
         node = ox.NamedNode(part_iri(whole, "joint", index))
@@ -152,7 +154,7 @@ def _observed(whole: Iri, positions: dict[Iri, float], body: ObservationBody) ->
             (SOSA + "observedProperty", ox.NamedNode(SDT + "position")),
             (SOSA + "hasSimpleResult", ox.Literal(position)),
             (SOSA + "resultTime", moment),
-            (DCTERMS + "creator", ox.Literal(body.by)),
+            (DCTERMS + "creator", ox.Literal(by)),
         ):
             triples.append(ox.Triple(node, ox.NamedNode(predicate), value))
     return triples
