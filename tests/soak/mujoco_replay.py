@@ -25,6 +25,13 @@ def read(file: Path) -> mujoco.MjSpec:
     for link in root.iter("link"):
         for inertial in link.findall("inertial"):
             link.remove(inertial)
+    for joint in root.iterfind("joint/limit/.."):
+        limit = joint.find("limit")
+        stands = limit is not None and limit.get("lower", "0") == limit.get("upper", "0")
+        if (
+            stands and joint.get("type") != "continuous"
+        ):  # MuJoCo would ignore its limits, and say so in a file
+            joint.set("type", "fixed")
     settings = {"fusestatic": "false", "discardvisual": "true", "boundmass": "1", "boundinertia": "1"}
     ElementTree.SubElement(ElementTree.SubElement(root, "mujoco"), "compiler", settings)
     return mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"))
