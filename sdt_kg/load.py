@@ -1,6 +1,7 @@
 """Kitchen and robots, by bundled name or path, → Twin."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -15,7 +16,7 @@ from sdt_kg.errors import AnnotationError, GraphError, InputError, UnknownEntity
 from sdt_kg.iri import Iri, graph_iri, local_name, model_iri
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.scenes import SCENE_SUFFIXES, read_scene, scene_stem
-from sdt_kg.store import MemoryStore
+from sdt_kg.store import MemoryStore, Triple
 from sdt_kg.triples import mechanism_triples
 from sdt_kg.twin import Twin
 from sdt_kg.urdf import model_stem, read_mechanism
@@ -80,26 +81,48 @@ def _saved(path: Path, annotation: Path | None, robots: Sequence[tuple[str | Pat
     return _with(twin, robots)
 
 
-def with_robots(twin: Twin, robots: Sequence[str | Path]) -> Twin:
-    """The same twin in the same state, with those of the robots that it does not have.
+@dataclass(frozen=True, slots=True)
+class ReadRobot:
+    """A robot as it was read: it can stand in any number of kitchens.
 
-    Several twins of one kitchen share so what was read of it.
+    Attributes:
+        iri: Of the robot.
+        triples: What is asserted of it.
+        notes: What reading it changed, chose or assumed.
+    """
+
+    iri: Iri
+    triples: tuple[Triple, ...]
+    notes: tuple[str, ...]
+
+
+def read_robot(robot: str | Path, annotation: Path | None = None) -> ReadRobot:
+    """A robot by bundled name or path, with its annotation.
 
     Raises:
         UnknownEntityError, UrdfError, AnnotationError: As `load_twin`.
     """
-    return _with(twin, [(each, None) for each in robots])
+    mechanism, kind, chosen = _robot(robot, annotation)
+    triples = tuple(with_annotation(mechanism_triples(mechanism, kind), chosen))
+    return ReadRobot(model_iri(mechanism.name), triples, tuple(_notes(mechanism, chosen)))
+
+
+def with_robot(twin: Twin, robot: ReadRobot) -> Twin:
+    """The same twin in the same state, with a robot unless it has it.
+
+    Several twins of one kitchen share so what was read of it.
+    """
+    if robot.iri in twin.robots:
+        return twin
+    return Twin(twin.entities.joined(robot.iri, robot.triples, robot.notes), twin.state)
 
 
 def _with(twin: Twin, robots: Sequence[tuple[str | Path, Path | None]]) -> Twin:
-    here, entities = set(map(local_name, twin.robots)), twin.entities
+    here = set(map(local_name, twin.robots))
     for robot, file in robots:
-        if model_name(robot) in here:
-            continue
-        mechanism, kind, chosen = _robot(robot, file)
-        triples = with_annotation(mechanism_triples(mechanism, kind), chosen)
-        entities = entities.joined(model_iri(mechanism.name), triples, _notes(mechanism, chosen))
-    return Twin(entities, twin.state)
+        if model_name(robot) not in here:
+            twin = with_robot(twin, read_robot(robot, file))
+    return twin
 
 
 def _explicit(

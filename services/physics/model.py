@@ -297,4 +297,5 @@ def exempt_pairs(mechanism: Mechanism, annotation: RobotAnnotation) -> set[froze
         groups.setdefault(group, []).append(body)
     for group in groups.values():
         pairs.update(frozenset((one, other)) for one in group for other in group)
-    return {frozenset(body_iri(mechanism.name, body) for body in pair) for pair in pairs}
+    iri = {body: body_iri(mechanism.name, body) for body in frozenset[str]().union(*pairs)}
+    return {frozenset(iri[body] for body in pair) for pair in pairs}

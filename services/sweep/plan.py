@@ -9,13 +9,14 @@ from typing import TypeVar
 
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, UnknownEntityError
-from sdt_kg.load import load_twin, model_name, model_path
+from sdt_kg.load import model_name, model_path
 from sdt_kg.task import Verb
 from sdt_kg.twin import Twin
 from services.app import DEFAULT_BUDGET, Policy
 from services.relative import KINEMATIC, Relative, tee_of
 from services.requests import parse_state, parse_task, state_joints
 from services.sweep.cell import Cell
+from services.sweep.worker import kitchen_of
 
 T = TypeVar("T")
 Base = tuple[float, float, float]
@@ -178,7 +179,7 @@ class Known:
             UnknownEntityError, InputError: It is not there, or not valid.
         """
         if kitchen not in self._twins:
-            self._twins[kitchen] = load_twin(kitchen)
+            self._twins[kitchen] = kitchen_of(kitchen)
         return self._twins[kitchen]
 
     @staticmethod

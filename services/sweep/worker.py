@@ -12,7 +12,7 @@ from predicates.oracle import Embodiment, Physics
 from predicates.record import to_json, to_record
 from predicates.record.recall import Recall
 from sdt_kg.errors import SdtError
-from sdt_kg.load import load_twin, with_robots
+from sdt_kg.load import ReadRobot, load_twin, read_robot, with_robot
 from sdt_kg.twin import Twin
 from services.app import Forces, Oracles, Policy, Service, whole_body
 from services.relative import Relative
@@ -111,7 +111,21 @@ def twin_of(kitchen: str, robot: str) -> Twin:
 
 @lru_cache(maxsize=TWINS_KEPT)
 def _twin(kitchen: Written, robot: Written) -> Twin:
-    return with_robots(_kitchen(kitchen), [robot.name])
+    return with_robot(_kitchen(kitchen), _robot(robot))
+
+
+def kitchen_of(kitchen: str) -> Twin:
+    """The kitchen without robots.
+
+    Raises:
+        InputError: It cannot be loaded.
+    """
+    return _kitchen(_written(kitchen))
+
+
+@lru_cache(maxsize=TWINS_KEPT)
+def _robot(robot: Written) -> ReadRobot:
+    return read_robot(robot.name)
 
 
 @lru_cache(maxsize=TWINS_KEPT)

@@ -8,7 +8,7 @@ import pytest
 
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import AnnotationError, InputError, UnknownEntityError
-from sdt_kg.load import bundled, load_twin, model_name
+from sdt_kg.load import bundled, load_twin, model_name, read_robot, with_robot
 from sdt_kg.mechanism import Pose
 from tests.sdt_kg.conftest import Write, link
 
@@ -240,3 +240,14 @@ def test_a_robots_annotation_reads_as_it_is_written(tmp_path: Path) -> None:
 )
 def test_a_model_is_called_by_its_stem(given: str | Path, name: str) -> None:
     assert model_name(given) == name
+
+
+@pytest.mark.parametrize("kitchen", ["a", "b"])
+def test_a_robot_that_was_read_stands_in_a_kitchen_as_if_it_was_loaded_with_it(kitchen: str) -> None:
+    read, there = read_robot("stretch"), load_twin(kitchen)
+    joined, loaded = with_robot(there, read), load_twin(kitchen, ["stretch"])
+    assert joined.robots == loaded.robots == (read.iri,)
+    assert joined.notes == loaded.notes
+    assert sorted(joined.serialize("nquads").splitlines()) == sorted(loaded.serialize("nquads").splitlines())
+    assert with_robot(joined, read) is joined
+    assert not there.robots
