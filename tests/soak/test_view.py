@@ -27,10 +27,18 @@ STILL = 4
 DRAWER = "sink_area_left_middle_drawer_main"
 NAMELESS = """
     const named = each => each.textContent.trim() || each.getAttribute('aria-label') || each.labels?.length;
-    const controls = document.querySelectorAll('button, input:not([type=file]), [role=slider]');
+    const kinds = 'button:not([aria-hidden=true]), input:not([type=file]), [role=slider]';
+    const controls = document.querySelectorAll(kinds);
     return [...controls].filter(each => !named(each)).map(each => each.outerHTML.slice(0, 200));
 """
 """Controls that nobody could read out."""
+SMALL = """
+    const kinds = 'button:not([aria-hidden=true]), input:not([type=file]), [role=tab]';
+    const controls = [...document.querySelectorAll(kinds)].filter(each => each.offsetWidth > 0);
+    const small = controls.filter(each => Math.min(each.offsetWidth, each.offsetHeight) < 24);
+    return small.map(each => each.outerHTML.slice(0, 200));
+"""
+"""Controls that are hard to hit. Arrows of numbers, hidden from readers, do nothing that typing cannot."""
 
 
 @pytest.fixture(scope="module")
@@ -210,6 +218,7 @@ def test_the_page_is_readable_and_reached_by_keyboard_on_a_laptop_and_a_phone(
         person.waits_for(control)
         person.tabs_to(control)
         assert browser.weak_texts() == []
+        assert browser.driver.execute_script(SMALL) == []
     person.presses(Keys.ENTER)
     person.waits_for("Judged in")
     assert browser.weak_texts() == []
