@@ -191,12 +191,17 @@ class _Kept:
         before, after = self._asserted(parent.iri), self._asserted(branch)
         for robot in sorted(before.keys() ^ after.keys()):
             return Brought(robot, self._content(after[robot])) if robot in after else TakenAway(robot)
+        sentence = str(value_of(self._one(branch, SDT + "edit")))
+        if before == after and sentence == Moved(()).sentence:
+            return Moved(())
         differing = [model for model in before if before[model] != after[model]]
+        if before == after:  # a property was given the value that it had
+            differing = [model for model in before if sentence.startswith(f"{local_name(model)}: ")]
         if len(differing) != 1:
             raise GraphError(f"what made <{branch}> is not recorded", remedy=_REMEDY)
         (model,) = differing
         old, new = self._content(before[model]), self._content(after[model])
-        words = str(value_of(self._one(branch, SDT + "edit"))).removeprefix(f"{local_name(model)}: ")
+        words = sentence.removeprefix(f"{local_name(model)}: ")
         return Rewritten(Replacement(model, old - new, new - old, words))
 
     def _move(self, move: Iri) -> tuple[Iri, float]:

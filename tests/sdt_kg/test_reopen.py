@@ -38,7 +38,7 @@ AJAR = 0.1 + 0.2
 def kept() -> tuple[History, Trajectory]:
     """Every kind of edit, two branches from one parent, and an edit undone."""
     twin = small_twin("a", ("pr2", "stretch"))
-    values = np.linspace(0.0, 1.0, 11)[:, None]
+    values, upper = np.linspace(0.0, 1.0, 11)[:, None], twin.container("low_drawer").upper
     turn = Trajectory.of(Motion(PANEL, np.linspace(0.0, 2.0, 11), values))
     history = History.of(twin, MemoryStore())
     history, turned = history.derived(history.first, Followed(turn))
@@ -49,6 +49,8 @@ def kept() -> tuple[History, Trajectory]:
     history, _ = history.derived(alone, brought(twin, twin.robots[1]))
     history, _ = history.undone(slow)
     history, _ = history.derived(turned, moved({PANEL: 1.0}))  # no change is an edit too
+    history, still = history.derived(turned, moved({}))
+    history, _ = history.derived(still, changed(still.twin, DRAWER, upperLimit=upper))
     return history, turn
 
 
