@@ -18,7 +18,7 @@ from services.physics.geometry.shapes import corners
 Array = NDArray[np.float64]
 
 DEEPEST = 64
-"""[1] Levels of a tree that are remembered while it grows; halving, these are enough for any mesh."""
+"""[1] Parts of a mesh that wait while its tree grows; each is less than half of the one before."""
 
 
 def pack(shapes: Sequence[coal.CollisionGeometry]) -> tuple:
@@ -88,7 +88,8 @@ def _grown(corners, node, vertex):
     order, middle = np.arange(count), np.empty((count, 3))
     for t in range(count):
         for i in range(3):
-            middle[t, i] = (corners[t, :, i].min() + corners[t, :, i].max()) / 2
+            one, two, three = corners[t, 0, i], corners[t, 1, i], corners[t, 2, i]
+            middle[t, i] = (min(one, two, three) + max(one, two, three)) / 2
     ranges = np.empty((DEEPEST, 2), np.int64)
     ranges[0, 0], ranges[0, 1], waiting, n, row = 0, count, 1, 0, 0
     while waiting > 0:
@@ -97,24 +98,41 @@ def _grown(corners, node, vertex):
         first[n], last[n] = vertex + row, node + n + 2 * (end - start) - 1
         kind[n] = HULL if end - start == 1 else MESH
         if end - start == 1:
-            points[row : row + 3] = corners[order[start]]
+            for k in range(3):
+                for i in range(3):
+                    points[row + k, i] = corners[order[start], k, i]
             last[n], row = vertex + row + 3, row + 3
         widest = 0
         for i in range(3):
             low, high = math.inf, -math.inf
-            for t in order[start:end]:
-                low, high = min(low, corners[t, :, i].min()), max(high, corners[t, :, i].max())
+            for t in range(start, end):
+                for k in range(3):
+                    at = corners[order[t], k, i]
+                    low, high = min(low, at), max(high, at)
             half[n, i], points[row, i] = (high - low) / 2, (high + low) / 2
             if half[n, i] > half[n, widest]:
                 widest = i
         row, n = row + 1, n + 1
         if end - start > 1:
-            order[start:end] = order[start:end][np.argsort(middle[order[start:end], widest])]
-            cut = (start + end) // 2
-            ranges[waiting, 0], ranges[waiting, 1] = cut, end
-            ranges[waiting + 1, 0], ranges[waiting + 1, 1] = start, cut
-            waiting += 2
+            cut = _cut(order, start, end, middle, widest)
+            for larger in (True, False):  # the smaller part is the next: few ranges wait
+                second = (end - cut > cut - start) == larger
+                ranges[waiting, 0], ranges[waiting, 1] = (cut, end) if second else (start, cut)
+                waiting += 1
     return kind, half, first, last, points[:row]
+
+
+@kernel
+def _cut(order, start, end, middle, axis):
+    """Where `order` is cut in two: before it lie the triangles whose middle is below the mean."""
+    mean, cut = 0.0, start
+    for t in range(start, end):
+        mean += middle[order[t], axis] / (end - start)
+    for t in range(start, end):
+        if middle[order[t], axis] < mean:
+            order[t], order[cut] = order[cut], order[t]
+            cut += 1
+    return cut if start < cut < end else (start + end) // 2
 
 
 @kernel

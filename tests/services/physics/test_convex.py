@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from services.physics.geometry.convex import EXACT, parted
+from services.physics.geometry.convex import EXACT, HULL, parted
 from services.physics.geometry.packed import bounds_many, bounds_of, pack
 from services.physics.geometry.shapes import hull
 
@@ -118,3 +118,21 @@ def test_boxes_that_face_each_other_are_parted_by_their_distance() -> None:
     still, aside = np.zeros(3), np.array([0.5, 0.05, 0.0])
     assert parted(pack(boxes), 0, 0, np.eye(3), still, np.eye(3), aside) == pytest.approx(0.3)
     assert parted(pack(boxes), 0, 1, np.eye(3), still, np.eye(3), aside) == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.5, 0.0])
+def test_a_tree_has_all_triangles_however_crowded_they_are(share: float) -> None:
+    mesh = coal.BVHModelOBBRSS()
+    mesh.beginModel(400, 1200)
+    corner = np.array([[0.0, 0.0, 0.0], [1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0]])
+    places = [share**k if share < 1 else k / 400 for k in range(400)]
+    for place in places:
+        mesh.addTriangle(*(corner + np.array([0.0, 0.0, place])))
+    mesh.endModel()
+    mesh.computeLocalAABB()
+    packed = pack([mesh])
+    leaves = np.flatnonzero(packed[0] == HULL)
+    assert len(leaves) == len(places)
+    middle = (max(places) + min(places)) / 2
+    heights = np.sort([packed[5][packed[3][leaf], 2] for leaf in leaves]) + middle
+    np.testing.assert_allclose(heights, np.sort(places), atol=1e-12)
