@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
+from typing import ClassVar
 
 import pyoxigraph as ox
 
@@ -22,6 +23,8 @@ class EmbeddedStore:
         store: Empty or not.
         finish: Called once, on closing.
     """
+
+    is_shared: ClassVar[bool] = False
 
     def __init__(self, store: ox.Store, finish: Callable[[ox.Store], None]) -> None:
         self._store = store

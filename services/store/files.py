@@ -94,12 +94,12 @@ class SavedVerdicts:
     def add_record(self, record: Record) -> bool:
         """Whether the store has changed; the record may come from a worker process."""
         stored, fresh = self.store.graph(record.graph), list(record.quads())
-        if not stored:
-            self.store.add(fresh)
-            return True
-        if not gives_way(stored, fresh):
+        if stored and not gives_way(stored, fresh):
             return False
-        self.store.replace(record.graph, fresh)
+        if stored or self.store.is_shared:  # two records of one verdict must not become one
+            self.store.replace(record.graph, fresh)
+        else:
+            self.store.add(fresh)
         return True
 
 

@@ -4,7 +4,7 @@ import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import chain, islice
-from typing import Final
+from typing import ClassVar, Final
 
 import pyoxigraph as ox
 
@@ -35,6 +35,8 @@ class FolderStore:
     Raises:
         StoreRejectedError: The journal is damaged, or what it has cannot be put into the tables.
     """
+
+    is_shared: ClassVar[bool] = False
 
     def __init__(self, tables: ox.Store, journal: Journal) -> None:
         self._tables, self._journal = tables, journal

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import pyoxigraph as ox
 
@@ -16,7 +16,12 @@ class QuadStore(Protocol):
 
     A directory or a server keeps what a method has written as soon as it returns, whatever happens to
     this process then; a file keeps it from `close` on.
+
+    Attributes:
+        is_shared: Whether others may write to it meanwhile: what was read may be no longer so.
     """
+
+    is_shared: ClassVar[bool]
 
     def add(self, quads: Iterable[ox.Quad]) -> None:
         """Put quads into their named graphs; one that is there already changes nothing.

@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from typing import Final, Self
+from typing import ClassVar, Final, Self
 from urllib.parse import urlsplit
 
 import pyoxigraph as ox
@@ -90,6 +90,8 @@ class RemoteStore:
     Every request means the same when it is sent twice, so a broken connection is tried again. One update
     is one transaction on the servers that have transactions; a long `add` takes several.
     """
+
+    is_shared: ClassVar[bool] = True
 
     def __init__(self, addresses: Addresses, wire: Wire | None = None) -> None:
         self._addresses = addresses

@@ -4,20 +4,25 @@ import json
 import socket
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import pyoxigraph as ox
 import pytest
 
+from predicates.case import Outcome
+from predicates.record import to_record
 from sdt_kg.errors import InputError, QueryError, StoreRejectedError, StoreUnavailableError
+from sdt_kg.iri import Iri
 from sdt_kg.store import rows_of
 from services import cli
-from services.store.files import opened
+from services.store.files import SavedVerdicts, opened
 from services.store.remote import BATCH, Addresses, RemoteStore
 from services.store.wire import RETRY_WAITS, Wire
 from tests.services.store.conftest import OXIGRAPH, Server, free_port
+from tests.services.store.test_every_store import Judged
 
 G = "https://example.org/g"
 COUNT = "SELECT (COUNT(*) AS ?n) { ?s ?p ?o }"
@@ -102,6 +107,29 @@ def test_a_server_that_is_killed_is_named_and_what_it_acknowledged_is_there_late
     server.wait()
     assert counted(store) == 60
     store.close()
+
+
+class Slow(RemoteStore):
+    """Between its question and its answer somebody else writes."""
+
+    def __init__(self, address: str, meanwhile: Callable[[], object]) -> None:
+        super().__init__(Addresses.of(address))
+        self.meanwhile = meanwhile
+
+    def graph(self, graph: Iri) -> list[ox.Quad]:
+        found = super().graph(graph)
+        self.meanwhile()
+        return found
+
+
+def test_two_records_of_a_verdict_at_once_do_not_become_one(server: Server, judged: Judged) -> None:
+    made = judged[1][0]
+    refused = replace(made, outcome=Outcome.NOT_CERTIFIED, seconds=1.0)
+    other = SavedVerdicts(remote(server.address))
+    with SavedVerdicts(Slow(server.address, lambda: other.add(refused))) as saved:
+        assert saved.add_record(to_record(made))
+        assert set(saved.store.graph(to_record(made).graph)) == set(to_record(made).quads())
+    other.store.close()
 
 
 def test_a_restart_is_survived(server: Server) -> None:
