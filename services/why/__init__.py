@@ -13,6 +13,11 @@ from services.why import verdict as of_verdict
 from services.why.verdict import MEANS, PREDICATES, outcome, question
 from services.why.words import SHORT_KEY, Section, used
 
+REMEDY = (
+    "'sdt why FILE' lists those of a file; verdicts about edited worlds are not kept: "
+    "'sdt whatif' with the edit asks again, and tells why"
+)
+
 __all__ = [
     "MEANS",
     "PREDICATES",
@@ -92,4 +97,4 @@ def _known(store: ox.Store, iri: Iri) -> Iri:
     if iri in found or len(found) == 1:
         return iri if iri in found else found[0]
     near = [local_name(each)[:SHORT_KEY] for each in (found or all_known)]
-    raise UnknownEntityError("verdict", iri, near, "'sdt why FILE' lists those of a file")
+    raise UnknownEntityError("verdict", iri, near, REMEDY)

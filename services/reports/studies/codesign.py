@@ -216,7 +216,7 @@ def verdicts(found: Coverage) -> Table:
     return Table.of(
         "codesign_verdicts",
         "Every verdict by its name, the hash of its inputs; of a search of the world as it is, that one's."
-        " Those about the world as it is are kept where a store is named.",
+        " Those about the world as it is are kept where a store is named; sdt whatif tells of others.",
         rows,
     )
 
