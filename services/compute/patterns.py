@@ -8,7 +8,6 @@ computed for it. In one that has such a term, whatever can match a verdict's rec
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
 from typing import Final
 
 from rdflib.plugins.sparql.algebra import translateQuery
@@ -37,9 +36,6 @@ _BARRIERS: Final = {"AggregateJoin", "Group", "ToMultiSet"}
 _UNTRANSLATED: Final = "GroupGraphPatternSub"
 """What rdflib leaves of an EXISTS that is selected: syntax, in which paths are not resolved."""
 _TESTS: Final = {"Builtin_EXISTS", "Builtin_NOTEXISTS"}
-
-KEPT_QUERIES: Final = 16
-"""Queries whose algebra is remembered: more than one thing is asked of it."""
 
 _PARTS: Final = {
     "environment": "environments",
@@ -101,7 +97,6 @@ def not_judged(sparql: str) -> tuple[Iri, ...]:
     return kinds_made_otherwise(_translated(sparql))
 
 
-@lru_cache(KEPT_QUERIES)
 def _translated(sparql: str) -> Algebra:
     try:
         return translateQuery(parseQuery(sparql), initNs=dict(PREFIXES)).algebra
