@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.body.limb import Limb
+from services.embodiment.hold.bred import Breeder
 from services.embodiment.hold.fit import Fitter, Opened
 from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.holding import Holding, Searcher
@@ -32,6 +33,7 @@ class Attempt:
         steep, steeper: The same for those that come from far above or below, which high and low handles
             and those that tip over may need.
         wide: Those that many postures search together.
+        bred: Those that were looked at in between.
         blocked: Holdings that could not be approached.
     """
 
@@ -46,6 +48,7 @@ class Attempt:
     assembler: Assembler
     rng: np.random.Generator
     wide: list[Opened] = field(default_factory=list[Opened])
+    bred: list[Opened] = field(default_factory=list[Opened])
     blocked: int = 0
 
     def saturated(self, number: int) -> bool:
@@ -60,27 +63,37 @@ class Attempt:
             self.steep.extend(islice(self.steeper, max(due - len(self.steep), 0)))
         self._count()
 
-    def fit_wide(self, late: Callable[[], bool]) -> None:
-        """The grasps that many postures may search together are known, if any fits at all."""
+    def fit_wide(self, late: Callable[[], bool]) -> list[Opened]:
+        """The grasps that many postures may search together, if any fits at all."""
         if self.grasps and not self.wide:
             self.wide = self.fitter.wide(late)
             self._count()
+        return self.wide
 
-    def spread(self, late: Callable[[], bool]) -> Iterator[Holding]:
-        """Holdings of these grasps that many postures find together."""
-        if self.wide:
-            yield from Spreader(self.searcher, self.fitter, self.wide, self.rng, late).holdings()
+    def breed(self, late: Callable[[], bool]) -> list[Opened]:
+        """Grasps between these that can be had at every value of the container."""
+        breeder = Breeder(self.searcher, self.fitter, self.rng, late)
+        found = breeder.opened()
+        self.bred = breeder.looked_at
+        self._count()
+        return found
+
+    def spread(self, opened: list[Opened], late: Callable[[], bool]) -> Iterator[Holding]:
+        """Holdings of such grasps that many postures find together."""
+        if opened:
+            yield from Spreader(self.searcher, self.fitter, opened, self.rng, late).holdings()
 
     def searched(self) -> Iterator[Grasp]:
         """The grasps that were searched; those of the wide set that were not needed as they were meant."""
         for grasp, _ in (*self.grasps, *self.steep):
             yield grasp
-        for opened in self.wide:
+        for opened in (*self.wide, *self.bred):
             closed = self.fitter.known(opened)
             yield opened[0] if closed is None else closed[0]
 
     def _count(self) -> None:
-        self.searcher.tally.grasps = len(self.grasps) + len(self.steep) + len(self.wide)
+        every = self.grasps, self.steep, self.wide, self.bred
+        self.searcher.tally.grasps = sum(map(len, every))
 
     def _tries_steep(self, number: int) -> bool:
         return number >= len(GRASPS) - 1 and number % 2 == 1 and not self.searcher.tally.paths

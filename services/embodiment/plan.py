@@ -123,21 +123,22 @@ class Planner:
                 yield from self._round(attempt, number)
         self._give_up()
         yield from self._spread()
+        yield from self._spread(breeds=True)
         self._prove_in_hand()
 
-    def _spread(self) -> Iterator[Planned]:
-        """Plans from holdings of more grasps that many postures find together.
+    def _spread(self, breeds: bool = False) -> Iterator[Planned]:
+        """Plans from holdings of more grasps, listed ones or bred, that many postures find together.
 
-        A base that moves needs no others where there are some, but ways to them.
+        A base that moves needs no others where there are some, but ways to them; and none that are bred.
         """
-        if self.holdings and self.setting.drive is not Drive.FIXED:
+        if (self.holdings or breeds) and self.setting.drive is not Drive.FIXED:
             return
         for attempt in self.attempts:
             if self.proof is None and not self.late():
                 at = time.perf_counter()
-                attempt.fit_wide(self.late)
+                opened = attempt.breed(self.late) if breeds else attempt.fit_wide(self.late)
                 self._spent("grasp", at)
-                yield from self._of(attempt, attempt.spread(self.late))
+                yield from self._of(attempt, attempt.spread(opened, self.late))
 
     def _proved_early(self, number: int) -> bool:
         """Whether there is a proof; looked for once if no posture reached the handle in the first round."""

@@ -187,6 +187,23 @@ def solve_many(seeds, target_r, target_p, chain, weight, lower, upper, steps, to
 
 
 @kernel
+def misses(xs, target_r, target_p, chain):
+    """How far the tool is from each target (S, 3, 3), (S, 3) at each of xs (S, n) [m, and rad · ARM]."""
+    joints = chain[3].shape[0]
+    r, p = np.empty((3, 3)), np.empty(3)
+    z, o = np.empty((joints, 3)), np.empty((joints, 3))
+    e, out = np.empty(6), np.empty(xs.shape[0])
+    for s in range(xs.shape[0]):
+        tool_pose(xs[s], chain, r, p, z, o)
+        pose_error(r, p, target_r[s], target_p[s], e)
+        error = 0.0
+        for i in range(6):
+            error += (e[i] if i < 3 else ARM * e[i]) ** 2
+        out[s] = math.sqrt(error)
+    return out
+
+
+@kernel
 def follow(x0, target_r, target_p, chain, weight, lower, upper, steps, tolerance, jump, path):
     """How many targets in a row could be followed from x0 with no variable jumping; path (K, n) has them."""
     x = x0.copy()

@@ -20,6 +20,7 @@ def warm(world: World, limb: Limb) -> None:
     target_r, target_p = rotation[None].copy(), translation[None].copy()
     bounds = weight, limb.lower, limb.upper
     ik.solve_many(x[None].copy(), target_r, target_p, limb.chain, *bounds, 1, 1.0)
+    ik.misses(x[None], target_r, target_p, limb.chain)
     ik.follow(x, target_r, target_p, limb.chain, *bounds, 1, 1.0, 1.0, np.empty((1, n)))
     r, p = world.frames(limb.q(x))
     world.distances(demands.pairs[:1], r, p)

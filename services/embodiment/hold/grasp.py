@@ -31,6 +31,8 @@ WIDE_PITCHES = np.radians([0, -10, 10, -20, 20, -30, 30, -40, 40, -50, 50, -60, 
 WIDE_TILTS = np.radians([0, -25, 25, -50, 50, -65, 65, -80, 80])
 WIDE_DEPTHS = (0.0, -0.012, 0.012)  # [m]
 """The same of a set that is more than single paths have the time for."""
+FREE_MOST = np.array([1.75, 1.45, 0.45, 1.0, 0.016])
+"""[rad, rad, rad, 1, m] Pitch, tilt, roll about the approach, place and depth of any grasp, at most."""
 FIRST_WIDE = 10_000  # number of the first grasp of that set
 FINGER_HALF = 0.015  # [m] kept from the ends of a bar, half a finger's width
 TOUCH = 0.0003  # [m] distance from which a finger counts as touching: certify allows 2 mm
@@ -66,7 +68,7 @@ def _turned(axis: Array, angle: float, vector: Array) -> Array:
 
 def grasp_settings() -> str:
     """What the grasp set depends on, as text."""
-    wide = WIDE_PITCHES.tolist(), WIDE_TILTS.tolist(), WIDE_DEPTHS
+    wide = WIDE_PITCHES.tolist(), WIDE_TILTS.tolist(), WIDE_DEPTHS, FREE_MOST.tolist()
     return repr((PITCHES.tolist(), TILTS.tolist(), PLACES, DEPTHS, wide, FINGER_HALF, TOUCH))
 
 
@@ -92,6 +94,16 @@ def wide_set(bar: Bar) -> Iterator[Grasp]:
         for place, depth in itertools.product(PLACES, WIDE_DEPTHS):
             translation = bar.centre + place * room * bar.along + depth * turn[:, 0]
             yield Grasp(turn, translation, next(numbers))
+
+
+def free_grasp(bar: Bar, genes: Array, flip: int, number: int) -> Grasp:
+    """A grasp with any pitch, tilt, roll about its approach, place and depth, shape (5,)."""
+    pitch, tilt, roll, place, depth = genes.tolist()
+    turn, rolled = _turn(bar, pitch, tilt, flip), np.empty((3, 3))
+    rotation(turn[:, 0].copy(), roll, rolled)
+    turn = rolled @ turn
+    room = max(bar.length / 2 - FINGER_HALF, 0.0)
+    return Grasp(turn, bar.centre + place * room * bar.along + depth * turn[:, 0], number)
 
 
 @lru_cache(maxsize=2)

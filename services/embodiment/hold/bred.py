@@ -1,0 +1,182 @@
+"""Grasps that can be had at every value of the container, bred where no listed grasp can.
+
+Listed grasps are some 20° apart, and close straight across the bar. Where an arm is at the end of its reach
+at one value and at a limit at another, the few grasps that both have lie between the listed ones. Here random
+grasps, turned and placed anyhow, are changed little by little. What a grasp costs is how far the tool stays
+from it at some values, or that something is touched there; each keeps its best posture at each value, from
+which its children's are looked for.
+"""
+
+import itertools
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from services.embodiment.body import ik
+from services.embodiment.body.track import EXACT
+from services.embodiment.hold.fit import OPENINGS, Fitted, Fitter, Opened
+from services.embodiment.hold.grasp import FREE_MOST, free_grasp
+from services.embodiment.hold.holding import SEEDS, STEPS, Searcher
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+LOOKED_AT = 5  # values of the container
+GRASPS = 96  # that are bred
+DRAWN = 2000  # random ones, until so many fit
+FIRST = 4  # seeds of each for each value
+GENERATIONS = 120
+ENOUGH = 24  # that can be had at all values
+STALLED = 20  # generations that bring neither a cheaper one than the cheapest nor one more that costs nothing
+CHEAPER = 1e-5  # [m] counts as cheaper
+LITTERS = 3  # that are bred, one after the other
+WORTH = 0.06  # [m] where none is cheaper, another is not bred
+BOUND = 0.3  # [m] more than this counts no more, at one value
+TOUCHES = 0.05  # [m] what a contact counts as, or that it is not known whether there is one
+NEAR = 0.02  # [m] a tool that is nearer to its place is looked at for contacts
+CHANGE = np.array([0.25, 0.25, 0.1, 0.3, 0.006])  # [rad, rad, rad, 1, m] standard deviations of a child
+SCALES = (0.03, 0.1, 0.3, 1.0)  # [1] of these, drawn anew for each generation
+FIRST_BRED = 20_000  # number of the first grasp
+
+
+class Breeder:
+    """The search for grasps of one limb.
+
+    Args:
+        searcher: What is held, by what, and at which distances.
+        fitter: Tells whether the kitchen leaves room for a hand.
+    """
+
+    def __init__(
+        self, searcher: Searcher, fitter: Fitter, rng: np.random.Generator, late: Callable[[], bool]
+    ) -> None:
+        self.searcher, self.fitter, self._rng, self._late = searcher, fitter, rng, late
+        self._at = np.linspace(0, len(searcher.problem.values) - 1, LOOKED_AT).astype(int).tolist()
+        self._numbers = itertools.count(FIRST_BRED)
+
+    def opened(self) -> list[Opened]:
+        """Grasps for which a free posture is known at each value that was looked at; none where none is."""
+        for _ in range(LITTERS):
+            cheapest = self._litter()
+            if cheapest == 0.0 or cheapest > WORTH or self._late():
+                break
+        return [one for one, cost in zip(self.looked_at, self._total(), strict=True) if cost == 0.0]
+
+    def _total(self) -> list[float]:
+        return self._costs.sum(axis=1).tolist()
+
+    def _litter(self) -> float:
+        """What the cheapest costs after generations from new random grasps on [m]."""
+        self._fitted, self._shares, self._flips = [], [], np.empty(0, np.int64)
+        self._genes, self._costs = np.empty((0, len(FREE_MOST))), np.empty((0, LOOKED_AT))
+        self._draw()
+        if not self._fitted:
+            return np.inf
+        count = len(self._fitted)
+        seeds = np.stack([self._seeds(index, count) for index in self._at], axis=1)
+        self._xs, self._costs = self._judged(self._fitted, seeds, FIRST)
+        cheapest, free, stalled = np.inf, 0, 0
+        for number in range(GENERATIONS):
+            total = self._total()
+            least, found = min(total), total.count(0.0)
+            stalled = 0 if least < cheapest - CHEAPER or found > free else stalled + 1
+            cheapest, free = min(cheapest, least), found
+            if free >= min(ENOUGH, count) or stalled > STALLED or self._late():
+                break
+            self._breed(number % 2 == 0)
+        return cheapest
+
+    @property
+    def looked_at(self) -> list[Opened]:
+        """The grasps of the last generation."""
+        return [(grasp, share) for (grasp, _), share in zip(self._fitted, self._shares, strict=True)]
+
+    def _draw(self) -> None:
+        """Random grasps that fit."""
+        for _ in range(DRAWN):
+            if len(self._fitted) >= GRASPS or self._late():
+                return
+            genes, flip = self._rng.uniform(-FREE_MOST, FREE_MOST), int(self._rng.choice((1, -1)))
+            found = self._fit(genes, flip)
+            if found is not None:
+                self._fitted.append(found[0])
+                self._shares.append(found[1])
+                self._genes = np.vstack((self._genes, genes))
+                self._flips = np.append(self._flips, flip)
+
+    def _fit(self, genes: Array, flip: int) -> tuple[Fitted, float] | None:
+        """The grasp, if the hand alone can take it, the fingers no narrower than needed."""
+        grasp = free_grasp(self.fitter.bar, genes, flip, next(self._numbers))
+        found = ((self.fitter.fitted((grasp, share)), share) for share in OPENINGS)
+        return next(((fitted, share) for fitted, share in found if fitted is not None), None)
+
+    def _seeds(self, index: int, count: int) -> Array:
+        """So many seeds at a waypoint."""
+        batches = [np.empty((0, len(self.searcher.weight)))]
+        batches += [self.searcher.seeds(index, self._rng) for _ in range(-(-count // SEEDS))]
+        return np.concatenate(batches)[:count]
+
+    def _judged(self, grasps: list[Fitted], xs: Array, more: int) -> tuple[Array, Array]:
+        """Postures (N, V, n) at each value, and what each costs (N, V) [m].
+
+        Args:
+            grasps: The scene of each is looked at where the tool is in place.
+            xs: From where they are looked for.
+            more: So many more seeds for each.
+        """
+        best, costs = xs.copy(), np.full(xs.shape[:2], np.inf)
+        for k, index in enumerate(self._at):
+            for n in range(1 + more):
+                left = np.flatnonzero(costs[:, k])
+                tried = best[left, k] if n == 0 else self._seeds(index, len(left))
+                cost = self._missed([grasps[one] for one in left.tolist()], tried, index)
+                better = cost < costs[left, k]
+                best[left[better], k], costs[left[better], k] = tried[better], cost[better]
+        return best, costs
+
+    def _missed(self, grasps: list[Fitted], xs: Array, index: int) -> Array:
+        """What the postures (N, n) that these lead to at a waypoint cost [m]; they are in xs."""
+        one, problem = self.searcher, self.searcher.problem
+        if not grasps:
+            return np.empty(0)
+        turn, place = problem.handle_r[index], problem.handle_p[index]
+        tool_r = turn @ np.stack([grasp.rotation for grasp, _ in grasps])
+        tool_p = np.stack([grasp.translation for grasp, _ in grasps]) @ turn.T + place
+        target, chain = (tool_r, tool_p), one.limb.chain
+        met = ik.solve_many(xs, *target, chain, one.weight, one.lower, one.upper, STEPS, EXACT)
+        missed = np.where(met, 0.0, np.minimum(ik.misses(xs, *target, chain), BOUND))
+        cost, near = missed + TOUCHES, np.flatnonzero(missed < NEAR)
+        if len(near):
+            q = one.limb.q(xs[near], np.stack([grasps[k][1] for k in near]))
+            q = problem.mechanics.put_each(q, np.repeat(problem.values[index], len(near)))
+            free = [pair is None for pair in one.world.contact_each(q, one.rules)]
+            cost[near[free]] = missed[near[free]]
+        one.tally.seeds += len(xs)
+        one.tally.solved += int(met.sum())
+        return cost
+
+    def _breed(self, among_best: bool) -> None:
+        """Children that are cheaper replace their parents, or the dearest if only the best have any."""
+        total = self._costs.sum(axis=1)
+        order = np.argsort(total, kind="stable")
+        half = len(order) // 2
+        parents = np.concatenate((order[:half], order[:half])) if among_best and half else order
+        change = self._rng.normal(size=(len(parents), len(CHANGE))) * CHANGE * self._rng.choice(SCALES)
+        genes = np.clip(self._genes[parents] + change, -FREE_MOST, FREE_MOST)
+        flips = self._flips[parents].tolist()
+        found = [self._fit(one, flip) for one, flip in zip(genes, flips, strict=True)]
+        fit = np.array([k for k, one in enumerate(found) if one is not None], np.intp)
+        if not len(fit):
+            return
+        children = [one for one in found if one is not None]
+        xs, costs = self._judged([fitted for fitted, _ in children], self._xs[parents[fit]], 1)
+        dearest = order[::-1].tolist() if among_best else []
+        for k, cost in enumerate(costs.sum(axis=1).tolist()):
+            parent = parents[fit[k]]
+            other = dearest.pop(0) if dearest else parent
+            if cost < total[parent] and cost < total[other]:
+                self._genes[other], self._flips[other] = genes[fit[k]], self._flips[parent]
+                self._fitted[other], self._shares[other] = children[k]
+                self._xs[other], self._costs[other] = xs[k], costs[k]
+                total[other] = cost

@@ -1,0 +1,105 @@
+"""Grasps that are bred: they are kept at every value of the container, and open what no listed grasp does."""
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sdt_kg.annotation import Drive
+from sdt_kg.load import load_twin
+from services.embodiment.body import ik
+from services.embodiment.body.limb import Margins, touching
+from services.embodiment.body.track import EXACT
+from services.embodiment.body.world import World
+from services.embodiment.hold.bred import LOOKED_AT, Breeder
+from services.embodiment.hold.fit import Fitter
+from services.embodiment.hold.grasp import FREE_MOST, Grasp, free_grasp, grasp_set, grasp_settings
+from services.embodiment.hold.handle import Bar, Mechanics, find_bar
+from services.embodiment.hold.holding import STEPS, Problem, Searcher
+from services.embodiment.hold.kit import Kits
+from services.physics.model import Scene
+from tests.soak.doors import draw, write
+from tests.soak.judge import Result, result
+
+pytestmark = pytest.mark.oracle
+
+FRONT, OPEN = 16, 1.45
+"""A door that tips over, 0.63 m before the robot and 0.49 m beside it; [rad]."""
+QUICK = 5  # another such door
+RIGHT = 1  # of the grippers
+BAR = Bar(1, np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([-1.0, 0.0, 0.0]), 0.2, 0.012, 0.012)
+
+
+def breeder(folder: Path, base: tuple[float, float, float]) -> Breeder:
+    path = write(draw(np.random.default_rng(FRONT)), folder, "front")
+    twin = load_twin(path, ["tiago_dual"])
+    world = World(Scene(twin, twin.robots[0]))
+    kit = Kits(world, Margins()).of(world.scene.annotation.grippers[RIGHT])
+    container = twin.container("front_door")
+    mechanics, q = Mechanics(world, container), kit.limb.q(kit.limb.parked)
+    bar = find_bar(world, mechanics, q)
+    assert bar is not None
+    values = np.linspace(0.0, OPEN, 61)
+    poses = mechanics.handle_poses(q, bar.joint, values)
+    problem = Problem(mechanics, values, *poses, poses[0][0] @ bar.outward)
+    holding = touching(world, kit.limb, kit.demands, (container.handle,))
+    searcher = Searcher(world, kit.limb, problem, holding, Drive.FIXED)
+    searcher.stand(np.array(base))
+    fitter = Fitter(kit.hand, problem, bar, (holding, kit.demands), Counter())
+    return Breeder(searcher, fitter, np.random.default_rng(0), lambda: False)
+
+
+def met(one: Searcher, grasp: Grasp, index: int) -> np.ndarray:
+    """Postures with the tool in the grasp at a waypoint, of some hundred seeds."""
+    xs = np.concatenate([one.seeds(index, np.random.default_rng(k)) for k in range(4)])
+    r, p = grasp.tool(one.problem.handle_r[index], one.problem.handle_p[index])
+    target = np.repeat(r[None], len(xs), axis=0), np.repeat(p[None], len(xs), axis=0)
+    return xs[ik.solve_many(xs, *target, one.limb.chain, one.weight, one.lower, one.upper, STEPS, EXACT)]
+
+
+def test_bred_grasps_can_be_had_at_every_value_where_the_base_stands(tmp_path: Path) -> None:
+    found = breeder(tmp_path, (0.0, 0.0, 0.0))
+    opened = found.opened()
+    assert opened
+    one = found.searcher
+    for index in np.linspace(0, 60, LOOKED_AT).astype(int).tolist():
+        had = [(grasp, x) for grasp, _ in opened[:5] for x in met(one, grasp, index)]
+        assert had
+        for grasp, x in had:
+            r, p = one.limb.tool(x)
+            target_r, target_p = grasp.tool(one.problem.handle_r[index], one.problem.handle_p[index])
+            np.testing.assert_allclose(r, target_r, atol=1e-6)
+            np.testing.assert_allclose(p, target_p, atol=1e-6)
+            assert (x[:3] == 0.0).all()
+
+
+def test_nothing_is_bred_where_some_value_is_out_of_reach(tmp_path: Path) -> None:
+    assert breeder(tmp_path, (-0.4, 0.0, 0.0)).opened() == []
+
+
+def test_a_free_grasp_without_roll_closes_across_the_bar_and_lies_on_it() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(50):
+        genes = rng.uniform(-FREE_MOST, FREE_MOST)
+        rolled = free_grasp(BAR, genes, 1, 7)
+        straight = free_grasp(BAR, genes * (1, 1, 0, 1, 1), 1, 7)
+        np.testing.assert_allclose(rolled.rotation.T @ rolled.rotation, np.eye(3), atol=1e-12)
+        np.testing.assert_allclose(rolled.rotation[:, 0], straight.rotation[:, 0], atol=1e-12)
+        assert abs(straight.rotation[:, 1] @ BAR.along) < 1e-12
+        turned = np.arccos(np.clip(rolled.rotation[:, 1] @ straight.rotation[:, 1], -1, 1))
+        assert turned == pytest.approx(abs(genes[2]), abs=1e-6)
+        away = rolled.translation - (rolled.translation @ BAR.along) * BAR.along
+        assert np.linalg.norm(away) <= FREE_MOST[4] + 1e-12
+
+
+def test_a_free_grasp_with_the_numbers_of_a_listed_one_is_that_one() -> None:
+    listed = next(iter(grasp_set(BAR)))
+    free = free_grasp(BAR, np.zeros(5), -1, listed.index)
+    np.testing.assert_allclose(free.rotation, listed.rotation, atol=1e-12)
+    np.testing.assert_allclose(free.translation, listed.translation, atol=1e-12)
+    assert repr(FREE_MOST.tolist()) in grasp_settings()
+
+
+def test_a_door_that_no_listed_grasp_opens_is_opened_with_a_bred_one_and_not_refuted(tmp_path: Path) -> None:
+    assert result(tmp_path, QUICK, "tiago_dual", Drive.FIXED, 20.0) is Result.CERTIFIED
