@@ -9,6 +9,8 @@ from selenium.webdriver.common.by import By
 
 from tests.browser import PATIENCE, Browser
 from tests.services.pages.conftest import TOKEN, sdt_serve
+from tests.services.store.conftest import free_port
+from tests.services.viewer.person import Person
 
 CONTAINER = "sink_area_left_middle_drawer_main"
 
@@ -41,5 +43,25 @@ def test_a_drawer_from_question_to_rechecked_certificate(browser: Browser, tmp_p
         assert (data["recheck"]["holds"], data["artefact"]["kind"]) == (True, "certificate")
         taken = httpx.get(f"{address}/verdicts/{data['name']}/artefact", timeout=PATIENCE)
         assert len(taken.content) == data["artefact"]["bytes"]
+        assert browser.console_errors() == []
+        assert browser.foreign_requests() == []
+
+
+@pytest.mark.oracle
+@pytest.mark.slow
+def test_a_cell_leads_to_its_case_on_the_3d_page_beside_the_pages(browser: Browser) -> None:
+    options = ("--kitchen", "b", "--robot", "pr2", "--view", f"127.0.0.1:{free_port()}")
+    with sdt_serve(*options) as address:
+        person = Person(browser)
+        browser.driver.get(f"{address}/kitchens/b?state=iai_fridge_door%3D0.4")
+        cell = browser.driver.find_element(By.ID, f"pr2.{CONTAINER}")
+        browser.driver.get(str(cell.find_element(By.CLASS_NAME, "in-3d").get_attribute("href")))
+        person.waits_for("Ready.")
+        person.clicks("Check")
+        said = person.waits_for("Judged in")
+        assert "CERTIFIED\n" in said
+        assert f"Can pr2 open {CONTAINER} in kitchen b?" in said
+        folded = str(browser.driver.execute_script("return document.body.textContent"))
+        assert "kitchen: iai_fridge_door_joint at 0.4" in folded
         assert browser.console_errors() == []
         assert browser.foreign_requests() == []
