@@ -63,23 +63,36 @@ def posed(q, hand, at):
         matmul(r[joint[s]], local_r[s], frame)
         matmul(back, frame, at[0][i])
         moved(r[joint[s]], p[joint[s]], local_c[s], centre)
-        moved(back, nowhere, centre - tool_p, at[1][i])
+        for k in range(3):
+            centre[k] -= tool_p[k]
+        moved(back, nowhere, centre, at[1][i])
+
+
+@kernel
+def _closed_by(shares, closing):
+    """Configuration of a scene whose finger joints are closed by these shares (F,).
+
+    `closing` is (open configuration, what closing each finger joint adds to it).
+    """
+    q = np.empty(closing[0].shape[0])
+    for i in range(q.shape[0]):
+        q[i] = closing[0][i]
+        for k in range(shares.shape[0]):
+            q[i] += closing[1][k, i] * shares[k]
+    return q
 
 
 @kernel
 def _gaps(shares, sides, hand, closing, handle, shapes, room, near):
     """Distances of the handle from the nearest finger shape of each of two `sides` (2, fingers), in room[1].
 
-    Negative where they are in each other: as deep as their own boxes are, at least. `closing` is (open
-    configuration, what closing each finger joint adds to it), `handle` (indices, rotations, centres) as the
-    tool sees it. The shapes in `near` (2,), which were the nearest before, are looked at first.
+    Negative where they are in each other: as deep as their own boxes are, at least. `handle` is (indices,
+    rotations, centres) as the tool sees it. The shapes in `near` (2,), which were the nearest before, are
+    looked at first.
     """
     at, out, work = room
-    q = closing[0].copy()
-    for k in range(shares.shape[0]):
-        q += closing[1][k] * shares[k]
-    posed(q, hand, at)
-    out[:] = math.inf
+    posed(_closed_by(shares, closing), hand, at)
+    out[0] = out[1] = math.inf
     one, other = near[0], near[1]
     for turn in range(-2, sides.shape[1]):
         n = turn if turn >= 0 else (one if turn == -2 else other)
@@ -116,8 +129,8 @@ def _closing(k, shares, sides, hand, closing, handle, shapes, touch, rounds, roo
     low, at_low, high, at_high, before = -1.0, 0.0, 2.0, 0.0, 0.0  # ends outside [0, 1] are not known yet
     share, slope = guess[0], guess[1]
     for _ in range(rounds):
-        shares[:] = 0.0
-        shares[k] = share
+        for other in range(shares.shape[0]):
+            shares[other] = share if other == k else 0.0
         _gaps(shares, sides, hand, closing, handle, shapes, room, near)
         at = max(room[1][0], room[1][1]) - touch / 2  # what is accepted lies on both sides of 0
         if at > touch / 2:
@@ -154,11 +167,13 @@ def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, ro
     each joint found before is in `guess` (F, 2) and `near` (F, 2): it saves looks, at first all are 0.
     """
     seen, back, nowhere = (np.empty_like(handle[1]), np.empty_like(handle[2])), tool[0].T.copy(), np.zeros(3)
-    count, found = shares.shape[0], np.empty_like(shares)
+    count, found, away = shares.shape[0], np.empty_like(shares), np.empty(3)
     for _ in range(2):
         for m in range(handle[0].shape[0]):
             matmul(back, handle[1][m], seen[0][m])
-            moved(back, nowhere, handle[2][m] - tool[1], seen[1][m])
+            for i in range(3):
+                away[i] = handle[2][m, i] - tool[1][i]
+            moved(back, nowhere, away, seen[1][m])
         there = handle[0], seen[0], seen[1]
         for k in range(count):
             rest = hand, closing, there, shapes, touch, rounds, room, guess[k], near[k]
@@ -181,10 +196,7 @@ def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, ro
 @kernel
 def _put(tool, shares, hand, closing, seen, at):
     """Poses of a hand's shapes in the world, its finger joints closed by these shares, are in `at`."""
-    q = closing[0].copy()
-    for k in range(shares.shape[0]):
-        q += closing[1][k] * shares[k]
-    posed(q, hand, seen)
+    posed(_closed_by(shares, closing), hand, seen)
     for i in range(hand[0].shape[0]):
         matmul(tool[0], seen[0][i], at[0][i])
         moved(tool[0], tool[1], seen[1][i], at[1][i])
@@ -215,9 +227,11 @@ def swings(tool, shares, start, steps, hand, closing, kitchen, rest, margins, ro
 
     `margins` are those of a hand that holds, and of an open one.
     """
-    at = np.empty_like(room[0][0]), np.empty_like(room[0][1])
+    at, now = (np.empty_like(room[0][0]), np.empty_like(room[0][1])), np.empty_like(shares)
     for step in range(steps):
-        _put(tool, start + (shares - start) * (step / steps), hand, closing, room[0], at)
+        for k in range(shares.shape[0]):
+            now[k] = start[k] + (shares[k] - start[k]) * (step / steps)
+        _put(tool, now, hand, closing, room[0], at)
         one, other = touching(hand[0], at, kitchen, rest[0], rest[1], rest[2], margins[1 if step == 0 else 0])
         if one >= 0:
             return one, other
