@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from predicates.specification.cubic import Array, Cubic
-from sdt_kg.history.events import claims
+from sdt_kg.history.events import claims, own_positions
 from sdt_kg.history.trajectory import HELD_FROM, Grasp, Trajectory
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion
@@ -49,7 +49,7 @@ class Leg:
 
     def positions(self, container: Container) -> Array:
         """The container's own joint at each sample of the trajectory, shape (T,) [rad or m]."""
-        found = _own(container, self.trajectory.joints, self.trajectory.positions)
+        found = own_positions(container, self.trajectory.joints, self.trajectory.positions)
         if found is None:
             return np.full(len(self.trajectory.times), self.twin.state[container.joint])
         return found
@@ -57,13 +57,6 @@ class Leg:
     def state(self, sample: int) -> State:
         """The state at a sample of the trajectory."""
         return self.trajectory.at(self.twin, sample).state
-
-
-def _own(container: Container, joints: tuple[Iri, ...], values: Array) -> Array | None:
-    """Positions of the container's own joint, shape (T,); None where none of the joints moves it."""
-    if container.active_joint in joints:
-        return container.multiplier * values[:, joints.index(container.active_joint)] + container.offset
-    return values[:, joints.index(container.joint)] if container.joint in joints else None
 
 
 def _with_crossings(twin: Twin, joints: tuple[Iri, ...], spline: Cubic) -> Array:
@@ -79,7 +72,7 @@ def _crossings(container: Container, joints: tuple[Iri, ...], spline: Cubic, tim
     """Times at which what is claimed of a container is another than at the sample before, by halving."""
 
     def so(at: Array) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
-        own = _own(container, joints, spline.at(at))
+        own = own_positions(container, joints, spline.at(at))
         return np.zeros((0, len(at)), dtype=bool) if own is None else claims(container, own)
 
     holds = so(times)

@@ -4,7 +4,7 @@ A trajectory is known at its samples: an event has the first sample at which it 
 and goes between two samples is not seen.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Final
@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from sdt_kg.history.trajectory import Trajectory
 from sdt_kg.iri import Iri
-from sdt_kg.state import State
 from sdt_kg.twin import Container, Twin
 
 LIMIT_TOLERANCE: Final = 1e-4
@@ -95,24 +94,24 @@ def events_along(twin: Twin, trajectory: Trajectory) -> list[Event]:
     """Events of a trajectory that begins in the twin's state, in the order of their samples."""
     found = list(_grasps(twin, trajectory))
     for container in twin.containers():
-        values = _positions(container, trajectory, twin.state)
+        values = own_positions(container, trajectory.joints, trajectory.positions)
         if values is not None:
+            values[0] = twin.state[container.joint]
             found += _changes(container, values, trajectory)
     return sorted(found, key=lambda event: (event.sample or 0, event.about, event.type.value))
 
 
-def _positions(container: Container, trajectory: Trajectory, start: State) -> Values | None:
-    """The container's own position at each sample, shape (T,), beginning with the start state's; or None."""
-    joints = trajectory.joints
+def own_positions(container: Container, joints: Sequence[Iri], positions: Values) -> Values | None:
+    """The container's own position at each sample, shape (T,) [rad or m]; None where none of them moves it.
+
+    Args:
+        container: Whose joint, or the one that it follows, may be among them.
+        joints: IRIs of m joints.
+        positions: Shape (T, m).
+    """
     if container.active_joint in joints:
-        active = trajectory.positions[:, joints.index(container.active_joint)]
-        values = container.multiplier * active + container.offset
-    elif container.joint in joints:
-        values = trajectory.positions[:, joints.index(container.joint)].copy()
-    else:
-        return None
-    values[0] = start[container.joint]
-    return values
+        return container.multiplier * positions[:, joints.index(container.active_joint)] + container.offset
+    return positions[:, joints.index(container.joint)].copy() if container.joint in joints else None
 
 
 def _changes(container: Container, values: Values, trajectory: Trajectory) -> Iterator[Event]:

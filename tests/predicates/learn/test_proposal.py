@@ -135,3 +135,12 @@ def test_what_stands_still_teaches_nothing() -> None:
     still = learn(slid("low_drawer", 0.0)).best
     with pytest.raises(InputError, match="what was seen does not move"):
         propose(TWIN, TWIN.container("low_drawer"), still)
+
+
+def test_noise_before_the_motion_is_no_travel_below_the_closed_stop() -> None:
+    """A lower limit of a millimetre below 0 would put the container outside D_artic for nothing."""
+    for seed in range(20):
+        way = stopping(0.4, still=200)[:, None] * np.array([-np.cos(0.06), np.sin(0.06), 0.0])
+        track = seen(handle(TWIN, "low_drawer") + way, seed, 0.002)
+        made = propose(TWIN, TWIN.container("low_drawer"), learn(track).best)
+        assert made.seen[0] == made.after.limits.lower == 0.0

@@ -82,6 +82,7 @@ def test_a_container_that_follows_another_joint_is_measured_by_its_own() -> None
     turning = leg(1, {FOLDING.active_joint: ([0.0, 0.3], [0.0, 0.0])})
     assert ask(NeverBeyond(FOLDING, 0.6), turning).standing is Standing.KEPT
     assert ask(NeverBeyond(FOLDING, 0.59), turning).standing is Standing.BROKEN
+    assert ask(StaysClosed(FOLDING), turning).standing is Standing.BROKEN
 
 
 def test_a_container_that_is_open_at_first_breaks_at_once() -> None:

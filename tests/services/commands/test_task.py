@@ -72,6 +72,27 @@ def test_what_cannot_be_bounded_is_not_certified() -> None:
     assert result.outcome is Outcome.ABSTAINED
 
 
+def test_steps_that_undo_each_other_are_achieved_in_turn_and_the_end_is_the_last_ones() -> None:
+    closes = 't:two a law:Task ; law:index 2 ; law:verb law:Close ; law:containerName "low_drawer" .'
+    result = run(task("law:hasStep t:two .", closes))
+    assert result.outcome is Outcome.CERTIFIED
+    low = small_twin().container("low_drawer")
+    sparql = f'"ASK {{ <{low.joint}> sdt:position ?at FILTER (?at >= {low.open_from}) }}"'
+    open_at_the_end = f"t:rule a law:QueryRule ; law:sparql {sparql} ."
+    found = run(task("law:hasStep t:two ; law:reaches t:rule .", closes, open_at_the_end))
+    assert found.outcome is Outcome.NOT_CERTIFIED
+    assert found.broken is not None
+    assert (found.broken.step, [each.verdict.outcome for each in found.steps]) == (2, [Outcome.CERTIFIED] * 2)
+
+
+def test_a_step_that_is_achieved_already_has_nothing_to_cause() -> None:
+    again = 't:two a law:Task ; law:index 2 ; law:verb law:Open ; law:containerName "low_drawer" .'
+    result = run(task("law:hasStep t:two .", again))
+    assert result.outcome is Outcome.NOT_CERTIFIED
+    assert [each.verdict.outcome for each in result.steps] == [Outcome.CERTIFIED, Outcome.NOT_CERTIFIED]
+    assert "nothing to cause" in result.diagnoses[0].reason
+
+
 def test_open_to_p_ends_at_p() -> None:
     text = task().replace("law:index 1 ;", "law:index 1 ; law:goalPosition 0.2 ;")
     result = run(text)
@@ -116,6 +137,7 @@ def test_j_is_measured_and_the_number_compared_is_told() -> None:
     (step,) = result.steps
     assert result.value == step.value == pytest.approx(float(step.verdict.case.body_motion.times[-1]))
     assert (step.tried, step.compared) == (8, 8)
+    assert step.seed == 0, "of equals the first"
 
 
 BAD = {
