@@ -99,12 +99,27 @@ def judged(world: World, motion: BodyMotion, step: float) -> Judgement:
         return found
     # The grasp is the last sample before the drawer moves.
     grasp = float(motion.times[np.searchsorted(motion.times, times[moves[0]], side="right") - 1])
+    stop = _stops(motion.times, times, at[:, 7])
     _held(found, world, way(grasp))
-    _follows(found, way(grasp), at[times >= grasp])
+    _follows(found, way(grasp), at[(times >= grasp) & (times <= stop)])
     fastest = float(np.abs(np.diff(at, axis=0)).sum(axis=1).max(initial=0))
     arrived = _arrived(way, motion.times[motion.times <= grasp])
-    _collisions(found, world, at, times >= arrived, 2e-4 + fastest)
+    left = _left(way, grasp, motion.times[motion.times >= stop])
+    _collisions(found, world, at, (times >= arrived) & (times < left), 2e-4 + fastest)
     return found
+
+
+def _stops(knots: Array, times: Array, drawer: Array) -> float:
+    """The sample from which on the drawer stays where it is."""
+    moving = np.flatnonzero(np.abs(drawer - drawer[-1]) > MOVES)
+    return float(knots[np.searchsorted(knots, times[moving[-1]], side="right")] if len(moving) else knots[-1])
+
+
+def _left(way: CubicHermiteSpline, grasp: float, samples: Array) -> float:
+    """The last sample, the drawer at rest, up to which the tool is at its grasp: then fingers keep clear."""
+    slip, turned = _off(way(samples), way(grasp))
+    away = np.flatnonzero((slip > 0.002) | (turned > np.radians(1.0)))
+    return float(samples[max(away[0] - 1, 0)]) if len(away) else np.inf
 
 
 def _times(knots: Array, way: CubicHermiteSpline, step: float) -> Array:
@@ -240,7 +255,7 @@ def _collisions(found: Judgement, world: World, at: Array, held: NDArray[np.bool
             gap = separation(rotation, place, half, eye, moved + np.array(other_centre), np.array(other_half))
             if is_bar and name in {"up", "down"}:
                 found.keeps("finger", float(gap[~held].min(initial=np.inf)), uncertain)
-                found.keeps("finger", float(gap[held].min()) + 0.002, SLOW)
+                found.keeps("finger", float(gap[held].min(initial=np.inf)) + 0.002, SLOW)
             else:
                 found.keeps("environment", float(gap.min()), uncertain)
         if name not in {"base"}:

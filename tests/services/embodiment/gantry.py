@@ -32,6 +32,14 @@ RESTS = np.array(
         (18.0, 0.0, 0.0, 0.0, 0.2, 0.575, 0.0, 0.005, 0.46),
     )
 )
+# And then, if wanted: the fingers open, the hand leaves.
+LETTING_GO = np.vstack(
+    (
+        RESTS,
+        (20.0, 0.0, 0.0, 0.0, 0.2, 0.575, 0.0, 0.04, 0.46),
+        (23.0, 0.0, 0.0, 0.0, 0.2, 0.375, 0.0, 0.04, 0.46),
+    )
+)
 
 
 def opening(step: float = 0.1, rests: np.ndarray = RESTS, joints: tuple[str, ...] = JOINTS) -> BodyMotion:

@@ -15,7 +15,7 @@ from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused, Tolerances, certify
 from services.physics.model import Scene
 from tests.services.embodiment.dense import World
-from tests.services.embodiment.gantry import FOLDER, JOINTS, START, gantry_twin, opening
+from tests.services.embodiment.gantry import FOLDER, JOINTS, RESTS, START, gantry_twin, opening
 
 Random = np.random.Generator
 WIDTHS = (0.5, 3.0)  # [s] of a bump
@@ -32,9 +32,8 @@ class Mutation:
     twin: Callable[[Path], Twin]
 
 
-def gripped(half_open: float = 0.005) -> BodyMotion:
-    """The motion that opens the drawer; fingers close to so far from the middle [m]."""
-    motion = opening()
+def closed(motion: BodyMotion, half_open: float) -> BodyMotion:
+    """The motion, but that fingers close to so far from the middle [m]."""
     column = motion.joints.index("up_joint")
     q, v, part = motion.q.copy(), motion.v.copy(), (0.04 - half_open) / (0.04 - 0.005)
     q[:, column] = 0.04 - (0.04 - q[:, column]) * part
@@ -62,16 +61,16 @@ def changed(motion: BodyMotion, column: int, by: np.ndarray, rate: np.ndarray) -
     return replace(motion, **{position: q, velocity: v})
 
 
-def waypoint(random: Random) -> Mutation:
-    motion, column = gripped(), int(random.integers(8))
+def waypoint(random: Random, motion: BodyMotion) -> Mutation:
+    column = int(random.integers(8))
     by = np.zeros(len(motion.times))
     by[random.integers(len(by))] = size(random, 1e-5, 0.03)
     return Mutation("waypoint", changed(motion, column, by, np.zeros_like(by)), World(), plain)
 
 
-def bump(random: Random) -> Mutation:
+def bump(random: Random, motion: BodyMotion) -> Mutation:
     """A coordinate leaves its way, slowly, and comes back."""
-    motion, column = gripped(), int(random.integers(8))
+    column = int(random.integers(8))
     width, most = random.uniform(*WIDTHS), size(random, 1e-4, 0.2)
     phase = (motion.times - random.uniform(0, motion.times[-1] - width)) / width
     inside = (phase > 0) & (phase < 1)
@@ -81,8 +80,8 @@ def bump(random: Random) -> Mutation:
     return Mutation("bump", changed(motion, column, by, rate), World(drive), plain)
 
 
-def tempo(random: Random) -> Mutation:
-    motion, scale = gripped(), random.uniform(0.6, 1.6)
+def tempo(random: Random, motion: BodyMotion) -> Mutation:
+    scale = random.uniform(0.6, 1.6)
     faster = replace(
         motion,
         times=motion.times * scale,
@@ -93,26 +92,25 @@ def tempo(random: Random) -> Mutation:
     return Mutation("tempo", faster, World(), plain)
 
 
-def fingers(random: Random) -> Mutation:
-    return Mutation("fingers", gripped(0.005 + size(random, 1e-4, 0.02)), World(), plain)
+def fingers(random: Random, motion: BodyMotion) -> Mutation:
+    return Mutation("fingers", closed(motion, 0.005 + size(random, 1e-4, 0.02)), World(), plain)
 
 
-def drawer(random: Random) -> Mutation:
+def drawer(random: Random, motion: BodyMotion) -> Mutation:
     """The drawer is pulled a little more or less than the hand moves."""
-    motion = gripped()
     part = 1 + size(random, 1e-4, 0.05)
     scaled = replace(motion, kitchen_q=motion.kitchen_q * part, kitchen_v=motion.kitchen_v * part)
     return Mutation("drawer", scaled, World(), plain)
 
 
-def gripper(random: Random) -> Mutation:
+def gripper(random: Random, motion: BodyMotion) -> Mutation:
     del random
-    return Mutation("gripper", replace(gripped(), gripper="other"), World(gripper="other"), plain)
+    return Mutation("gripper", replace(motion, gripper="other"), World(gripper="other"), plain)
 
 
-def fixed(random: Random) -> Mutation:
+def fixed(random: Random, motion: BodyMotion) -> Mutation:
     del random
-    return Mutation("fixed", gripped(), World(Drive.FIXED), plain)
+    return Mutation("fixed", motion, World(Drive.FIXED), plain)
 
 
 LIMITS = {"upper": "upperLimit", "velocity": "velocityLimit", "acceleration": "accelerationLimit"}
@@ -123,7 +121,7 @@ USED = {
 }
 
 
-def limit(random: Random) -> Mutation:
+def limit(random: Random, motion: BodyMotion) -> Mutation:
     """A limit of lift, arm or finger shrinks to about what the motion uses of it."""
     kind, joint = str(random.choice(list(LIMITS))), int(random.choice((0, 1, 3)))
     value = max(USED[kind][joint] * (1 + size(random, 1e-3, 0.5)), 1e-3)
@@ -133,11 +131,11 @@ def limit(random: Random) -> Mutation:
     iri = joint_iri("gantry", JOINTS[joint])
     world = replace(World(), **{kind: tuple(values)})
     return Mutation(
-        "limit", gripped(), world, lambda folder: plain(folder).with_edit(iri, **{LIMITS[kind]: value})
+        "limit", motion, world, lambda folder: plain(folder).with_edit(iri, **{LIMITS[kind]: value})
     )
 
 
-def wall(random: Random) -> Mutation:
+def wall(random: Random, motion: BodyMotion) -> Mutation:
     """A board of 1 mm, across the way or beside it."""
     half = np.array([0.1, 0.1, 0.1])
     half[random.integers(3)] = THIN / 2
@@ -149,10 +147,10 @@ def wall(random: Random) -> Mutation:
         f'<origin xyz="{xyz}"/></joint>'
     )
     world = World(walls=((tuple(centre.tolist()), tuple(half.tolist())),))
-    return Mutation("wall", gripped(), world, lambda folder: gantry_twin(folder, more))
+    return Mutation("wall", motion, world, lambda folder: gantry_twin(folder, more))
 
 
-def handle(random: Random) -> Mutation:
+def handle(random: Random, motion: BodyMotion) -> Mutation:
     """The handle is elsewhere."""
     by = np.zeros(3)
     by[random.integers(3)] = size(random, 1e-4, 0.03)
@@ -167,18 +165,19 @@ def handle(random: Random) -> Mutation:
         (folder / "cell.urdf").write_text(cell)
         return load_twin(folder / "cell.urdf", [FOLDER / "gantry.urdf"])
 
-    return Mutation("handle", gripped(), World(handle=(x, y, z)), twin)
+    return Mutation("handle", motion, World(handle=(x, y, z)), twin)
 
 
 KINDS = (waypoint, waypoint, bump, bump, bump, tempo, fingers, drawer, limit, wall, handle)
 RARE = (gripper, fixed)
 
 
-def mutations(seed: int, count: int) -> list[Mutation]:
-    """So many, the same for the same seed; a few of those that are always wrong."""
-    random = np.random.default_rng(seed)
+def mutations(seed: int, count: int, rests: np.ndarray = RESTS) -> list[Mutation]:
+    """So many of the motion from rest to rest, the same for the same seed; a few are always wrong."""
+    random, motion = np.random.default_rng(seed), opening(rests=rests)
     return [
-        (RARE[k % 2] if k % 50 == 49 else KINDS[random.integers(len(KINDS))])(random) for k in range(count)
+        (RARE[k % 2] if k % 50 == 49 else KINDS[random.integers(len(KINDS))])(random, motion)
+        for k in range(count)
     ]
 
 

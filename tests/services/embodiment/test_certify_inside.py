@@ -13,7 +13,7 @@ from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified
 from tests.services.embodiment.gantry import FOLDER, gantry_twin, opening
 from tests.services.embodiment.judging import judge, refusal
-from tests.services.embodiment.mutations import gripped
+from tests.services.embodiment.mutations import closed
 
 pytestmark = pytest.mark.oracle
 
@@ -90,6 +90,6 @@ def test_fingers_in_a_handle_of_many_small_triangles_are_as_deep_as_in_a_solid_o
     meshed = cell.replace(solid, f'<mesh filename="{tmp_path / "bar.stl"}"/>', 1)
     (tmp_path / "cell.urdf").write_text(meshed)
     twin = load_twin(tmp_path / "cell.urdf", [FOLDER / "gantry.urdf"])
-    assert isinstance(judge(twin, gripped(0.0035)), Certified)  # 1.5 mm deep in a bar of 10 mm
-    found = refusal(twin, gripped(0.0005), Quantity.DISTANCE)
+    assert isinstance(judge(twin, closed(opening(), 0.0035)), Certified)  # 1.5 mm deep in a bar of 10 mm
+    found = refusal(twin, closed(opening(), 0.0005), Quantity.DISTANCE)
     assert min(one.evidence.value for one in found if one.evidence) == pytest.approx(-0.0045, abs=1e-5)

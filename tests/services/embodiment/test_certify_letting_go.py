@@ -16,18 +16,17 @@ from services.embodiment.certify import Certified, Refused, certify
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.oracle import WholeBody
 from services.physics.oracle import Kinematics
-from tests.services.embodiment.gantry import RESTS, START, gantry_twin, opening
+from tests.services.embodiment.gantry import LETTING_GO, RESTS, START, gantry_twin, opening
 from tests.services.embodiment.judging import judge, refusal
 
 pytestmark = pytest.mark.oracle
 
-OPENED = (20.0, 0.0, 0.0, 0.0, 0.2, 0.575, 0.0, 0.04, 0.46)
-AWAY = (23.0, 0.0, 0.0, 0.0, 0.2, 0.375, 0.0, 0.04, 0.46)
+OPENED, AWAY = map(tuple, LETTING_GO[-2:].tolist())
 
 
 def letting_go(*more: tuple[float, ...], step: float = 0.1) -> BodyMotion:
     """The good motion, and then rests of one's own."""
-    return opening(step, rests=np.vstack((RESTS, more or (OPENED, AWAY))))
+    return opening(step, rests=np.vstack((RESTS, more)) if more else LETTING_GO)
 
 
 @pytest.fixture(scope="module")

@@ -3,24 +3,30 @@
 from collections import Counter
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from services.embodiment.certify import Certified
 from tests.services.embodiment.dense import World, judged
-from tests.services.embodiment.mutations import Judge, gripped, mutations
+from tests.services.embodiment.gantry import LETTING_GO, RESTS, opening
+from tests.services.embodiment.mutations import Judge, mutations
 
 pytestmark = pytest.mark.oracle
 
 COARSE = 0.004  # [m] of travel between looks
 
 
-def test_other_code_finds_the_motion_right() -> None:
-    assert judged(World(), gripped(), 0.001).right
+@pytest.mark.parametrize("rests", [RESTS, LETTING_GO], ids=["held", "let go"])
+def test_other_code_finds_the_motion_right(rests: np.ndarray) -> None:
+    assert judged(World(), opening(rests=rests), 0.001).right
 
 
-def test_of_60_mutations_the_wrong_are_refused_and_the_right_certified(tmp_path: Path) -> None:
+@pytest.mark.parametrize("rests", [RESTS, LETTING_GO], ids=["held", "let go"])
+def test_of_60_mutations_the_wrong_are_refused_and_the_right_certified(
+    tmp_path: Path, rests: np.ndarray
+) -> None:
     judge, counts, odd = Judge(tmp_path), Counter[str](), []
-    for k, mutation in enumerate(mutations(7, 60)):
+    for k, mutation in enumerate(mutations(7, 60, rests)):
         truth = judged(mutation.world, mutation.motion, COARSE)
         certified = isinstance(judge(mutation), Certified)
         counts["wrong" if truth.wrong else "right" if truth.right else "between"] += 1
