@@ -123,18 +123,18 @@ class Planner:
                 yield from self._round(attempt, number)
         self._give_up()
         yield from self._spread()
-        yield from self._spread(breeds=True)
         self._prove_in_hand()
+        yield from self._spread(breeds=True)
 
     def _spread(self, breeds: bool = False) -> Iterator[Planned]:
         """Plans from holdings of more grasps, listed ones or bred, that many postures find together.
 
-        A base that moves needs no others where there are some, but ways to them; and none that are bred.
+        A base that moves needs no others where there are some, but ways to them; bred ones would be in hand.
         """
-        if (self.holdings or breeds) and self.setting.drive is not Drive.FIXED:
+        if self.holdings and self.setting.drive is not Drive.FIXED:
             return
         for attempt in self.attempts:
-            if self.proof is None and not self.late():
+            if self.proof is None and self.in_hand is None and not self.late():
                 at = time.perf_counter()
                 opened = attempt.breed(self.late) if breeds else attempt.fit_wide(self.late)
                 self._spent("grasp", at)
