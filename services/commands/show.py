@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from typing import cast
 
 import click
+from rich.cells import cell_len
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -26,6 +27,9 @@ from rich.text import Text
 
 PIPE_WIDTH = 400
 """[characters] Wide enough that nothing is cut on a pipe, where no terminal tells its width."""
+
+BETWEEN = 2
+"""[characters] Between columns of a table."""
 
 CSV = "sdt.csv"
 """Key in click's context: the reader asked for CSV (`csv_flag`)."""
@@ -74,7 +78,8 @@ def _finite(value: object) -> object:
 def print_rows(rows: Sequence[Row], columns: Sequence[str], form: str) -> None:
     """Rows as `table`, `csv` or `json`; the columns are shown even where there is no row.
 
-    A table is CSV where the reader asked for that with `csv_flag`.
+    A table is CSV where the reader asked for that with `csv_flag`; on a terminal that is too narrow for
+    its words it is one row below the other.
     """
     form = "csv" if form == "table" and csv_is_asked() else form
     if form == "json":
@@ -82,7 +87,10 @@ def print_rows(rows: Sequence[Row], columns: Sequence[str], form: str) -> None:
     elif form == "csv":
         click.echo(csv_text(rows, columns), nl=False)
     else:
-        console().print(_table(rows, columns))
+        out = console()
+        widths = _widths(rows, columns, out.width)
+        narrow = columns and not widths
+        out.print(_one_below_the_other(rows, columns) if narrow else _table(rows, columns, widths))
 
 
 def csv_text(rows: Sequence[Row], columns: Sequence[str]) -> str:
@@ -94,14 +102,44 @@ def csv_text(rows: Sequence[Row], columns: Sequence[str]) -> str:
     return out.getvalue()
 
 
-def _table(rows: Sequence[Row], columns: Sequence[str]) -> Table:
+def _table(rows: Sequence[Row], columns: Sequence[str], widths: Sequence[int]) -> Table:
     table = Table(box=None, pad_edge=False)
-    for column in columns:
-        table.add_column(column, overflow="fold")
+    for column, width in zip(columns, widths, strict=True):
+        table.add_column(column, overflow="fold", width=width)
     for row in rows:
         # As Text, since a name or reason may hold what rich takes for markup.
         table.add_row(*(Text(_cell(row.get(column))) for column in columns))
     return table
+
+
+def _widths(rows: Sequence[Row], columns: Sequence[str], room: int) -> list[int]:
+    """Of each column, in characters: as wide as it wants, or fairly less; none if a word would break."""
+    texts = [[column, *(_cell(row.get(column)) for row in rows)] for column in columns]
+    wanted = [max(map(cell_len, column)) for column in texts]
+    least = [max(cell_len(word) for text in column for word in (text.split() or [""])) for column in texts]
+    left = room - sum(least) - BETWEEN * (len(columns) - 1)
+    if left < 0:
+        return []
+    widths = least.copy()
+    order = sorted(range(len(columns)), key=lambda k: wanted[k] - least[k])
+    for n, k in enumerate(order):
+        more = min(wanted[k] - least[k], left // (len(columns) - n))
+        widths[k], left = widths[k] + more, left - more
+    return widths
+
+
+def _one_below_the_other(rows: Sequence[Row], columns: Sequence[str]) -> Table:
+    """For each row the value of its first column, and below it a line for each other that has one."""
+    lines = Table.grid(padding=(0, 2))
+    lines.add_column(no_wrap=True)
+    lines.add_column(overflow="fold")
+    for row in rows:
+        lines.add_row(Text(columns[0], style="bold"), Text(_cell(row.get(columns[0])), style="bold"))
+        for column in columns[1:]:
+            if cell := _cell(row.get(column)):
+                lines.add_row(Text(column), Text(cell))
+        lines.add_row()
+    return lines
 
 
 def _cell(value: object) -> str:

@@ -7,9 +7,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
 from sdt_kg.errors import InputError
+from services.commands import show
 from services.commands.output import write_file
+from services.commands.show import print_rows
 
 FULL = Path("/dev/full")
 needs_full = pytest.mark.skipif(not FULL.exists(), reason="no device that is always full")
@@ -70,3 +73,20 @@ def test_a_terminal_without_a_letter_gets_the_answer_all_the_same(tmp_path: Path
     refused = subprocess.run(gone, env=ascii_only, capture_output=True, check=False)
     assert refused.returncode == 2
     assert b"error: no kitchen named" in refused.stderr
+
+
+@pytest.mark.parametrize(("width", "below"), [(60, False), (32, False), (31, True)])
+def test_a_table_whose_words_do_not_fit_is_told_one_below_the_other(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], width: int, below: bool
+) -> None:
+    monkeypatch.setattr(show, "console", lambda: Console(width=width))
+    rows = [{"name": "fridge_door", "why": "too far away", "at": 1.5}, {"name": "sink_area_left_drawer"}]
+    print_rows(rows, ("name", "why", "at"), "table")
+    lines = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
+    if below:
+        assert lines[:3] == ["name  fridge_door", "why   too far away", "at    1.5"]
+        assert lines[4] == "name  sink_area_left_drawer"
+    else:
+        assert lines[0].split() == ["name", "why", "at"]
+        assert lines[-1] == "sink_area_left_drawer"
+    assert all(len(line) <= width for line in lines)
