@@ -63,25 +63,22 @@ class Attempt:
             self.steep.extend(islice(self.steeper, max(due - len(self.steep), 0)))
         self._count()
 
-    def fit_wide(self, late: Callable[[], bool]) -> list[Opened]:
-        """The grasps that many postures may search together, if any fits at all."""
+    def spread(self, late: Callable[[], bool]) -> Iterator[Holding]:
+        """Holdings of listed grasps, if any fits at all, that many postures find together."""
         if self.grasps and not self.wide:
             self.wide = self.fitter.wide(late)
             self._count()
-        return self.wide
+        if self.wide:
+            yield from Spreader(self.searcher, self.fitter, self.wide, self.rng, late).holdings()
 
-    def breed(self, late: Callable[[], bool]) -> list[Opened]:
-        """Grasps between these that can be had at every value of the container."""
+    def breed(self, late: Callable[[], bool]) -> Iterator[Holding]:
+        """The same of grasps between these, which can be had at every value of the container."""
         breeder = Breeder(self.searcher, self.fitter, self.rng, late)
-        found = breeder.opened()
+        opened = breeder.opened()
         self.bred = breeder.looked_at
         self._count()
-        return found
-
-    def spread(self, opened: list[Opened], late: Callable[[], bool]) -> Iterator[Holding]:
-        """Holdings of such grasps that many postures find together."""
-        if opened:
-            yield from Spreader(self.searcher, self.fitter, opened, self.rng, late).holdings()
+        for pivot, xs in breeder.postures():
+            yield from Spreader(self.searcher, self.fitter, opened, self.rng, late).holdings_from(pivot, xs)
 
     def searched(self) -> Iterator[Grasp]:
         """The grasps that were searched; those of the wide set that were not needed as they were meant."""

@@ -135,10 +135,8 @@ class Planner:
             return
         for attempt in self.attempts:
             if self.proof is None and self.in_hand is None and not self.late():
-                at = time.perf_counter()
-                opened = attempt.breed(self.late) if breeds else attempt.fit_wide(self.late)
-                self._spent("grasp", at)
-                yield from self._of(attempt, attempt.spread(opened, self.late))
+                found = attempt.breed(self.late) if breeds else attempt.spread(self.late)
+                yield from self._of(attempt, found)
 
     def _proved_early(self, number: int) -> bool:
         """Whether there is a proof; looked for once if no posture reached the handle in the first round."""

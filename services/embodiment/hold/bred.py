@@ -8,7 +8,7 @@ which its children's are looked for.
 """
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +62,12 @@ class Breeder:
             if cheapest == 0.0 or cheapest > WORTH or self._late():
                 break
         return [one for one, cost in zip(self.looked_at, self._total(), strict=True) if cost == 0.0]
+
+    def postures(self) -> Iterator[tuple[int, Array]]:
+        """Waypoints, and a free posture of each of these grasps there, shape (N, n)."""
+        free = np.array(self._total()) == 0.0
+        if free.any():
+            yield from ((index, self._xs[free, k]) for k, index in enumerate(self._at))
 
     def _total(self) -> list[float]:
         return self._costs.sum(axis=1).tolist()

@@ -165,7 +165,7 @@ class Sampler:
         self.searcher.tally.solved += int(met.sum())
         layer = layer.some(met)
         layer = layer.some(self.clear(layer, index, self._bare))
-        layer = layer.some(np.array([self._fits(one) for one in layer.grasps.tolist()], dtype=np.bool_))
+        layer = layer.some(np.array([self.fits(one) for one in layer.grasps.tolist()], dtype=np.bool_))
         layer = layer.some(self.meet(layer, index, self.searcher.weight))
         return layer.some(self.clear(layer, index))
 
@@ -173,7 +173,7 @@ class Sampler:
         """Whether it is not known that a grasp does not fit."""
         return self._fitted.get(grasp, self.opened) is not None
 
-    def _fits(self, grasp: int) -> bool:
+    def fits(self, grasp: int) -> bool:
         """Whether a grasp fits; its tool is then where the hand is closed, not where it was meant."""
         if grasp not in self._fitted:
             fitted = self._fitted[grasp] = self._fitter.fitted(self.opened[grasp])

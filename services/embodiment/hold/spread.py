@@ -49,9 +49,16 @@ class Spreader:
     def holdings(self) -> Iterator[Holding]:
         """Holdings from the first waypoint to the last."""
         started = self._sampler.hardest()
-        if started is None:
-            return
-        pivot, start = started
+        if started is not None:
+            yield from self._from(*started)
+
+    def holdings_from(self, pivot: int, xs: Array) -> Iterator[Holding]:
+        """The same, from free postures at a waypoint, one of each grasp, shape (N, n)."""
+        every = np.arange(len(xs))
+        assert all(self._sampler.fits(one) for one in every.tolist()), "a posture that holds it is known"
+        yield from self._from(pivot, Layer(xs, every, every))
+
+    def _from(self, pivot: int, start: Layer) -> Iterator[Holding]:
         start = start.some(self._in_turn(start)[:MOST])
         waypoints_on = [
             *range(pivot + STRIDE, self._last, STRIDE),
