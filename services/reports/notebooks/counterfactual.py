@@ -8,10 +8,10 @@
 # %% tags=["parameters"]
 kitchen = "b"  # bundled (a, b) or a path
 robots = "pr2,stretch"  # bundled names or paths, comma-separated
-task = "open:sink_area_dish_washer_door"  # open:NAME or close:NAME
-edits = "set:sink_area_dish_washer_door_joint.upperLimit=1.2; jam:sink_area_dish_washer_door"  # by ;
+task = "open:iai_fridge_door"  # open:NAME or close:NAME
+edits = "set:iai_fridge_door_joint.upperLimit=1.2; jam:iai_fridge_door"  # by ;
 together = False  # whether all edits make one other world, instead of one each
-turn = "set:sink_area_dish_washer_door_joint.upperLimit=1.2"  # of which the smallest share is searched
+turn = "move:iai_fridge_door=1.5"  # of which the smallest share is searched
 steps = 2  # of the first scan of that share
 tolerance = 0.1  # to which the share is told
 state = ""  # joints elsewhere, as --state of sdt whatif takes them, comma-separated
