@@ -26,7 +26,7 @@ DRAWN = 20.0
 PRESS = "[...document.querySelectorAll('button')].find(b => b.innerText.trim() == arguments[0]).click()"
 
 CERTIFIED = "case?kitchen=b&robot=pr2&drive=omni&task=open:iai_fridge_door"
-REFUSED = "case?kitchen=b&robot=stretch&drive=omni&task=open:oven_area_oven_door"
+REFUSED = "case?kitchen=a&robot=stretch&drive=omni&task=open:cabinet4_door_bottom"
 
 
 def taken(browser: Browser, url: str, path: Path, width: int = WIDTH) -> None:
@@ -57,7 +57,7 @@ def pages(browser: Browser, store: Path, folder: Path) -> None:
 
 def views(browser: Browser, folder: Path) -> None:
     """The 3D page with a motion that is certified, and with one that is refused."""
-    with running("127.0.0.1:0", Offer(("b",), ROBOTS)) as page:
+    with running("127.0.0.1:0", Offer(("b", "a"), ROBOTS)) as page:
         for name, case in (("certified", CERTIFIED), ("refused", REFUSED)):
             browser.resize(WIDTH, HEIGHT)
             browser.driver.get(f"{page.url}{case}")
