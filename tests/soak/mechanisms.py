@@ -59,6 +59,12 @@ class Forces:
         figures["breakAwayFriction"] = max(figures["breakAwayFriction"], figures["coulombFriction"])
         return Values(figures, one(1 - self.spread, 1 + self.spread), one(1 - self.spread, 1 + self.spread))
 
+    def largest(self) -> Values:
+        """The upper end of every interval."""
+        return Values(
+            {name: high for name, (_, high) in self.intervals.items()}, 1 + self.spread, 1 + self.spread
+        )
+
 
 @dataclass(frozen=True)
 class Drawn:
@@ -118,8 +124,10 @@ def draw(number: int) -> Drawn:
         names, ratios = (first, second), (1.0, ratio)
     joints.append(_fixed("top_handle_joint", container, "top_handle", handle_at))
     text = f'<robot name="m"><link name="room"/>{"".join(links)}{"".join(joints)}</robot>'
-    forces = tuple(_forces(slides, upper, rng) for _ in names)
-    allowed = float(10 ** rng.uniform(0.5, 2.3))
+    folds = kind == "folding"
+    light = 0.05 if folds else 1.0  # or friction holds it nowhere
+    forces = tuple(_forces(slides, upper, light, rng) for _ in names)
+    allowed = float(10 ** rng.uniform(0.5, 2.3)) * (5.0 if folds else 1.0)  # its handle moves little at first
     ttl = _ttl(names, forces, slides, allowed)
     return Drawn(kind, text, ttl, container, names, ratios, forces, allowed, handle_box, handle_at)
 
@@ -152,11 +160,11 @@ def _panel(
     return (0.02, wide, high), middle
 
 
-def _forces(slides: bool, upper: float, rng: np.random.Generator) -> Forces:
+def _forces(slides: bool, upper: float, light: float, rng: np.random.Generator) -> Forces:
     lightness = 1.0 if slides else 0.3
     intervals = {}
     for name, (low, high) in SCALES.items():
-        factor = 1.0 if name.endswith("Mass") else lightness
+        factor = light if name.endswith("Mass") else lightness
         few = rng.random() < 0.4 and not name.endswith("Mass") and "Friction" not in name
         ends = np.sort(rng.uniform(low, high, 2)) * factor * (0.0 if few else 1.0)
         if rng.random() < 0.5:  # narrow intervals decide more often

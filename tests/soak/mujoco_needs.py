@@ -19,8 +19,12 @@ class Mujoco:
     """MuJoCo's model of a mechanism, and what it needs."""
 
     def __init__(self, drawn: Drawn) -> None:
+        # u and w of their own make masses that no body has: inverse dynamics need no inverse of theirs
+        mujoco.set_mju_user_warning(lambda text: None)
         self.drawn = drawn
         self.model = mujoco.MjModel.from_xml_string(drawn.urdf)
+        self.model.body_simple[:] = 0  # masses change: nothing of what was compiled of them is kept
+        self.model.dof_simplenum[:] = 0
         self.data = mujoco.MjData(self.model)
         find = lambda name: mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name)  # noqa: E731
         self.joints = [find(each) for each in drawn.joints]
