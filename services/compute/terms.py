@@ -8,7 +8,7 @@ import rdflib
 from rdflib.namespace import RDF, RDFS
 from rdflib.paths import InvPath, NegatedPath, Path, SequencePath
 from rdflib.plugins.sparql.parserutils import CompValue
-from rdflib.term import Identifier, Node, URIRef, Variable
+from rdflib.term import BNode, Identifier, Node, URIRef, Variable
 
 import ontology
 from sdt_kg.iri import LAW, SDT, TEE, Iri, graph_iri, verdict_iri
@@ -70,8 +70,9 @@ def kinds_made_otherwise(node: object) -> tuple[Iri, ...]:
 
 
 def expanded(triple: Triple) -> Iterator[Triple]:
-    """A path of steps as triples, step by step, with a variable between two steps."""
+    """A path of steps as triples, step by step, with a variable between two steps and for a blank node."""
     subject, predicate, value = triple
+    subject, value = (Variable(f"_:{each}") if isinstance(each, BNode) else each for each in (subject, value))
     if isinstance(predicate, SequencePath):
         steps = list(predicate.args)
         nodes = [subject, *(Variable(f"{id(predicate)}_{index}") for index in range(1, len(steps))), value]
@@ -80,7 +81,7 @@ def expanded(triple: Triple) -> Iterator[Triple]:
     elif isinstance(predicate, InvPath):
         yield from expanded((value, predicate.arg, subject))
     else:
-        yield triple
+        yield subject, predicate, value
 
 
 def _mentioned(node: object) -> Iterator[object]:

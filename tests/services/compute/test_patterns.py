@@ -46,6 +46,8 @@ def select(where: str) -> set[Pattern]:
         ("?v law:teeClass tee:D_artic_dyn", Pattern(classes=frozenset({f"{TEE}D_artic_dyn"}))),
         ("?v law:robot id:pr2 ; ?p ?o", Pattern(robots=PR2)),
         ("<https://example.org/id/verdict/0a> ?p ?o", Pattern(verdicts=ONE)),
+        ("[] law:robot id:pr2 ; law:outcome ?o", Pattern(robots=PR2)),
+        ("_:v law:robot id:pr2 ; law:task [ law:verb law:Open ]", Pattern(robots=PR2, verbs=OPEN)),
         ("?v law:robot id:pr2 ; law:container ?c . ?c ?p ?o", Pattern(robots=PR2)),
         ("?v law:robot id:pr2 ; law:motion/law:entity ?j . ?j sdt:upperLimit|sdt:lowerLimit ?o ; ?p ?q",
          Pattern(robots=PR2)),

@@ -20,7 +20,7 @@ from services.physics.oracle import Kinematics
 from tests.small import small_twin
 from tests.small.lift import Lift
 
-VARIABLES = ("?v", "?w")
+VARIABLES = ("?v", "?v", "?w", "[]")
 ROBOTS = (f"<{ID}pr2>", f"<{ID}stretch>", "?r", "?s")
 CONTAINERS = (f"<{ID}b/body/oven_door>", f"<{ID}b/body/top_drawer>", "?c")
 VERBS = ("law:Open", "law:Close", "?b")
@@ -80,6 +80,7 @@ def triples(draw: st.DrawFn) -> str:
 OPEN_PREDICATES = (
     "?p", "prov:wasDerivedFrom", "prov:wasGeneratedBy/prov:used", "a", "!law:robot", "law:answer|^law:task",
     "(law:task|law:diagnosis)*/law:verb", "!(rdf:type|^law:robot)", "law:diagnosis/law:reason",
+    "law:task [] ; law:answer",
 )  # fmt: skip
 
 
