@@ -18,7 +18,7 @@ REFUSED = (
     ("a", "pr2", "wardrobe_door_left"),
     ("a", "stretch", "dishwasher_drawer_middle"),
     ("b", "stretch", "oven_area_oven_door"),
-    ("a", "pr2", "cabinet7_door_bottom_left"),
+    ("a", "stretch", "cabinet1_door_top_left"),
 )
 JOBS = 2
 WITHIN = 30.0  # [s] of CPU of each process

@@ -6,13 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from predicates.case import Outcome
 from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
+from services.app import Policy, load
 from services.embodiment.body import ik
 from services.embodiment.body.limb import Margins, touching
 from services.embodiment.body.track import EXACT
 from services.embodiment.body.world import World
-from services.embodiment.hold.bred import LOOKED_AT, Breeder
+from services.embodiment.hold.bred import FIRST_BRED, LOOKED_AT, Breeder
 from services.embodiment.hold.fit import Fitter
 from services.embodiment.hold.grasp import FREE_MOST, Grasp, free_grasp, grasp_set, grasp_settings
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
@@ -103,3 +105,12 @@ def test_a_free_grasp_with_the_numbers_of_a_listed_one_is_that_one() -> None:
 
 def test_a_door_that_no_listed_grasp_opens_is_opened_with_a_bred_one_and_not_refuted(tmp_path: Path) -> None:
     assert result(tmp_path, QUICK, "tiago_dual", Drive.FIXED, 20.0) is Result.CERTIFIED
+
+
+def test_stretch_opens_the_oven_with_a_bred_grasp() -> None:
+    service = load("b", ["stretch"], policy=Policy(Drive.OMNI))
+    (verdict,) = service.achieve("open:oven_area_oven_door")
+    assert verdict.outcome is Outcome.CERTIFIED
+    assert verdict.can_perform is not None
+    (told,) = (each for each in verdict.can_perform.notes if each.startswith("grasp "))
+    assert int(told.split()[1]) >= FIRST_BRED
