@@ -19,10 +19,11 @@ from rdflib.namespace import OWL, RDF, RDFS
 
 from sdt_kg.errors import InputError
 from sdt_kg.interchange import core_triples, ntriples, owlready_ontology, with_core
-from sdt_kg.iri import SDT, Iri, graph_iri, local_name
+from sdt_kg.iri import SDT, XSD, Iri, graph_iri, local_name
 
 REASONED: Final = "https://example.org/id/owl"
 TYPE: Final = ox.NamedNode(str(RDF.type))
+_BYTES: Final = ox.NamedNode(XSD + "base64Binary")
 _BUILT_IN: Final = (str(OWL), str(RDF), str(RDFS), "http://www.w3.org/2001/XMLSchema#")
 
 # Neither library has types of its own.
@@ -88,7 +89,8 @@ def _hermit(quads: list[ox.Quad]) -> Reasoned:
             "HermiT needs Java, which is not there", allowed="--engine owlrl", remedy="or install it"
         )
     library: Untyped = owlready2
-    made = owlready_ontology(quads, REASONED)
+    # owlready2 forgets the datatype of bytes: HermiT would see texts that are out of range.
+    made = owlready_ontology((quad for quad in quads if not _is_bytes(quad.object)), REASONED)
     try:
         library.sync_reasoner_hermit(made.world, debug=0)
     except library.OwlReadyInconsistentOntologyError:
@@ -102,6 +104,10 @@ def _hermit(quads: list[ox.Quad]) -> Reasoned:
         if isinstance(kind, library.ThingClass)
     }
     return Reasoned(Engine.HERMIT, True, (), _fresh(found, asserted))
+
+
+def _is_bytes(term: object) -> bool:
+    return isinstance(term, ox.Literal) and term.datatype == _BYTES
 
 
 def _owlrl(quads: list[ox.Quad]) -> Reasoned:

@@ -7,7 +7,7 @@ import pytest
 
 from sdt_kg.history.diff import quads_of_twin
 from sdt_kg.interchange import owlready_ontology
-from sdt_kg.iri import OWL, RDF, SDT, body_iri
+from sdt_kg.iri import LAW, OWL, RDF, SDT, XSD, body_iri
 from services.store.reason import Engine, reasoned
 from tests.small import small_twin
 
@@ -51,6 +51,14 @@ def test_an_individual_of_two_disjoint_classes_is_inconsistent_and_told(engine: 
     assert not found.consistent
     assert any("top_drawer is " in clash and "Joint" in clash for clash in found.clashes)
     assert found.types == ()
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_bytes_of_a_certificate_contradict_nothing(engine: Engine) -> None:
+    bytes_ = ox.Literal("c2R0IGNlcnRpZmljYXRlIDEK", datatype=ox.NamedNode(XSD + "base64Binary"))
+    artefact = (NEW, RDF + "type", ox.NamedNode(LAW + "Artefact"))
+    found = reasoned(kitchen(artefact, (NEW, LAW + "content", bytes_)), engine)
+    assert (found.consistent, found.clashes) == (True, ())
 
 
 def test_a_functional_property_with_two_values_is_told() -> None:
