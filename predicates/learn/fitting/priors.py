@@ -31,7 +31,7 @@ TRAVEL_SPREAD = 0.8
 
 TILT = math.radians(0.5)
 """[rad] How far a mechanism, in the frame it is seen in, is out of plumb. With 0.5 degrees the second half of
-the reference's drawers is predicted within 4.6 mm at the median, with 2 degrees within 6: hands sag."""
+the reference's drawers is predicted within 4.4 mm at the median, with 2 degrees within 6: hands sag."""
 
 SCALE = 0.002
 """[m] Typical deviation of a handle from its ideal path: play, compliance, a hand that slips."""
