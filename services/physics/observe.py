@@ -9,7 +9,7 @@ from scipy.interpolate import PchipInterpolator
 
 from predicates.learn import Track
 from predicates.learn.fitting.cells import spikes
-from sdt_kg.errors import DisconnectedFrameError
+from sdt_kg.errors import MotionError
 from sdt_kg.motion import Array, Motion
 from sdt_kg.twin import Container, Twin
 from services.physics.chain import chain
@@ -98,7 +98,7 @@ def followed(model: Model, twin: Twin, track: Track, container: Container) -> Fo
             poses = world_T_body(model, twin, values, container.handle)
             gaps = track.positions - poses[:, :3, :3] @ offset - poses[:, :3, 3]
             offset = offset + np.median(np.einsum("tji,tj->ti", poses[:, :3, :3], gaps), axis=0)
-    except DisconnectedFrameError:
+    except MotionError:
         return None
     again = as_point(model, twin, values, container.handle, offset)
     distances = np.linalg.norm(again.positions - track.positions, axis=1)

@@ -1,14 +1,15 @@
 r"""τ in the forms that the paper names, and the ways from one to another.
 
 Articulation values, pose path of any body that the joint moves, path of any point of such a body: each
-determines the others, except where the joint does not move the point. A robot's joint-space motion
-becomes τ in `carry.py`, and τ a robot's motion in CanPerform.
+determines the others, except where the joint does not move the point, or brings it to one place twice.
+A robot's joint-space motion becomes τ in `carry.py`, and τ a robot's motion in CanPerform.
 """
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from sdt_kg.errors import DisconnectedFrameError, MotionError
@@ -27,6 +28,12 @@ LEAST_RADIUS = 1e-6
 
 SETTLED = 1e-9
 """[rad or m] How much a last step may still change."""
+
+SAME_PLACE, APART = 1e-9, 1e-4
+"""[m], [rad or m] Points that are one, and positions of the joint that are two: steps end nearer to one."""
+
+SLOW_STEPS = 40
+"""[1] Gauss-Newton steps where a point turns back: there each only halves what is left."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,27 +118,71 @@ def fitted_to_points(model: Model, twin: Twin, path: Chain, offset: Array, posit
     """Positions of the actuated joint at which the point is nearest to where it was seen, shape (T,).
 
     Raises:
-        MotionError: Positions that are not numbers.
+        MotionError: Positions that are not numbers, or a place to which the joint brings the point twice.
         DisconnectedFrameError: The point lies on the hinge's axis.
     """
     if positions.ndim != 2 or positions.shape[1] != 3 or not np.isfinite(positions).all():
         raise MotionError(f"positions of shape {positions.shape}", allowed="finite numbers, shape (T, 3)")
     seeds = _seeds(model, twin, path)
+    if len(path.moving) > 1:
+        return _from_everywhere(path, seeds, offset, positions)
     gaps = positions[:, None] - _points(path, seeds, offset)[0][None]
     active = seeds[np.argmin((gaps**2).sum(axis=2), axis=1)]
     for _ in range(STEPS):
-        points, rates = _points(path, active, offset)
-        squares = (rates**2).sum(axis=1)
+        step, squares = _step(path, active, offset, positions)
         if float(squares.min()) < LEAST_RADIUS**2:
             raise DisconnectedFrameError(
                 f"the point {offset.tolist()} of '{local_name(path.follower.own)}' lies on its axis",
                 allowed="a point that the joint moves",
             )
-        step = ((positions - points) * rates).sum(axis=1) / squares
         active = active + step
         if float(np.abs(step).max()) < SETTLED:
             break
     return active
+
+
+def _from_everywhere(path: Chain, seeds: Array, offset: Array, positions: Array) -> Array:
+    """The same where joints move together: they may bring a point near a place, or to it, twice.
+
+    Raises:
+        MotionError: A place to which the point comes twice.
+    """
+    first = np.linalg.norm(positions[:, None] - _points(path, seeds, offset)[0][None], axis=2)
+    basins = _basins(first)
+    active, target = np.broadcast_to(seeds, basins.shape)[basins], positions[np.nonzero(basins)[0]]
+    for _ in range(SLOW_STEPS):
+        step, squares = _step(path, active, offset, target)
+        active = np.clip(active + np.where(squares < LEAST_RADIUS**2, 0.0, step), seeds[0], seeds[-1])
+    gaps, found = np.full(basins.shape, np.inf), np.zeros(basins.shape)
+    gaps[basins] = np.linalg.norm(target - _points(path, active, offset)[0], axis=1)
+    found[basins] = active
+    best = np.take_along_axis(found, gaps.argmin(axis=1)[:, None], axis=1)
+    there = (gaps < gaps.min(axis=1, keepdims=True) + SAME_PLACE) & (np.abs(found - best) > APART)
+    if there.any():
+        k, other = (int(index) for index in np.argwhere(there)[0])
+        raise MotionError(
+            f"sample {k}: the point {offset.tolist()} of '{local_name(path.follower.own)}' is there with its "
+            f"joint at {best[k, 0]:.4g} and at {found[k, other]:.4g}",
+            allowed="a point that comes to each place once",
+            remedy="give poses, or the joint's values",
+        )
+    return best[:, 0]
+
+
+def _basins(gaps: Array) -> NDArray[np.bool_]:
+    """Where along the last axis gaps are no larger than both neighbours, and these neighbours."""
+    around = np.pad(gaps, ((0, 0), (1, 1)), constant_values=np.inf)
+    least = (gaps <= around[:, :-2]) & (gaps <= around[:, 2:])
+    wide = np.pad(least, ((0, 0), (1, 1)))
+    return wide[:, :-2] | least | wide[:, 2:]
+
+
+def _step(path: Chain, active: Array, offset: Array, positions: Array) -> tuple[Array, Array]:
+    """A step of Gauss and Newton, and the square of how fast the point moves, shape (T,) each."""
+    points, rates = _points(path, active, offset)
+    squares = (rates**2).sum(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return ((positions - points) * rates).sum(axis=1) / squares, squares
 
 
 def _seeds(model: Model, twin: Twin, path: Chain) -> Array:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sdt_kg.errors import DisconnectedFrameError
+from sdt_kg.errors import DisconnectedFrameError, MotionError
 from sdt_kg.iri import body_iri
 from sdt_kg.motion import Motion
 from services.physics.oracle import Kinematics
@@ -46,6 +46,22 @@ def test_values_to_any_point_of_the_body_and_back(name: str, along: list[float],
     path = as_point(MODEL, TWIN, given_values, TWIN.container(name).iri, offset)
     assert as_values(MODEL, TWIN, path).values == pytest.approx(given_values.values, abs=EXACT)
     assert residuals(MODEL, TWIN, path).max() < EXACT
+
+
+FOLDING = ("folding_door", TWIN.container("folding_door").iri)
+
+
+def test_a_point_that_comes_near_a_place_twice_is_where_it_is() -> None:
+    given_values, offset = motion(FOLDING[0], [0.0, 0.875]), np.array([-0.3984375, 0.0, 0.0])
+    path = as_point(MODEL, TWIN, given_values, FOLDING[1], offset)
+    assert as_values(MODEL, TWIN, path).values == pytest.approx(given_values.values, abs=EXACT)
+
+
+def test_a_point_that_comes_to_a_place_twice_says_nothing_of_the_joint() -> None:
+    given_values, offset = motion(FOLDING[0], [0.0, 0.875]), np.array([-0.4, 0.0, 0.0])
+    path = as_point(MODEL, TWIN, given_values, FOLDING[1], offset)
+    with pytest.raises(MotionError, match=r"sample 1: .* at 0\.\d+ and at 0\.875"):
+        as_values(MODEL, TWIN, path)
 
 
 @settings(max_examples=20, deadline=None)
