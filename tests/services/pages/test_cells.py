@@ -2,7 +2,7 @@
 
 import pytest
 
-from services.http.pages.feasibility.cells import _in_order, unlike
+from services.http.pages.feasibility.cells import Found, _in_order, unlike
 
 OF = "https://example.org/id/verdict/ab/diagnosis/"
 
@@ -24,3 +24,21 @@ def test_reasons_are_in_the_verdict_s_order() -> None:
 )
 def test_a_cell_that_was_judged_otherwise_says_so_in_words(differs: list[str], said: str) -> None:
     assert unlike(differs) == said
+
+
+def found(outcome: str, embodiment: str, budget: str = "20 s", *, proved: bool = False) -> Found:
+    inputs = {"physics": "kinematics 4, pin 4.1.0", "embodiment": embodiment, "embodiment.budget": budget}
+    return Found("v", "r", "c", "omni", outcome, "", proved, "", inputs)
+
+
+def test_a_cell_shows_what_the_newest_version_says() -> None:
+    older, newer = "whole body 9, pin 4.1.0", "whole body 10, pin 4.1.0"
+    in_order = [
+        found("Certified", older),
+        found("NotCertified", newer),
+        found("NotCertified", newer, "60 s"),
+        found("Abstained", newer),
+        found("NotCertified", newer, proved=True),
+        found("Certified", newer),
+    ]
+    assert sorted(reversed(in_order), key=lambda each: each.rank) == in_order

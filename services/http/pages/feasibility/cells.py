@@ -1,6 +1,7 @@
 """Cells of the matrix: how the case of a robot and a container stands, by the verdicts that are kept."""
 
 import asyncio
+import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -52,11 +53,12 @@ class Found:
         return _classes().get(self.inputs.get("tee_class", ""))
 
     @property
-    def rank(self) -> tuple[int, float]:
-        """Which verdict a cell shows: the one that claims most, and of searches the longest."""
+    def rank(self) -> tuple[list[list[int]], int, float]:
+        """Which verdict a cell shows: of the newest version the one that claims most, of searches the longest."""
+        versions = [list(map(int, re.findall(r"\d+", self.inputs.get(name, "")))) for name in VERSIONS]
         claims = {"Certified": 3, "Abstained": 1}.get(self.outcome, 2 if self.proved else 0)
         budget = self.inputs.get("embodiment.budget", "0 s").removesuffix(" s")
-        return claims, float(budget)
+        return versions, claims, float(budget)
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,7 +188,8 @@ def _judged(verdicts: list[Found], common: dict[str, str]) -> Json:
         "reason": first.reasons or None,
         "others": len(verdicts) - 1,
         # Both cannot be right: whoever sees it has to look at their versions.
-        "disagree": first.outcome == "Certified" and any(each.proved for each in verdicts),
+        "disagree": any(each.outcome == "Certified" for each in verdicts)
+        and any(each.proved for each in verdicts),
         "differs": [name.removeprefix("embodiment.") for name in differs],
         "verdict": first.iri,
     }
