@@ -54,7 +54,7 @@ class Found:
 
     @property
     def rank(self) -> tuple[list[list[int]], int, float]:
-        """Which verdict a cell shows: of the newest version the one that claims most, of searches the longest."""
+        """Which a cell shows: of the newest version the one that claims most, of searches the longest."""
         versions = [list(map(int, re.findall(r"\d+", self.inputs.get(name, "")))) for name in VERSIONS]
         claims = {"Certified": 3, "Abstained": 1}.get(self.outcome, 2 if self.proved else 0)
         budget = self.inputs.get("embodiment.budget", "0 s").removesuffix(" s")
