@@ -18,7 +18,12 @@ REFUSED = (
     ("a", "pr2", "wardrobe_door_left"),
     ("a", "stretch", "dishwasher_drawer_middle"),
     ("b", "stretch", "oven_area_oven_door"),
-    ("a", "stretch", "cabinet1_door_top_left"),
+    pytest.param(
+        *("a", "stretch", "cabinet1_door_top_left"),
+        marks=pytest.mark.xfail(
+            reason="lowered by 0.16 m it opens, by more again not; 0.22 m is told", strict=True
+        ),
+    ),
 )
 JOBS = 2
 WITHIN = 30.0  # [s] of CPU of each process
