@@ -48,11 +48,11 @@ def pages(browser: Browser, store: Path, folder: Path) -> None:
             verdicts = json.load(answer)["verdicts"]
         outcomes = {each["outcome"]: each["link"] for each in verdicts}
         shown = {"home": "/", "containers": "/kitchens/b/containers", "verdicts": "/verdicts"}
-        shown |= {"console": "/console", "matrix": "/kitchens/b?drive=omni", "ontology": "/ontology"}
+        shown |= {"console": "/console", "matrix": "/kitchens/a?drive=omni", "ontology": "/ontology"}
         shown |= {f"verdict_{outcome}": link for outcome, link in outcomes.items()}
         for name, path in shown.items():
             taken(browser, address + path, folder / f"page_{name}.png")
-        taken(browser, f"{address}/kitchens/b?drive=omni", folder / "phone_matrix.png", 390)
+        taken(browser, f"{address}/kitchens/a?drive=omni", folder / "phone_matrix.png", 390)
 
 
 def views(browser: Browser, folder: Path) -> None:
