@@ -5,7 +5,6 @@ import os
 import signal
 import time
 from dataclasses import replace
-from typing import Any, cast
 
 import pyoxigraph as ox
 import pytest
@@ -15,7 +14,6 @@ from predicates.record import to_json
 from sdt_kg.errors import InputError, OracleUnavailableError
 from services.app import Policy, load
 from services.bus import keys
-from services.bus.asking import SMALL
 from services.bus.client import Connection, connect
 from services.bus.server import Server
 from services.bus.sessions import open_session
@@ -180,25 +178,6 @@ def test_silence_is_never_an_answer(session: zenoh.Session) -> None:
         Connection(session, "nowhere", deadline=5.0).satisfies()
     with pytest.raises(OracleUnavailableError), connect("b", free_endpoint()):
         pass
-
-
-class Watched:
-    """A session that notes how urgent its questions are."""
-
-    def __init__(self, session: zenoh.Session) -> None:
-        self.session, self.priorities = session, list[zenoh.Priority]()
-
-    def get(self, key: str, **given: Any) -> Any:
-        self.priorities.append(given["priority"])
-        return self.session.get(key, **given)
-
-
-def test_a_small_question_overtakes_a_large_one(session: zenoh.Session) -> None:
-    watched = Watched(session)
-    asking = Connection(cast("zenoh.Session", watched), "b")
-    assert asking.ask("ASK { ?d a sdt:Door }")
-    assert asking.ask("ASK { ?d a sdt:Door } #" + " " * SMALL)
-    assert watched.priorities == [zenoh.Priority.INTERACTIVE_HIGH, zenoh.Priority.DATA]
 
 
 def test_a_server_that_is_there_and_says_nothing_is_not_waited_for_longer_than_the_deadline() -> None:
