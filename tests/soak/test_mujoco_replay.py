@@ -8,14 +8,12 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
-import kitchens
-import robots
 from sdt_kg.annotation import Drive
 from services.app import Policy
 from services.table import cells, run
 from tests.soak.audit import Way
 from tests.soak.mujoco_replay import Scene, replayed
-from tests.soak.test_audit import stage
+from tests.soak.test_audit import bundled, stage
 from tests.soak.test_tables import ROBOTS
 
 pytestmark = [pytest.mark.oracle, pytest.mark.slow]
@@ -26,10 +24,13 @@ ASKED = [("open", ()), ("close", ("all=half-open:7",))]
 SHIFT = 0.1  # [m] towards the kitchen
 
 
+def files(kitchen: str, robot: str) -> tuple[Path, Path]:
+    return bundled("kitchens", kitchen, ".urdf"), bundled("robots", robot, ".urdf")
+
+
 @cache
 def scene(kitchen: str, robot: str, base: str, height: float) -> Scene:
-    files = kitchens.path(f"{kitchen}/{kitchen}.urdf"), robots.path(f"{robot}/{robot}.urdf")
-    return Scene(*files, base, height)
+    return Scene(*files(kitchen, robot), base, height)
 
 
 def ways(kitchen: str, robot: str, asked: tuple[str, tuple[str, ...]], folder: Path) -> dict[str, Way]:
@@ -37,12 +38,11 @@ def ways(kitchen: str, robot: str, asked: tuple[str, tuple[str, ...]], folder: P
     verb, states = asked
     every = cells((kitchen,), (robot,), verb, states, Policy(drive=Drive.OMNI))
     result = run(every, 2, lambda _: None, folder)
-    files = kitchens.path(f"{kitchen}/{kitchen}.urdf"), robots.path(f"{robot}/{robot}.urdf")
     about = {"kitchen": kitchen, "robot": robot, "verb": verb, "drive": "omni"}
     found = dict[str, Way]()
     for each in result.results:
         if each.verdict["outcome"] == "certified":
-            judged = stage(*files, about, each.cell.container, states)
+            judged = stage(*files(kitchen, robot), about, each.cell.container, states)
             with np.load(folder / each.cell.file_name) as motion:
                 found[each.cell.container] = Way(judged, dict(motion), STEP)
     return found

@@ -178,7 +178,7 @@ def _hold(checked: Subject, container: Container, name: str, in_full: bool) -> t
 
 def _let_go(hold: Hold) -> Iterator[str]:
     """What a certificate rests on if the hand leaves the handle before the motion ends."""
-    if hold.left() < len(hold.pieces.start):
+    if hold.left < len(hold.pieces.start):
         name, when = hold.container.name, f"from {hold.time:.2f} s to {hold.until:.2f} s"
         yield f"let go: {name} is held {when}, and nothing in D_artic moves it afterwards"
 

@@ -25,7 +25,7 @@ def collisions(checked: Subject, hold: Hold | None) -> Findings:
     """
     findings, timeline = Findings(), checked.timeline
     pieces, count = timeline.pieces, len(timeline.pieces.start)
-    left = count if hold is None else hold.left()
+    left = count if hold is None else hold.left
     own = (
         np.zeros(len(checked.scene.environment_pairs), dtype=bool)
         if hold is None

@@ -58,6 +58,8 @@ class Sampler:
         searcher: What is held, by what, and at which distances.
         fitter: Closes the hand in a grasp, which is done only where a posture is free but for its fingers.
         opened: Grasps that may fit.
+        rng: Draws seeds and turns.
+        late: Whether time is up.
 
     Attributes:
         weight: How willingly each variable moves while the handle does, shape (n,).
@@ -72,7 +74,7 @@ class Sampler:
         rng: np.random.Generator,
         late: Callable[[], bool],
     ) -> None:
-        self.searcher, self.limb, self._rng, self._late = searcher, searcher.limb, rng, late
+        self.searcher, self.limb, self.rng, self.late = searcher, searcher.limb, rng, late
         self._fitter, self.opened = fitter, opened
         self._fitted: dict[int, Fitted | None] = {}
         self._rotation = np.stack([grasp.rotation for grasp, _ in opened])
@@ -103,7 +105,7 @@ class Sampler:
         for index in looked_at:
             solved = self.searcher.tally.solved
             found[index], share[index] = self._sampled(index, every, ENOUGH)
-            if self.searcher.tally.solved == solved or self._late():
+            if self.searcher.tally.solved == solved or self.late():
                 return None
         looked_at = [index for index in looked_at if len(found[index].xs)]
         if not looked_at:
@@ -114,7 +116,7 @@ class Sampler:
         common = np.unique(start.grasps)
         for index in looked_at[1:]:
             common = self._shared(index, common)
-            if not len(common) or self._late():
+            if not len(common) or self.late():
                 return None
         start = start.some(np.isin(start.grasps, common))
         if len(start.xs) < MOST:
@@ -141,14 +143,14 @@ class Sampler:
             left = grasps[[self._may_fit(one) for one in grasps.tolist()]]
             if not len(left):
                 break
-            more = self._rng.choice(left, BATCHES * SEEDS)
+            more = self.rng.choice(left, BATCHES * SEEDS)
             if len(layer.xs):
-                more[::2] = self._rng.choice(layer.grasps, len(more[::2]))
+                more[::2] = self.rng.choice(layer.grasps, len(more[::2]))
             layer = both(layer, self._free_seeds(index, more))
             seeds += len(more)
             hopeless = batch >= HOPELESS and self.searcher.tally.solved == solved
             few = batch >= FEW_BATCHES and len(layer.xs)
-            if len(layer.xs) >= enough or few or hopeless or self._late():
+            if len(layer.xs) >= enough or few or hopeless or self.late():
                 break
         return layer, len(layer.xs) / max(seeds, 1)
 
@@ -156,7 +158,7 @@ class Sampler:
         """Free postures at a waypoint that one seed for each of these grasps leads to."""
         batches = -(-len(grasps) // SEEDS)
         none = np.empty((0, len(self.weight)))
-        xs = np.concatenate([none, *(self.searcher.seeds(index, self._rng) for _ in range(batches))])[
+        xs = np.concatenate([none, *(self.searcher.seeds(index, self.rng) for _ in range(batches))])[
             : len(grasps)
         ]
         layer = Layer(xs, grasps, np.arange(len(xs)))

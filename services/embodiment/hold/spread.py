@@ -7,14 +7,13 @@ children beside it, as its redundancy allows; those that meet the handle and tou
 arrives is straightened. A base that does not move sideways stands while the handle moves.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.body.track import JUMP
-from services.embodiment.hold.fit import Fitter, Opened
-from services.embodiment.hold.holding import Holding, Searcher
+from services.embodiment.hold.holding import Holding
 from services.embodiment.hold.sampling import MOST, Layer, Sampler
 
 Array = NDArray[np.float64]
@@ -32,19 +31,11 @@ SWEEPS = 6  # over each
 
 
 class Spreader:
-    """The search for one limb; the arguments are those of `Sampler`."""
+    """The search for one limb, whose free postures the sampler knows."""
 
-    def __init__(
-        self,
-        searcher: Searcher,
-        fitter: Fitter,
-        opened: list[Opened],
-        rng: np.random.Generator,
-        late: Callable[[], bool],
-    ) -> None:
-        self.searcher, self.limb, self._rng, self._late = searcher, searcher.limb, rng, late
-        self._sampler = Sampler(searcher, fitter, opened, rng, late)
-        self._last = self._sampler.last
+    def __init__(self, sampler: Sampler) -> None:
+        self.searcher, self.limb, self._sampler = sampler.searcher, sampler.limb, sampler
+        self._rng, self._late, self._last = sampler.rng, sampler.late, sampler.last
 
     def holdings(self) -> Iterator[Holding]:
         """Holdings from the first waypoint to the last."""

@@ -1,6 +1,5 @@
 """Grasps that are bred: they are kept at every value of the container, and open what no listed grasp does."""
 
-from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -8,20 +7,14 @@ import pytest
 
 from predicates.case import Outcome
 from sdt_kg.annotation import Drive
-from sdt_kg.load import load_twin
 from services.app import Policy, load
 from services.embodiment.body import ik
-from services.embodiment.body.limb import Margins, touching
 from services.embodiment.body.track import EXACT
-from services.embodiment.body.world import World
 from services.embodiment.hold.bred import FIRST_BRED, LOOKED_AT, Breeder
-from services.embodiment.hold.fit import Fitter
 from services.embodiment.hold.grasp import FREE_MOST, Grasp, free_grasp, grasp_set, grasp_settings
-from services.embodiment.hold.handle import Bar, Mechanics, find_bar
-from services.embodiment.hold.holding import STEPS, Problem, Searcher
-from services.embodiment.hold.kit import Kits
-from services.physics.model import Scene
-from tests.soak.doors import draw, write
+from services.embodiment.hold.handle import Bar
+from services.embodiment.hold.holding import STEPS, Searcher
+from tests.services.embodiment.front import front
 from tests.soak.judge import Result, result
 
 pytestmark = pytest.mark.oracle
@@ -34,22 +27,8 @@ BAR = Bar(1, np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([-1.0, 0.0, 0.0]),
 
 
 def breeder(folder: Path, base: tuple[float, float, float]) -> Breeder:
-    path = write(draw(np.random.default_rng(FRONT)), folder, "front")
-    twin = load_twin(path, ["tiago_dual"])
-    world = World(Scene(twin, twin.robots[0]))
-    kit = Kits(world, Margins()).of(world.scene.annotation.grippers[RIGHT])
-    container = twin.container("front_door")
-    mechanics, q = Mechanics(world, container), kit.limb.q(kit.limb.parked)
-    bar = find_bar(world, mechanics, q)
-    assert bar is not None
-    values = np.linspace(0.0, OPEN, 61)
-    poses = mechanics.handle_poses(q, bar.joint, values)
-    problem = Problem(mechanics, values, *poses, poses[0][0] @ bar.outward)
-    holding = touching(world, kit.limb, kit.demands, (container.handle,))
-    searcher = Searcher(world, kit.limb, problem, holding, Drive.FIXED)
-    searcher.stand(np.array(base))
-    fitter = Fitter(kit.hand, problem, bar, (holding, kit.demands), Counter())
-    return Breeder(searcher, fitter, np.random.default_rng(0), lambda: False)
+    one = front(folder, FRONT, "tiago_dual", 61, gripper=RIGHT, last=OPEN)
+    return Breeder(one.searcher(base), one.fitter, np.random.default_rng(0), lambda: False)
 
 
 def met(one: Searcher, grasp: Grasp, index: int) -> np.ndarray:

@@ -1,24 +1,17 @@
 """Holdings that many postures find together: they hold the handle all along, and touch nothing."""
 
-from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from sdt_kg.annotation import Drive
-from sdt_kg.load import load_twin
-from services.embodiment.body.limb import Margins, touching
 from services.embodiment.body.track import JUMP
-from services.embodiment.body.world import World
 from services.embodiment.hold.fit import Fitter, Opened
 from services.embodiment.hold.grasp import FIRST_WIDE, grasp_set, wide_set
-from services.embodiment.hold.handle import Bar, Mechanics, find_bar
-from services.embodiment.hold.holding import Problem, Searcher
-from services.embodiment.hold.kit import Kits
+from services.embodiment.hold.handle import Bar
+from services.embodiment.hold.sampling import Sampler
 from services.embodiment.hold.spread import Spreader
-from services.physics.model import Scene
-from tests.soak.doors import draw, write
+from tests.services.embodiment.front import front
 
 pytestmark = pytest.mark.oracle
 
@@ -32,22 +25,10 @@ def searched(folder: Path, base: tuple[float, float, float]) -> Spreader:
 
 
 def spread(folder: Path, base: tuple[float, float, float]) -> tuple[Spreader, Fitter, list[Opened]]:
-    twin = load_twin(write(draw(np.random.default_rng(FRONT)), folder, "front"), ["pr2"])
-    world = World(Scene(twin, twin.robots[0]))
-    kit = Kits(world, Margins()).of(world.scene.annotation.grippers[0])
-    container = twin.container("front_door")
-    mechanics, q = Mechanics(world, container), kit.limb.q(kit.limb.parked)
-    bar = find_bar(world, mechanics, q)
-    assert bar is not None
-    values = np.linspace(0.0, OPEN, 61)
-    poses = mechanics.handle_poses(q, bar.joint, values)
-    problem = Problem(mechanics, values, *poses, poses[0][0] @ bar.outward)
-    holding = touching(world, kit.limb, kit.demands, (container.handle,))
-    searcher = Searcher(world, kit.limb, problem, holding, Drive.FIXED)
-    searcher.stand(np.array(base))
-    fitter = Fitter(kit.hand, problem, bar, (holding, kit.demands), Counter())
-    opened = fitter.wide(lambda: False)
-    return Spreader(searcher, fitter, opened, np.random.default_rng(0), lambda: False), fitter, opened
+    one = front(folder, FRONT, "pr2", 61, last=OPEN)
+    opened = one.fitter.wide(lambda: False)
+    sampler = Sampler(one.searcher(base), one.fitter, opened, np.random.default_rng(0), lambda: False)
+    return Spreader(sampler), one.fitter, opened
 
 
 def test_a_holding_keeps_its_grasp_its_limits_and_its_distance(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ still be at the handle as long as the tool stays in its grasp, and from then on 
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,6 +104,7 @@ class Hold:
         )
         return float(self.pieces.start[away[-1] + 1 if len(away) else 0])
 
+    @cached_property
     def left(self) -> int:
         """First piece on which fingers have to be clear of the handle; as many as there are if on none.
 
@@ -121,8 +123,7 @@ class Hold:
 
     def clear_from(self) -> float:
         """When that piece begins [s]; infinite if there is none."""
-        left = self.left()
-        return float(self.pieces.start[left]) if left < len(self.pieces.start) else np.inf
+        return float(self.pieces.start[self.left]) if self.left < len(self.pieces.start) else np.inf
 
     def contact(self) -> Findings:
         """At the grasp two fingers have the handle between them: they reach over it and touch it."""
