@@ -34,7 +34,7 @@ from services.physics.oracle import Kinematics, version_of
 Array = NDArray[np.float64]
 Start = tuple[float, float, float]
 
-EMBODIMENT_VERSION = "9"
+EMBODIMENT_VERSION = "10"
 """Raised whenever an answer of this oracle may change."""
 
 MOVED_START = (

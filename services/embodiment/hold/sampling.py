@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sdt_kg.annotation import Drive
 from services.embodiment.body import ik
-from services.embodiment.body.limb import BASE, without_fingers
+from services.embodiment.body.limb import without_fingers
 from services.embodiment.body.track import EXACT
 from services.embodiment.body.world import Rules
 from services.embodiment.hold.fit import Fitted, Fitter, Opened
+from services.embodiment.hold.following import Following
 from services.embodiment.hold.holding import SEEDS, STEPS, Searcher
 
 Array = NDArray[np.float64]
@@ -62,7 +62,7 @@ class Sampler:
         late: Whether time is up.
 
     Attributes:
-        weight: How willingly each variable moves while the handle does, shape (n,).
+        following: How the limb may move while the handle does.
         last: The last waypoint.
     """
 
@@ -82,9 +82,7 @@ class Sampler:
         self._rests = np.repeat(self.limb.rest[None], len(opened), axis=0)
         self._bare = without_fingers(searcher.world, self.limb, searcher.rules)
         self.last = len(searcher.problem.values) - 1
-        self.weight = searcher.weight.copy()
-        if searcher.drive is not Drive.OMNI:
-            self.weight[BASE] = 0.0
+        self.following = Following(searcher)
 
     def fitted(self, grasp: int) -> Fitted:
         """A grasp of which a posture was found, closed."""
@@ -157,18 +155,18 @@ class Sampler:
     def _free_seeds(self, index: int, grasps: Indices) -> Layer:
         """Free postures at a waypoint that one seed for each of these grasps leads to."""
         batches = -(-len(grasps) // SEEDS)
-        none = np.empty((0, len(self.weight)))
+        none = np.empty((0, len(self.searcher.weight)))
         xs = np.concatenate([none, *(self.searcher.seeds(index, self.rng) for _ in range(batches))])[
             : len(grasps)
         ]
         layer = Layer(xs, grasps, np.arange(len(xs)))
-        met = self.meet(layer, index, self.searcher.weight)
+        met = self.meet(layer, index)
         self.searcher.tally.seeds += len(xs)
         self.searcher.tally.solved += int(met.sum())
         layer = layer.some(met)
         layer = layer.some(self.clear(layer, index, self._bare))
         layer = layer.some(np.array([self.fits(one) for one in layer.grasps.tolist()], dtype=np.bool_))
-        layer = layer.some(self.meet(layer, index, self.searcher.weight))
+        layer = layer.some(self.meet(layer, index))
         return layer.some(self.clear(layer, index))
 
     def _may_fit(self, grasp: int) -> bool:
@@ -183,15 +181,22 @@ class Sampler:
                 self._translation[grasp], self._rests[grasp] = fitted[0].translation, fitted[1]
         return self._fitted[grasp] is not None
 
-    def meet(self, layer: Layer, index: int | Indices, weight: Array | None = None) -> NDArray[np.bool_]:
-        """Which postures were moved to where the tool is in their grasp; without a weight as they follow."""
-        one, problem = self.searcher, self.searcher.problem
-        turn, place = problem.handle_r[index], problem.handle_p[index]
-        there = self._translation[layer.grasps]
-        target = turn @ self._rotation[layer.grasps], (turn @ there[:, :, None])[:, :, 0] + place
+    def meet(self, layer: Layer, index: int) -> NDArray[np.bool_]:
+        """Which postures were moved to where the tool is in their grasp, the base anywhere it may stand."""
+        one = self.searcher
         limits = one.lower, one.upper
-        weight = self.weight if weight is None else weight
-        return ik.solve_many(layer.xs, *target, self.limb.chain, weight, *limits, STEPS, EXACT)
+        target = self._targets(layer, index)
+        return ik.solve_many(layer.xs, *target, self.limb.chain, one.weight, *limits, STEPS, EXACT)
+
+    def follow(self, layer: Layer, index: int | Indices) -> NDArray[np.bool_]:
+        """The same, as the limb may move while the handle does."""
+        return self.following.met(layer.xs, *self._targets(layer, index))
+
+    def _targets(self, layer: Layer, index: int | Indices) -> tuple[Array, Array]:
+        """World tool poses of the grasps of postures at a waypoint, or at one of each."""
+        problem, there = self.searcher.problem, self._translation[layer.grasps]
+        turn, place = problem.handle_r[index], problem.handle_p[index]
+        return turn @ self._rotation[layer.grasps], (turn @ there[:, :, None])[:, :, 0] + place
 
     def clear(self, layer: Layer, index: int | Indices, rules: Rules | None = None) -> NDArray[np.bool_]:
         """Which postures touch nothing, at the distances demanded while they hold or at these."""

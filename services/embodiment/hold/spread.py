@@ -4,7 +4,7 @@ A path that is followed step by step makes its choices as it goes: which way the
 a limit or a panel stops it much later. Here many postures, of all grasps, go to both ends from the value of
 the container at which the fewest are free, of those at which some were found. At each step every posture has
 children beside it, as its redundancy allows; those that meet the handle and touch nothing go on. A path that
-arrives is straightened. A base that does not move sideways stands while the handle moves.
+arrives is straightened. A base that does not move sideways drives straight while the handle moves.
 """
 
 from collections.abc import Iterator
@@ -88,7 +88,7 @@ class Spreader:
         every = np.arange(self._last + 1)
         xs = np.stack([np.interp(every, at, column) for column in path.T], axis=1)
         layer = Layer(xs, np.full(len(every), grasp), every)
-        met = self._sampler.meet(layer, every)
+        met = self._sampler.follow(layer, every)
         jumps = np.abs(np.diff(layer.xs, axis=0)).max() >= JUMP
         return layer.xs if met.all() and not jumps else None
 
@@ -105,7 +105,7 @@ class Spreader:
                 return None
             before = layers[-1]
             layer = self._children(before)
-            met = self._sampler.meet(layer, index)
+            met = self._sampler.follow(layer, index)
             met &= np.abs(layer.xs - before.xs[layer.parents]).max(axis=1) < FAR
             layer = self._free(layer.some(met), index)
             if not len(layer.xs):
@@ -128,8 +128,7 @@ class Spreader:
         parents = np.tile(np.arange(len(layer.xs)), 1 + CHILDREN)
         beside = self._rng.normal(scale=BESIDE, size=(len(parents), layer.xs.shape[1]))
         beside[: len(layer.xs)] = 0.0
-        beside[:, self._sampler.weight == 0.0] = 0.0
-        xs = np.clip(layer.xs[parents] + beside, self.searcher.lower, self.searcher.upper)
+        xs = self._sampler.following.beside(layer.xs[parents], beside)
         return Layer(xs, layer.grasps[parents], parents)
 
     def _in_turn(self, layer: Layer) -> Indices:
@@ -147,7 +146,7 @@ class Spreader:
             for _ in range(SWEEPS):
                 nearer = path[low] * (1 - share) + path[high] * share
                 layer = Layer(nearer, np.full(len(inner), grasp), inner)
-                layer = layer.some(self._sampler.meet(layer, at[inner]))
+                layer = layer.some(self._sampler.follow(layer, at[inner]))
                 if not len(layer.xs):
                     return path
                 free = self._sampler.clear(layer, at[layer.parents])

@@ -1,6 +1,6 @@
 """From the start pose, parked, to the handle: drive, raise the arm with room around, come near, take hold.
 
-Built backwards: the hand leaves the bar along its approach axis, the base backs off, there the arm
+Built backwards: the hand leaves the bar along its approach axis or aslant, the base backs off, there the arm
 folds to its parked posture, and from there the robot drives home.
 """
 
@@ -23,7 +23,8 @@ from services.embodiment.ways.spaces import ArmSpace, reaches
 
 Array = NDArray[np.float64]
 
-LEAVE = 0.1  # [m] the open hand backs off from the bar along its approach axis
+LEAVE = 0.1  # [m] the open hand backs off from the bar
+ASLANT = np.radians([0, 30, -30, 60, -60])  # [rad] from its approach axis, between the fingers
 PULLS = 11  # waypoints of that
 BACK_OFFS = (0.25, 0.5, 0.8, 1.2)  # [m] the base drives back before the arm folds
 ARM_ITERATIONS = 60
@@ -98,13 +99,14 @@ class Approacher:
     def _leave(self, holding: Holding, problem: Problem) -> Array | Blocked:
         """Waypoints from the grasp backwards, shape (PULLS + 1, n)."""
         r, p = holding.grasp.tool(problem.handle_r[0], problem.handle_p[0])
-        away = -r[:, 0]
-        x0 = holding.xs[0]
         contact = None
-        for xs in self._leaves(x0, r, p, away):
-            contact = self._contact(xs)
-            if contact is None:
-                return xs
+        for angle in ASLANT.tolist():
+            away = np.sin(angle) * r[:, 2] - np.cos(angle) * r[:, 0]
+            for xs in self._leaves(holding.xs[0], r, p, away):
+                last = self._contact(xs)
+                if last is None:
+                    return xs
+                contact = contact or last
         return Blocked("leave", contact)
 
     def _leaves(self, x0: Array, r: Array, p: Array, away: Array):  # noqa: ANN202 - iterator of arrays
