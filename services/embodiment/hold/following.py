@@ -1,4 +1,4 @@
-"""How a limb may move while its hand holds: as its drive does, but straight along its heading if differential.
+"""How a limb may move while its hand holds: as its drive does, but straight on if that is differential.
 
 A differential base is led along its heading only. Seen from where it stands, that is its first variable; so
 postures are solved each in the frame of its own base, with the others at rest.
