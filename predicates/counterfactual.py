@@ -3,8 +3,10 @@
 The worlds are whatever the caller can judge: another robot, a half-open door, an obstacle, a limit.
 """
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Generic, Protocol, TypeVar
 
 from predicates.case import Answer, Diagnosis, Outcome, Verdict
@@ -146,6 +148,24 @@ def _halved(  # noqa: PLR0913, PLR0917 - an interval, and when to stop
         else:
             low = tried[-1]
     return tried
+
+
+def between(tried: Collection[float], upto: float, step: float) -> list[float]:
+    """Multiples of a step below a share, of which none was tried, the smallest first.
+
+    Args:
+        tried: Shares that are known.
+        upto: The share below which there is something to look for.
+        step: Of shares, above 0; multiples of a power of 1/2 are exact.
+    """
+    shares = (step * k for k in range(1, math.ceil(upto / step)))
+    return [each for each in shares if each < upto and each not in tried]
+
+
+def widest_gap(tried: Iterable[float], upto: float) -> float:
+    """[1] How far neighbours among shares that were tried are apart at most, from 0 to one share."""
+    ends = [0.0, *sorted(each for each in tried if each < upto), upto]
+    return max(after - before for before, after in pairwise(ends))
 
 
 def turns(actual: Judged, other: Judged) -> bool:

@@ -11,11 +11,12 @@ from functools import partial
 from sdt_kg.errors import InputError
 from services.app import load
 from services.codesign.entries import Entry, Found, Grid
-from services.codesign.families import AND, made_at_once
 from services.codesign.grid import Asked, run
 from services.codesign.judge import Judge
 from services.codesign.report import why
-from services.codesign.turning import Question, turned
+from services.codesign.smallest.families import AND, made_at_once
+from services.codesign.smallest.sought import Question
+from services.codesign.smallest.turning import turned
 from services.relative import in_class
 from services.whatif import World, changed
 
@@ -227,7 +228,7 @@ def _best_step(
 
 
 def _judged(judge: Judge, verb: str, container: str, base: Found) -> Found:
-    return judge.judged(verb, container, base)
+    return judge.judged(f"{verb}:{container}", base)
 
 
 def _step(edit: str, before: Founds, after: Founds) -> Step:

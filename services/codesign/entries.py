@@ -6,6 +6,7 @@ from enum import Enum
 from predicates.case import Artefact, Outcome, Verdict
 from predicates.record import Record, diagnosis_json
 from predicates.record.report import answers
+from sdt_kg.errors import InputError
 from services.codesign.again import Swept
 
 Json = dict[str, object]
@@ -124,3 +125,9 @@ def found_of(verdict: Verdict, how: How, seconds: float, swept: Swept | None = N
     artefact = None if verdict.can_perform is None else verdict.can_perform.artefact
     said = tuple(diagnosis_json(each) for each in verdict.diagnoses)
     return Found(verdict.iri, verdict.outcome, how, holds, said, artefact, swept, seconds)
+
+
+def no_world(error: InputError) -> Found:
+    """That an edit cannot be made here."""
+    said: Json = {"kind": "no world", "reason": str(error), "evidence": None, "proof": False, "search": None}
+    return Found("", None, How.NO_WORLD, {}, (said,))

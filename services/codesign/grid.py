@@ -13,7 +13,7 @@ from sdt_kg.load import load_twin, model_name
 from sdt_kg.scope import D_ARTIC
 from services.app import Policy, load
 from services.codesign.again import whole_body
-from services.codesign.entries import Entry, Found, Grid, How
+from services.codesign.entries import Entry, Found, Grid, no_world
 from services.codesign.judge import Judge, judged_as_it_is
 from services.relative import in_class
 from services.requests import state_joints
@@ -189,7 +189,7 @@ def _otherwise(asked: Asked, base: Base, job: Job) -> list[Entry]:
     try:
         judge = Judge(before, _edited(asked, job), known)
     except InputError as error:
-        none = _no_world(error)
+        none = no_world(error)
         return [Entry(job.kitchen, job.robot, each, job.edits, none) for each in job.containers]
     for each in job.containers:
         found = _found(judge, asked.verb, each, base[job.kitchen, job.robot, each])
@@ -213,14 +213,9 @@ def _made(asked: Asked, kitchen: str, edits: tuple[str, ...], robot: str) -> Wor
 
 def _found(judge: Judge, verb: str, container: str, base: Found) -> Found:
     try:
-        return judge.judged(verb, container, base)
+        return judge.judged(f"{verb}:{container}", base)
     except InputError as error:  # the container is gone, say
-        return _no_world(error)
-
-
-def _no_world(error: InputError) -> Found:
-    said: dict[str, object] = {"kind": "no world", "reason": str(error), "evidence": None, "proof": False}
-    return Found("", None, How.NO_WORLD, {}, ({**said, "search": None},))
+        return no_world(error)
 
 
 @lru_cache(maxsize=2)

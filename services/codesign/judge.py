@@ -33,17 +33,16 @@ class Judge:
     known: Mapping[Iri, Found]
     _touched: Touched | None = None
 
-    def judged(self, verb: str, container: str, base: Found | None) -> Found:
+    def judged(self, task: str, base: Found | None) -> Found:
         """The outcome in the edited world; certified only by a motion that was certified in it.
 
         Args:
-            verb: `open` or `close`.
-            container: By name.
-            base: What was found of the same robot and container in the world as it is.
+            task: `open:CONTAINER` or `close:CONTAINER`.
+            base: What was found of the same robot and task in the world as it is.
         """
         began = time.process_time()
         service, robot = self.after.service, self.after.robot_iri
-        case = service.case(parse_task(service.twin, f"{verb}:{container}"), robot)
+        case = service.case(parse_task(service.twin, task), robot)
         iri = verdict_iri(inputs_of(case, service.physics, service.embodiment))
         if iri in self.known:
             return replace(self.known[iri], how=How.SAME, seconds=time.process_time() - began)

@@ -21,14 +21,14 @@ def worlds() -> tuple[World, World]:
 def test_certified_again(benchmark, worlds) -> None:
     base = judged_as_it_is(worlds[0], "open", DRAWER)
     judge = Judge(*worlds, {})
-    judge.judged("open", DRAWER, base)
-    benchmark(judge.judged, "open", DRAWER, base)
+    judge.judged(f"open:{DRAWER}", base)
+    benchmark(judge.judged, f"open:{DRAWER}", base)
 
 
 def test_asked_anew(benchmark, worlds) -> None:
     judge = Judge(*worlds, {})
-    judge.judged("open", DRAWER, None)
-    benchmark(judge.judged, "open", DRAWER, None)
+    judge.judged(f"open:{DRAWER}", None)
+    benchmark(judge.judged, f"open:{DRAWER}", None)
 
 
 GRIDS = {

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from predicates.case import Case, Outcome, Verdict
-from predicates.counterfactual import Contrast, nearest_turns, smallest_turn
+from predicates.counterfactual import Contrast, between, nearest_turns, smallest_turn, widest_gap
 from predicates.law import law
 from sdt_kg.task import Task, Verb
 from services.physics.oracle import Kinematics
@@ -103,3 +103,23 @@ def test_a_search_that_is_late_says_how_far_it_came() -> None:
 
     (found,) = nearest_turns([judge], CERTIFIED, 4, 0.1, lambda: len(shares) == 2)
     assert (found.after, found.before.share, shares) == (None, 0.5, [0.25, 0.5])
+
+
+def test_shares_between_are_multiples_of_a_step_that_were_not_tried_below_the_turn() -> None:
+    assert between([0.0, 0.5, 1.0], 1.0, 0.25) == [0.25, 0.75]
+    assert between([0.0, 0.25], 0.5, 0.125) == [0.125, 0.375]
+    assert between([0.0], 0.3, 0.25) == [0.25]
+    assert between([0.0], 0.25, 0.25) == []
+
+
+def test_the_widest_gap_is_from_nothing_to_the_turn_whatever_was_tried_beyond() -> None:
+    assert widest_gap([0.0, 0.25, 0.375, 1.0], 0.5) == 0.25
+    assert widest_gap([0.0, 1.0], 0.5) == 0.5
+    assert widest_gap([0.5, 0.25, 0.0], 0.5) == 0.25
+    assert widest_gap([], 1.0) == 1.0
+
+
+@given(turn=st.floats(0.01, 1), halvings=st.integers(0, 6))
+def test_what_lies_between_leaves_no_gap_wider_than_its_step(turn: float, halvings: int) -> None:
+    step = 0.5**halvings
+    assert widest_gap(between([], turn, step), turn) <= step

@@ -6,7 +6,7 @@ from predicates.case import Outcome
 from sdt_kg.annotation import Drive
 from services.app import Policy, load
 from services.codesign.design import designed
-from services.codesign.families import families
+from services.codesign.smallest.families import families
 from services.codesign.grid import Asked
 from services.codesign.judge import one_of
 from services.whatif import World, changed, parse_change

@@ -9,8 +9,8 @@ from sdt_kg.annotation import Drive
 from services.app import Policy
 from services.codesign.design import Design, Plan, Step, designed, to_json
 from services.codesign.entries import Entry
-from services.codesign.families import made_at_once
 from services.codesign.grid import Asked
+from services.codesign.smallest.families import made_at_once
 from services.commands.options import (
     FiniteRange,
     budget_option,

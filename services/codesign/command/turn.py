@@ -7,7 +7,7 @@ import click
 
 from predicates.case import Outcome
 from services.codesign.entries import Found, Json
-from services.codesign.turning import Sought, Trial, Turned
+from services.codesign.smallest.sought import Sought, Trial, Turned
 from services.commands.verdicts import diagnosis_text
 
 WORDS = {True: "yes", False: "no", None: "not asked"}
@@ -47,18 +47,34 @@ def _sought_json(one: Sought, actual: Found) -> Json:
         "sure": sure(one),
         "range": one.family.range,
         "resolution": one.family.resolution,
+        "looked_at": _looked_json(one) if one.family.scan else None,
         "stopped": one.stopped,
         "impossible": one.impossible,
     }
     said["tried"] = [
-        {"edit": each.edit, "outcome": _outcome(each), "proved": each.found.is_proved} for each in one.tried
+        {"edit": each.edit, "outcome": _outcome(each), "proved": each.is_proved} for each in one.tried
     ]
     return said
 
 
+def _looked_json(one: Sought) -> Json:
+    """Of gradual edits: which smaller ones were tried, the answer being minimal among them [m]."""
+    return {
+        "up_to": _metres(one.reach * one.family.longest),
+        "apart_at_most": _metres(one.gap),
+        "tolerance": one.family.finest,
+        "complete": one.is_complete,
+        "smaller_tried": len(one.smaller),
+        "smaller_proved": sum(each.is_proved for each in one.smaller),
+    }
+
+
+def _metres(length: float) -> float:
+    return round(length, 4)
+
+
 def _outcome(trial: Trial) -> str:
-    assert trial.found.outcome is not None, "a trial was judged"
-    return trial.found.outcome.value
+    return "no such world" if trial.found.outcome is None else trial.found.outcome.value
 
 
 def contrast(actual: Found, other: Found) -> Json:
@@ -90,13 +106,22 @@ def sure(one: Sought) -> str:
     if one.impossible:
         return f"not possible here: {one.impossible}"
     if one.turn is not None:
-        if not one.family.scan:
-            return _basis(one.turn.found)
-        ended = "; the time ended before it was told as finely as that" if one.stopped else ""
-        return f"{_basis(one.turn.found)}; smaller ones were searched, not proved{ended}"
+        basis = _basis(one.turn.found)
+        return f"{basis}; {_looked_at(one)}" if one.family.scan else basis
     if one.is_proved:
         return "proved: each is refused by a proof"
+    if one.family.scan:
+        return f"searched, not proved; {_looked_at(one)}"
     return "searched, not proved" + ("; the time ended before all was tried" if one.stopped else "")
+
+
+def _looked_at(one: Sought) -> str:
+    """Of gradual edits: which smaller ones were tried, and how far they are apart."""
+    count, proved = len(one.smaller), sum(each.is_proved for each in one.smaller)
+    finest, smaller = one.family.finest, "" if one.turn is None else "smaller "
+    apart = f"{count} {smaller}sizes tried, at most {one.gap:.2g} m apart, turn nothing"
+    apart += f" ({proved} by proof)" if proved else ""
+    return apart if one.is_complete else f"{apart}; the time ended before {finest} m"
 
 
 def _basis(found: Found) -> str:

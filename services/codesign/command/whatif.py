@@ -13,7 +13,8 @@ from sdt_kg.errors import InputError
 from services.app import Policy, load
 from services.codesign.command.grid import asked_of, judged, told
 from services.codesign.command.turn import print_contrast, print_turned, turned_json
-from services.codesign.turning import Question, turned
+from services.codesign.smallest.sought import Question
+from services.codesign.smallest.turning import turned
 from services.commands.completion.types import KITCHEN, ROBOT, TASK
 from services.commands.exits import Exit
 from services.commands.options import (

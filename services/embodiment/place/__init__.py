@@ -1,6 +1,6 @@
 """Where a base may stand for a task: a map, and poses certified with a fixed base."""
 
 from services.embodiment.place.grid import Cell, Status
-from services.embodiment.place.search import Placement, Spot, place
+from services.embodiment.place.search import Placement, Spot, place, spots
 
-__all__ = ["Cell", "Placement", "Spot", "Status", "place"]
+__all__ = ["Cell", "Placement", "Spot", "Status", "place", "spots"]

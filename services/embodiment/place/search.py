@@ -119,15 +119,44 @@ def place(  # noqa: PLR0913, PLR0917  # what is asked; the rest has defaults
         InputError: The task is about no container.
     """
     began = time.thread_time()
+    asked = _question(twin, robot, task, budget, seed)
+    if isinstance(asked, _Question):
+        asked.enough = enough
+        return asked.answered()
+    return Placement(asked.name, (), (), 0, asked.diagnoses, time.thread_time() - began)
+
+
+def spots(  # noqa: PLR0913, PLR0917  # what is asked
+    twin: Twin, robot: Iri, task: Task, budget: float, seed: int, enough: int
+) -> tuple[Spot, ...]:
+    """The poses that `place` has, best margin first, without its map: no more time than they take.
+
+    Raises:
+        InputError: The task is about no container.
+    """
+    asked = _question(twin, robot, task, budget, seed)
+    if not isinstance(asked, _Question):
+        return ()
+    asked.enough = enough
+    return asked.spots(asked.rows())
+
+
+@dataclass(frozen=True, slots=True)
+class _Still:
+    """A container that has no motion to follow, and why."""
+
+    name: str
+    diagnoses: tuple[Diagnosis, ...]
+
+
+def _question(twin: Twin, robot: Iri, task: Task, budget: float, seed: int) -> "_Question | _Still":
     if task.container is UNKNOWN:
         raise InputError("a place for no container", allowed="open:CONTAINER or close:CONTAINER")
     container = twin.container(task.container)
     answer = next(iter(causes(Case(twin, robot=robot, task=task), Kinematics())))
     if not answer.holds or not isinstance(answer.case.motion, Motion):
-        return Placement(container.name, (), (), 0, answer.diagnoses, time.thread_time() - began)
-    asked = _Question(twin, robot, container, answer.case, answer.case.motion, budget, seed)
-    asked.enough = enough
-    return asked.answered()
+        return _Still(container.name, answer.diagnoses)
+    return _Question(twin, robot, container, answer.case, answer.case.motion, budget, seed)
 
 
 class _Question:
@@ -156,16 +185,24 @@ class _Question:
         """Whether that share of the budget is spent."""
         return lambda: time.thread_time() > self.began + share * self.budget
 
-    def answered(self) -> Placement:
+    def rows(self) -> list[list[Cell]]:
+        """The map of which nothing is known yet."""
         handle = self.world.scene.placement(self.world.scene.q((0.0, 0.0, 0.0), {}), self.container.handle)
-        rows = cells(handle.translation[:2])
-        spots = sorted(self._spots(rows), key=lambda spot: -spot.margin)
+        return cells(handle.translation[:2])
+
+    def spots(self, rows: list[list[Cell]]) -> tuple[Spot, ...]:
+        """Certified poses, best margin first; the map is marked."""
+        return tuple(sorted(self._spots(rows), key=lambda spot: -spot.margin))
+
+    def answered(self) -> Placement:
+        rows = self.rows()
+        found = self.spots(rows)
         here, values = (0.0, 0.0, 0.0), self.motion.values[:, 0]
         prover = Prover(self.twin, self.robot, self.container, Drive.FIXED, here, values)
         Excluder(prover, self.after(MAPPED)).exclude(rows)
         block(rows, self.world, self.kits.outside(), self.after(1.0))
         seconds = time.thread_time() - self.began
-        return Placement(self.container.name, tuple(spots), tuple(map(tuple, rows)), self.tried, (), seconds)
+        return Placement(self.container.name, found, tuple(map(tuple, rows)), self.tried, (), seconds)
 
     def _spots(self, rows: list[list[Cell]]) -> Iterator[Spot]:
         """Certified poses, those in cells without one first; the map is marked."""

@@ -4,7 +4,7 @@ import pytest
 
 from sdt_kg.errors import InputError
 from services.app import Service
-from services.codesign.families import made_at_once
+from services.codesign.smallest.families import made_at_once
 from services.whatif import World, changed
 from tests.small import small_twin
 

@@ -140,6 +140,6 @@ def _again_and_in_full(world: World, text: str, base) -> tuple[bool, bool]:
         (verdict,) = law(case, service.physics, again)
         found.append(verdict.outcome is Outcome.CERTIFIED)
         assert (again.swept.pairs == again.swept.of) == difference.robot
-    judged = Judge(world, after, {}).judged("open", DRAWER, base)
+    judged = Judge(world, after, {}).judged(f"open:{DRAWER}", base)
     assert (judged.how is How.AGAIN) == found[0]
     return found[0], found[1]

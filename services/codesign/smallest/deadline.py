@@ -3,11 +3,11 @@
 import os
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from services.codesign.entries import Found, How, found_of
-from services.codesign.judge import one_of
+from services.codesign.entries import Found
+from services.codesign.judge import Judge
 from services.whatif import World
 
 
@@ -34,14 +34,20 @@ class Deadline:
         """Whether no further edit is to be tried."""
         return self.spent() + max(self._longest, self.each) > self.left
 
-    def judged(self, made: Callable[[], World], task: str) -> Found:
-        """The verdict in the world that is made; both are timed."""
+    def judged(self, before: World, actual: Found, made: Callable[[], World], task: str) -> Found:
+        """The outcome in the world that is made; both are timed.
+
+        Args:
+            before: The world as it is.
+            actual: What was found there.
+            made: Makes the other world.
+            task: What is asked in both.
+        """
         began = self.spent()
-        world = made()
-        verdict = one_of(world.service.achieve(task, world.robot_iri))
+        found = Judge(before, made(), {actual.iri: actual}).judged(task, actual)
         seconds = self.spent() - began
         self._longest = max(self._longest, seconds)
-        return found_of(verdict, How.LAW, seconds)
+        return replace(found, seconds=seconds)
 
 
 @lru_cache(maxsize=2)

@@ -23,6 +23,8 @@ AND = " & "
 """Between two edits that are made at once."""
 LENGTH_TOLERANCE = 0.02
 """[m] To which a length is told."""
+START_TOLERANCE = 0.1
+"""[m] To which the start of the base is told."""
 LEAST_LENGTH = 1e-6
 """[m] A shorter way is none."""
 
@@ -35,25 +37,37 @@ class Family:
         name: What it asks, in words.
         edits: Whole edits, each tried; or gradual ones, directions of one change.
         scan: Steps of the first scan of gradual edits; 0: edits are whole.
-        tolerance: [1] Of the share of gradual edits.
+        finest: To which the size of a gradual edit is told [m].
         range: What was looked at, in words.
         resolution: How finely, in words.
-        lengths: Of the directions of gradual edits, where they differ [m].
+        lengths: Of gradual edits: how far each direction goes [m].
+        start: Of edits of where the base starts: where it does as it is.
     """
 
     name: str
     edits: tuple[str, ...]
     scan: int = 0
-    tolerance: float = 0.0
+    finest: float = 0.0
     range: str = ""
     resolution: str = ""
     lengths: tuple[float, ...] = ()
+    start: tuple[float, float, float] | None = None
+
+    @property
+    def longest(self) -> float:
+        """[m] Which share 1 of a gradual edit goes, in every direction that is as long."""
+        return max(self.lengths, default=0.0)
+
+    @property
+    def tolerance(self) -> float:
+        """[1] Of the share of gradual edits."""
+        return min(1.0, self.finest / max(self.longest, self.finest))
 
     @property
     def directions(self) -> list[Change]:
         """Its edits as changes of which equal shares go equally far."""
-        changes, longest = [parse_change(each) for each in self.edits], max(self.lengths, default=0.0)
-        factors = [longest / max(each, LEAST_LENGTH) for each in self.lengths] or [1.0] * len(changes)
+        changes = [parse_change(each) for each in self.edits]
+        factors = [self.longest / max(each, LEAST_LENGTH) for each in self.lengths]
         return [each.sooner(factor) for each, factor in zip(changes, factors, strict=True)]
 
 
@@ -131,9 +145,10 @@ def _handle(container: Container) -> Family:
         "where its handle is",
         edits,
         GRADUAL_SCAN,
-        LENGTH_TOLERANCE / HANDLE_RANGE,
+        LENGTH_TOLERANCE,
         f"along ±z and ±y of its body, to {HANDLE_RANGE} m",
-        f"steps of {HANDLE_RANGE / GRADUAL_SCAN:.2f} m until one turns, then {LENGTH_TOLERANCE} m",
+        _halves(HANDLE_RANGE / GRADUAL_SCAN, LENGTH_TOLERANCE),
+        (HANDLE_RANGE,) * len(edits),
     )
 
 
@@ -143,10 +158,16 @@ def _height(container: Container) -> Family:
         "at which height it is",
         edits,
         GRADUAL_SCAN,
-        LENGTH_TOLERANCE / HEIGHT_RANGE,
+        LENGTH_TOLERANCE,
         f"up and down to {HEIGHT_RANGE} m, with the piece of furniture that it is part of",
-        f"steps of {HEIGHT_RANGE / GRADUAL_SCAN:.2f} m until one turns, then {LENGTH_TOLERANCE} m",
+        _halves(HEIGHT_RANGE / GRADUAL_SCAN, LENGTH_TOLERANCE),
+        (HEIGHT_RANGE,) * len(edits),
     )
+
+
+def _halves(first: float, finest: float) -> str:
+    """How finely sizes are looked at, in words."""
+    return f"steps of {first:.2f} m until one turns, then halves of them as the time allows, to {finest} m"
 
 
 def pairs(found: Sequence[Family]) -> Family:
@@ -175,10 +196,11 @@ def base_family(start: tuple[float, float, float], spots: list[tuple[float, floa
         "where the base starts",
         edits,
         2 * GRADUAL_SCAN,
-        min(1.0, LENGTH_TOLERANCE * 5 / max([*lengths, LENGTH_TOLERANCE])),
+        START_TOLERANCE,
         "straight towards base poses that are certified with a fixed base",
-        f"quarters of the longest way until one turns, then {LENGTH_TOLERANCE * 5} m",
+        _halves(max(lengths, default=0.0) / (2 * GRADUAL_SCAN), START_TOLERANCE),
         tuple(lengths),
+        start,
     )
 
 

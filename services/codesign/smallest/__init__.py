@@ -1,0 +1,1 @@
+"""The smallest change that turns a verdict, where nobody names one."""
