@@ -41,6 +41,11 @@ class InputError(SdtError):
         parts = [what, f"allowed: {allowed}" if allowed else "", remedy]
         super().__init__("; ".join(part for part in parts if part))
 
+    def be_from(self, source: str) -> None:
+        """The message begins with where the input is from: the name of its file."""
+        self.what = f"{source}: {self.what}"
+        self.args = (f"{source}: {self}",)
+
 
 class UrdfError(InputError):
     """A model file is not a valid, tree-shaped URDF."""

@@ -132,7 +132,7 @@ def _of_robot(  # noqa: PLR0913, PLR0917  # a motion's parts
                 f"the motion has no '{missing[0]}', which shares a motor with joints that it has",
                 allowed=f"all of {', '.join(group)}, or none",
             )
-    check_times(times, names, v, body)
+    check_times(times, names, q, body)
     check_leaps(names, times, q, body, given)
     return names, q, v
 

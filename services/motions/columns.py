@@ -30,13 +30,13 @@ def read_csv(path: Path) -> Given:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise MotionError(f"{path.name} is no text: {error}", allowed=ALLOWED) from None
+        raise MotionError(f"it is no text: {error}", allowed=ALLOWED) from None
     heads, columns, lines, rows = _parsed(text)
     if not rows:
-        raise MotionError(f"{path.name} has no samples", allowed=ALLOWED)
+        raise MotionError("it has no samples", allowed=ALLOWED)
     values = dict(zip(columns, np.array(rows).T, strict=True))
     if "time" not in values:
-        raise MotionError(f"{path.name} has the columns {', '.join(columns[:8])}", allowed=ALLOWED)
+        raise MotionError(f"it has the columns {', '.join(columns[:8])}", allowed=ALLOWED)
     return Given(_arrays(heads, columns, values), lambda sample: f"line {lines[min(sample, len(lines) - 1)]}")
 
 
@@ -63,10 +63,28 @@ def _parsed(text: str) -> tuple[dict[str, str], list[str], list[int], list[list[
 
 
 def _names(cells: list[str], number: int) -> list[str]:
-    repeated = sorted({cell for cell in cells if cells.count(cell) > 1})
-    if repeated:
-        raise MotionError(f"line {number} names '{repeated[0]}' twice", allowed="every column once")
+    if len(cells) == 1:
+        raise MotionError(
+            f"line {number} names one column, '{cells[0][:40]}'",
+            allowed=ALLOWED,
+            remedy="part columns by commas",
+        )
+    for cell in cells:
+        if _is_number(cell):
+            raise MotionError(
+                f"line {number} has the number {cell} for the name of a column", allowed=ALLOWED
+            )
+        if cells.count(cell) > 1:
+            raise MotionError(f"line {number} names '{cell}' twice", allowed="every column once")
     return cells
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
 
 
 def _row(cells: list[str], columns: list[str], number: int) -> list[float]:
@@ -110,6 +128,10 @@ def _arrays(
     kitchen = [name for name in columns if name.startswith(KITCHEN)]
     for group, names in (("base", BASE), ("robot", own), ("kitchen", kitchen)):
         arrays |= dict(_group(group, names, values))
+    for name in columns:
+        if name.startswith(VELOCITY) and name.removeprefix(VELOCITY) not in columns:
+            said = f"there is a column '{name}', and none '{name.removeprefix(VELOCITY)}'"
+            raise MotionError(said, allowed="velocities of columns that there are")
     return arrays
 
 
@@ -130,8 +152,13 @@ def _group(
     if group != "base":
         yield f"{group}_joint_names", np.array([name.removeprefix(KITCHEN) for name in names], dtype=np.str_)
     yield positions, _columns(values, names)
-    if names and all(VELOCITY + name in values for name in names):
-        yield velocities, _columns(values, [VELOCITY + name for name in names])
+    speeds = [VELOCITY + name for name in names]
+    missing = [name for name in speeds if name not in values]
+    if len(missing) < len(speeds):
+        if missing:
+            said = f"there is no column '{missing[0]}', but velocities of others of the {group}"
+            raise MotionError(said, allowed="velocities of all of base, robot or kitchen, or of none of it")
+        yield velocities, _columns(values, speeds)
 
 
 def _columns(values: dict[str, np.ndarray], names: Sequence[str]) -> np.ndarray:

@@ -11,7 +11,6 @@ from sdt_kg.motion import Motion
 from sdt_kg.twin import Twin
 from services.motions.given import Given
 from services.motions.units import check_base, check_joints, check_leaps, check_times
-from services.physics.spline import at_rest_velocities
 
 UNIT_NORM = 1e-3
 """[1] How far the norm of a quaternion may be from 1."""
@@ -25,8 +24,7 @@ def joint_motion(given: Given, twin: Twin) -> Motion:
     values = given.column("values", len(times))
     velocities = given.column("velocities", len(times)) if "velocities" in given else None
     check_joints((name,), values, kitchen, "values", given)
-    speeds = at_rest_velocities(times, values) if velocities is None else velocities
-    check_times(times, (name,), speeds, kitchen)
+    check_times(times, (name,), values, kitchen)
     check_leaps((name,), times, values, kitchen, given)
     return Motion(joint_iri(kitchen.name, name), times, values, given.flag("timed", default=True), velocities)
 

@@ -37,13 +37,18 @@ def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | Bo
     """
     if not path.exists():
         raise InputError(f"no file at {path}")
-    if path.is_dir() or path.suffix == ".mcap":
-        from services.motions.ros import read_bag  # noqa: PLC0415 - its library is an extra
-
-        return _motion(read_bag(path, twin, robot), twin, robot)
-    if path.suffix not in _READERS:
+    is_bag = path.is_dir() or path.suffix == ".mcap"
+    if not is_bag and path.suffix not in _READERS:
         raise InputError(f"a motion in '{path.name}'", allowed=", ".join(SUFFIXES) + " or a bag directory")
-    return _motion(_READERS[path.suffix](path), twin, robot)
+    try:
+        if is_bag:
+            from services.motions.ros import read_bag  # noqa: PLC0415 - its library is an extra
+
+            return _motion(read_bag(path, twin, robot), twin, robot)
+        return _motion(_READERS[path.suffix](path), twin, robot)
+    except InputError as error:
+        error.be_from(path.name)
+        raise
 
 
 def motion_of(arrays: Arrays, twin: Twin, robot: Iri | None = None) -> Motion | BodyMotion:
@@ -52,6 +57,7 @@ def motion_of(arrays: Arrays, twin: Twin, robot: Iri | None = None) -> Motion | 
 
 
 def _motion(given: Given, twin: Twin, robot: Iri | None) -> Motion | BodyMotion:
+    given.check_names()
     if "robot_positions" in given or "base" in given:
         return body_motion(given, twin, robot)
     if "joint" in given:
@@ -82,7 +88,7 @@ def _read_npz(path: Path) -> Given:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
             return Given({name: file[name] for name in file.files})
     except (ValueError, OSError, EOFError, zipfile.BadZipFile, AttributeError) as error:
-        raise MotionError(f"{path.name} is no .npz of plain arrays: {error}", allowed=ALLOWED) from None
+        raise MotionError(f"it is no .npz of plain arrays: {error}", allowed=ALLOWED) from None
 
 
 def _write_npz(path: Path, arrays: dict[str, np.ndarray]) -> None:
@@ -94,9 +100,9 @@ def _read_json(path: Path) -> Given:
     try:
         said = json.loads(path.read_text(encoding="utf-8"))
     except (UnicodeDecodeError, ValueError, RecursionError) as error:
-        raise MotionError(f"{path.name} is no JSON: {error}", allowed=ALLOWED) from None
+        raise MotionError(f"it is no JSON: {error}", allowed=ALLOWED) from None
     if not isinstance(said, dict):
-        raise MotionError(f"{path.name} holds a {type(said).__name__}", allowed=f"an object with {ALLOWED}")
+        raise MotionError(f"it holds a {type(said).__name__}", allowed=f"an object with {ALLOWED}")
     return Given({str(name): _array(str(name), value) for name, value in said.items()})
 
 
@@ -104,13 +110,14 @@ def _array(name: str, value: object) -> np.ndarray:
     try:
         return np.asarray(value)
     except ValueError:
-        lengths = (
-            [len(row) if isinstance(row, list) else 1 for row in value] if isinstance(value, list) else []
-        )
-        odd = next((k for k, length in enumerate(lengths) if length != lengths[0]), 0)
-        raise MotionError(
-            f"'{name}' at index {odd} has {lengths[odd]} values", allowed=f"{lengths[0]}, as at index 0"
-        ) from None
+        rows = [row if isinstance(row, list) else [row] for row in value] if isinstance(value, list) else []
+        for k, row in enumerate(rows):
+            if len(row) != len(rows[0]):
+                raise MotionError(
+                    f"'{name}' at index {k} has {len(row)} values", allowed=f"{len(rows[0])}, as at index 0"
+                ) from None
+        odd = next(k for k, row in enumerate(rows) if any(isinstance(cell, list) for cell in row))
+        raise MotionError(f"'{name}' at index {odd} has a list among its values", allowed="numbers") from None
 
 
 def _write_json(path: Path, arrays: dict[str, np.ndarray]) -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 
 import numpy as np
 
@@ -12,6 +13,16 @@ ALLOWED = (
     "times, base, robot_joint_names, robot_positions (a robot's motion); "
     "joint, times, values or frame, times, poses (a container's)"
 )
+
+KNOWN = (
+    *("times", "base", "robot_joint_names", "robot_positions", "kitchen_joint_names", "kitchen_positions"),
+    *("robot_velocities", "base_velocities", "kitchen_velocities", "robot", "gripper", "base_frame"),
+    *("phase_names", "phase_starts", "joint", "values", "velocities", "frame", "poses", "timed"),
+)
+"""Names of arrays that mean something; a file may have others, of its own."""
+
+ALIKE = 0.75
+"""[1] A name that is so like one of these, which is missing, is that one misspelled. Ours: `velocity` is."""
 
 Arrays = Mapping[str, np.ndarray]
 
@@ -38,6 +49,22 @@ class Given:
 
     def __contains__(self, name: str) -> bool:
         return name in self.arrays
+
+    def check_names(self) -> None:
+        """No array that is optional is left out because its name is misspelled.
+
+        Raises:
+            MotionError: One may be.
+        """
+        missing = [name for name in KNOWN if name not in self.arrays]
+        for name in self.arrays:
+            near = [] if name in KNOWN else get_close_matches(name, missing, n=1, cutoff=ALIKE)
+            if near:
+                raise MotionError(
+                    f"there is an array '{name}', which means nothing",
+                    allowed=f"did you mean '{near[0]}'?",
+                    remedy="rename it, or leave it out",
+                )
 
     def text(self, name: str) -> str | None:
         """A single text, None where the file has none.
@@ -78,7 +105,7 @@ class Given:
         """
         if name not in self.arrays:
             raise MotionError(f"the file has no '{name}'", allowed=ALLOWED)
-        array = _reals(name, self.arrays[name])
+        array = self._reals(name, columns)
         fits = array.ndim == len(shape) and all(
             b in (None, a) for a, b in zip(array.shape, shape, strict=True)
         )
@@ -87,14 +114,28 @@ class Given:
             raise MotionError(f"'{name}' has the shape {array.shape}", allowed=f"({wanted})")
         wrong = np.argwhere(~(np.abs(array) <= LARGEST))  # also what is not a number
         if wrong.size:
-            sample, *column = wrong[0].tolist()
-            of = f" of {columns[column[0]]}" if columns and column else ""
-            value = array[tuple(wrong[0])]
+            at = tuple(wrong[0].tolist())
+            value = array[at]
             found = f"is {value:g}" if np.isfinite(value) else "is not a number"
-            raise MotionError(
-                f"'{name}'{of} {found} at {self.at(sample)}", allowed=f"finite numbers up to {LARGEST:g}"
-            )
+            of, where = self._place(at, columns)
+            raise MotionError(f"'{name}'{of} {found}{where}", allowed=f"finite numbers up to {LARGEST:g}")
         return array
+
+    def _reals(self, name: str, columns: tuple[str, ...]) -> Array:
+        array = self.arrays[name]
+        if array.dtype.kind in NO_REALS:
+            raise MotionError(f"'{name}' holds {array.dtype}", allowed="real numbers")
+        try:
+            return np.asarray(array, dtype=np.float64)
+        except (TypeError, ValueError, OverflowError):
+            at, cell = next((at, cell) for at, cell in np.ndenumerate(array) if not _is_real(cell))
+        of, where = self._place(at, columns)
+        raise MotionError(f"'{name}'{of} is '{str(cell)[:40]}'{where}", allowed="real numbers")
+
+    def _place(self, at: tuple[int, ...], columns: tuple[str, ...]) -> tuple[str, str]:
+        """Whose value is there, and in which sample, in words."""
+        of = f" of {columns[at[1]]}" if len(at) > 1 and at[1] < len(columns) else ""
+        return of, (f" at {self.at(at[0])}" if at else "")
 
     def column(self, name: str, samples: int) -> Array:
         """Shape (T, 1), from (T,) or (T, 1)."""
@@ -141,11 +182,9 @@ class Given:
         return times
 
 
-def _reals(name: str, array: np.ndarray) -> Array:
-    wrong = MotionError(f"'{name}' holds {array.dtype}", allowed="real numbers")
-    if array.dtype.kind in NO_REALS:
-        raise wrong
+def _is_real(cell: object) -> bool:
     try:
-        return np.asarray(array, dtype=np.float64)
+        np.asarray(cell, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
-        raise wrong from None
+        return False
+    return True

@@ -3,6 +3,7 @@
 Joints of a `trajectory_msgs/JointTrajectory` are the robot's or, where the robot has none of that
 name, the kitchen's. The base comes either from a `trajectory_msgs/MultiDOFJointTrajectory` of one
 joint, whose transforms are world_T_base, or from three joints named `base_x`, `base_y`, `base_yaw`.
+Velocities of the base are those of its origin in the same frame, and of its turn about z.
 The last message of each topic counts; all of them must have the same times from start.
 """
 
@@ -39,7 +40,7 @@ def read_bag(path: Path, twin: Twin, robot: Iri | None) -> Given:
     """
     joints, poses = _messages(path)
     if not joints:
-        raise MotionError(f"{path.name} has no trajectory of joints", allowed=ALLOWED)
+        raise MotionError("it has no trajectory of joints", allowed=ALLOWED)
     times = _times(joints[0][1].points, joints[0][0])
     columns: dict[str, Array] = {}
     speeds: dict[str, Array] = {}
@@ -52,7 +53,7 @@ def read_bag(path: Path, twin: Twin, robot: Iri | None) -> Given:
             if v is not None:
                 speeds[name] = v
     arrays = {"times": times}
-    arrays |= _base(columns, poses, times, joints[0][1].header.frame_id)
+    arrays |= _base(columns, speeds, poses, times, joints[0][1].header.frame_id)
     return Given(arrays | _split(columns, speeds, twin, robot), lambda sample: f"point {sample}")
 
 
@@ -73,7 +74,7 @@ def _messages(path: Path) -> tuple[list[tuple[str, Message]], list[tuple[str, Me
                 message = reader.deserialize(raw, connection.msgtype)
                 found[connection.topic] = connection.msgtype, message
     except Exception as error:  # noqa: BLE001 - whatever a foreign, damaged file makes the library raise
-        raise MotionError(f"{path.name} is no readable ROS 2 bag: {error}", allowed=ALLOWED) from None
+        raise MotionError(f"it is no readable ROS 2 bag: {error}", allowed=ALLOWED) from None
     of_kind = {
         kind: [(topic, message) for topic, (each, message) in sorted(found.items()) if each == kind]
         for kind in (JOINTS, POSES)
@@ -110,27 +111,61 @@ def _columns(topic: str, message: Message) -> Iterator[tuple[str, Array, Array |
                 f"point {k} of {topic} has {len(point.positions)} positions",
                 allowed=f"{len(names)}, one for each joint",
             )
-    moving = all(len(point.velocities) == len(names) for point in points)
+    moving = _has_velocities(topic, points, len(names))
     for i, name in enumerate(names):
         q = np.array([point.positions[i] for point in points])
         yield name, q, np.array([point.velocities[i] for point in points]) if moving else None
 
 
+def _has_velocities(topic: str, points: list[Message], count: int) -> bool:
+    """Whether all points have so many velocities, not none."""
+    for k, point in enumerate(points):
+        if len(point.velocities) != len(points[0].velocities) or len(point.velocities) not in {0, count}:
+            raise MotionError(
+                f"point {k} of {topic} has {len(point.velocities)} velocities",
+                allowed=f"{count}, one for each joint, at every point, or none at any",
+            )
+    return len(points[0].velocities) > 0
+
+
+def _rates(speeds: dict[str, Array], names: list[str]) -> Array | None:
+    """Velocities of these joints, shape (T, n); None where there are none."""
+    known = [name for name in names if name in speeds]
+    for name in names if known else ():
+        if name not in known:
+            raise MotionError(
+                f"there are velocities of '{known[0]}', and none of '{name}'",
+                allowed="velocities of all of base, robot or kitchen, or of none of it",
+            )
+    return np.array([speeds[name] for name in names]).T if known else None
+
+
 def _base(
-    columns: dict[str, Array], poses: list[tuple[str, Message]], times: Array, frame: str
+    columns: dict[str, Array],
+    speeds: dict[str, Array],
+    poses: list[tuple[str, Message]],
+    times: Array,
+    frame: str,
 ) -> dict[str, np.ndarray]:
-    """Base and its frame; joints of the base are taken out of the columns."""
+    """Base, its velocities and its frame; joints of the base are taken out of the columns."""
     own = [columns.pop(name) for name in BASE_JOINTS if name in columns]
     if len(own) == len(BASE_JOINTS) and not poses:
-        return {"base": np.array(own).T} | ({"base_frame": np.array(frame)} if frame else {})
+        return _framed(np.array(own).T, _rates(speeds, list(BASE_JOINTS)), frame)
     if own or len(poses) != 1 or len(poses[0][1].joint_names) != 1:
         raise MotionError("the bag does not say where the base is, or says it twice", allowed=ALLOWED)
     topic, message = poses[0]
     _check_times(times, _times(message.points, topic), topic)
     base = np.array([_planar(k, point.transforms[0]) for k, point in enumerate(message.points)])
     base[:, 2] = np.unwrap(base[:, 2])
-    frame = message.header.frame_id
-    return {"base": base} | ({"base_frame": np.array(frame)} if frame else {})
+    turning = _has_velocities(topic, message.points, 1)
+    twists = [point.velocities[0] for point in message.points] if turning else []
+    rates = np.array([(each.linear.x, each.linear.y, each.angular.z) for each in twists])
+    return _framed(base, rates if turning else None, message.header.frame_id)
+
+
+def _framed(base: Array, rates: Array | None, frame: str) -> dict[str, np.ndarray]:
+    arrays = {"base": base} | ({"base_frame": np.array(frame)} if frame else {})
+    return arrays if rates is None else arrays | {"base_velocities": rates}
 
 
 def _planar(k: int, transform: Message) -> tuple[float, float, float]:
@@ -159,6 +194,7 @@ def _split(
             samples = len(next(iter(columns.values()), ()))
             arrays[f"{group}_joint_names"] = np.array(names, dtype=np.str_)
             arrays[f"{group}_positions"] = np.array([columns[name] for name in names]).T.reshape(samples, -1)
-            if names and all(name in speeds for name in names):
-                arrays[f"{group}_velocities"] = np.array([speeds[name] for name in names]).T
+            rates = _rates(speeds, names)
+            if rates is not None:
+                arrays[f"{group}_velocities"] = rates
     return arrays

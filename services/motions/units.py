@@ -85,7 +85,8 @@ def check_start(base: tuple[float, float, float]) -> None:
     Raises:
         InputError: With the coordinate.
     """
-    for (name, bound, unit, _), value in zip(_BASE, base, strict=True):
+    bounds = ROOM, ROOM, FULL_TURN
+    for (name, _, unit, _), bound, value in zip(_BASE, bounds, base, strict=True):
         if not abs(value) <= bound:
             said = f"the base starts at {name} = {value:.6g} {unit}"
             raise InputError(said, allowed=f"{unit}, from {-bound:.4g} to {bound:.4g}")
@@ -93,6 +94,8 @@ def check_start(base: tuple[float, float, float]) -> None:
 
 def check_base(poses: Array, array: str, given: Given) -> None:
     """x, y and, where there is one, yaw are not in millimetres or degrees.
+
+    A yaw may wind up, but begins within a turn.
 
     Raises:
         MotionError: With the first sample and the coordinate.
@@ -106,10 +109,18 @@ def check_base(poses: Array, array: str, given: Given) -> None:
                 allowed=f"{unit}, up to {bound:.4g}",
                 remedy=f"convert to {unit}",
             )
+    if poses.shape[1] == len(_BASE) and abs(poses[0, 2]) > FULL_TURN:
+        raise MotionError(
+            f"yaw of '{array}' at {given.at(0)} is {poses[0, 2]:.6g} rad, probably in degrees",
+            allowed=f"rad, at first up to {FULL_TURN:.4g}",
+            remedy="convert to rad, or take whole turns off",
+        )
 
 
-def check_times(times: Array, names: tuple[str, ...], velocities: Array, mechanism: Mechanism) -> None:
+def check_times(times: Array, names: tuple[str, ...], positions: Array, mechanism: Mechanism) -> None:
     """Times are not in milliseconds: no joint comes near its speed and samples are far apart.
+
+    Velocities that the file may have say nothing of that: they can be right where times are wrong.
 
     Raises:
         MotionError: With the spacing, and the joint that moves fastest.
@@ -119,7 +130,8 @@ def check_times(times: Array, names: tuple[str, ...], velocities: Array, mechani
         return
     joints = {joint.name: joint for joint in mechanism.joints}
     limits = np.array([joints[name].limits.velocity for name in names])
-    shares = np.abs(velocities).max(axis=0) / np.where(np.isfinite(limits) & (limits > 0), limits, 1.0)
+    rates = np.abs(np.diff(positions, axis=0)) / np.diff(times)[:, None]
+    shares = rates.max(axis=0) / np.where(np.isfinite(limits) & (limits > 0), limits, 1.0)
     fastest = int(np.argmax(shares))
     if 0 < shares[fastest] < SLOW_SHARE:
         raise MotionError(

@@ -121,7 +121,17 @@ def test_a_file_written_by_us_names_its_robot(tmp_path: Path) -> None:
         (container_motion(joint="side_door_joint", values=SMOOTH * 80), "at index 2 .* probably in degrees"),
         (container_motion(times=TIMES * 1000), "probably milliseconds"),
         (container_motion(values=None), "no 'values'"),
-        (container_motion(values=["a"] * 9), "'values' holds"),
+        (container_motion(values=["a"] * 9), "motion.npz: 'values' is 'a' at index 0; allowed: real numbers"),
+        (container_motion(velocity=SMOOTH), "an array 'velocity', .* did you mean 'velocities'"),
+        (body_motion(robot_velocites=SMOOTH[:, None]), "'robot_velocites', .* mean 'robot_velocities'"),
+        (
+            body_motion(times=TIMES * 1000, robot_velocities=SMOOTH[:, None] / 4),
+            "lift_joint, the fastest joint, .* milliseconds",
+        ),
+        (
+            body_motion(base=np.column_stack([SMOOTH, SMOOTH, SMOOTH + 30])),
+            "yaw of 'base' at index 0 is 30 rad, .* degrees; .* up to 6.283; .* take whole turns off",
+        ),
         (body_motion(base=np.zeros((9, 2))), r"'base' has the shape \(9, 2\)"),
         (body_motion(base=np.full((9, 3), 1500.0)), "x of 'base' at index 0 .* probably in millimetres"),
         (body_motion(robot_positions=None), "no 'robot_positions'"),

@@ -70,8 +70,23 @@ def test_a_containers_motion_too(tmp_path: Path, suffix: str, arrays: dict[str, 
     same(motion, read_motion(tmp_path / f"motion{suffix}", TWIN))
 
 
-def bag(folder: Path, base: str = "joints", frame: str = "world", points: int = 9, tilt: float = 0.0) -> Path:
-    """ARRAYS as a bag, without velocities."""
+SPEEDS = {
+    "base_velocities": np.column_stack([SMOOTH / 2, SMOOTH / 6, SMOOTH / 4]),
+    "robot_velocities": SMOOTH[:, None] / 4,
+    "kitchen_velocities": SMOOTH[:, None] / 5,
+}
+
+
+def bag(
+    folder: Path,
+    *,
+    base: str = "joints",
+    frame: str = "world",
+    points: int = 9,
+    tilt: float = 0.0,
+    speeds: int = 0,
+) -> Path:
+    """ARRAYS as a bag, the first points of which have the velocities SPEEDS."""
     kinds = {
         name: TS.types[f"{package}/msg/{name}"]
         for package, name in (
@@ -85,6 +100,7 @@ def bag(folder: Path, base: str = "joints", frame: str = "world", points: int = 
             ("geometry_msgs", "Transform"),
             ("geometry_msgs", "Vector3"),
             ("geometry_msgs", "Quaternion"),
+            ("geometry_msgs", "Twist"),
         )
     }
     none, header = np.zeros(0), kinds["Header"](kinds["Time"](0, 0), frame)
@@ -94,11 +110,13 @@ def bag(folder: Path, base: str = "joints", frame: str = "world", points: int = 
 
     names = ["lift_joint", "low_drawer_joint"]
     values = np.hstack([ARRAYS["robot_positions"], ARRAYS["kitchen_positions"]])
+    rates = np.hstack([SPEEDS["robot_velocities"], SPEEDS["kitchen_velocities"]])
     if base == "joints":
         names, values = [*names, "base_x", "base_y", "base_yaw"], np.hstack([values, ARRAYS["base"]])
+        rates = np.hstack([rates, SPEEDS["base_velocities"]])
     way = [
-        kinds["JointTrajectoryPoint"](row, none, none, none, since(t))
-        for t, row in zip(TIMES, values, strict=True)
+        kinds["JointTrajectoryPoint"](row, rate if k < speeds else none, none, none, since(t))
+        for k, (t, row, rate) in enumerate(zip(TIMES, values, rates, strict=True))
     ]
     messages = [("/arm", kinds["JointTrajectory"](header, names, way))]
     if base == "transforms":
@@ -110,11 +128,13 @@ def bag(folder: Path, base: str = "joints", frame: str = "world", points: int = 
                         kinds["Quaternion"](tilt, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)),
                     )
                 ],
-                [],
+                [kinds["Twist"](kinds["Vector3"](vx, vy, 0.0), kinds["Vector3"](0.0, 0.0, turn))][:speeds],
                 [],
                 since(t),
             )
-            for t, (x, y, yaw) in zip(TIMES[:points], ARRAYS["base"], strict=False)
+            for t, (x, y, yaw), (vx, vy, turn) in zip(
+                TIMES[:points], ARRAYS["base"], SPEEDS["base_velocities"], strict=False
+            )
         ]
         messages.append(("/base", kinds["MultiDOFJointTrajectory"](header, ["world_joint"], poses)))
     with rosbag2.Writer(folder / "bag", version=9, storage_plugin=rosbag2.StoragePlugin.MCAP) as writer:
@@ -125,10 +145,11 @@ def bag(folder: Path, base: str = "joints", frame: str = "world", points: int = 
 
 
 @pytest.mark.parametrize("base", ["joints", "transforms"])
-def test_a_bag_says_the_same(tmp_path: Path, base: str) -> None:
-    folder = bag(tmp_path, base)
+@pytest.mark.parametrize("speeds", [{}, SPEEDS])
+def test_a_bag_says_the_same(tmp_path: Path, base: str, speeds: dict[str, np.ndarray]) -> None:
+    folder = bag(tmp_path, base=base, speeds=len(TIMES) if speeds else 0)
     for path in (folder, folder / "bag.mcap"):
-        same(motion_of(ARRAYS, TWIN, PR2), read_motion(path, TWIN, PR2), tolerance=1e-12)
+        same(motion_of(ARRAYS | speeds, TWIN, PR2), read_motion(path, TWIN, PR2), tolerance=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -137,7 +158,8 @@ def test_a_bag_says_the_same(tmp_path: Path, base: str) -> None:
         ({"base": "nowhere"}, "does not say where the base is"),
         ({"base": "transforms", "points": 8}, "/base has 8 points; allowed: 9"),
         ({"base": "transforms", "tilt": 0.1}, "tilted at point 0"),
-        ({"frame": "odom"}, "frame 'odom'; allowed: .*world"),
+        ({"frame": "odom"}, "bag: .* frame 'odom'; allowed: .*world"),
+        ({"speeds": 8}, "point 8 of /arm has 0 velocities; allowed: 5, one for each joint, at every point"),
     ],
 )
 def test_a_wrong_bag_is_told_so(tmp_path: Path, options: dict[str, object], message: str) -> None:
@@ -183,7 +205,17 @@ def cell(column: int, value: str) -> Callable[[str], str]:
         (edited(3, lambda line: line.replace("base_yaw", "yaw", 1)), "there is no column 'base_yaw'"),
         (edited(3, lambda line: line.replace("base_x", "base_y", 1)), "line 3 names 'base_y' twice"),
         (edited(2, lambda _: "# base_frame: base_link"), "in the frame 'base_link'"),
-        (lambda lines: lines.__delitem__(slice(3, None)), "has no samples"),
+        (lambda lines: lines.__delitem__(slice(3, None)), "motion.csv: it has no samples"),
+        (lambda lines: lines.__delitem__(2), "line 3 has the number 0.0 for the name of a column"),
+        (edited(3, lambda line: line.replace(",", ";")), "line 3 names one column, 'time;base_x;.* commas"),
+        (
+            edited(3, lambda line: line.replace("velocity/kitchen/low", "velocity/low")),
+            "there is a column 'velocity/low_drawer_joint', and none 'low_drawer_joint'",
+        ),
+        (
+            edited(3, lambda line: line.replace("velocity/base_x", "elsewhere")),
+            "there is no column 'velocity/base_x', but velocities of others of the base",
+        ),
     ],
 )
 def test_a_wrong_line_is_named(tmp_path: Path, edit: Callable[[list[str]], None], message: str) -> None:
@@ -194,6 +226,9 @@ def test_a_wrong_line_is_named(tmp_path: Path, edit: Callable[[list[str]], None]
     file.write_text("\n".join(lines))
     with pytest.raises(MotionError, match=message):
         read_motion(file, TWIN, PR2)
+
+
+TWO_SAMPLES = {"times": [0, 1], "base": [[0, 0, 0]] * 2, "robot_joint_names": ["lift_joint"]}
 
 
 @pytest.mark.parametrize(
@@ -208,7 +243,15 @@ def test_a_wrong_line_is_named(tmp_path: Path, edit: Callable[[list[str]], None]
         (json.dumps({"times": [0, None]}), "the motion has times"),
         (
             json.dumps({"times": [0, 10**400], "joint": "low_drawer_joint", "values": [0, 1]}),
-            "'times' holds object; allowed: real numbers",
+            "motion.json: 'times' is '10{39}' at index 1; allowed: real numbers",
+        ),
+        (
+            json.dumps({"times": [0, 1], "base": [[0, 0, [1]], [0, 0, 0]]}),
+            "'base' at index 0 has a list among its values",
+        ),
+        (
+            json.dumps({**TWO_SAMPLES, "robot_positions": [[0.5], ["up"]]}),
+            "'robot_positions' of lift_joint is 'up' at index 1; allowed: real numbers",
         ),
     ],
 )
