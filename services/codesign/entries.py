@@ -24,6 +24,7 @@ class How(Enum):
     NOTHING = "search of the world as it is: nothing that it rests on differs"
     LESS_ROOM = "search of the world as it is, of which this one only takes room away"
     NO_WORLD = "the edit cannot be made here"
+    LOST = "no verdict: its process died"
 
 
 REUSED = frozenset({How.SAME, How.AGAIN, How.NOTHING, How.LESS_ROOM})
@@ -36,7 +37,7 @@ class Found:
 
     Attributes:
         iri: Of the verdict; of that in the world as it is where the search is its own.
-        outcome: None where there is no such world.
+        outcome: None where there is no such world, or no verdict.
         holds: Predicate → whether it holds; None: not asked.
         diagnoses: As `sdt achieve --json` has them.
         artefact: Certificate or proof; None where there is none, or where it is another world's.
@@ -115,7 +116,8 @@ class Grid:
         return [
             (one, other)
             for one, other in pairs
-            if other.found.outcome is not None and one.found.outcome is not other.found.outcome
+            if None not in {one.found.outcome, other.found.outcome}
+            and one.found.outcome is not other.found.outcome
         ]
 
 
@@ -129,5 +131,14 @@ def found_of(verdict: Verdict, how: How, seconds: float, swept: Swept | None = N
 
 def no_world(error: InputError) -> Found:
     """That an edit cannot be made here."""
-    said: Json = {"kind": "no world", "reason": str(error), "evidence": None, "proof": False, "search": None}
-    return Found("", None, How.NO_WORLD, {}, (said,))
+    return _nothing(How.NO_WORLD, "no world", str(error))
+
+
+def lost(reason: str) -> Found:
+    """That a case took the process that judged it with it: nothing is known of it."""
+    return _nothing(How.LOST, "no verdict", reason)
+
+
+def _nothing(how: How, kind: str, reason: str) -> Found:
+    said: Json = {"kind": kind, "reason": reason, "evidence": None, "proof": False, "search": None}
+    return Found("", None, how, {}, (said,))

@@ -13,12 +13,12 @@ from sdt_kg.load import load_twin, model_name
 from sdt_kg.scope import D_ARTIC
 from services.app import Policy, load
 from services.codesign.again import whole_body
-from services.codesign.entries import Entry, Found, Grid, no_world
+from services.codesign.entries import Entry, Found, Grid, lost, no_world
 from services.codesign.judge import Judge, judged_as_it_is
 from services.relative import in_class
 from services.requests import state_joints
 from services.sweep.engines import cpu_seconds
-from services.sweep.handed import each as each_done
+from services.sweep.handed import Lost, each_or_lost
 from services.whatif import World, changed, depends_on_robot, parse_change
 
 Key = tuple[str, str, str]
@@ -117,7 +117,7 @@ def run(
     ]
     entries = [Entry(*key, (), found) for key, found in (kept or {}).items()]
     fresh = [each for each in first if each.key not in (kept or {})]
-    entries += _results(asked, partial(_as_it_is, asked), fresh, jobs, report)
+    entries += results(asked, partial(_as_it_is, asked), fresh, jobs, report)
     base: Base = {each.key: replace(each.found, record=None) for each in entries}
     more = [
         Job(kitchen, robot, names[kitchen], edits)
@@ -125,7 +125,7 @@ def run(
         for edits in asked.worlds
         for robot in asked.robots
     ]
-    entries += _results(asked, partial(_otherwise, asked, base), more, jobs, report)
+    entries += results(asked, partial(_otherwise, asked, base), more, jobs, report)
     worlds = {edits: number for number, edits in enumerate(((), *asked.worlds))}
     order = {each.key: n for n, each in enumerate(first)}
     entries.sort(key=lambda each: (worlds[each.edits], order[each.key]))
@@ -152,13 +152,28 @@ def _containers(asked: Asked) -> dict[str, tuple[str, ...]]:
     return found
 
 
-def _results(
+def results(
     asked: Asked, work: Callable[[Job], list[Entry]], todo: Sequence[Job], jobs: int, report: Report
 ) -> Iterator[Entry]:
-    for _, entries in each_done(todo, jobs, work, partial(_prepare, asked), lambda job: job.world):
-        for entry in entries:
+    """Every entry as soon as it is there.
+
+    A job that kills its process twice is begun again container by container: only the one that kills has
+    no verdict.
+    """
+    prepare, apart = partial(_prepare, asked), list[Job]()
+    for job, found in each_or_lost(todo, jobs, work, prepare, lambda job: job.world):
+        if isinstance(found, Lost) and len(job.containers) > 1:
+            apart += [replace(job, containers=(each,)) for each in job.containers]
+            continue
+        for entry in [_lost_entry(job, found)] if isinstance(found, Lost) else found:
             report(entry)
             yield entry
+    if apart:
+        yield from results(asked, work, apart, jobs, report)
+
+
+def _lost_entry(job: Job, found: Lost) -> Entry:
+    return Entry(job.kitchen, job.robot, job.containers[0], job.edits, lost(found.reason))
 
 
 def _prepare(asked: Asked, job: Job) -> None:

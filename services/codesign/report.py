@@ -28,8 +28,10 @@ def world_name(edits: Sequence[str]) -> str:
 
 
 def outcome_name(entry: Entry) -> str:
-    """The outcome, or that there is no such world."""
-    return "no such world" if entry.found.outcome is None else entry.found.outcome.value
+    """The outcome, or that there is no such world, or no verdict."""
+    if entry.found.outcome is not None:
+        return entry.found.outcome.value
+    return "no verdict" if entry.found.how is How.LOST else "no such world"
 
 
 def counts(grid: Grid) -> list[Json]:

@@ -176,20 +176,38 @@ def each(
         InputError: What an item names is wrong.
         OracleUnavailableError: Nothing came of an item.
     """
+    for item, result in each_or_lost(items, jobs, work, prepare, alike):
+        if isinstance(result, Lost):
+            raise result.error(str(item))
+        yield item, result
+
+
+def each_or_lost(
+    items: Sequence[T],
+    jobs: int,
+    work: Callable[[T], R],
+    prepare: Callable[[T], None] | None = None,
+    alike: Callable[[T], Hashable] = lambda item: item,
+) -> Iterator[tuple[T, R | Lost]]:
+    """The same, for who goes on where nothing came of an item.
+
+    Raises:
+        InputError: What an item names is wrong.
+    """
     if jobs == 1:
         yield from ((item, work(item)) for item in items)
         return
     with Handed(processes(jobs), work, alike, prepare) as handed:
         for item in items:
-            yield from map(_whole, handed.add(item))
-        yield from map(_whole, handed.rest())
+            yield from map(_mended, handed.add(item))
+        yield from map(_mended, handed.rest())
 
 
-def _whole(done: tuple[T, R | Lost]) -> tuple[T, R]:
+def _mended(done: tuple[T, R | Lost]) -> tuple[T, R | Lost]:
     item, result = done
-    if isinstance(result, Lost):
+    if isinstance(result, Lost) and result.is_input:
         raise result.error(str(item))
-    return item, result
+    return done
 
 
 def _each(work: Callable[[T], R], piece: Sequence[T]) -> list[R | Lost]:

@@ -7,9 +7,10 @@ import click
 
 from sdt_kg.errors import InputError
 from services.app import Policy
-from services.codesign.entries import Entry, Grid
+from services.codesign.entries import Entry, Grid, How
 from services.codesign.grid import Asked, run, worlds_of
 from services.codesign.report import ENTRY_COLUMNS, counts, entry_rows, reuse_lines, to_json, turned_rows
+from services.commands.exits import Exit
 from services.commands.show import csv_text, print_json, print_rows, progress
 
 TURNED_COLUMNS = ("world", "kitchen", "robot", "container", "outcome", "predicates", "why")
@@ -75,3 +76,8 @@ def told(grid: Grid, csv_file: Path | None, *, as_json: bool) -> None:
     for line in reuse_lines(grid):
         click.echo(line)
     click.echo(f"\n{len(grid.entries)} cases in {grid.seconds:.0f} s ({grid.cpu_seconds:.0f} s of CPU)")
+
+
+def ends_with(grid: Grid) -> Exit:
+    """What the command ends with: whether every case has a verdict."""
+    return Exit.NO_ORACLE if any(each.found.how is How.LOST for each in grid.entries) else Exit.DONE

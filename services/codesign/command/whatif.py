@@ -11,7 +11,7 @@ from predicates.record import diagnosis_json, to_json
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from services.app import Policy, load
-from services.codesign.command.grid import asked_of, judged, told
+from services.codesign.command.grid import asked_of, ends_with, judged, told
 from services.codesign.command.turn import print_contrast, print_turned, turned_json
 from services.codesign.smallest.sought import Question
 from services.codesign.smallest.turning import turned
@@ -115,8 +115,8 @@ def whatif(
 ) -> None:
     """Would ROBOT achieve TASK if things were otherwise? Says what differs and which predicate turns.
 
-    Exit 0 if the other world's verdict is certified (with --turn: if a turn was found; with --grid: always),
-    else 1.
+    Exit 0 if the other world's verdict is certified (with --turn: if a turn was found; with --grid: if
+    every case has one, else 4), else 1.
     """
     if "help" in edits:
         click.echo("\n".join(KINDS.values()))
@@ -128,12 +128,13 @@ def whatif(
     policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed)
     if grid:
         asked = asked_of(kitchen, robot, task, edits, states, policy, tee, forces)
-        told(judged(asked, jobs), csv_file, as_json=as_json)
-        return
+        found = judged(asked, jobs)
+        told(found, csv_file, as_json=as_json)
+        raise SystemExit(ends_with(found))
     if not edits:
-        found = turned(Question(kitchen, robot, task, states, policy, tee, forces), within, jobs)
-        print_json(turned_json(found)) if as_json else print_turned(found)
-        raise SystemExit(0 if any(each.turn is not None for each in found.sought) else Exit.NO)
+        smallest = turned(Question(kitchen, robot, task, states, policy, tee, forces), within, jobs)
+        print_json(turned_json(smallest)) if as_json else print_turned(smallest)
+        raise SystemExit(0 if any(each.turn is not None for each in smallest.sought) else Exit.NO)
     world = World(in_class(load(kitchen, [robot], state=states, policy=policy), tee, forces), robot)
     changes = tuple(parse_change(text) for text in edits)
     if turn:
