@@ -15,7 +15,7 @@ from services.app import Policy, load
 from services.codesign.again import whole_body
 from services.codesign.entries import Entry, Found, Grid, lost, no_world
 from services.codesign.judge import Judge, judged_as_it_is
-from services.relative import in_class
+from services.relative import Relative, in_class, tee_of
 from services.requests import state_joints
 from services.sweep.engines import cpu_seconds
 from services.sweep.handed import Lost, each_or_lost
@@ -42,6 +42,9 @@ class Asked:
         containers: By name; empty: all.
         tee: Name of the class that verdicts are relative to.
         forces: Force data for a class with forces; None: what is bundled.
+
+    Raises:
+        InputError: Force data for a class without forces.
     """
 
     kitchens: tuple[str, ...]
@@ -53,6 +56,9 @@ class Asked:
     containers: tuple[str, ...] = ()
     tee: str = D_ARTIC.name
     forces: Path | None = None
+
+    def __post_init__(self) -> None:
+        Relative(tee_of(self.tee), self.forces)
 
 
 @dataclass(frozen=True, slots=True)
