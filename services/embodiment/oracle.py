@@ -20,6 +20,7 @@ from services.embodiment.body.limb import Margins
 from services.embodiment.body.warm import warm
 from services.embodiment.body.world import World
 from services.embodiment.certify.check import Certified, Refused, certify
+from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.grasp import grasp_settings
 from services.embodiment.hold.kit import Kits
@@ -187,6 +188,8 @@ class WholeBody:
         if isinstance(outcome, Certified):
             return _certified(case, notes, clock, outcome)
         notes += ("collisions are of shapes that contain the robot's: shallow ones may be theirs alone",)
+        parked = left_out(world.scene, case.body_motion)
+        notes += (f"not listed in the motion, so parked: {', '.join(parked)}",) if parked else ()
         return Answer(case, False, outcome.diagnoses, notes, clock.seconds)
 
     def _certificate(self, twin: Twin, setting: Setting, body: BodyMotion) -> Certified | Refused:

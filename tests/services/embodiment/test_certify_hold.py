@@ -6,13 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from predicates.case import Quantity
+from predicates.case import Case, Quantity
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
+from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused
-from tests.services.embodiment.gantry import FOLDER, RESTS, gantry_twin, opening
+from services.embodiment.oracle import WholeBody
+from tests.services.embodiment.gantry import FOLDER, RESTS, START, gantry_twin, opening
 from tests.services.embodiment.judging import judge, only, refusal, with_rests
 
 pytestmark = pytest.mark.oracle
@@ -209,3 +211,16 @@ def test_a_turn_of_the_wrist_on_the_handle_is_seen(twin: Twin) -> None:
     found = refusal(twin, opening(rests=rests), Quantity.ORIENTATION_ERROR)
     assert found[-1].evidence is not None
     assert found[-1].evidence.value == pytest.approx(0.03, abs=0.001)
+
+
+@pytest.mark.parametrize("gripper", ["hand", ""])
+def test_a_refusal_tells_which_joints_of_the_arm_the_motion_leaves_out(twin: Twin, gripper: str) -> None:
+    body = replace(opening(), gripper=gripper)
+    kept = [k for k, name in enumerate(body.joints) if name != "lift_joint"]
+    names = tuple(body.joints[k] for k in kept)
+    short = replace(body, joints=names, q=body.q[:, kept], v=body.v[:, kept])
+    task = Task(Verb.OPEN, twin.container("drawer_main").iri)
+    for motion, told in ((body, False), (short, True), (replace(short, gripper="other"), True)):
+        answer = WholeBody(start=START).perform(Case(twin, twin.robots[0], task, body_motion=motion))
+        assert answer.holds is not told
+        assert ("not listed in the motion, so parked: lift_joint" in answer.notes) is told
