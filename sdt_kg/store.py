@@ -21,7 +21,7 @@ Solutions = ox.QuerySolutions | ox.QueryBoolean | ox.QueryTriples
 _READERS: Final[dict[str, Callable[[str], Value]]] = {
     **dict.fromkeys((XSD + name for name in ("double", "float", "decimal")), float),
     **dict.fromkeys((XSD + name for name in ("integer", "int", "long", "nonNegativeInteger")), int),
-    XSD + "boolean": lambda text: text in {"true", "1"},
+    XSD + "boolean": lambda text: {"true": True, "1": True, "false": False, "0": False}[text],
 }
 KEPT_NODES: Final = 65_536
 """Nodes kept for the next triple about the same: making one checks its IRI."""
@@ -171,11 +171,17 @@ def checked_query(sparql: str) -> str:
 
 
 def value_of(term: object) -> Value:
-    """IRI as text, literal as bool, int, float or text, unbound as None."""
+    """IRI as text, literal as bool, int, float or text, unbound as None.
+
+    A literal that is none of its datatype, like "0/4" of `xsd:double`, is its text.
+    """
     if isinstance(term, ox.NamedNode):
         return term.value
     if isinstance(term, ox.Literal):
-        return _READERS.get(term.datatype.value, str)(term.value)
+        try:
+            return _READERS.get(term.datatype.value, str)(term.value)
+        except (KeyError, ValueError):
+            return term.value
     return None if term is None else str(term)
 
 

@@ -9,7 +9,7 @@ import rdflib
 
 from sdt_kg.annotating.annotate import TEE_GRAPH
 from sdt_kg.errors import GraphError, UnknownEntityError
-from sdt_kg.iri import SDT, TEE, graph_iri, joint_iri, model_iri
+from sdt_kg.iri import SDT, TEE, XSD, graph_iri, joint_iri, model_iri
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from tests.sdt_kg.conftest import link
@@ -93,10 +93,11 @@ def rewrite(store: ox.Store, predicate: str, value: object, subject: str = SLIDE
     for quad in found:
         store.remove(quad)
         if value is not None:
-            term = value if isinstance(value, ox.BlankNode) else ox.Literal(value)  # type: ignore[arg-type]
+            term = value if isinstance(value, ox.BlankNode | ox.Literal) else ox.Literal(value)  # type: ignore[arg-type]
             store.add(ox.Quad(quad.subject, quad.predicate, term, quad.graph_name))
 
 
+NO_NUMBER = ox.Literal("0/4", datatype=ox.NamedNode(XSD + "double"))
 BODY = f"{model_iri('k')}/body/cupboard_drawer"
 RULE_11 = graph_iri("inferred", "k/r11_thresholds")
 
@@ -130,6 +131,10 @@ def test_what_was_saved_before_a_class_was_added_is_read(drawer: Path) -> None:
         (lambda store: rewrite(store, "position", None), "lacks joints .*: slide"),
         (lambda store: rewrite(store, "axisX", None), "'k' is not whole: .*axisX"),
         (lambda store: rewrite(store, "axisX", "east"), "sdt:axisX of 'slide' in 'k' is \"east\""),
+        (lambda store: rewrite(store, "axisX", NO_NUMBER), "sdt:axisX of 'slide' in 'k' is \"0/4\""),
+        (lambda store: rewrite(store, "upperLimit", NO_NUMBER), "upperLimit of 'slide' in 'k' is \"0/4\""),
+        (lambda store: rewrite(store, "openFrom", NO_NUMBER), "with 'slide openFrom 0/4'"),
+        (lambda store: rewrite(store, "position", NO_NUMBER), "position"),
         (lambda store: rewrite(store, "axisX", ox.BlankNode()), "blank node"),
         (lambda store: rewrite(store, "child", None), "'k' is not whole"),
         (lambda store: rewrite(store, "partOf", None, BODY), "'k' is no tree|'k' is not whole"),

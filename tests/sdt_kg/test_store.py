@@ -2,9 +2,11 @@
 
 import math
 
+import pyoxigraph as ox
 import pytest
 
 from sdt_kg.errors import QueryError
+from sdt_kg.iri import XSD
 from sdt_kg.store import MemoryStore, checked_query, double, rows_of, term_of, value_of
 
 G = "https://example.org/g"
@@ -51,6 +53,13 @@ def test_doubles_read_back_exactly(value: float) -> None:
     made.add(G, [("https://example.org/a", "https://example.org/p", double(value))])
     ((_, _, term),) = made.triples(G)
     assert value_of(term) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "datatype"), [("0/4", "double"), ("1.5", "integer"), ("tru", "boolean"), ("-", "decimal")]
+)
+def test_a_literal_that_is_none_of_its_datatype_is_its_text(text: str, datatype: str) -> None:
+    assert value_of(ox.Literal(text, datatype=ox.NamedNode(XSD + datatype))) == text
 
 
 @pytest.mark.parametrize("value", [True, False, 3, 2.5, "text", "https://example.org/a"])
