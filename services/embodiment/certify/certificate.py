@@ -182,7 +182,9 @@ def _packed(array: Array) -> dict[str, object]:
 
 def _unpacked(said: Mapping[str, Any]) -> Array:
     flat = np.frombuffer(base64.b64decode(said["f8"], validate=True), dtype="<f8")
-    return flat.astype(np.float64).reshape([int(size) for size in said["shape"]])
+    if any(type(size) is not int or size < 0 for size in said["shape"]):
+        raise ValueError(f"the shape {said['shape']}")
+    return flat.astype(np.float64).reshape(said["shape"])
 
 
 def _digest(packed: bytes) -> bytes:

@@ -209,11 +209,6 @@ def shift_a_waypoint(said: Said) -> None:
     motion["q"]["f8"] = base64.b64encode(q.tobytes()).decode()
 
 
-def loosen(said: Said) -> None:
-    assert isinstance(said["tolerances"], dict)
-    said["tolerances"]["contact"] = 0.05
-
-
 def improve(said: Said) -> None:
     assert isinstance(said["figures"], dict)
     said["figures"]["tool slip"] = [0.0, "m"]
@@ -223,16 +218,28 @@ def improve(said: Said) -> None:
     ("edit", "said"),
     [
         (shift_a_waypoint, "acceleration"),
-        (loosen, "embodiment.tolerances"),
+        (lambda said: said["tolerances"].update(contact=0.05), "embodiment.tolerances"),
         (improve, "'tool slip'"),
         (lambda said: said.update(drive="fixed"), "embodiment.drive"),
         (lambda said: said.update(start=[0.0, 0.0, 1.0]), "start"),
         (lambda said: said.update(container="https://example.org/id/cell/body/bar"), "container"),
         (lambda said: said["state"].update({next(iter(said["state"])): 0.1}), "state"),
         (lambda said: said.pop("motion"), "lacks a part"),
+        (lambda said: said["motion"]["q"].update(shape=[-1, 4]), "ValueError the shape"),
         (lambda said: said.update(start=[*said["start"][:2], float("nan")]), "NaN"),
     ],
-    ids=["waypoint", "tolerance", "figure", "drive", "start", "container", "state", "part", "no number"],
+    ids=[
+        "waypoint",
+        "tolerance",
+        "figure",
+        "drive",
+        "start",
+        "container",
+        "state",
+        "part",
+        "shape",
+        "no number",
+    ],
 )
 def test_a_changed_certificate_with_the_right_hash_does_not_hold(
     kept: Kept, tmp_path: Path, edit: Callable[[Said], None], said: str
