@@ -228,18 +228,6 @@ def improve(said: Said) -> None:
         (lambda said: said["motion"]["q"].update(shape=[-1, 4]), "ValueError the shape"),
         (lambda said: said.update(start=[*said["start"][:2], float("nan")]), "NaN"),
     ],
-    ids=[
-        "waypoint",
-        "tolerance",
-        "figure",
-        "drive",
-        "start",
-        "container",
-        "state",
-        "part",
-        "shape",
-        "no number",
-    ],
 )
 def test_a_changed_certificate_with_the_right_hash_does_not_hold(
     kept: Kept, tmp_path: Path, edit: Callable[[Said], None], said: str
