@@ -27,7 +27,7 @@ from services.embodiment.hold.kit import Kits
 from services.embodiment.plan import Planned, Planner, Setting
 from services.embodiment.prove import boxes
 from services.embodiment.report import refusal
-from services.embodiment.ways.roads import Roads
+from services.embodiment.ways.roads import Known
 from services.embodiment.ways.start import near, turned
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics, version_of
@@ -85,7 +85,7 @@ class WholeBody:
         self.tolerances = Tolerances() if contact is None else replace(Tolerances(), contact=contact)
         self._physics = Kinematics()
         self._compiled = False
-        self._worlds: list[tuple[object, tuple[object, ...], tuple[World, Kits, dict[str, Roads]]]] = []
+        self._worlds: list[tuple[object, tuple[object, ...], tuple[World, Kits, Known]]] = []
 
     @property
     def version(self) -> str:
@@ -242,14 +242,14 @@ class WholeBody:
             boxes.warm()
             self._compiled = True
 
-    def _world(self, twin: Twin, robot: Iri) -> tuple[World, Kits, dict[str, Roads]]:
+    def _world(self, twin: Twin, robot: Iri) -> tuple[World, Kits, Known]:
         own = (twin.mechanism(twin.environment), twin.mechanism(robot), twin.robot(robot))
         key = (twin.state, twin.kitchen())
         for known, models, kept in self._worlds:
             if known == key and all(one is other for one, other in zip(models, own, strict=True)):
                 return kept
         world = World(Scene(twin, robot))
-        made = world, Kits(world, self.margins), dict[str, Roads]()
+        made = world, Kits(world, self.margins), Known()
         self._worlds = [(key, own, made), *self._worlds[: SCENES_KEPT - 1]]
         return made
 

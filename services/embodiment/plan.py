@@ -4,6 +4,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 
 import numpy as np
@@ -26,7 +27,8 @@ from services.embodiment.proof_check.content import IN_HAND
 from services.embodiment.prove import Proved, Prover, in_hand, out_of_reach
 from services.embodiment.ways.approach import Approacher, Blocked
 from services.embodiment.ways.assemble import Assembled, Assembler
-from services.embodiment.ways.roads import Roads, make_roads
+from services.embodiment.ways.roads import Known, Roads, make_roads
+from services.embodiment.ways.slim import slim
 
 Array = NDArray[np.float64]
 
@@ -49,7 +51,7 @@ class Setting:
     start: tuple[float, float, float]
     robot: Iri
     kits: Kits
-    roads: dict[str, Roads]
+    roads: Known
     tolerances: Tolerances
 
 
@@ -235,14 +237,20 @@ class Planner:
         start = np.array(setting.start)
         if setting.drive is Drive.FIXED:
             searcher.stand(start)
-        name = limb.gripper.name
-        roads = setting.roads.get(name) or make_roads(world, limb, kit.opened, setting.drive)
-        setting.roads[name] = roads
-        roads.begin(self.seed)
-        approacher = Approacher(roads, kit.hand, kit.opened, start, self.late)
+        ways = self._roads(kit, parked=True), partial(self._roads, kit, parked=False)
+        approacher = Approacher(*ways, kit, start, self.late)
         assembler = Assembler(world, limb, setting.robot, problem, setting.motion)
         rng = np.random.default_rng(self.seed)
         return Attempt(limb, fitter, [], fitted, [], steep, searcher, approacher, assembler, rng)
+
+    def _roads(self, kit: Kit, *, parked: bool) -> Roads:
+        """Drives with the arm parked, or as slim as it can be; at first nothing is known but free poses."""
+        setting, key = self.setting, (kit.limb.gripper.name, parked)
+        if key not in setting.roads:
+            posture = kit.limb.parked if parked else slim(setting.world, kit.limb, kit.opened)
+            setting.roads[key] = make_roads(setting.world, kit.limb, posture, kit.opened, setting.drive)
+        setting.roads[key].begin(self.seed)
+        return setting.roads[key]
 
     def _problem(self, bar: Bar, q: Array) -> Problem:
         values = np.linspace(self.mechanics.start, float(self.setting.motion.values[-1, 0]), WAYPOINTS)

@@ -1,11 +1,13 @@
 """From the start pose, parked, to the handle: drive, raise the arm with room around, come near, take hold.
 
-Built backwards: the hand leaves the bar along its approach axis or aslant, the base backs off, there the arm
-folds to its parked posture, and from there the robot drives home.
+Built backwards: the hand leaves the bar along its approach axis or aslant, the base backs off, there the
+arm folds to its parked posture, and from there the robot drives home. Where it is too wide for that, the
+arm folds to the slimmest posture that is known, and is parked only at home.
 """
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -14,9 +16,9 @@ from numpy.typing import NDArray
 from sdt_kg.annotation import Drive
 from services.embodiment.body.limb import BASE
 from services.embodiment.body.track import bases, track
-from services.embodiment.body.world import Contact, Rules
-from services.embodiment.hold.grasp import Hand
+from services.embodiment.body.world import Contact
 from services.embodiment.hold.holding import Holding, Problem, inside
+from services.embodiment.hold.kit import Kit
 from services.embodiment.ways.paths import between, connect
 from services.embodiment.ways.roads import Roads
 from services.embodiment.ways.spaces import ArmSpace, reaches
@@ -40,8 +42,8 @@ class Approach:
     """All before the grasp, in the order in which it is done.
 
     Attributes:
-        drive: Base poses at the corners of the drive, shape (D, 3).
-        raise_arm: x at the corners of the arm's way from parked, shape (A, n).
+        drive: x from parked at the start, at the corners of the drive, shape (D, n).
+        raise_arm: x at the corners of the arm's way from how it is carried, shape (A, n).
         drive_in: x before and after the base comes near, shape (2, n).
         reach: x at waypoints of the last centimetres, shape (R, n).
     """
@@ -65,16 +67,29 @@ class Blocked:
 
 
 class Approacher:
-    """Ways to holdings of one limb."""
+    """Ways to holdings of one limb.
+
+    Args:
+        roads: Of the parked robot.
+        slim: Of the robot with its arm carried as slim as it can be; asked for where those lead nowhere.
+    """
 
     def __init__(
-        self, roads: Roads, hand: Hand, rules: Rules, start: Array, late: Callable[[], bool]
+        self, roads: Roads, slim: Callable[[], Roads], kit: Kit, start: Array, late: Callable[[], bool]
     ) -> None:
-        self.roads, self.hand, self.rules, self.start, self.late = roads, hand, rules, start, late
-        self.world, self.limb, self.drive = hand.world, hand.limb, roads.space.drive
+        self.roads, self.start, self.late = roads, start, late
+        self.hand, self.rules = kit.hand, kit.opened
+        self.world, self.limb, self.drive = kit.hand.world, kit.limb, roads.space.drive
         self.weight = reaches(self.limb)
         self.rest = self.limb.rest
+        self._slim = slim
+        self._tucked: tuple[Array | None, ...] = ()  # one, once it was looked for
         self._contact_there: Contact | None = None
+
+    @cached_property
+    def slim(self) -> Roads:
+        """Roads of the robot with its arm carried as slim as it can be."""
+        return self._slim()
 
     def approach(self, holding: Holding, problem: Problem, rng: np.random.Generator) -> Approach | Blocked:
         """The way to a holding, or the stage that failed last."""
@@ -82,19 +97,31 @@ class Approacher:
         left = self._leave(holding, problem)
         if isinstance(left, Blocked):
             return left
+        outcome = self._by(self.roads, left, problem, rng)
+        if isinstance(outcome, Approach) or outcome.stage != "drive" or self.late():
+            return outcome
+        other = Blocked("drive") if self.drive is Drive.FIXED else self._by(self.slim, left, problem, rng)
+        return other if isinstance(other, Approach) else outcome
+
+    def _by(
+        self, roads: Roads, left: Array, problem: Problem, rng: np.random.Generator
+    ) -> Approach | Blocked:
+        """The same, the arm carried as it is on these roads."""
         self._contact_there, failed = None, Blocked("park")
-        places: list[Array] = []
-        for back in self._places(left[-1], problem):
-            places.append(back)
-            outcome = self._from(back, left, 0, rng)
+        shut: list[Array] = []
+        for back in self._places(left[-1], problem, roads.posture):
+            outcome = self._from(back, left, (roads, 0), rng)
             if isinstance(outcome, Approach) or self.late():
                 return outcome
             failed = outcome
-        for back in places[:PLACES] if failed.stage == "drive" else ():
-            outcome = self._from(back, left, GROWTHS, rng)
+            if outcome.stage == "drive":
+                shut.append(back)
+        for back in shut[:PLACES]:
+            outcome = self._from(back, left, (roads, GROWTHS), rng)
             if isinstance(outcome, Approach) or self.late():
                 return outcome
-        return failed if places else Blocked("park", self._contact_there)
+            failed = outcome
+        return failed if failed.stage != "park" else Blocked("park", self._contact_there)
 
     def _leave(self, holding: Holding, problem: Problem) -> Array | Blocked:
         """Waypoints from the grasp backwards, shape (PULLS + 1, n)."""
@@ -121,9 +148,9 @@ class Approacher:
             if path is not None:
                 yield np.concatenate([x0[None], path])
 
-    def _places(self, x: Array, problem: Problem) -> Iterator[Array]:
-        """Configurations with the base backed off, the arm still, where there is room to fold the arm."""
-        if self._parks(x):
+    def _places(self, x: Array, problem: Problem, folded: Array) -> Iterator[Array]:
+        """Configurations with the base backed off, the arm still, with room for the arm `folded`."""
+        if self._folds(x, folded):
             yield x
         for way in self._ways(x, problem):
             last = x
@@ -134,14 +161,14 @@ class Approacher:
                 if contact is not None:
                     self._contact_there = contact
                     break
-                if self._parks(back):
+                if self._folds(back, folded):
                     yield back
                 last = back
 
-    def _parks(self, x: Array) -> bool:
-        parked = self.limb.parked.copy()
-        parked[BASE] = x[BASE]
-        contact = self.world.contact(self.limb.q(parked, self.rest)[None], self.rules)
+    def _folds(self, x: Array, folded: Array) -> bool:
+        folded = folded.copy()
+        folded[BASE] = x[BASE]
+        contact = self.world.contact(self.limb.q(folded, self.rest)[None], self.rules)
         self._contact_there = contact or self._contact_there
         return contact is None
 
@@ -156,16 +183,22 @@ class Approacher:
         turns = out + np.radians([0, 45, -45, 90, -90, 135, -135, 180])
         return [-heading, *np.stack([np.cos(turns), np.sin(turns)], axis=1)]
 
-    def _from(self, back: Array, left: Array, growths: int, rng: np.random.Generator) -> Approach | Blocked:
-        """The rest of the way where the arm folds at `back`."""
-        parked = self.limb.parked.copy()
-        parked[BASE] = back[BASE]
-        road = self.road(back[BASE], growths)
+    def _from(
+        self, back: Array, left: Array, ways: tuple[Roads, int], rng: np.random.Generator
+    ) -> Approach | Blocked:
+        """The rest of the way where the arm folds at `back`: roads, which may grow so often, lead there."""
+        roads, growths = ways
+        folded = roads.posture.copy()
+        folded[BASE] = back[BASE]
+        road = self.road(roads, back[BASE], growths)
         if road is None:
             return Blocked("drive")
+        tucked = self._tuck(roads, rng)
+        if tucked is None:
+            return Blocked("fold")
         turns = road[-1, 2] - back[2]
         space = ArmSpace(self.world, self.limb, self.rules, self.rest, self.weight, back[BASE])
-        corners = connect(space, (parked, back), rng, ARM_ITERATIONS, self.late)
+        corners = connect(space, (folded, back), rng, ARM_ITERATIONS, self.late)
         if corners is None:
             return Blocked("fold")
         contact = self._contact(corners)
@@ -174,7 +207,21 @@ class Approacher:
         whole = [corners.copy(), np.stack([back, left[-1]]), left[::-1].copy()]
         for part in whole:
             part[:, 2] += turns
-        return Approach(road, *whole)
+        drive = np.repeat(roads.posture[None], len(road), axis=0)
+        drive[:, BASE] = road
+        return Approach(np.concatenate([tucked, drive]), *whole)
+
+    def _tuck(self, roads: Roads, rng: np.random.Generator) -> Array | None:
+        """The arm's way at the start pose from parked until it is carried, without its end, shape (K, n)."""
+        if roads is self.roads:
+            return np.empty((0, len(self.weight)))
+        if not self._tucked:
+            space = ArmSpace(self.world, self.limb, self.rules, self.limb.rest, self.weight, self.start)
+            ends = self.limb.parked.copy(), roads.posture.copy()
+            for one in ends:
+                one[BASE] = self.start
+            self._tucked = (connect(space, ends, rng, ARM_ITERATIONS, self.late),)
+        return None if self._tucked[0] is None else self._tucked[0][:-1]
 
     def _contact(self, xs: Array) -> Contact | None:
         """A contact along straight segments through xs."""
@@ -184,10 +231,10 @@ class Approacher:
             parts.append(between(one, other, pieces))
         return self.world.contact(self.limb.q(np.concatenate(parts), self.rest), self.rules)
 
-    def road(self, goal: Array, growths: int) -> Array | None:
+    def road(self, roads: Roads, goal: Array, growths: int) -> Array | None:
         """Corners of the drive from the start to a base pose (its yaw up to whole turns), shape (K, 3)."""
         turned = goal.copy()
         turned[2] += 2 * np.pi * np.round((self.start[2] - goal[2]) / (2 * np.pi))
         if np.allclose(turned, self.start, atol=1e-9):
             return np.stack([self.start, self.start])
-        return None if self.drive is Drive.FIXED else self.roads.road(self.start, turned, growths, self.late)
+        return None if self.drive is Drive.FIXED else roads.road(self.start, turned, growths, self.late)

@@ -98,12 +98,10 @@ class Assembler:
         return Timed(timed.times, x, np.hstack([timed.v, np.zeros((count, len(fingers)))]))
 
     def _drive(self, approach: Approach, opened: Array) -> Timed:
-        parked = self.limb.parked.copy()
-        parked[BASE] = approach.drive[0]
-        opening = np.stack([np.append(parked, self.parked), np.append(parked, self.open)])
-        corners = np.repeat(np.append(parked, self.open)[None], len(approach.drive), axis=0)
-        corners[:, BASE] = approach.drive
-        narrowed = np.append(corners[-1, : len(parked)], opened)[None]
+        ways = approach.drive
+        opening = np.append(ways[0], self.parked)[None]
+        corners = np.hstack([ways, np.repeat(self.open[None], len(ways), axis=0)])
+        narrowed = np.append(ways[-1], opened)[None]
         return timing.along(np.concatenate([opening, corners, narrowed]), self.bound, self.reach, SPACING)
 
     def _raised(self, approach: Approach) -> Timed:

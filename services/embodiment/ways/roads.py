@@ -35,12 +35,14 @@ class Roads:
 
     Attributes:
         space: Decides what is free.
+        posture: x with the arm as it is carried, the base at 0, shape (n,).
         nodes: Free base poses.
         edges: (one, other, length) of nodes that a free straight piece joins.
         lattice: Where the roadmap has a gap.
     """
 
     space: DriveSpace
+    posture: Array
     lattice: Lattice
     rng: np.random.Generator = field(default_factory=np.random.default_rng)
     nodes: list[Array] = field(default_factory=list[Array])
@@ -138,7 +140,11 @@ class Roads:
         return np.concatenate(corners)
 
 
-def make_roads(world: World, limb: Limb, rules: Rules, drive: Drive) -> Roads:
-    """An empty roadmap for the robot with that limb parked and its hand open."""
-    space = DriveSpace(Parked(world, limb.q(limb.parked), rules), drive)
-    return Roads(space, Lattice(space))
+Known = dict[tuple[str, bool], Roads]
+"""Those of a scene, by gripper, and whether its arm is parked."""
+
+
+def make_roads(world: World, limb: Limb, posture: Array, rules: Rules, drive: Drive) -> Roads:
+    """An empty roadmap for the robot with that limb carried so, its hand open."""
+    space = DriveSpace(Parked(world, limb.q(posture), rules), drive)
+    return Roads(space, posture, Lattice(space))

@@ -87,7 +87,7 @@ def test_where_there_is_no_gap_the_goal_is_known_to_be_shut_in() -> None:
 @pytest.mark.parametrize("growths", [0, 1, 12])
 def test_a_drive_does_not_depend_on_what_was_asked_before(growths: int) -> None:
     yard = cast(DriveSpace, Yard(Drive.OMNI, (0.62, 0.92)))
-    fresh, used = (Roads(yard, Lattice(yard)) for _ in range(2))
+    fresh, used = (Roads(yard, np.zeros(3), Lattice(yard)) for _ in range(2))
     for seed, goal in enumerate((GOAL - [0.3, 0.5, 0.0], np.array([9.0, 0.0, 0.0]), GOAL)):
         used.begin(seed)
         used.road(START, goal, 4, late)
