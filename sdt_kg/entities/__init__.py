@@ -1,5 +1,6 @@
 """What a twin says whatever its state, shared by all its branches."""
 
-from sdt_kg.entities.entities import KEPT_STATES, Entities, Replacement, query_text, state_iri
+from sdt_kg.entities.entities import KEPT_STATES, Entities, query_text, state_iri
+from sdt_kg.entities.replacement import Replacement
 
 __all__ = ["KEPT_STATES", "Entities", "Replacement", "query_text", "state_iri"]

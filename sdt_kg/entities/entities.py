@@ -14,12 +14,13 @@ from sdt_kg.annotating.annotate import TEE_GRAPH, annotate
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
 from sdt_kg.entities.container import Container, container_of
 from sdt_kg.entities.coupling import Coupling
+from sdt_kg.entities.replacement import Replacement
 from sdt_kg.errors import GraphError, InputError, UnknownEntityError
 from sdt_kg.iri import SDT, Iri, graph_iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.state import State
 from sdt_kg.store import MemoryStore, Store, Triple, Value, double, rows_of, term_of
-from sdt_kg.triples import Facts, checked_model, read_kitchen, read_mechanism_of
+from sdt_kg.triples import Facts, checked_model, read_kitchen, read_mechanism_of, same
 from sdt_kg.triples.vocabulary import fits, properties
 
 T = TypeVar("T")
@@ -29,23 +30,6 @@ KEPT_STATES: Final = 256
 
 _PLACE_ONLY: Final = {SDT + "meshFile"}
 """Properties that say where something lies, not what it is: not hashed."""
-
-
-@dataclass(frozen=True, slots=True)
-class Replacement:
-    """An edit of one model's asserted triples.
-
-    Attributes:
-        model: IRI of the model.
-        removed: Triples that have to be there, and then are not.
-        added: Triples that then are.
-        note: What was edited, in words.
-    """
-
-    model: Iri
-    removed: frozenset[Triple]
-    added: frozenset[Triple]
-    note: str
 
 
 @dataclass(frozen=True)
@@ -177,7 +161,7 @@ class Entities:
         """
         return self.rewritten(self.replacement(subject, changes))
 
-    def replacement(self, subject: Iri, changes: Mapping[str, Value]) -> "Replacement":
+    def replacement(self, subject: Iri, changes: Mapping[str, Value]) -> Replacement:
         """The triples by which these properties of the subject are replaced; None removes one."""
         for name, value in changes.items():
             if name not in properties():
@@ -197,7 +181,7 @@ class Entities:
         shown = ", ".join(f"{name} = {value}" for name, value in changes.items())
         return Replacement(model, removed - added, added - removed, f"edited: {local_name(subject)}: {shown}")
 
-    def rewritten(self, by: "Replacement") -> "Entities":
+    def rewritten(self, by: Replacement) -> "Entities":
         """The same entities, with asserted triples of one model replaced and its rules run again.
 
         Raises:
@@ -211,12 +195,16 @@ class Entities:
         if not by.removed <= present:
             raise GraphError(f"'{name}' was changed since: {by.note}", remedy="undo the later edits first")
         changed = [*(present - by.removed), *by.added]
-        checked_model(changed, model, "Environment" if model == self.environment else "Robot")
+        kind = "Environment" if model == self.environment else "Robot"
+        mechanism = checked_model(changed, model, kind, same(self.mechanism(model), changed, by.subjects))
         store = self._copy(self.graphs_of(model))
         store.add(self.asserted[model], changed)
         inferred = {**self.inferred, model: tuple(annotate(store, model, self.asserted[model]))}
         notes = (*self.notes, f"{name}: {by.note}")
-        return self._kept_by(replace(self, store=store, inferred=inferred, notes=notes), model)
+        made = self._kept_by(replace(self, store=store, inferred=inferred, notes=notes), model)
+        said = {subject for graph in inferred[model] for subject, _, _ in store.triples(graph)}
+        made._mechanisms[model] = read_mechanism_of(made.facts, model, same(mechanism, changed, said).bodies)
+        return made
 
     def with_robot(self, robot: Iri, triples: Sequence[Triple], notes: Sequence[str] = ()) -> "Entities":
         """The same entities and a robot, of which these triples are asserted.

@@ -1,38 +1,43 @@
 """Asserted triples of one model → its mechanism, if they are whole; a GraphError says what is not."""
 
 from collections.abc import Collection, Iterable, Sequence
+from dataclasses import replace
 from typing import Final
 
 from sdt_kg.errors import GraphError
-from sdt_kg.iri import SDT, Iri, local_name
+from sdt_kg.iri import SDT, Iri, body_iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.store import Triple, Value, value_of
 from sdt_kg.triples.annotation import missing_of, read_kitchen, read_robot
 from sdt_kg.triples.facts import Facts
 from sdt_kg.triples.from_mechanism import mechanism_triples
-from sdt_kg.triples.to_mechanism import read_mechanism_of
+from sdt_kg.triples.same import Same
+from sdt_kg.triples.to_mechanism import NONE, read_mechanism_of
 from sdt_kg.triples.vocabulary import NUMBERS, fits, properties
 
 _INDEX: Final = SDT + "index"
 
 
-def checked_model(triples: Sequence[Triple], model: Iri, kind: str) -> Mechanism:
+def checked_model(triples: Sequence[Triple], model: Iri, kind: str, before: Same | None = None) -> Mechanism:
     """The mechanism, if writing it again gives nothing that is not there, and its bodies form a tree.
 
     Args:
         triples: The model's asserted graph.
         model: Its IRI.
         kind: `Environment` or `Robot`.
+        before: What is as it was in a graph that was whole: not looked at again.
 
     Raises:
         GraphError: A needed triple is missing, or a property is unknown, doubled or has no such value.
     """
     name = local_name(model)
-    _check_terms(triples, name)
+    known = NONE if before is None else before.bodies
+    _check_terms((each for each in triples if before is None or each[0] in before.changed), name)
     facts = Facts(triples)
     try:
-        mechanism = read_mechanism_of(facts, model)
-        unsaid = set(mechanism_triples(mechanism, kind)).difference(triples)
+        mechanism = read_mechanism_of(facts, model, known)
+        read = tuple(each for each in mechanism.bodies if body_iri(name, each.name) not in known)
+        unsaid = set(mechanism_triples(replace(mechanism, bodies=read), kind)).difference(triples)
         missing = missing_of(facts, model, kind)
         if not missing:
             read_robot(facts, model) if kind == "Robot" else read_kitchen(facts, model)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final, TypeVar
 from urllib.parse import unquote, urlparse
 
@@ -13,19 +14,24 @@ from sdt_kg.triples.from_mechanism import JOINT_CLASSES, LIMITS, MOMENTS, SHAPE_
 
 Kind = TypeVar("Kind")
 
+NONE: Final[Mapping[Iri, Body]] = MappingProxyType({})
+
 _JOINT_TYPES: Final = {SDT + name: kind for kind, name in JOINT_CLASSES.items()}
 _SHAPE_TYPES: Final = {SDT + name: kind for kind, name in SHAPE_CLASSES.items()}
 
 
-def read_mechanism_of(facts: Facts, model: Iri) -> Mechanism:
-    """The mechanism that `mechanism_triples` wrote, with limits that annotation added since."""
+def read_mechanism_of(facts: Facts, model: Iri, known: Mapping[Iri, Body] = NONE) -> Mechanism:
+    """The mechanism that `mechanism_triples` wrote, with limits that annotation added since.
+
+    Bodies that are known are not read.
+    """
     parts = facts.having("partOf", model)
     bodies = [iri for iri in parts if SDT + "Body" in facts.types(iri)]
     joints = [iri for iri in parts if not facts.types(iri).isdisjoint(_JOINT_TYPES)]
     return Mechanism(
         name=local_name(model),
         root=local_name(str(facts.one(model, "rootBody"))),
-        bodies=tuple(_body(facts, iri) for iri in _ordered(facts, bodies)),
+        bodies=tuple(known.get(iri) or _body(facts, iri) for iri in _ordered(facts, bodies)),
         joints=tuple(_joint(facts, iri) for iri in _ordered(facts, joints)),
         notes=notes_of(facts, model),
     )
