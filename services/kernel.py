@@ -4,16 +4,21 @@ numba keeps what it compiled by the file of a function, but compiles into it wha
 edit of a callee in another file the old code would stay in use. Here the name of what is kept follows from
 the code of the function, of everything that it calls and of each constant that they read, not from dates
 of files: an edit of any of these compiles anew what holds it, a fresh checkout of the same sources nothing.
+
+Most kernels are called by kernels alone. Of those (`subkernel`) no machine code is made and nothing is kept:
+their callers hold it.
 """
 
+import gc
 import hashlib
 import math
 import pickle
 import sys
 import tempfile
 import time
-from collections.abc import Callable
-from functools import cached_property
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache, cached_property
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
@@ -22,6 +27,7 @@ import numba
 import numpy as np
 from numba.core import config
 from numba.core.caching import CompileResultCacheImpl, _Cache
+from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.dispatcher import Dispatcher
 from numba.core.runtime.nrt import rtsys
@@ -39,6 +45,9 @@ LEVEL = 2
 DIGITS = 24
 """[1] Of a hash, in the name of a file."""
 
+_settings: Any = config
+_njit: Any = numba.njit
+
 
 def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:  # noqa: ANN401 - of numba
     """A function that is compiled when it is first called with such arguments, once for all processes.
@@ -49,8 +58,17 @@ def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:  
     """
     if function is None:
         return lambda each: kernel(each, **options)
-    made = numba.njit(pipeline_class=_Pipeline, **options)(function)
-    made._cache = _Kept(function)  # pyright: ignore[reportAttributeAccessIssue]  # as `cache=True` does
+    made = _njit(pipeline_class=_Pipeline, no_cfunc_wrapper=True, **options)(function)
+    made._cache = _Kept(function)  # as `cache=True` does
+    return made
+
+
+def subkernel(function: Callable[..., Any]) -> Any:  # noqa: ANN401 - of numba
+    """A kernel that only kernels call: compiled into each of them. Called from Python, it is a `kernel`."""
+    made = _njit(pipeline_class=_Inner, no_cfunc_wrapper=True, no_cpython_wrapper=True)(function)
+    whole = cache(lambda: kernel(function))
+    made.add_overload = lambda part: made.overloads.update({tuple(part.signature.args): part})
+    made._compile_for_args = lambda *_, **__: whole()  # asked where no overload can be called from Python
     return made
 
 
@@ -114,19 +132,57 @@ def _names(code: CodeType) -> set[str]:
     return set(code.co_names).union(*map(_names, inner))
 
 
-_settings: Any = config
-
-
 class _Pipeline(Compiler):
     """numba's own, at our level of optimisation; numba lets one thread compile at a time."""
 
     def compile_extra(self, func: object) -> object:
-        usual = _settings.OPT
-        _settings.OPT = type(usual)(min(usual, LEVEL))
-        try:
+        with _at_level():
+            made: Any = super().compile_extra(func)
+        for environment in made._find_referenced_environments():
+            made.codegen.set_env(environment.env_name, environment)  # of what is inside too
+        return made
+
+
+class _Inner(Compiler):
+    """The same for what only kernels call: no machine code, which would be a third of the time."""
+
+    def compile_extra(self, func: Any) -> object:  # noqa: ANN401 - numba's
+        context: Any = self.state.targetctx  # a copy, of this compilation alone
+        context.get_executable = lambda *_: object()  # by which numba finds it, and nothing calls it
+        self.state.library = _Part(context.codegen(), func.__qualname__)
+        with _at_level():
             return super().compile_extra(func)
-        finally:
-            _settings.OPT = usual
+
+
+class _Part(JITCodeLibrary):
+    """Code that waits for its callers, and is made fast together with them."""
+
+    def _optimize_final_module(self) -> None:
+        """Made small, so that they copy less."""
+        codegen: Any = self._codegen
+        vectorise = {"loop_vectorize": False, "slp_vectorize": False}
+        manager, passes = codegen._module_pass_manager(opt=codegen._opt_level, cost="cheap", **vectorise)
+        manager.run(self._final_module, passes)
+
+    def _finalize_final_module(self) -> None:
+        """It stays as it is."""
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+
+@contextmanager
+def _at_level() -> Iterator[None]:
+    """LLVM optimises at our level; looking for garbage, a fifth of the time, waits."""
+    usual, collects = _settings.OPT, gc.isenabled()
+    _settings.OPT = type(usual)(min(usual, LEVEL))
+    gc.disable()
+    try:
+        yield
+    finally:
+        _settings.OPT = usual
+        if collects:
+            gc.enable()
 
 
 def _age(file: Path) -> float:

@@ -12,11 +12,11 @@ from services import kernel
 from services.kernel import kept, made_of
 
 CALLEE = """
-from services.kernel import kernel
+from services.kernel import kernel, subkernel
 
 STEP = {step}
 
-@kernel
+@{declared}
 def inner(x):
     '''Doc{doc}.'''
     return {inner}
@@ -45,8 +45,11 @@ def loaded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Loader:
     """The caller's module as a new process would import it, after its callee was written anew."""
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
 
-    def load(inner: str = "x + STEP", step: float = 1.0, doc: str = "") -> ModuleType:
-        (tmp_path / "edited_inner.py").write_text(CALLEE.format(inner=inner, step=step, doc=doc))
+    def load(
+        inner: str = "x + STEP", step: float = 1.0, doc: str = "", declared: str = "kernel"
+    ) -> ModuleType:
+        callee = CALLEE.format(inner=inner, step=step, doc=doc, declared=declared)
+        (tmp_path / "edited_inner.py").write_text(callee)
         (tmp_path / "edited_outer.py").write_text(CALLER)
         for name in ("edited_inner", "edited_outer"):
             spec = importlib.util.spec_from_file_location(name, tmp_path / f"{name}.py")
@@ -70,12 +73,33 @@ def test_what_was_compiled_is_found_again_whatever_the_date_of_the_file_and_its_
     assert not again.outer.stats.cache_misses
 
 
-def test_an_edit_of_a_callee_in_another_file_compiles_its_callers_anew(loaded: Loader) -> None:
-    old = loaded()
+@pytest.mark.parametrize("declared", ["kernel", "subkernel"])
+def test_an_edit_of_a_callee_in_another_file_compiles_its_callers_anew(loaded: Loader, declared: str) -> None:
+    old = loaded(declared=declared)
     assert old.outer(1.0) == 2.0
-    edited = loaded(inner="x - STEP")
+    edited = loaded(inner="x - STEP", declared=declared)
     assert edited.outer(1.0) == 0.0
     assert not edited.outer.stats.cache_hits
+
+
+def test_a_subkernel_is_part_of_its_callers_which_are_found_again(loaded: Loader) -> None:
+    assert loaded(declared="subkernel").outer(1.0) == 2.0
+    again = loaded(declared="subkernel").outer
+    assert again(1.0) == 2.0
+    assert sum(again.stats.cache_hits.values()) == 1
+
+
+def test_a_subkernel_can_be_called_from_python_before_and_after_its_callers(loaded: Loader) -> None:
+    module = loaded(inner="x + x * STEP", declared="subkernel")
+    assert (module.inner(2.0), module.outer(2.0), module.inner(2.0)) == (4.0, 4.0, 4.0)
+
+
+def test_an_error_in_a_subkernel_is_raised_from_its_caller(loaded: Loader) -> None:
+    module = loaded(inner="STEP / x", declared="subkernel")
+    assert module.outer(2.0) == 0.5
+    for outer in (module.outer, loaded(inner="STEP / x", declared="subkernel").outer):
+        with pytest.raises(ZeroDivisionError):
+            outer(0.0)
 
 
 def test_an_edit_of_a_constant_that_a_callee_reads_compiles_its_callers_anew(loaded: Loader) -> None:

@@ -8,12 +8,12 @@ import math
 
 import numpy as np
 
-from services.kernel import kernel
+from services.kernel import kernel, subkernel
 
 REST = 1e-12  # [rad/s or m/s] what a speed is set to is exactly 0; more than rounding
 
 
-@kernel
+@subkernel
 def resisting(q, values, load, shape, lower):
     """Forces of a joint that depend on the position alone, against opening: weight, spring, latch, closer."""
     mass, weight, stiffness, latch, closer = values[0], values[2], values[6], values[7], values[8]
@@ -26,7 +26,7 @@ def resisting(q, values, load, shape, lower):
     return total
 
 
-@kernel
+@subkernel
 def summed(waves, q):
     """A sum of size · cos(rate · q + phase), of rows size, rate, phase, and its slope."""
     value, slope = 0.0, 0.0
@@ -37,7 +37,7 @@ def summed(waves, q):
     return value, slope
 
 
-@kernel
+@subkernel
 def advanced(q, v, force, h, joints, folded, lifted, stops):
     """Position and speed after h, under a constant force of the first joint; a row of `joints` for each.
 

@@ -9,12 +9,12 @@ import math
 import numpy as np
 
 from services.embodiment.body.kernels import copied, forward, joint_pose, matmul, moved, place_boxes
-from services.kernel import kernel
+from services.kernel import kernel, subkernel
 from services.physics.geometry.convex import parted
 from services.physics.geometry.packed import bounds_of
 
 
-@kernel
+@subkernel
 def parting(shapes, a, b, ra, ca, rb, cb, margin, work):
     """What the distance of two shapes is not below [m]; above the margin unless they are as near as that."""
     low = parted(shapes, a, b, ra, ca, rb, cb)
@@ -23,7 +23,7 @@ def parting(shapes, a, b, ra, ca, rb, cb, margin, work):
     return bounds_of(shapes, a, b, ra, ca, rb, cb, margin, margin, work)[0]
 
 
-@kernel
+@subkernel
 def clear(shapes, a, r, c, middle, reach):
     """Whether a ball about `middle` is beside the box of shape a, which is at (r, c)."""
     x, y, z, away = middle[0] - c[0], middle[1] - c[1], middle[2] - c[2], 0.0
@@ -34,7 +34,7 @@ def clear(shapes, a, r, c, middle, reach):
     return away > reach * reach
 
 
-@kernel
+@subkernel
 def movers(qs, tree, joint, base):
     """(which joints move along qs, whether the base does, row of each shape among those that move or −1)."""
     parent = tree[0]
@@ -53,7 +53,7 @@ def movers(qs, tree, joint, base):
     return moves, moves[base], row, count
 
 
-@kernel
+@subkernel
 def track(qs, tree, boxes, radius, moves, row, count, first, base):
     """Poses of the `count` moving shapes along qs, and the way that each has come [m].
 
@@ -103,7 +103,7 @@ def track(qs, tree, boxes, radius, moves, row, count, first, base):
     return at_r, at_c, way, own
 
 
-@kernel
+@subkernel
 def _apart(r, c, s, d, radius):
     """How far a ball's points are at most from one pose (r, c) to another (s, d)."""
     turn, shift = 0.0, 0.0
@@ -114,7 +114,7 @@ def _apart(r, c, s, d, radius):
     return math.sqrt(shift) + radius * math.sqrt(turn / 2)
 
 
-@kernel
+@subkernel
 def walk(a, b, margin, shapes, radius, row, still, along, way, work):
     """First configuration at which the pair is too near, or −1.
 
@@ -149,7 +149,7 @@ def walk(a, b, margin, shapes, radius, row, still, along, way, work):
     return -1
 
 
-@kernel
+@subkernel
 def boxed(shapes, row, still, along, low, high):
     """Corners of boxes along the world's axes that hold each shape at all configurations."""
     size = shapes[1]
@@ -167,7 +167,7 @@ def boxed(shapes, row, still, along, low, high):
                     high[s, i] = c[i] + reach
 
 
-@kernel
+@subkernel
 def beside(low, high, s, e, margin):
     """Whether the boxes of two shapes are farther apart than the margin along an axis of the world."""
     apart = low[s, 0] > high[e, 0] + margin or high[s, 0] < low[e, 0] - margin
@@ -175,7 +175,7 @@ def beside(low, high, s, e, margin):
     return apart or low[s, 2] > high[e, 2] + margin or high[s, 2] < low[e, 2] - margin
 
 
-@kernel
+@subkernel
 def _first(row, still, along, way):
     """Each shape's centre at the first configuration, and the way that it comes in all [m]."""
     count, last = row.shape[0], way.shape[0] - 1

@@ -6,12 +6,12 @@ import numpy as np
 
 from services.embodiment.body.contacts import clear, parting
 from services.embodiment.body.kernels import joint_pose, matmul, moved
-from services.kernel import kernel
+from services.kernel import kernel, subkernel
 from services.physics.geometry.convex import parted
 from services.physics.geometry.packed import bounds_of
 
 
-@kernel
+@subkernel
 def touching(hand, at, kitchen, split, radius, shapes, margins):
     """A shape of the hand and one of the kitchen's to which it is too near, or (−1, −1).
 
@@ -68,7 +68,7 @@ def posed(q, hand, at):
         moved(back, nowhere, centre, at[1][i])
 
 
-@kernel
+@subkernel
 def _closed_by(shares, closing):
     """Configuration of a scene whose finger joints are closed by these shares (F,).
 
@@ -82,7 +82,7 @@ def _closed_by(shares, closing):
     return q
 
 
-@kernel
+@subkernel
 def _gaps(shares, sides, hand, closing, handle, shapes, room, near):
     """Distances of the handle from the nearest finger shape of each of two `sides` (2, fingers), in room[1].
 
@@ -119,7 +119,7 @@ def _gaps(shares, sides, hand, closing, handle, shapes, room, near):
                     out[side], near[side] = low, n
 
 
-@kernel
+@subkernel
 def _closing(k, shares, sides, hand, closing, handle, shapes, touch, rounds, room, guess, near):
     """Whether finger joint k alone can be closed until it touches; shares[k], in [0, 1], says how far.
 
@@ -193,7 +193,7 @@ def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, ro
     return True
 
 
-@kernel
+@subkernel
 def _put(tool, shares, hand, closing, seen, at):
     """Poses of a hand's shapes in the world, its finger joints closed by these shares, are in `at`."""
     posed(_closed_by(shares, closing), hand, seen)

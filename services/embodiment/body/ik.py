@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from services.embodiment.body.kernels import REVOLUTE, copied, matmul, rotation
-from services.kernel import kernel
+from services.kernel import kernel, subkernel
 
 ARM = 0.2  # [m] what one radian of orientation error counts as
 DAMPING = 1e-3  # [1] of the squared error, floor below
@@ -93,7 +93,7 @@ def pose_error(r, p, target_r, target_p, e):
         e[3 + i] = w[i] * scale
 
 
-@kernel
+@subkernel
 def solve6(a, b):
     """b becomes the solution of a · y = b; a (6, 6) symmetric positive definite, is overwritten."""
     for i in range(6):
@@ -112,7 +112,7 @@ def solve6(a, b):
         b[i] /= a[i, i]
 
 
-@kernel
+@subkernel
 def step(x, jac, e, error, weight, lower, upper):
     """x has made one damped step; False if nothing may move."""
     n = x.shape[0]
@@ -152,7 +152,7 @@ def step(x, jac, e, error, weight, lower, upper):
     return True
 
 
-@kernel
+@subkernel
 def solve(x, target_r, target_p, chain, weight, lower, upper, steps, tolerance):
     """Whether x has been moved to where the tool meets the target within `tolerance` [m, and rad · ARM]."""
     joints, n = chain[3].shape[0], x.shape[0]

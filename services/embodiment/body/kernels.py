@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from services.kernel import kernel
+from services.kernel import kernel, subkernel
 
 REVOLUTE = 1
 
@@ -24,7 +24,7 @@ def rotation(axis, angle, out):
     out[2, 0], out[2, 1], out[2, 2] = t * x * z - s * y, t * y * z + s * x, t * z * z + c
 
 
-@kernel
+@subkernel
 def matmul(a, b, out):
     """Product of two (3, 3) matrices is in `out`, which is neither of them."""
     for i in range(3):
@@ -32,7 +32,7 @@ def matmul(a, b, out):
             out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
 
 
-@kernel
+@subkernel
 def copied(a, out):
     """A (3, 3) matrix is in `out`: an array that is set to another is compiled with the words of an error."""
     for i in range(3):
@@ -40,14 +40,14 @@ def copied(a, out):
             out[i, j] = a[i, j]
 
 
-@kernel
+@subkernel
 def moved(r, p, local, out):
     """A point (3,) of the frame (r, p) is in `out`, in the world."""
     for i in range(3):
         out[i] = r[i, 0] * local[0] + r[i, 1] * local[1] + r[i, 2] * local[2] + p[i]
 
 
-@kernel
+@subkernel
 def joint_pose(j, q, tree, turn, carried, r, p):
     """World pose of joint j's frame is in r[j], p[j]; its parent's is there already."""
     parent, place_r, place_p, axis, kind = tree

@@ -6,7 +6,7 @@ import numpy as np
 
 from services.embodiment.body.contacts import beside, parting
 from services.embodiment.body.kernels import forward, joint_pose, matmul, moved
-from services.kernel import kernel
+from services.kernel import kernel, subkernel
 
 
 @kernel
@@ -38,7 +38,7 @@ def contacts_each(found, qs, tree, boxes, split, radius, shapes, base, own, marg
         found[n, 0], found[n, 1] = e, s
 
 
-@kernel
+@subkernel
 def _placed(s, r, p, boxes, shapes, at, low, high):
     """Shape s is where its joint's frame is: its pose, and the corners of its box along the world's axes."""
     joint, local_r, local_c = boxes
@@ -51,7 +51,7 @@ def _placed(s, r, p, boxes, shapes, at, low, high):
         low[s, i], high[s, i] = at[1][s, i] - reach, at[1][s, i] + reach
 
 
-@kernel
+@subkernel
 def _near(split, shapes, at, low, high, margins, largest, work):
     """A shape of the robot and one of the kitchen nearer than their margin, or (−1, −1)."""
     bottom, top = np.full(3, math.inf), np.full(3, -math.inf)
@@ -73,7 +73,7 @@ def _near(split, shapes, at, low, high, margins, largest, work):
     return -1, -1
 
 
-@kernel
+@subkernel
 def _near_own(radius, shapes, at, own, work):
     """Two shapes of the robot nearer than their margin, or (−1, −1)."""
     pairs, margins = own

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from services.embodiment.body.kernels import matmul
-from services.kernel import kernel
+from services.kernel import kernel, subkernel
 from services.physics.geometry.convex import parted
 from services.physics.geometry.packed import bounds_of
 
@@ -25,7 +25,7 @@ def extents(at_r, at_c, shapes, first, low, high):
             low[n, i], high[n, i] = at_c[n, i] - reach, at_c[n, i] + reach
 
 
-@kernel
+@subkernel
 def _apart(low, high, s, bottom, top, e):
     """Distance of two boxes along the world's axes, squared."""
     squared = 0.0
@@ -35,7 +35,7 @@ def _apart(low, high, s, bottom, top, e):
     return squared
 
 
-@kernel
+@subkernel
 def _clearance(pose, own, there, some, shapes, margins, largest, most, room):
     """How much farther than their margins all shapes are apart at least, up to `most` [m]; or TOUCHES.
 
@@ -80,7 +80,7 @@ def _clearance(pose, own, there, some, shapes, margins, largest, most, room):
     return best
 
 
-@kernel
+@subkernel
 def _beyond(n, e, best, split, at, there, corners, shapes, margin, work):
     """How much farther than the margin shapes n and e are apart at least, up to `best` [m]; or TOUCHES."""
     far = best + margin
@@ -94,7 +94,7 @@ def _beyond(n, e, best, split, at, there, corners, shapes, margin, work):
     return TOUCHES if gap <= margin else min(best, gap - margin)
 
 
-@kernel
+@subkernel
 def _room(count):
     """What `_clearance` writes to."""
     shapes, nearest = (np.empty((count, 3, 3)), np.empty((count, 3))), np.array([0, -1])

@@ -2,7 +2,7 @@
 
 import math
 
-from services.kernel import kernel
+from services.kernel import kernel, subkernel
 
 UNKNOWN, FREE, TAKEN = 0, 1, 2
 """Of a cell: not looked at yet, free, or not."""
@@ -17,7 +17,7 @@ MOVES = len(STEPS) + 2
 AHEAD = 32  # nodes that wait whose neighbours are asked for together
 
 
-@kernel
+@subkernel
 def beside(cell, move, shape, box):
     """The cell to which a move leads from a cell, both as numbers, or −1 outside the box.
 
@@ -33,7 +33,7 @@ def beside(cell, move, shape, box):
     return (i * shape[1] + j) * turns + k if inside else -1
 
 
-@kernel
+@subkernel
 def _may(cell, move, shape, barred, omni):
     """Whether a base may try that move: sideways only if it is omnidirectional."""
     turns = shape[2]
@@ -41,18 +41,18 @@ def _may(cell, move, shape, barred, omni):
     return (ahead or omni) and not (barred[cell] >> move) & 1
 
 
-@kernel
+@subkernel
 def _less(queue, nodes, a, b):
     return queue[a] < queue[b] or (queue[a] == queue[b] and nodes[a] < nodes[b])
 
 
-@kernel
+@subkernel
 def _swap(queue, nodes, a, b):
     queue[a], queue[b] = queue[b], queue[a]
     nodes[a], nodes[b] = nodes[b], nodes[a]
 
 
-@kernel
+@subkernel
 def push(queue, nodes, count, value, node):
     """The heap of `count` nodes has one more."""
     queue[count], nodes[count], at = value, node, count
@@ -61,7 +61,7 @@ def push(queue, nodes, count, value, node):
         at = (at - 1) // 2
 
 
-@kernel
+@subkernel
 def _pop(queue, nodes, count):
     """The heap of `count` nodes has lost its first."""
     count, at = count - 1, 0
@@ -77,7 +77,7 @@ def _pop(queue, nodes, count):
         at = low
 
 
-@kernel
+@subkernel
 def _ask(cell, grid, omni, asked, count):
     """How many cells are asked for once those neighbours of a cell are that are not known."""
     shape, box, status, barred = grid

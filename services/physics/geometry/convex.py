@@ -8,7 +8,7 @@ Balls and capsules are a point and a segment with a radius.
 
 import math
 
-from services.kernel import kernel
+from services.kernel import subkernel
 
 BOX, BALL, CYLINDER, CAPSULE, HULL, MESH = 0, 1, 2, 3, 4, 5
 """What a shape is; only a MESH is not convex."""
@@ -19,7 +19,7 @@ GOOD = 0.8  # [1] share of the upper bound from which a lower bound that is high
 FLAT = 1e-14  # [1] relative volume or area under which a simplex says nothing
 
 
-@kernel
+@subkernel
 def _support(shapes, k, r, c, x, y, z):
     """Point of shape k, its radius left out, that is farthest along (x, y, z) in the world."""
     kind, size, _, first, last, vertices = shapes
@@ -51,12 +51,12 @@ def _support(shapes, k, r, c, x, y, z):
     )
 
 
-@kernel
+@subkernel
 def _dot(w, i, j):
     return w[i, 0] * w[j, 0] + w[i, 1] * w[j, 1] + w[i, 2] * w[j, 2]
 
 
-@kernel
+@subkernel
 def _combined(w, share, v):
     """v is the point with these shares of the four corners; its squared length."""
     total = share[0] + share[1] + share[2] + share[3]
@@ -65,7 +65,7 @@ def _combined(w, share, v):
     return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
 
 
-@kernel
+@subkernel
 def _on_segment(w, i, j, share):
     """Shares of corners i, j in the point of their segment nearest to the origin."""
     share[:] = 0.0
@@ -74,7 +74,7 @@ def _on_segment(w, i, j, share):
     share[i], share[j] = 1.0 - t, t
 
 
-@kernel
+@subkernel
 def _on_triangle(w, i, j, k, share, v, other):
     """Shares of corners i, j, k in the point of their triangle nearest to the origin."""
     aa, ab, ac, bb, bc, cc = (
@@ -103,7 +103,7 @@ def _on_triangle(w, i, j, k, share, v, other):
                 share[each] = other[each]
 
 
-@kernel
+@subkernel
 def _outside(w, i, j, k, m):
     """Whether the origin is not strictly on corner m's side of the plane through the others."""
     ax, ay, az = w[j, 0] - w[i, 0], w[j, 1] - w[i, 1], w[j, 2] - w[i, 2]
@@ -115,7 +115,7 @@ def _outside(w, i, j, k, m):
     return here * there <= 0.0 or abs(there) < 1e-12 * size
 
 
-@kernel
+@subkernel
 def _nearest(w, count, share, v, spare, other):
     """(corners left, squared length) of the simplex' point nearest to the origin, which is in v.
 
@@ -152,7 +152,7 @@ def _nearest(w, count, share, v, spare, other):
     return left, squared
 
 
-@kernel
+@subkernel
 def parted(shapes, a, b, ra, ca, rb, cb):
     """The signed distance of two shapes is not below this: the widest gap of their own boxes [m].
 
@@ -171,7 +171,7 @@ def parted(shapes, a, b, ra, ca, rb, cb):
     return widest - around
 
 
-@kernel
+@subkernel
 def bounds(shapes, a, b, ra, ca, rb, cb, free, hit, work):
     """(low, high): the signed distance of two shapes is not below low and not above high [m].
 

@@ -11,7 +11,7 @@ import coal  # pyright: ignore[reportMissingImports]  # found through a .pth fil
 import numpy as np
 from numpy.typing import NDArray
 
-from services.kernel import kernel
+from services.kernel import kernel, subkernel
 from services.physics.geometry.convex import BALL, BOX, CAPSULE, CYLINDER, HULL, MESH, bounds
 from services.physics.geometry.shapes import corners
 
@@ -122,7 +122,7 @@ def _grown(corners, node, vertex):
     return kind, half, first, last, points[:row]
 
 
-@kernel
+@subkernel
 def _cut(order, start, end, middle, axis):
     """Where `order` is cut in two: before it lie the triangles whose middle is below the mean."""
     mean, cut = 0.0, start
@@ -135,7 +135,7 @@ def _cut(order, start, end, middle, axis):
     return cut if start < cut < end else (start + end) // 2
 
 
-@kernel
+@subkernel
 def bounds_of(shapes, a, b, ra, ca, rb, cb, free, hit, work):
     """What `bounds` says, of two shapes of which one may be a mesh.
 
@@ -150,7 +150,7 @@ def bounds_of(shapes, a, b, ra, ca, rb, cb, free, hit, work):
     return -math.inf, math.inf
 
 
-@kernel
+@subkernel
 def _of_mesh(shapes, m, b, rm, cm, rb, cb, free, hit, work):
     """Bounds of the distance of mesh m and a convex shape: of the least of all triangles' distances."""
     kind, size, radius, first, last, vertices = shapes
@@ -196,7 +196,7 @@ def _of_mesh(shapes, m, b, rm, cm, rb, cb, free, hit, work):
     return low, high
 
 
-@kernel
+@subkernel
 def _near(shapes, m, at, reach):
     """A triangle of mesh m near a box about `at` that reaches so far along the mesh's axes."""
     kind, size, _, first, last, vertices = shapes

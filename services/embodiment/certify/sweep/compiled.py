@@ -7,10 +7,10 @@ import math
 
 import numpy as np
 
-from services.kernel import kernel
+from services.kernel import kernel, subkernel
 
 
-@kernel
+@subkernel
 def _turned(axis, angle, out):
     c, s = math.cos(angle), math.sin(angle)
     t, x, y, z = 1.0 - c, axis[0], axis[1], axis[2]
@@ -19,7 +19,7 @@ def _turned(axis, angle, out):
     out[2, 0], out[2, 1], out[2, 2] = t * x * z - s * y, t * y * z + s * x, t * z * z + c
 
 
-@kernel
+@subkernel
 def _product(a, b, out):
     for i in range(3):
         for j in range(3):
@@ -72,7 +72,7 @@ def moments(piece, s, half, c, q, v, shift, v_max, a_max):
             a_max[u, k] = 2 * bend + 6 * h * cubic
 
 
-@kernel
+@subkernel
 def shift(u, i, j, c, radius, path, revolute, placed, spans, levers):
     """How far points of a ball about c on carrier i can move against carrier j during span u [m].
 
@@ -82,7 +82,7 @@ def shift(u, i, j, c, radius, path, revolute, placed, spans, levers):
     return second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, moved)
 
 
-@kernel
+@subkernel
 def first_order(u, i, j, c, radius, path, revolute, placed, spans, levers):
     """The bound from positions alone; each joint's lever is in `levers`."""
     origin, axis, moves = placed[1], placed[2], spans[2]
@@ -100,7 +100,7 @@ def first_order(u, i, j, c, radius, path, revolute, placed, spans, levers):
     return moved
 
 
-@kernel
+@subkernel
 def second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, moved):
     """The bound `moved`, or the sharper one of Taylor's formula."""
     omega, linear = placed[3], placed[4]
@@ -128,7 +128,7 @@ def second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, move
     return min(moved, half * (math.sqrt(x * x + y * y + z * z) + spin * radius + half * bend / 2.0))
 
 
-@kernel
+@subkernel
 def middle_of(u, s, shapes, placed, c):
     """The centre of shape s in the world is in c."""
     carrier, centre = shapes[0][s], shapes[2]
@@ -143,7 +143,7 @@ def middle_of(u, s, shapes, placed, c):
         )
 
 
-@kernel
+@subkernel
 def turn_of(u, s, shapes, placed, r, half):
     """Rotation of shape s in the world is in r; half extents of its box along the world's axes in half."""
     carrier, own, size, rotation = shapes[0][s], shapes[1], shapes[3], placed[0]

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from services.embodiment.certify.sweep.compiled import first_order, middle_of, second_order, turn_of
-from services.kernel import kernel
+from services.kernel import kernel, subkernel
 from services.physics.geometry.convex import parted
 from services.physics.geometry.packed import bounds_of
 
@@ -42,7 +42,7 @@ def starting(pairs, low, high, least, which, pair):
     return count
 
 
-@kernel
+@subkernel
 def _meet(low, high, u, s, e, least):
     for i in range(3):
         if low[u, s, i] - least > high[u, e, i] or low[u, e, i] > high[u, s, i] + least:
@@ -141,7 +141,7 @@ def settle(items, pairs, keep, radius, spans, middle, found, slack, limits, low,
     return queries, sane
 
 
-@kernel
+@subkernel
 def _apart(one_c, one_half, two_c, two_half):
     """Distance of two boxes along the world's axes; negative is what parts them where they overlap."""
     outside, deepest = 0.0, -math.inf
