@@ -24,12 +24,14 @@ Indices = NDArray[np.intp]
 
 LOOKED_AT = 5  # values of the container
 GRASPS = 96  # that are bred
-DRAWN = 2000  # random ones, until so many fit
+BLOCK = 96  # that are drawn together
+BLOCKS = 20  # at most, until so many fit
+EMPTY_BLOCKS = 4  # at most, of which none fits
 FIRST = 4  # seeds of each for each value
 GENERATIONS = 120
 ENOUGH = 24  # that can be had at all values
 STALLED = 20  # generations that bring neither a cheaper one than the cheapest nor one more that costs nothing
-CHEAPER = 1e-5  # [m] counts as cheaper
+CHEAPER = 0.95  # [1] of what the cheapest costs counts as cheaper
 LITTERS = 3  # that are bred, one after the other
 WORTH = 0.06  # [m] where none is cheaper, another is not bred
 BOUND = 0.3  # [m] more than this counts no more, at one value
@@ -81,17 +83,18 @@ class Breeder:
             return np.inf
         count = len(self._fitted)
         seeds = np.stack([self._seeds(index, count) for index in self._at], axis=1)
-        self._xs, self._costs = self._judged(self._fitted, seeds, FIRST)
+        self._xs, self._costs = self._judged(self._fitted, seeds, FIRST, np.full(count, np.inf))
         cheapest, free, stalled = np.inf, 0, 0
         for number in range(GENERATIONS):
             total = self._total()
             least, found = min(total), total.count(0.0)
-            stalled = 0 if least < cheapest - CHEAPER or found > free else stalled + 1
-            cheapest, free = min(cheapest, least), found
+            stalled += 1
+            if least < CHEAPER * cheapest or found > free:
+                cheapest, free, stalled = least, found, 0
             if free >= min(ENOUGH, count) or stalled > STALLED or self._late():
                 break
             self._breed(number % 2 == 0)
-        return cheapest
+        return min(self._total())
 
     @property
     def looked_at(self) -> list[Opened]:
@@ -100,22 +103,31 @@ class Breeder:
 
     def _draw(self) -> None:
         """Random grasps that fit."""
-        for _ in range(DRAWN):
-            if len(self._fitted) >= GRASPS or self._late():
+        for block in range(BLOCKS):
+            left = GRASPS - len(self._fitted)
+            if not left or self._late() or (block >= EMPTY_BLOCKS and not self._fitted):
                 return
-            genes, flip = self._rng.uniform(-FREE_MOST, FREE_MOST), int(self._rng.choice((1, -1)))
-            found = self._fit(genes, flip)
-            if found is not None:
-                self._fitted.append(found[0])
-                self._shares.append(found[1])
-                self._genes = np.vstack((self._genes, genes))
-                self._flips = np.append(self._flips, flip)
+            genes = self._rng.uniform(-FREE_MOST, FREE_MOST, (BLOCK, len(FREE_MOST)))
+            flips = self._rng.choice((1, -1), BLOCK)
+            found = self._fit(genes, flips)
+            fit = [k for k, one in enumerate(found) if one is not None][:left]
+            self._fitted += [one[0] for k in fit if (one := found[k])]
+            self._shares += [one[1] for k in fit if (one := found[k])]
+            self._genes = np.concatenate((self._genes, genes[fit]))
+            self._flips = np.concatenate((self._flips, flips[fit]))
 
-    def _fit(self, genes: Array, flip: int) -> tuple[Fitted, float] | None:
-        """The grasp, if the hand alone can take it, the fingers no narrower than needed."""
-        grasp = free_grasp(self.fitter.bar, genes, flip, next(self._numbers))
-        found = ((self.fitter.fitted((grasp, share)), share) for share in OPENINGS)
-        return next(((fitted, share) for fitted, share in found if fitted is not None), None)
+    def _fit(self, genes: Array, flips: NDArray[np.int64]) -> list[tuple[Fitted, float] | None]:
+        """The grasps (N, 5) that the hand alone can take, the fingers no narrower than needed."""
+        turned = zip(genes, flips.tolist(), strict=True)
+        grasps = [free_grasp(self.fitter.bar, one, flip, next(self._numbers)) for one, flip in turned]
+        found: dict[int, tuple[Fitted, float]] = {}
+        for share in OPENINGS:
+            left = (one for one in grasps if one.index not in found)
+            for grasp in self.fitter.screened(left, share, self._late):
+                fitted = self.fitter.fitted((grasp, share))
+                if fitted is not None:
+                    found[grasp.index] = fitted, share
+        return [found.get(one.index) for one in grasps]
 
     def _seeds(self, index: int, count: int) -> Array:
         """So many seeds at a waypoint."""
@@ -123,22 +135,25 @@ class Breeder:
         batches += [self.searcher.seeds(index, self._rng) for _ in range(-(-count // SEEDS))]
         return np.concatenate(batches)[:count]
 
-    def _judged(self, grasps: list[Fitted], xs: Array, more: int) -> tuple[Array, Array]:
+    def _judged(self, grasps: list[Fitted], xs: Array, more: int, most: Array) -> tuple[Array, Array]:
         """Postures (N, V, n) at each value, and what each costs (N, V) [m].
 
         Args:
             grasps: The scene of each is looked at where the tool is in place.
             xs: From where they are looked for.
             more: So many more seeds for each.
+            most: What each may cost in all; the value that is dearest so far is looked at first, and one
+                that costs as much is not looked at any further, so that it costs no end.
         """
-        best, costs = xs.copy(), np.full(xs.shape[:2], np.inf)
-        for k, index in enumerate(self._at):
+        best, costs, spent = xs.copy(), np.full(xs.shape[:2], np.inf), np.zeros(len(xs))
+        for k in np.argsort(-self._costs.sum(axis=0), kind="stable").tolist():
             for n in range(1 + more):
-                left = np.flatnonzero(costs[:, k])
-                tried = best[left, k] if n == 0 else self._seeds(index, len(left))
-                cost = self._missed([grasps[one] for one in left.tolist()], tried, index)
+                left = np.flatnonzero((costs[:, k] > 0) & (spent < most))
+                tried = best[left, k] if n == 0 else self._seeds(self._at[k], len(left))
+                cost = self._missed([grasps[one] for one in left.tolist()], tried, self._at[k])
                 better = cost < costs[left, k]
                 best[left[better], k], costs[left[better], k] = tried[better], cost[better]
+            spent += costs[:, k]
         return best, costs
 
     def _missed(self, grasps: list[Fitted], xs: Array, index: int) -> Array:
@@ -170,13 +185,13 @@ class Breeder:
         parents = np.concatenate((order[:half], order[:half])) if among_best and half else order
         change = self._rng.normal(size=(len(parents), len(CHANGE))) * CHANGE * self._rng.choice(SCALES)
         genes = np.clip(self._genes[parents] + change, -FREE_MOST, FREE_MOST)
-        flips = self._flips[parents].tolist()
-        found = [self._fit(one, flip) for one, flip in zip(genes, flips, strict=True)]
+        found = self._fit(genes, self._flips[parents])
         fit = np.array([k for k, one in enumerate(found) if one is not None], np.intp)
         if not len(fit):
             return
         children = [one for one in found if one is not None]
-        xs, costs = self._judged([fitted for fitted, _ in children], self._xs[parents[fit]], 1)
+        about = [fitted for fitted, _ in children], self._xs[parents[fit]]
+        xs, costs = self._judged(*about, 1, total[parents[fit]])
         dearest = order[::-1].tolist() if among_best else []
         for k, cost in enumerate(costs.sum(axis=1).tolist()):
             parent = parents[fit[k]]

@@ -108,7 +108,7 @@ class Fitter:
             return
         found: list[Fitted] = []
         for share in OPENINGS:
-            for grasp in self._screened(grasp_set(self.bar, steep), share, late):
+            for grasp in self.screened(grasp_set(self.bar, steep), share, late):
                 fitted = self.fitted((grasp, share))
                 if fitted is not None:
                     found.append(fitted)
@@ -122,13 +122,13 @@ class Fitter:
         """Grasps of the wide set that may fit, the fingers no narrower than needed; `fitted` tells."""
         found: list[Opened] = []
         for share in OPENINGS:
-            some = [(grasp, share) for grasp in self._screened(wide_set(self.bar), share, late)]
+            some = [(grasp, share) for grasp in self.screened(wide_set(self.bar), share, late)]
             found += islice((one for one in some if self.fitted(one) is not None), ENOUGH - len(found))
             if len(found) == ENOUGH:
                 return [*dict.fromkeys((*found, *(one for one in some if not self._out(*one))))]
         return found
 
-    def _screened(self, grasps: Iterator[Grasp], share: float, late: Callable[[], bool]) -> Iterator[Grasp]:
+    def screened(self, grasps: Iterator[Grasp], share: float, late: Callable[[], bool]) -> Iterator[Grasp]:
         """Those at which the open hand touches nothing before the container moves."""
         while block := list(islice(grasps, BLOCK)):
             if late():
