@@ -196,13 +196,15 @@ class Entities:
             raise GraphError(f"'{name}' was changed since: {by.note}", remedy="undo the later edits first")
         changed = [*(present - by.removed), *by.added]
         kind = "Environment" if model == self.environment else "Robot"
-        mechanism = checked_model(changed, model, kind, same(self.mechanism(model), changed, by.subjects))
+        mechanism = checked_model(
+            changed, model, kind, same(self.mechanism(model), changed, by.removed | by.added)
+        )
         store = self._copy(self.graphs_of(model))
         store.add(self.asserted[model], changed)
         inferred = {**self.inferred, model: tuple(annotate(store, model, self.asserted[model]))}
         notes = (*self.notes, f"{name}: {by.note}")
         made = self._kept_by(replace(self, store=store, inferred=inferred, notes=notes), model)
-        said = {subject for graph in inferred[model] for subject, _, _ in store.triples(graph)}
+        said = [triple for graph in inferred[model] for triple in store.triples(graph)]
         made._mechanisms[model] = read_mechanism_of(made.facts, model, same(mechanism, changed, said).bodies)
         return made
 

@@ -21,8 +21,3 @@ class Replacement:
     removed: frozenset[Triple]
     added: frozenset[Triple]
     note: str
-
-    @property
-    def subjects(self) -> set[Iri]:
-        """Individuals of which something else is said then."""
-        return {subject for subject, _, _ in self.removed | self.added}

@@ -25,22 +25,26 @@ class Same:
     bodies: Mapping[Iri, Body]
 
 
-def same(before: Mechanism, triples: Iterable[Triple], changed: Collection[Iri]) -> Same:
+def same(before: Mechanism, triples: Iterable[Triple], changed: Collection[Triple]) -> Same:
     """What is as it was.
 
     Args:
         before: The mechanism, read from a whole model.
         triples: What is said of the model now.
-        changed: See `Same`.
+        changed: What was not said before, or is no longer.
     """
+    bodies = {body_iri(before.name, each.name): each for each in before.bodies}
     owners: dict[Iri, list[Iri]] = {}
     for subject, predicate, value in triples:
         if predicate in _PARTS:
             owners.setdefault(value.value, []).append(subject)
-    touched, todo = set(changed), list(changed)
+    todo = [subject for subject, predicate, _ in changed if predicate in _PARTS or subject not in bodies]
+    touched = set(todo)
     while todo:
         above = [each for each in owners.get(todo.pop(), ()) if each not in touched]
         touched.update(above)
         todo += above
-    bodies = {body_iri(before.name, each.name): each for each in before.bodies}
-    return Same(changed, {iri: body for iri, body in bodies.items() if iri not in touched})
+    return Same(
+        {subject for subject, _, _ in changed},
+        {iri: body for iri, body in bodies.items() if iri not in touched},
+    )
