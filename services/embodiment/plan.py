@@ -3,7 +3,7 @@
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
 
@@ -16,7 +16,7 @@ from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container
 from services.embodiment.attempt import Attempt
-from services.embodiment.body.limb import Limb, touching
+from services.embodiment.body.limb import Limb, beside, touching
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.fit import Fitter
@@ -238,7 +238,8 @@ class Planner:
         if setting.drive is Drive.FIXED:
             searcher.stand(start)
         ways = self._roads(kit, parked=True), partial(self._roads, kit, parked=False)
-        approacher = Approacher(*ways, kit, start, self.late)
+        opened = beside(world, kit.opened, world.scene.q(setting.start, {}))
+        approacher = Approacher(*ways, replace(kit, opened=opened), start, self.late)
         assembler = Assembler(world, limb, setting.robot, problem, setting.motion)
         rng = np.random.default_rng(self.seed)
         return Attempt(limb, fitter, [], fitted, [], steep, searcher, approacher, assembler, rng)

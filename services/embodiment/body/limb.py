@@ -230,6 +230,25 @@ def eased(world: World, demands: Rules, q: Array, least: float) -> Rules:
     return Rules(demands.environment, demands.pairs, own)
 
 
+def beside(world: World, demands: Rules, q: Array) -> Rules:
+    """The same distances, but half of what is there where the robot is nearer to the kitchen at q.
+
+    What certification demands is demanded still, and where that is not there nothing is changed.
+    """
+    least, environment = world.scene.annotation.overhang, demands.environment.copy()
+    eased = demands
+    while (contact := world.contact(q[None], eased)) is not None:
+        one, other = sorted(contact.shapes)
+        if one >= world.split:
+            break
+        there = world.distance(contact.shapes, *world.frames(q))
+        if there <= least:
+            break
+        environment[other - world.split, one] = (there + least) / 2
+        eased = Rules(environment.copy(), demands.pairs, demands.own)
+    return eased
+
+
 NEIGHBOURS = 2  # moving joints between two bodies which count as close
 
 

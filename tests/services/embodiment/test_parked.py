@@ -1,16 +1,22 @@
 """A parked robot that drives: free exactly where the whole scene is, pose by pose and along a drive."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from sdt_kg.load import load_twin
-from services.embodiment.body.limb import Margins
+from services.embodiment.body.limb import Margins, beside
 from services.embodiment.body.parked import Parked
 from services.embodiment.body.world import World
 from services.embodiment.hold.kit import Kits
 from services.physics.model import Scene
+from tests.services.embodiment.front import front
 
 pytestmark = pytest.mark.oracle
+
+BESIDE = 25
+"""A front whose handle is 1.4 mm beside a gripper of the TIAGo++, parked at its start pose."""
 
 
 @pytest.mark.parametrize("robot", ["pr2", "stretch"])
@@ -29,3 +35,26 @@ def test_a_parked_robot_stands_and_drives_where_no_pair_of_the_scene_is_too_near
         assert parked.drives(poses) == stands.all()
         drives[parked.drives(poses)] += 1
     assert min(drives.values()) > 3
+
+
+def test_distances_to_what_a_robot_is_parked_beside_are_halved_and_no_others(tmp_path: Path) -> None:
+    one = front(tmp_path, BESIDE, "tiago_dual", 2, gripper=1)
+    demands, q = one.kit.opened, one.world.scene.q((0.0, 0.0, 0.0), {})
+    contact = one.world.contact(q[None], demands)
+    assert contact is not None
+    there = one.world.distance(contact.shapes, *one.world.frames(q))
+    assert 0.0 < there < 0.002
+    eased = beside(one.world, demands, q)
+    assert one.world.free(q, eased)
+    changed = np.flatnonzero(eased.environment != demands.environment)
+    assert 0 < len(changed) < 10
+    assert (eased.environment.flat[changed] < demands.environment.flat[changed]).all()
+    assert (eased.environment.flat[changed] > one.world.scene.annotation.overhang).all()
+    away = one.world.scene.q((-1.0, 0.0, 0.0), {})
+    np.testing.assert_array_equal(beside(one.world, demands, away).environment, demands.environment)
+
+
+def test_distances_to_what_a_robot_touches_are_kept(tmp_path: Path) -> None:
+    one = front(tmp_path, BESIDE, "tiago_dual", 2, gripper=1)
+    inside = one.world.scene.q((0.1, 0.0, 0.0), {})
+    assert not one.world.free(inside, beside(one.world, one.kit.opened, inside))
