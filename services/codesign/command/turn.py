@@ -118,6 +118,8 @@ def sure(one: Sought) -> str:
 def _looked_at(one: Sought) -> str:
     """Of gradual edits: which smaller ones were tried, and how far they are apart."""
     count, proved = len(one.smaller), sum(each.is_proved for each in one.smaller)
+    if one.turn is not None and not count:
+        return f"nothing smaller was tried, nothing is said below {one.gap:.2g} m"
     finest, smaller = one.family.finest, "" if one.turn is None else "smaller "
     apart = f"{count} {smaller}sizes tried, at most {one.gap:.2g} m apart, turn nothing"
     apart += f" ({proved} by proof)" if proved else ""

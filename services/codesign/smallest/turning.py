@@ -22,6 +22,8 @@ from services.whatif import World
 
 EACH = 0.05
 """[1] Of the time for the search in each edited world: what was refused so was searched, no more."""
+TWICE = 2.0
+"""[1] Of what the world as it is took, if it is certified: a refusal after less says little."""
 LONGEST = 1000
 """[1] More than any family has edits."""
 FOR_ACTUAL = 0.3
@@ -47,10 +49,13 @@ def turned(question: Question, within: float, jobs: int) -> Turned:
     world = world_of(question)
     container = container_asked(world, question.task)
     ground = world.under(budget=min(question.policy.budget, FOR_ACTUAL * within))
+    loaded = first.spent()
     verdict = one_of(ground.service.achieve(question.task, world.robot_iri))
     actual = found_of(verdict, How.LAW, verdict.seconds)
     single = families(world, verdict, container)
-    deadline = replace(first, left=within - first.spent(), search=f"{began} one change")
+    took = first.spent() - loaded if actual.is_certified else 0.0
+    search, left = max(first.each, TWICE * took), within - first.spent()
+    deadline = replace(first, left=left, each=search, search=f"{began} one change")
     sought = _all(partial(looked, question, actual, deadline), [*single, None], jobs)
     left = deadline.left - max(each.spent for each in sought)
     is_turned = any(each.turn is not None for each in sought)
