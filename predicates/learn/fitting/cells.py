@@ -1,5 +1,6 @@
 """A track as few weighted points: standstill and slow samples count once, not a hundred times."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,10 @@ CELLS = 150
 CORRELATION = 0.04
 """[m] Over this length deviations keep their sign (play, a hand that slips), so that it counts as one
 observation: median integrated autocorrelation of the reference tracks' residuals, quartiles 28 and 57 mm."""
+
+CORRELATED = 0.004
+"""[m] Deviation that keeps its sign so long, of a handle and its tracker. With half of it, noise of the
+reference's tracks counts as independent, and their second half is predicted 0.3 mm worse."""
 
 LEVER = 0.3
 """[m] Turns an observed angle into a length: a body that turns in place moves too."""
@@ -36,6 +41,9 @@ CALM_OF_NORMAL, SECOND_DIFFERENCE = 0.1891, 6**0.5
 
 WINDOW = 11
 """[1] Samples among which a lone spike is told from motion."""
+
+NOISE_OF_MEDIAN = math.sqrt(math.pi / 2)
+"""[1] Standard deviation of the median of many samples, over that of their mean."""
 
 SPIKE = 4.0
 """[1] Median distances from the window's middle beyond which a sample is a spike."""
@@ -99,8 +107,26 @@ def cells_of(positions: Array, turns: Array | None = None) -> Cells:
     members = np.full(len(positions), -1)
     members[kept] = cell
     noise = min(_white_noise(seen), NOISE_MOST)
-    moved = max(travel - NOISE_SPAN * noise, LEAST_TRAVEL)
-    return Cells(points, np.full(len(points), min(1.0, size / CORRELATION)), members, extent, moved, noise)
+    moved = max(travel - NOISE_SPAN * noise, _calm_travel(both, noise), LEAST_TRAVEL)
+    return Cells(points, np.full(len(points), _worth(size, noise)), members, extent, moved, noise)
+
+
+def _worth(size: float, noise: float) -> float:
+    """Independent observations that a cell of such a size [m] is worth.
+
+    Of what a sample deviates by, the handle's share is alike over a correlation length, the noise's is not.
+    """
+    alike = CORRELATED**2 / (CORRELATED**2 + noise**2)
+    return 1 / (1 + max(0.0, CORRELATION / size - 1) * alike)
+
+
+def _calm_travel(both: Array, noise: float) -> float:
+    """Travel of the running median, less what noise alone would spread it over [m]."""
+    if len(both) < 2 * WINDOW:
+        return 0.0
+    middle = np.median(np.lib.stride_tricks.sliding_window_view(both, WINDOW, axis=0), axis=2)
+    travel = float(np.linalg.norm(middle.max(axis=0) - middle.min(axis=0)))
+    return travel - NOISE_SPAN * noise * NOISE_OF_MEDIAN / math.sqrt(WINDOW)
 
 
 def _white_noise(positions: Array) -> float:

@@ -42,6 +42,14 @@ def test_three_centimetres_of_a_drawer_are_motion(noise: float) -> None:
     assert found == [JointType.PRISMATIC] * 5
 
 
+@pytest.mark.parametrize(("travel", "samples"), [(0.03, 200), (0.05, 20)])
+def test_noise_of_single_samples_is_no_reason_to_doubt_what_many_show(travel: float, samples: int) -> None:
+    """Samples that differ by noise alone say more together than those that a hand pulls aside together."""
+    positions = drawer(np.linspace(0, travel, samples))
+    found = [learn(seen(positions, seed, 0.003)).best.joint_type for seed in range(8)]
+    assert found.count(JointType.PRISMATIC) >= 6
+
+
 @pytest.mark.parametrize("travel", [0.01, 0.02])
 def test_what_is_taken_to_be_fixed_may_have_moved_by_less_than_is_told(travel: float) -> None:
     """A tracker that wanders looks like this; what is told of such a point is only how far it stays."""
@@ -56,6 +64,12 @@ def test_a_few_samples_with_outliers_are_no_proof_of_standstill() -> None:
     positions = drawer(np.linspace(0, 0.3, 20))
     found = [learn(seen(positions, seed, 0.0005, outliers=0.3)).best.joint_type for seed in range(8)]
     assert found == [JointType.PRISMATIC] * 8
+
+
+def test_twenty_samples_of_a_door_are_known_through_six_outliers() -> None:
+    angles = np.linspace(0, 1.0, 20)
+    found = [learn(seen(door(angles), seed, 0.002, outliers=0.3)).best.joint_type for seed in range(8)]
+    assert found == [JointType.REVOLUTE] * 8
 
 
 def test_orientations_choose_among_axes_that_the_path_leaves_open() -> None:
