@@ -214,7 +214,7 @@ def _mesh(twin: Twin, name: str, value: str, text: str) -> Edit:
 
 def _upright(place: str, text: str) -> Pose:
     """Pose of x, y, z [m] and, where given, yaw [rad]."""
-    x, y, z, *yaw = numbers_of(place or "0,0,0", (3, 4), text)
+    x, y, z, *yaw = numbers_of(place, (3, 4), text)
     return _pose([x, y, z, 0.0, 0.0, *(yaw or [0.0])])
 
 

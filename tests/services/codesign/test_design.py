@@ -40,7 +40,7 @@ def test_robots_together_are_taken_by_how_much_they_add() -> None:
 
 
 def test_a_grid_says_what_turned_and_counts_as_reused_only_what_was_not_searched_again() -> None:
-    edits = ("box:crate=1,1,1",)
+    edits = ("box:crate=1,1,1@0,0,0",)
     entries = [entry("one", "a", True), entry("one", "b", False)]
     entries += [entry("one", "a", False, edits), entry("one", "b", False, edits, How.LESS_ROOM)]
     grid = Grid(entries)
