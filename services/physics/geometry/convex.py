@@ -20,7 +20,7 @@ FLAT = 1e-14  # [1] relative volume or area under which a simplex says nothing
 
 
 @subkernel
-def _support(shapes, k, r, c, x, y, z):
+def support(shapes, k, r, c, x, y, z):
     """Point of shape k, its radius left out, that is farthest along (x, y, z) in the world."""
     kind, size, _, first, last, vertices = shapes
     a = r[0, 0] * x + r[1, 0] * y + r[2, 0] * z
@@ -178,7 +178,7 @@ def bounds(shapes, a, b, ra, ca, rb, cb, free, hit, work):
     `shapes` is what `packed.pack` gives, a and b say which; (ra, ca), (rb, cb) are world poses of the middles
     of their own boxes. The search ends when low > free, when high <= hit, or when both agree to EXACT.
     Where the shapes without their radii touch, low is −inf: their depth is not looked for. `work` is
-    room, shape (8, 4).
+    room, shape (8, 4); the last column begins with the direction from b to a along which low was found.
     """
     w, v, share, spare, other = work[:4, :3], work[4, :3], work[5], work[6], work[7]
     around = shapes[2][a] + shapes[2][b]
@@ -188,10 +188,12 @@ def bounds(shapes, a, b, ra, ca, rb, cb, free, hit, work):
     low, high, count = -math.inf, math.inf, 0
     for _ in range(ITERATIONS):
         length = math.sqrt(x * x + y * y + z * z)
-        px, py, pz = _support(shapes, a, ra, ca, -x, -y, -z)
-        qx, qy, qz = _support(shapes, b, rb, cb, x, y, z)
+        px, py, pz = support(shapes, a, ra, ca, -x, -y, -z)
+        qx, qy, qz = support(shapes, b, rb, cb, x, y, z)
         px, py, pz = px - qx, py - qy, pz - qz
-        low = max(low, (x * px + y * py + z * pz) / length - around)
+        here = (x * px + y * py + z * pz) / length - around
+        if here > low:
+            low, work[0, 3], work[1, 3], work[2, 3] = here, x, y, z
         if high - low <= EXACT or (low > free and low >= GOOD * high):
             break
         w[count, 0], w[count, 1], w[count, 2] = px, py, pz

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.kernel import kernel, subkernel
-from services.physics.geometry.convex import BALL, BOX, CAPSULE, CYLINDER, HULL, MESH, bounds
+from services.physics.geometry.convex import BALL, BOX, CAPSULE, CYLINDER, HULL, MESH, bounds, support
 from services.physics.geometry.shapes import corners
 
 Array = NDArray[np.float64]
@@ -162,11 +162,13 @@ def _of_mesh(shapes, m, b, rm, cm, rb, cb, free, hit, work):
             turn[i, k] = rm[0, i] * rb[0, k] + rm[1, i] * rb[1, k] + rm[2, i] * rb[2, k]
             reach[i] += abs(turn[i, k]) * size[b, k]
     low, high, n, seed = math.inf, math.inf, first[m], -1
+    dx, dy, dz, face = 0.0, 0.0, 0.0, 0.0  # beyond this plane of the mesh's frame is no point of b
     if hit == -math.inf:  # the distance itself is asked for: what is near is looked at first
         seed = _near(shapes, m, at, reach)
         low, high = bounds(shapes, seed, b, rm, cm, rb, cb, free, hit, work)
         if low == -math.inf:
             return -math.inf, high
+        dx, dy, dz, face = _facing(shapes, b, rm, cm, rb, cb, work)
     while n < last[m]:
         leaf = kind[n] == HULL
         middle = last[n] if leaf else first[n]
@@ -177,6 +179,8 @@ def _of_mesh(shapes, m, b, rm, cm, rb, cb, free, hit, work):
             abs(z) - size[n, 2] - reach[2],
         )
         gap = math.sqrt(max(u, 0.0) ** 2 + max(v, 0.0) ** 2 + max(w, 0.0) ** 2)
+        if gap <= free and gap < high:
+            gap = max(gap, _beyond(shapes, n, leaf, middle, dx, dy, dz) - face)
         if gap <= free and gap < high:
             for k in range(3):
                 apart = abs(turn[0, k] * x + turn[1, k] * y + turn[2, k] * z) - size[b, k] - radius[b]
@@ -192,8 +196,40 @@ def _of_mesh(shapes, m, b, rm, cm, rb, cb, free, hit, work):
             low, high = min(low, near), min(high, far)
             if high <= hit or low == -math.inf:
                 return -math.inf, high  # other triangles may be nearer
+            dx, dy, dz, face = _facing(shapes, b, rm, cm, rb, cb, work)
         n += 1
     return low, high
+
+
+@subkernel
+def _facing(shapes, b, rm, cm, rb, cb, work):
+    """The direction in which `bounds` parted shape b from a triangle, and how far along it b reaches.
+
+    Both are in the frame of the mesh, which is at (rm, cm): of a node that begins farther on, b is free.
+    """
+    x, y, z = work[0, 3], work[1, 3], work[2, 3]
+    length = math.sqrt(x * x + y * y + z * z)
+    x, y, z = x / length, y / length, z / length
+    u, v, w = support(shapes, b, rb, cb, x, y, z)
+    return (
+        rm[0, 0] * x + rm[1, 0] * y + rm[2, 0] * z,
+        rm[0, 1] * x + rm[1, 1] * y + rm[2, 1] * z,
+        rm[0, 2] * x + rm[1, 2] * y + rm[2, 2] * z,
+        x * (u - cm[0]) + y * (v - cm[1]) + z * (w - cm[2]) + shapes[2][b],
+    )
+
+
+@subkernel
+def _beyond(shapes, n, leaf, middle, x, y, z):
+    """How far along (x, y, z) node n of a mesh begins, in the mesh's frame."""
+    _, size, _, first, last, vertices = shapes
+    if not leaf:
+        here = x * vertices[middle, 0] + y * vertices[middle, 1] + z * vertices[middle, 2]
+        return here - abs(x) * size[n, 0] - abs(y) * size[n, 1] - abs(z) * size[n, 2]
+    begins = math.inf
+    for k in range(first[n], last[n]):
+        begins = min(begins, x * vertices[k, 0] + y * vertices[k, 1] + z * vertices[k, 2])
+    return begins
 
 
 @subkernel
