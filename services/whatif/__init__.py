@@ -1,6 +1,6 @@
 """What people type as a counterfactual edit, turned into another world: twin, robot or policy."""
 
-from services.whatif.change import KINDS, Change, changed, depends_on_robot, parse_change
+from services.whatif.change import GRADUAL, KINDS, Change, changed, depends_on_robot, parse_change
 from services.whatif.world import World
 
-__all__ = ["KINDS", "Change", "World", "changed", "depends_on_robot", "parse_change"]
+__all__ = ["GRADUAL", "KINDS", "Change", "World", "changed", "depends_on_robot", "parse_change"]

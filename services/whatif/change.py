@@ -179,6 +179,9 @@ _ENDS: Final = {
     "furniture": _furniture_ends,
 }
 
+GRADUAL: Final = tuple(_ENDS)
+"""Kinds of which there is something between nothing and all of it."""
+
 
 def _handle_moved(world: World, name: str, by: np.ndarray) -> World:
     """The frame of the handle's fixed joint is elsewhere."""

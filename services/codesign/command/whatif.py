@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from predicates.case import Verdict
-from predicates.counterfactual import Contrast, Turn, smallest_turn
+from predicates.counterfactual import Contrast, Turn, smallest_turn, widest_gap
 from predicates.record import diagnosis_json, to_json
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
@@ -33,7 +33,7 @@ from services.commands.show import print_json
 from services.commands.verdicts import Json
 from services.relative import in_class
 from services.requests import parse_base
-from services.whatif import KINDS, Change, World, changed, parse_change
+from services.whatif import GRADUAL, KINDS, Change, World, changed, parse_change
 
 SCAN = 8
 """Shares of the change that are tried first."""
@@ -164,7 +164,7 @@ def _turned(world: World, task: str, changes: tuple[Change, ...], *, as_json: bo
     if not gradual:
         raise InputError(
             "--turn needs an edit of which there is less",
-            allowed="move, set, base or handle",
+            allowed=", ".join(GRADUAL),
             remedy="--edit help",
         )
     whole = tuple(each for each in changes if each.amount is None)
@@ -221,6 +221,7 @@ def _turn_json(found: Turn, amounts: Callable[[float], list[str]]) -> Json:
         "edits": None if after is None else amounts(after.share),
         "not_yet": amounts(found.before.share),
         "tolerance": found.gap,
+        "apart_at_most": widest_gap([each.share for each in found.tried], after.share if after else 1.0),
         "counterfactual": None if after is None else to_json(after.verdict),
         "tried": [
             {"share": each.share, "edits": amounts(each.share), "outcome": each.verdict.outcome.value}
@@ -236,7 +237,8 @@ def _print_turn(said: Json) -> None:
         click.echo(f"turns at   {'; '.join(said['edits'])}   {_headline(said['counterfactual'])}")
         click.echo(f"not yet at {'; '.join(said['not_yet'])}")
         click.echo(
-            f"smallest of {len(said['tried'])} tried, to {100 * said['tolerance']:.2g} % of the whole change"
+            f"smallest of {len(said['tried'])} tried, to {100 * said['tolerance']:.2g} % of the whole change; "
+            f"those below it are at most {100 * said['apart_at_most']:.2g} % apart"
         )
     else:
         click.echo(f"no turn up to {'; '.join(said['tried'][-1]['edits'])}: searched, not proved")
