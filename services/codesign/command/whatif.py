@@ -237,8 +237,8 @@ def _print_turn(said: Json) -> None:
         click.echo(f"turns at   {'; '.join(said['edits'])}   {_headline(said['counterfactual'])}")
         click.echo(f"not yet at {'; '.join(said['not_yet'])}")
         click.echo(
-            f"smallest of {len(said['tried'])} tried, to {100 * said['tolerance']:.2g} % of the whole change; "
-            f"those below it are at most {100 * said['apart_at_most']:.2g} % apart"
+            f"smallest of {len(said['tried'])} tried, to {100 * said['tolerance']:.2g} % of the whole "
+            f"change; those below it are at most {100 * said['apart_at_most']:.2g} % apart"
         )
     else:
         click.echo(f"no turn up to {'; '.join(said['tried'][-1]['edits'])}: searched, not proved")
