@@ -134,7 +134,7 @@ class Searcher:
         self.world, self.limb, self.problem, self.rules, self.drive = world, limb, problem, rules, drive
         self.planar = problem.planar()
         self.bases = bases(drive, problem.turning())
-        self.telescope = telescope(limb) if drive is Drive.DIFFERENTIAL else None
+        self.telescope = None if drive is Drive.OMNI else telescope(limb)
         self._batches = 0
         self.weight = mobility(limb)
         self.lower, self.upper = inside(limb)
@@ -168,7 +168,7 @@ class Searcher:
             np.stack(part) for part in zip(*(self._aim_at(one, pivot) for one, _ in chosen), strict=True)
         )
         limb, weight = self.limb, self.weight.copy()
-        if self.telescope is not None and self._batches % 2 == 0:
+        if self.telescope is not None and self._standing is None and self._batches % 2 == 0:
             self._aim(seeds, pivot, rng)
             weight[2] = 0.0
         self._batches += 1

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from services.embodiment.place.grid import SIDE, Status
-from services.embodiment.place.search import Placement, Spot
+from services.embodiment.place.search import DECIMALS, Placement, Spot
 
 SIGNS = {Status.CERTIFIED: "#", Status.PROVED: "-", Status.BLOCKED: "x", Status.UNKNOWN: "."}
 COLUMNS = ("x", "y", "yaw", "margin", "gripper", "base")
@@ -37,9 +37,13 @@ def to_json(found: Placement) -> dict[str, object]:
 
 def spot(found: Spot) -> dict[str, object]:
     """A pose as a row of `COLUMNS`."""
-    base = f"{found.x:.4f},{found.y:.4f},{found.yaw:.4f}"
-    row = (found.x, found.y, found.yaw, found.margin, found.gripper, base)
+    row = (found.x, found.y, found.yaw, found.margin, found.gripper, base_of(found))
     return dict(zip(COLUMNS, row, strict=True))
+
+
+def base_of(found: Spot) -> str:
+    """The pose as `--base` takes it, to the last digit that was certified."""
+    return ",".join(f"{value:.{DECIMALS}f}" for value in (found.x, found.y, found.yaw))
 
 
 def lines(found: Placement) -> Iterator[str]:
@@ -48,7 +52,7 @@ def lines(found: Placement) -> Iterator[str]:
         yield f"{each.kind.value}: {each.reason}"
     for spot in found.spots[:SHOWN]:
         yield (
-            f"certified  --base {spot.x:.4f},{spot.y:.4f},{spot.yaw:.4f} --drive fixed  "
+            f"certified  --base {base_of(spot)} --drive fixed  "
             f"gripper {spot.gripper}, margin {spot.margin * 1000:.1f} mm"
         )
     if len(found.spots) > SHOWN:

@@ -8,13 +8,15 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.task import Task, Verb
 from services.app import Policy, load
-from services.embodiment.place import Placement, Status, place
-from services.embodiment.place.answer import lines, to_json
+from services.embodiment.place import Placement, Status, place, spots
+from services.embodiment.place.answer import base_of, lines, to_json
 from services.embodiment.prove.prover import Prover
+from services.requests import parse_base
 
 pytestmark = pytest.mark.oracle
 
 DRAWER = "sink_area_left_middle_drawer_main"
+ISLAND = "kitchen_island_left_upper_drawer_main"
 BUDGET = 60.0  # [s] far more than is needed: a full machine must not decide this test
 SEEDS = 3
 
@@ -32,6 +34,16 @@ def test_the_best_pose_is_certified_when_it_is_asked_again(found: Placement) -> 
     (verdict,) = load("b", ["pr2"], policy=policy).achieve(f"open:{DRAWER}")
     assert verdict.outcome is Outcome.CERTIFIED
     assert [spot.margin for spot in found.spots] == sorted((one.margin for one in found.spots), reverse=True)
+
+
+def test_a_telescope_that_pulls_a_drawer_lies_along_its_way_to_the_last_digit_that_is_printed() -> None:
+    service = load("b", ["stretch"])
+    task, robot = Task(Verb.OPEN, service.twin.container(ISLAND).iri), service.robot(None)
+    (spot,) = spots(service.twin, robot, task, BUDGET, SEEDS, enough=1)
+    assert spot.yaw % np.pi == pytest.approx(np.pi / 2, abs=1e-6)
+    policy = Policy(Drive.FIXED, parse_base(base_of(spot)), BUDGET, SEEDS)
+    (verdict,) = load("b", ["stretch"], policy=policy).achieve(f"open:{ISLAND}")
+    assert verdict.outcome is Outcome.CERTIFIED
 
 
 def test_the_map_shows_the_poses_and_proves_none_of_them_impossible(found: Placement) -> None:
