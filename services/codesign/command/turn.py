@@ -48,7 +48,7 @@ def _sought_json(one: Sought, actual: Found) -> Json:
         "range": one.family.range,
         "resolution": one.family.resolution,
         "looked_at": _looked_json(one) if one.family.scan else None,
-        "stopped": one.stopped,
+        "stopped": one.stopped and not one.is_complete,
         "impossible": one.impossible,
     }
     said["tried"] = [

@@ -64,7 +64,7 @@ def finer(sought: Sequence[Sought], walk: Walk, deadline: Deadline, jobs: int) -
             found[line.number] = replace(one, trials=trials, stopped=one.stopped or done.stopped)
             longest = max(longest, done.spent)
         spent += longest
-        if any(each.stopped for each in found) and spent >= deadline.left:
+        if spent + deadline.each > deadline.left:
             break
     return found, spent
 
