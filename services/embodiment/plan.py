@@ -125,7 +125,7 @@ class Planner:
                 yield from self._round(attempt, number)
         self._give_up()
         yield from self._spread()
-        self._prove_in_hand()
+        self._prove_of_holds()
         yield from self._spread(breeds=True)
 
     def _spread(self, breeds: bool = False) -> Iterator[Planned]:
@@ -155,8 +155,7 @@ class Planner:
 
     def _give_up(self) -> None:
         """Look for a proof once more, not for long where only bodies can be in the way."""
-        ways = any(attempt.searcher.tally.paths for attempt in self.attempts)
-        self._prove(EARLY_BOXES if ways or self.start_contact is not None else LATE_BOXES)
+        self._prove(EARLY_BOXES if self._has_ways() or self.start_contact is not None else LATE_BOXES)
 
     def _prove(self, boxes: int) -> None:
         """Look for a proof from times, and with so many boxes for each gripper and value of the container."""
@@ -172,19 +171,22 @@ class Planner:
             self.proof = self._prover.prove(boxes)
         self._spent("proof", at)
 
-    def _prove_in_hand(self) -> None:
-        """Look for a proof about holds in hand, where none of those that were searched leads anywhere."""
+    def _prove_of_holds(self) -> None:
+        """Look for a proof that no hold, or none in hand, can be had all along, where none was found."""
         at, setting = time.perf_counter(), self.setting
-        searched = [grasp for attempt in self.attempts for grasp in attempt.searched()]
-        ways = any(attempt.searcher.tally.paths for attempt in self.attempts)
-        if self.proof is not None or ways or setting.tolerances != Tolerances():
+        if self.proof is not None or self._prover is None or self._has_ways():
             return
-        tools = (grasp.translation for grasp in searched)
-        if searched and in_hand(setting.world, setting.container.handle, tools):
-            # Heights alone are cheap to compare; bodies in the way are not.
-            boxes = EARLY_BOXES if setting.drive is Drive.FIXED else LATE_BOXES
-            self.in_hand = self._about(IN_HAND).prove(boxes)
+        if (stands := setting.drive is Drive.FIXED) and not self.late():
+            self.proof = self._prover.prove(EARLY_BOXES, one_hold=True)
+        tools = [grasp.translation for attempt in self.attempts for grasp in attempt.searched()]
+        if self.proof is None and tools and in_hand(setting.world, setting.container.handle, tools):
+            boxes = EARLY_BOXES if stands else LATE_BOXES  # heights alone are cheap to compare
+            self.in_hand = self._about(IN_HAND).prove(boxes, stands and not self.late())
         self._spent("proof", at)
+
+    def _has_ways(self) -> bool:
+        """Whether a handle could be followed in hand all along."""
+        return any(attempt.searcher.tally.paths for attempt in self.attempts)
 
     def _about(self, within: float | None) -> Prover:
         """Who looks for proofs about this setting, and such holds."""

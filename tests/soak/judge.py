@@ -32,14 +32,25 @@ class Result(Enum):
     OPEN = "open"
 
 
-def result(folder: Path, seed: int, robot: str, drive: Drive, budget: float) -> Result:
-    """The oracle's answer, which a proof must not contradict and a checked proof must carry."""
+def result(  # noqa: PLR0917  # a front, who is asked, and for how long
+    folder: Path, seed: int, robot: str, drive: Drive, budget: float, one_hold: bool = False
+) -> Result:
+    """The oracle's answer, which a proof must not contradict and a checked proof must carry.
+
+    Args:
+        folder: For the front's URDF.
+        seed: Number of the front.
+        robot: That is asked.
+        drive: Its base policy.
+        budget: Of search [s].
+        one_hold: Whether proofs that no one hold lasts are looked for against certificates too, at length.
+    """
     front = draw(np.random.default_rng(seed))
     path = write(front, folder, f"front{seed}")
     service = load(path, [robot], policy=Policy(drive, STANDS, budget))
     (verdict,) = service.achieve("open:front_door")
     if verdict.outcome is Outcome.CERTIFIED:
-        assert not refutable(service, drive), f"front {seed} is certified for {robot}, and refuted"
+        assert not refutable(service, drive, one_hold), f"front {seed} is certified for {robot}, and refuted"
         return Result.CERTIFIED
     proved = any(each.proof for each in verdict.diagnoses)
     assert verdict.can_perform is not None, f"front {seed} is refuted, and not by CanPerform"
@@ -54,13 +65,13 @@ def result(folder: Path, seed: int, robot: str, drive: Drive, budget: float) -> 
     return Result.PROVED if proved else Result.IN_HAND
 
 
-def refutable(service: Service, drive: Drive) -> bool:
+def refutable(service: Service, drive: Drive, one_hold: bool) -> bool:
     """Whether a proof is found against a certified front, or the hold that it was certified with."""
     twin = service.twin
     container = twin.container("front_door")
     values = np.array([0.0, container.open_from])
     about = twin, twin.robots[0], container, drive, STANDS, values
-    return any(Prover(*about, within).prove(BOXES) is not None for within in (None, IN_HAND))
+    return any(Prover(*about, within).prove(BOXES, one_hold) is not None for within in (None, IN_HAND))
 
 
 def summary(robot: str, drive: Drive, results: list[Result]) -> str:

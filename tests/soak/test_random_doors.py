@@ -22,7 +22,7 @@ WORKERS = 2
 def test_no_random_front_is_both_certified_and_refuted(
     tmp_path: Path, robot: str, drive: Drive, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    ask = partial(result, tmp_path, robot=robot, drive=drive, budget=BUDGET)
+    ask = partial(result, tmp_path, robot=robot, drive=drive, budget=BUDGET, one_hold=True)
     with ProcessPoolExecutor(WORKERS) as pool:
         results = list(pool.map(ask, range(FRONTS)))
     with capsys.disabled():

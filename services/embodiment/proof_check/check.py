@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,25 +10,22 @@ from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.arm import ROUNDING, Arm
+from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.content import (
     IN_HAND,
-    LEAF,
     Claim,
     Proof,
     Refutation,
     Timing,
     read_proof,
 )
-from services.embodiment.proof_check.cores import Solids, pierced
 from services.embodiment.proof_check.haste import too_fast
-from services.embodiment.proof_check.interval import Interval, apply, cross, exact
-from services.embodiment.proof_check.mechanics import Chain, Placement, levers
-from services.embodiment.proof_check.statement import Statement, Target
+from services.embodiment.proof_check.places import at_value, refuted_places
+from services.embodiment.proof_check.statement import Statement
+from services.embodiment.proof_check.tree import refuted_boxes
 
 Array = NDArray[np.float64]
 
-BLOCK = 2048  # leaves that are checked at once
 MOST_NODES = 2_000_000  # of one tree
 
 
@@ -76,8 +72,8 @@ def check(twin: Twin, robot: Iri, container: Container, content: bytes) -> Check
     if claim.timing is not None:
         sentence = f"no certified motion of {local_name(robot)} moves {container.name} in the given times"
         return Checked(tuple(reasons), sentence, proof.assumptions(), leaves)
-    values = sorted({f"{one.value:.4g}" for one in proof.refutations})
-    past = ", ".join(values) or "any value"
+    values = sorted({value for one in proof.refutations for value in one.values})
+    past = ", ".join(f"{value:.4g}" for value in values) or "any value"
     meant = "" if claim.within is None else f"with {local_name(container.handle)} in hand "
     sentence = f"no certified motion of {local_name(robot)} {meant}takes {container.name} past {past}"
     return Checked(tuple(reasons), sentence, proof.assumptions(), leaves)
@@ -134,8 +130,8 @@ def refuted(
             reasons.append(f"gripper {gripper.name} is not refuted")
         elif arm is None:
             reasons.append(f"gripper {gripper.name} has no fingers with shapes that move with its tool")
-        elif not span[0] <= one.value <= span[1]:
-            reasons.append(f"the container need not pass {one.value:.4g}, at which {gripper.name} is refuted")
+        elif beyond := [value for value in one.values if not span[0] <= value <= span[1]]:
+            reasons.append(f"the container need not pass {beyond[0]:.4g}, at which {gripper.name} is refuted")
         else:
             try:
                 leaves += _tree(statement, arm, one)
@@ -162,136 +158,13 @@ def _tree(statement: Statement, arm: Arm, given: Refutation) -> int:
                 f"{link.name} may be beyond {a:.4g} to {b:.4g}",
                 allowed=f"all of {link.lower:.4g} to {link.upper:.4g}",
             )
-    target = statement.target(given.value)
-    if not len(target.boxes):
-        raise InputError("the handle has no shape", allowed="a handle with collision geometry")
-    around = statement.around(arm, given.value)
-    leaves, count = _leaves(given.tree, low, high, len(arm.cores)), 0
-    while block := list(islice(leaves, BLOCK)):
-        count += len(block)
-        far = [leaf for leaf in block if leaf[2] <= len(links)]
-        if far:
-            _all_far(arm, target, far, statement.level)
-        if len(far) < len(block):
-            _all_pierced(arm, around, [leaf for leaf in block if leaf[2] > len(links)])
-    return count
-
-
-def _leaves(tree: bytes, low: Array, high: Array, cores: int) -> Iterator[tuple[Array, Array, int]]:
-    """Boxes of the leaves, and what each of them names; together they are the whole box.
-
-    Raises:
-        InputError: The tree ends early, goes on after its end, or names joints that are not there.
-    """
-    if len(tree) > MOST_NODES:
-        raise InputError(f"a tree of {len(tree)} nodes", allowed=f"at most {MOST_NODES}")
-    stack, nodes = [(low, high)], iter(tree)
-    while stack:
-        low, high = stack.pop()
-        node = next(nodes, None)
-        named = len(low) + (1 + cores if node is not None and node >= LEAF else 0)
-        if node is None or node % LEAF >= named:
-            raise InputError("the proof's tree is damaged", allowed="a whole tree over the arm's joints")
-        if node >= LEAF:
-            yield low, high, node - LEAF
-            continue
-        middle = (low[node] + high[node]) / 2
-        upper_low, lower_high = low.copy(), high.copy()
-        upper_low[node], lower_high[node] = middle, middle
-        stack.append((upper_low, high))
-        stack.append((low, lower_high))
+    if len(given.tree) > MOST_NODES:
+        raise InputError(f"a tree of {len(given.tree)} nodes", allowed=f"at most {MOST_NODES}")
+    nodes = iter(given.tree)
+    if given.places is None:
+        count = refuted_boxes(at_value(statement, arm, given.value), nodes, low, high)
+    else:
+        count = refuted_places(statement, arm, given.places, nodes, (low, high))
     if next(nodes, None) is not None:
         raise InputError("the proof's tree goes on after its end", allowed="a whole tree")
-
-
-def _all_pierced(
-    arm: Arm, around: tuple[Solids, NDArray[np.bool_]], block: list[tuple[Array, Array, int]]
-) -> None:
-    """In each box the named core has a point of something solid in it.
-
-    Raises:
-        InputError: It has none, as far as was shown.
-    """
-    low, high = (np.array([one[k] for one in block]) for k in (0, 1))
-    named = np.array([one[2] for one in block]) - len(arm.chain.links) - 1
-    middle = (low + high) / 2
-    half = np.maximum(high - middle, middle - low) * (1 + 1e-12)
-    solids, keeps = around
-    for c in np.unique(named):
-        of, core = named == c, arm.cores[c]
-        if not (pierced(core, arm.chain, solids, keeps[c], (middle[of], half[of])) > 0).all():
-            raise InputError(
-                f"{core.body} can be clear of everything solid, as far as was shown", allowed="a collision"
-            )
-
-
-def _all_far(arm: Arm, target: Target, block: list[tuple[Array, Array, int]], level: bool) -> None:
-    """In each box the named joint's origin is farther from the handle than its arm reaches.
-
-    Behind the last joint comes the grasp box itself, all of which is apart from the handle.
-
-    From the middle of a box, moving its joints one after the other from the base outwards, the
-    origin moves by at most its distance from each axis, as it is in the middle, times the way to the
-    box's end.
-
-    Raises:
-        InputError: It is not.
-    """
-    low, high = (np.array([one[k] for one in block]) for k in (0, 1))
-    named = np.array([one[2] for one in block])
-    middle = (low + high) / 2
-    half = np.maximum(high - middle, middle - low) * (1 + 1e-12)
-    origins, axes, tool = arm.chain.frames(middle)
-    for k in np.unique(named):
-        of = named == k
-        if k == len(arm.chain.links):
-            at = Placement(tool.rotation[of], tool.translation[of])
-            _box_apart(arm, target, at, (origins[of], axes[of], half[of]), level)
-            continue
-        arms = levers(origins[of], axes[of], int(k), arm.chain.links)
-        if level:
-            arms = np.where(
-                np.arange(k + 1) < arm.upright, rises(arm.chain, axes[of].magnitude().hi)[:, : k + 1], arms
-            )
-        moved = (arms * half[of, : k + 1]).sum(axis=1) * (1 + 1e-12)
-        apart = target.distance(origins[of][:, k], level) - moved
-        short = np.flatnonzero(~(apart > arm.reach[k] + ROUNDING))
-        if len(short):
-            name = arm.chain.links[k].name
-            worst = float(apart[short].min())
-            raise InputError(
-                f"{name} can come as near as {worst:.4f} m to the handle, as far as was shown",
-                allowed=f"more than {arm.reach[k]:.4f} m, its distance to the fingers",
-            )
-
-
-def _box_apart(
-    arm: Arm, target: Target, tool: Placement, joints: tuple[Interval, Interval, Array], level: bool
-) -> None:
-    """The grasp box is apart from the handle: no point of it moves farther than the gap in the middle.
-
-    Raises:
-        InputError: It is not, as far as was shown.
-    """
-    origins, axes, half = joints
-    last = len(arm.chain.links)
-    centre = apply(tool.rotation, exact(arm.middle)) + tool.translation
-    turns = np.array([link.turns for link in arm.chain.links])
-    radius = float(np.linalg.norm(arm.half)) * (1 + 1e-12)
-    arms = cross(centre[:, None] - origins, axes).norm().hi + radius
-    arms = np.where(turns, arms, 1.0)
-    if level:
-        arms = np.where(np.arange(last) < arm.upright, rises(arm.chain, axes.magnitude().hi), arms)
-    moved = (arms * half).sum(axis=1) * (1 + 1e-12)
-    gap = target.gap(Placement(tool.rotation, centre), arm.half, level) - moved
-    if not (gap > 0).all():
-        raise InputError(
-            f"the fingers can come to the handle: {float(gap.min()):.4f} m between them, as far as was shown",
-            allowed="a gap",
-        )
-
-
-def rises(chain: Chain, axes: Array) -> Array:
-    """How far an upright joint lifts what it carries for a unit of it; `axes` are magnitudes (L, n, 3)."""
-    slides = np.array([not link.turns for link in chain.links])
-    return np.where(slides, axes[:, :, 2], 0.0)
+    return count

@@ -6,6 +6,8 @@ the rest of the byte is the joint whose origin is too far from the handle in all
 number n of joints where the grasp box itself is apart from it, or n + 1 + c where the arm's core c meets
 something solid. A proof about times has no tree but the window of samples that is too fast. "sdt proof 1"
 had neither, and is read as it is. "sdt proof 3" is a proof about some holds alone: those `within` a distance.
+In "sdt proof 4" a refutation may have `places`: then its tree is one of cells of them, with trees of joints
+in it (`places.py`), and n + 1 + C + k, behind the C cores, says that joint k is too far from the cell.
 """
 
 import base64
@@ -24,26 +26,44 @@ from services.embodiment.certify.tolerances import Tolerances
 
 SCHEMA = "sdt proof 2"
 OF_SOME_HOLDS = "sdt proof 3"
-READ = ("sdt proof 1", SCHEMA, OF_SOME_HOLDS)
+BY_PLACES = "sdt proof 4"
+READ = ("sdt proof 1", SCHEMA, OF_SOME_HOLDS, BY_PLACES)
 IN_HAND = 0.02
 """[m] Ours: in hand is a handle whose box is so near to the tool's origin, amid the fingertips, at the grasp;
 the search has it there to within 16 mm."""
 LEAF = 128
+NO_HOLD = 255
 MOST_BYTES = 20_000_000
 """[bytes] More than any proof's; a small file cannot claim a memory of its choice."""
+
+ONE_HOLD = "one hold: the tool keeps the pose on the handle that it has at the grasp, at all values"
 
 Start = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Refutation:
-    """Why one gripper cannot hold the handle with the container at a value.
+class Places:
+    """Of a tree of cells: what it divides.
 
     Attributes:
-        value: Of the container's own joint [rad or m].
+        values: Of the container's own joint, one of which refutes each cell [rad or m].
+        box: Places of the wrist in the handle's frame, an interval along each axis [m].
+    """
+
+    values: tuple[float, ...]
+    box: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Refutation:
+    """Why one gripper cannot hold the handle with the container at a value, or all along.
+
+    Attributes:
+        value: Of the container's own joint [rad or m]; with `places`, that which refutes most cells.
         joints: Names of the chain's joints, from the world on.
         box: Interval of each joint [rad or m].
         tree: Its division; see above.
+        places: Where one hold at several values is refuted, and not all holds at one.
     """
 
     gripper: str
@@ -51,6 +71,12 @@ class Refutation:
     joints: tuple[str, ...]
     box: tuple[tuple[float, float], ...]
     tree: bytes
+    places: Places | None = None
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """All values that are needed [rad or m]."""
+        return (self.value,) if self.places is None else self.places.values
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,6 +156,7 @@ class Proof:
             f"base policy: {claim.drive.value}, {base}",
             f"grasp set: {claim.holds}",
             f"tolerances: those of certification, {claim.tolerances}",
+            *([ONE_HOLD] if any(one.places is not None for one in self.refutations) else []),
             "joints: limits of the twin, each joint for itself",
             "collision geometry: of the fingers and the handle, which a hold is about; besides, with a fixed "
             "base, boxes inside the robot's bodies (sdt:hasCore) and inside the kitchen's boxes, cylinders "
@@ -160,8 +187,12 @@ def to_bytes(proof: Proof) -> bytes:
     refutations = [
         asdict(one) | {"tree": base64.b64encode(one.tree).decode("ascii")} for one in proof.refutations
     ]
+    by_places = any(one.places is not None for one in proof.refutations)
+    for each in refutations:
+        if not by_places:
+            del each["places"]
     whole = {
-        "schema": SCHEMA if proof.claim.within is None else OF_SOME_HOLDS,
+        "schema": BY_PLACES if by_places else SCHEMA if proof.claim.within is None else OF_SOME_HOLDS,
         "claim": claim,
         "assumptions": proof.assumptions(),
         "refutations": refutations,
@@ -207,8 +238,8 @@ def _unpacked(content: bytes) -> dict[str, Any]:  # Any: JSON
 
 
 def _claim(given: dict[str, Any], schema: str) -> Claim:  # Any: JSON
-    if ("within" in given) is not (schema == OF_SOME_HOLDS):
-        raise ValueError(f"which holds are meant is told in {OF_SOME_HOLDS} alone")
+    if schema != BY_PLACES and ("within" in given) is not (schema == OF_SOME_HOLDS):
+        raise ValueError(f"which holds are meant is told in {OF_SOME_HOLDS} and {BY_PLACES} alone")
     environment, robot = ((str(iri), str(known)) for iri, known in given["models"])
     low, high = (_number(each) for each in given["span"])
     x, y, yaw = (_number(each) for each in given["start"])
@@ -247,14 +278,19 @@ def _window(given: list[Any] | None) -> tuple[int, int] | None:  # Any: JSON
 
 
 def _refutation(given: dict[str, Any]) -> Refutation:  # Any: JSON
-    box = tuple((_number(low), _number(high)) for low, high in given["box"])
+    places = given.get("places")
     return Refutation(
         str(given["gripper"]),
         _number(given["value"]),
         tuple(str(each) for each in given["joints"]),
-        box,
+        _box(given["box"]),
         base64.b64decode(given["tree"], validate=True),
+        None if places is None else Places(tuple(map(_number, places["values"])), _box(places["box"])),
     )
+
+
+def _box(given: list[list[object]]) -> tuple[tuple[float, float], ...]:
+    return tuple((_number(low), _number(high)) for low, high in given)
 
 
 def _number(given: object) -> float:

@@ -2,11 +2,12 @@
 
 Collision shapes contain the real ones, so that they meet proves nothing. The robot's annotation gives
 *cores*, boxes that its bodies contain; the kitchen's boxes, cylinders and spheres are taken as they are
-declared, meshes are not used; the bodies that stand still with a fixed base are solid too. A point that
+declared, meshes are not used. A core is solid for those that joints farther out carry, too. A point that
 lies in a core, wherever the joints are in a box of positions, and in such a solid, refutes the box.
 
-With the joints moved one after the other from the last one inwards, the point as the core sees it moves
-by at most its distance from each axis, as it is in the middle of the box, times half the box's width.
+With the joints between both moved one after the other from the last one inwards, the point as the core
+sees it moves by at most its distance from each axis, as it is in the middle of the box, times half the
+box's width.
 """
 
 from dataclasses import dataclass
@@ -46,11 +47,11 @@ class Core:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solids:
-    """Boxes in the world, each inside something that no robot can be in.
+    """Boxes, each inside something that no robot can be in.
 
     Attributes:
         bodies: IRI of the body of each.
-        at: Placements, shapes (S, 3, 3) and (S, 3).
+        at: Placements in the frame in which they stand, shapes (S, 3, 3) and (S, 3).
         half: Half extents, less what certification tolerates [m], shape (S, 3).
     """
 
@@ -58,8 +59,19 @@ class Solids:
     at: Placement
     half: Array
 
-    def __add__(self, other: "Solids") -> "Solids":
-        return _all([self, other])
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Around:
+    """Solids that stand still in one frame.
+
+    Attributes:
+        carrier: Index of the chain's link whose frame it is; −1 is the world.
+        keeps: Which core certification keeps apart from which of them, shape (C, S).
+    """
+
+    carrier: int
+    solids: Solids
+    keeps: NDArray[np.bool_]
 
 
 def _all(parts: list[Solids]) -> Solids:
@@ -139,62 +151,59 @@ class Surroundings:
         return _all(found)
 
 
-def standing(cores: tuple[Core, ...], chain: Chain, robot: str, slacks: tuple[float, float]) -> Solids:
-    """The boxes of bodies that a fixed base carries, as solids.
-
-    Args:
-        cores: On the chain.
-        robot: Name of the mechanism.
-        chain: Whose first three links are the base's, each about its start.
-        slacks: How far the base may be from its start, along each axis [m] and turned [rad].
-    """
-    base = Chain(chain.links[:3], HERE)
-    start = np.array([[(link.lower + link.upper) / 2 for link in base.links]])
-    found = list[Solids]()
-    for core in cores:
-        if core.link != 2:
-            continue
-        _, _, at = Chain(base.links, core.middle).frames(start)
-        far = float((at.translation - Chain(base.links, HERE).frames(start)[2].translation).norm().hi.max())
-        less = 1.5 * slacks[0] + slacks[1] * (far + float(np.linalg.norm(core.half))) + ROUNDING
-        found.append(_solids(body_iri(robot, core.body), at, core.half - less))
-    return _all(found)
-
-
-def apart_from(
-    cores: tuple[Core, ...], solids: Solids, tree: Tree, annotation: RobotAnnotation
-) -> NDArray[np.bool_]:
-    """Which core certification keeps apart from which solid, shape (C, S)."""
-    exempt, robot = exempt_pairs(tree.mechanism, annotation), tree.mechanism.name
-    own = {body_iri(robot, body.name) for body in tree.mechanism.bodies}
-    keeps = np.ones((len(cores), len(solids.bodies)), dtype=np.bool_)
-    for s in [s for s, other in enumerate(solids.bodies) if other in own]:
-        for c, core in enumerate(cores):
-            pair = frozenset((body_iri(robot, core.body), solids.bodies[s]))
-            keeps[c, s] = core.link > 2 and pair not in exempt
-    return keeps
+def own_solids(cores: tuple[Core, ...], tree: Tree, annotation: RobotAnnotation) -> tuple[Around, ...]:
+    """Cores as solids, by the link that carries them, for those of links farther out."""
+    exempt = exempt_pairs(tree.mechanism, annotation)
+    bodies = [body_iri(tree.mechanism.name, core.body) for core in cores]
+    found: list[Around] = []
+    for link in sorted({core.link for core in cores}):
+        here = [k for k, core in enumerate(cores) if core.link == link]
+        keeps = np.array(
+            [
+                [core.link > link and frozenset((body, bodies[k])) not in exempt for k in here]
+                for core, body in zip(cores, bodies, strict=True)
+            ]
+        )
+        if keeps.any():
+            each = [_solids(bodies[k], cores[k].middle, cores[k].half - ROUNDING) for k in here]
+            found.append(Around(link, _all(each), keeps))
+    return tuple(found)
 
 
 def pierced(
-    core: Core, chain: Chain, solids: Solids, keeps: NDArray[np.bool_], boxes: tuple[Array, Array]
+    cores: tuple[Core, ...], c: int, chain: Chain, around: tuple[Around, ...], boxes: tuple[Array, Array]
 ) -> Array:
-    """How deep a point of a solid lies in the core in all of each box of positions [m], shape (L,).
+    """How deep a point of a solid lies in core c in all of each box of positions [m], shape (L,).
 
     A lower bound; not above 0 where no such point was found.
 
     Args:
-        core: A box inside a body of the arm.
+        cores: Boxes inside bodies of the arm.
+        c: Index of the one that is meant.
         chain: The arm.
-        solids: Around it.
-        keeps: Which of them count, shape (S,).
+        around: What is solid.
         boxes: Middles and half widths of the positions of the chain's joints, shapes (L, n).
     """
-    middle, half = (one[:, : core.link + 1] for one in boxes)
-    links = chain.links[: core.link + 1]
+    depth = np.full(len(boxes[0]), -np.inf)
+    for one in around:
+        if one.keeps[c].any():
+            seen = slice(one.carrier + 1, cores[c].link + 1)
+            moved = boxes[0][:, seen], boxes[1][:, seen]
+            depth = np.maximum(depth, _pierced(cores[c], chain.links[seen], one.solids, one.keeps[c], moved))
+    return depth
+
+
+def _pierced(
+    core: Core,
+    links: tuple[Link, ...],
+    solids: Solids,
+    keeps: NDArray[np.bool_],
+    boxes: tuple[Array, Array],
+) -> Array:
+    """The same, of the solids in one frame, from which these links lead to the core."""
+    middle, half = boxes
     origins, axes, at = Chain(links, core.middle).frames(middle)
     chosen = np.flatnonzero(keeps)
-    if not len(chosen):
-        return np.full(len(middle), -np.inf)
     depth = np.full(len(middle), -np.inf)
     point, which = _points(at, core.half, solids, chosen, _moved(at.translation, origins, axes, links, half))
     local = apply(solids.at.rotation[which].T, exact(point) - solids.at.translation[which])
@@ -249,7 +258,11 @@ def _placed(iri: Iri, chain: Chain, q: Array, geometries: list[Geometry], slack:
 
 
 def _solids(iri: Iri, at: Placement, half: Array) -> Solids:
-    return Solids((iri,), at, half[None]) if (half > 0).all() else NOTHING
+    rotation, translation = (
+        Interval(one.lo.reshape(size), one.hi.reshape(size))
+        for one, size in ((at.rotation, (1, 3, 3)), (at.translation, (1, 3)))
+    )
+    return Solids((iri,), Placement(rotation, translation), half[None]) if (half > 0).all() else NOTHING
 
 
 def _within(geometry: Geometry) -> Array:

@@ -115,6 +115,21 @@ def levers(origins: Interval, axes: Interval, k: int, links: tuple[Link, ...]) -
     return np.where(slides, 1.0, arm)
 
 
+def lever_of(origins: Interval, axes: Interval, point: Interval, links: tuple[Link, ...]) -> Array:
+    """How far a point (1, 3) moves at most for a unit of each joint, shape (n,)."""
+    if not links:
+        return np.zeros(0)
+    ends = Interval(
+        np.concatenate((origins.lo, point.lo[:, None]), axis=1),
+        np.concatenate((origins.hi, point.hi[:, None]), axis=1),
+    )
+    whole = Interval(
+        np.concatenate((axes.lo, np.zeros((1, 1, 3))), axis=1),
+        np.concatenate((axes.hi, np.zeros((1, 1, 3))), axis=1),
+    )
+    return levers(ends, whole, len(links), (*links, links[-1]))[0, :-1]
+
+
 class Tree:
     """A mechanism by body: the joint above each."""
 

@@ -33,14 +33,7 @@ from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import ROUNDING, Arm, make_arm, upright
-from services.embodiment.proof_check.cores import (
-    NOTHING,
-    Solids,
-    Surroundings,
-    apart_from,
-    cores_on,
-    standing,
-)
+from services.embodiment.proof_check.cores import Around, Solids, Surroundings, cores_on, own_solids
 from services.embodiment.proof_check.interval import Interval, apply, exact, times
 from services.embodiment.proof_check.mechanics import (
     HERE,
@@ -49,7 +42,7 @@ from services.embodiment.proof_check.mechanics import (
     Placement,
     Tree,
     base_T_root,
-    levers,
+    lever_of,
 )
 from services.embodiment.proof_check.shapes import boxes_of, finger_box, tool_in
 
@@ -184,14 +177,17 @@ class Statement:
         bounded = all(np.isfinite((link.lower, link.upper)).all() for link in whole.links)
         return (whole, corners) if bounded and whole.links else None
 
-    def around(self, arm: Arm, value: float) -> tuple[Solids, NDArray[np.bool_]]:
-        """What is solid with the container at a value, and which core is kept apart from it, shape (C, S)."""
-        if arm.cores and value not in self._solids:
+    def around(self, arm: Arm, value: float) -> tuple[Around, ...]:
+        """What is solid with the container at a value; nothing for an arm without cores."""
+        if not arm.cores:
+            return ()
+        if value not in self._solids:
             self._solids[value] = self._surroundings.at(self.twin.at({self.container.joint: value}).state)
-        solids = self._solids[value] if arm.cores else NOTHING
-        if arm.cores and not any(self.room):
-            solids += standing(arm.cores, arm.chain, self._tree.mechanism.name, self._base_slacks())
-        return solids, apart_from(arm.cores, solids, self._tree, self._annotation)
+        solids = self._solids[value]
+        kitchen = Around(-1, solids, np.ones((len(arm.cores), len(solids.bodies)), dtype=np.bool_))
+        if any(self.room):  # a map asks at many poses: what does not depend on them is left out
+            return (kitchen,)
+        return kitchen, *own_solids(arm.cores, self._tree, self._annotation)
 
     def _slack(self) -> float:
         """How far a joint of the kitchen may be from where it is said to be [rad or m]."""
@@ -252,39 +248,53 @@ class Statement:
             self._targets[value] = self._target(value)
         return self._targets[value]
 
+    def handle_boxes(self) -> list[tuple[Placement, Array]]:
+        """Boxes about the handle's shapes in its frame, and their half extents [m], shape (3,)."""
+        return [(box.middle, box.half) for box in boxes_of(self._kitchen, self._handle)]
+
+    @property
+    def about(self) -> float:
+        """How far from the handle holds have the grasp box at most [m]."""
+        return 0.0 if self.within is None else self.within + self.tolerances.tool_position
+
+    def cell(self, arm: Arm, value: float, low: Array, high: Array) -> Target:
+        """Where the wrist is with the container at a value, if at the grasp it was in a cell.
+
+        Args:
+            arm: Whose last joint's origin it is.
+            value: Of the container [rad or m].
+            low: Of the cell, in the handle's frame [m], shape (3,).
+            high: Of the cell.
+        """
+        far = float(arm.chain.end.translation.norm().hi)
+        slip = self.tolerances.tool_position + 2 * float(np.sin(self.tolerances.tool_angle / 2)) * far
+        half = np.maximum(high - (low + high) / 2, (low + high) / 2 - low) + slip + ROUNDING
+        return self._placed(value, [(Placement(HERE.rotation, exact((low + high) / 2)), half)], 0.0)
+
     def _target(self, value: float) -> Target:
+        return self._placed(value, self.handle_boxes(), self.about)
+
+    @property
+    def _handle(self) -> str:
+        return local_name(self.container.handle)
+
+    def _placed(self, value: float, boxes: list[tuple[Placement, Array]], about: float) -> Target:
+        """Boxes of the handle's frame in the world, widened by what the kitchen's joints may be off."""
         state = self.twin.at({self.container.joint: value}).state
-        body = local_name(self.container.handle)
         slack = self.tolerances.position + max(self.tolerances.start_position, self.tolerances.start_angle)
-        chain = self._kitchen.chain(self._kitchen.path(body), HERE, 0.0)
+        chain = self._kitchen.chain(self._kitchen.path(self._handle), HERE, 0.0)
         name = self._kitchen.mechanism.name
         q = np.array([[state[joint_iri(name, link.name)] for link in chain.links]])
         origins, axes, end = chain.frames(q)
-        about = 0.0 if self.within is None else self.within + self.tolerances.tool_position
+        turns = np.array([link.turns for link in chain.links])
         places: list[Placement] = []
         halves: list[Array] = []
         shifts: list[float] = []
-        for box in boxes_of(self._kitchen, body):
-            at = end @ box.middle
-            arms = _lever_of(origins, axes, at.translation, chain.links)
-            turns = np.array([link.turns for link in chain.links])
-            moved = float(((arms + np.where(turns, np.linalg.norm(box.half), 0.0)) * slack).sum())
+        for middle, half in boxes:
+            at = end @ middle
+            arms = lever_of(origins, axes, at.translation, chain.links)
+            moved = float(((arms + np.where(turns, np.linalg.norm(half), 0.0)) * slack).sum())
             places.append(Placement(at.rotation[0], at.translation[0]))
             shifts.append(moved + ROUNDING)
-            halves.append(box.half + shifts[-1] + about)
+            halves.append(half + shifts[-1] + about)
         return Target(tuple(places), np.array(halves).reshape(-1, 3), np.array(shifts))
-
-
-def _lever_of(origins: Interval, axes: Interval, point: Interval, links: tuple[Link, ...]) -> Array:
-    """How far a point (1, 3) moves at most for a unit of each joint, shape (n,)."""
-    if not links:
-        return np.zeros(0)
-    ends = Interval(
-        np.concatenate((origins.lo, point.lo[:, None]), axis=1),
-        np.concatenate((origins.hi, point.hi[:, None]), axis=1),
-    )
-    whole = Interval(
-        np.concatenate((axes.lo, np.zeros((1, 1, 3))), axis=1),
-        np.concatenate((axes.hi, np.zeros((1, 1, 3))), axis=1),
-    )
-    return levers(ends, whole, len(links), (*links, links[-1]))[0, :-1]

@@ -9,7 +9,7 @@ import numpy as np
 
 from services.embodiment.body.kernels import copied, matmul, moved, rotation
 from services.embodiment.prove.inner import meets
-from services.kernel import kernel
+from services.kernel import kernel, subkernel
 
 FOUND, REACHED, GAVE_UP = 0, 1, 2
 """The tree is whole; some posture reaches; the nodes were spent."""
@@ -19,7 +19,7 @@ DEEPEST = 400  # halvings of one box
 FINEST = 1e-4  # [m] a box in which nothing moves by more is not halved: it lies at the edge of the reach
 
 
-@kernel
+@subkernel
 def forward(q, chain, origins, axes, frames, step, carried):
     """Origins, axes (n, 3) and frames (n, 3, 3) of the joints in the world at q are in the outputs."""
     rotations, translations, axis, turns = chain
@@ -42,7 +42,7 @@ def forward(q, chain, origins, axes, frames, step, carried):
             origins[k, i] += axes[k, i] * q[k]
 
 
-@kernel
+@subkernel
 def distance(point, box_r, box_p, half, level):
     """Of a point from the nearest box; of heights alone where level."""
     nearest = math.inf
@@ -63,7 +63,7 @@ def distance(point, box_r, box_p, half, level):
     return math.sqrt(nearest)
 
 
-@kernel
+@subkernel
 def gap(box, half, box_r, box_p, own, level):
     """Largest gap along an axis between a box (rotation, middle) and the nearest of the others."""
     turn, middle = box
@@ -91,7 +91,7 @@ def gap(box, half, box_r, box_p, own, level):
     return nearest
 
 
-@kernel
+@subkernel
 def lever(origins, axes, j, k, turns, upright, level):
     """How far origin k moves for a unit of joint j."""
     if level and j < upright:
@@ -103,14 +103,16 @@ def lever(origins, axes, j, k, turns, upright, level):
     return math.sqrt((y * c - z * b) ** 2 + (z * a - x * c) ** 2 + (x * b - y * a) ** 2)
 
 
-@kernel
-def look(middle, half, chain, reach, upright, tool, boxes, level, slack, room):
+@subkernel
+def look(middle, half, chain, aim, upright, level, slack, room):
     """(What is too far in the whole box, a joint or n for the fingers, or −1; joint to halve or −1).
 
-    Both are −1 where the middle may reach. `tool` is the grasp box in the last frame: rotation, middle,
-    half extents. Where the joints are in the middle is in `room`: arms, origins, axes, frames, two turns.
+    Both are −1 where the middle may reach. `aim` is how far the arm reaches from its joints, the grasp box in
+    the last frame (rotation, middle, half extents), and the handle's boxes. Where the joints are in the
+    middle is in `room`: arms, origins, axes, frames, two turns.
     """
     n = middle.shape[0]
+    reach, tool, boxes = aim
     arms, origins, axes, frames, turn, carried = room
     forward(middle, chain, origins, axes, frames, turn, carried)
     moved(frames[n - 1], origins[n - 1], tool[1], origins[n])
@@ -147,11 +149,14 @@ def look(middle, half, chain, reach, upright, tool, boxes, level, slack, room):
 
 
 @kernel
-def divide(low, high, chain, reach, upright, tool, boxes, level, slack, inner, tree):
+def divide(low, high, chain, upright, aims, both, level, slack, inner, tree):
     """(FOUND, REACHED or GAVE_UP; how much of `tree` was written).
 
-    `inner` is cores (link, rotation, middle, half extents), solids (the same but for a link, and radii),
-    and which of these are kept apart.
+    `aims` are two: the handle and, looked at where both count, the wrist's place. Each is how far the arm
+    reaches from its joints, what comes there in the last frame, and boxes where it has to come.
+
+    `inner` is cores (link, rotation, middle, half extents), solids (rotation, middle, half extents, radius,
+    and the link that carries it or −1), and which of these are kept apart.
     """
     n = low.shape[0]
     lows, highs = np.empty((DEEPEST, n)), np.empty((DEEPEST, n))
@@ -170,7 +175,11 @@ def divide(low, high, chain, reach, upright, tool, boxes, level, slack, inner, t
                 (lows[depth, j] + highs[depth, j]) / 2,
                 (highs[depth, j] - lows[depth, j]) / 2,
             )
-        far, split = look(middle, half, chain, reach, upright, tool, boxes, level, slack, work)
+        far, split = look(middle, half, chain, aims[0], upright, level, slack, work)
+        if both and far < 0:
+            short, other = look(middle, half, chain, aims[1], upright, level, slack, work)
+            far = n + 1 + inner[0][0].shape[0] + short if short >= 0 else -1
+            split = other if other >= 0 else split
         if far < 0 and inner[0][0].shape[0]:
             core, other = meets(half, chain[3], inner, origins, axes, frames, arms, split < 0)
             far, split = n + 1 + core if core >= 0 else -1, other if split < 0 else split
@@ -195,5 +204,7 @@ def warm() -> None:
     turn, zero, one = np.eye(3)[None], np.zeros((1, 3)), np.zeros(1)
     chain = turn, zero, zero, np.zeros(1, np.bool_)
     tool, boxes = (np.eye(3), np.zeros(3), np.zeros(3)), (turn, zero, zero)
-    inner = (np.zeros(1, np.int64), turn, zero, zero), (*boxes, one), np.ones((1, 1), np.bool_)
-    divide(one, one, chain, one, 0, tool, boxes, False, 0.0, inner, np.zeros(1, dtype=np.uint8))
+    world = np.full(1, -1, np.int64)
+    inner = (np.zeros(1, np.int64), turn, zero, zero), (*boxes, one, world), np.ones((1, 1), np.bool_)
+    aim = one, tool, boxes
+    divide(one, one, chain, 0, (aim, aim), False, False, 0.0, inner, np.zeros(1, dtype=np.uint8))

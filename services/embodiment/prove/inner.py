@@ -7,15 +7,15 @@ import math
 
 import numpy as np
 
-from services.embodiment.body.kernels import matmul, moved
-from services.kernel import kernel
+from services.embodiment.body.kernels import copied, matmul, moved
+from services.kernel import subkernel
 
 SLACK = 1e-5  # [m] by which a box must be refuted, so that interval arithmetic finds so too
 DEEP = 0.004  # [m] less deep in each other, a core and a solid are no reason to halve a box
 ROUNDS = 6  # of projections between a core and a solid
 
 
-@kernel
+@subkernel
 def into(r, p, point, out):
     """A point of the world is in `out`, in the frame (r, p)."""
     x, y, z = point[0] - p[0], point[1] - p[1], point[2] - p[2]
@@ -23,9 +23,13 @@ def into(r, p, point, out):
         out[i] = r[0, i] * x + r[1, i] * y + r[2, i] * z
 
 
-@kernel
-def deepest(turn, place, half, less, solid, s, point, local):
-    """How deep a point of solid s is in a box less `less`; the point is in `point`."""
+@subkernel
+def deepest(box, less, solid, point, local):
+    """How deep a point of a solid lies in a box less `less`; the point is in `point`.
+
+    Both are rotation, middle, half extents.
+    """
+    turn, place, half = box
     for i in range(3):
         point[i] = place[i]
     for _ in range(ROUNDS):
@@ -34,10 +38,10 @@ def deepest(turn, place, half, less, solid, s, point, local):
             most = max(half[i] - less, 0.0)
             local[i] = min(max(local[i], -most), most)
         moved(turn, place, local, point)
-        into(solid[0][s], solid[1][s], point, local)
+        into(solid[0], solid[1], point, local)
         for i in range(3):
-            local[i] = min(max(local[i], -solid[2][s, i]), solid[2][s, i])
-        moved(solid[0][s], solid[1][s], local, point)
+            local[i] = min(max(local[i], -solid[2][i]), solid[2][i])
+        moved(solid[0], solid[1], local, point)
     into(turn, place, point, local)
     depth = math.inf
     for i in range(3):
@@ -45,11 +49,11 @@ def deepest(turn, place, half, less, solid, s, point, local):
     return depth
 
 
-@kernel
-def sway(point, k, origins, axes, turns, half, arms):
-    """How far a point moves at most, as link k sees it; what each joint adds is in `arms`."""
+@subkernel
+def sway(point, first, k, origins, axes, turns, half, arms):
+    """How far joints from `first` on move a point at most, as link k sees it; what each adds is in `arms`."""
     total = 0.0
-    for j in range(k + 1):
+    for j in range(first, k + 1):
         arms[j] = half[j]
         if turns[j]:
             u, v, w = point[0] - origins[j, 0], point[1] - origins[j, 1], point[2] - origins[j, 2]
@@ -60,7 +64,37 @@ def sway(point, k, origins, axes, turns, half, arms):
     return total
 
 
-@kernel
+@subkernel
+def sways(k, half, arms, swayed, turned):
+    """What joints from j on sway and turn is in swayed[j], turned[j], given each one's share."""
+    swayed[k + 1], turned[k + 1] = 0.0, 0.0
+    for j in range(k, -1, -1):
+        swayed[j], turned[j] = swayed[j + 1] + arms[j], turned[j + 1] + half[j]
+
+
+@subkernel
+def stands(solids, s, frames, origins, turn, place):
+    """Where solid s is with the joints in the middle of a box is in turn, place."""
+    carrier = solids[4][s]
+    if carrier < 0:
+        copied(solids[0][s], turn)
+        for i in range(3):
+            place[i] = solids[1][s, i]
+        return
+    matmul(frames[carrier], solids[0][s], turn)
+    moved(frames[carrier], origins[carrier], solids[1][s], place)
+
+
+@subkernel
+def parted(one, other, radii):
+    """Whether balls of radii that add up to this are apart."""
+    away = 0.0
+    for i in range(3):
+        away += (one[i] - other[i]) ** 2
+    return away > radii**2
+
+
+@subkernel
 def meets(half, turns, inner, origins, axes, frames, arms, asked):
     """(Core that meets a solid in the whole box or −1; joint to halve where one does in the middle or −1).
 
@@ -69,35 +103,33 @@ def meets(half, turns, inner, origins, axes, frames, arms, asked):
     """
     (links, turned, placed, sizes), solids, keeps = inner
     turn, place, point, local = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty(3)
+    other, there = np.empty((3, 3)), np.empty(3)
+    swayed, widths = np.empty(half.shape[0] + 1), np.empty(half.shape[0] + 1)
     split, most = -1, DEEP
     for c in range(links.shape[0]):
         k = links[c]
         moved(frames[k], origins[k], placed[c], place)
+        matmul(frames[k], turned[c], turn)
         least = min(sizes[c, 0], sizes[c, 1], sizes[c, 2])
         radius = math.sqrt(sizes[c, 0] ** 2 + sizes[c, 1] ** 2 + sizes[c, 2] ** 2)
-        swayed, width = sway(place, k, origins, axes, turns, half, arms), 0.0
-        for j in range(k + 1):
-            width += half[j]
-        if not asked and swayed - radius * width > least:
-            continue
-        matmul(frames[k], turned[c], turn)
-        less = min(swayed, least - DEEP)
+        sway(place, 0, k, origins, axes, turns, half, arms)
+        sways(k, half, arms, swayed, widths)
         for s in range(solids[1].shape[0]):
-            if not keeps[c, s]:
+            first = solids[4][s] + 1
+            if not keeps[c, s] or (not asked and swayed[first] - radius * widths[first] > least):
                 continue
-            away = 0.0
-            for i in range(3):
-                away += (solids[1][s, i] - place[i]) ** 2
-            if away > (radius + solids[3][s]) ** 2:
+            stands(solids, s, frames, origins, other, there)
+            if parted(place, there, radius + solids[3][s]):
                 continue
-            depth = deepest(turn, place, sizes[c], less, solids, s, point, local)
+            less = min(swayed[first], least - DEEP)
+            depth = deepest((turn, place, sizes[c]), less, (other, there, solids[2][s]), point, local)
             if depth <= SLACK:
                 continue
-            if depth > sway(point, k, origins, axes, turns, half, arms) + SLACK:
+            if depth > sway(point, first, k, origins, axes, turns, half, arms) + SLACK:
                 return c, -1
             if depth > most:
-                most, split = depth, 0
-                for j in range(k + 1):
+                most, split = depth, first
+                for j in range(first, k + 1):
                     if arms[j] > arms[split]:
                         split = j
     return -1, split

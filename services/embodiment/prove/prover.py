@@ -17,18 +17,19 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.check import refuted
 from services.embodiment.proof_check.content import Proof, Refutation, Timing, claim_about, to_bytes
-from services.embodiment.proof_check.cores import Solids
 from services.embodiment.proof_check.haste import too_fast
-from services.embodiment.proof_check.interval import Interval
-from services.embodiment.proof_check.statement import Statement, Target
+from services.embodiment.proof_check.statement import Statement
+from services.embodiment.prove.arrays import aim, inner, joints
 from services.embodiment.prove.boxes import FOUND, LEAF, divide
 from services.embodiment.prove.inner import SLACK
+from services.embodiment.prove.places import by_places
 from services.embodiment.prove.windows import window
 
 Array = NDArray[np.float64]
 
 VALUES = 9  # of the container at which a proof is looked for
 FEW = 3  # the same, where many base poses are asked about
+SPARSE = 2  # every so many of them, where one hold at several is refuted
 HINGE, SLIDE = "rad", "m"
 
 
@@ -80,10 +81,15 @@ class Prover:
         other.start, other.statement, other._arms = start, self.statement.standing(start, room), {}
         return other
 
-    def prove(self, nodes: int) -> Proved | None:
-        """A verified proof, if one is found with at most so many boxes for each gripper and value."""
+    def prove(self, nodes: int, one_hold: bool = False) -> Proved | None:
+        """A verified proof, if one is found with at most so many boxes for each gripper and value.
+
+        Args:
+            nodes: Boxes.
+            one_hold: Whether one hold at all values is refuted where no single value refutes all holds.
+        """
         assert self.statement.room == (0.0, 0.0, 0.0), "a claim is about one base pose"
-        found = self._verified(nodes)
+        found = self._verified(nodes, one_hold)
         if found is None or self.span is None:
             return None
         refutations, leaves = found
@@ -120,13 +126,15 @@ class Prover:
         """Whether no base pose in the room will do, proved with so many boxes for each gripper and value."""
         return self._verified(nodes) is not None
 
-    def _verified(self, nodes: int) -> tuple[list[Refutation], int] | None:
+    def _verified(self, nodes: int, one_hold: bool = False) -> tuple[list[Refutation], int] | None:
         """One refutation for each gripper, verified, and how many boxes were refuted in all."""
         if self.span is None:
             return None
         refutations: list[Refutation] = []
         for gripper in self.statement.grippers:
             found = next(self._refutations(gripper, nodes), None)
+            if found is None and one_hold and (arm := self._arms[gripper.name]) is not None:
+                found = by_places(self.statement, arm, sorted(self._values())[::SPARSE])
             if found is None:
                 return None
             refutations.append(found)
@@ -148,18 +156,10 @@ class Prover:
             target = self.statement.target(value)
             if not len(target.boxes):
                 return
+            wanted, level = aim(arm, target), self.statement.level
+            solids = inner(arm, self.statement.around(arm, value))
             outcome, count = divide(
-                low,
-                high,
-                _floats(arm),
-                arm.reach,
-                arm.upright,
-                _grasp(arm),
-                _places(target),
-                self.statement.level,
-                SLACK,
-                _inner(arm, *self.statement.around(arm, value)),
-                tree,
+                low, high, joints(arm), arm.upright, (wanted, wanted), False, level, SLACK, solids, tree
             )
             if outcome == FOUND:
                 yield Refutation(gripper.name, value, names, box, tree[:count].tobytes())
@@ -181,7 +181,7 @@ class Prover:
                 for box in self.statement.target(value).boxes
             ]
         )
-        robot, handle = local_name(self.robot), local_name(self.container.handle)
+        handle = local_name(self.container.handle)
         where = (
             f"at a height of {height.mean():.3f} m, whatever base pose it takes"
             if self.statement.level
@@ -189,9 +189,14 @@ class Prover:
         )
         within = self.statement.within
         come = "come to" if within is None else f"have the middle between its fingers within {within:g} m of"
+        values = sorted({value for one in refutations for value in one.values})
+        if any(one.places is not None for one in refutations):
+            amid = "one hold" if within is None else f"the middle between its fingers within {within:g} m"
+            come, value = f"keep {amid} of", values[-1]
+        there = " and ".join(f"{each:.3g}" for each in values)
         reason = (
-            f"no gripper of {robot} can {come} {handle} with {self.container.name} at "
-            f"{value:.3g} {unit}, {where}: all joint positions are refuted, in {leaves} box(es)"
+            f"no gripper of {local_name(self.robot)} can {come} {handle} with {self.container.name} at "
+            f"{there} {unit}, {where}: all joint positions are refuted, in {leaves} box(es)"
         )
         if inside := self._inside(refutations):
             reason += f"; in some of them {inside} would be inside the furniture or the robot"
@@ -201,13 +206,14 @@ class Prover:
         return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=within is None)
 
     def _inside(self, refutations: list[Refutation]) -> str:
-        """Names of the bodies whose cores refute something."""
+        """Names of the bodies whose cores refute something at a single value."""
         bodies: set[str] = set()
         for one in refutations:
             arm = self._arms[one.gripper]
             assert arm is not None, "what has no arm is not refuted"
             first = LEAF + len(one.joints) + 1
-            bodies.update(arm.cores[code - first].body for code in set(one.tree) if code >= first)
+            codes = set(one.tree) if one.places is None else set[int]()
+            bodies.update(arm.cores[code - first].body for code in codes if code >= first)
         return ", ".join(sorted(bodies))
 
 
@@ -221,57 +227,3 @@ def needed(container: Container, at: float, values: Array) -> tuple[float, float
     if last > at:
         return (at, min(last, container.open_from)) if container.open_from > at else None
     return (max(last, container.closed_to), at) if container.closed_to < at else None
-
-
-def _middle(one: Interval) -> Array:
-    return (one.lo + one.hi) / 2
-
-
-def _floats(arm: Arm) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
-    """The chain as `boxes` takes it."""
-    links = arm.chain.links
-    return (
-        np.array([_middle(one.before.rotation) for one in links]),
-        np.array([_middle(one.before.translation) for one in links]),
-        np.array([one.axis for one in links]),
-        np.array([one.turns for one in links]),
-    )
-
-
-def _inner(arm: Arm, solids: Solids, keeps: NDArray[np.bool_]) -> tuple[object, ...]:
-    """Cores, solids near enough, and which of them are kept apart, as `boxes` takes them."""
-    cores = arm.cores
-    links = arm.chain.links
-    places, half = _middle(solids.at.translation), solids.half
-    near = np.zeros(len(half), dtype=np.bool_)
-    if cores:
-        start = np.array([(link.lower + link.upper) / 2 for link in links[:2]])
-        room = sum(link.upper - link.lower for link in links[:2])
-        size = max(float(np.linalg.norm(core.half)) for core in cores)
-        away = np.linalg.norm(places[:, :2] - start, axis=1) - np.linalg.norm(half, axis=1)
-        near = away < arm.reach[2] + room + size
-    return (
-        (
-            np.array([core.link for core in cores], dtype=np.int64),
-            np.array([_middle(core.middle.rotation) for core in cores]).reshape(-1, 3, 3),
-            np.array([_middle(core.middle.translation) for core in cores]).reshape(-1, 3),
-            np.array([core.half for core in cores]).reshape(-1, 3),
-        ),
-        (_middle(solids.at.rotation)[near], places[near], half[near], np.linalg.norm(half[near], axis=1)),
-        np.ascontiguousarray(keeps[:, near]),
-    )
-
-
-def _grasp(arm: Arm) -> tuple[Array, Array, Array]:
-    """The grasp box in the last joint's frame, as `boxes` takes it: rotation, middle, half extents."""
-    turn, place = _middle(arm.chain.end.rotation), _middle(arm.chain.end.translation)
-    return turn, turn @ arm.middle + place, arm.half
-
-
-def _places(target: Target) -> tuple[Array, Array, Array]:
-    """The handle's boxes as `boxes` takes them."""
-    return (
-        np.array([_middle(box.rotation) for box in target.boxes]),
-        np.array([_middle(box.translation) for box in target.boxes]),
-        target.half,
-    )

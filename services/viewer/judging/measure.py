@@ -65,7 +65,8 @@ def region(twin: Twin, artefact: Artefact | None) -> Mark | None:
     claim = proof.claim
     if not proof.refutations:
         return None
-    value = proof.refutations[0].value
+    lasting = [one for one in proof.refutations if one.places is not None]
+    value = [*lasting, *proof.refutations][0].value
     container = twin.container(claim.container)
     about = twin, claim.models[1][0], container, claim.drive, claim.start, Tolerances()
     statement = Statement(*about, within=claim.within)
@@ -78,4 +79,6 @@ def region(twin: Twin, artefact: Artefact | None) -> Mark | None:
         boxes.append(Box(_point(middle), (a, b, c, w), _point(2 * half)))
     what = "finger" if claim.within is None else "middle between the fingers"
     text = f"proved: no {what} of any gripper gets here with {container.name} at {value:.3g}"
+    if lasting:
+        text = f"proved: no gripper keeps one hold all along; {container.name} is at {value:.3g} here"
     return Mark(What.REGION, text, reason=0, bodies=(container.handle,), boxes=tuple(boxes))

@@ -9,10 +9,10 @@ from sdt_kg.iri import joint_iri
 from sdt_kg.load import load_twin
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.check import _all_far
 from services.embodiment.proof_check.interval import exact
 from services.embodiment.proof_check.mechanics import Placement
 from services.embodiment.proof_check.statement import Statement, Target
+from services.embodiment.proof_check.tree import all_far
 from services.physics.model import Scene
 
 pytestmark = pytest.mark.oracle
@@ -65,4 +65,4 @@ def test_a_posture_that_holds_a_handle_is_in_no_refuted_box(robot: str, drive: D
             ends = truth - width * rng.random(len(low)), truth + width * rng.random(len(low))
             for leaf in range(len(low) + 1):
                 with pytest.raises(InputError, match=r"come as near|come to the handle"):
-                    _all_far(arm, target, [(*ends, leaf)], statement.level)
+                    all_far(arm, target, [(*ends, leaf)], statement.level)

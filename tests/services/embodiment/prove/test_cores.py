@@ -40,8 +40,8 @@ def statement(twin: Twin) -> Statement:
 
 def deepest(about: Statement, arm: Arm, value: float, middle: np.ndarray, half: np.ndarray) -> np.ndarray:
     """Depth of the deepest point of anything solid in any core, shape (L,)."""
-    solids, keeps = about.around(arm, value)
-    each = [pierced(core, arm.chain, solids, keeps[c], (middle, half)) for c, core in enumerate(arm.cores)]
+    around = about.around(arm, value)
+    each = [pierced(arm.cores, c, arm.chain, around, (middle, half)) for c in range(len(arm.cores))]
     return np.max(each, axis=0)
 
 
@@ -134,6 +134,4 @@ def test_a_robot_without_cores_is_refuted_by_reach_alone(tmp_path: Path) -> None
     arm = about.arm(about.grippers[0])
     assert arm is not None
     assert arm.cores == ()
-    solids, keeps = about.around(arm, 0.0)
-    assert solids.bodies == ()
-    assert keeps.shape == (0, 0)
+    assert about.around(arm, 0.0) == ()

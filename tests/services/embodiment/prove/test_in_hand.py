@@ -25,11 +25,11 @@ from services.embodiment.hold.handle import Mechanics, find_bar
 from services.embodiment.hold.holding import Problem
 from services.embodiment.hold.kit import Kits
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.check import _all_far
 from services.embodiment.proof_check.content import IN_HAND
 from services.embodiment.proof_check.interval import exact
 from services.embodiment.proof_check.mechanics import Placement
 from services.embodiment.proof_check.statement import Statement, Target
+from services.embodiment.proof_check.tree import all_far
 from services.embodiment.prove import Proved, Prover, in_hand
 from services.physics.model import Scene
 from services.viewer.judging.measure import region
@@ -136,7 +136,7 @@ def test_a_posture_with_the_handle_in_hand_is_in_no_refuted_box(robot: str, driv
             ends = truth - width * rng.random(len(low)), truth + width * rng.random(len(low))
             for leaf in range(len(low) + 1):
                 with pytest.raises(InputError, match=r"come as near|come to the handle"):
-                    _all_far(arm, target, [(*ends, leaf)], statement.level)
+                    all_far(arm, target, [(*ends, leaf)], statement.level)
 
 
 def wider(whole: dict[str, Any]) -> None:

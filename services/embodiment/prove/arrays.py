@@ -1,0 +1,85 @@
+"""What is to be refuted as plain arrays, the middles of intervals, for compiled loops."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from services.embodiment.proof_check.arm import Arm
+from services.embodiment.proof_check.cores import Around
+from services.embodiment.proof_check.interval import Interval
+from services.embodiment.proof_check.statement import Target
+
+Array = NDArray[np.float64]
+Three = tuple[Array, Array, Array]
+Aim = tuple[Array, Three, Three]
+
+
+def middle(one: Interval) -> Array:
+    return (one.lo + one.hi) / 2
+
+
+def joints(arm: Arm) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+    """The chain as `boxes` takes it."""
+    links = arm.chain.links
+    return (
+        np.array([middle(one.before.rotation) for one in links]),
+        np.array([middle(one.before.translation) for one in links]),
+        np.array([one.axis for one in links]),
+        np.array([one.turns for one in links]),
+    )
+
+
+def inner(arm: Arm, around: tuple[Around, ...]) -> tuple[object, ...]:
+    """Cores, solids near enough, and which of them are kept apart, as `boxes` takes them."""
+    cores = arm.cores
+    carrier = np.concatenate([np.full(len(one.solids.half), one.carrier) for one in around] or [np.zeros(0)])
+    turns = np.concatenate([middle(one.solids.at.rotation) for one in around] or [np.zeros((0, 3, 3))])
+    places = np.concatenate([middle(one.solids.at.translation) for one in around] or [np.zeros((0, 3))])
+    half = np.concatenate([one.solids.half for one in around] or [np.zeros((0, 3))])
+    keeps = np.concatenate([one.keeps for one in around] or [np.zeros((0, 0), np.bool_)], axis=1)
+    near = (carrier >= 0) | _near(arm, places, half)
+    return (
+        (
+            np.array([core.link for core in cores], dtype=np.int64),
+            np.array([middle(core.middle.rotation) for core in cores]).reshape(-1, 3, 3),
+            np.array([middle(core.middle.translation) for core in cores]).reshape(-1, 3),
+            np.array([core.half for core in cores]).reshape(-1, 3),
+        ),
+        (
+            turns[near],
+            places[near],
+            half[near],
+            np.linalg.norm(half[near], axis=1),
+            carrier[near].astype(np.int64),
+        ),
+        np.ascontiguousarray(keeps[:, near]),
+    )
+
+
+def _near(arm: Arm, places: Array, half: Array) -> NDArray[np.bool_]:
+    """Which boxes of the kitchen a core can come to, shape (S,)."""
+    links, cores = arm.chain.links, arm.cores
+    start = np.array([(link.lower + link.upper) / 2 for link in links[:2]])
+    room = sum(link.upper - link.lower for link in links[:2])
+    size = max((float(np.linalg.norm(core.half)) for core in cores), default=0.0)
+    away = np.linalg.norm(places[:, :2] - start, axis=1) - np.linalg.norm(half, axis=1)
+    return away < arm.reach[2] + room + size
+
+
+def _grasp(arm: Arm) -> tuple[Array, Array, Array]:
+    """The grasp box in the last joint's frame, as `boxes` takes it: rotation, middle, half extents."""
+    turn, place = middle(arm.chain.end.rotation), middle(arm.chain.end.translation)
+    return turn, turn @ arm.middle + place, arm.half
+
+
+def _boxes(target: Target) -> tuple[Array, Array, Array]:
+    """The handle's boxes as `boxes` takes them."""
+    return (
+        np.array([middle(box.rotation) for box in target.boxes]),
+        np.array([middle(box.translation) for box in target.boxes]),
+        target.half,
+    )
+
+
+def aim(arm: Arm, target: Target) -> Aim:
+    """How far the arm reaches, its grasp box and the handle's boxes, as `boxes` takes them."""
+    return arm.reach, _grasp(arm), _boxes(target)

@@ -1,0 +1,120 @@
+"""Where one hold cannot be had at all values of the container: cells of the wrist's place, one by one."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from services.embodiment.proof_check.arm import Arm
+from services.embodiment.proof_check.content import LEAF, NO_HOLD, Places, Refutation
+from services.embodiment.proof_check.places import at_value, region, too_far, wrist_of
+from services.embodiment.proof_check.statement import Statement
+from services.embodiment.prove.arrays import Aim, aim, inner, joints
+from services.embodiment.prove.boxes import FOUND, divide
+from services.embodiment.prove.inner import SLACK
+
+Array = NDArray[np.float64]
+
+COARSE = 0.1  # [m] half width of a cell from which on it is worth a look
+FINE = 0.006  # [m] half width of a cell that is not halved any more
+NODES = 3_000  # of the tree of one cell at one value
+MOST = 800_000  # nodes that are spent for one gripper
+NEAR = 1e-4  # [m] more than what is off between a cell's shift and that of the whole region
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Value:
+    """One value of the container: the handle, where its frame is, by how much cells grow, what is solid."""
+
+    handle: Aim
+    rotation: Array
+    translation: Array
+    grown: float
+    solids: tuple[object, ...]
+
+
+class _Search:
+    """Looks for a tree of joint positions for one cell after the other."""
+
+    def __init__(self, statement: Statement, arm: Arm, values: list[float]) -> None:
+        self.box = np.array([[link.lower, link.upper] for link in arm.chain.links]).T
+        self.whole = region(statement, arm)
+        self.spent = 0
+        self._arm, self._chain, self._wrist = arm, joints(arm), wrist_of(arm)
+        self._known = [_value(statement, arm, value, self.whole) for value in values]
+        self._order = list(range(len(values)))
+        self._tree = np.zeros(NODES, dtype=np.uint8)
+
+    def refute(self, middle: Array, half: Array) -> tuple[int, bytes] | None:
+        """Number of a value that refutes a cell, and the tree; mostly it refutes the next cell too."""
+        for k in self._order:
+            at = self._known[k]
+            aims = at.handle, _cell(at, self._wrist, middle, half)
+            about = self._chain, self._arm.upright, aims, True, False, SLACK, at.solids
+            outcome, count = divide(*self.box, *about, self._tree)
+            self.spent += count
+            if outcome == FOUND:
+                self._order.remove(k)
+                self._order.insert(0, k)
+                return k, self._tree[:count].tobytes()
+        return None
+
+
+def by_places(statement: Statement, arm: Arm, values: list[float]) -> Refutation | None:
+    """A refutation of one gripper, if each cell of places of its wrist is refuted at some value."""
+    if statement.level or not len(statement.target(values[0]).boxes):
+        return None
+    search = _Search(statement, arm, values)
+    parts, stack = list[tuple[int, bytes]](), [search.whole]
+    while stack:
+        low, high = stack.pop()
+        if too_far(statement, arm, low, high):
+            parts.append((-1, bytes([NO_HOLD])))
+            continue
+        middle, half = (low + high) / 2, (high - low) / 2
+        found = search.refute(middle, half) if half.max() < COARSE else None
+        if found is not None:
+            parts.append(found)
+            continue
+        if half.max() < FINE or search.spent > MOST:
+            return None
+        axis = int(np.argmax(half))
+        parts.append((-1, bytes([axis])))
+        upper_low, lower_high = low.copy(), high.copy()
+        upper_low[axis], lower_high[axis] = middle[axis], middle[axis]
+        stack += [(upper_low, high), (low, lower_high)]
+    return _refutation(arm, search, values, parts)
+
+
+def _refutation(
+    arm: Arm, search: _Search, values: list[float], parts: list[tuple[int, bytes]]
+) -> Refutation | None:
+    """The whole tree, with the values that are needed; None if no cell needs one: then there is no handle."""
+    used = [k for k, _ in parts if k >= 0]
+    if not used:
+        return None
+    taken = sorted(set(used))
+    nodes = b"".join(tail if k < 0 else bytes([LEAF + taken.index(k)]) + tail for k, tail in parts)
+    names = tuple(link.name for link in arm.chain.links)
+    box, whole = (
+        tuple(zip(low.tolist(), high.tolist(), strict=True)) for low, high in (search.box, search.whole)
+    )
+    most = max(taken, key=used.count)
+    places = Places(tuple(values[k] for k in taken), whole)
+    return Refutation(arm.gripper, values[most], names, box, nodes, places)
+
+
+def _value(statement: Statement, arm: Arm, value: float, whole: tuple[Array, Array]) -> _Value:
+    """What is known of a value, once for all cells."""
+    goal, none = at_value(statement, arm, value), np.zeros(3)
+    at, widest = statement.cell(arm, value, none, none), statement.cell(arm, value, *whole)
+    (_, _, (rotations, translations, half)) = aim(arm, at)
+    grown = float(half[0, 0] - at.shift[0] + widest.shift[0]) + NEAR
+    return _Value(aim(arm, goal.target), rotations[0], translations[0], grown, inner(arm, goal.around))
+
+
+def _cell(at: _Value, wrist: Arm, middle: Array, half: Array) -> Aim:
+    """Where the wrist is at a value, if at the grasp it was in the cell."""
+    place = at.rotation @ middle + at.translation
+    tool = np.eye(3), np.zeros(3), wrist.half
+    return wrist.reach, tool, (at.rotation[None], place[None], (half + at.grown)[None])
