@@ -78,7 +78,7 @@ def _rounds(family: Family) -> int:
 
 
 def _lines(found: Sequence[Sought], halved: float) -> list[Line]:
-    """What is next in each family: those with a turn first, then the shortest lines."""
+    """What is next: first where a size has turned, then beside it, then in other families."""
     lines = [
         Line(number, each.family, direction, shares)
         for number, each in enumerate(found)
@@ -86,7 +86,14 @@ def _lines(found: Sequence[Sought], halved: float) -> list[Line]:
         for direction, length in enumerate(each.family.lengths)
         if (shares := _shares(each, direction, length / each.family.longest, halved))
     ]
-    return sorted(lines, key=lambda line: (found[line.number].turn is None, len(line.shares)))
+    return sorted(lines, key=lambda line: (_hope(found[line.number], line), len(line.shares)))
+
+
+def _hope(one: Sought, line: Line) -> int:
+    """The less, the likelier a size of the line turns the outcome."""
+    if one.turn is None:
+        return 2
+    return int(one.turn.direction != line.direction)
 
 
 def _shares(one: Sought, direction: int, end: float, halved: float) -> tuple[float, ...]:
