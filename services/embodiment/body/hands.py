@@ -193,6 +193,29 @@ def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, ro
     return True
 
 
+@kernel
+def engaged(tool, shares, sides, hand, closing, handle, shapes, reach, most, room):
+    """Whether all sides of a closed hand still come within `most` of a handle that is moved by `reach`.
+
+    It is moved each way along x and along z of the tool. The rest is as in `closed`, which left the hand so.
+    """
+    seen, back, nowhere = (np.empty_like(handle[1]), np.empty_like(handle[2])), tool[0].T.copy(), np.zeros(3)
+    near, away = np.zeros(2, np.int64), np.empty(3)
+    for axis in (0, 2):
+        for way in (-reach, reach):
+            for m in range(handle[0].shape[0]):
+                matmul(back, handle[1][m], seen[0][m])
+                for i in range(3):
+                    away[i] = handle[2][m, i] - tool[1][i] + way * tool[0][i, axis]
+                moved(back, nowhere, away, seen[1][m])
+            for k in range(shares.shape[0]):
+                near[:] = 0
+                _gaps(shares, sides[k], hand, closing, (handle[0], seen[0], seen[1]), shapes, room, near)
+                if max(room[1][0], room[1][1]) > most:
+                    return False
+    return True
+
+
 @subkernel
 def _put(tool, shares, hand, closing, seen, at):
     """Poses of a hand's shapes in the world, its finger joints closed by these shares, are in `at`."""

@@ -117,7 +117,7 @@ class Breeder:
             self._flips = np.concatenate((self._flips, flips[fit]))
 
     def _fit(self, genes: Array, flips: NDArray[np.int64]) -> list[tuple[Fitted, float] | None]:
-        """The grasps (N, 5) that the hand alone can take, the fingers no narrower than needed."""
+        """The grasps (N, 5) that the hand alone can take, fingers over the bar, no narrower than needed."""
         turned = zip(genes, flips.tolist(), strict=True)
         grasps = [free_grasp(self.fitter.bar, one, flip, next(self._numbers)) for one, flip in turned]
         found: dict[int, tuple[Fitted, float]] = {}
@@ -125,7 +125,7 @@ class Breeder:
             left = (one for one in grasps if one.index not in found)
             for grasp in self.fitter.screened(left, share, self._late):
                 fitted = self.fitter.fitted((grasp, share))
-                if fitted is not None:
+                if fitted is not None and self.fitter.engaged(fitted):
                     found[grasp.index] = fitted, share
         return [found.get(one.index) for one in grasps]
 

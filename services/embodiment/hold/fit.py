@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from services.embodiment.body import hands
 from services.embodiment.body.world import Rules, World
+from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.grasp import TOUCH, Grasp, Hand, grasp_set, steepness, wide_set
 from services.embodiment.hold.handle import Bar
 from services.embodiment.hold.holding import Problem
@@ -25,6 +26,8 @@ BLOCK = 45  # grasps that are looked at together
 ENOUGH = 6  # grasps with which no narrower opening is tried
 CHECKED = 7  # values of the container at which the hand alone is checked
 BESIDE = 0.05  # [m] that a grasp's tool may lie beside the bar
+REACH = Tolerances().engaged  # [m] by which fingers reach over a handle
+NEAR = TOUCH + REACH * float(np.tan(Tolerances().facing))  # [m] from the handle that they are then at most
 ROUNDS = 12  # of regula falsi; three or four are usual
 
 
@@ -170,6 +173,15 @@ class Fitter:
                 self._closed[grasp.index] = self._close(grasp)
             self._known[key] = self._swung(grasp, share)
         return self._known[key]
+
+    def engaged(self, fitted: Fitted) -> bool:
+        """Whether fingers that have closed reach over the handle all around, as certification demands."""
+        grasp, hand = fitted[0], self.hand
+        closed = self._closed[grasp.index]
+        assert closed is not None, "its fingers were closed"
+        tool = self.problem.handle_r[0] @ grasp.rotation, closed[0]
+        about = hand.sides, hand.parts, hand.closing, self.room.handle, self._rest[2]
+        return hands.engaged(tool, closed[1], *about, REACH, NEAR, self._work)
 
     def known(self, opened: Opened) -> Fitted | None:
         """The same, if it is known."""

@@ -1,5 +1,6 @@
 """Grasps that a hand alone can take: its fingers touch the handle, whatever was closed before."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ pytestmark = pytest.mark.oracle
 
 FRONT, WAYPOINTS = 14, 7
 ROBOTS = ("pr2", "tiago_dual", "stretch")
+FAR_NUMBER = 90_000  # of grasps that no set has
 
 
 def gap(seen: Front, grasp: Grasp, rest: np.ndarray) -> float:
@@ -51,3 +53,19 @@ def test_a_grasp_closes_alike_whatever_was_closed_before(tmp_path: Path, robot: 
     for index, (grasp, rest) in after_others.items():
         np.testing.assert_allclose(steep[index][0].translation, grasp.translation, atol=2 * TOUCH)
         np.testing.assert_allclose(steep[index][1], rest, atol=0.02)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_fingers_at_the_end_of_a_bar_touch_it_and_do_not_reach_over_it(tmp_path: Path, robot: str) -> None:
+    seen = front(tmp_path, FRONT, robot, WAYPOINTS)
+    fitter, bar = seen.fitter, seen.fitter.bar
+    middle = min((grasp for grasp, _ in fitter.fitting()), key=lambda one: one.index)
+    over = []
+    for number, place in enumerate(np.arange(0.0, bar.length, 0.0005).tolist(), FAR_NUMBER):
+        moved = replace(middle, translation=middle.translation + place * bar.along, index=number)
+        fitted = fitter.fitted((moved, 0.0))
+        if fitted is not None:
+            over.append(fitter.engaged(fitted))
+    assert over[0]
+    assert not over[-1]
+    assert sorted(over, reverse=True) == over
