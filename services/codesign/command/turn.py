@@ -62,6 +62,7 @@ def _looked_json(one: Sought) -> Json:
     return {
         "up_to": _metres(one.reach * one.family.longest),
         "apart_at_most": _metres(one.gap),
+        "apart_in_its_direction": _metres(one.own_gap),
         "tolerance": one.family.finest,
         "complete": one.is_complete,
         "smaller_tried": len(one.smaller),
@@ -121,7 +122,10 @@ def _looked_at(one: Sought) -> str:
     if one.turn is not None and not count:
         return f"nothing smaller was tried, nothing is said below {one.gap:.2g} m"
     finest, smaller = one.family.finest, "" if one.turn is None else "smaller "
-    apart = f"{count} {smaller}sizes tried, at most {one.gap:.2g} m apart, turn nothing"
+    wide = f"at most {one.own_gap:.2g} m apart" + (
+        f" in its direction and {one.gap:.2g} m in others" if one.own_gap < one.gap else ""
+    )
+    apart = f"{count} {smaller}sizes tried, {wide}, turn nothing"
     apart += f" ({proved} by proof)" if proved else ""
     return apart if one.is_complete else f"{apart}; the time ended before {finest} m"
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 
 from predicates.counterfactual import Tried, between
 from sdt_kg.errors import InputError
@@ -43,8 +44,9 @@ Walk = Callable[[Deadline, Line], Walked]
 def finer(sought: Sequence[Sought], walk: Walk, deadline: Deadline, jobs: int) -> tuple[list[Sought], float]:
     """The families with smaller sizes tried too, and the most time that a process spent on them [s].
 
-    In each round the steps are half of those before, in every family as far as its finest; families of which
-    one has turned come first, and where one turns there is nothing to look for beyond.
+    In each round the steps are half of those before, in every family as far as its finest. First all rounds
+    in the directions in which a size has turned, then everywhere; where one turns there is nothing to look
+    for beyond.
 
     Args:
         sought: What the first look gave.
@@ -52,11 +54,12 @@ def finer(sought: Sequence[Sought], walk: Walk, deadline: Deadline, jobs: int) -
         deadline: Of all rounds together.
         jobs: Processes.
     """
-    found, spent, step = list(sought), 0.0, 1.0
-    for number in range(max((_rounds(each.family) for each in found), default=0)):
-        step /= 2
-        lines = _lines(found, step)
-        own = replace(deadline, left=deadline.left - spent, search=f"{deadline.search}, finer {number}")
+    found, spent = list(sought), 0.0
+    rounds = range(1, 1 + max((_rounds(each.family) for each in found), default=0))
+    for everywhere, number in product((False, True), rounds):
+        lines = _lines(found, 0.5**number, everywhere=everywhere)
+        name = f"{deadline.search}, finer {number}" + " everywhere" * everywhere
+        own = replace(deadline, left=deadline.left - spent, search=name)
         longest = 0.0
         for line, done in each_done(lines, jobs, partial(walk, own)):
             one = found[line.number]
@@ -77,23 +80,21 @@ def _rounds(family: Family) -> int:
     return rounds
 
 
-def _lines(found: Sequence[Sought], halved: float) -> list[Line]:
-    """What is next: first where a size has turned, then beside it, then in other families."""
+def _lines(found: Sequence[Sought], halved: float, *, everywhere: bool) -> list[Line]:
+    """What is next: where a size has turned, and everywhere then beside it, then in other families."""
     lines = [
         Line(number, each.family, direction, shares)
         for number, each in enumerate(found)
         if each.family.scan and not each.impossible and not each.is_complete
         for direction, length in enumerate(each.family.lengths)
+        if everywhere or _is_turned(each, direction)
         if (shares := _shares(each, direction, length / each.family.longest, halved))
     ]
-    return sorted(lines, key=lambda line: (_hope(found[line.number], line), len(line.shares)))
+    return sorted(lines, key=lambda line: (found[line.number].turn is None, len(line.shares)))
 
 
-def _hope(one: Sought, line: Line) -> int:
-    """The less, the likelier a size of the line turns the outcome."""
-    if one.turn is None:
-        return 2
-    return int(one.turn.direction != line.direction)
+def _is_turned(one: Sought, direction: int) -> bool:
+    return one.turn is not None and one.turn.direction == direction
 
 
 def _shares(one: Sought, direction: int, end: float, halved: float) -> tuple[float, ...]:

@@ -1,6 +1,5 @@
 """What is asked of a smallest change, and what each family of edits gave."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -106,12 +105,17 @@ class Sought:
     @property
     def gap(self) -> float:
         """[m] How far neighbours among the gradual edits that count are apart at most, in any direction."""
-        return self.family.longest * max(self._gaps(), default=0.0)
+        return max((self._gap(direction) for direction, _ in enumerate(self.family.lengths)), default=0.0)
 
-    def _gaps(self) -> Iterator[float]:
-        for direction, length in enumerate(self.family.lengths):
-            shares = [each.share for each in self.trials if each.direction == direction]
-            yield widest_gap(shares, min(self.reach, length / self.family.longest))
+    @property
+    def own_gap(self) -> float:
+        """[m] The same in the direction of the smallest that turns, if one does."""
+        return self.gap if self.turn is None else self._gap(self.turn.direction)
+
+    def _gap(self, direction: int) -> float:
+        longest = self.family.longest
+        shares = [each.share for each in self.trials if each.direction == direction]
+        return longest * widest_gap(shares, min(self.reach, self.family.lengths[direction] / longest))
 
     @property
     def is_complete(self) -> bool:

@@ -222,3 +222,21 @@ def _certified(world: World, container: str):
     verdict = one_of(law(case, Kinematics(), Lift()))
     assert verdict.outcome is Outcome.CERTIFIED
     return verdict
+
+
+def test_where_a_size_has_turned_smaller_ones_are_tried_first() -> None:
+    both = Family("which height", ("furniture:x=0,0,1", "furniture:x=0,0,-1"), 2, 0.1, lengths=(1.0, 1.0))
+    ends = tuple(trial("", REFUSED, REFUSED, 1, share) for share in (0.5, 1.0))
+    order: list[int] = []
+
+    def walk(deadline: Deadline, line: Line) -> Walked:
+        order.append(line.direction)
+        return walk_of(lambda share: False)(deadline, line)
+
+    (after,), _ = finer([Sought(both, (*sizes(0.5, turn=1.0), *ends))], walk, LONG, 1)
+    assert order == sorted(order)
+    assert set(order) == {0, 1}
+    assert after.is_complete
+    (early,), _ = finer([Sought(both, (*sizes(0.5, turn=1.0), *ends))], walk, Deadline(0.07, 0.0, "a"), 1)
+    assert early.own_gap < early.gap
+    assert "apart in its direction and 0.5 m in others" in sure(early)
