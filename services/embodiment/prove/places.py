@@ -17,7 +17,8 @@ Array = NDArray[np.float64]
 
 COARSE = 0.1  # [m] half width of a cell from which on it is worth a look
 FINE = 0.006  # [m] half width of a cell that is not halved any more
-NODES = 3_000  # of the tree of one cell at one value
+NODES = 2_000  # of the tree of one cell at one value
+LAST = 50_000  # the same, of a cell that is not halved any more
 MOST = 800_000  # nodes that are spent for one gripper
 NEAR = 1e-4  # [m] more than what is off between a cell's shift and that of the whole region
 
@@ -43,15 +44,15 @@ class _Search:
         self._arm, self._chain, self._wrist = arm, joints(arm), wrist_of(arm)
         self._known = [_value(statement, arm, value, self.whole) for value in values]
         self._order = list(range(len(values)))
-        self._tree = np.zeros(NODES, dtype=np.uint8)
+        self._tree = np.zeros(LAST, dtype=np.uint8)
 
-    def refute(self, middle: Array, half: Array) -> tuple[int, bytes] | None:
+    def refute(self, middle: Array, half: Array, nodes: int) -> tuple[int, bytes] | None:
         """Number of a value that refutes a cell, and the tree; mostly it refutes the next cell too."""
         for k in self._order:
             at = self._known[k]
             aims = at.handle, _cell(at, self._wrist, middle, half)
             about = self._chain, self._arm.upright, aims, True, False, SLACK, at.solids
-            outcome, count = divide(*self.box, *about, self._tree)
+            outcome, count = divide(*self.box, *about, self._tree[:nodes])
             self.spent += count
             if outcome == FOUND:
                 self._order.remove(k)
@@ -72,11 +73,12 @@ def by_places(statement: Statement, arm: Arm, values: list[float]) -> Refutation
             parts.append((-1, bytes([NO_HOLD])))
             continue
         middle, half = (low + high) / 2, (high - low) / 2
-        found = search.refute(middle, half) if half.max() < COARSE else None
+        last = half.max() < FINE
+        found = search.refute(middle, half, LAST if last else NODES) if half.max() < COARSE else None
         if found is not None:
             parts.append(found)
             continue
-        if half.max() < FINE or search.spent > MOST:
+        if last or search.spent > MOST:
             return None
         axis = int(np.argmax(half))
         parts.append((-1, bytes([axis])))
