@@ -31,6 +31,11 @@ NEAREST = ", or the nearest that is free"
 Inputs = tuple[tuple[str, str], ...]
 
 
+def pose_text(x: float, y: float, yaw: float) -> str:
+    """A base pose [m, m, rad] as that input says it: an arm of few joints tells 1e-6 m and rad apart."""
+    return f"{x:.12g}, {y:.12g}, {yaw:.12g}"
+
+
 def inputs_of(case: Case, physics: Physics, embodiment: Embodiment | None) -> Inputs:
     """Name → value or hash of each input, as asked, before anything is solved."""
     twin, robot = case.twin, case.robot

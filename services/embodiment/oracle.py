@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from predicates.case import Answer, Case, Diagnosis
-from predicates.record.inputs import ANY_START, NEAREST, TURNED
+from predicates.record.inputs import ANY_START, NEAREST, TURNED, pose_text
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri
@@ -99,7 +99,7 @@ class WholeBody:
         grasps = hashlib.sha256(grasp_settings().encode()).hexdigest()[:16]
         return (
             ("drive", drive.value),
-            ("start", ANY_START if self.any_start else "{:g}, {:g}, {:g}".format(*start) + told),
+            ("start", ANY_START if self.any_start else pose_text(*start) + told),
             ("tolerances", repr(self.tolerances)),
             ("margins", repr(self.margins)),
             ("grasp set", grasps),

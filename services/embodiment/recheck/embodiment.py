@@ -5,7 +5,7 @@ from functools import cached_property
 import numpy as np
 
 from predicates.case import Answer, Case, Quantity
-from predicates.record.inputs import ANY_START, NEAREST, TURNED
+from predicates.record.inputs import ANY_START, NEAREST, TURNED, pose_text
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import Array, BodyMotion
@@ -45,7 +45,7 @@ class Certifier:
             return start is None and text == ANY_START
         x, y, yaw = start
         if not text.endswith(TURNED):
-            return text == f"{x:g}, {y:g}, {yaw:g}"
+            return text == pose_text(x, y, yaw)
         handle = self.twin.container(self.certificate.container).handle
         at = self.scene.placement(self.scene.q((0.0, 0.0, 0.0), {}), handle).translation
         turned = float(np.arctan2(at[1] - y, at[0] - x))
@@ -101,4 +101,4 @@ class Certifier:
 def is_at(start: tuple[float, float, float], text: str) -> bool:
     """Whether a start pose is where a verdict's input `start` begins with, at whatever angle."""
     x, y, _ = start
-    return text.startswith(f"{x:g}, {y:g}, ")
+    return text.startswith(pose_text(x, y, 0.0).removesuffix("0"))

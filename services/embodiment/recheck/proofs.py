@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from predicates.case import Outcome
-from predicates.record.inputs import TURNED, verdict_iri
+from predicates.record.inputs import TURNED, pose_text, verdict_iri
 from predicates.record.stored import StoredVerdict
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import Iri, local_name
@@ -14,6 +14,7 @@ from sdt_kg.twin import Container, Twin
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.content import Claim, read_proof
 from services.embodiment.proof_check.statement import Statement
+from services.embodiment.recheck.embodiment import is_at
 
 TwinOf = Callable[[Iri, Iri, State], tuple[Twin, str]]
 """Environment, robot and state → their twin, and in words where it is from."""
@@ -92,11 +93,11 @@ def _starts_as(text: str, claim: Claim, twin: Twin, container: Container) -> boo
     """Whether the proof's base pose is what the verdict's input `start` says."""
     x, y, yaw = claim.start
     if not text.endswith(TURNED):
-        return text == f"{x:g}, {y:g}, {yaw:g}"
+        return text == pose_text(x, y, yaw)
     statement = Statement(twin, claim.models[1][0], container, claim.drive, claim.start, claim.tolerances)
     handle = statement.handle_origin()
     turned = float(np.arctan2(handle[1] - y, handle[0] - x))
-    return text.startswith(f"{x:g}, {y:g}, ") and abs(turned - yaw) < claim.tolerances.start_angle
+    return is_at(claim.start, text) and abs(turned - yaw) < claim.tolerances.start_angle
 
 
 def _notes(stored: StoredVerdict | None) -> list[str]:

@@ -8,6 +8,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.task import Task, Verb
 from services.app import Policy, load
+from services.embodiment.oracle import WholeBody
 from services.embodiment.place import Placement, Status, place, spots
 from services.embodiment.place.answer import base_of, lines, to_json
 from services.embodiment.prove.prover import Prover
@@ -44,6 +45,8 @@ def test_a_telescope_that_pulls_a_drawer_lies_along_its_way_to_the_last_digit_th
     policy = Policy(Drive.FIXED, parse_base(base_of(spot)), BUDGET, SEEDS)
     (verdict,) = load("b", ["stretch"], policy=policy).achieve(f"open:{ISLAND}")
     assert verdict.outcome is Outcome.CERTIFIED
+    start = dict(WholeBody(Drive.FIXED, (spot.x, spot.y, spot.yaw)).settings(service.twin, robot))["start"]
+    assert parse_base(start) == (spot.x, spot.y, spot.yaw)  # a pose rounded off is another question
 
 
 def test_the_map_shows_the_poses_and_proves_none_of_them_impossible(found: Placement) -> None:
