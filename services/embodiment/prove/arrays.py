@@ -58,6 +58,8 @@ def inner(arm: Arm, around: tuple[Around, ...]) -> tuple[object, ...]:
 def _near(arm: Arm, places: Array, half: Array) -> NDArray[np.bool_]:
     """Which boxes of the kitchen a core can come to, shape (S,)."""
     links, cores = arm.chain.links, arm.cores
+    if len(links) <= 2:  # a lift alone, on a base that is anywhere: all of it counts
+        return np.ones(len(places), dtype=np.bool_)
     start = np.array([(link.lower + link.upper) / 2 for link in links[:2]])
     room = sum(link.upper - link.lower for link in links[:2])
     size = max((float(np.linalg.norm(core.half)) for core in cores), default=0.0)
@@ -65,7 +67,7 @@ def _near(arm: Arm, places: Array, half: Array) -> NDArray[np.bool_]:
     return away < arm.reach[2] + room + size
 
 
-def _grasp(arm: Arm) -> tuple[Array, Array, Array]:
+def grasp(arm: Arm) -> tuple[Array, Array, Array]:
     """The grasp box in the last joint's frame, as `boxes` takes it: rotation, middle, half extents."""
     turn, place = middle(arm.chain.end.rotation), middle(arm.chain.end.translation)
     return turn, turn @ arm.middle + place, arm.half
@@ -82,4 +84,4 @@ def _boxes(target: Target) -> tuple[Array, Array, Array]:
 
 def aim(arm: Arm, target: Target) -> Aim:
     """How far the arm reaches, its grasp box and the handle's boxes, as `boxes` takes them."""
-    return arm.reach, _grasp(arm), _boxes(target)
+    return arm.reach, grasp(arm), _boxes(target)
