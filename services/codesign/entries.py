@@ -24,7 +24,7 @@ class How(Enum):
     NOTHING = "search of the world as it is: nothing that it rests on differs"
     LESS_ROOM = "search of the world as it is, of which this one only takes room away"
     NO_WORLD = "the edit cannot be made here"
-    LOST = "no verdict: its process died"
+    LOST = "no verdict: nothing came of it"
 
 
 REUSED = frozenset({How.SAME, How.AGAIN, How.NOTHING, How.LESS_ROOM})
@@ -135,7 +135,7 @@ def no_world(error: InputError) -> Found:
 
 
 def lost(reason: str) -> Found:
-    """That a case took the process that judged it with it: nothing is known of it."""
+    """That a case ended the process that judged it, or failed there: nothing is known of it."""
     return _nothing(How.LOST, "no verdict", reason)
 
 
