@@ -41,3 +41,8 @@ def test_a_drawer_at_the_height_of_a_head_is_taken_from_below(tmp_path: Path) ->
 def test_a_drawer_that_opens_into_a_fixed_tiago_is_proved_impossible(tmp_path: Path) -> None:
     # In hand it comes 0.36 m of 0.41 m far, then it meets the base.
     assert result(tmp_path, 2, "tiago_dual", Drive.FIXED, BUDGET) is Result.PROVED
+
+
+def test_a_door_of_which_no_one_hold_lasts_is_proved_impossible(tmp_path: Path) -> None:
+    # It tips over, 0.97 m away: at each angle a TIAGo++ has some hold of it.
+    assert result(tmp_path, 12, "tiago_dual", Drive.FIXED, 5 * BUDGET) is Result.PROVED
