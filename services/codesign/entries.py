@@ -66,6 +66,15 @@ class Found:
         """Whether a refusal rests on a proof."""
         return any(each["proof"] is True for each in self.diagnoses)
 
+    @property
+    def basis(self) -> str:
+        """What a refusal rests on: `proved`, `measured`, or `searched` where that is all; else nothing."""
+        if self.outcome is not Outcome.NOT_CERTIFIED:
+            return ""
+        if self.is_proved:
+            return "proved"
+        return "searched" if all(each["search"] is not None for each in self.diagnoses) else "measured"
+
 
 @dataclass(frozen=True, slots=True)
 class Entry:

@@ -86,8 +86,8 @@ def why(entry: Entry) -> str:
     if not entry.found.diagnoses:
         return ""
     first = entry.found.diagnoses[0]
-    sure = "proved" if entry.found.is_proved else "searched" if entry.found.outcome else ""
-    return f"{first['reason']}" + (f" ({sure})" if sure else "")
+    basis = entry.found.basis
+    return f"{first['reason']}" + (f" ({basis})" if basis else "")
 
 
 def entry_rows(grid: Grid) -> list[Json]:

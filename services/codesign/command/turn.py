@@ -5,7 +5,6 @@ from typing import Any
 
 import click
 
-from predicates.case import Outcome
 from services.codesign.entries import Found, Json
 from services.codesign.smallest.sought import Sought, Trial, Turned
 from services.commands.verdicts import diagnosis_text
@@ -132,9 +131,7 @@ def _looked_at(one: Sought) -> str:
 
 def _basis(found: Found) -> str:
     """What the outcome after a turn rests on."""
-    if found.outcome is not Outcome.NOT_CERTIFIED:
-        return "certified" if found.is_certified else "outside the class"
-    return "proved" if found.is_proved else "searched"
+    return found.basis or ("certified" if found.is_certified else "outside the class")
 
 
 def print_turned(found: Turned) -> None:

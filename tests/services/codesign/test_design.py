@@ -5,7 +5,9 @@ from services.codesign.design import covers_of, together_in
 from services.codesign.entries import Entry, Found, Grid, How
 from services.codesign.report import counts, reuse, turned_rows
 
-REASON = ({"kind": "embodiment", "reason": "too high", "evidence": None, "proof": False, "search": None},)
+REASON = (
+    {"kind": "embodiment", "reason": "too high", "evidence": None, "proof": False, "search": {"seeds": 9}},
+)
 DOES = {"one": "abcd", "two": "cdef", "three": "fg"}
 
 
@@ -49,3 +51,16 @@ def test_a_grid_says_what_turned_and_counts_as_reused_only_what_was_not_searched
     ]
     assert counts(grid)[1]["k one"] == "0 / 2 (-1)"
     assert (reuse(grid)["without_a_search"], reuse(grid)["cases"]) == (1, 2)
+
+
+def test_a_refusal_says_whether_it_was_proved_measured_or_only_searched() -> None:
+    searched = {**REASON[0]}
+    measured, proved = {**searched, "search": None}, {**searched, "proof": True}
+
+    def basis(*said: dict[str, object], outcome: Outcome = Outcome.NOT_CERTIFIED) -> str:
+        return Found("", outcome, How.LAW, {}, said).basis
+
+    assert basis(searched) == "searched"
+    assert basis(searched, measured) == "measured"
+    assert basis(searched, measured, proved) == "proved"
+    assert not basis(measured, outcome=Outcome.ABSTAINED)

@@ -23,7 +23,7 @@ from tests.small import small_twin
 from tests.small.lift import Lift, Lifts
 
 PROOF = ({"kind": "embodiment", "reason": "too high", "evidence": None, "proof": True, "search": None},)
-SEARCH = ({**PROOF[0], "proof": False},)
+SEARCH = ({**PROOF[0], "proof": False, "search": {"seeds": 9}},)
 WHOLE = Family("which robot", ("robot:a", "robot:b"))
 GRADUAL = Family("which height", ("furniture:x=0,0,1",), 2, 0.1, lengths=(1.0,))
 
