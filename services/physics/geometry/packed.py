@@ -248,22 +248,3 @@ def _near(shapes, m, at, reach):
             if apart < least:
                 n, least = child, apart
     return n
-
-
-@kernel
-def bounds_many(shapes, pairs, one, other, low, high):
-    """Bounds of M pairs (M, 2), each shape at its own pose ((M, 3, 3), (M, 3)), are in low and high."""
-    work = np.zeros((8, 4))
-    for i in range(pairs.shape[0]):
-        low[i], high[i] = bounds_of(
-            shapes,
-            pairs[i, 0],
-            pairs[i, 1],
-            one[0][i],
-            one[1][i],
-            other[0][i],
-            other[1][i],
-            math.inf,
-            -math.inf,
-            work,
-        )

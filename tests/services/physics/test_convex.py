@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from services.physics.geometry.convex import EXACT, HULL, parted
-from services.physics.geometry.packed import bounds_many, bounds_of, pack
+from services.physics.geometry.packed import bounds_of, pack
 from services.physics.geometry.shapes import hull
 
 pytestmark = pytest.mark.oracle
@@ -39,8 +39,8 @@ def test_distances_are_those_of_coal_and_their_bounds_meet(aligned: bool) -> Non
     turns[1] = np.ascontiguousarray(turns[1][::-1])
     at = rng.uniform(-0.4, 0.4, (2, COUNT, 3))
     poses = centred(shapes, pairs, turns, at)
-    low, high, packed = np.empty(COUNT), np.empty(COUNT), pack(shapes)
-    bounds_many(packed, pairs, poses[0], poses[1], low, high)
+    packed = pack(shapes)
+    low, high = bounds(packed, pairs, poses)
     apart = np.isfinite(low)
     assert COUNT / 20 < apart.sum() < COUNT
     assert (high - low)[apart].max() <= 100 * EXACT
@@ -53,6 +53,20 @@ def test_distances_are_those_of_coal_and_their_bounds_meet(aligned: bool) -> Non
             assert expected == pytest.approx(low[n], abs=COAL_IS_RIGHT_TO)
         else:
             assert expected <= high[n] + COAL_IS_RIGHT_TO
+
+
+def bounds(
+    packed: tuple[np.ndarray, ...], pairs: np.ndarray, poses: list[tuple[np.ndarray, np.ndarray]]
+) -> np.ndarray:
+    """Lower and upper bounds of the distance of each pair, shape (2, M) [m]."""
+    work = np.zeros((8, 4))
+    frames = zip(*poses[0], *poses[1], strict=True)
+    return np.array(
+        [
+            bounds_of(packed, *pair, *frame, np.inf, -np.inf, work)
+            for pair, frame in zip(pairs, frames, strict=True)
+        ]
+    ).T
 
 
 def centred(
@@ -83,8 +97,7 @@ def test_a_mesh_is_as_far_as_its_nearest_triangle() -> None:
     turns = [np.ascontiguousarray(Rotation.random(COUNT, rng).as_matrix()) for _ in range(2)]
     at = rng.uniform(-0.6, 0.6, (2, COUNT, 3))
     poses = centred(shapes, pairs, turns, at)
-    low, high = np.empty((2, COUNT))
-    bounds_many(pack(shapes), pairs, poses[0], poses[1], low, high)
+    low, high = bounds(pack(shapes), pairs, poses)
     apart = np.isfinite(low)
     assert COUNT / 20 < apart.sum() < COUNT
     assert (high - low)[apart].max() <= 100 * EXACT
