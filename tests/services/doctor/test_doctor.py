@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+import services
 from sdt_kg.iri import LAW
 from services.bus.sessions import open_session
 from services.doctor import machine, packages
@@ -68,6 +69,13 @@ def test_little_memory_is_something_to_do() -> None:
     found = machine.memory(0.2)
     assert found.standing is Standing.TO_DO
     assert "--jobs 1" in found.remedy
+
+
+def test_every_module_with_loops_that_are_kept_is_looked_at() -> None:
+    root = Path(services.__file__).parent
+    keeping = [path for path in root.rglob("*.py") if "\n@kernel" in path.read_text(encoding="utf-8")]
+    (loops,) = (each for each in machine.machine() if each.about == "compiled loops")
+    assert f" of {len(keeping)} modules with loops " in loops.says
 
 
 def test_the_verdicts_of_a_store_are_counted(tmp_path: Path) -> None:
