@@ -141,28 +141,20 @@ def _clearing(world: World, verdict: Verdict, container: Container) -> Family:
 def _handle(container: Container) -> Family:
     steps = ("0,0,{}", "0,0,-{}", "0,{},0", "0,-{},0")
     edits = tuple(f"handle:{container.name}={each.format(HANDLE_RANGE)}" for each in steps)
-    return Family(
-        "where its handle is",
-        edits,
-        GRADUAL_SCAN,
-        LENGTH_TOLERANCE,
-        f"along ±z and ±y of its body, to {HANDLE_RANGE} m",
-        _halves(HANDLE_RANGE / GRADUAL_SCAN, LENGTH_TOLERANCE),
-        (HANDLE_RANGE,) * len(edits),
-    )
+    along = f"along ±z and ±y of its body, to {HANDLE_RANGE} m"
+    return _gradual("where its handle is", edits, HANDLE_RANGE, along)
 
 
 def _height(container: Container) -> Family:
     edits = tuple(f"furniture:{container.name}=0,0,{sign}{HEIGHT_RANGE}" for sign in ("", "-"))
-    return Family(
-        "at which height it is",
-        edits,
-        GRADUAL_SCAN,
-        LENGTH_TOLERANCE,
-        f"up and down to {HEIGHT_RANGE} m, with the piece of furniture that it is part of",
-        _halves(HEIGHT_RANGE / GRADUAL_SCAN, LENGTH_TOLERANCE),
-        (HEIGHT_RANGE,) * len(edits),
-    )
+    along = f"up and down to {HEIGHT_RANGE} m, with the piece of furniture that it is part of"
+    return _gradual("at which height it is", edits, HEIGHT_RANGE, along)
+
+
+def _gradual(name: str, edits: tuple[str, ...], longest: float, along: str) -> Family:
+    """Edits that all go as far [m]."""
+    resolution = _halves(longest / GRADUAL_SCAN, LENGTH_TOLERANCE)
+    return Family(name, edits, GRADUAL_SCAN, LENGTH_TOLERANCE, along, resolution, (longest,) * len(edits))
 
 
 def _halves(first: float, finest: float) -> str:
