@@ -26,7 +26,7 @@ from services.embodiment.proof_check.arm import ROUNDING, Arm, make_arm
 from services.embodiment.proof_check.content import LEAF, NO_HOLD, Places
 from services.embodiment.proof_check.mechanics import HERE, Chain
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.proof_check.tree import Goal, refuted_boxes
+from services.embodiment.proof_check.tree import Goal, halves, refuted_boxes
 
 Array = NDArray[np.float64]
 
@@ -98,10 +98,7 @@ def refuted_places(
         low, high = stack.pop()
         node = next(nodes, None)
         if node is not None and node < len(low):
-            middle = (low[node] + high[node]) / 2
-            upper_low, lower_high = low.copy(), high.copy()
-            upper_low[node], lower_high[node] = middle, middle
-            stack += [(upper_low, high), (low, lower_high)]
+            stack += halves(low, high, node)
         elif node == NO_HOLD:
             if not too_far(statement, arm, low, high):
                 raise InputError("a cell that is left out can be had", allowed="cells far from the handle")

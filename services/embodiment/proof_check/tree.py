@@ -85,11 +85,14 @@ def _leaves(nodes: Iterator[int], low: Array, high: Array, codes: int) -> Iterat
         if node >= LEAF:
             yield low, high, node - LEAF
             continue
-        middle = (low[node] + high[node]) / 2
-        upper_low, lower_high = low.copy(), high.copy()
-        upper_low[node], lower_high[node] = middle, middle
-        stack.append((upper_low, high))
-        stack.append((low, lower_high))
+        stack += halves(low, high, node)
+
+
+def halves(low: Array, high: Array, axis: int) -> list[tuple[Array, Array]]:
+    """The upper and the lower half of a box, in the order in which a stack takes them."""
+    upper_low, lower_high = low.copy(), high.copy()
+    upper_low[axis] = lower_high[axis] = (low[axis] + high[axis]) / 2
+    return [(upper_low, high), (low, lower_high)]
 
 
 def _all_pierced(arm: Arm, around: tuple[Around, ...], block: Block) -> None:
