@@ -22,11 +22,13 @@ from services.embodiment.body.world import World
 from services.embodiment.certify.check import Certified, Refused, certify
 from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.certify.warm import warm as warm_certifier
 from services.embodiment.hold.grasp import grasp_settings
 from services.embodiment.hold.kit import Kits
 from services.embodiment.plan import Planned, Planner, Setting
 from services.embodiment.prove import boxes
 from services.embodiment.report import refusal
+from services.embodiment.ways import cells
 from services.embodiment.ways.roads import Known
 from services.embodiment.ways.start import near, turned
 from services.physics.model import Scene
@@ -108,9 +110,10 @@ class WholeBody:
         )
 
     def prepare(self, twin: Twin, robot: Iri) -> None:
-        """Models and compiled loops are loaded, as the first question would load them."""
+        """Models and compiled loops are loaded, also those that few questions need."""
         world, kits, _ = self._world(twin, robot)
         self._warm(world, kits)
+        cells.warm()
 
     def scene(self, twin: Twin, robot: Iri) -> Scene:
         """The scene in which questions about the twin are answered."""
@@ -240,6 +243,7 @@ class WholeBody:
         if not self._compiled:
             warm(world, kits.of(world.scene.annotation.grippers[0]).limb)
             boxes.warm()
+            warm_certifier(world.scene)
             self._compiled = True
 
     def _world(self, twin: Twin, robot: Iri) -> tuple[World, Kits, Known]:

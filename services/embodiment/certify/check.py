@@ -15,11 +15,11 @@ from services.embodiment.certify.certificate import Certificate, models_of
 from services.embodiment.certify.collisions import collisions
 from services.embodiment.certify.findings import Findings
 from services.embodiment.certify.held.hold import Hold, begin
+from services.embodiment.certify.held.pressed import pressed
 from services.embodiment.certify.inside import inside
 from services.embodiment.certify.limits import drive_limits, joint_limits, kitchen_keeps
 from services.embodiment.certify.motion import of_another_robot, rests, whole_motion
 from services.embodiment.certify.motion import start as starts
-from services.embodiment.certify.pressed import pressed
 from services.embodiment.certify.robustness import tolerated
 from services.embodiment.certify.survey import survey
 from services.embodiment.certify.sweep.kinematics import joint_axes

@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from services.kernel import kernel, subkernel
 
 UNKNOWN, FREE, TAKEN = 0, 1, 2
@@ -143,3 +145,11 @@ def search(grid, omni, lengths, target, most, last, run, marks, far, before, hea
                 push(queue, nodes, counts[0], length + target[5] * math.hypot(x, y), other)
                 counts[0] += 1
     return NONE, 0
+
+
+def warm() -> None:
+    """`search` has run once, with the types in which it is used."""
+    grid = np.ones(3, np.int64), np.zeros(4, np.int64), np.zeros(1, np.int8), np.zeros(1, np.uint16)
+    none, marks = np.zeros(0, np.int64), np.zeros((2, 1), np.int32)
+    heap = np.zeros(0), none, np.zeros(2, np.int64)
+    search(grid, True, np.zeros(MOVES), np.zeros(6), 1, none, 1, marks, np.zeros(1), none, heap, none)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from sdt_kg.annotation import Drive
+from services.embodiment.ways import cells
 from services.embodiment.ways.lattice import Lattice
 from services.embodiment.ways.roads import Roads
 from services.embodiment.ways.spaces import DriveSpace
@@ -98,3 +99,9 @@ def test_a_drive_does_not_depend_on_what_was_asked_before(growths: int) -> None:
     assert (one is None) == (other is None) == (growths == 0)
     if one is not None and other is not None:
         np.testing.assert_array_equal(one, other)
+
+
+def test_what_is_compiled_before_workers_begin_is_what_a_search_takes() -> None:
+    cells.warm()
+    assert lattice(Drive.OMNI, (0.62, 0.92)).road(START, GOAL, late) is not None
+    assert len(cells.search.signatures) == 1

@@ -10,7 +10,6 @@ from functools import lru_cache
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 
 Array = NDArray[np.float64]
@@ -80,7 +79,7 @@ def faces(shape: coal.CollisionGeometry) -> Faces | None:
 @lru_cache(maxsize=256)
 def _hull(shape: coal.ConvexBase) -> Faces:
     equations = ConvexHull(np.array(shape.points())).equations
-    return Faces(equations[:, :3], -equations[:, 3])
+    return Faces(np.ascontiguousarray(equations[:, :3]), -equations[:, 3])
 
 
 def _round(half_length: float, radius: float) -> Faces:
@@ -143,6 +142,8 @@ def _inside(points: Faces, body: Faces) -> float:
 
 def _lp(points: Faces, body: Faces) -> Array | None:
     """X and the largest r, shape (4,), with x in one polyhedron and n·x + r ≤ d for faces of the other."""
+    from scipy.optimize import linprog  # noqa: PLC0415 - slow to import, and only refusals tell depths
+
     rows = np.vstack(
         (np.hstack((body.normals, np.ones((len(body.normals), 1)))), np.pad(points.normals, ((0, 0), (0, 1))))
     )

@@ -39,7 +39,9 @@ class Pieces:
 
     def part(self, first: int, end: int) -> "Pieces":
         """Those pieces from `first` on that come before `end`."""
-        return Pieces(self.start[first:end], self.duration[first:end], self.c[:, first:end])
+        return Pieces(
+            self.start[first:end], self.duration[first:end], np.ascontiguousarray(self.c[:, first:end])
+        )
 
     @cached_property
     def moving(self) -> Indices:

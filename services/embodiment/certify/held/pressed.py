@@ -43,10 +43,10 @@ def pressed(checked: Subject, hold: Hold) -> Findings:
     for mesh in meshes:
         points = _points(solids[mesh].shape)
         for finger in map(int, hold.fingers):
-            depths = _depths(checked, placed, finger, mesh, points)
-            for n in {int(np.argmax(depths > checked.tolerances.depth)), int(np.argmax(depths))}:
-                if depths[n] > checked.tolerances.depth:
-                    pair, depth, time = (finger, mesh), float(depths[n]), float(times[n])
+            found = depths(checked, placed, finger, mesh, points)
+            for n in {int(np.argmax(found > checked.tolerances.depth)), int(np.argmax(found))}:
+                if found[n] > checked.tolerances.depth:
+                    pair, depth, time = (finger, mesh), float(found[n]), float(times[n])
                     findings.violations.append(_violation(checked, pair, depth, time))
     return findings
 
@@ -59,7 +59,7 @@ def _points(mesh: coal.BVHModelBase) -> Array:
     return np.vstack((np.unique(vertices, axis=0), vertices[corners].mean(axis=1)))
 
 
-def _depths(checked: Subject, placed: Placed, finger: int, mesh: int, points: Array) -> Array:
+def depths(checked: Subject, placed: Placed, finger: int, mesh: int, points: Array) -> Array:
     """Depth of the deepest of the points in the finger at each time, shape (T,) [m]; 0 if none is in it."""
     shape, count = checked.scene.solids[finger].shape, len(placed.origin)
     body, box = faces(shape), shape.aabb_local
