@@ -10,13 +10,14 @@ from predicates.case import Outcome, Verdict
 from predicates.record import to_json, to_record
 from predicates.record.recall import Recall, nothing_stored
 from sdt_kg.display import grid as html_grid
+from sdt_kg.errors import OracleUnavailableError
 from sdt_kg.load import model_name
 from sdt_kg.motion import BodyMotion
 from services.app import Policy
 from services.motions import write_motion
-from services.sweep.cell import Cell, CellResult
+from services.sweep.cell import Cell, CellResult, Found, Unjudged
 from services.sweep.engines import cpu_seconds
-from services.sweep.handed import each
+from services.sweep.handed import Lost, each_or_lost
 from services.sweep.plan import Axes, grid
 from services.sweep.worker import SERVICES_KEPT, prepare, service_of, stored_verdict, verdict_of
 
@@ -28,23 +29,37 @@ class TableResult:
     """All verdicts of a table.
 
     Attributes:
+        unjudged: Cases without a verdict, and why.
         seconds: Wall time [s].
         cpu_seconds: CPU time of this process and its workers [s].
     """
 
     results: list[CellResult] = field(default_factory=list[CellResult])
+    unjudged: list[Unjudged] = field(default_factory=list[Unjudged])
     seconds: float = 0.0
     cpu_seconds: float = 0.0
 
     def cells(self) -> dict[str, dict[str, list[int]]]:
-        """Kitchen → robot → [certified, total]."""
+        """Kitchen → robot → [certified, total]; a case without a verdict is not certified."""
         counts: dict[str, dict[str, list[int]]] = {}
-        for result in self.results:
-            row = counts.setdefault(model_name(result.cell.kitchen), {})
-            count = row.setdefault(model_name(result.cell.robot), [0, 0])
-            count[0] += result.verdict["outcome"] == "certified"
+        for found in (*self.results, *self.unjudged):
+            row = counts.setdefault(model_name(found.cell.kitchen), {})
+            count = row.setdefault(model_name(found.cell.robot), [0, 0])
+            count[0] += isinstance(found, CellResult) and found.verdict["outcome"] == "certified"
             count[1] += 1
         return counts
+
+    def without_verdict(self) -> list[dict[str, str]]:
+        """Kitchen, robot, task and reason of each case that has no verdict."""
+        return [
+            {
+                "kitchen": model_name(lost.cell.kitchen),
+                "robot": model_name(lost.cell.robot),
+                "task": lost.cell.task,
+                "reason": lost.reason,
+            }
+            for lost in self.unjudged
+        ]
 
     def _repr_html_(self) -> str:
         """Certified of judged, kitchen by robot, for Jupyter."""
@@ -61,6 +76,7 @@ class TableResult:
         return {
             "cells": self.cells(),
             "verdicts": [result.verdict for result in self.results],
+            "no_verdict": self.without_verdict(),
             "seconds": round(self.seconds, 3),
             "cpu_seconds": round(self.cpu_seconds, 3),
         }
@@ -80,12 +96,22 @@ def cells(
     return list(grid(kitchens, robots, axes).cells)
 
 
-def run(
+def ends(lost: Unjudged) -> None:
+    """A case without a verdict ends the table.
+
+    Raises:
+        OracleUnavailableError: Always.
+    """
+    raise OracleUnavailableError(f"{lost.cell}: {lost.reason}")
+
+
+def run(  # noqa: PLR0913, PLR0917  # who is told of what; the rest has defaults
     cases: Sequence[Cell],
     jobs: int,
     report: Callable[[CellResult], None],
     motions: Path | None = None,
     recall: Recall = nothing_stored,
+    lost: Callable[[Unjudged], None] = ends,
 ) -> TableResult:
     """Verdicts of all cases, in the order of the cases; each is reported as soon as it is there.
 
@@ -98,13 +124,14 @@ def run(
         report: Called with each result.
         motions: Folder for the certified body motions, a file for each.
         recall: What is stored under a verdict's IRI; such cases are not judged again.
+        lost: Called with each case that got no verdict from a worker, as its process died twice or failed.
 
     Raises:
         InputError: A model cannot be loaded.
-        OracleUnavailableError: A case got no verdict.
+        OracleUnavailableError: What `lost` raises; and of one job, what the case does.
     """
     began, cpu_began = time.perf_counter(), cpu_seconds()
-    done: dict[Cell, CellResult] = {}
+    done: dict[Cell, Found] = {}
     if motions is not None:
         motions.mkdir(parents=True, exist_ok=True)
     keep = partial(_kept, motions=motions)
@@ -117,11 +144,17 @@ def run(
     for case in firsts:
         service_of(case)  # what cannot be loaded is told before anything is judged
     # One by one, however alike: an interrupt loses nothing but what the workers are at.
-    for case, result in each(missing, jobs, partial(_judge, keep=keep), partial(_prepare, firsts)):
-        done[case] = result
-        report(result)
+    for case, result in each_or_lost(missing, jobs, partial(_judge, keep=keep), partial(_prepare, firsts)):
+        if isinstance(result, Lost):
+            done[case] = without = Unjudged(case, result.reason)
+            lost(without)
+        else:
+            done[case] = result
+            report(result)
     ordered = [done[case] for case in cases]
-    return TableResult(ordered, time.perf_counter() - began, cpu_seconds() - cpu_began)
+    judged = [each for each in ordered if isinstance(each, CellResult)]
+    unjudged = [each for each in ordered if isinstance(each, Unjudged)]
+    return TableResult(judged, unjudged, time.perf_counter() - began, cpu_seconds() - cpu_began)
 
 
 def _prepare(firsts: Sequence[Cell], _: Cell) -> None:

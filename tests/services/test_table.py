@@ -1,17 +1,26 @@
 """The table tells what cannot be loaded before anything is judged."""
 
+import json
+import multiprocessing as mp
+import os
 import re
 import shutil
+import signal
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import kitchens
+from predicates.case import Verdict
 from sdt_kg.annotation import Drive
-from sdt_kg.errors import AnnotationError
+from sdt_kg.errors import AnnotationError, OracleUnavailableError
 from services.app import Policy
 from services.commands.exits import Exit
+from services.sweep.cell import Cell
+from services.sweep.worker import verdict_of
 from services.table import CellResult, cells, run
+from tests.small import FOLDER
 
 LINKS = '<link name="base"/><link name="arm"/>'
 JOINT = '<joint name="j" type="fixed"><parent link="base"/><child link="arm"/></joint>'
@@ -69,3 +78,50 @@ def test_what_a_worker_finds_wrong_with_a_model_comes_out_in_its_own_words(
         f"error: mesh {tmp_path / 'broken.stl'} cannot be read: Could not load resource"
     )
     assert len(done.err.splitlines()) == 1
+
+
+KILLER = "high_drawer"
+"""The container whose case takes its process with it."""
+
+
+@pytest.fixture
+def deadly(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Workers, which begin as copies of this process, die at one container; for others little is searched."""
+
+    def dies(cell: Cell) -> Verdict:
+        if cell.container == KILLER:
+            assert mp.parent_process() is not None, "only a worker may die"
+            os.kill(os.getpid(), signal.SIGKILL)
+        return verdict_of(replace(cell, policy=replace(cell.policy, budget=0.0)))
+
+    monkeypatch.setattr("services.table.verdict_of", dies)
+
+
+SMALL = ("table", "--kitchens", str(FOLDER / "a.urdf"), "--robots", str(FOLDER / "pr2.urdf"), "--jobs", "2")
+
+
+@pytest.mark.usefixtures("deadly")
+def test_a_case_that_kills_its_process_twice_is_the_only_one_without_a_verdict(sdt) -> None:
+    done = sdt(*SMALL, "--json")
+    assert done.code == Exit.NO_ORACLE
+    told = json.loads(done.out)
+    assert len(told["verdicts"]) == 4
+    (lost,) = told["no_verdict"]
+    assert (lost["task"], lost["reason"]) == ("open:high_drawer", "the process that judged it died twice")
+    assert told["cells"]["a"]["pr2"][1] == 5
+
+
+@pytest.mark.usefixtures("deadly")
+@pytest.mark.parametrize(("csv", "at"), [((), "out"), (("--csv", "-"), "err")])
+def test_people_are_told_which_case_has_no_verdict(sdt, csv: tuple[str, ...], at: str) -> None:
+    done = sdt(*SMALL, *csv)
+    assert done.code == Exit.NO_ORACLE
+    (said,) = [line for line in getattr(done, at).splitlines() if "died twice" in line]
+    assert "open:high_drawer" in said
+
+
+@pytest.mark.usefixtures("deadly")
+def test_who_needs_every_verdict_is_told_that_one_is_missing() -> None:
+    cases = cells([str(FOLDER / "a.urdf")], [str(FOLDER / "pr2.urdf")], "open", (), Policy())
+    with pytest.raises(OracleUnavailableError, match=r"open:high_drawer.*died twice"):
+        run(cases, 2, lambda result: None)

@@ -9,8 +9,9 @@ import click
 
 from predicates.record.recall import nothing_stored
 from sdt_kg.annotation import Drive
-from sdt_kg.load import load_twin
+from sdt_kg.load import load_twin, model_name
 from services.app import Policy
+from services.commands.exits import Exit
 from services.commands.options import (
     OutFile,
     budget_option,
@@ -25,6 +26,7 @@ from services.commands.output import write_file
 from services.commands.show import csv_text, print_json, print_rows, progress
 from services.commands.verdicts import COLUMNS, Json, verdict_row
 from services.store.files import SavedVerdicts
+from services.sweep.cell import Cell, Unjudged
 from services.table import CellResult, TableResult, cells, run
 
 STDOUT = Path("-")
@@ -78,7 +80,8 @@ def table(
 ) -> None:
     """Table 1: every container of some kitchens for some robots, each refusal explained.
 
-    With --save, what was judged before is answered from there. Exit 0 whenever every case got a verdict.
+    With --save, what was judged before is answered from there. Exit 0 whenever every case got a verdict, 4
+    where one has none, as its process died twice.
     """
     if as_json and csv_file == STDOUT:
         raise click.UsageError("--json and --csv -: one of them")
@@ -90,17 +93,22 @@ def table(
             _add_twins(saved, kitchens.split(","), robots.split(","))
         bar = stack.enter_context(progress(f"{verb}()", len(cases)))
 
+        def advance(cell: Cell) -> None:
+            if bar:
+                bar.update(bar.task_ids[0], advance=1, now=f"{model_name(cell.robot)} {cell.container}")
+
         def report(result: CellResult) -> None:
             if saved and not result.stored:
                 saved.add_record(result.record)
-            if bar:
-                bar.update(
-                    bar.task_ids[0], advance=1, now=f"{result.verdict['robot']} {result.verdict['container']}"
-                )
+            advance(result.cell)
 
-        result = run(cases, jobs, report, motions, saved.stored if saved else nothing_stored)
+        def lost(case: Unjudged) -> None:
+            advance(case.cell)
+
+        result = run(cases, jobs, report, motions, saved.stored if saved else nothing_stored, lost)
     objects = [each.verdict for each in result.results]
     _say(result, objects, csv_file, save, as_json=as_json)
+    raise SystemExit(Exit.NO_ORACLE if result.unjudged else Exit.DONE)
 
 
 def _say(
@@ -115,6 +123,9 @@ def _say(
         _print_table(result, objects)
         if save:
             click.echo(f"verdicts as triples: {save}")
+    else:
+        for each in result.unjudged:
+            click.echo(f"no verdict: {each.cell}: {each.reason}", err=True)
 
 
 def _write_csv(path: Path, objects: Sequence[Json]) -> None:
@@ -145,6 +156,9 @@ def _print_table(result: TableResult, objects: Sequence[dict[str, object]]) -> N
     if missing:
         click.echo("\nnot certified, and why:\n")
         print_rows(missing, ("kitchen", "robot", "container", "outcome", "why"), "table")
+    if result.unjudged:
+        click.echo("\nno verdict, and why:\n")
+        print_rows(result.without_verdict(), ("kitchen", "robot", "task", "reason"), "table")
     stored = sum(each.stored for each in result.results)
     kept = f", {stored} of them stored before," if stored else ""
     click.echo(
