@@ -26,29 +26,39 @@ MOST_SUBSAMPLES = 20_000  # of the sideways velocity on one piece
 def joint_limits(scene: Scene, pieces: Pieces, container: Container, tolerances: Tolerances) -> Findings:
     """Every coordinate keeps its limits; the base's linear ones hold for the length of the vector too."""
     findings, bounds = Findings(), _bounds(scene, container)
-    values, s = positions(pieces)
-    excess = np.maximum(bounds.lower - values, values - bounds.upper)
-    for k, i, n in _first_and_worst(excess > tolerances.position, excess):
-        lower = values[i, n, k] < bounds.lower[k]
-        bound = bounds.lower[k] if lower else bounds.upper[k]
-        time = pieces.start[n] + s[i, n, k]
-        findings.violations.append(
-            _limit(scene, k, Quantity.POSITION, values[i, n, k], float(bound), time, excess[i, n, k])
-        )
+    findings.add(_positions(scene, pieces, bounds, tolerances))
+    own = pieces.moving
+    moved = pieces.columns(own)
     rated = (
-        (Quantity.VELOCITY, velocities(pieces), bounds.velocity),
-        (Quantity.ACCELERATION, accelerations(pieces), bounds.acceleration),
+        (Quantity.VELOCITY, velocities(moved), bounds.velocity[own]),
+        (Quantity.ACCELERATION, accelerations(moved), bounds.acceleration[own]),
     )
     for quantity, (rates, at), most in rated:
         ratio = _ratio(np.abs(rates), most)
-        for k, i, n in _first_and_worst(ratio > 1 + tolerances.rate, ratio):
-            time = pieces.start[n] + at[i, n, k]
+        for j, i, n in _first_and_worst(ratio > 1 + tolerances.rate, ratio):
+            time, k = pieces.start[n] + at[i, n, j], int(own[j])
             findings.violations.append(
-                _limit(scene, k, quantity, abs(rates[i, n, k]), float(most[k]), time, ratio[i, n, k])
+                _limit(scene, k, quantity, abs(rates[i, n, j]), float(most[j]), time, ratio[i, n, j])
             )
-        findings.figures[f"largest {quantity.value} ratio"] = (float(ratio.max()), "1")
+        findings.figures[f"largest {quantity.value} ratio"] = (float(ratio.max(initial=0.0)), "1")
     findings.add(_base_norms(scene, pieces, tolerances))
     findings.add(_unbounded(scene, pieces, scene.coordinate[container.joint], bounds))
+    return findings
+
+
+def _positions(scene: Scene, pieces: Pieces, bounds: Bounds, tolerances: Tolerances) -> Findings:
+    """What moves keeps its limits all the time; what stands still, at the start."""
+    findings, (values, s), begin = Findings(), positions(pieces), pieces.c[0, 0]
+    still = np.maximum(bounds.lower - begin, begin - bounds.upper) > tolerances.position
+    own = np.union1d(pieces.moving, np.flatnonzero(still))
+    values, s, lower, upper = values[:, :, own], s[:, :, own], bounds.lower[own], bounds.upper[own]
+    excess = np.maximum(lower - values, values - upper)
+    for j, i, n in _first_and_worst(excess > tolerances.position, excess):
+        bound = float((lower if values[i, n, j] < lower[j] else upper)[j])
+        time, k = pieces.start[n] + s[i, n, j], int(own[j])
+        findings.violations.append(
+            _limit(scene, k, Quantity.POSITION, values[i, n, j], bound, time, excess[i, n, j])
+        )
     return findings
 
 
@@ -119,15 +129,17 @@ def _base_norms(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Finding
     most_v, most_a = scene.bounds.velocity[plane[0]], scene.bounds.acceleration[plane[0]]
     part = np.linspace(0, 1, SUBSAMPLES + 1)[:, None]
     s = part * pieces.duration
-    _, c1, c2, c3 = pieces.c[:, :, plane]
-    speed = np.linalg.norm(c1 + s[:, :, None] * (2 * c2 + 3 * s[:, :, None] * c3), axis=2)
+    base = pieces.columns(plane)
+    _, c1, c2, c3 = base.c
+    along = c1 + s[:, :, None] * (2 * c2 + 3 * s[:, :, None] * c3)
+    speed = np.hypot(along[:, :, 0], along[:, :, 1])
     # A quadratic leaves its chord by at most (width²/8)·|second derivative|.
     between = (pieces.duration / SUBSAMPLES) ** 2 / 8 * 6 * np.linalg.norm(c3, axis=1)
-    values, at = accelerations(pieces)
-    acceleration = np.linalg.norm(values[:, :, plane], axis=2)
+    values, at = accelerations(base)
+    acceleration = np.linalg.norm(values, axis=2)
     rated = (
         (Quantity.VELOCITY, speed + between, s, most_v),
-        (Quantity.ACCELERATION, acceleration, at[:, :, plane[0]], most_a),
+        (Quantity.ACCELERATION, acceleration, at[:, :, 0], most_a),
     )
     for quantity, value, s_of, most in rated:
         ratio = _ratio(value, most)[:, :, None]
