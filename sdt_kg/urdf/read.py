@@ -1,10 +1,12 @@
 """URDF or xacro file → Mechanism."""
 
+import io
+import logging
 import math
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -30,12 +32,10 @@ from sdt_kg.urdf.xacro import expanded
 
 XACRO: Final = ".xacro"
 
-Triple = tuple[float, float, float]
+# yourdfpy has no types of its own: what it returns enters here and leaves as Mechanism.
+Parsed = Any
 
-ZERO: Final[Triple] = (0.0, 0.0, 0.0)
-ONES: Final[Triple] = (1.0, 1.0, 1.0)
-X_AXIS: Final[Triple] = (1.0, 0.0, 0.0)
-"""Of a joint that names none."""
+logging.getLogger("yourdfpy").setLevel(logging.ERROR)
 
 
 def read_mechanism(path: str | Path, *, name: str | None = None, turn_axes: bool = False) -> Mechanism:
@@ -51,13 +51,15 @@ def read_mechanism(path: str | Path, *, name: str | None = None, turn_axes: bool
         UrdfError: Not a valid, tree-shaped URDF, or a collision mesh is missing.
     """
     source = Path(path)
-    root = parse_xml(_text(source), source)
-    joints = [checked(_joint(joint), source) for joint in root.findall("joint")]
+    text = _text(source)
+    root = parse_xml(text, source)
+    robot = _parsed(root, source)
+    joints = [checked(_joint(joint), source) for joint in robot.joints]
     joints = with_fixed(resolved(joints, source))
     if turn_axes:
         joints = turned(joints)
     children = {joint.child for joint in joints}
-    bodies = tuple(_body(link, source) for link in root.findall("link"))
+    bodies = tuple(_body(link, source) for link in robot.links)
     return Mechanism(
         name=name or model_stem(source),
         root=next(body.name for body in bodies if body.name not in children),
@@ -88,113 +90,106 @@ def _text(path: Path) -> bytes:
     return expanded(path) if path.suffix == XACRO else path.read_bytes()
 
 
-def _joint(joint: ET.Element) -> Joint:
-    kind = JointType(joint.get("type"))
+def _parsed(root: ET.Element, source: Path) -> Parsed:
+    """What yourdfpy reads; it gets links and joints only, without visuals and materials."""
+    bare = ET.Element("robot", {"name": root.get("name", source.stem)})
+    for element in (*root.findall("link"), *root.findall("joint")):
+        kept = ET.SubElement(bare, element.tag, element.attrib)
+        kept.extend(part for part in element if part.tag != "visual")
+    import yourdfpy  # noqa: PLC0415  # pyright: ignore[reportMissingTypeStubs] - slow to import; it has none
+
+    loader: Parsed = yourdfpy
+    try:
+        model = loader.URDF.load(
+            io.BytesIO(ET.tostring(bare)),
+            build_scene_graph=False,
+            build_collision_scene_graph=False,
+            load_meshes=False,
+            load_collision_meshes=False,
+        )
+    except (ValueError, KeyError, AttributeError, IndexError, TypeError, RecursionError) as error:
+        raise UrdfError(f"{source}: yourdfpy cannot read it: {error}") from None
+    return model.robot
+
+
+def _joint(joint: Parsed) -> Joint:
+    kind = JointType(joint.type)
+    x, y, z = (float(part) for part in joint.axis)
     movable = kind is not JointType.FIXED
     return Joint(
-        name=joint.get("name", ""),
+        name=str(joint.name),
         type=kind,
-        parent=_link_of(joint, "parent"),
-        child=_link_of(joint, "child"),
-        origin=_pose(joint.find("origin")),
-        axis=_triple(joint.find("axis"), "xyz", X_AXIS) if movable else X_AXIS,
-        limits=_limits(kind, joint.find("limit")) if movable else Limits(),
-        mimic=_mimic(joint.find("mimic")),
+        parent=str(joint.parent),
+        child=str(joint.child),
+        origin=_pose(joint.origin),
+        axis=(x, y, z) if movable else (1.0, 0.0, 0.0),
+        limits=_limits(kind, joint.limit) if movable else Limits(),
+        mimic=_mimic(joint.mimic),
     )
 
 
-def _link_of(joint: ET.Element, end: str) -> str:
-    found = joint.find(end)
-    assert found is not None, "checked with the document"
-    return found.get("link", "")
-
-
-def _limits(kind: JointType, limit: ET.Element | None) -> Limits:
+def _limits(kind: JointType, limit: Parsed) -> Limits:
     """URDF's defaults: positions 0 where not written; speed and effort without bound."""
     if limit is None:
         return Limits()
-    velocity, effort = (float(limit.get(name, math.inf)) for name in ("velocity", "effort"))
+    lower, upper = (0.0 if bound is None else float(bound) for bound in (limit.lower, limit.upper))
+    velocity, effort = (
+        math.inf if bound is None else float(bound) for bound in (limit.velocity, limit.effort)
+    )
     if kind is JointType.CONTINUOUS:
         return Limits(velocity=velocity, effort=effort)
-    lower, upper = (float(limit.get(name, 0.0)) for name in ("lower", "upper"))
     return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)
 
 
-def _mimic(mimic: ET.Element | None) -> Mimic | None:
+def _mimic(mimic: Parsed) -> Mimic | None:
     if mimic is None:
         return None
-    return Mimic(mimic.get("joint", ""), float(mimic.get("multiplier", 1.0)), float(mimic.get("offset", 0.0)))
+    return Mimic(str(mimic.joint), float(mimic.multiplier), float(mimic.offset))
 
 
-def _body(link: ET.Element, source: Path) -> Body:
-    name = link.get("name", "")
-    where = f"{source}: link '{name}'"
+def _body(link: Parsed, source: Path) -> Body:
+    where = f"{source}: link '{link.name}'"
     return Body(
-        name=name,
-        inertia=_inertia(link.find("inertial")),
-        collision=tuple(_geometry(collision, source, where) for collision in link.findall("collision")),
+        name=str(link.name),
+        inertia=_inertia(link.inertial),
+        collision=tuple(_geometry(collision, source, where) for collision in link.collisions),
     )
 
 
-def _inertia(inertial: ET.Element | None) -> Inertia | None:
-    mass = None if inertial is None else inertial.find("mass")
-    if inertial is None or mass is None:
+def _inertia(inertial: Parsed) -> Inertia | None:
+    if inertial is None or inertial.mass is None:
         return None
-    written = inertial.find("inertia")
-    usual = 0.0 if written is None else 1.0
-    ixx, iyy, izz = (_number(written, name, usual) for name in ("ixx", "iyy", "izz"))
-    ixy, ixz, iyz = (_number(written, name, 0.0) for name in ("ixy", "ixz", "iyz"))
-    pose = _pose(inertial.find("origin"))
-    return Inertia(_number(mass, "value", 0.0), pose, (ixx, ixy, ixz, iyy, iyz, izz))
-
-
-def _geometry(collision: ET.Element, source: Path, where: str) -> Geometry:
-    pose, shape = _pose(collision.find("origin")), collision.find("geometry/*")
-    assert shape is not None, "checked with the document"
-    match shape.tag:
-        case "box":
-            return Geometry(ShapeType.BOX, pose, _triple(shape, "size", ONES))
-        case "cylinder":
-            size = (_number(shape, "radius", 0.0), _number(shape, "length", 0.0))
-            return Geometry(ShapeType.CYLINDER, pose, size)
-        case "sphere":
-            return Geometry(ShapeType.SPHERE, pose, (_number(shape, "radius", 0.0),))
-        case _:
-            path = mesh_path(shape.get("filename", ""), source, where)
-            scale = _triple(shape, "scale", ONES)
-            return Geometry(ShapeType.MESH, pose, scale, str(path), mesh_hash(path))
-
-
-def _number(element: ET.Element | None, attribute: str, default: float) -> float:
-    return default if element is None else float(element.get(attribute, default))
-
-
-def _triple(element: ET.Element | None, attribute: str, default: Triple) -> Triple:
-    written = None if element is None else element.get(attribute)
-    if written is None:
-        return default
-    x, y, z = map(float, written.split())
-    return x, y, z
-
-
-def _pose(origin: ET.Element | None) -> Pose:
-    if origin is None:
-        return Pose()
-    x, y, z = _triple(origin, "xyz", ZERO)
-    rotation = turned_by(*_triple(origin, "rpy", ZERO))
-    return Pose((x + 0.0, y + 0.0, z + 0.0), quaternion(rotation))
-
-
-def turned_by(roll: float, pitch: float, yaw: float) -> NDArray[np.float64]:
-    """Rotation matrix of a turn about the fixed axes x, then y, then z [rad], shape (3, 3)."""
-    (sx, sy, sz), (cx, cy, cz) = (tuple(map(f, (roll, pitch, yaw))) for f in (math.sin, math.cos))
-    return np.array(
-        (
-            (cy * cz, sy * (sx * cz) - cx * sz, sy * (cx * cz) + sx * sz),
-            (cy * sz, sy * (sx * sz) + cx * cz, sy * (cx * sz) - sx * cz),
-            (-sy, cy * sx, cy * cx),
-        )
+    moments = np.zeros((3, 3)) if inertial.inertia is None else inertial.inertia
+    ixx, ixy, ixz, iyy, iyz, izz = (
+        float(moments[row, column]) for row, column in zip(*np.triu_indices(3), strict=True)
     )
+    return Inertia(float(inertial.mass), _pose(inertial.origin), (ixx, ixy, ixz, iyy, iyz, izz))
+
+
+def _geometry(collision: Parsed, source: Path, where: str) -> Geometry:
+    pose, shape = _pose(collision.origin), collision.geometry
+    if shape.box is not None:
+        return Geometry(ShapeType.BOX, pose, tuple(float(length) for length in shape.box.size))
+    if shape.cylinder is not None:
+        size = (float(shape.cylinder.radius), float(shape.cylinder.length))
+        return Geometry(ShapeType.CYLINDER, pose, size)
+    if shape.sphere is not None:
+        return Geometry(ShapeType.SPHERE, pose, (float(shape.sphere.radius),))
+    path = mesh_path(str(shape.mesh.filename), source, where)
+    return Geometry(ShapeType.MESH, pose, _scale(shape.mesh.scale), str(path), mesh_hash(path))
+
+
+def _scale(scale: Parsed) -> tuple[float, ...]:
+    if scale is None:
+        return (1.0, 1.0, 1.0)
+    return tuple(float(part) for part in scale)
+
+
+def _pose(parent_T_child: NDArray[np.float64] | None) -> Pose:
+    if parent_T_child is None:
+        return Pose()
+    x, y, z = (float(part) for part in parent_T_child[:3, 3])
+    return Pose((x, y, z), quaternion(parent_T_child[:3, :3]))
 
 
 def quaternion(rotation: NDArray[np.float64]) -> tuple[float, float, float, float]:
