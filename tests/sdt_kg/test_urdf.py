@@ -41,6 +41,9 @@ def test_a_drawer_is_read_as_it_is_written(drawer: Path) -> None:
         ("0 0 3.141592653589793", (0, 0, 1, 0)),
         ("0 0 1.5707963267948966", (0, 0, math.sqrt(0.5), math.sqrt(0.5))),
         ("1.5707963267948966 0 1.5707963267948966", (0.5, 0.5, 0.5, 0.5)),
+        # about x first: what turns about z first, or about turned axes, is another one
+        ("1.5707963267948966 1.5707963267948966 0", (0.5, 0.5, -0.5, 0.5)),
+        ("0.3 -0.5 0.7", (0.2198957663291046, -0.1801458579968856, 0.3632373697282358, 0.8872721876797529)),
     ],
 )
 def test_roll_pitch_yaw_becomes_a_quaternion(write: Write, rpy: str, quaternion: tuple[float, ...]) -> None:
