@@ -7,7 +7,7 @@ from predicates.case import Evidence, Quantity
 from sdt_kg.iri import local_name
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
-from services.embodiment.certify.sweep.clearance import NEAR, PRECISION, Distance, Pairs, Sweep
+from services.embodiment.certify.sweep.clearance import NEAR, PRECISION, Clearance, Distance, Pairs, Sweep
 from services.embodiment.certify.sweep.pieces import Timeline
 from services.embodiment.certify.sweep.subject import Subject
 from services.physics.model import Scene
@@ -31,22 +31,25 @@ def collisions(checked: Subject, hold: Hold | None) -> Findings:
         if hold is None
         else _touching(checked, hold)
     )
-    others = _keep(checked, checked.scene.environment_pairs[~own])
-    kept = checked.scene.environment_pairs[own]
-    looks = [
-        ("self", "self", _keep(checked, checked.scene.self_pairs), timeline, 0),
-        ("environment", "environment", others, timeline, _blocks(timeline)),
-    ]
-    held = timeline if left == count else Timeline(pieces.part(0, left))
-    looks.append(("environment", "handle", _touch(checked, hold, kept), held, _blocks(held)))
+    others, kept = checked.scene.environment_pairs[~own], checked.scene.environment_pairs[own]
+    blocks, held = _blocks(timeline), timeline if left == count else Timeline(pieces.part(0, left))
+    looks = {
+        timeline: [
+            ("self", "self", _keep(checked, checked.scene.self_pairs, 0)),
+            ("environment", "environment", _keep(checked, others, blocks)),
+        ]
+    }
+    looks.setdefault(held, []).append(("environment", "handle", _touch(checked, hold, kept, _blocks(held))))
     if left < count:
         after = Timeline(pieces.part(left, count))
-        looks.append(("environment", "handle, let go", _keep(checked, kept), after, _blocks(after)))
-    for scope, name, pairs, along, level in looks:
-        if len(pairs.shapes):
-            sweep = Sweep(along, checked.kinematics, checked.shapes, pairs)
-            sweep.run(level, checked.tolerances.resolution)
-            findings.add(_findings(checked.scene, sweep, scope, name))
+        looks[after] = [("environment", "handle, let go", _keep(checked, kept, _blocks(after)))]
+    for along, sets in looks.items():
+        some = [each for each in sets if len(each[2].shapes)]
+        if some:
+            sweep = Sweep(along, checked.kinematics, checked.shapes, [pairs for _, _, pairs in some])
+            found = sweep.run(checked.tolerances.resolution)
+            for (scope, name, _), one in zip(some, found, strict=True):
+                findings.add(_findings(checked.scene, one, scope, name))
     return findings
 
 
@@ -55,9 +58,9 @@ def _blocks(timeline: Timeline) -> int:
     return max(0, timeline.depth - int(np.log2(BLOCK)))
 
 
-def _keep(checked: Subject, shapes: Indices) -> Pairs:
+def _keep(checked: Subject, shapes: Indices, level: int) -> Pairs:
     least = np.full(len(shapes), checked.tolerances.margin + checked.scene.annotation.overhang)
-    return Pairs(shapes, least, least, np.inf)
+    return Pairs(shapes, least, least, np.inf, level)
 
 
 def _touching(checked: Subject, hold: Hold) -> NDArray[np.bool_]:
@@ -66,16 +69,16 @@ def _touching(checked: Subject, hold: Hold) -> NDArray[np.bool_]:
     return np.isin(pairs[:, 0], hold.fingers) & np.isin(pairs[:, 1], hold.bar)
 
 
-def _touch(checked: Subject, hold: Hold | None, shapes: Indices) -> Pairs:
-    kept = _keep(checked, shapes)
+def _touch(checked: Subject, hold: Hold | None, shapes: Indices, level: int) -> Pairs:
+    kept = _keep(checked, shapes, level)
     if hold is None:
         return kept
     held = np.full(len(kept.shapes), -checked.tolerances.depth)
-    return Pairs(kept.shapes, kept.least, held, hold.arrived())
+    return Pairs(kept.shapes, kept.least, held, hold.arrived(), level)
 
 
-def _findings(scene: Scene, sweep: Sweep, scope: str, name: str) -> Findings:
-    found, findings = sweep.found, Findings()
+def _findings(scene: Scene, found: Clearance, scope: str, name: str) -> Findings:
+    findings = Findings()
     if found.gave_up is not None:
         reason = f"the motion is too fast between samples to be checked for contact ({scope})"
         evidence = Evidence(Quantity.TIME, found.gave_up, found.gave_up, "s", time=found.gave_up, scope=scope)

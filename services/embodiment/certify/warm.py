@@ -20,9 +20,8 @@ def warm(scene: Scene) -> None:
     checked = subject(scene, pieces, Tolerances())
     pairs = np.concatenate((scene.environment_pairs, scene.self_pairs))[:1]
     least = np.full(len(pairs), FAR)
-    Sweep(checked.timeline, checked.kinematics, checked.shapes, Pairs(pairs, least, least, np.inf)).run(
-        0, FAR
-    )
+    sets = [Pairs(pairs, least, least, np.inf)]
+    Sweep(checked.timeline, checked.kinematics, checked.shapes, sets).run(FAR)
     first = checked.pieces.columns(pieces.moving).c[:2, 0]
     placed = checked.kinematics.place(first[:1], first[1:])
     for finger, handle in pairs.tolist():

@@ -150,8 +150,8 @@ def test_the_sweep_finds_what_dense_sampling_finds(scene: Scene, seed: int) -> N
     every = np.vstack((scene.self_pairs, scene.environment_pairs))
     shapes = every[rng.choice(len(every), 300, replace=False)]
     zero = np.zeros(len(shapes))
-    sweep = Sweep(checked.timeline, checked.kinematics, checked.shapes, Pairs(shapes, zero, zero, np.inf))
-    found = sweep.run(0, 1e-4)
+    sets = [Pairs(shapes, zero, zero, np.inf)]
+    (found,) = Sweep(checked.timeline, checked.kinematics, checked.shapes, sets).run(1e-4)
     times = np.linspace(checked.pieces.start[0], checked.timeline.end, 60)
     dense = min(densely(scene, at(checked.pieces, t), shapes) for t in times)
     assert found.slack <= dense + PRECISION

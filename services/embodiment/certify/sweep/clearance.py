@@ -5,6 +5,7 @@ the two bodies can approach each other until the ends (`Kinematics.bounds`); els
 halved for that pair alone, down to a resolution at which the pair is refused.
 """
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,12 +13,13 @@ from numpy.typing import NDArray
 
 from sdt_kg.errors import OracleRejectedError
 from services.embodiment.certify.sweep import compiled, telling
-from services.embodiment.certify.sweep.kinematics import Kinematics, Placed
-from services.embodiment.certify.sweep.pieces import Spans, Timeline
+from services.embodiment.certify.sweep.kinematics import Kinematics
+from services.embodiment.certify.sweep.pieces import Timeline
 from services.embodiment.certify.sweep.shapes import Shapes
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+Codes = NDArray[np.int8]
 
 NEAR = 0.02  # [m] smallest distances above this are not looked for more closely
 PRECISION = 0.001  # [m] of the smallest distance and the deepest penetration that are reported
@@ -38,12 +40,14 @@ class Pairs:
         least: Distance to be kept [m], shape (P,).
         least_held: Distance to be kept from `held_from` on [m], shape (P,).
         held_from: [s].
+        level: Level of the timeline at which the search begins.
     """
 
     shapes: Indices
     least: Array
     least_held: Array
     held_from: float
+    level: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,15 +102,18 @@ class Items:
     pair: Indices = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     interval: Indices = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
 
-    def where(self, mask: NDArray[np.bool_] | slice) -> "Items":
+    def where(self, mask: NDArray[np.bool_] | Indices | slice) -> "Items":
         """Some of the items."""
         return Items(self.pair[mask], self.interval[mask])
 
-    def halves(self) -> "Items":
-        """Both halves of each interval."""
-        both = np.concatenate((2 * self.interval, 2 * self.interval + 1))
-        order = np.argsort(both, kind="stable")
-        return Items(np.concatenate((self.pair, self.pair))[order], both[order])
+    def chunks(self) -> Iterator["Items"]:
+        """The items a few at a time, those of one interval together."""
+        at = 0
+        while at < len(self):
+            last = min(at + CHUNK, len(self)) - 1
+            end = int(np.searchsorted(self.interval, self.interval[last], side="right"))
+            yield self.where(slice(at, end))
+            at = end
 
     def spans(self) -> tuple[Indices, Indices]:
         """The intervals, each once, and which of them each item has."""
@@ -118,38 +125,69 @@ class Items:
         return len(self.pair)
 
 
+def joined(parts: Sequence[Items], *, sort: bool = False) -> Items:
+    """Items of all parts; sorted, in the order of time, else as they come."""
+    if len(parts) == 1:
+        return parts[0]
+    if not parts:
+        return Items()
+    both = Items(np.concatenate([p.pair for p in parts]), np.concatenate([p.interval for p in parts]))
+    return both.where(np.argsort(both.interval, kind="stable")) if sort else both
+
+
 class Sweep:
-    """The search over intervals for one set of pairs.
+    """The search over intervals for some sets of pairs along one motion.
+
+    Sets are searched together, and what is found of one shortens no search in another.
 
     Attributes:
-        found: What is known so far.
+        found: What is known so far of each set.
     """
 
-    def __init__(self, timeline: Timeline, kinematics: Kinematics, shapes: Shapes, pairs: Pairs) -> None:
-        self.timeline, self.kinematics, self.shapes, self.pairs = timeline, kinematics, shapes, pairs
-        self.found = Clearance()
+    def __init__(
+        self, timeline: Timeline, kinematics: Kinematics, shapes: Shapes, sets: Sequence[Pairs]
+    ) -> None:
+        self.timeline, self.kinematics, self.shapes, self.sets = timeline, kinematics, shapes, sets
+        self.found = [Clearance() for _ in sets]
+        counts = [len(each.shapes) for each in sets]
+        self._pairs = np.concatenate([each.shapes for each in sets])
+        self._set = np.repeat(np.arange(len(sets)), counts)
+        self._begin = np.cumsum([0, *counts]).tolist()
+        self._keep = (
+            np.concatenate([each.least for each in sets]),
+            np.concatenate([each.least_held for each in sets]),
+            np.repeat([each.held_from for each in sets], counts),
+        )
 
-    def run(self, level: int, resolution: float) -> Clearance:
-        """Every pair on the whole motion, beginning with the intervals of one level.
+    def run(self, resolution: float) -> list[Clearance]:
+        """Every pair on the whole motion.
 
         Args:
-            level: Level of the timeline at which the search begins.
             resolution: Pairs which keep less than this above their least distance may be refused [m].
         """
-        items = self._start(level)
-        while len(items):
-            if len(items) > MOST_ITEMS:
-                start, _ = self.timeline.interval(level, items.interval)
-                self.found.gave_up = float(start.min())
-                return self.found
-            chunks = range(0, len(items), CHUNK)
-            kept = [self._step(level, items.where(slice(i, i + CHUNK)), resolution) for i in chunks]
-            items = Items(np.hstack([k.pair for k in kept]), np.hstack([k.interval for k in kept])).halves()
+        items, level = Items(), min(each.level for each in self.sets)
+        while len(items) or any(level <= each.level for each in self.sets):
+            items = self._few(level, joined([items, *self._start(level)], sort=True))
+            items = joined([self._step(level, some, resolution) for some in items.chunks()])
             level += 1
         return self.found
 
-    def _start(self, level: int) -> Items:
-        """Pairs whose boxes, swept over an interval, come near each other."""
+    def _few(self, level: int, items: Items) -> Items:
+        """The items without those of sets that have too many: these are given up."""
+        if len(items) <= MOST_ITEMS:
+            return items
+        own = self._set[items.pair]
+        many = np.flatnonzero(np.bincount(own, minlength=len(self.sets)) > MOST_ITEMS)
+        for n in many.tolist():
+            start, _ = self.timeline.interval(level, items.interval[own == n])
+            self.found[n].gave_up = float(start.min())
+        return items.where(~np.isin(own, many))
+
+    def _start(self, level: int) -> Iterator[Items]:
+        """Of the sets that begin at this level the pairs whose boxes, swept over an interval, come near."""
+        begins = [n for n, each in enumerate(self.sets) if each.level == level and len(each.shapes)]
+        if not begins:
+            return
         start, end = self.timeline.interval(level, np.arange(2**level))
         intervals = np.flatnonzero(end > start)
         spans = self.timeline.spans(level, intervals)
@@ -157,81 +195,62 @@ class Sweep:
         low, high = np.empty((2, len(intervals), len(self.shapes.radius), 3))
         path, turning = self.kinematics.path, self.kinematics.revolute
         compiled.swept(self.shapes.placing, placed.arrays, spans.arrays, path, turning, low, high)
-        least, room = float(self.pairs.least.max()) + NEAR, len(self.pairs.shapes) + ROOM
-        while True:
-            which, pair = np.empty((2, room), dtype=np.intp)
-            count = telling.starting(self.pairs.shapes, low, high, least, which, pair)
-            if count <= room:
-                return Items(pair[:count], intervals[which[:count]])
-            room = count
+        for n in begins:
+            which, pair = _near(self.sets[n], low, high)
+            yield Items(pair + self._begin[n], intervals[which])
 
     def _step(self, level: int, items: Items, resolution: float) -> Items:
-        """Those items which have to be halved; what the others say is in `found`."""
+        """Both halves of those items which have to be halved; what the others say is in `found`."""
         unique, span = items.spans()
         spans = self.timeline.spans(level, unique)
         placed = self.kinematics.place(spans.q, spans.v)
-        done, (distance, approach, between) = self._looked_at(items, span, spans, placed)
+        of, about = (items.pair, span), (self._pairs, self._keep, self._set)
+        slack, until = np.array([one.slack for one in self.found]), self._until()
+        done, out = np.empty(len(items), dtype=np.int64), np.empty((3, len(items)))
+        told = done, out[0], out[1], out[2]
+        moves, limits = (self.kinematics.path, self.kinematics.revolute), (PRECISION, HOPELESS, SHORTEST)
+        shapes = self.shapes.placing, self.shapes.convex
+        telling.look(of, *about, *shapes, placed.arrays, spans.arrays, *moves, slack, until, limits, told)
         left = np.flatnonzero(done == telling.LEFT)
         if len(left):
-            pairs = self.pairs.shapes[items.pair[left]]
-            distance[left] = self.shapes.distances(placed, span[left], pairs)
+            out[0, left] = self.shapes.distances(placed, span[left], self._pairs[items.pair[left]])
         low, last, seen = np.empty(len(items)), np.empty(len(items), bool), np.empty(len(items), np.int8)
-        queries, sane = telling.settle(
-            (items.pair, span),
-            self.pairs.shapes,
-            self._keep,
-            self.shapes.radius,
-            spans.arrays,
-            spans.middle,
-            (done, distance, approach, between),
-            self.found.slack,
-            (resolution, SHORTEST, PRECISION),
-            low,
-            last,
-            seen,
-        )
-        if not sane:
+        queries, limits = np.zeros(len(self.sets), np.int64), (resolution, SHORTEST, PRECISION)
+        size = self.shapes.radius, spans.arrays, spans.middle
+        if not telling.settle(of, *about, *size, told, slack, limits, low, last, seen, queries):
             raise OracleRejectedError("a distance between two bodies came out larger than it can be")
-        self.found.queries += queries
-        for i in np.flatnonzero(seen):
-            one, other = self.pairs.shapes[items.pair[i]].tolist()
-            time = float(spans.middle[span[i]])
-            held = time >= self.pairs.held_from
-            least = float((self.pairs.least_held if held else self.pairs.least)[items.pair[i]])
-            self.found.saw(Distance((one, other), time, float(distance[i]), least, bool(seen[i] < 2)))
-        return items.where(self._open(low, spans.start[span]) & ~last)
+        self._saw(items, spans.middle[span], out[0], seen, queries)
+        slack, until = np.array([one.slack for one in self.found]), self._until()
+        pair, interval = np.empty((2, 2 * len(items)), dtype=np.intp)
+        still = (low, last, spans.start[span])
+        bounds = slack - PRECISION, until
+        count = telling.halves(items.pair, items.interval, self._set, *still, *bounds, pair, interval)
+        return Items(pair[:count], interval[:count])
 
-    def _looked_at(
-        self, items: Items, span: Indices, spans: Spans, placed: Placed
-    ) -> tuple[NDArray[np.int64], Array]:
-        """What was done about each item; distance, approach, distance of centres, shape (3, M)."""
-        done, out = np.empty(len(items), dtype=np.int64), np.empty((3, len(items)))
-        first = self.found.first
-        telling.look(
-            (items.pair, span),
-            self.pairs.shapes,
-            self._keep,
-            self.shapes.placing,
-            self.shapes.convex,
-            placed.arrays,
-            spans.arrays,
-            self.kinematics.path,
-            self.kinematics.revolute,
-            self.found.slack,
-            np.inf if first is None else first.time - PROMPT,
-            (PRECISION, HOPELESS, SHORTEST),
-            (done, out[0], out[1], out[2]),
-        )
-        return done, out
+    def _saw(self, items: Items, time: Array, distance: Array, seen: Codes, queries: Indices) -> None:
+        """What the items of one level tell is known."""
+        for one, count in zip(self.found, queries.tolist(), strict=True):
+            one.queries += count
+        least, least_held, held_from = self._keep
+        for i in np.flatnonzero(seen).tolist():
+            p, when = items.pair[i], float(time[i])
+            one, other = self._pairs[p].tolist()
+            keep = float((least_held if when >= held_from[p] else least)[p])
+            known = Distance((one, other), when, float(distance[i]), keep, bool(seen[i] < 2))
+            self.found[self._set[p]].saw(known)
 
-    @property
-    def _keep(self) -> tuple[Array, Array, float]:
-        """What compiled loops take of the distances to be kept."""
-        return self.pairs.least, self.pairs.least_held, self.pairs.held_from
+    def _until(self) -> Array:
+        """When intervals begin that can tell of no earlier violation, shape (sets,) [s]."""
+        firsts = [one.first for one in self.found]
+        return np.array([np.inf if one is None else one.time - PROMPT for one in firsts])
 
-    def _open(self, low: Array, start: Array) -> NDArray[np.bool_]:
-        """Whether items with this lower bound on their slack can still tell something."""
-        lower_than_seen = low < self.found.slack - PRECISION
-        if self.found.first is None:
-            return lower_than_seen | (low <= 0)
-        return lower_than_seen | ((low <= 0) & (start < self.found.first.time - PROMPT))
+
+def _near(pairs: Pairs, low: Array, high: Array) -> tuple[Indices, Indices]:
+    """Spans and pairs, in the order of time, whose boxes come near each other."""
+    least, room = float(pairs.least.max()) + NEAR, len(pairs.shapes) + ROOM
+    while True:
+        which, pair = np.empty((2, room), dtype=np.intp)
+        count = telling.starting(pairs.shapes, low, high, least, which, pair)
+        if count <= room:
+            return which[:count], pair[:count]
+        room = count

@@ -51,13 +51,14 @@ def _meet(low, high, u, s, e, least):
 
 
 @kernel
-def look(items, pairs, keep, shapes, convex, placed, spans, path, revolute, slack, open_until, limits, out):
+def look(items, pairs, keep, sets, shapes, convex, placed, spans, path, revolute, slacks, until, limits, out):
     """What each item tells: (done, distance, approach, distance of centres) in the four arrays `out`.
 
-    `items` is (index of the pair, index of the span); `keep` is (least, least_held, held_from), `limits`
-    (PRECISION, HOPELESS, SHORTEST). Items with a bound on their slack of at least `slack` − PRECISION
-    that is above 0, or that begin after `open_until`, tell nothing more: their distance is a bound. So is
-    that of items which are halved whatever it is: those that move by more than HOPELESS, and may meet so.
+    `items` is (index of the pair, index of the span); `keep` is (least, least_held, held_from) and `sets` the
+    set of each pair, `limits` (PRECISION, HOPELESS, SHORTEST). Items with a bound on their slack of at least
+    that of their set in `slacks` − PRECISION that is above 0, or that begin after its `until`, tell nothing
+    more: their distance is a bound. So is that of items which are halved whatever it is: those that move by
+    more than HOPELESS, and may meet so.
     What items that follow one another have in common is worked out once.
     """
     done, distance, approach, between = out
@@ -69,7 +70,7 @@ def look(items, pairs, keep, shapes, convex, placed, spans, path, revolute, slac
     first, second = 0.0, 0.0
     for n in range(items[0].shape[0]):
         p, u = items[0][n], items[1][n]
-        a, b = pairs[p, 0], pairs[p, 1]
+        a, b, slack, open_until = pairs[p, 0], pairs[p, 1], slacks[sets[p]], until[sets[p]]
         i, j, radius = shapes[0][a], shapes[0][b], shapes[4][a]
         if u != span or a != shape:
             span, shape, against, turned = u, a, -1, False
@@ -81,7 +82,7 @@ def look(items, pairs, keep, shapes, convex, placed, spans, path, revolute, slac
         x, y, z = two_c[0] - one_c[0], two_c[1] - one_c[1], two_c[2] - one_c[2]
         between[n] = math.sqrt(x * x + y * y + z * z)
         floor, moved = between[n] - radius - shapes[4][b], first
-        least = keep[1][p] if spans[0][u] >= keep[2] else keep[0][p]
+        least = keep[1][p] if spans[0][u] >= keep[2][p] else keep[0][p]
         enough = max(slack - precision, 0.0)
         if floor - moved - least <= enough:
             if second == math.inf:
@@ -113,32 +114,55 @@ def look(items, pairs, keep, shapes, convex, placed, spans, path, revolute, slac
 
 
 @kernel
-def settle(items, pairs, keep, radius, spans, middle, found, slack, limits, low, last, seen):
-    """(how many distances were asked for, whether none is larger than it can be) of what was looked at.
+def settle(items, pairs, keep, sets, radius, spans, middle, found, slacks, limits, low, last, seen, queries):
+    """Whether no distance of what was looked at is larger than it can be.
 
-    `found` is what `look` gives, `limits` (resolution, SHORTEST, PRECISION). In the last three are a bound on
-    each item's slack all through its interval; whether the interval is not halved any more; and what is seen
-    of it: nothing new (0), a distance (1), or that it cannot be shown to be kept (2).
+    `found` is what `look` gives, `limits` (resolution, SHORTEST, PRECISION). In the last four are a bound on
+    each item's slack all through its interval; whether the interval is not halved any more; what is seen
+    of it: nothing new (0), a distance (1), or that it cannot be shown to be kept (2); and how many distances
+    of each set were asked for.
     """
     done, distance, approach, between = found
     resolution, shortest, precision = limits
-    queries, sane = 0, True
+    sane = True
     for n in range(items[0].shape[0]):
         p, u = items[0][n], items[1][n]
-        least = keep[1][p] if spans[0][u] >= keep[2] else keep[0][p]
-        now = keep[1][p] if middle[u] >= keep[2] else keep[0][p]
+        least = keep[1][p] if spans[0][u] >= keep[2][p] else keep[0][p]
+        now = keep[1][p] if middle[u] >= keep[2][p] else keep[0][p]
         most = between[n] + radius[pairs[p, 0]] + radius[pairs[p, 1]]
         sane = sane and distance[n] <= most + precision  # also false of what is not a number
         low[n], last[n], seen[n] = distance[n] - approach[n] - least, False, 0
         if done[n] == SHUT:
             continue
-        queries += 1
+        queries[sets[p]] += 1
         last[n] = approach[n] <= resolution or spans[1][u] - spans[0][u] <= shortest
         if last[n] and low[n] <= 0.0 and distance[n] >= now:
             seen[n] = 2
-        elif distance[n] - now < slack or distance[n] < now:
+        elif distance[n] - now < slacks[sets[p]] or distance[n] < now:
             seen[n] = 1
-    return queries, sane
+    return sane
+
+
+@kernel
+def halves(pair, interval, sets, low, last, start, enough, until, pair_out, interval_out):
+    """How many halves there are of items that can still tell something; they are in the last two.
+
+    Items of one interval follow one another, and so do those of each half. Such an item's bound on its slack
+    is below `enough` of its set, or not above 0 where a violation before `until` is looked for.
+    """
+    count, n = 0, 0
+    while n < pair.shape[0]:
+        end = n
+        while end < pair.shape[0] and interval[end] == interval[n]:
+            end += 1
+        for part in range(2):
+            for m in range(n, end):
+                own = sets[pair[m]]
+                if not last[m] and (low[m] < enough[own] or (low[m] <= 0.0 and start[m] < until[own])):
+                    pair_out[count], interval_out[count] = pair[m], 2 * interval[m] + part
+                    count += 1
+        n = end
+    return count
 
 
 @subkernel
