@@ -37,7 +37,7 @@ from services.physics.oracle import Kinematics, version_of
 Array = NDArray[np.float64]
 Start = tuple[float, float, float]
 
-EMBODIMENT_VERSION = "10"
+EMBODIMENT_VERSION = "11"
 """Raised whenever an answer of this oracle may change."""
 
 MOVED_START = (

@@ -10,6 +10,8 @@ from services.kernel import kernel, subkernel
 from services.physics.geometry.convex import parted
 from services.physics.geometry.packed import bounds_of
 
+CENTRED = 5  # times that a hand is centred and closed; two are usual
+
 
 @subkernel
 def touching(hand, at, kitchen, split, radius, shapes, margins):
@@ -168,7 +170,7 @@ def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, ro
     """
     seen, back, nowhere = (np.empty_like(handle[1]), np.empty_like(handle[2])), tool[0].T.copy(), np.zeros(3)
     count, found, away = shares.shape[0], np.empty_like(shares), np.empty(3)
-    for _ in range(2):
+    for _ in range(CENTRED):
         for m in range(handle[0].shape[0]):
             matmul(back, handle[1][m], seen[0][m])
             for i in range(3):
@@ -183,37 +185,49 @@ def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, ro
         for k in range(count):
             shares[k] = found[k]
         if count > 1:
-            break
+            return True
         _gaps(shares, sides[0], hand, closing, there, shapes, room, near[0])
         left, right = room[1][0], room[1][1]
         if not math.isfinite(left + right) or abs(left - right) < touch:
-            break
+            return True
         for i in range(3):  # the side that is farther tells where the bar lies
             tool[1][i] += (right - left) / 2 * tool[0][i, 1]
-    return True
+    return False
 
 
 @kernel
-def engaged(tool, shares, sides, hand, closing, handle, shapes, reach, most, room):
-    """Whether all sides of a closed hand still come within `most` of a handle that is moved by `reach`.
+def engaged(tool, shares, pads, hand, closing, handle, shapes, reach, inward, room):
+    """Whether on both sides a body of a closed hand still meets a handle that is moved by `reach`.
 
-    It is moved each way along x and along z of the tool. The rest is as in `closed`, which left the hand so.
+    The handle is moved each way along x and along z of the tool, and the body by its distance and `inward`
+    more: there they overlap. `pads` are (finger shapes of each body (B, fingers), its side of the tool along
+    y (B,), 1 or −1). The rest is as in `closed`, which left the hand so.
     """
     seen, back, nowhere = (np.empty_like(handle[1]), np.empty_like(handle[2])), tool[0].T.copy(), np.zeros(3)
-    near, away = np.zeros(2, np.int64), np.empty(3)
-    for axis in (0, 2):
-        for way in (-reach, reach):
+    near, away, reaches = np.zeros(2, np.int64), np.empty(3), np.zeros(2, np.bool_)
+    there, own = (handle[0], seen[0], seen[1]), np.empty((2, pads[0].shape[1]), np.bool_)
+    for b in range(pads[0].shape[0]):
+        own[:] = pads[0][b]
+        near[:] = pads[0][b].argmax()
+        over, more = True, 0.0
+        for look in range(5):
             for m in range(handle[0].shape[0]):
                 matmul(back, handle[1][m], seen[0][m])
                 for i in range(3):
-                    away[i] = handle[2][m, i] - tool[1][i] + way * tool[0][i, axis]
+                    away[i] = handle[2][m, i] - tool[1][i] + pads[1][b] * more * tool[0][i, 1]
+                    if look > 0:
+                        way = reach if look % 2 else -reach
+                        away[i] += way * tool[0][i, 0 if look < 3 else 2]
                 moved(back, nowhere, away, seen[1][m])
-            for k in range(shares.shape[0]):
-                near[:] = 0
-                _gaps(shares, sides[k], hand, closing, (handle[0], seen[0], seen[1]), shapes, room, near)
-                if max(room[1][0], room[1][1]) > most:
-                    return False
-    return True
+            _gaps(shares, own, hand, closing, there, shapes, room, near)
+            if look == 0:
+                more = max(room[1][0], 0.0) + inward
+            elif room[1][0] > 0.0:
+                over = False
+                break
+        if over:
+            reaches[0 if pads[1][b] > 0.0 else 1] = True
+    return reaches[0] and reaches[1]
 
 
 @subkernel

@@ -27,7 +27,7 @@ ENOUGH = 6  # grasps with which no narrower opening is tried
 CHECKED = 7  # values of the container at which the hand alone is checked
 BESIDE = 0.05  # [m] that a grasp's tool may lie beside the bar
 REACH = Tolerances().engaged  # [m] by which fingers reach over a handle
-NEAR = TOUCH + REACH * float(np.tan(Tolerances().facing))  # [m] from the handle that they are then at most
+INWARD = REACH * float(np.tan(Tolerances().facing))  # [m] that they then move on until they meet it
 ROUNDS = 12  # of regula falsi; three or four are usual
 
 
@@ -180,8 +180,8 @@ class Fitter:
         closed = self._closed[grasp.index]
         assert closed is not None, "its fingers were closed"
         tool = self.problem.handle_r[0] @ grasp.rotation, closed[0]
-        about = hand.sides, hand.parts, hand.closing, self.room.handle, self._rest[2]
-        return hands.engaged(tool, closed[1], *about, REACH, NEAR, self._work)
+        about = hand.pads, hand.parts, hand.closing, self.room.handle, self._rest[2]
+        return hands.engaged(tool, closed[1], *about, REACH, INWARD, self._work)
 
     def known(self, opened: Opened) -> Fitted | None:
         """The same, if it is known."""

@@ -31,8 +31,9 @@ WIDE_PITCHES = np.radians([0, -10, 10, -20, 20, -30, 30, -40, 40, -50, 50, -60, 
 WIDE_TILTS = np.radians([0, -25, 25, -50, 50, -65, 65, -80, 80])
 WIDE_DEPTHS = (0.0, -0.012, 0.012)  # [m]
 """The same of a set that is more than single paths have the time for."""
-FREE_MOST = np.array([1.75, 1.45, 0.45, 1.0, 0.016])
-"""[rad, rad, rad, 1, m] Pitch, tilt, roll about the approach, place and depth of any grasp, at most."""
+FREE_MOST = np.array([1.75, 1.57, 0.6, 1.0, 0.026])
+"""[rad, rad, rad, 1, m] Pitch, tilt, roll about the approach, place and offset of any grasp, at most."""
+BEYOND = 0.02  # [m] that its tool may be beyond the end of the bar: half a finger's width, and more
 FIRST_WIDE = 10_000  # number of the first grasp of that set
 FINGER_HALF = 0.015  # [m] kept from the ends of a bar, half a finger's width
 TOUCH = 0.0003  # [m] distance from which a finger counts as touching: certify allows 2 mm
@@ -68,7 +69,7 @@ def _turned(axis: Array, angle: float, vector: Array) -> Array:
 
 def grasp_settings() -> str:
     """What the grasp set depends on, as text."""
-    wide = WIDE_PITCHES.tolist(), WIDE_TILTS.tolist(), WIDE_DEPTHS, FREE_MOST.tolist()
+    wide = WIDE_PITCHES.tolist(), WIDE_TILTS.tolist(), WIDE_DEPTHS, FREE_MOST.tolist(), BEYOND
     return repr((PITCHES.tolist(), TILTS.tolist(), PLACES, DEPTHS, wide, FINGER_HALF, TOUCH))
 
 
@@ -97,13 +98,16 @@ def wide_set(bar: Bar) -> Iterator[Grasp]:
 
 
 def free_grasp(bar: Bar, genes: Array, flip: int, number: int) -> Grasp:
-    """A grasp with any pitch, tilt, roll about its approach, place and depth, shape (5,)."""
-    pitch, tilt, roll, place, depth = genes.tolist()
+    """A grasp with any pitch, tilt, roll about its approach, place and offset from the bar, shape (5,).
+
+    The tool is off the bar along the approach as it is before the tilt: so it may lie beside the hand too.
+    """
+    pitch, tilt, roll, place, offset = genes.tolist()
     turn, rolled = _turn(bar, pitch, tilt, flip), np.empty((3, 3))
     rotation(turn[:, 0].copy(), roll, rolled)
-    turn = rolled @ turn
-    room = max(bar.length / 2 - FINGER_HALF, 0.0)
-    return Grasp(turn, bar.centre + place * room * bar.along + depth * turn[:, 0], number)
+    straight = _turned(bar.along, pitch, -bar.outward)
+    at = bar.centre + place * (bar.length / 2 + BEYOND) * bar.along + offset * straight
+    return Grasp(rolled @ turn, at, number)
 
 
 @lru_cache(maxsize=2)
@@ -148,7 +152,7 @@ class Hand:
     """A gripper without its arm, to be put anywhere.
 
     Attributes:
-        parts, closing, sides: What `hands.closed` and `hands.stays` take.
+        parts, closing, sides, pads: What `hands.closed`, `hands.stays` and `hands.engaged` take.
         shapes: Indices of its shapes, fingers last.
         fingers: Indices of those of its fingers.
         still: Indices of those that closing does not move.
@@ -170,7 +174,7 @@ class Hand:
         frames = world.frames(self.closing[0])
         self.parts = (self.shapes, len(palm), joints, world.tree, world.boxes, self._tool, frames)
         self.still = frozenset(self.shapes[~np.isin(world.boxes[0][self.shapes], joints)].tolist())
-        self.sides = self._sides()
+        self.sides, self.pads = self._sides(), self._pads()
         self._seen: dict[float, tuple[Array, Array]] = {}
         open_at, closed_at = (self.shapes_seen(share)[1] for share in (0.0, 1.0))
         away = np.maximum(np.linalg.norm(open_at, axis=1), np.linalg.norm(closed_at, axis=1))
@@ -186,6 +190,12 @@ class Hand:
             left = self._left_side()
             return np.stack([left, ~left])[None]
         return np.stack([[self._moved_by(k)] * 2 for k in range(len(joints))])
+
+    def _pads(self) -> tuple[NDArray[np.bool_], Array]:
+        """Finger shapes of each body (B, fingers), and on which side of the tool it is along y (B,)."""
+        bodies, left = [self.world.body[one] for one in self.fingers], self._left_side()
+        own = np.array([[one == body for one in bodies] for body in dict.fromkeys(bodies)])
+        return own, np.where((own & left).any(axis=1), 1.0, -1.0)
 
     def _left_side(self) -> NDArray[np.bool_]:
         """Which finger shapes lie on the +y side of the tool frame when open."""

@@ -1,12 +1,19 @@
 """Grasps that a hand alone can take: its fingers touch the handle, whatever was closed before."""
 
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from services.embodiment.hold.grasp import TOUCH, Grasp
+from sdt_kg.iri import body_iri
+from services.embodiment.certify.held.grip import Grip
+from services.embodiment.certify.sweep.kinematics import Kinematics
+from services.embodiment.certify.sweep.shapes import Shapes
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.hold.fit import OPENINGS, Fitted
+from services.embodiment.hold.grasp import FREE_MOST, TOUCH, Grasp, free_grasp
 from tests.services.embodiment.front import Front, front
 
 pytestmark = pytest.mark.oracle
@@ -55,17 +62,54 @@ def test_a_grasp_closes_alike_whatever_was_closed_before(tmp_path: Path, robot: 
         np.testing.assert_allclose(steep[index][1], rest, atol=0.02)
 
 
+def held(seen: Front, grasp: Grasp, rest: np.ndarray) -> bool:
+    """Whether certification has the handle, which comes to the hand, between fingers that reach over it."""
+    world, scene, limb, joint = seen.world, seen.world.scene, seen.kit.limb, seen.fitter.bar.joint
+    moving = np.append(np.flatnonzero(seen.kit.hand.closing[1].any(axis=0)), joint - 1)
+    kinematics = Kinematics(scene, rest, moving)
+    placed = kinematics.place(rest[moving][None], np.zeros((1, len(moving))))
+    (frames_r, frames_p), (tool_r, tool_p) = world.frames(rest), limb.tool(np.zeros(len(limb.lower)))
+    handle_r = tool_r @ grasp.rotation.T
+    turn = handle_r @ frames_r[joint].T
+    shift = tool_p - handle_r @ grasp.translation - turn @ frames_p[joint]
+    carrier = int(kinematics.carrier[joint])
+    placed.rotation[0, carrier] = turn @ placed.rotation[0, carrier]
+    placed.origin[0, carrier] = turn @ placed.origin[0, carrier] + shift
+    bodies = [body_iri(scene.robot.mechanism.name, name) for name in limb.gripper.fingers]
+    fingers = {one: world.shapes_of((one,)).tolist() for one in bodies}
+    bar = world.shapes_of((seen.problem.mechanics.container.handle,)).tolist()
+    pinch = Grip(Shapes(scene, kinematics), placed, tool_r, fingers, bar, Tolerances()).pinch()
+    return pinch is not None and pinch.over >= Tolerances().engaged
+
+
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_fingers_at_the_end_of_a_bar_touch_it_and_do_not_reach_over_it(tmp_path: Path, robot: str) -> None:
     seen = front(tmp_path, FRONT, robot, WAYPOINTS)
     fitter, bar = seen.fitter, seen.fitter.bar
     middle = min((grasp for grasp, _ in fitter.fitting()), key=lambda one: one.index)
-    over = []
-    for number, place in enumerate(np.arange(0.0, bar.length, 0.0005).tolist(), FAR_NUMBER):
+    over, certified = [], []
+    for number, place in enumerate(np.arange(0.0, bar.length, 0.001).tolist(), FAR_NUMBER):
         moved = replace(middle, translation=middle.translation + place * bar.along, index=number)
         fitted = fitter.fitted((moved, 0.0))
         if fitted is not None:
             over.append(fitter.engaged(fitted))
+            certified.append(held(seen, *fitted))
     assert over[0]
     assert not over[-1]
-    assert sorted(over, reverse=True) == over
+    assert over == certified
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_certification_says_the_same_of_fingers_that_reach_over_a_bar(tmp_path: Path, robot: str) -> None:
+    seen, rng = front(tmp_path, FRONT, robot, WAYPOINTS), np.random.default_rng(0)
+    said = Counter[tuple[bool, bool]]()
+    for number in range(FAR_NUMBER, FAR_NUMBER + 600):
+        grasp = free_grasp(seen.fitter.bar, rng.uniform(-FREE_MOST, FREE_MOST), 1, number)
+        tried = (seen.fitter.fitted((grasp, share)) for share in OPENINGS)
+        fitted: Fitted | None = next((one for one in tried if one is not None), None)
+        if fitted is not None:
+            said[seen.fitter.engaged(fitted), held(seen, *fitted)] += 1
+    assert said[True, True] > 40
+    assert said[False, False] > 20
+    assert said[True, False] <= 0.08 * said[True, True]
+    assert said[False, True] <= 0.08 * said[True, True]
