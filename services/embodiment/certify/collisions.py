@@ -74,7 +74,7 @@ def _touch(checked: Subject, hold: Hold | None, shapes: Indices, level: int) -> 
     if hold is None:
         return kept
     held = np.full(len(kept.shapes), -checked.tolerances.depth)
-    return Pairs(kept.shapes, kept.least, held, hold.arrived(), level)
+    return Pairs(kept.shapes, kept.least, held, hold.arrived, level)
 
 
 def _findings(scene: Scene, found: Clearance, scope: str, name: str) -> Findings:

@@ -20,6 +20,7 @@ from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.sweep.kinematics import Placed
 from services.embodiment.certify.sweep.subject import Subject
 from services.physics.geometry.inside import Where, where
+from services.physics.model import Scene
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -30,14 +31,13 @@ TOLD = 3  # bodies that a note names; of more it says how many
 def inside(checked: Subject) -> Findings:
     """Where the robot begins inside a mesh, and of which meshes that cannot be told."""
     findings, solids = Findings(), checked.scene.solids
-    others = np.unique(checked.scene.environment_pairs[:, 1])
-    meshes = np.array([k for k in others if isinstance(solids[k].shape, coal.BVHModelBase)], dtype=np.intp)
+    robot, own, meshes = _asked(checked.scene)
     if not len(meshes):
         return findings
     first = checked.timeline.pieces.c[:2, 0]
     placed = checked.kinematics.place(first[:1], first[1:])
     unseen: dict[Where, set[str]] = {Where.CAVITY: set(), Where.UNSEEN: set()}
-    for shape, mesh, point in _in_boxes(checked, placed, meshes):
+    for shape, mesh, point in _in_boxes(checked, placed, robot, own, meshes):
         found = where(solids[mesh].shape, point)
         if found in unseen:
             unseen[found].add(local_name(solids[mesh].body))
@@ -57,11 +57,23 @@ _SAID = {
 }
 
 
-def _in_boxes(checked: Subject, placed: Placed, meshes: Indices) -> Iterator[tuple[int, int, Array]]:
+@lru_cache(maxsize=4)
+def _asked(scene: Scene) -> tuple[Indices, Array, Indices]:
+    """The robot's shapes, a point of each in its frame, shape (M, 3) [m], and the kitchen's meshes.
+
+    Kept, so not to be changed.
+    """
+    robot, others = (np.unique(scene.environment_pairs[:, k]) for k in (0, 1))
+    meshes = [k for k in others if isinstance(scene.solids[k].shape, coal.BVHModelBase)]
+    own = np.array([_point(scene.solids[k].shape) for k in robot])
+    return robot, own, np.array(meshes, dtype=np.intp)
+
+
+def _in_boxes(
+    checked: Subject, placed: Placed, robot: Indices, own: Array, meshes: Indices
+) -> Iterator[tuple[int, int, Array]]:
     """Robot shape, mesh, and a point of the shape in the mesh's frame, for those in the mesh's box."""
-    solids, robot = checked.scene.solids, np.unique(checked.scene.environment_pairs[:, 0])
     rotation, origin = checked.shapes.frames(placed, np.zeros_like(robot), robot)
-    own = np.array([_point(solids[k].shape) for k in robot])
     points = origin + (rotation @ own[:, :, None])[:, :, 0]
     outlines, frames = checked.scene.outlines, checked.shapes.frames(placed, np.zeros_like(meshes), meshes)
     seen = (points - frames[1][:, None]) @ frames[0]
@@ -70,9 +82,8 @@ def _in_boxes(checked: Subject, placed: Placed, meshes: Indices) -> Iterator[tup
         yield int(robot[n]), int(meshes[m]), seen[m, n]
 
 
-@lru_cache(maxsize=1024)
 def _point(shape: coal.CollisionGeometry) -> Array:
-    """A point of a convex shape, in its frame, shape (3,) [m]; kept, so not to be changed."""
+    """A point of a convex shape, in its frame, shape (3,) [m]."""
     if isinstance(shape, coal.ConvexBase):
         return np.array(shape.points()).mean(axis=0)
     return np.zeros(3)

@@ -49,8 +49,9 @@ def joint_limits(scene: Scene, pieces: Pieces, container: Container, tolerances:
 def _positions(scene: Scene, pieces: Pieces, bounds: Bounds, tolerances: Tolerances) -> Findings:
     """What moves keeps its limits all the time; what stands still, at the start."""
     findings, (values, s), begin = Findings(), positions(pieces), pieces.c[0, 0]
-    still = np.maximum(bounds.lower - begin, begin - bounds.upper) > tolerances.position
-    own = np.union1d(pieces.moving, np.flatnonzero(still))
+    may = np.maximum(bounds.lower - begin, begin - bounds.upper) > tolerances.position
+    may[pieces.moving] = True
+    own = np.flatnonzero(may)
     values, s, lower, upper = values[:, :, own], s[:, :, own], bounds.lower[own], bounds.upper[own]
     excess = np.maximum(lower - values, values - upper)
     for j, i, n in _first_and_worst(excess > tolerances.position, excess):
@@ -155,18 +156,18 @@ def _base_norms(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Finding
 def kitchen_keeps(scene: Scene, pieces: Pieces, container: Container, tolerances: Tolerances) -> Findings:
     """The container moves, and of the kitchen nothing else but what is coupled to it."""
     findings, source = Findings(), scene.coupling.source
-    values, s = positions(pieces)
-    moved = np.abs(values - pieces.c[0, 0])
+    (values, s), begin = positions(pieces), pieces.c[0, 0]
     own = scene.coordinate[container.joint]
-    if not (moved[:, :, own] > STILL).any():
+    if not (np.abs(values[:, :, own] - begin[own]) > STILL).any():
         unit = "rad" if joint_axes(scene)[1][own] else "m"
         evidence = Evidence(Quantity.POSITION, 0.0, STILL, unit, container.joint)
         findings.violations.append(Violation("moves", f"{container.name} does not move", evidence, 0.0))
-    others = np.arange(scene.base[0])
+    others = pieces.moving[pieces.moving < scene.base[0]]
     others = others[source[others] != source[own]]
-    for j, i, n in _first_and_worst(moved[:, :, others] > tolerances.position, moved[:, :, others]):
+    moved = np.abs(values[:, :, others] - begin[others])
+    for j, i, n in _first_and_worst(moved > tolerances.position, moved):
         k = int(others[j])
-        value, time = float(moved[i, n, k]), float(pieces.start[n] + s[i, n, k])
+        value, time = float(moved[i, n, j]), float(pieces.start[n] + s[i, n, k])
         unit = "rad" if joint_axes(scene)[1][k] else "m"
         evidence = Evidence(Quantity.POSITION, value, 0.0, unit, scene.names[k], time=time)
         reason = (

@@ -9,14 +9,19 @@ of yaw moves no point by more than itself times the point's distance from the ba
 left for that it also turns the hand. Each figure is for its error alone, and none says more than is shown.
 """
 
+from functools import lru_cache
+
 import numpy as np
+from numpy.typing import NDArray
 
 from sdt_kg.mechanism import JointType
 from services.embodiment.certify.findings import Findings
 from services.embodiment.certify.held.hold import Hold
 from services.embodiment.certify.sweep.pieces import positions
 from services.embodiment.certify.sweep.subject import Subject
+from services.physics.model import Scene
 
+Array = NDArray[np.float64]
 Figures = dict[str, tuple[float, str]]
 
 
@@ -39,13 +44,29 @@ def reach(checked: Subject) -> float:
     """No point of the robot is farther from the base than this all along the motion [m]."""
     scene, (values, _) = checked.scene, positions(checked.pieces)
     farthest = np.abs(values).max(axis=(0, 1)).tolist()
+    links, joint, size = _lengths(scene)
     away = np.zeros(scene.model.njoints)
-    for k, joint in enumerate(scene.robot.joints, scene.robot.first):
-        number = k + 1
-        step = float(np.linalg.norm(scene.model.jointPlacements[number].translation))
-        slides = joint.type is JointType.PRISMATIC
-        away[number] = away[scene.model.parents[number]] + step + (farthest[k] if slides else 0.0)
+    for number, parent, step, slides in links:
+        away[number] = away[parent] + step + (farthest[number - 1] if slides else 0.0)
+    return float((away[joint] + size).max(initial=0.0))
+
+
+@lru_cache(maxsize=4)
+def _lengths(scene: Scene) -> tuple[list[tuple[int, int, float, bool]], NDArray[np.intp], Array]:
+    """What is known of the robot's joints, and of its shapes; kept, so not to be changed.
+
+    Number, parent, length of the link between [m] and whether it slides; then the joint of each shape, and
+    the distance of its farthest point from that [m].
+    """
+    links = [
+        (
+            number,
+            int(scene.model.parents[number]),
+            float(np.linalg.norm(scene.model.jointPlacements[number].translation)),
+            joint.type is JointType.PRISMATIC,
+        )
+        for number, joint in enumerate(scene.robot.joints, scene.robot.first + 1)
+    ]
     robot = [one for one in scene.solids if one.joint >= scene.base[-1] + 1]
-    return max(
-        (away[one.joint] + float(np.linalg.norm(one.centre)) + one.radius for one in robot), default=0.0
-    )
+    sizes = [float(np.linalg.norm(one.centre)) + one.radius for one in robot]
+    return links, np.array([one.joint for one in robot], dtype=np.intp), np.array(sizes)

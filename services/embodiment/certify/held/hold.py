@@ -95,6 +95,7 @@ class Hold:
         turned = np.linalg.norm(rotation - rotation_0, axis=(1, 2)) / np.sqrt(2)
         return np.linalg.norm(origin - origin_0, axis=1), turned
 
+    @cached_property
     def arrived(self) -> float:
         """Time of the sample from which on the tool is in its grasp: the fingers may close."""
         q, v, _ = self.pieces.at(np.arange(self.begin + 1), np.zeros(self.begin + 1))

@@ -36,7 +36,7 @@ def pressed(checked: Subject, hold: Hold) -> Findings:
     times = np.sort(
         np.concatenate((pieces.start, pieces.start + pieces.duration / 2, [checked.timeline.end]))
     )
-    times = times[(times >= hold.arrived()) & (times <= hold.clear_from())]
+    times = times[(times >= hold.arrived) & (times <= hold.clear_from())]
     piece = np.clip(np.searchsorted(pieces.start, times, side="right") - 1, 0, len(pieces.start) - 1)
     q, v, _ = pieces.at(piece, times - pieces.start[piece])
     placed = checked.kinematics.place(q, v)

@@ -183,21 +183,27 @@ def deepest_points(points, mesh, own, box, normals, offsets, found):
     `mesh` and `own` are poses of the points and of the shape at these times, `box` the corners of its own
     box; a point x lies inside where normals · x <= offsets.
     """
-    x, y = np.empty(3), np.empty(3)
+    turn, way, y = np.empty((3, 3)), np.empty(3), np.empty(3)
     for t in range(found.shape[0]):
         found[t] = 0.0
+        for i in range(3):
+            way[i] = 0.0
+            for k in range(3):
+                way[i] += own[0][t, k, i] * (mesh[1][t, k] - own[1][t, k])
+                turn[i, k] = 0.0
+                for m in range(3):
+                    turn[i, k] += own[0][t, m, i] * mesh[0][t, m, k]
         for n in range(points.shape[0]):
-            for i in range(3):
-                x[i] = mesh[1][t, i] - own[1][t, i]
-                for k in range(3):
-                    x[i] += mesh[0][t, i, k] * points[n, k]
             inside = True
             for i in range(3):
-                y[i] = own[0][t, 0, i] * x[0] + own[0][t, 1, i] * x[1] + own[0][t, 2, i] * x[2]
-                inside = inside and box[0][i] < y[i] < box[1][i]
-            depth = math.inf if inside else 0.0
-            for f in range(normals.shape[0] if inside else 0):
-                depth = min(
-                    depth, offsets[f] - normals[f, 0] * y[0] - normals[f, 1] * y[1] - normals[f, 2] * y[2]
+                y[i] = (
+                    way[i] + turn[i, 0] * points[n, 0] + turn[i, 1] * points[n, 1] + turn[i, 2] * points[n, 2]
                 )
+                inside = inside and box[0][i] < y[i] < box[1][i]
+            if not inside:
+                continue
+            depth = math.inf
+            for f in range(normals.shape[0]):
+                off = normals[f, 0] * y[0] + normals[f, 1] * y[1] + normals[f, 2] * y[2]
+                depth = min(depth, offsets[f] - off)
             found[t] = max(found[t], depth)

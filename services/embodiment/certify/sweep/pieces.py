@@ -34,8 +34,12 @@ class Pieces:
         return q, c1 + s * (2 * c2 + 3 * s * c3), 2 * c2 + 6 * s * c3
 
     def columns(self, coordinates: Indices) -> "Pieces":
-        """The same pieces with these coordinates only."""
-        return Pieces(self.start, self.duration, np.ascontiguousarray(self.c[:, :, coordinates]))
+        """The same pieces with these coordinates only; extremes that are known already stay so."""
+        made = Pieces(self.start, self.duration, np.ascontiguousarray(self.c[:, :, coordinates]))
+        if "extremes" in vars(self):
+            values, s = self.extremes
+            vars(made)["extremes"] = values[:, :, coordinates], s[:, :, coordinates]
+        return made
 
     def part(self, first: int, end: int) -> "Pieces":
         """Those pieces from `first` on that come before `end`."""
