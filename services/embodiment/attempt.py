@@ -12,7 +12,7 @@ from services.embodiment.hold.bred import Breeder
 from services.embodiment.hold.fit import Fitter, Opened
 from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.holding import Holding, Searcher
-from services.embodiment.hold.sampling import Sampler
+from services.embodiment.hold.sampling import FULL, Effort, Sampler
 from services.embodiment.hold.spread import Spreader
 from services.embodiment.ways.approach import Approacher
 from services.embodiment.ways.assemble import Assembler
@@ -64,13 +64,13 @@ class Attempt:
             self.steep.extend(islice(self.steeper, max(due - len(self.steep), 0)))
         self._count()
 
-    def spread(self, late: Callable[[], bool]) -> Iterator[Holding]:
+    def spread(self, late: Callable[[], bool], effort: Effort) -> Iterator[Holding]:
         """Holdings of listed grasps, if any fits at all, that many postures find together."""
         if self.grasps and not self.wide:
             self.wide = self.fitter.wide(late)
             self._count()
         if self.wide:
-            yield from self._spreader(self.wide, late).holdings()
+            yield from self._spreader(self.wide, effort, late).holdings()
 
     def breed(self, late: Callable[[], bool]) -> Iterator[Holding]:
         """The same of grasps between these, which can be had at every value of the container."""
@@ -79,7 +79,7 @@ class Attempt:
         self.bred = breeder.looked_at
         self._count()
         for pivot, xs in breeder.postures():
-            yield from self._spreader(opened, late).holdings_from(pivot, xs)
+            yield from self._spreader(opened, FULL, late).holdings_from(pivot, xs)
 
     def searched(self) -> Iterator[Grasp]:
         """The grasps that were searched; those of the wide set that were not needed as they were meant."""
@@ -89,8 +89,8 @@ class Attempt:
             closed = self.fitter.known(opened)
             yield opened[0] if closed is None else closed[0]
 
-    def _spreader(self, opened: list[Opened], late: Callable[[], bool]) -> Spreader:
-        return Spreader(Sampler(self.searcher, self.fitter, opened, self.rng, late))
+    def _spreader(self, opened: list[Opened], effort: Effort, late: Callable[[], bool]) -> Spreader:
+        return Spreader(Sampler(self.searcher, self.fitter, opened, self.rng, late), effort)
 
     def _count(self) -> None:
         every = self.grasps, self.steep, self.wide, self.bred

@@ -23,6 +23,7 @@ from services.embodiment.hold.fit import Fitter
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import WAYPOINTS, Holding, Problem, Searcher
 from services.embodiment.hold.kit import Kit, Kits
+from services.embodiment.hold.sampling import FULL, QUICK, Effort
 from services.embodiment.proof_check.content import IN_HAND
 from services.embodiment.prove import Proved, Prover, in_hand, out_of_reach
 from services.embodiment.ways.approach import Approacher, Blocked
@@ -33,7 +34,7 @@ from services.embodiment.ways.slim import slim
 Array = NDArray[np.float64]
 
 MORE_ROUNDS = 48  # the same, where postures were found but no way on from them
-ALONE = 4  # rounds of single paths before many postures search together
+ALONE = 4  # rounds of single paths before many postures search together; a few do so after the first of them
 EARLY_BOXES = 1_000  # of a proof looked for as soon as one batch of seeds reached no grasp
 LATE_BOXES = 6_000  # of a proof looked for when the search has given up
 TRIES = 4  # holdings of one batch that are approached
@@ -114,8 +115,8 @@ class Planner:
         for number in range(MORE_ROUNDS):
             if self._proved_early(number):
                 return
-            if number == ALONE:
-                yield from self._spread()
+            if 0 < number <= ALONE:
+                yield from self._spread(FULL if number == ALONE else QUICK)
             for attempt in self._attempts(kits, number):
                 if attempt.saturated(number):
                     continue
@@ -124,12 +125,12 @@ class Planner:
                     return
                 yield from self._round(attempt, number)
         self._give_up()
-        yield from self._spread()
+        yield from self._spread(FULL)
         self._prove_of_holds()
-        yield from self._spread(breeds=True)
+        yield from self._spread(None)
 
-    def _spread(self, breeds: bool = False) -> Iterator[Planned]:
-        """Plans from holdings of more grasps, listed ones or bred, that many postures find together.
+    def _spread(self, effort: Effort | None) -> Iterator[Planned]:
+        """Plans from holdings of more grasps, listed ones or else bred, that many postures find together.
 
         A base that moves needs no others where there are some, but ways to them; bred ones would be in hand.
         """
@@ -137,7 +138,7 @@ class Planner:
             return
         for attempt in self.attempts:
             if self.proof is None and self.in_hand is None and not self.late():
-                found = attempt.breed(self.late) if breeds else attempt.spread(self.late)
+                found = attempt.breed(self.late) if effort is None else attempt.spread(self.late, effort)
                 yield from self._of(attempt, found)
 
     def _proved_early(self, number: int) -> bool:
@@ -160,10 +161,8 @@ class Planner:
     def _prove(self, boxes: int) -> None:
         """Look for a proof from times, and with so many boxes for each gripper and value of the container."""
         at, setting = time.perf_counter(), self.setting
-        if (
-            self.proof is not None or setting.tolerances != Tolerances()
-        ):  # it refutes what these accept, no more
-            return
+        if self.proof is not None or setting.tolerances != Tolerances():
+            return  # it refutes what these accept, no more
         if self._prover is None:
             self._prover = self._about(None)
         self.proof = self._prover.hurried(setting.motion)

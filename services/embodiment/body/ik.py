@@ -16,6 +16,9 @@ ARM = 0.2  # [m] what one radian of orientation error counts as
 DAMPING = 1e-3  # [1] of the squared error, floor below
 FLOOR = 1e-10  # [m²] keeps singular directions bounded
 STEP = 0.4  # [rad or m] largest change of a variable in one step
+CHECKED = 4  # steps after which the error is compared with what it was before them
+PATIENCE = 8  # steps that are made in any case: far seeds first move as far as steps go
+STALLED = 0.64  # [1] of the squared error that is left when a seed is given up: of those that would meet, 2 %
 
 
 @kernel
@@ -158,8 +161,8 @@ def solve(x, target_r, target_p, chain, weight, lower, upper, steps, tolerance):
     joints, n = chain[3].shape[0], x.shape[0]
     r, p = np.empty((3, 3)), np.empty(3)
     z, o = np.empty((joints, 3)), np.empty((joints, 3))
-    jac, e = np.empty((6, n)), np.empty(6)
-    for _ in range(steps):
+    jac, e, before = np.empty((6, n)), np.empty(6), math.inf
+    for k in range(steps):
         tool_pose(x, chain, r, p, z, o)
         pose_error(r, p, target_r, target_p, e)
         jacobian(chain, p, z, o, jac)
@@ -167,11 +170,15 @@ def solve(x, target_r, target_p, chain, weight, lower, upper, steps, tolerance):
         for i in range(6):
             if i >= 3:
                 e[i] *= ARM
-                for k in range(n):
-                    jac[i, k] *= ARM
+                for v in range(n):
+                    jac[i, v] *= ARM
             error += e[i] * e[i]
         if error < tolerance * tolerance:
             return True
+        if k % CHECKED == 0:
+            if k > PATIENCE and error > STALLED * before:
+                return False
+            before = error
         if not step(x, jac, e, error, weight, lower, upper):
             return False
     return False

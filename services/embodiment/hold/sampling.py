@@ -23,13 +23,41 @@ Indices = NDArray[np.intp]
 
 LOOKED_AT = 5  # values of the container at which free postures are counted first
 ENOUGH = 24  # free postures at a value that tell how many of its seeds lead to one
-BATCHES = 4  # of seeds that are looked at together
-MOST_BATCHES = 36  # at one value, until one is free
-FEW_BATCHES = 24  # at one value, where some are
 HOPELESS = 24  # batches that lead to no posture at all, of one value
 TRIES = 4  # looks for a free posture of a grasp at another value
 EACH = 4  # seeds for each grasp at such a look
-MOST = 128  # postures that go on
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How much is looked at.
+
+    Attributes:
+        first: Batches of seeds at each value.
+        batches: The same at the value where the fewest lead to a free posture, until one does.
+        few: The same where some do.
+        enough: Free postures at that value, with which its narrowness is known.
+        together: Batches that are looked at together.
+        common: Whether only grasps go on that a posture is found of at other values too.
+        fronts: How many postures go on at once, one try after the other, until some arrive.
+    """
+
+    first: int
+    batches: int
+    few: int
+    enough: int
+    together: int
+    common: bool
+    fronts: tuple[int, ...]
+
+    @property
+    def most(self) -> int:
+        """Postures that are looked for where they start."""
+        return self.fronts[0]
+
+
+QUICK = Effort(first=2, batches=8, few=8, enough=2, together=2, common=False, fronts=(16, 96))
+FULL = Effort(first=36, batches=36, few=24, enough=24, together=4, common=True, fronts=(128, 128, 128))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,7 +74,7 @@ class Layer:
     grasps: Indices
     parents: Indices
 
-    def some(self, chosen: NDArray[np.bool_] | Indices) -> "Layer":
+    def some(self, chosen: NDArray[np.bool_] | Indices | slice) -> "Layer":
         """Those of them."""
         return Layer(self.xs[chosen], self.grasps[chosen], self.parents[chosen])
 
@@ -90,36 +118,55 @@ class Sampler:
         assert fitted is not None, "a posture that holds it was found"
         return fitted
 
-    def hardest(self) -> tuple[int, Layer] | None:
-        """The waypoint with the fewest free postures, and these, of grasps that all waypoints looked at have.
+    def hardest(self, effort: Effort) -> tuple[int, Layer] | None:
+        """The waypoint with the fewest free postures, and these, of grasps that others have too if some do.
 
         Waypoints where none is found count for nothing: postures of others may come there. None where no
         posture is found at all, or no seed leads to the handle at some waypoint.
         """
-        every = np.arange(len(self.opened))
-        looked_at = np.linspace(0, self.last, LOOKED_AT).astype(int).tolist()[::-1]
-        found: dict[int, Layer] = {}
-        share: dict[int, float] = {}
-        for index in looked_at:
-            solved = self.searcher.tally.solved
-            found[index], share[index] = self._sampled(index, every, ENOUGH)
-            if self.searcher.tally.solved == solved or self.late():
-                return None
-        looked_at = [index for index in looked_at if len(found[index].xs)]
-        if not looked_at:
+        found = self._found(effort)
+        if not found:
             return None
-        looked_at.sort(key=lambda index: share[index])
-        hardest = looked_at[0]
-        start = both(found[hardest], self._sampled(hardest, np.unique(found[hardest].grasps), MOST)[0])
+        hardest, *others = found
+        some, rest = found[hardest], (effort, effort.batches)
+        among = np.unique(some.grasps) if len(found) == LOOKED_AT else np.arange(len(self.opened))
+        start = both(some, self._sampled(hardest, among, effort.most, *rest)[0])
         common = np.unique(start.grasps)
-        for index in looked_at[1:]:
-            common = self._shared(index, common)
-            if not len(common) or self.late():
+        for index in others if effort.common else ():
+            shared = self._shared(index, common)
+            if self.late():
                 return None
+            if not len(shared):  # too few seeds for values so narrow: postures tell that are led there
+                break
+            common = shared
         start = start.some(np.isin(start.grasps, common))
-        if len(start.xs) < MOST:
-            start = both(start, self._sampled(hardest, common, MOST)[0])
+        if len(start.xs) < effort.most:
+            start = both(start, self._sampled(hardest, common, effort.most, *rest)[0])
         return hardest, Layer(start.xs, start.grasps, np.arange(len(start.xs)))
+
+    def _found(self, effort: Effort) -> dict[int, Layer]:
+        """Free postures at waypoints where some are found, by the share of seeds that lead to them.
+
+        None at all where no seed leads to the handle at some waypoint.
+        """
+        every, solved = np.arange(len(self.opened)), dict[int, int]()
+        found, share = dict[int, Layer](), dict[int, float]()
+
+        def look(index: int, enough: int, batches: int) -> None:
+            before = self.searcher.tally.solved
+            layer, share[index] = self._sampled(index, every, enough, effort, batches)
+            found[index] = both(found[index], layer) if index in found else layer
+            solved[index] = solved.get(index, 0) + self.searcher.tally.solved - before
+
+        for index in np.linspace(0, self.last, LOOKED_AT).astype(int).tolist()[::-1]:
+            look(index, ENOUGH, effort.first)
+            if self.late() or not (solved[index] or effort.first < effort.batches):
+                return {}
+        narrow = min(found, key=lambda index: share[index])
+        if effort.first < effort.batches and len(found[narrow].xs) < effort.enough:
+            look(narrow, effort.enough, effort.batches)
+        free = sorted((one for one in found if len(found[one].xs)), key=lambda index: share[index])
+        return {index: found[index] for index in free} if all(solved.values()) else {}
 
     def _shared(self, index: int, grasps: Indices) -> Indices:
         """Those of the grasps for which a free posture is found at another waypoint."""
@@ -131,23 +178,25 @@ class Sampler:
             known = np.union1d(known, self._free_seeds(index, np.repeat(open_ones, EACH)).grasps)
         return known
 
-    def _sampled(self, index: int, grasps: Indices, enough: int) -> tuple[Layer, float]:
+    def _sampled(
+        self, index: int, grasps: Indices, enough: int, effort: Effort, batches: int
+    ) -> tuple[Layer, float]:
         """Free postures at a waypoint, as many as are enough if they are found, and their share of the seeds.
 
         Half of the seeds are for grasps that a posture was found for.
         """
         layer, seeds, solved = self._free_seeds(index, grasps[:0]), 0, self.searcher.tally.solved
-        for batch in range(0, MOST_BATCHES, BATCHES):
+        for batch in range(0, batches, effort.together):
             left = grasps[[self._may_fit(one) for one in grasps.tolist()]]
             if not len(left):
                 break
-            more = self.rng.choice(left, BATCHES * SEEDS)
+            more = self.rng.choice(left, effort.together * SEEDS)
             if len(layer.xs):
                 more[::2] = self.rng.choice(layer.grasps, len(more[::2]))
             layer = both(layer, self._free_seeds(index, more))
             seeds += len(more)
             hopeless = batch >= HOPELESS and self.searcher.tally.solved == solved
-            few = batch >= FEW_BATCHES and len(layer.xs)
+            few = batch >= effort.few and len(layer.xs)
             if len(layer.xs) >= enough or few or hopeless or self.late():
                 break
         return layer, len(layer.xs) / max(seeds, 1)

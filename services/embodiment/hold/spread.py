@@ -14,32 +14,32 @@ from numpy.typing import NDArray
 
 from services.embodiment.body.track import JUMP
 from services.embodiment.hold.holding import Holding
-from services.embodiment.hold.sampling import MOST, Layer, Sampler
+from services.embodiment.hold.sampling import Effort, Layer, Sampler, both
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-GOES = 3  # of the postures to an end, until some come there
-TOGETHER = 64  # that are looked at together, until there are as many
 CHILDREN = 2  # of each, beside the one that moves least
 STRIDE = 3  # [1] waypoints from one layer to the next
 FAR = 2 * JUMP  # [rad or m] largest change of a variable between two layers
 BESIDE = 0.2  # [rad or m] standard deviation of a child from its parent, before it meets the handle
 PATHS = 6  # that are straightened
 STRIDES = (4, 2, 1, 4, 2, 1)  # layers over which a path is straightened, one after the other
-SWEEPS = 6  # over each
+LOOKS = 2  # for contacts, at each
+SWEEPS = 3  # before each look
 
 
 class Spreader:
     """The search for one limb, whose free postures the sampler knows."""
 
-    def __init__(self, sampler: Sampler) -> None:
-        self.searcher, self.limb, self._sampler = sampler.searcher, sampler.limb, sampler
+    def __init__(self, sampler: Sampler, effort: Effort) -> None:
+        self.searcher, self.limb = sampler.searcher, sampler.limb
+        self._sampler, self._effort = sampler, effort
         self._rng, self._late, self._last = sampler.rng, sampler.late, sampler.last
 
     def holdings(self) -> Iterator[Holding]:
         """Holdings from the first waypoint to the last."""
-        started = self._sampler.hardest()
+        started = self._sampler.hardest(self._effort)
         if started is not None:
             yield from self._from(*started)
 
@@ -50,7 +50,8 @@ class Spreader:
         yield from self._from(pivot, Layer(xs, every, every))
 
     def _from(self, pivot: int, start: Layer) -> Iterator[Holding]:
-        start = start.some(self._in_turn(start)[:MOST])
+        by_grasp = Layer(start.xs, start.grasps, start.grasps)
+        start = start.some(self._in_turn(by_grasp)[: self._effort.most])
         waypoints_on = [
             *range(pivot + STRIDE, self._last, STRIDE),
             *([self._last] if pivot < self._last else []),
@@ -94,34 +95,34 @@ class Spreader:
 
     def _spread(self, start: Layer, waypoints: list[int]) -> list[Layer] | None:
         """Layers from the start on; None where no posture goes on, however often it is tried."""
-        tries = (self._spread_once(start, waypoints) for _ in range(GOES))
+        tries = (self._spread_once(start.some(slice(most)), waypoints, most) for most in self._effort.fronts)
         return next((layers for layers in tries if layers is not None), None)
 
-    def _spread_once(self, start: Layer, waypoints: list[int]) -> list[Layer] | None:
+    def _spread_once(self, start: Layer, waypoints: list[int], most: int) -> list[Layer] | None:
         """The same, tried once."""
         layers = [start]
         for index in waypoints:
             if self._late():
                 return None
-            before = layers[-1]
-            layer = self._children(before)
-            met = self._sampler.follow(layer, index)
-            met &= np.abs(layer.xs - before.xs[layer.parents]).max(axis=1) < FAR
-            layer = self._free(layer.some(met), index)
+            layer = self._next(layers[-1], index, most)
             if not len(layer.xs):
                 return None
             layers.append(layer)
         return layers
 
-    def _free(self, layer: Layer, index: int) -> Layer:
-        """At most MOST that touch nothing, of which one of each parent is looked at first."""
-        order, found = self._in_turn(layer), [np.empty(0, np.intp)]
-        for k in range(0, len(order), TOGETHER):
-            some = order[k : k + TOGETHER]
-            found.append(some[self._sampler.clear(layer.some(some), index)])
-            if sum(map(len, found)) >= MOST:
+    def _next(self, before: Layer, index: int, most: int) -> Layer:
+        """At most so many that touch nothing at a waypoint; one of each parent is looked at first."""
+        layer = self._children(before)
+        order, found = self._in_turn(layer), before.some(slice(0))
+        for k in range(0, len(order), most):
+            some = layer.some(order[k : k + most])
+            met = self._sampler.follow(some, index)
+            met &= np.abs(some.xs - before.xs[some.parents]).max(axis=1) < FAR
+            some = some.some(met)
+            found = both(found, some.some(self._sampler.clear(some, index)))
+            if len(found.xs) >= most:
                 break
-        return layer.some(np.concatenate(found)[:MOST])
+        return found.some(slice(most))
 
     def _children(self, layer: Layer) -> Layer:
         """Each posture as it is, and others beside it."""
@@ -140,17 +141,18 @@ class Spreader:
     def _straightened(self, path: Array, at: Indices, grasp: int) -> Array:
         """The path with each posture nearer to its neighbours' middle, where it stays free of contact."""
         path, inner = path.copy(), np.arange(1, len(path) - 1)
-        for stride in STRIDES:
+        for stride in np.repeat(STRIDES, LOOKS).tolist():
             low, high = np.maximum(inner - stride, 0), np.minimum(inner + stride, len(path) - 1)
             share = ((at[inner] - at[low]) / (at[high] - at[low]))[:, None]
+            nearer, met = path.copy(), np.ones(len(inner), np.bool_)
             for _ in range(SWEEPS):
-                nearer = path[low] * (1 - share) + path[high] * share
-                layer = Layer(nearer, np.full(len(inner), grasp), inner)
-                layer = layer.some(self._sampler.follow(layer, at[inner]))
-                if not len(layer.xs):
-                    return path
-                free = self._sampler.clear(layer, at[layer.parents])
-                path[layer.parents[free]] = layer.xs[free]
+                nearer[inner] = nearer[low] * (1 - share) + nearer[high] * share
+                layer = Layer(nearer[inner], np.full(len(inner), grasp), inner)
+                met &= self._sampler.follow(layer, at[inner])
+                nearer[inner] = layer.xs
+            layer = Layer(nearer[inner], np.full(len(inner), grasp), inner).some(met)
+            free = self._sampler.clear(layer, at[layer.parents])
+            path[layer.parents[free]] = layer.xs[free]
         return path
 
 

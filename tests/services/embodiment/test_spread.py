@@ -9,7 +9,7 @@ from services.embodiment.body.track import JUMP
 from services.embodiment.hold.fit import Fitter, Opened
 from services.embodiment.hold.grasp import FIRST_WIDE, grasp_set, wide_set
 from services.embodiment.hold.handle import Bar
-from services.embodiment.hold.sampling import Sampler
+from services.embodiment.hold.sampling import FULL, QUICK, Effort, Sampler
 from services.embodiment.hold.spread import Spreader
 from tests.services.embodiment.front import front
 
@@ -20,19 +20,22 @@ FRONT = 14
 OPEN = 1.472  # [rad]
 
 
-def searched(folder: Path, base: tuple[float, float, float]) -> Spreader:
-    return spread(folder, base)[0]
+def searched(folder: Path, base: tuple[float, float, float], effort: Effort = FULL) -> Spreader:
+    return spread(folder, base, effort)[0]
 
 
-def spread(folder: Path, base: tuple[float, float, float]) -> tuple[Spreader, Fitter, list[Opened]]:
+def spread(
+    folder: Path, base: tuple[float, float, float], effort: Effort = FULL
+) -> tuple[Spreader, Fitter, list[Opened]]:
     one = front(folder, FRONT, "pr2", 61, last=OPEN)
     opened = one.fitter.wide(lambda: False)
     sampler = Sampler(one.searcher(base), one.fitter, opened, np.random.default_rng(0), lambda: False)
-    return Spreader(sampler), one.fitter, opened
+    return Spreader(sampler, effort), one.fitter, opened
 
 
-def test_a_holding_keeps_its_grasp_its_limits_and_its_distance(tmp_path: Path) -> None:
-    spreader = searched(tmp_path, (0.0, 0.0, 0.0))
+@pytest.mark.parametrize("effort", [QUICK, FULL], ids=["quick", "full"])
+def test_a_holding_keeps_its_grasp_its_limits_and_its_distance(tmp_path: Path, effort: Effort) -> None:
+    spreader = searched(tmp_path, (0.0, 0.0, 0.0), effort)
     found = next(spreader.holdings())
     one, problem = spreader.searcher, spreader.searcher.problem
     target_r, target_p = found.grasp.tool(problem.handle_r, problem.handle_p)
@@ -48,8 +51,9 @@ def test_a_holding_keeps_its_grasp_its_limits_and_its_distance(tmp_path: Path) -
     assert one.world.contact(q, one.rules) is None
 
 
-def test_nothing_is_held_where_some_value_is_out_of_reach(tmp_path: Path) -> None:
-    assert [*searched(tmp_path, (-1.0, 0.0, 0.0)).holdings()] == []
+@pytest.mark.parametrize("effort", [QUICK, FULL], ids=["quick", "full"])
+def test_nothing_is_held_where_some_value_is_out_of_reach(tmp_path: Path, effort: Effort) -> None:
+    assert [*searched(tmp_path, (-1.0, 0.0, 0.0), effort).holdings()] == []
 
 
 def test_a_hand_is_closed_only_in_grasps_that_a_posture_was_found_for(tmp_path: Path) -> None:
