@@ -22,7 +22,7 @@ with a fixed base, by a box inside one of the arm's bodies that meets something 
 collision geometry is used.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -34,7 +34,7 @@ from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import ROUNDING, Arm, make_arm, upright
 from services.embodiment.proof_check.cores import Around, Solids, Surroundings, cores_on, own_solids
-from services.embodiment.proof_check.interval import Interval, apply, exact, times
+from services.embodiment.proof_check.interval import exact
 from services.embodiment.proof_check.mechanics import (
     HERE,
     Chain,
@@ -45,65 +45,11 @@ from services.embodiment.proof_check.mechanics import (
     lever_of,
 )
 from services.embodiment.proof_check.shapes import boxes_of, finger_box, tool_in
+from services.embodiment.proof_check.target import Target
 
 Array = NDArray[np.float64]
 
 BASE = ("base_x", "base_y", "base_yaw")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Target:
-    """The handle with the container at one value.
-
-    Attributes:
-        boxes: Where its shapes' boxes are in the world.
-        half: Their half extents, widened by what certification tolerates, and by the distance at which a
-            hold has the handle in hand, where that is meant [m], shape (B, 3).
-        shift: How far each may be from there [m], shape (B,).
-    """
-
-    boxes: tuple[Placement, ...]
-    half: Array
-    shift: Array
-
-    def distance(self, points: Interval, level: bool) -> Array:
-        """Distance of points (L, 3) from the nearest box [m], shape (L,): lower bounds.
-
-        Args:
-            points: In the world, or, where only heights are known, their z.
-            level: Whether only heights are compared.
-        """
-        nearest = np.full(len(points.lo), np.inf)
-        for box, half in zip(self.boxes, self.half, strict=True):
-            local = points - box.translation
-            if level:
-                up = apply(box.rotation.magnitude(), exact(half)).hi[2] + ROUNDING
-                gap = np.maximum(local[:, 2].magnitude().lo - up, 0.0)
-            else:
-                beyond = np.maximum(apply(box.rotation.T, local).magnitude().lo - half - ROUNDING, 0.0)
-                gap = exact(beyond).norm().lo
-            nearest = np.minimum(nearest, gap)
-        return nearest
-
-    def gap(self, tool: Placement, half: Array, level: bool) -> Array:
-        """Gap between the handle's boxes and boxes of those half extents at L placements [m], shape (L,).
-
-        A lower bound: the largest gap along an axis of one of both, or in height.
-        """
-        nearest = np.full(len(tool.translation.lo), np.inf)
-        for box, own in zip(self.boxes, self.half, strict=True):
-            apart = tool.translation - box.translation
-            if level:
-                up = apply(box.rotation.magnitude(), exact(own)).hi[2]
-                tall = apply(tool.rotation.magnitude(), exact(half)).hi[:, 2]
-                widest = apart[:, 2].magnitude().lo - up - tall
-            else:
-                turn = times(box.rotation.T, tool.rotation).magnitude()
-                here = apply(box.rotation.T, apart).magnitude().lo - apply(turn, exact(half)).hi - own
-                there = apply(tool.rotation.T, apart).magnitude().lo - apply(turn.T, exact(own)).hi - half
-                widest = np.maximum(here, there).max(axis=1)
-            nearest = np.minimum(nearest, widest - ROUNDING)
-        return nearest
 
 
 class Statement:

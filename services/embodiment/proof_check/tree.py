@@ -1,8 +1,4 @@
-"""Trees of boxes of joint positions, each leaf of which is refuted; in interval arithmetic.
-
-From the middle of a box, moving its joints one after the other from the base outwards, a point moves by at
-most its distance from each axis, as it is in the middle, times the way to the box's end.
-"""
+"""Trees of boxes of joint positions, each leaf of which is refuted; in interval arithmetic."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,9 +11,9 @@ from sdt_kg.errors import InputError
 from services.embodiment.proof_check.arm import ROUNDING, Arm
 from services.embodiment.proof_check.content import LEAF
 from services.embodiment.proof_check.cores import Around, pierced
-from services.embodiment.proof_check.interval import Interval, apply, cross, exact
-from services.embodiment.proof_check.mechanics import Chain, Placement, levers
-from services.embodiment.proof_check.statement import Target
+from services.embodiment.proof_check.interval import apply, exact
+from services.embodiment.proof_check.mechanics import HERE, Placement
+from services.embodiment.proof_check.target import Swing, Target
 
 Array = NDArray[np.float64]
 Block = list[tuple[Array, Array, int]]
@@ -127,56 +123,35 @@ def all_far(arm: Arm, target: Target, block: Block, level: bool) -> None:
     middle = (low + high) / 2
     half = np.maximum(high - middle, middle - low) * (1 + 1e-12)
     origins, axes, tool = arm.chain.frames(middle)
-    for k in np.unique(named):
+    turns = np.array([link.turns for link in arm.chain.links])
+    upright = arm.upright if level else 0
+    for k in np.unique(named).tolist():
         of = named == k
         if k == len(arm.chain.links):
-            at = Placement(tool.rotation[of], tool.translation[of])
-            _box_apart(arm, target, at, (origins[of], axes[of], half[of]), level)
+            swing = Swing(origins[of], axes[of], half[of], turns, upright)
+            centre = apply(tool.rotation[of], exact(arm.middle)) + tool.translation[of]
+            _box_apart(arm, target, Placement(tool.rotation[of], centre), swing, level)
             continue
-        arms = levers(origins[of], axes[of], int(k), arm.chain.links)
-        if level:
-            arms = np.where(
-                np.arange(k + 1) < arm.upright, rises(arm.chain, axes[of].magnitude().hi)[:, : k + 1], arms
-            )
-        moved = (arms * half[of, : k + 1]).sum(axis=1) * (1 + 1e-12)
-        apart = target.distance(origins[of][:, k], level) - moved
-        short = np.flatnonzero(~(apart > arm.reach[k] + ROUNDING))
-        if len(short):
+        parts = origins[of][:, : k + 1], axes[of][:, : k + 1], half[of][:, : k + 1]
+        at = Placement(HERE.rotation, origins[of][:, k])
+        apart = target.apart(at, np.zeros(3), Swing(*parts, turns[: k + 1], upright), level)
+        if not (apart > arm.reach[k] + ROUNDING).all():
             name = arm.chain.links[k].name
-            worst = float(apart[short].min())
             raise InputError(
-                f"{name} can come as near as {worst:.4f} m to the handle, as far as was shown",
+                f"{name} can come as near as {apart.min():.4f} m to the handle, as far as was shown",
                 allowed=f"more than {arm.reach[k]:.4f} m, its distance to the fingers",
             )
 
 
-def _box_apart(
-    arm: Arm, target: Target, tool: Placement, joints: tuple[Interval, Interval, Array], level: bool
-) -> None:
-    """The grasp box is apart from the handle: no point of it moves farther than the gap in the middle.
+def _box_apart(arm: Arm, target: Target, tool: Placement, swing: Swing, level: bool) -> None:
+    """The grasp box is apart from the handle in all of each box.
 
     Raises:
         InputError: It is not, as far as was shown.
     """
-    origins, axes, half = joints
-    last = len(arm.chain.links)
-    centre = apply(tool.rotation, exact(arm.middle)) + tool.translation
-    turns = np.array([link.turns for link in arm.chain.links])
-    radius = float(np.linalg.norm(arm.half)) * (1 + 1e-12)
-    arms = cross(centre[:, None] - origins, axes).norm().hi + radius
-    arms = np.where(turns, arms, 1.0)
-    if level:
-        arms = np.where(np.arange(last) < arm.upright, rises(arm.chain, axes.magnitude().hi), arms)
-    moved = (arms * half).sum(axis=1) * (1 + 1e-12)
-    gap = target.gap(Placement(tool.rotation, centre), arm.half, level) - moved
-    if not (gap > 0).all():
+    apart = target.apart(tool, arm.half, swing, level)
+    if not (apart > 0).all():
         raise InputError(
-            f"the fingers can come to the handle: {float(gap.min()):.4f} m between them, as far as was shown",
+            f"the fingers can come to the handle: {apart.min():.4f} m between them, as far as was shown",
             allowed="a gap",
         )
-
-
-def rises(chain: Chain, axes: Array) -> Array:
-    """How far an upright joint lifts what it carries for a unit of it; `axes` are magnitudes (L, n, 3)."""
-    slides = np.array([not link.turns for link in chain.links])
-    return np.where(slides, axes[:, :, 2], 0.0)

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.cores import Around
 from services.embodiment.proof_check.interval import Interval
-from services.embodiment.proof_check.statement import Target
+from services.embodiment.proof_check.target import Target
 
 Array = NDArray[np.float64]
 Three = tuple[Array, Array, Array]

@@ -16,7 +16,10 @@ FOUND, REACHED, GAVE_UP = 0, 1, 2
 
 LEAF = 128
 DEEPEST = 400  # halvings of one box
-FINEST = 1e-4  # [m] a box in which nothing moves by more is not halved: it lies at the edge of the reach
+FINEST = (
+    1e-4  # [m] a box in which nothing moves by more is not halved for that: it lies at the edge of the reach
+)
+TINY = 1e-300  # in place of 0, by which nothing can be divided
 
 
 @subkernel
@@ -43,109 +46,152 @@ def forward(q, chain, origins, axes, frames, step, carried):
 
 
 @subkernel
-def distance(point, box_r, box_p, half, level):
-    """Of a point from the nearest box; of heights alone where level."""
-    nearest = math.inf
-    for b in range(box_p.shape[0]):
+def toward(point, turn, place, half, d):
+    """Distance of a point from a box; the unit direction from the box to it is in d."""
+    far = 0.0
+    for i in range(3):
+        d[i] = 0.0
+    for k in range(3):
+        local = 0.0
+        for i in range(3):
+            local += turn[i, k] * (point[i] - place[i])
+        beyond = math.copysign(max(abs(local) - half[k], 0.0), local)
+        far += beyond * beyond
+        for i in range(3):
+            d[i] += turn[i, k] * beyond
+    far = math.sqrt(far)
+    for i in range(3):
+        d[i] /= max(far, TINY)
+    return far
+
+
+@subkernel
+def extent(d, turn, half):
+    """How far a box reaches from its middle along d."""
+    reach = 0.0
+    for k in range(3):
+        reach += abs(d[0] * turn[0, k] + d[1] * turn[1, k] + d[2] * turn[2, k]) * half[k]
+    return reach
+
+
+@subkernel
+def along(d, point, turn, own, a, o):
+    """How far a point, and a box about it, moves for a unit of a hinge: first order along d, and in all."""
+    x, y, z = point[0] - o[0], point[1] - o[1], point[2] - o[2]
+    u, v, w = a[1] * z - a[2] * y, a[2] * x - a[0] * z, a[0] * y - a[1] * x
+    whole, first = math.sqrt(u * u + v * v + w * w), abs(d[0] * u + d[1] * v + d[2] * w)
+    radius = own[0] ** 2 + own[1] ** 2 + own[2] ** 2
+    if radius > 0.0:
+        u, v, w = d[1] * a[2] - d[2] * a[1], d[2] * a[0] - d[0] * a[2], d[0] * a[1] - d[1] * a[0]
+        for k in range(3):
+            first += abs(u * turn[0, k] + v * turn[1, k] + w * turn[2, k]) * own[k]
+    return first, whole + math.sqrt(radius)
+
+
+@subkernel
+def swing(d, point, turn, own, count, joints, best):
+    """How far a box that so many joints carry moves along d at most; the joint that adds most is in best.
+
+    `joints` are half the widths, origins, axes, which are hinges, and how many only lift: of heights alone.
+    """
+    half, origins, axes, turns, upright = joints
+    total, turned, most = 0.0, 0.0, -1.0
+    for j in range(count):
+        if j < upright:
+            one = 0.0 if turns[j] else abs(axes[j, 2])
+        elif turns[j]:
+            first, whole = along(d, point, turn, own, axes[j], origins[j])
+            one = min(whole, first + whole * (half[j] / 2 + turned))
+        else:
+            one = min(1.0, abs(d[0] * axes[j, 0] + d[1] * axes[j, 1] + d[2] * axes[j, 2]) + turned)
+        if turns[j]:
+            turned += half[j]
+        one *= half[j]
+        total += one
+        if one > most:
+            most, best[0] = one, j
+    best[1] = most
+    return total
+
+
+@subkernel
+def refutes(gap, d, point, turn, own, count, joints, best, room):
+    """Gap along d, over how far that can close; 0 where there is none. The joint to halve is in best."""
+    if gap <= 0.0:
+        return 0.0
+    way = swing(d, point, turn, own, count, joints, room)
+    if room[1] <= FINEST and gap <= way:
+        return 0.0
+    best[0] = room[0]
+    return gap / max(way, TINY)
+
+
+@subkernel
+def short(point, reach, boxes, b, level, count, joints, room, best):
+    """How near to refuted a box is by a joint that does not come to box b of the handle."""
+    turns, places, sizes = boxes
+    d, none, other = room
+    if level:
+        d[0], d[1], d[2] = 0.0, 0.0, 1.0
+        far = abs(point[2] - places[b, 2]) - extent(d, turns[b], sizes[b])
+    else:
+        far = toward(point, turns[b], places[b], sizes[b], d)
+    return refutes(far - reach, d, point, turns[b], none, count, joints, best, other)
+
+
+@subkernel
+def clear(middle, turn, own, boxes, b, level, slack, joints, room, best):
+    """How near to refuted a box is by the grasp box, apart from box b of the handle along an axis of both."""
+    turns, places, sizes = boxes
+    d, _, other = room
+    most, chosen, count = 0.0, -1.0, joints[0].shape[0]
+    for k in range(1 if level else 6):
+        for i in range(3):
+            d[i] = (1.0 if i == 2 else 0.0) if level else turns[b, i, k] if k < 3 else turn[i, k - 3]
         gap = 0.0
-        if level:
-            up = 0.0
-            for k in range(3):
-                up += abs(box_r[b, 2, k]) * half[b, k]
-            gap = max(abs(point[2] - box_p[b, 2]) - up, 0.0) ** 2
-        else:
-            for k in range(3):
-                local = 0.0
-                for i in range(3):
-                    local += box_r[b, i, k] * (point[i] - box_p[b, i])
-                gap += max(abs(local) - half[b, k], 0.0) ** 2
-        nearest = min(nearest, gap)
-    return math.sqrt(nearest)
-
-
-@subkernel
-def gap(box, half, box_r, box_p, own, level):
-    """Largest gap along an axis between a box (rotation, middle) and the nearest of the others."""
-    turn, middle = box
-    nearest = math.inf
-    for b in range(box_p.shape[0]):
-        x, y, z = middle[0] - box_p[b, 0], middle[1] - box_p[b, 1], middle[2] - box_p[b, 2]
-        if level:
-            widest = abs(z)
-            for k in range(3):
-                widest -= abs(box_r[b, 2, k]) * own[b, k] + abs(turn[2, k]) * half[k]
-        else:
-            widest = -math.inf
-            for k in range(3):
-                here = abs(box_r[b, 0, k] * x + box_r[b, 1, k] * y + box_r[b, 2, k] * z) - own[b, k]
-                there = abs(turn[0, k] * x + turn[1, k] * y + turn[2, k] * z) - half[k]
-                for i in range(3):
-                    across = along = 0.0
-                    for m in range(3):
-                        across += box_r[b, m, k] * turn[m, i]
-                        along += box_r[b, m, i] * turn[m, k]
-                    here -= abs(across) * half[i]
-                    there -= abs(along) * own[b, i]
-                widest = max(widest, here, there)
-        nearest = min(nearest, widest)
-    return nearest
-
-
-@subkernel
-def lever(origins, axes, j, k, turns, upright, level):
-    """How far origin k moves for a unit of joint j."""
-    if level and j < upright:
-        return 0.0 if turns[j] else abs(axes[j, 2])
-    if not turns[j]:
-        return 1.0
-    x, y, z = origins[k, 0] - origins[j, 0], origins[k, 1] - origins[j, 1], origins[k, 2] - origins[j, 2]
-    a, b, c = axes[j, 0], axes[j, 1], axes[j, 2]
-    return math.sqrt((y * c - z * b) ** 2 + (z * a - x * c) ** 2 + (x * b - y * a) ** 2)
+        for i in range(3):
+            gap += d[i] * (middle[i] - places[b, i])
+        gap = abs(gap) - extent(d, turns[b], sizes[b]) - extent(d, turn, own) - slack
+        one = refutes(gap, d, middle, turn, own, count, joints, best, other)
+        if one > most:
+            most, chosen = one, best[0]
+    best[0] = chosen
+    return most
 
 
 @subkernel
 def look(middle, half, chain, aim, upright, level, slack, room):
-    """(What is too far in the whole box, a joint or n for the fingers, or −1; joint to halve or −1).
+    """(What is too far in the whole box, a joint or n for the fingers, or −1; joint to halve or −1; how far).
 
-    Both are −1 where the middle may reach. `aim` is how far the arm reaches from its joints, the grasp box in
-    the last frame (rotation, middle, half extents), and the handle's boxes. Where the joints are in the
-    middle is in `room`: arms, origins, axes, frames, two turns.
+    Halved is the joint that moves most what is nearest to refute the box: its gap is so large a part of the
+    way by which it may close. The joint is −1 where the middle may reach. `aim` is how far the arm reaches
+    from its joints, the grasp box in the last frame (rotation, middle, half extents), and the handle's boxes.
+    Where the joints are in the middle is in `room`: arms, origins, axes, frames, two turns, room for others.
     """
     n = middle.shape[0]
     reach, tool, boxes = aim
-    arms, origins, axes, frames, turn, carried = room
+    _, origins, axes, frames, turn, carried, spare, best = room
     forward(middle, chain, origins, axes, frames, turn, carried)
     moved(frames[n - 1], origins[n - 1], tool[1], origins[n])
     matmul(frames[n - 1], tool[0], turn)
-    radius = math.sqrt(tool[2][0] ** 2 + tool[2][1] ** 2 + tool[2][2] ** 2)
-    chosen = -1
+    joints = half, origins, axes, chain[3], upright if level else 0
+    nearest, split = 0.0, -1
     for k in range(n + 1):
-        if k < n:
-            apart = distance(origins[k], boxes[0], boxes[1], boxes[2], level) - reach[k] - slack
-        else:
-            apart = gap((turn, origins[n]), tool[2], boxes[0], boxes[1], boxes[2], level) - slack
-        if apart <= 0:
-            continue
-        way = 0.0
-        for j in range(min(k + 1, n)):
-            one = lever(origins, axes, j, k, chain[3], upright, level)
-            if k == n and chain[3][j] and not (level and j < upright):
-                one += radius
-            way += one * half[j]
-        if apart > way:
-            return k, -1
-        if chosen < 0:
-            chosen = k
-    if chosen < 0:
-        return -1, -1
-    widest, most = 0, -1.0
-    for j in range(min(chosen + 1, n)):
-        arms[j] = lever(origins, axes, j, chosen, chain[3], upright, level) * half[j]
-        if chosen == n and chain[3][j] and not (level and j < upright):
-            arms[j] += radius * half[j]
-        if arms[j] > most:
-            widest, most = j, arms[j]
-    return -1, widest if most > FINEST else -1
+        worst, here = math.inf, -1
+        for b in range(boxes[1].shape[0]):
+            if k < n:
+                one = short(origins[k], reach[k] + slack, boxes, b, level, k + 1, joints, spare, best)
+            else:
+                one = clear(origins[n], turn, tool[2], boxes, b, level, slack, joints, spare, best)
+            if one < worst:
+                worst, here = one, int(best[0])
+            if worst <= nearest:
+                break
+        if worst > 1.0:
+            return k, -1, 0.0
+        if worst > nearest:
+            nearest, split = worst, here
+    return -1, split, nearest
 
 
 @kernel
@@ -162,7 +208,8 @@ def divide(low, high, chain, upright, aims, both, level, slack, inner, tree):
     lows, highs = np.empty((DEEPEST, n)), np.empty((DEEPEST, n))
     origins, axes, frames = np.empty((n + 1, 3)), np.empty((n, 3)), np.empty((n, 3, 3))
     arms, middle, half = np.empty(n), np.empty(n), np.empty(n)
-    work = arms, origins, axes, frames, np.empty((3, 3)), np.empty((3, 3))
+    spare = np.empty(3), np.zeros(3), np.empty(2)
+    work = arms, origins, axes, frames, np.empty((3, 3)), np.empty((3, 3)), spare, np.empty(2)
     for j in range(n):
         lows[0, j], highs[0, j] = low[j], high[j]
     depth, written = 1, 0
@@ -175,11 +222,11 @@ def divide(low, high, chain, upright, aims, both, level, slack, inner, tree):
                 (lows[depth, j] + highs[depth, j]) / 2,
                 (highs[depth, j] - lows[depth, j]) / 2,
             )
-        far, split = look(middle, half, chain, aims[0], upright, level, slack, work)
+        far, split, near = look(middle, half, chain, aims[0], upright, level, slack, work)
         if both and far < 0:
-            short, other = look(middle, half, chain, aims[1], upright, level, slack, work)
-            far = n + 1 + inner[0][0].shape[0] + short if short >= 0 else -1
-            split = other if other >= 0 else split
+            place, other, nearer = look(middle, half, chain, aims[1], upright, level, slack, work)
+            far = n + 1 + inner[0][0].shape[0] + place if place >= 0 else -1
+            split = other if nearer > near else split
         if far < 0 and inner[0][0].shape[0]:
             core, other = meets(half, chain[3], inner, origins, axes, frames, arms, split < 0)
             far, split = n + 1 + core if core >= 0 else -1, other if split < 0 else split

@@ -11,7 +11,8 @@ from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.interval import exact
 from services.embodiment.proof_check.mechanics import Placement
-from services.embodiment.proof_check.statement import Statement, Target
+from services.embodiment.proof_check.statement import Statement
+from services.embodiment.proof_check.target import Target
 from services.embodiment.proof_check.tree import all_far
 from services.physics.model import Scene
 

@@ -28,7 +28,8 @@ from services.embodiment.proof_check import check
 from services.embodiment.proof_check.content import IN_HAND
 from services.embodiment.proof_check.interval import exact
 from services.embodiment.proof_check.mechanics import Placement
-from services.embodiment.proof_check.statement import Statement, Target
+from services.embodiment.proof_check.statement import Statement
+from services.embodiment.proof_check.target import Target
 from services.embodiment.proof_check.tree import all_far
 from services.embodiment.prove import Proved, Prover, in_hand
 from services.physics.model import Scene

@@ -19,7 +19,8 @@ from services.embodiment.proof_check import check
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.interval import apply, exact
 from services.embodiment.proof_check.mechanics import Placement
-from services.embodiment.proof_check.statement import Statement, Target
+from services.embodiment.proof_check.statement import Statement
+from services.embodiment.proof_check.target import Swing, Target
 from services.embodiment.prove.prover import Proved, Prover, needed
 from services.physics.model import Scene
 
@@ -27,6 +28,9 @@ DOOR = "iai_fridge_door"
 BASE = (0.0, 0.0, -0.5)
 ROBOTS = ("pr2", "tiago_dual", "stretch")
 BOXES = 4000
+NONE = exact(np.zeros((1, 0, 3)))
+STILL = Swing(NONE, NONE, np.zeros((1, 0)), np.zeros(0, dtype=np.bool_))
+"""A box of positions of no joint."""
 
 
 @pytest.fixture(scope="module")
@@ -93,8 +97,8 @@ def test_joints_are_where_pinocchio_has_them_and_no_finger_is_farther_than_the_r
                 held = Target((Placement(exact(np.eye(3)), exact(middle)),), np.zeros((1, 3)), np.zeros(1))
                 centre = apply(tool.rotation, exact(arm.middle)) + tool.translation
                 grasp = Placement(tool.rotation[i : i + 1], centre[i : i + 1])
-                assert held.gap(grasp, arm.half, level=False) < 0
-                assert held.gap(grasp, arm.half, level=True) < 0
+                assert held.apart(grasp, arm.half, STILL, level=False) < 0
+                assert held.apart(grasp, arm.half, STILL, level=True) < 0
 
 
 def test_a_proof_is_found_verified_and_says_what_it_assumes(twin: Twin) -> None:
