@@ -204,11 +204,14 @@ def engaged(tool, shares, pads, hand, closing, handle, shapes, reach, inward, ro
     y (B,), 1 or −1). The rest is as in `closed`, which left the hand so.
     """
     seen, back, nowhere = (np.empty_like(handle[1]), np.empty_like(handle[2])), tool[0].T.copy(), np.zeros(3)
-    near, away, reaches = np.zeros(2, np.int64), np.empty(3), np.zeros(2, np.bool_)
+    near, away, above, below = np.empty(2, np.int64), np.empty(3), False, False
     there, own = (handle[0], seen[0], seen[1]), np.empty((2, pads[0].shape[1]), np.bool_)
     for b in range(pads[0].shape[0]):
-        own[:] = pads[0][b]
-        near[:] = pads[0][b].argmax()
+        near[0] = near[1] = 0
+        for f in range(own.shape[1] - 1, -1, -1):
+            own[0, f] = own[1, f] = pads[0][b, f]
+            if pads[0][b, f]:
+                near[0] = near[1] = f
         over, more = True, 0.0
         for look in range(5):
             for m in range(handle[0].shape[0]):
@@ -225,9 +228,9 @@ def engaged(tool, shares, pads, hand, closing, handle, shapes, reach, inward, ro
             elif room[1][0] > 0.0:
                 over = False
                 break
-        if over:
-            reaches[0 if pads[1][b] > 0.0 else 1] = True
-    return reaches[0] and reaches[1]
+        above = above or (over and pads[1][b] > 0.0)
+        below = below or (over and pads[1][b] <= 0.0)
+    return above and below
 
 
 @subkernel
