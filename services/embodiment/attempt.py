@@ -75,11 +75,11 @@ class Attempt:
     def breed(self, late: Callable[[], bool]) -> Iterator[Holding]:
         """The same of grasps between these, which can be had at every value of the container."""
         breeder = Breeder(self.searcher, self.fitter, self.rng, late)
-        opened = breeder.opened()
-        self.bred = breeder.looked_at
-        self._count()
-        for pivot, xs in breeder.postures():
-            yield from self._spreader(opened, FULL, late).holdings_from(pivot, xs)
+        for opened in breeder.litters():
+            self.bred += breeder.looked_at
+            self._count()
+            for pivot, xs in breeder.postures():
+                yield from self._spreader(opened, FULL, late).holdings_from(pivot, xs)
 
     def searched(self) -> Iterator[Grasp]:
         """The grasps that were searched; those of the wide set that were not needed as they were meant."""

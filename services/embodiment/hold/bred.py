@@ -37,6 +37,9 @@ WORTH = 0.06  # [m] where none is cheaper, another is not bred
 BOUND = 0.3  # [m] more than this counts no more, at one value
 TOUCHES = 0.05  # [m] what a contact counts as, or that it is not known whether there is one
 NEAR = 0.02  # [m] a tool that is nearer to its place is looked at for contacts
+CROWD = 480  # seeds that are looked at together for grasps that are in place everywhere but touch something
+CROWDS = 32  # of them at one value, at most
+FEW = 6  # such grasps of which a free posture is then found
 CHANGE = np.array([0.25, 0.25, 0.1, 0.3, 0.006])  # [rad, rad, rad, 1, m] standard deviations of a child
 SCALES = (0.03, 0.1, 0.3, 1.0)  # [1] of these, drawn anew for each generation
 FIRST_BRED = 20_000  # number of the first grasp
@@ -57,13 +60,16 @@ class Breeder:
         self._at = np.linspace(0, len(searcher.problem.values) - 1, LOOKED_AT).astype(int).tolist()
         self._numbers = itertools.count(FIRST_BRED)
 
-    def opened(self) -> list[Opened]:
-        """Grasps for which a free posture is known at each value that was looked at; none where none is."""
+    def litters(self) -> Iterator[list[Opened]]:
+        """Grasps with a free posture known at each value that was looked at, one litter after the other.
+
+        A litter may have none; where the cheapest is far from free there is no other.
+        """
         for _ in range(LITTERS):
-            cheapest = self._litter()
-            if cheapest == 0.0 or cheapest > WORTH or self._late():
-                break
-        return [one for one, cost in zip(self.looked_at, self._total(), strict=True) if cost == 0.0]
+            cheapest = self._litter() and self._freed()
+            yield [one for one, cost in zip(self.looked_at, self._total(), strict=True) if cost == 0.0]
+            if cheapest > WORTH or self._late():
+                return
 
     def postures(self) -> Iterator[tuple[int, Array]]:
         """Waypoints, and a free posture of each of these grasps there, shape (N, n)."""
@@ -95,6 +101,29 @@ class Breeder:
                 break
             self._breed(number % 2 == 0)
         return min(self._total())
+
+    def _freed(self) -> float:
+        """What the cheapest costs once those that are in place everywhere were tried from many seeds [m].
+
+        That something is touched says nothing of how nearly it is not: at the end of a door that tips over
+        one of thousands of postures may be free.
+        """
+        left = np.flatnonzero(np.isin(self._costs, (0.0, TOUCHES)).all(axis=1))
+        for k in np.argsort(-self._costs.sum(axis=0), kind="stable").tolist():
+            for _ in range(CROWDS):
+                touched = left[self._costs[left, k] > 0.0]
+                if not len(touched) or len(left) - len(touched) >= FEW or self._late():
+                    break
+                self._crowd(np.resize(self._rng.permutation(touched), CROWD), k)
+            left = left[self._costs[left, k] == 0.0]
+        return min(self._total(), default=np.inf)
+
+    def _crowd(self, grasps: Indices, k: int) -> None:
+        """One seed for each of these grasps at value k; free postures that are found are kept."""
+        tried = self._seeds(self._at[k], len(grasps))
+        cost = self._missed([self._fitted[one] for one in grasps.tolist()], tried, self._at[k])
+        free = cost == 0.0
+        self._xs[grasps[free], k], self._costs[grasps[free], k] = tried[free], 0.0
 
     @property
     def looked_at(self) -> list[Opened]:
