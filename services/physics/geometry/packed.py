@@ -16,6 +16,7 @@ from services.physics.geometry.convex import BALL, BOX, CAPSULE, CYLINDER, HULL,
 from services.physics.geometry.shapes import corners
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 DEEPEST = 64
 """[1] Parts of a mesh that wait while its tree grows; each is less than half of the one before."""
@@ -41,7 +42,7 @@ def pack(shapes: Sequence[coal.CollisionGeometry]) -> tuple:
             vertices.append(points)
             total += len(points)
         elif len(points):
-            tree = _grown(np.ascontiguousarray(points), nodes, total)
+            tree = grown(points, nodes, total)
             first[k], last[k] = nodes, nodes + len(tree[0])
             vertices.append(tree[4])
             total, nodes = total + len(tree[4]), int(last[k])
@@ -71,26 +72,33 @@ def _part(shape: coal.CollisionGeometry) -> tuple[int, tuple[float, ...] | Array
     return MESH, half, 0.0, corners(shape) - middle
 
 
-@kernel
-def _grown(corners, node, vertex):
+def grown(triangles: Array, node: int, vertex: int) -> tuple[Indices, Array, Indices, Indices, Array]:
     """(kind, half, first, last, vertices) of a tree's nodes, the first of them to be number `node`.
 
-    `corners` are triangles (T, 3, 3); `vertex` is the number of the first of its vertices.
+    Args:
+        triangles: Shape (T, 3, 3) [m].
+        node: As said.
+        vertex: Number of the first of its vertices.
     """
-    count = corners.shape[0]
+    count = len(triangles)
     total = 2 * count - 1
-    kind, half = np.empty(total, np.int64), np.empty((total, 3))
-    first, last, points = (
-        np.empty(total, np.int64),
-        np.empty(total, np.int64),
-        np.empty((total + 3 * count, 3)),
-    )
-    order, middle = np.arange(count), np.empty((count, 3))
+    kind, first, last = np.empty((3, total), np.int64)
+    half, points, middle = np.empty((total, 3)), np.empty((total + 3 * count, 3)), np.empty((count, 3))
+    room = np.arange(count), middle, np.empty((DEEPEST, 2), np.int64)
+    _grow(np.ascontiguousarray(triangles), node, vertex, room, (kind, half, first, last, points))
+    return kind, half, first, last, points
+
+
+@kernel
+def _grow(corners, node, vertex, room, tree):
+    """The tree is in `tree`; in `room` are its triangles in order, their middles, and ranges that wait."""
+    count = corners.shape[0]
+    order, middle, ranges = room
+    kind, half, first, last, points = tree
     for t in range(count):
         for i in range(3):
             one, two, three = corners[t, 0, i], corners[t, 1, i], corners[t, 2, i]
             middle[t, i] = (min(one, two, three) + max(one, two, three)) / 2
-    ranges = np.empty((DEEPEST, 2), np.int64)
     ranges[0, 0], ranges[0, 1], waiting, n, row = 0, count, 1, 0, 0
     while waiting > 0:
         waiting -= 1
@@ -119,7 +127,6 @@ def _grown(corners, node, vertex):
                 second = (end - cut > cut - start) == larger
                 ranges[waiting, 0], ranges[waiting, 1] = (cut, end) if second else (start, cut)
                 waiting += 1
-    return kind, half, first, last, points[:row]
 
 
 @subkernel

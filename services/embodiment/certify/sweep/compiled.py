@@ -73,18 +73,11 @@ def moments(piece, s, half, c, q, v, shift, v_max, a_max):
 
 
 @subkernel
-def shift(u, i, j, c, radius, path, revolute, placed, spans, levers):
+def first_order(u, i, j, c, radius, path, revolute, placed, spans, levers):
     """How far points of a ball about c on carrier i can move against carrier j during span u [m].
 
-    `levers` is room, shape (K,).
+    The bound is from positions alone; each joint's lever is in `levers`, shape (K,).
     """
-    moved = first_order(u, i, j, c, radius, path, revolute, placed, spans, levers)
-    return second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, moved)
-
-
-@subkernel
-def first_order(u, i, j, c, radius, path, revolute, placed, spans, levers):
-    """The bound from positions alone; each joint's lever is in `levers`."""
     origin, axis, moves = placed[1], placed[2], spans[2]
     moved = 0.0
     for k in range(1, path.shape[0]):
@@ -171,7 +164,7 @@ def swept(shapes, placed, spans, path, revolute, low, high):
                 continue
             middle_of(u, s, shapes, placed, c)
             turn_of(u, s, shapes, placed, r, half)
-            moved = shift(u, carrier, 0, c, shapes[4][s], path, revolute, placed, spans, levers)
+            moved = first_order(u, carrier, 0, c, shapes[4][s], path, revolute, placed, spans, levers)
             for i in range(3):
                 low[u, s, i], high[u, s, i] = c[i] - half[i] - moved, c[i] + half[i] + moved
 
