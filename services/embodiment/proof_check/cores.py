@@ -6,8 +6,7 @@ declared, meshes are not used. A core is solid for those that joints farther out
 lies in a core, wherever the joints are in a box of positions, and in such a solid, refutes the box.
 
 With the joints between both moved one after the other from the last one inwards, the point as the core
-sees it moves by at most its distance from each axis, as it is in the middle of the box, times half the
-box's width.
+sees it moves along each axis of the core by no more than a `Swing` says.
 """
 
 from dataclasses import dataclass
@@ -20,12 +19,15 @@ from sdt_kg.iri import Iri, body_iri, joint_iri
 from sdt_kg.mechanism import Geometry, JointType, ShapeType
 from sdt_kg.state import State
 from services.embodiment.proof_check.interval import Interval, apply, cross, exact
-from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement, Tree, placement
+from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement, Swing, Tree, placement
+from services.physics.geometry.floor import BELOW, SIZE, standing
 from services.physics.model import exempt_pairs
 
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-7  # [m] what quaternions and axes of not quite unit length can be off by
+FLOOR = "floor"
+"""In place of the IRI of a body, which never is one word."""
 ROUNDS = 12  # of projections between a core and a solid; any point that they lead to is checked
 
 
@@ -132,11 +134,14 @@ class Surroundings:
 
     def __init__(self, kitchen: Tree, slack: float) -> None:
         self._kitchen, self._slack = kitchen, slack
+        below = placement(BELOW)
+        at = Placement(below.rotation, exact(np.array([BELOW.position])))
+        self._floor = _solids(FLOOR, at, np.array(SIZE) / 2 - ROUNDING)
         self._seen: dict[tuple[str, bytes], Solids] = {}
 
     def at(self, state: State) -> Solids:
-        """Boxes inside the kitchen's declared shapes, with the kitchen in a state."""
-        name, found = self._kitchen.mechanism.name, list[Solids]()
+        """What is below the floor, and boxes inside the kitchen's declared shapes in a state."""
+        name, found = self._kitchen.mechanism.name, [self._floor]
         for body in self._kitchen.mechanism.bodies:
             geometries = [one for one in body.collision if one.shape is not ShapeType.MESH]
             if not geometries:
@@ -149,6 +154,15 @@ class Surroundings:
                 self._seen[key] = _placed(iri, chain, q, geometries, self._slack)
             found.append(self._seen[key])
         return _all(found)
+
+
+def kept_apart(
+    cores: tuple[Core, ...], solids: Solids, tree: Tree, annotation: RobotAnnotation
+) -> NDArray[np.bool_]:
+    """Which core certification keeps apart from which solid around the robot: some stand on the floor."""
+    on_floor = standing(tree.mechanism, annotation)
+    stands = [body_iri(tree.mechanism.name, core.body) in on_floor for core in cores]
+    return ~np.outer(stands, [body == FLOOR for body in solids.bodies])
 
 
 def own_solids(cores: tuple[Core, ...], tree: Tree, annotation: RobotAnnotation) -> tuple[Around, ...]:
@@ -204,13 +218,14 @@ def _pierced(
     middle, half = boxes
     origins, axes, at = Chain(links, core.middle).frames(middle)
     chosen = np.flatnonzero(keeps)
+    turns = np.array([link.turns for link in links], dtype=np.bool_)
     depth = np.full(len(middle), -np.inf)
     point, which = _points(at, core.half, solids, chosen, _moved(at.translation, origins, axes, links, half))
     local = apply(solids.at.rotation[which].T, exact(point) - solids.at.translation[which])
     inside = (local.magnitude().hi + ROUNDING <= solids.half[which]).all(axis=1)
     seen = apply(at.rotation.T, exact(point) - at.translation).magnitude().hi
-    moved = _moved(exact(point), origins, axes, links, half)
-    depth[inside] = ((core.half - seen).min(axis=1) - moved - ROUNDING)[inside]
+    moved = Swing(origins, axes, half, turns).seen(exact(point), at)
+    depth[inside] = ((core.half - seen - moved).min(axis=1) - ROUNDING)[inside]
     return depth
 
 

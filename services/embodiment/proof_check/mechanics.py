@@ -13,6 +13,8 @@ from services.embodiment.proof_check.interval import Interval, apply, cross, exa
 
 Array = NDArray[np.float64]
 
+TURN = 1e-12  # [rad] more than sums of angles are off by
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Placement:
@@ -100,6 +102,77 @@ class Chain:
             origins.append(at.translation)
             axes.append(axis)
         return _stacked(origins, count), _stacked(axes, count), at @ self.end
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Swing:
+    r"""L boxes of positions of n joints, and where these are in the boxes' middles.
+
+    Along a fixed unit direction d, from the middle of a box of joint positions, with joint j moved by at most
+    :math:`h_j`, a point p moves by at most the sum over the joints of
+
+    .. math:: h_j \min(l_j,\; |d \cdot (a_j \times (p - o_j))| + l_j (h_j / 2 + \sum_{i < j} h_i)),
+
+    where :math:`a_j` and :math:`o_j` are the joint's axis and origin in the middle,
+    :math:`l_j = |a_j \times (p - o_j)|`, and i are the hinges before j: a turn by h is its first-order part
+    to within :math:`l_j h^2 / 2`, and what is before the joint has turned the whole of it by no more than
+    the sum of these angles.
+
+    Attributes:
+        origins, axes: Of the joints, shape (L, n, 3).
+        half: From the middle to the ends of a box [rad or m], shape (L, n).
+        turns: Which joints are hinges, shape (n,).
+        upright: How many of the first joints only lift and turn about the vertical, where heights count.
+    """
+
+    origins: Interval
+    axes: Interval
+    half: Array
+    turns: NDArray[np.bool_]
+    upright: int = 0
+
+    def along(self, d: Array, at: Placement, own: Array) -> Array:
+        """How far points of boxes, which all joints carry, move along directions at most [m], shape (L,).
+
+        Args:
+            d: Directions no longer than 1, shape (L, 3).
+            at: Where the boxes are, L of them.
+            own: Their half extents [m], shape (3,).
+        """
+        ways, radius = exact(d)[:, None], float(np.linalg.norm(own)) * (1 + 1e-12)
+        moves = cross(self.axes, at.translation[:, None] - self.origins)
+        first = (ways * moves).total().magnitude().hi
+        if own.any():
+            across = apply(at.rotation.T[:, None], cross(ways, self.axes)).magnitude()
+            first = (exact(first) + (across * exact(own)).total()).hi
+        slid = (ways * self.axes).total().magnitude().hi
+        whole = np.where(self.turns, moves.norm().hi + radius, 1.0)
+        angles = np.where(self.turns, self.half, 0.0)
+        before = np.cumsum(angles, axis=1) - angles
+        second = whole * (angles / 2 + before + TURN) * (1 + 1e-12)
+        arms = np.minimum(whole, np.where(self.turns, first, slid) + second)
+        lifts = np.where(self.turns, 0.0, self.axes[..., 2].magnitude().hi)
+        arms = np.where(np.arange(len(self.turns)) < self.upright, lifts, arms)
+        return (arms * self.half).sum(axis=1) * (1 + 1e-12)
+
+    def seen(self, points: Interval, at: Placement) -> Array:
+        """How far points of the world move at most, as what all joints carry sees them [m], shape (L, 3).
+
+        Each joint's share is then turned by what the joints behind it turn.
+
+        Args:
+            points: Shape (L, 3).
+            at: Where what sees them is, L placements; its axes are those along which is told.
+        """
+        arms, turns = cross(self.axes, points[:, None] - self.origins), self.turns[:, None]
+        whole = np.where(self.turns, arms.norm().hi, 1.0)
+        back = at.rotation.T[:, None]
+        first = np.where(turns, apply(back, arms).magnitude().hi, apply(back, self.axes).magnitude().hi)
+        angles = np.where(self.turns, self.half, 0.0)
+        behind = np.cumsum(angles[:, ::-1], axis=1)[:, ::-1] - angles
+        second = whole * (angles / 2 + behind + TURN) * (1 + 1e-12)
+        ways = np.minimum(whole[:, :, None], first + second[:, :, None])
+        return (ways * self.half[:, :, None]).sum(axis=1) * (1 + 1e-12)
 
 
 def _stacked(parts: list[Interval], count: int) -> Interval:

@@ -33,7 +33,14 @@ from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import ROUNDING, Arm, make_arm, upright
-from services.embodiment.proof_check.cores import Around, Solids, Surroundings, cores_on, own_solids
+from services.embodiment.proof_check.cores import (
+    Around,
+    Solids,
+    Surroundings,
+    cores_on,
+    kept_apart,
+    own_solids,
+)
 from services.embodiment.proof_check.interval import exact
 from services.embodiment.proof_check.mechanics import (
     HERE,
@@ -130,7 +137,8 @@ class Statement:
         if value not in self._solids:
             self._solids[value] = self._surroundings.at(self.twin.at({self.container.joint: value}).state)
         solids = self._solids[value]
-        kitchen = Around(-1, solids, np.ones((len(arm.cores), len(solids.bodies)), dtype=np.bool_))
+        keeps = kept_apart(arm.cores, solids, self._tree, self._annotation)
+        kitchen = Around(-1, solids, keeps)
         if any(self.room):  # a map asks at many poses: what does not depend on them is left out
             return (kitchen,)
         return kitchen, *own_solids(arm.cores, self._tree, self._annotation)

@@ -12,8 +12,8 @@ from services.embodiment.proof_check.arm import ROUNDING, Arm
 from services.embodiment.proof_check.content import LEAF
 from services.embodiment.proof_check.cores import Around, pierced
 from services.embodiment.proof_check.interval import apply, exact
-from services.embodiment.proof_check.mechanics import HERE, Placement
-from services.embodiment.proof_check.target import Swing, Target
+from services.embodiment.proof_check.mechanics import HERE, Placement, Swing
+from services.embodiment.proof_check.target import Target
 
 Array = NDArray[np.float64]
 Block = list[tuple[Array, Array, int]]

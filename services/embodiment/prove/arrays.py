@@ -48,7 +48,6 @@ def inner(arm: Arm, around: tuple[Around, ...]) -> tuple[object, ...]:
             turns[near],
             places[near],
             half[near],
-            np.linalg.norm(half[near], axis=1),
             carrier[near].astype(np.int64),
         ),
         np.ascontiguousarray(keeps[:, near]),

@@ -201,7 +201,7 @@ def divide(low, high, chain, upright, aims, both, level, slack, inner, tree):
     `aims` are two: the handle and, looked at where both count, the wrist's place. Each is how far the arm
     reaches from its joints, what comes there in the last frame, and boxes where it has to come.
 
-    `inner` is cores (link, rotation, middle, half extents), solids (rotation, middle, half extents, radius,
+    `inner` is cores (link, rotation, middle, half extents), solids (rotation, middle, half extents,
     and the link that carries it or −1), and which of these are kept apart.
     """
     n = low.shape[0]
@@ -252,6 +252,6 @@ def warm() -> None:
     chain = turn, zero, zero, np.zeros(1, np.bool_)
     tool, boxes = (np.eye(3), np.zeros(3), np.zeros(3)), (turn, zero, zero)
     world = np.full(1, -1, np.int64)
-    inner = (np.zeros(1, np.int64), turn, zero, zero), (*boxes, one, world), np.ones((1, 1), np.bool_)
+    inner = (np.zeros(1, np.int64), turn, zero, zero), (*boxes, world), np.ones((1, 1), np.bool_)
     aim = one, tool, boxes
     divide(one, one, chain, 0, (aim, aim), False, False, 0.0, inner, np.zeros(1, dtype=np.uint8))

@@ -12,6 +12,7 @@ from services.kernel import subkernel
 
 SLACK = 1e-5  # [m] by which a box must be refuted, so that interval arithmetic finds so too
 DEEP = 0.004  # [m] less deep in each other, a core and a solid are no reason to halve a box
+MOSTLY = 0.5  # [1] of how far a core sways at most: it rarely goes less far along each of its own axes
 ROUNDS = 6  # of projections between a core and a solid
 
 
@@ -65,6 +66,31 @@ def sway(point, first, k, origins, axes, turns, half, arms):
 
 
 @subkernel
+def stays(point, first, k, box, origins, axes, turns, half, arms):
+    """How deep a point stays in a box (rotation, middle, half extents), with what `sway` left in arms."""
+    turn, place, sizes = box
+    depth = math.inf
+    for i in range(3):
+        inside, behind = 0.0, 0.0
+        for m in range(3):
+            inside += turn[m, i] * (point[m] - place[m])
+        inside = sizes[i] - abs(inside)
+        for j in range(k, first - 1, -1):
+            a, b, c = axes[j, 0], axes[j, 1], axes[j, 2]
+            if turns[j]:
+                u, v, w = point[0] - origins[j, 0], point[1] - origins[j, 1], point[2] - origins[j, 2]
+                a, b, c = b * w - c * v, c * u - a * w, a * v - b * u
+            one = half[j] * abs(turn[0, i] * a + turn[1, i] * b + turn[2, i] * c)
+            if turns[j]:
+                inside -= min(arms[j], one + arms[j] * (half[j] / 2 + behind))
+                behind += half[j]
+            else:
+                inside -= min(arms[j], one + arms[j] * behind)
+        depth = min(depth, inside)
+    return depth
+
+
+@subkernel
 def sways(k, half, arms, swayed, turned):
     """What joints from j on sway and turn is in swayed[j], turned[j], given each one's share."""
     swayed[k + 1], turned[k + 1] = 0.0, 0.0
@@ -75,7 +101,7 @@ def sways(k, half, arms, swayed, turned):
 @subkernel
 def stands(solids, s, frames, origins, turn, place):
     """Where solid s is with the joints in the middle of a box is in turn, place."""
-    carrier = solids[4][s]
+    carrier = solids[3][s]
     if carrier < 0:
         copied(solids[0][s], turn)
         for i in range(3):
@@ -86,12 +112,13 @@ def stands(solids, s, frames, origins, turn, place):
 
 
 @subkernel
-def parted(one, other, radii):
-    """Whether balls of radii that add up to this are apart."""
+def parted(point, radius, solid, local):
+    """Whether a ball is apart from a solid (rotation, middle, half extents)."""
+    into(solid[0], solid[1], point, local)
     away = 0.0
     for i in range(3):
-        away += (one[i] - other[i]) ** 2
-    return away > radii**2
+        away += max(abs(local[i]) - solid[2][i], 0.0) ** 2
+    return away > radius**2
 
 
 @subkernel
@@ -115,17 +142,19 @@ def meets(half, turns, inner, origins, axes, frames, arms, asked):
         sway(place, 0, k, origins, axes, turns, half, arms)
         sways(k, half, arms, swayed, widths)
         for s in range(solids[1].shape[0]):
-            first = solids[4][s] + 1
-            if not keeps[c, s] or (not asked and swayed[first] - radius * widths[first] > least):
+            first = solids[3][s] + 1
+            if not keeps[c, s] or (not asked and MOSTLY * (swayed[first] - radius * widths[first]) > least):
                 continue
             stands(solids, s, frames, origins, other, there)
-            if parted(place, there, radius + solids[3][s]):
+            solid = other, there, solids[2][s]
+            if parted(place, radius, solid, local):
                 continue
             less = min(swayed[first], least - DEEP)
-            depth = deepest((turn, place, sizes[c]), less, (other, there, solids[2][s]), point, local)
+            depth = deepest((turn, place, sizes[c]), less, solid, point, local)
             if depth <= SLACK:
                 continue
-            if depth > sway(point, first, k, origins, axes, turns, half, arms) + SLACK:
+            sway(point, first, k, origins, axes, turns, half, arms)
+            if stays(point, first, k, (turn, place, sizes[c]), origins, axes, turns, half, arms) > SLACK:
                 return c, -1
             if depth > most:
                 most, split = depth, first

@@ -12,6 +12,9 @@ from sdt_kg.mechanism import JointType, Mechanism, Pose
 SIDE = 100.0  # [m] of the box that stands for the plane, about the kitchen's origin
 DEPTH = 1.0  # [m] below z = 0
 
+SIZE = SIDE, SIDE, DEPTH
+"""[m] Of that box."""
+
 BELOW = Pose((0.0, 0.0, -DEPTH / 2))
 """Where the centre of that box is."""
 
@@ -23,7 +26,7 @@ def floor_iri(environment: Iri) -> Iri:
 
 def floor_box() -> coal.Box:
     """The box whose upper face is the floor."""
-    box = coal.Box(SIDE, SIDE, DEPTH)
+    box = coal.Box(*SIZE)
     box.computeLocalAABB()
     return box
 

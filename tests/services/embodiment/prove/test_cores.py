@@ -78,17 +78,18 @@ def test_of_1000_postures_none_that_is_free_is_refuted_and_many_in_contact_are(
     assert met.sum() > POSTURES / 20
 
 
+@pytest.mark.parametrize("width", [0.01, 0.04])
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_all_postures_of_a_refuted_box_are_in_contact(tmp_path: Path, robot: str) -> None:
+def test_all_postures_of_a_refuted_box_are_in_contact(tmp_path: Path, robot: str, width: float) -> None:
     twin, rng = front(tmp_path, robot), np.random.default_rng(2)
     about = statement(twin)
     arm = about.arm(about.grippers[0])
     assert arm is not None
-    middle = postures(arm, rng, 400)
-    half = rng.uniform(0.0, 0.01, middle.shape)
+    middle = postures(arm, rng, 1000)
+    half = rng.uniform(0.0, width, middle.shape)
     met = np.flatnonzero(deepest(about, arm, 0.0, middle, half) > 0)
     assert len(met) > 10
-    inside = [middle[k] + half[k] * rng.uniform(-1, 1, (10, middle.shape[1])) for k in met[:30]]
+    inside = [middle[k] + half[k] * rng.uniform(-1, 1, (10, middle.shape[1])) for k in met[:15]]
     assert touching(twin, about, arm, np.concatenate(inside), 0.0).all()
 
 

@@ -18,9 +18,9 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.interval import apply, exact
-from services.embodiment.proof_check.mechanics import Placement
+from services.embodiment.proof_check.mechanics import Placement, Swing
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.proof_check.target import Swing, Target
+from services.embodiment.proof_check.target import Target
 from services.embodiment.prove.prover import Proved, Prover, needed
 from services.physics.model import Scene
 

@@ -5,8 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from services.embodiment.proof_check.interval import exact
-from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement
-from services.embodiment.proof_check.target import Swing, Target
+from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement, Swing
+from services.embodiment.proof_check.target import Target
 
 JOINTS = 6
 BOXES = 40
@@ -48,6 +48,21 @@ def test_nothing_that_is_carried_moves_farther_along_a_direction_than_is_said(
         _, _, moved = arm.frames(middle + half * rng.choice([-1.0, 1.0, rng.uniform(-1, 1)], half.shape))
         way = np.einsum("lci,li->lc", corners(moved) - corners(at), d)
         assert (np.abs(way).max(axis=1) <= most + 1e-9).all()
+
+
+@pytest.mark.parametrize("width", [1e-3, 0.03, 0.3, 1.5])
+def test_nothing_is_seen_to_move_farther_than_is_said(width: float) -> None:
+    rng = np.random.default_rng(7)
+    arm, turns = chain(rng)
+    middle, half = rng.uniform(-2, 2, (BOXES, JOINTS)), width * rng.random((BOXES, JOINTS))
+    origins, axes, at = arm.frames(middle)
+    points = at.translation.lo + rng.uniform(-0.1, 0.1, (BOXES, 3))
+    most = Swing(origins, axes, half, turns).seen(exact(points), at)
+    first = np.einsum("lji,lj->li", at.rotation.lo, points - at.translation.lo)
+    for _ in range(INSIDE):
+        _, _, moved = arm.frames(middle + half * rng.choice([-1.0, 1.0, rng.uniform(-1, 1)], half.shape))
+        seen = np.einsum("lji,lj->li", moved.rotation.lo, points - moved.translation.lo)
+        assert (np.abs(seen - first) <= most + 1e-9).all()
 
 
 def test_it_is_said_more_closely_than_by_the_lengths_of_the_arms() -> None:
