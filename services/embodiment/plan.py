@@ -73,6 +73,7 @@ class Planner:
         attempts: One for each gripper that has a grasp.
         blocked: Stage at which an approach failed → how often.
         holdings: How many were found.
+        refused: How many of them led to a motion that was not certified.
         unfit: Pairs of shapes in contact that ruled grasps out → how often.
         proof: That no gripper can hold the handle all along, if one was found and verified.
         in_hand: The same of holds with the handle in hand, as all have it that were searched.
@@ -90,7 +91,7 @@ class Planner:
         self.rough: list[Assembled] = []
         self.placements = 0
         self.bar: Bar | None = None
-        self.holdings = 0
+        self.holdings = self.refused = 0
         self.proof: Proved | None = None
         self.in_hand: Proved | None = None
         self._prover: Prover | None = None
@@ -130,11 +131,11 @@ class Planner:
         yield from self._spread(None)
 
     def _spread(self, effort: Effort | None) -> Iterator[Planned]:
-        """Plans from holdings of more grasps, listed ones or else bred, that many postures find together.
+        """Plans from holdings of more grasps, listed or else bred, that many postures find together.
 
-        A base that moves needs no others where there are some, but ways to them; bred ones would be in hand.
+        A base that moves needs no others where some have no approach, but ways to them.
         """
-        if self.holdings and self.setting.drive is not Drive.FIXED:
+        if self.holdings > self.refused and self.setting.drive is not Drive.FIXED:
             return
         for attempt in self.attempts:
             if self.proof is None and self.in_hand is None and not self.late():
@@ -261,11 +262,9 @@ class Planner:
 
     def _round(self, attempt: Attempt, number: int) -> Iterator[Planned]:
         """Plans from one batch of seeds."""
-        grasps = attempt.due(number)
-        if not grasps:
-            return
-        pivot = (WAYPOINTS // 2, WAYPOINTS - 1, 0)[number % 3]
-        yield from self._of(attempt, attempt.searcher.batch(grasps, pivot, attempt.rng))
+        if grasps := attempt.due(number):
+            pivot = (WAYPOINTS // 2, WAYPOINTS - 1, 0)[number % 3]
+            yield from self._of(attempt, attempt.searcher.batch(grasps, pivot, attempt.rng))
 
     def _of(self, attempt: Attempt, holdings: Iterator[Holding]) -> Iterator[Planned]:
         """Plans with some of these holdings."""
@@ -276,6 +275,7 @@ class Planner:
             planned = self._approached(attempt, holding)
             if planned is not None:
                 yield planned
+                self.refused += 1
             if self.late():
                 return
             at = time.perf_counter()

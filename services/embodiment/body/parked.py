@@ -4,11 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.body import kernels
-from services.embodiment.body.standing import driving, extents, standing
+from services.embodiment.body.standing import driving, extents, standing, turned
 from services.embodiment.body.world import COARSE, Rules, World
 
 Array = NDArray[np.float64]
 
+HEADINGS = 256  # that are kept; of a lattice, 16
 CLEAR = 0.5  # [m] clearance beyond which it is not looked for more closely
 
 
@@ -28,22 +29,47 @@ class Parked:
         split = world.split
         low, high = np.empty((split, 3)), np.empty((split, 3))
         extents(r[:split], c[:split], world.shapes, 0, low, high)
-        own, there = (r[split:].copy(), c[split:].copy()), (r[:split].copy(), c[:split].copy(), low, high)
+        self._own = r[split:].copy(), c[split:].copy()
+        there = r[:split].copy(), c[:split].copy(), low, high
         rest = world.shapes, rules.environment, rules.largest
-        self._scene = own, there, (0, world.scene.floor), *rest
+        self._scene = there, (0, world.scene.floor), *rest
+        self._headings, self._robot, self._way = dict[float, int](), self._rows(HEADINGS), self._rows(1)
         # The floor is a plane: it is as far away wherever the robot stands.
         off, floor = np.empty(1, np.bool_), (world.scene.floor, split)
-        standing(np.zeros((1, 3)), own, there, floor, *rest, off)
+        start = np.zeros((1, 2)), np.array([self._heading(0.0)]), self._robot
+        standing(*start, there, floor, *rest, off)
         self._off_floor = bool(off[0])
-        self._reach = float((np.linalg.norm(own[1][:, :2], axis=1) + world.radius[split:]).max(initial=0.0))
+        away = np.linalg.norm(self._own[1][:, :2], axis=1)
+        self._reach = float((away + world.radius[split:]).max(initial=0.0))
+
+    def _rows(self, count: int) -> tuple[Array, Array, Array, Array]:
+        """What `turned` writes to, for so many headings."""
+        shapes = len(self._own[0])
+        corners = np.empty((count, shapes + 1, 3)), np.empty((count, shapes + 1, 3))
+        return np.empty((count, shapes, 3, 3)), np.empty((count, shapes, 3)), *corners
+
+    def _heading(self, yaw: float) -> int:
+        """The row that has the robot turned so; a lattice asks for a few of them many times."""
+        row = self._headings.get(yaw)
+        if row is None:
+            row = self._headings[yaw] = len(self._headings)
+            turned(yaw, self._own, self._scene[2], len(self._scene[0][0]), row, self._robot)
+        return row
 
     def stands(self, poses: Array) -> NDArray[np.bool_]:
         """Whether the robot is free at each base pose, shape (K, 3)."""
         free = np.empty(len(poses), np.bool_)
-        standing(np.ascontiguousarray(poses), *self._scene, free)
+        for k in range(0, len(poses), HEADINGS):
+            some = poses[k : k + HEADINGS]
+            if len(self._headings) + len(some) > HEADINGS:
+                self._headings.clear()
+            rows = np.array([self._heading(yaw) for yaw in some[:, 2].tolist()])
+            places = np.ascontiguousarray(some[:, :2])
+            standing(places, rows, self._robot, *self._scene, free[k : k + HEADINGS])
         return free & self._off_floor
 
     def drives(self, poses: Array) -> bool:
         """Whether the robot is free at all base poses, shape (K, 3); a few are looked at first."""
         few, poses = self.stands(poses[:: COARSE[0]]), np.ascontiguousarray(poses)
-        return bool(few.all()) and driving(poses, *self._scene, self._reach, CLEAR)
+        along = self._own, self._way, *self._scene, self._reach, CLEAR
+        return bool(few.all()) and driving(poses, *along)

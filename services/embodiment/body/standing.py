@@ -35,36 +35,53 @@ def _apart(low, high, s, bottom, top, e):
     return squared
 
 
-@subkernel
-def _clearance(pose, own, there, some, shapes, margins, largest, most, room):
-    """How much farther than their margins all shapes are apart at least, up to `most` [m]; or TOUCHES.
+@kernel
+def turned(yaw, own, shapes, split, row, to):
+    """Row `row` of `to` has the robot's shapes with its base at the origin, turned by so much [rad].
 
-    `own` is (rotations, centres) of the robot's shapes where its base is at the origin, `there` the same
-    of the kitchen's with the corners of their boxes; of these `some`, (first, last + 1), are looked at.
-    `margins` and `largest` are as in `contacts.contacts`. The pair that was nearest at the pose before is
-    looked at first: it rules out most others.
+    `own` is (rotations, centres) of these shapes where it is not turned; `to` is (rotations, centres, low and
+    high corners of their boxes along the world's axes), of the last two one more than there are shapes: the
+    box of them all.
     """
-    at_r, at_c, low, high, turn, work, nearest = room
-    split, count = there[0].shape[0], own[0].shape[0]
+    turn, count = np.eye(3), own[0].shape[0]
     turn[0, 0], turn[0, 1], turn[1, 0], turn[1, 1] = (
-        math.cos(pose[2]),
-        -math.sin(pose[2]),
-        math.sin(pose[2]),
-        math.cos(pose[2]),
+        math.cos(yaw),
+        -math.sin(yaw),
+        math.sin(yaw),
+        math.cos(yaw),
     )
+    at_r, at_c, low, high = to[0][row], to[1][row], to[2][row], to[3][row]
     for n in range(count):
         matmul(turn, own[0][n], at_r[n])
-        for i in range(2):
-            at_c[n, i] = pose[i] + turn[i, 0] * own[1][n, 0] + turn[i, 1] * own[1][n, 1]
-        at_c[n, 2] = own[1][n, 2]
+        for i in range(3):
+            at_c[n, i] = turn[i, 0] * own[1][n, 0] + turn[i, 1] * own[1][n, 1] + turn[i, 2] * own[1][n, 2]
     extents(at_r, at_c, shapes, split, low, high)
+    for i in range(3):
+        low[count, i], high[count, i] = low[:count, i].min(), high[:count, i].max()
+
+
+@subkernel
+def _clearance(x, y, robot, row, there, some, shapes, margins, largest, most, room):
+    """How much farther than their margins all shapes are apart at least, up to `most` [m]; or TOUCHES.
+
+    `robot` is what `turned` writes to, and the base at x, y is turned as in its row; `there` are (rotations,
+    centres) of the kitchen's shapes, with the corners of their boxes; of these `some`, (first, last + 1), are
+    looked at. `margins` and `largest` are as in `contacts.contacts`. The pair that was nearest at the pose
+    before is looked at first: it rules out most others.
+    """
+    at_c, low, high, work, nearest = room
+    split, count, at_r = there[0].shape[0], robot[1].shape[1], robot[0][row]
+    for n in range(count + 1):
+        for i in range(3):
+            by = x if i == 0 else (y if i == 1 else 0.0)
+            low[n, i], high[n, i] = robot[2][row, n, i] + by, robot[3][row, n, i] + by
+            if n < count:
+                at_c[n, i] = robot[1][row, n, i] + by
     best, n, e = most, nearest[0], nearest[1]
     if some[0] <= e < some[1] and margins[n, e] >= 0.0:
         best = _beyond(n, e, best, split, (at_r, at_c), there, (low, high), shapes, margins[n, e], work)
         if best == TOUCHES:
             return TOUCHES
-    for i in range(3):
-        low[count, i], high[count, i] = low[:count, i].min(), high[:count, i].max()
     for e in range(some[0], some[1]):
         far = best + largest
         if _apart(low, high, count, there[2], there[3], e) >= far * far:
@@ -97,27 +114,32 @@ def _beyond(n, e, best, split, at, there, corners, shapes, margin, work):
 @subkernel
 def _room(count):
     """What `_clearance` writes to."""
-    shapes, nearest = (np.empty((count, 3, 3)), np.empty((count, 3))), np.array([0, -1])
-    return (*shapes, np.empty((count + 1, 3)), np.empty((count + 1, 3)), np.eye(3), np.zeros((8, 4)), nearest)
+    corners = np.empty((count + 1, 3)), np.empty((count + 1, 3))
+    return np.empty((count, 3)), *corners, np.zeros((8, 4)), np.array([0, -1])
 
 
 @kernel
-def standing(poses, own, there, some, shapes, margins, largest, free):
-    """Whether robot and kitchen keep their margins at each base pose (K, 3) is in `free` (K,)."""
-    room = _room(own[0].shape[0])
-    for k in range(poses.shape[0]):
-        free[k] = _clearance(poses[k], own, there, some, shapes, margins, largest, 0.0, room) != TOUCHES
+def standing(places, rows, robot, there, some, shapes, margins, largest, free):
+    """Whether robot and kitchen keep their margins, at places (K, 2) and turned as in rows, is in `free`."""
+    room = _room(robot[1].shape[1])
+    for k in range(places.shape[0]):
+        where = places[k, 0], places[k, 1], robot, rows[k]
+        free[k] = _clearance(*where, there, some, shapes, margins, largest, 0.0, room) != TOUCHES
 
 
 @kernel
-def driving(poses, own, there, some, shapes, margins, largest, reach, most):
-    """Whether they keep them at all base poses; `reach` is of the farthest point from the base's axis [m].
+def driving(poses, own, robot, there, some, shapes, margins, largest, reach, most):
+    """Whether they keep them at all base poses (K, 3); `reach` is of the farthest point from the axis [m].
 
-    Poses to which the robot cannot have come nearer than it is clear are left out.
+    Poses to which the robot cannot have come nearer than it is clear are left out. The first row of `robot`
+    is written to.
     """
-    room, k = _room(own[0].shape[0]), 0
+    room, k, here = _room(own[0].shape[0]), 0, 0
     while k < poses.shape[0]:
-        clear = _clearance(poses[k], own, there, some, shapes, margins, largest, most, room)
+        if k == 0 or poses[k, 2] != poses[here, 2]:
+            turned(poses[k, 2], own, shapes, there[0].shape[0], 0, robot)
+        where = poses[k, 0], poses[k, 1], robot, 0
+        clear = _clearance(*where, there, some, shapes, margins, largest, most, room)
         if clear == TOUCHES:
             return False
         here = k

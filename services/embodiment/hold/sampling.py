@@ -223,9 +223,12 @@ class Sampler:
         return self._fitted.get(grasp, self.opened) is not None
 
     def fits(self, grasp: int) -> bool:
-        """Whether a grasp fits; its tool is then where the hand is closed, not where it was meant."""
+        """Whether a grasp fits and is a hold; its tool is then where the hand is closed, not as meant."""
         if grasp not in self._fitted:
-            fitted = self._fitted[grasp] = self._fitter.fitted(self.opened[grasp])
+            fitted = self._fitter.fitted(self.opened[grasp])
+            if fitted is not None and not self._fitter.engaged(fitted):
+                fitted = None
+            self._fitted[grasp] = fitted
             if fitted is not None:
                 self._translation[grasp], self._rests[grasp] = fitted[0].translation, fitted[1]
         return self._fitted[grasp] is not None

@@ -25,7 +25,7 @@ HEADINGS = 16  # of a full turn; even ones lie along the lattice or its diagonal
 BEYOND = 4.0  # [m] beyond start and goal that is searched
 MOST = 12_000  # poses from which one search goes on
 REPAIRS = 40  # ways of one search that turn out not to be free
-GREED = 1.5  # [1] weight of the distance that is left: ways may be longer by this
+GREED = 2.0  # [1] weight of the distance that is left: ways may be longer by this
 
 _TURN = 2 * np.pi / HEADINGS
 _LENGTHS = np.array([CELL * float(np.hypot(a, b)) for a, b in cells.STEPS] + 2 * [TURN_REACH * _TURN])

@@ -18,6 +18,8 @@ pytestmark = pytest.mark.oracle
 FRONT = 14
 """A door of 0.47 m, its hinge on the left, its handle 1.65 m high, 0.58 m before the robot."""
 OPEN = 1.472  # [rad]
+BARELY = 42
+"""A front of whose grasps some leave a finger less than 3 mm over the bar."""
 
 
 def searched(folder: Path, base: tuple[float, float, float], effort: Effort = FULL) -> Spreader:
@@ -61,6 +63,18 @@ def test_a_hand_is_closed_only_in_grasps_that_a_posture_was_found_for(tmp_path: 
     next(spreader.holdings())
     closed = [one for one in opened if fitter.known(one) is not None]
     assert 0 < len(closed) < len(opened) / 2
+
+
+def test_grasps_whose_fingers_do_not_reach_over_the_bar_do_not_fit(tmp_path: Path) -> None:
+    one = front(tmp_path, BARELY, "stretch", 61)
+    opened = one.fitter.wide(lambda: False)
+    sampler = Sampler(
+        one.searcher((0.0, 0.0, 0.0)), one.fitter, opened, np.random.default_rng(0), lambda: False
+    )
+    fit = [sampler.fits(k) for k in range(len(opened))]
+    closed = [one.fitter.fitted(each) for each in opened]
+    assert fit == [each is not None and one.fitter.engaged(each) for each in closed]
+    assert 0 < sum(fit) < sum(each is not None for each in closed)
 
 
 def test_the_wide_set_has_other_numbers_and_closes_across_the_bar() -> None:
