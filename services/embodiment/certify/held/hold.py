@@ -84,14 +84,19 @@ class Hold:
         back = np.swapaxes(handle_R, 1, 2)
         return back @ tool_R, (back @ (tool_p - handle_p)[:, :, None])[:, :, 0]
 
+    @cached_property
     def _at_grasp(self) -> Placed:
         q, v, _ = self.pieces.at(np.array([self.begin]), np.zeros(1))
         return self.kinematics.place(q, v)
 
+    @cached_property
+    def _grasp(self) -> tuple[Array, Array]:
+        return self._relative(self._at_grasp)
+
     def _errors(self, placed: Placed) -> tuple[Array, Array]:
         """How far the tool is from its grasp [m], and the norm of its rotation's change [rad]."""
         rotation, origin = self._relative(placed)
-        rotation_0, origin_0 = self._relative(self._at_grasp())
+        rotation_0, origin_0 = self._grasp
         turned = np.linalg.norm(rotation - rotation_0, axis=(1, 2)) / np.sqrt(2)
         return np.linalg.norm(origin - origin_0, axis=1), turned
 
@@ -128,7 +133,7 @@ class Hold:
 
     def contact(self) -> Findings:
         """At the grasp two fingers have the handle between them: they reach over it and touch it."""
-        placed = self._at_grasp()
+        placed = self._at_grasp
         tool_R, _ = self.tool.world(placed)
         robot = self.scene.robot.mechanism.name
         bodies = [body_iri(robot, name) for name in self.gripper.fingers]
@@ -231,7 +236,7 @@ class Hold:
 
     def keeps_fingers(self) -> Findings:
         """While they hold, the fingers do not move against the tool by more than a contact allows."""
-        findings, placed = Findings(), self._at_grasp()
+        findings, placed = Findings(), self._at_grasp
         values, _ = positions(self.pieces)
         later = values[:, self.begin : self.last + 1]
         shift = np.abs(later - self.pieces.c[0, self.begin]).max(axis=(0, 1))
