@@ -43,13 +43,10 @@ def turned(yaw, own, shapes, split, row, to):
     high corners of their boxes along the world's axes), of the last two one more than there are shapes: the
     box of them all.
     """
-    turn, count = np.eye(3), own[0].shape[0]
-    turn[0, 0], turn[0, 1], turn[1, 0], turn[1, 1] = (
-        math.cos(yaw),
-        -math.sin(yaw),
-        math.sin(yaw),
-        math.cos(yaw),
-    )
+    turn, count, c, s = np.empty((3, 3)), own[0].shape[0], math.cos(yaw), math.sin(yaw)
+    turn[0, 0], turn[0, 1], turn[0, 2] = c, -s, 0.0
+    turn[1, 0], turn[1, 1], turn[1, 2] = s, c, 0.0
+    turn[2, 0], turn[2, 1], turn[2, 2] = 0.0, 0.0, 1.0
     at_r, at_c, low, high = to[0][row], to[1][row], to[2][row], to[3][row]
     for n in range(count):
         matmul(turn, own[0][n], at_r[n])
@@ -57,7 +54,9 @@ def turned(yaw, own, shapes, split, row, to):
             at_c[n, i] = turn[i, 0] * own[1][n, 0] + turn[i, 1] * own[1][n, 1] + turn[i, 2] * own[1][n, 2]
     extents(at_r, at_c, shapes, split, low, high)
     for i in range(3):
-        low[count, i], high[count, i] = low[:count, i].min(), high[:count, i].max()
+        low[count, i], high[count, i] = math.inf, -math.inf
+        for n in range(count):
+            low[count, i], high[count, i] = min(low[count, i], low[n, i]), max(high[count, i], high[n, i])
 
 
 @subkernel
