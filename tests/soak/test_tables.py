@@ -30,12 +30,8 @@ SEARCHED = (
     (attempt, "ROUNDS"),
     (attempt, "BLOCKED"),
     (plan, "MORE_ROUNDS"),
-    (sampling, "MOST_BATCHES"),
-    (sampling, "FEW_BATCHES"),
     (sampling, "HOPELESS"),
     (sampling, "TRIES"),
-    (sampling, "MOST"),
-    (spread, "MOST"),
     (spread, "PATHS"),
     (bred, "GRASPS"),
     (bred, "BLOCKS"),
@@ -43,6 +39,16 @@ SEARCHED = (
     (bred, "LITTERS"),
 )
 """What ends a search: of these there are ten times as many."""
+
+FULL = sampling.FULL
+TENFOLD = replace(
+    FULL,
+    first=TEN * FULL.first,
+    batches=TEN * FULL.batches,
+    few=TEN * FULL.few,
+    fronts=tuple(TEN * each for each in FULL.fronts),
+)
+"""The same of postures that search together."""
 
 SATURATED = 120.0  # [s] budget with which the search ends by itself, on a busy machine too
 
@@ -88,6 +94,8 @@ def test_ten_times_the_search_opens_nothing_more(reference: Path, monkeypatch: p
     assert searched
     for module, limit in SEARCHED:
         monkeypatch.setattr(module, limit, TEN * getattr(module, limit))
+    for module in (plan, attempt):
+        monkeypatch.setattr(module, "FULL", TENFOLD)
     again = [replace(each, policy=replace(policy, budget=TEN * SATURATED)) for each in searched]
     results = run(again, 1, lambda result: None).results
     found = [each.cell.task for each in results if each.verdict["outcome"] == "certified"]

@@ -10,7 +10,7 @@ from services.embodiment.body.world import COARSE, Rules, World
 Array = NDArray[np.float64]
 
 HEADINGS = 256  # that are kept; of a lattice, 16
-CLEAR = 0.5  # [m] clearance beyond which it is not looked for more closely
+CLEAR = 0.15  # [m] clearance beyond which it is not looked for more closely
 
 
 class Parked:
