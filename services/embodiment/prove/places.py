@@ -19,7 +19,7 @@ COARSE = 0.1  # [m] half width of a cell from which on it is worth a look
 FINE = 0.006  # [m] half width of a cell that is not halved any more
 NODES = 2_000  # of the tree of one cell at one value
 LAST = 50_000  # the same, of a cell that is not halved any more
-MOST = 800_000  # nodes that are spent for one gripper
+MOST = 500_000  # nodes that are spent for one gripper
 NEAR = 1e-4  # [m] more than what is off between a cell's shift and that of the whole region
 
 

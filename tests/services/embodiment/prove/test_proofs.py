@@ -111,6 +111,19 @@ def test_a_proof_is_found_verified_and_says_what_it_assumes(twin: Twin) -> None:
     assert found.diagnosis.proof
 
 
+@pytest.mark.parametrize("schema", ["sdt proof 2", "sdt proof 4"])
+def test_a_proof_of_an_older_version_is_read_and_holds(twin: Twin, schema: str) -> None:
+    def older(whole: dict[str, Any]) -> None:
+        whole["schema"] = schema
+        del whole["claim"]["within"]
+        for one in whole["refutations"]:
+            del one["places"]
+
+    (tiago,) = (one for one in twin.robots if twin.name(one) == "tiago_dual")
+    content = changed(far(twin).artefact.content, older)
+    assert check(twin, tiago, twin.container(DOOR), content).holds
+
+
 def test_a_handle_above_a_free_stretch_is_refuted_by_height_alone() -> None:
     twin = load_twin("a", ["stretch"])
     panel = twin.container("cabinet4_door_bottom")
