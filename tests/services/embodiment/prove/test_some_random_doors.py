@@ -11,7 +11,7 @@ pytestmark = pytest.mark.oracle
 
 BUDGET = 4.0  # [s] of search for one front
 
-PROVED = ((0, "stretch", Drive.FIXED), (2, "stretch", Drive.FIXED))
+PROVED = ((0, "stretch", Drive.FIXED), (2, "stretch", Drive.FIXED), (80, "stretch", Drive.FIXED))
 ANY = ((3, "pr2", Drive.FIXED), (5, "tiago_dual", Drive.FIXED), (6, "stretch", Drive.OMNI))
 
 
@@ -29,8 +29,13 @@ def test_no_front_is_both_certified_and_refuted(tmp_path: Path, seed: int, robot
 
 
 def test_a_door_that_only_the_end_of_a_finger_reaches_is_proved_of_holds_in_hand(tmp_path: Path) -> None:
-    # Its handle is 1.65 m high.
-    assert result(tmp_path, 14, "stretch", Drive.OMNI, 5 * BUDGET) is Result.IN_HAND
+    # Its handle is 1.52 m high.
+    assert result(tmp_path, 8, "stretch", Drive.OMNI, 5 * BUDGET) is Result.IN_HAND
+
+
+def test_a_door_that_no_end_of_a_finger_reaches_is_proved_impossible(tmp_path: Path) -> None:
+    # Its handle is 1.65 m high: lengths of the arm alone do not show it.
+    assert result(tmp_path, 14, "stretch", Drive.OMNI, 5 * BUDGET) is Result.PROVED
 
 
 def test_a_drawer_at_the_height_of_a_head_is_taken_from_below(tmp_path: Path) -> None:
