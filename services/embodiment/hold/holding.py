@@ -155,6 +155,12 @@ class Searcher:
         self.weight[BASE] = 0.0
         self._standing = base
 
+    def stood(self, xs: Array) -> Array:
+        """The path xs (K, n), its base where it stands, if it does: rounding may have moved it."""
+        if self._standing is not None:
+            xs[:, BASE] = self._standing
+        return xs
+
     def batch(
         self,
         grasps: list[tuple[Grasp, Array]],

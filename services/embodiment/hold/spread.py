@@ -88,7 +88,7 @@ class Spreader:
         """The path through all waypoints; None where it leaves the handle or jumps."""
         every = np.arange(self._last + 1)
         xs = np.stack([np.interp(every, at, column) for column in path.T], axis=1)
-        layer = Layer(xs, np.full(len(every), grasp), every)
+        layer = Layer(self.searcher.stood(xs), np.full(len(every), grasp), every)
         met = self._sampler.follow(layer, every)
         jumps = np.abs(np.diff(layer.xs, axis=0)).max() >= JUMP
         return layer.xs if met.all() and not jumps else None

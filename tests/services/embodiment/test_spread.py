@@ -35,6 +35,12 @@ def spread(
     return Spreader(sampler, effort), one.fitter, opened
 
 
+def test_a_base_that_stands_is_not_moved_by_rounding(tmp_path: Path) -> None:
+    base = 0.013, -0.017, 0.1
+    found = next(searched(tmp_path, base, QUICK).holdings())
+    assert (found.xs[:, :3] == base).all()
+
+
 @pytest.mark.parametrize("effort", [QUICK, FULL], ids=["quick", "full"])
 def test_a_holding_keeps_its_grasp_its_limits_and_its_distance(tmp_path: Path, effort: Effort) -> None:
     spreader = searched(tmp_path, (0.0, 0.0, 0.0), effort)
