@@ -89,9 +89,8 @@ class Planner:
         self.attempts: list[Attempt] = []
         self.blocked: list[Blocked] = []
         self.rough: list[Assembled] = []
-        self.placements = 0
         self.bar: Bar | None = None
-        self.holdings = self.refused = 0
+        self.holdings = self.refused = self.placements = 0
         self.proof: Proved | None = None
         self.in_hand: Proved | None = None
         self._prover: Prover | None = None
@@ -106,8 +105,7 @@ class Planner:
         """Body motions, one after the other, until the search gives up."""
         at = time.perf_counter()
         kits = [self.setting.kits.of(one) for one in self.setting.world.scene.annotation.grippers]
-        limbs = [kit.limb for kit in kits]
-        self._prove_at_once(limbs)
+        self._prove_at_once([kit.limb for kit in kits])
         self.start_contact = self._start_contact()
         self._spent("grasp", at)
         if self.start_contact is not None:
@@ -127,20 +125,23 @@ class Planner:
                 yield from self._round(attempt, number)
         self._give_up()
         yield from self._spread(FULL)
-        self._prove_of_holds()
         yield from self._spread(None)
 
     def _spread(self, effort: Effort | None) -> Iterator[Planned]:
         """Plans from holdings of more grasps, listed or else bred, that many postures find together.
 
-        A base that moves needs no others where some have no approach, but ways to them.
+        A base that moves needs no others where some have no approach, but ways to them. Proofs about holds
+        come before bred ones, or after them where the base stands: there they take longer.
         """
-        if self.holdings > self.refused and self.setting.drive is not Drive.FIXED:
-            return
-        for attempt in self.attempts:
+        stands = self.setting.drive is Drive.FIXED
+        if effort is None and not stands:
+            self._prove_of_holds()
+        for attempt in self.attempts if stands or self.holdings <= self.refused else ():
             if self.proof is None and self.in_hand is None and not self.late():
                 found = attempt.breed(self.late) if effort is None else attempt.spread(self.late, effort)
                 yield from self._of(attempt, found)
+        if effort is None and stands:
+            self._prove_of_holds()
 
     def _proved_early(self, number: int) -> bool:
         """Whether there is a proof; looked for once if no posture reached the handle in the first round."""
