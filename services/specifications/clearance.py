@@ -31,8 +31,8 @@ class Swept:
         if not len(pairs):
             return Approach(keeps=None)
         least = np.full(len(pairs), distance + scene.annotation.overhang)
-        sweep = Sweep(about.timeline, about.kinematics, about.shapes, Pairs(pairs, least, least, np.inf))
-        found = sweep.run(0, tolerances.resolution)
+        sets = [Pairs(pairs, least, least, np.inf)]
+        (found,) = Sweep(about.timeline, about.kinematics, about.shapes, sets).run(tolerances.resolution)
         if found.first is not None:
             # What is not resolved at first may be seen to be broken later: a break is a break.
             seen, worst = found.first, found.worst
