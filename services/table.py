@@ -19,7 +19,14 @@ from services.sweep.cell import Cell, CellResult, Found, Unjudged
 from services.sweep.engines import cpu_seconds
 from services.sweep.handed import Lost, each_or_lost
 from services.sweep.plan import Axes, grid
-from services.sweep.worker import SERVICES_KEPT, prepare, service_of, stored_verdict, verdict_of
+from services.sweep.worker import (
+    SERVICES_KEPT,
+    dear_first,
+    prepare,
+    service_of,
+    stored_verdict,
+    verdict_of,
+)
 
 Keep = Callable[[Cell, Verdict], CellResult]
 
@@ -144,7 +151,8 @@ def run(  # noqa: PLR0913, PLR0917  # who is told of what; the rest has defaults
     for case in firsts:
         service_of(case)  # what cannot be loaded is told before anything is judged
     # One by one, however alike: an interrupt loses nothing but what the workers are at.
-    for case, result in each_or_lost(missing, jobs, partial(_judge, keep=keep), partial(_prepare, firsts)):
+    begun = missing if jobs == 1 else dear_first(missing)
+    for case, result in each_or_lost(begun, jobs, partial(_judge, keep=keep), partial(_prepare, firsts)):
         if isinstance(result, Lost):
             done[case] = without = Unjudged(case, result.reason)
             lost(without)

@@ -14,7 +14,7 @@ from services.relative import KINEMATIC, Relative
 from services.sweep.cell import Cell
 from services.sweep.plan import Axes, Combined, classes, grid, policies
 from services.sweep.sources import Listed, csv_rows, query_rows
-from services.sweep.worker import service_of
+from services.sweep.worker import SERVICES_KEPT, dear_first, service_of
 
 BOTH_CLASSES = ("d_artic", "d_artic_dyn")
 DOOR = "iai_fridge_door"
@@ -133,3 +133,18 @@ def test_a_case_of_a_sweep_is_judged_relative_to_its_class() -> None:
         cell = Cell("b", "pr2", f"open:{DOOR}", (), Policy(), relative)
         (answer,) = service_of(cell).causes(cell.task)
         assert (answer.holds, tee_class_of(service_of(cell).physics)) == expected
+
+
+def test_doors_are_begun_before_drawers_and_robots_of_few_joints_before_others() -> None:
+    cells = list(grid(["b"], ["pr2", "stretch"], Axes()).cells)
+    begun = dear_first(cells)
+    assert [(cell.robot, cell.container.endswith("_door")) for cell in begun] == (
+        [("stretch", True)] * 3 + [("pr2", True)] * 3 + [("stretch", False)] * 14 + [("pr2", False)] * 14
+    )
+    assert set(begun) == set(cells)
+
+
+def test_more_than_a_worker_keeps_loaded_is_gone_through_once() -> None:
+    seeds = policies(seeds=range(SERVICES_KEPT + 1))
+    cells = list(grid(["b"], ["pr2"], Axes(policies=seeds)).cells)
+    assert dear_first(cells) == cells
