@@ -248,7 +248,7 @@ def _gap(one: BodyShape, one_at: coal.Transform3s, other: BodyShape, other_at: c
     """Distance of two shapes [m], negative where they penetrate."""
     # Request and result of its own for each call: a cached guess gives wrong answers.
     request, result = coal.DistanceRequest(), coal.DistanceResult()
-    return float(coal.distance(one.shape, one_at, other.shape, other_at, request, result))
+    return float(coal.distance(one.piece.shape, one_at, other.piece.shape, other_at, request, result))
 
 
 def _least(one: BodyShape, other: BodyShape) -> float:

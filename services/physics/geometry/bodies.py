@@ -3,13 +3,12 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
 from sdt_kg.iri import Iri, body_iri
 from sdt_kg.mechanism import JointType, Mechanism
-from services.physics.geometry.pieces import pieces
+from services.physics.geometry.pieces import Piece, pieces
 from services.physics.tree import Array, Model, se3
 
 
@@ -33,7 +32,7 @@ class BodyShape:
     mount: frozenset[Iri]
     joint: int
     pose: pin.SE3
-    shape: coal.CollisionGeometry
+    piece: Piece
     rotation: Array
     centre: Array
     half: Array
@@ -50,19 +49,18 @@ def shapes_of(model: Model) -> Iterator[BodyShape]:
         parent = carried[body.name]
         for geometry in body.collision:
             pose = joint_T_body * se3(geometry.pose)
-            for shape in pieces(geometry):
-                box = shape.aabb_local
-                size = box.max_ - box.min_
+            for piece in pieces(geometry):
+                size = piece.high - piece.low
                 yield BodyShape(
                     body=body_iri(name, body.name),
                     parent=body_iri(name, parent) if parent else None,
                     mount=frozenset(body_iri(name, each) for each in mounts.get(parent, ())),
                     joint=index,
                     pose=pose,
-                    shape=shape,
+                    piece=piece,
                     rotation=pose.rotation.copy(),
                     half=size / 2,
-                    centre=pose.act((box.min_ + box.max_) / 2),
+                    centre=pose.act((piece.low + piece.high) / 2),
                     radius=float(np.linalg.norm(size)) / 2,
                     thickness=float(size.min()),
                 )

@@ -1,6 +1,8 @@
 """Shapes whose depth in each other means something: primitives, and the convex components of meshes."""
 
-from functools import lru_cache
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache, partial
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
@@ -20,21 +22,39 @@ CONVEX_SHARE = 0.02
 """[1] By how much of its hull a component's volume may fall short to count as convex: chamfers do."""
 
 
-def pieces(geometry: Geometry) -> tuple[coal.CollisionGeometry, ...]:
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A shape that is made when it is first asked for: most of a kitchen's are far from all that moves.
+
+    Attributes:
+        low, high: Corners of its own box, in the geometry's frame [m], shape (3,).
+        make: What it is.
+    """
+
+    low: Array
+    high: Array
+    make: Callable[[], coal.CollisionGeometry]
+
+    @cached_property
+    def shape(self) -> coal.CollisionGeometry:
+        """Itself."""
+        return self.make()
+
+
+def pieces(geometry: Geometry) -> tuple[Piece, ...]:
     """A primitive as it is; of a mesh each convex component as its hull, the others as triangles.
 
     Triangles have no inside: how deep something is in them is too little, never too much.
     """
     (shape,) = surface(geometry)
     if geometry.shape is not ShapeType.MESH:
-        return (shape,)
+        box = shape.aabb_local
+        return (Piece(box.min_.copy(), box.max_.copy(), lambda: shape),)
     return _components(geometry.mesh_hash, geometry.size, shape)
 
 
 @lru_cache(maxsize=1024)
-def _components(
-    mesh_hash: str, scale: tuple[float, ...], mesh: coal.BVHModelBase
-) -> tuple[coal.CollisionGeometry, ...]:
+def _components(mesh_hash: str, scale: tuple[float, ...], mesh: coal.BVHModelBase) -> tuple[Piece, ...]:
     del mesh_hash, scale  # the key; the mesh itself is one object for both
     triangles = corners(mesh)
     _, index = np.unique(np.round(triangles.reshape(-1, 3), SAME_POINT), axis=0, return_inverse=True)
@@ -43,15 +63,18 @@ def _components(
     size = int(index.max()) + 1
     graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(size, size))
     label = connected_components(graph, directed=False)[1][index[:, 0]]
-    return tuple(_shape(triangles[label == each]) for each in np.unique(label))
+    return tuple(_piece(triangles[label == each]) for each in np.unique(label))
 
 
-def _shape(triangles: Array) -> coal.CollisionGeometry:
-    """The hull of a component, shape (M, 3, 3), if that is convex or flat; else its triangles."""
-    points = triangles.reshape(-1, 3)
-    solid = with_volume(points)
-    whole = hull_of_solid(solid)
-    if len(solid) > len(points):
+def _piece(triangles: Array) -> Piece:
+    points = with_volume(triangles.reshape(-1, 3))
+    return Piece(points.min(axis=0), points.max(axis=0), partial(_shape, triangles, points))
+
+
+def _shape(triangles: Array, points: Array) -> coal.CollisionGeometry:
+    """A component's hull, of its corners with volume, if it is convex or flat; else its triangles."""
+    whole = hull_of_solid(points)
+    if len(points) > triangles.size // 3:
         return whole
     filled = whole.computeVolume()
     volume = abs(float(np.linalg.det(triangles - triangles.mean(axis=(0, 1))).sum())) / 6

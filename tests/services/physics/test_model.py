@@ -17,6 +17,7 @@ from sdt_kg.mechanism import Body, Geometry, Joint, JointType, Mechanism, Mimic,
 from sdt_kg.twin import Twin
 from sdt_kg.urdf import read_mechanism
 from services.physics.geometry.hulls import COARSE, FINE, Fineness, convex_pieces
+from services.physics.geometry.pieces import pieces
 from services.physics.geometry.shapes import solids, surface
 from services.physics.model import Scene, exempt_pairs
 from services.physics.tree import Model, build
@@ -252,6 +253,24 @@ def test_a_robots_mesh_is_filled_and_a_kitchens_is_its_surface(tmp_path: Path) -
 def test_a_flat_mesh_is_a_thin_solid(tmp_path: Path) -> None:
     flat = one(solids(mesh(tmp_path / "flat.stl", SQUARE)))
     assert distance_to_ball(flat, (0.5, 0.5, 0.5), 0.1) == pytest.approx(0.4, abs=2e-4)
+
+
+@pytest.mark.parametrize(
+    ("content", "kind"),
+    [
+        (TETRAHEDRON.format(more=SLOPE), coal.ConvexBase),
+        (SQUARE, coal.ConvexBase),
+        (TETRAHEDRON.format(more=""), coal.BVHModelBase),
+    ],
+    ids=["convex", "flat", "hollow"],
+)
+def test_the_box_of_a_kitchens_piece_is_that_of_the_shape_that_is_made_later(
+    content: str, kind: type[coal.CollisionGeometry], tmp_path: Path
+) -> None:
+    piece = one(pieces(mesh(tmp_path / "mesh.stl", content, (0.5, 1.0, 2.0))))
+    assert isinstance(piece.shape, kind)
+    assert piece.low.tolist() == piece.shape.aabb_local.min_.tolist()
+    assert piece.high.tolist() == piece.shape.aabb_local.max_.tolist()
 
 
 def test_a_mesh_that_cannot_be_read_is_an_error(tmp_path: Path) -> None:
