@@ -27,6 +27,7 @@ from sdt_kg.mechanism import (
 )
 from sdt_kg.urdf.document import parse_xml
 from sdt_kg.urdf.joints import checked, resolved, turned, with_fixed
+from sdt_kg.urdf.loader import yourdfpy
 from sdt_kg.urdf.meshes import mesh_hash, mesh_path
 from sdt_kg.urdf.xacro import expanded
 
@@ -96,11 +97,8 @@ def _parsed(root: ET.Element, source: Path) -> Parsed:
     for element in (*root.findall("link"), *root.findall("joint")):
         kept = ET.SubElement(bare, element.tag, element.attrib)
         kept.extend(part for part in element if part.tag != "visual")
-    import yourdfpy  # noqa: PLC0415  # pyright: ignore[reportMissingTypeStubs] - slow to import; it has none
-
-    loader: Parsed = yourdfpy
     try:
-        model = loader.URDF.load(
+        model = yourdfpy().URDF.load(
             io.BytesIO(ET.tostring(bare)),
             build_scene_graph=False,
             build_collision_scene_graph=False,
