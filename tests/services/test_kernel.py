@@ -12,9 +12,15 @@ from services import kernel
 from services.kernel import kept, made_of
 
 CALLEE = """
+import numpy as np
+
 from services.kernel import kernel, subkernel
 
 STEP = {step}
+
+@kernel
+def made(x):
+    return np.full(2, x)
 
 @{declared}
 def inner(x):
@@ -100,6 +106,12 @@ def test_an_error_in_a_subkernel_is_raised_from_its_caller(loaded: Loader) -> No
     for outer in (module.outer, loaded(inner="STEP / x", declared="subkernel").outer):
         with pytest.raises(ZeroDivisionError):
             outer(0.0)
+
+
+def test_a_subkernel_that_is_given_an_array_says_that_it_makes_some(loaded: Loader) -> None:
+    with pytest.raises(TypeError, match=r"inner makes arrays: declare it @subkernel\(makes=True\)"):
+        loaded(inner="made(x)[0]", declared="subkernel").outer(1.0)
+    assert loaded(inner="made(x)[0]", declared="subkernel(makes=True)").outer(1.0) == 1.0
 
 
 def test_an_edit_of_a_constant_that_a_callee_reads_compiles_its_callers_anew(loaded: Loader) -> None:

@@ -34,7 +34,7 @@ def clear(shapes, a, r, c, middle, reach):
     return away > reach * reach
 
 
-@subkernel
+@subkernel(makes=True)
 def movers(qs, tree, joint, base):
     """(which joints move along qs, whether the base does, row of each shape among those that move or −1)."""
     parent = tree[0]
@@ -53,7 +53,7 @@ def movers(qs, tree, joint, base):
     return moves, moves[base], row, count
 
 
-@subkernel
+@subkernel(makes=True)
 def track(qs, tree, boxes, radius, moves, row, count, first, base):
     """Poses of the `count` moving shapes along qs, and the way that each has come [m].
 
@@ -175,7 +175,7 @@ def beside(low, high, s, e, margin):
     return apart or low[s, 2] > high[e, 2] + margin or high[s, 2] < low[e, 2] - margin
 
 
-@subkernel
+@subkernel(makes=True)
 def _first(row, still, along, way):
     """Each shape's centre at the first configuration, and the way that it comes in all [m]."""
     count, last = row.shape[0], way.shape[0] - 1

@@ -13,7 +13,7 @@ from services.physics.geometry.packed import bounds_of
 CENTRED = 5  # times that a hand is centred and closed; two are usual
 
 
-@subkernel
+@subkernel(makes=True)
 def touching(hand, at, kitchen, split, radius, shapes, margins):
     """A shape of the hand and one of the kitchen's to which it is too near, or (−1, −1).
 
@@ -70,7 +70,7 @@ def posed(q, hand, at):
         moved(back, nowhere, centre, at[1][i])
 
 
-@subkernel
+@subkernel(makes=True)
 def _closed_by(shares, closing):
     """Configuration of a scene whose finger joints are closed by these shares (F,).
 
@@ -84,7 +84,7 @@ def _closed_by(shares, closing):
     return q
 
 
-@subkernel
+@subkernel(makes=True)
 def _gaps(shares, sides, hand, closing, handle, shapes, room, near):
     """Distances of the handle from the nearest finger shape of each of two `sides` (2, fingers), in room[1].
 
@@ -233,7 +233,7 @@ def engaged(tool, shares, pads, hand, closing, handle, shapes, reach, inward, ro
     return above and below
 
 
-@subkernel
+@subkernel(makes=True)
 def _put(tool, shares, hand, closing, seen, at):
     """Poses of a hand's shapes in the world, its finger joints closed by these shares, are in `at`."""
     posed(_closed_by(shares, closing), hand, seen)

@@ -115,7 +115,7 @@ def solve6(a, b):
         b[i] /= a[i, i]
 
 
-@subkernel
+@subkernel(makes=True)
 def step(x, jac, e, error, weight, lower, upper):
     """x has made one damped step; False if nothing may move."""
     n = x.shape[0]
@@ -155,7 +155,7 @@ def step(x, jac, e, error, weight, lower, upper):
     return True
 
 
-@subkernel
+@subkernel(makes=True)
 def solve(x, target_r, target_p, chain, weight, lower, upper, steps, tolerance):
     """Whether x has been moved to where the tool meets the target within `tolerance` [m, and rad · ARM]."""
     joints, n = chain[3].shape[0], x.shape[0]

@@ -51,7 +51,7 @@ def _placed(s, r, p, boxes, shapes, at, low, high):
         low[s, i], high[s, i] = at[1][s, i] - reach, at[1][s, i] + reach
 
 
-@subkernel
+@subkernel(makes=True)
 def _near(split, shapes, at, low, high, margins, largest, work):
     """A shape of the robot and one of the kitchen nearer than their margin, or (−1, −1)."""
     bottom, top = np.full(3, math.inf), np.full(3, -math.inf)

@@ -110,7 +110,7 @@ def _beyond(n, e, best, split, at, there, corners, shapes, margin, work):
     return TOUCHES if gap <= margin else min(best, gap - margin)
 
 
-@subkernel
+@subkernel(makes=True)
 def _room(count):
     """What `_clearance` writes to."""
     corners = np.empty((count + 1, 3)), np.empty((count + 1, 3))

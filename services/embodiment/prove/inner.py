@@ -121,7 +121,7 @@ def parted(point, radius, solid, local):
     return away > radius**2
 
 
-@subkernel
+@subkernel(makes=True)
 def meets(half, turns, inner, origins, axes, frames, arms, asked):
     """(Core that meets a solid in the whole box or −1; joint to halve where one does in the middle or −1).
 

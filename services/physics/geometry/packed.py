@@ -157,7 +157,7 @@ def bounds_of(shapes, a, b, ra, ca, rb, cb, free, hit, work):
     return -math.inf, math.inf
 
 
-@subkernel
+@subkernel(makes=True)
 def _of_mesh(shapes, m, b, rm, cm, rb, cb, free, hit, work):
     """Bounds of the distance of mesh m and a convex shape: of the least of all triangles' distances."""
     kind, size, radius, first, last, vertices = shapes
