@@ -1,4 +1,4 @@
-"""Cores lie inside the reference's collision meshes: no triangle meets them, and their middles are inside."""
+"""Cores lie inside the reference's collision geometry: no triangle of a mesh meets one with its middle inside."""
 
 from collections.abc import Iterator
 
@@ -11,7 +11,7 @@ from sdt_kg.mechanism import ShapeType
 from tests.robots.conftest import Robot
 from tests.robots.shapes import Array, outside
 
-WITH = {"pr2": 19, "tiago_dual": 24, "stretch": 0}
+WITH = {"pr2": 19, "tiago_dual": 29, "stretch": 0}
 """How many cores a robot has. The meshes of Stretch are thin shells: nothing is inside them."""
 
 OPEN = 0.01  # [1] by how much the winding number of a surface with slits may differ from 1
@@ -71,6 +71,8 @@ def test_corners_lie_inside_our_shapes(robot: Robot) -> None:
 @pytest.mark.reference
 def test_no_triangle_meets_a_core_and_its_middle_is_inside(robot: Robot, theirs: Robot) -> None:
     for link, pose, half in cores(robot.name):
+        if any(one.outside(corners(pose, half)).max() == 0 for one in theirs.links.shapes(link)):
+            continue  # the source has a shape there, and it is convex
         seen = [(one - pose[:3, 3]) @ pose[:3, :3] for one in surfaces(theirs.links.meshes(link))]
         around = [one for one in seen if abs(winding(one)) == pytest.approx(1, abs=OPEN)]
         assert around, link
