@@ -1,4 +1,4 @@
-"""Cores lie inside the reference's collision geometry: no triangle of a mesh meets one with its middle inside."""
+"""Cores lie inside the reference's collision geometry: no triangle meets them, their middles are inside."""
 
 from collections.abc import Iterator
 
