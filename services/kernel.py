@@ -1,49 +1,22 @@
 """Compiled loops: declared here alone, and kept between processes by all that they are made of.
 
-numba keeps what it compiled by the file of a function, but compiles into it what the function calls: after an
-edit of a callee in another file the old code would stay in use. Here the name of what is kept follows from
-the code of the function, of everything that it calls and of each constant that they read, not from dates
-of files: an edit of any of these compiles anew what holds it, a fresh checkout of the same sources nothing.
-
 Most kernels are called by kernels alone. Of those (`subkernel`) no machine code is made and nothing is kept:
 their callers hold it.
 """
 
 import gc
-import hashlib
-import math
-import pickle
-import sys
-import tempfile
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache, cached_property
+from functools import cache
 from pathlib import Path
-from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numba
-import numpy as np
 from numba.core import config, types
-from numba.core.caching import CompileResultCacheImpl, _Cache
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
-from numba.core.dispatcher import Dispatcher
-from numba.core.runtime.nrt import rtsys
-from numba.core.serialize import dumps
 
-FORMER = 4
-"""[1] Files of former code that are kept of a function: one goes to and fro between branches."""
-
-LIBRARIES = {"math", "numpy"}
-"""Modules of which a kernel may read attributes; what they mean is numba's, and told by its version."""
-
-LEVEL = 2
-"""[1] LLVM's level of optimisation. At numba's 3 compiling takes a third longer, and loops run no faster."""
-
-DIGITS = 24
-"""[1] Of a hash, in the name of a file."""
+from services.compiled import LEVEL, Kept
 
 _settings: Any = config
 _njit: Any = numba.njit
@@ -59,7 +32,7 @@ def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:  
     if function is None:
         return lambda each: kernel(each, **options)
     made = _njit(pipeline_class=_Pipeline, no_cfunc_wrapper=True, _nrt=True, **options)(function)
-    made._cache = _Kept(function)  # as `cache=True` does
+    made._cache = Kept(function)  # as `cache=True` does
     return made
 
 
@@ -83,62 +56,12 @@ def subkernel(function: Callable[..., Any] | None = None, *, makes: bool = False
 
 def is_kernel(value: object) -> bool:
     """Whether it was declared here."""
-    return isinstance(getattr(value, "_cache", None), _Kept)
+    return isinstance(getattr(value, "_cache", None), Kept)
 
 
 def kept(compiled: Any) -> list[Path]:  # noqa: ANN401 - numba's dispatcher
     """Files that hold what was compiled of a kernel as it is now, one for the types of each call."""
     return compiled._cache.files()
-
-
-def made_of(function: FunctionType) -> str:
-    """Hash of a function, of all that it calls and of the constants which both read.
-
-    Raises:
-        TypeError: It reads what no hash can stand for: an array, a list, a name of another module.
-    """
-    parts: dict[str, str] = {}
-    _collect(function, "", parts)
-    said = repr((numba.__version__, np.__version__, LEVEL, sorted(parts.items())))
-    return hashlib.sha256(said.encode()).hexdigest()[:DIGITS]
-
-
-def _collect(function: FunctionType, options: str, parts: dict[str, str]) -> None:
-    name = f"{function.__module__}.{function.__qualname__}"
-    if name in parts:
-        return
-    if function.__closure__:
-        raise TypeError(f"the kernel {name} reads names of the function around it; pass them as arguments")
-    parts[name] = repr((options, function.__defaults__, _written(function.__code__, function.__doc__)))
-    for read in sorted(_names(function.__code__)):
-        if read not in function.__globals__:
-            continue  # a builtin, or an attribute
-        value = function.__globals__[read]
-        match value:
-            case Dispatcher():
-                _collect(value.py_func, repr(sorted(value.targetoptions.items())), parts)
-            case ModuleType() if value.__name__ in LIBRARIES:
-                pass
-            case bool() | int() | float() | str() | tuple() | None:
-                parts[f"{name}: {read}"] = repr(value)
-            case _:
-                what = f"the kernel {name} reads '{read}', a {type(value).__name__}"
-                raise TypeError(f"{what}: numbers, kernels, math and numpy are what a kernel may read")
-
-
-def _written(code: CodeType, doc: str | None) -> tuple[object, ...]:
-    """What a function does, without where it stands and what its docstring says."""
-    said = tuple(
-        _written(each, None) if isinstance(each, CodeType) else repr(each)
-        for each in code.co_consts
-        if doc is None or each != doc
-    )
-    return code.co_code, code.co_names, code.co_varnames, code.co_argcount, said
-
-
-def _names(code: CodeType) -> set[str]:
-    inner = (each for each in code.co_consts if isinstance(each, CodeType))
-    return set(code.co_names).union(*map(_names, inner))
 
 
 class _Pipeline(Compiler):
@@ -206,93 +129,3 @@ def _at_level() -> Iterator[None]:
         _settings.OPT = usual
         if collects:
             gc.enable()
-
-
-def _age(file: Path) -> float:
-    """[s] Before now; of one that another process removed, endless."""
-    try:
-        return time.time() - file.stat().st_mtime
-    except FileNotFoundError:
-        return math.inf
-
-
-class _Kept(_Cache):
-    """Whom numba asks for compiled code: a file for the types of each call, whose name tells what is in it.
-
-    Nothing is looked for before the first call: what a kernel calls may stand below it in its module.
-    """
-
-    def __init__(self, function: FunctionType) -> None:
-        self._function, self._enabled = function, True
-
-    @property
-    def cache_path(self) -> str:
-        """`NUMBA_CACHE_DIR`, beside the source, or the user's own folder: where numba would keep it."""
-        return self._placed.locator.get_cache_path()
-
-    def load_overload(self, sig: object, target_context: Any) -> object:  # noqa: ANN401 - numba's
-        """What was compiled for these types, or None."""
-        # Loading needs numba's memory alone; all that numba can compile it looks up before it compiles.
-        rtsys.initialize(target_context)
-        key = self._key(sig, target_context.codegen())
-        try:
-            content = self._path(key).read_bytes() if self._enabled else b""
-        except FileNotFoundError:
-            return None
-        same, data = pickle.loads(content) if content else (None, None)  # noqa: S301 - as numba reads its own
-        return self._placed.rebuild(target_context, data) if same == key else None
-
-    def save_overload(self, sig: object, data: Any) -> None:  # noqa: ANN401 - numba's
-        """It is kept, and of the function as it was before only what is newest."""
-        if not self._enabled or not self._placed.check_cachable(data):
-            return
-        self._placed.locator.ensure_cache_path()
-        for each in sorted(self._former(), key=_age)[FORMER:]:
-            each.unlink(missing_ok=True)
-        key = self._key(sig, data.codegen)
-        with tempfile.NamedTemporaryFile(dir=self._folder, suffix=".tmp", delete=False) as file:
-            file.write(dumps((key, self._placed.reduce(data))))
-        Path(file.name).replace(self._path(key))
-
-    def files(self) -> list[Path]:
-        """Those of the function as it is now."""
-        return sorted(self._folder.glob(f"{self._stem}.{self._stamp}.*.nbc"))
-
-    def _former(self) -> set[Path]:
-        return set(self._folder.glob(f"{self._stem}.*.nbc")).difference(self.files())
-
-    def enable(self) -> None:
-        self._enabled = True
-
-    def disable(self) -> None:
-        self._enabled = False
-
-    def flush(self) -> None:
-        """Nothing is kept any more."""
-        for each in self._folder.glob(f"{self._stem}.*.nbc"):
-            each.unlink(missing_ok=True)
-
-    @cached_property
-    def _placed(self) -> CompileResultCacheImpl:
-        return CompileResultCacheImpl(self._function)
-
-    @cached_property
-    def _stamp(self) -> str:
-        return made_of(self._function)
-
-    @property
-    def _folder(self) -> Path:
-        return Path(self.cache_path)
-
-    @property
-    def _stem(self) -> str:
-        module = Path(self._function.__code__.co_filename).stem
-        return f"{module}.{self._function.__qualname__}.{sys.implementation.cache_tag}"
-
-    def _key(self, sig: object, codegen: Any) -> tuple[object, object]:  # noqa: ANN401 - numba's
-        """Types and machine."""
-        return sig, codegen.magic_tuple()
-
-    def _path(self, key: object) -> Path:
-        types = hashlib.sha256(repr(key).encode()).hexdigest()[:DIGITS]
-        return self._folder / f"{self._stem}.{self._stamp}.{types}.nbc"

@@ -8,8 +8,9 @@ from types import ModuleType
 
 import pytest
 
-from services import kernel
-from services.kernel import kept, made_of
+from services import compiled
+from services.compiled import made_of
+from services.kernel import kept
 
 CALLEE = """
 import numpy as np
@@ -95,6 +96,19 @@ def test_a_subkernel_is_part_of_its_callers_which_are_found_again(loaded: Loader
     assert sum(again.stats.cache_hits.values()) == 1
 
 
+def test_who_is_compiled_anew_takes_in_what_was_kept_of_the_kernels_that_it_calls(loaded: Loader) -> None:
+    old = loaded().outer
+    assert old(1.0) == 2.0
+    for file in kept(old):
+        file.unlink()
+    anew = loaded().outer
+    assert anew(1.0) == 2.0
+    assert not anew.stats.cache_hits
+    inner = vars(sys.modules["edited_inner"])["inner"]
+    assert sum(inner.stats.cache_hits.values()) == 1
+    assert inner(3.0) == 4.0
+
+
 def test_a_subkernel_can_be_called_from_python_before_and_after_its_callers(loaded: Loader) -> None:
     module = loaded(inner="x + x * STEP", declared="subkernel")
     assert (module.inner(2.0), module.outer(2.0), module.inner(2.0)) == (4.0, 4.0, 4.0)
@@ -120,7 +134,7 @@ def test_an_edit_of_a_constant_that_a_callee_reads_compiles_its_callers_anew(loa
 
 
 def test_of_former_code_only_the_newest_is_kept(loaded: Loader, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kernel, "FORMER", 1)
+    monkeypatch.setattr(compiled, "FORMER", 1)
     found: list[Path] = []
     for factor in (2.0, 3.0, 4.0):
         outer = loaded(inner=f"x * {factor}").outer
