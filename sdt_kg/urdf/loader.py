@@ -13,8 +13,6 @@ TRIMESH: Final = "trimesh"
 class _Later(ModuleType):
     """A package whose modules can be imported; its own names are those of the package when asked for."""
 
-    Trimesh = Scene = object  # yourdfpy's annotations name them
-
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - trimesh has no types of its own
         if sys.modules.get(self.__name__) is self:
             raise AttributeError(name)
@@ -29,8 +27,14 @@ def yourdfpy() -> Any:  # noqa: ANN401 - it has no types of its own
         return import_module("yourdfpy")
     later = sys.modules[TRIMESH] = _Later(TRIMESH)
     later.__path__ = spec.submodule_search_locations
+    named: dict[str, Any] = dict.fromkeys(
+        ("Trimesh", "Scene"), object
+    )  # by yourdfpy's annotations, while it is imported
+    later.__dict__.update(named)
     try:
         return import_module("yourdfpy")
     finally:
+        for name in named:
+            delattr(later, name)
         for name in [name for name in sys.modules if name.partition(".")[0] == TRIMESH]:
             del sys.modules[name]

@@ -18,4 +18,7 @@ def test_reading_a_kitchen_imports_no_trimesh() -> None:
 
 def test_trimesh_is_whole_for_who_imports_it_later_and_for_yourdfpy_itself() -> None:
     later = "import trimesh, yourdfpy; box = yourdfpy.urdf.trimesh.creation.box((1, 2, 3)); "
-    assert said(READ + later + "print(isinstance(box, trimesh.Trimesh), box.volume)") == "True 6.0"
+    shown = (
+        "print(isinstance(box, trimesh.Trimesh), box.volume, len(yourdfpy.urdf.trimesh.Scene(box).geometry))"
+    )
+    assert said(READ + later + shown) == "True 6.0 1"
