@@ -8,6 +8,8 @@ from types import ModuleType
 from typing import Any, Final
 
 TRIMESH: Final = "trimesh"
+NAMED: Final = ("Trimesh", "Scene")
+"""Its names that yourdfpy's annotations need while it is imported."""
 
 
 class _Later(ModuleType):
@@ -27,14 +29,12 @@ def yourdfpy() -> Any:  # noqa: ANN401 - it has no types of its own
         return import_module("yourdfpy")
     later = sys.modules[TRIMESH] = _Later(TRIMESH)
     later.__path__ = spec.submodule_search_locations
-    named: dict[str, Any] = dict.fromkeys(
-        ("Trimesh", "Scene"), object
-    )  # by yourdfpy's annotations, while it is imported
-    later.__dict__.update(named)
+    for name in NAMED:
+        setattr(later, name, object)
     try:
         return import_module("yourdfpy")
     finally:
-        for name in named:
+        for name in NAMED:
             delattr(later, name)
         for name in [name for name in sys.modules if name.partition(".")[0] == TRIMESH]:
             del sys.modules[name]
