@@ -9,6 +9,7 @@ Balls and capsules are a point and a segment with a radius.
 import math
 
 from services.kernel import subkernel
+from services.physics.geometry.fans import cone
 
 BOX, BALL, CYLINDER, CAPSULE, HULL, MESH = 0, 1, 2, 3, 4, 5
 """What a shape is; only a MESH is not convex."""
@@ -22,7 +23,7 @@ FLAT = 1e-14  # [1] relative volume or area under which a simplex says nothing
 @subkernel
 def support(shapes, k, r, c, x, y, z):
     """Point of shape k, its radius left out, that is farthest along (x, y, z) in the world."""
-    kind, size, _, first, last, vertices = shapes
+    kind, size, _, first, last, vertices, fan, starts = shapes
     a = r[0, 0] * x + r[1, 0] * y + r[2, 0] * z
     b = r[0, 1] * x + r[1, 1] * y + r[2, 1] * z
     d = r[0, 2] * x + r[1, 2] * y + r[2, 2] * z
@@ -32,8 +33,12 @@ def support(shapes, k, r, c, x, y, z):
         u, v = (a / level * size[k, 0], b / level * size[k, 0]) if level > 0.0 else (0.0, 0.0)
         w = size[k, 2] if d > 0.0 else -size[k, 2]
     elif what == HULL:
-        best, at = -math.inf, first[k]
-        for i in range(first[k], last[k]):
+        begin, end = first[k], last[k]
+        if fan[k] >= 0:
+            n = cone(a, b, d)
+            begin, end = starts[fan[k], n], starts[fan[k], n + 1]
+        best, at = -math.inf, begin
+        for i in range(begin, end):
             along = vertices[i, 0] * a + vertices[i, 1] * b + vertices[i, 2] * d
             if along > best:
                 best, at = along, i

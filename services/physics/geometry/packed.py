@@ -6,6 +6,7 @@ node before what is below it: a node whose box is far enough is skipped with all
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
@@ -13,22 +14,28 @@ from numpy.typing import NDArray
 
 from services.kernel import kernel, subkernel
 from services.physics.geometry.convex import BALL, BOX, CAPSULE, CYLINDER, HULL, MESH, bounds, support
+from services.physics.geometry.fans import CONES, FEW, fanned
 from services.physics.geometry.shapes import corners
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+
+FANS_KEPT = 512
+"""[1] Hulls whose fans are kept: those of some robots."""
 
 DEEPEST = 64
 """[1] Parts of a mesh that wait while its tree grows; each is less than half of the one before."""
 
 
 def pack(shapes: Sequence[coal.CollisionGeometry]) -> tuple:
-    """What `bounds_of` takes: (kind, half extents or radius and half length, radius, first, last, vertices).
+    """What `bounds_of` takes.
 
+    It is (kind, half extents or radius and half length, radius, first, last, vertices, fan, starts).
     Vertices are seen from the middle of a shape's own box, which is where `bounds_of` wants its centre.
     Behind the shapes follow the nodes of meshes, as shapes of their own: a leaf is a triangle, with the
     middle of its box as one vertex more; below any other node lie those up to its `last`. A mesh has its
-    nodes from `first` to `last`.
+    nodes from `first` to `last`. Of a shape with a `fan`, which is not below 0, the vertices of each cone lie
+    apart, from one of `starts[fan]` to the next.
     """
     parts = [_part(shape) for shape in shapes]
     kind, size, radius = (np.array([part[i] for part in parts], np.float64) for i in range(3))
@@ -36,11 +43,18 @@ def pack(shapes: Sequence[coal.CollisionGeometry]) -> tuple:
     first, last = np.zeros(len(shapes), np.int64), np.zeros(len(shapes), np.int64)
     vertices, total = [np.empty((0, 3))], 0
     trees, nodes = list[tuple](), len(shapes)
+    fan, starts = np.full(len(shapes), -1, np.int64), list[Indices]()
     for k, (_, _, _, points) in enumerate(parts):
         if kind[k] == HULL:
             first[k], last[k] = total, total + len(points)
             vertices.append(points)
             total += len(points)
+            if len(points) > FEW:
+                begins, some = _fanned(shapes[k])
+                fan[k] = len(starts)
+                starts.append(begins + total)
+                vertices.append(some)
+                total += len(some)
         elif len(points):
             tree = grown(points, nodes, total)
             first[k], last[k] = nodes, nodes + len(tree[0])
@@ -50,7 +64,15 @@ def pack(shapes: Sequence[coal.CollisionGeometry]) -> tuple:
     whole = zip((kind, size, first, last), *(tree[:4] for tree in trees), strict=True) if trees else None
     kind, size, first, last = map(np.concatenate, whole) if whole else (kind, size, first, last)
     radius = np.concatenate([radius, np.zeros(len(kind) - len(radius))])
-    return kind, np.ascontiguousarray(size), radius, first, last, np.concatenate(vertices)
+    fan = np.concatenate([fan, np.full(len(kind) - len(fan), -1)])
+    begins = np.array(starts, np.int64).reshape(-1, CONES + 1)
+    return kind, np.ascontiguousarray(size), radius, first, last, np.concatenate(vertices), fan, begins
+
+
+@lru_cache(maxsize=FANS_KEPT)
+def _fanned(shape: coal.ConvexBase) -> tuple[Indices, Array]:
+    """What `fanned` says of a hull, seen from the middle of its box; kept for the next scene."""
+    return fanned(_part(shape)[3])
 
 
 def _part(shape: coal.CollisionGeometry) -> tuple[int, tuple[float, ...] | Array, float, Array]:
@@ -160,7 +182,7 @@ def bounds_of(shapes, a, b, ra, ca, rb, cb, free, hit, work):
 @subkernel(makes=True)
 def _of_mesh(shapes, m, b, rm, cm, rb, cb, free, hit, work):
     """Bounds of the distance of mesh m and a convex shape: of the least of all triangles' distances."""
-    kind, size, radius, first, last, vertices = shapes
+    kind, size, radius, first, last, vertices = shapes[:6]
     turn, at, reach = np.empty((3, 3)), np.empty(3), np.empty(3)
     for i in range(3):  # shape b as the mesh sees it
         at[i], reach[i] = 0.0, radius[b]
@@ -229,7 +251,7 @@ def _facing(shapes, b, rm, cm, rb, cb, work):
 @subkernel
 def _beyond(shapes, n, leaf, middle, x, y, z):
     """How far along (x, y, z) node n of a mesh begins, in the mesh's frame."""
-    _, size, _, first, last, vertices = shapes
+    _, size, _, first, last, vertices = shapes[:6]
     if not leaf:
         here = x * vertices[middle, 0] + y * vertices[middle, 1] + z * vertices[middle, 2]
         return here - abs(x) * size[n, 0] - abs(y) * size[n, 1] - abs(z) * size[n, 2]
@@ -242,7 +264,7 @@ def _beyond(shapes, n, leaf, middle, x, y, z):
 @subkernel
 def _near(shapes, m, at, reach):
     """A triangle of mesh m near a box about `at` that reaches so far along the mesh's axes."""
-    kind, size, _, first, last, vertices = shapes
+    kind, size, _, first, last, vertices = shapes[:6]
     n = first[m]
     while kind[n] != HULL:
         one = n + 1
