@@ -1,0 +1,92 @@
+"""What a proof claims: of which models and state, of which holds, and of which bodies."""
+
+from dataclasses import dataclass
+
+from sdt_kg.annotation import Drive
+from sdt_kg.iri import Iri
+from sdt_kg.twin import Twin
+from services.embodiment.certify.tolerances import Tolerances
+
+Start = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """A motion of the container that has to keep its times: increasing times [s], values [rad or m]."""
+
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """That no motion which certification accepts takes the container past the refuted values.
+
+    With a timing: that none moves it so in these times.
+
+    Attributes:
+        models: Environment, then robot: IRI and content hash.
+        state: Joint IRI → position [rad or m] in which the motion begins.
+        span: Values [rad or m] all of which the container has to pass.
+        start: Base pose x, y [m], yaw [rad] of a fixed base; any pose is meant otherwise.
+        within: How far the tool's origin is at most from a box about the handle when it is grasped, of the
+            holds that are meant [m]; None: every hold that certification accepts is.
+        declared: Whether the robot's bodies are its collision shapes, which may be more than the bodies.
+    """
+
+    models: tuple[tuple[Iri, str], tuple[Iri, str]]
+    state: dict[Iri, float]
+    container: Iri
+    span: tuple[float, float]
+    drive: Drive
+    start: Start
+    tolerances: Tolerances
+    timing: Timing | None = None
+    within: float | None = None
+    declared: bool = False
+
+    @property
+    def partial(self) -> bool:
+        """Whether it says less than that nothing can be certified, of this robot however it is modelled."""
+        return self.within is not None or self.declared
+
+    @property
+    def bodies(self) -> str:
+        """What of the robot is solid, in words."""
+        if not self.declared:
+            return "the robot's bodies (sdt:hasCore)"
+        return (
+            "the robot's collision shapes, which certification takes for its bodies (they may be larger: "
+            "with closer ones what is refuted might be certified)"
+        )
+
+    @property
+    def holds(self) -> str:
+        """Those that are meant, in words."""
+        if self.within is None:
+            return (
+                "every hold that certification accepts, two fingers on both sides of the handle anywhere "
+                "along it, at any angle"
+            )
+        return (
+            f"holds with the handle, or a box about it, at most {1000 * self.within:g} mm from the tool's "
+            "origin when it is grasped, at any angle; a hold farther out on the fingers, or deeper between "
+            "them, is not refuted"
+        )
+
+
+def claim_about(  # noqa: PLR0913, PLR0917  # the parts of a claim
+    twin: Twin,
+    robot: Iri,
+    container: Iri,
+    span: tuple[float, float],
+    drive: Drive,
+    start: Start,
+    timing: Timing | None = None,
+    within: float | None = None,
+    declared: bool = False,
+) -> Claim:
+    """The claim about a robot and a container of a twin, with this version's tolerances."""
+    models = ((twin.environment, twin.content_hash(twin.environment)), (robot, twin.content_hash(robot)))
+    about = models, dict(twin.state), container, span, drive, start, Tolerances()
+    return Claim(*about, timing, within, declared)

@@ -1,0 +1,1 @@
+"""Boxes that lie inside the robot's bodies."""

@@ -1,0 +1,123 @@
+"""Boxes inside the robot's bodies, and inside shapes as they are declared."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.annotation import RobotAnnotation
+from sdt_kg.mechanism import Body, Geometry, JointType, ShapeType
+from services.embodiment.proof_check.interval import exact, turning
+from services.embodiment.proof_check.mechanics import HERE, Placement, Tree, placement
+
+Array = NDArray[np.float64]
+Inside = tuple[Placement, Array]
+"""Where a box sits, and its half extents [m], shape (3,)."""
+
+GAP = 0.001  # [m] between the face of a box and the cylinder that it is inside, at most
+THIN = 0.005  # [m] half an extent of a box below which nothing stays inside it that moves
+LESS = 1 - 1e-9  # [1] for what rounding may add
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Core:
+    """A box inside a body of a chain.
+
+    Attributes:
+        link: Index of the chain's link that carries the body.
+        middle: Where the box sits in that link's frame.
+        half: Its half extents [m], shape (3,).
+    """
+
+    body: str
+    link: int
+    middle: Placement
+    half: Array
+
+
+def cores_on(  # noqa: PLR0913, PLR0917  # a chain, and whose bodies
+    tree: Tree,
+    annotation: RobotAnnotation,
+    joints: list[str],
+    root: Placement,
+    base: int,
+    declared: bool = False,
+) -> tuple[Core, ...]:
+    """Boxes inside bodies that the chain carries; those of fingers, which touch, are left out.
+
+    Args:
+        tree: The robot's.
+        annotation: The robot's.
+        joints: The chain's movable joints, from the base on.
+        root: Where the robot's root sits in the base's frame.
+        base: Index of the link that is the base.
+        declared: Whether a body is taken as its collision shapes are declared, and not by what is annotated.
+    """
+    fingers = {finger for gripper in annotation.grippers for finger in gripper.fingers}
+    boxes = _annotated(annotation)
+    if declared:
+        told = {one.name: [*boxes_within(one)] for one in tree.mechanism.bodies}
+        boxes = [one for one in boxes if not told[one[0]]]
+        boxes += [(name, one) for name, each in told.items() for one in each]
+    found: list[Core] = []
+    for body, (where, half) in boxes:
+        carried = None if body in fingers else _carried(tree, body, joints, root)
+        if carried is not None:
+            at, passed = carried
+            found.append(Core(body, base + passed, at @ where, half))
+    return tuple(found)
+
+
+def _carried(tree: Tree, body: str, joints: list[str], root: Placement) -> tuple[Placement, int] | None:
+    """Where a body sits behind the joints of a chain, and behind how many; None if not on the chain."""
+    at, passed = root, 0
+    for joint in tree.path(body):
+        at = at @ placement(joint.origin)
+        if joint.type is JointType.FIXED:
+            continue
+        if passed >= len(joints) or joints[passed] != joint.name:
+            return None
+        at, passed = HERE, passed + 1
+    return at, passed
+
+
+def _annotated(annotation: RobotAnnotation) -> list[tuple[str, Inside]]:
+    """Name of the body, and each box that it is said to contain."""
+    boxes = [(body, one) for body, one in annotation.cores if one.shape is ShapeType.BOX]
+    return [(body, (placement(one.pose), np.array(one.size) / 2)) for body, one in boxes]
+
+
+def boxes_within(body: Body) -> Iterator[Inside]:
+    """Boxes inside the shapes of a body that are no meshes; none so thin that they refute nothing."""
+    for geometry in body.collision:
+        at = placement(geometry.pose)
+        for turn, half in _filling(geometry):
+            if half.min() >= THIN:
+                yield at @ turn, half
+
+
+def _filling(geometry: Geometry) -> Iterator[Inside]:
+    """Boxes about the middle of a shape, inside it, that leave little of it out."""
+    if geometry.shape not in {ShapeType.CYLINDER, ShapeType.CAPSULE}:
+        if geometry.shape is not ShapeType.MESH:
+            yield HERE, within(geometry)
+        return
+    radius, upright = geometry.size[0], np.array([0.0, 0.0, 1.0])
+    count = int(np.ceil(np.pi / 2 / np.arccos(max(1 - GAP / radius, 0.0))))
+    half_angle = np.pi / 2 / count
+    sides = np.array([np.cos(half_angle), np.sin(half_angle)]) * radius * LESS
+    for k in range(count):
+        turn = Placement(turning(upright, np.array(2 * half_angle * k)), exact(np.zeros(3)))
+        yield turn, np.array([*sides, geometry.size[1] / 2])
+
+
+def within(geometry: Geometry) -> Array:
+    """Half extents of a box inside a shape that is no mesh, about its middle [m], shape (3,)."""
+    size = geometry.size
+    if geometry.shape is ShapeType.BOX:
+        return np.array(size) / 2
+    if geometry.shape is ShapeType.SPHERE:
+        return np.full(3, size[0] / np.sqrt(3)) * LESS
+    across = size[0] / np.sqrt(2) * LESS  # of a cylinder, and of a capsule without its ends
+    return np.array([across, across, size[1] / 2])

@@ -1,0 +1,86 @@
+"""Proofs that no body motion exists, as the search for one comes to look for them."""
+
+import time
+from collections.abc import Callable, Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.annotation import Drive
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check.content import IN_HAND
+from services.embodiment.prove import Proved, Prover, in_hand
+from services.embodiment.setting import Setting
+
+Array = NDArray[np.float64]
+
+EARLY_BOXES = 1_000  # of a proof looked for as soon as one batch of seeds reached no grasp
+LATE_BOXES = 6_000  # of a proof looked for when the search has given up
+
+
+class Proofs:
+    """What was proved about one setting.
+
+    Attributes:
+        whole: That no gripper can hold the handle all along, if one was found and verified.
+        partial: The same of holds with the handle in hand, as all have it that were searched; or of
+            the robot's collision shapes in place of its bodies.
+    """
+
+    def __init__(self, setting: Setting, spent: Callable[[str, float], None]) -> None:
+        self.whole: Proved | None = None
+        self.partial: Proved | None = None
+        self._setting, self._spent = setting, spent
+        self._prover: Prover | None = None
+        self._stands = setting.drive is Drive.FIXED
+
+    @property
+    def ended(self) -> bool:
+        """Whether nothing that a search might find would be certified."""
+        return self.whole is not None or self.partial is not None
+
+    def look(self, boxes: int) -> None:
+        """Look for a proof from times, and with so many boxes for each gripper and value of the container."""
+        at, setting = time.perf_counter(), self._setting
+        if self.whole is not None or setting.tolerances != Tolerances():
+            return  # it refutes what these accept, no more
+        if self._prover is None:
+            self._prover = self._about()
+        self.whole = self._prover.hurried(setting.motion)
+        if self.whole is None and boxes:
+            self.whole = self._prover.prove(boxes)
+        self._spent("proof", at)
+
+    def look_at_sweep(self) -> None:
+        """Look whether the container would come into a robot that stands, or into its collision shapes."""
+        at = time.perf_counter()
+        if self._stands and self.whole is None and self._setting.tolerances == Tolerances():
+            self.whole = self._about().swept()
+            if self.whole is None:
+                self.partial = self._about(declared=True).swept()
+        self._spent("proof", at)
+
+    def look_at_holds(self, tools: Iterable[Array], late: Callable[[], bool]) -> None:
+        """Look for a proof that no hold, or none in hand, can be had all along, where none was found.
+
+        Args:
+            tools: Origins of the tool in grasps that were searched, in the handle's frame [m], shape (3,).
+            late: Whether time is up.
+        """
+        at, setting = time.perf_counter(), self._setting
+        if self.whole is not None or self._prover is None:
+            return
+        if self._stands and not late():
+            self.whole = self._prover.prove(EARLY_BOXES, one_hold=True)
+        held = [*tools]
+        if self.whole is None and held and in_hand(setting.world, setting.container.handle, held):
+            boxes = EARLY_BOXES if self._stands else LATE_BOXES  # heights alone are cheap to compare
+            self.partial = self._about(IN_HAND).prove(boxes, self._stands and not late())
+        self._spent("proof", at)
+
+    def _about(self, within: float | None = None, declared: bool = False) -> Prover:
+        """Who looks for proofs about this setting, such holds and bodies taken so."""
+        setting = self._setting
+        twin, values = setting.world.scene.twin, setting.motion.values[:, 0]
+        about = setting.robot, setting.container, setting.drive, setting.start
+        return Prover(twin, *about, values, within, declared)
