@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.iri import Iri
 from services.embodiment.certify.sweep.kinematics import Placed
-from services.embodiment.certify.sweep.shapes import Shapes
+from services.embodiment.certify.sweep.shapes import STILL, Shapes
 from services.embodiment.certify.tolerances import Tolerances
 
 Array = NDArray[np.float64]
@@ -60,10 +60,12 @@ class Grip:
 
     A finger presses on the handle from the side :math:`+y` if it is clear of it and touches it when
     moved along :math:`-y` of the tool by at most the tolerance of contact; and the other way round.
+    One that touches it only farther back, having passed it, does not.
     It reaches over the handle by e if it still does when it is first moved by e along each of
     :math:`\pm x` and :math:`\pm z`, and its way to the handle then grows by no more than
     :math:`e \tan(facing)`: the faces that meet look nearly along y. The handle is between two
-    fingers if they press on it from both sides, the upper one not below the lower one. This asks
+    fingers if they press on it from both sides, the upper one not below the lower one, and they
+    are two: bodies of one finger, which follow the same joint of the hand, count as one. This asks
     nothing of the handle's form: bars, knobs and boxes are treated alike.
 
     Args:
@@ -88,6 +90,7 @@ class Grip:
         #: Distance of each finger's body to the handle [m].
         self.gaps: dict[Iri, float] = {}
         self._pairs: dict[Iri, list[tuple[int, int]]] = {}
+        self._finger = _fingers(shapes, fingers)
         far = np.hypot(tolerances.engaged, tolerances.contact + tolerances.engaged * self._slope)
         for body, own in fingers.items():
             near = {pair: shapes.nearest_points(placed, pair)[0] for pair in product(own, handle)}
@@ -109,7 +112,7 @@ class Grip:
                 (one.finger, other.finger),
             )
             for one, other in product(*self.sides)
-            if one.finger != other.finger and one.at >= other.at - APART
+            if self._finger[one.finger] != self._finger[other.finger] and one.at >= other.at - APART
         ]
         return max(found, key=lambda each: (each.over, -each.gap), default=None)
 
@@ -155,7 +158,7 @@ class Grip:
     def _press(self, body: Iri, inward: Array) -> Press | None:
         """How a finger presses on the handle when it is moved inward; None if it does not."""
         gap = self._gap(body, inward)
-        if gap is None:
+        if gap is None or (gap < 0 and not self._meets(body, STILL)):
             return None
         back = (gap - APART) * inward
         nearest = (self._shapes.nearest_points(self._placed, pair, back) for pair in self._pairs[body])
@@ -188,6 +191,14 @@ class Grip:
     def _meets(self, body: Iri, shift: Array) -> bool:
         """Whether the finger, moved by this in the world, touches the handle."""
         return any(self._shapes.touch(self._placed, pair, shift) for pair in self._pairs[body])
+
+
+def _fingers(shapes: Shapes, fingers: dict[Iri, list[int]]) -> dict[Iri, int]:
+    """The joint with which each body's finger begins, where all have parted; 0 for one that is the palm's."""
+    paths = {body: shapes.path(own[0]) for body, own in fingers.items() if own}
+    least = min(map(len, paths.values()), default=0)
+    shared = next((k for k in range(least) if len({path[k] for path in paths.values()}) > 1), least)
+    return {body: path[shared] if len(path) > shared else 0 for body, path in paths.items()}
 
 
 def _border(holds: Callable[[float], bool], without: float, within: float) -> float:

@@ -36,6 +36,7 @@ class Shapes:
         self._rotation = np.ascontiguousarray(carrier_T_shape[:, :3, :3])
         self._origin = np.ascontiguousarray(carrier_T_shape[:, :3, 3])
         self._centre = self._origin + (self._rotation @ middle[:, :, None])[:, :, 0]
+        self._joint, self._parents = joints, scene.model.parents
         self.carrier = kinematics.carrier[joints]
         self.radius = np.linalg.norm(self._half, axis=1)
         self.placing = (self.carrier, self._rotation, self._centre, self._half, self.radius)
@@ -45,6 +46,14 @@ class Shapes:
         self._request, self._result = coal.DistanceRequest(), coal.DistanceResult()
         self._faces: dict[int, Faces | None] = {}
         self._first: tuple[Placed | None, dict[int, tuple[Array, Array]]] = (None, {})
+
+    def path(self, shape: int) -> list[int]:
+        """The joints that move a shape, from the root on, also those that stand still all along."""
+        joint, path = int(self._joint[shape]), list[int]()
+        while joint > 0:
+            path.append(joint)
+            joint = int(self._parents[joint])
+        return path[::-1]
 
     def centres(self, placed: Placed, span: Indices, shape: Indices) -> Array:
         """Centres in the world of one shape at one configuration for each item, shape (M, 3) [m]."""

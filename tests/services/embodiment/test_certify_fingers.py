@@ -1,0 +1,83 @@
+"""Two fingers hold a handle: not two bodies of one finger, and none that has passed the handle."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sdt_kg.load import load_twin
+from sdt_kg.twin import Twin
+from services.embodiment.certify import Certified, Refused
+from tests.services.embodiment.gantry import FOLDER, RESTS, opening
+from tests.services.embodiment.judging import judge
+
+pytestmark = pytest.mark.oracle
+
+WIDE = 0.006  # [m] of each finger from the middle: 1 mm from the bar, which certification allows
+HOOK = (
+    '<joint name="down_joint" type="fixed"><parent link="up_finger"/><child link="down_finger"/>'
+    '<origin xyz="0 0 -0.012"/>'
+)
+THIN = 0.0008  # [m] fingers, and the plate that they should hold
+
+
+def twin_of(folder: Path, robot: str, cell: str) -> Twin:
+    """Of a changed gantry and cell."""
+    (folder / "gantry.urdf").write_text(robot)
+    (folder / "gantry.ttl").write_text((FOLDER / "gantry.ttl").read_text())
+    (folder / "cell.urdf").write_text(cell)
+    return load_twin(folder / "cell.urdf", [folder / "gantry.urdf"])
+
+
+def texts() -> tuple[str, str]:
+    """URDF of the gantry and of the cell."""
+    return (FOLDER / "gantry.urdf").read_text(), (FOLDER / "cell.urdf").read_text()
+
+
+def closing(finger: float, aside: float = 0.0) -> np.ndarray:
+    """Rests of the good motion with the fingers always like that, the hand moved up or down."""
+    rests = RESTS.copy()
+    rests[:, 7] = finger
+    rests[1:, 4] += aside
+    return rests
+
+
+@pytest.mark.parametrize("hook", [False, True])
+def test_two_ends_of_a_hook_hold_nothing_between_them(tmp_path: Path, hook: bool) -> None:
+    robot, cell = texts()
+    start = robot.index('<joint name="down_joint"')
+    end = robot.index("</joint>", start)
+    robot = robot[:start] + HOOK + robot[end:] if hook else robot
+    verdict = judge(twin_of(tmp_path, robot, cell), opening(rests=closing(WIDE)))
+    if not hook:
+        assert isinstance(verdict, Certified), verdict.diagnoses
+        return
+    assert isinstance(verdict, Refused)
+    assert any("not between the fingers" in each.reason for each in verdict.diagnoses)
+
+
+@pytest.mark.parametrize(("aside", "holds"), [(0.0, True), (-0.0022, False), (0.0022, False)])
+def test_thin_fingers_on_one_side_of_a_thin_plate_do_not_hold_it(
+    tmp_path: Path, aside: float, holds: bool
+) -> None:
+    robot, cell = texts()
+    for side in ("0.04 0 0.005", "0.04 0 -0.005"):
+        thin = side.replace("0.005", str(THIN / 2))
+        robot = robot.replace(
+            f'<origin xyz="{side}"/><geometry><box size="0.06 0.02 0.01"/>',
+            f'<origin xyz="{thin}"/><geometry><box size="0.06 0.02 {THIN}"/>',
+        )
+    start = cell.index('<link name="drawer_handle">')
+    plate = f'<box size="0.01 0.2 {THIN}"/>'
+    cell = (
+        cell[:start]
+        + f'<link name="drawer_handle"><collision><geometry>{plate}</geometry></collision>'
+        + cell[cell.index("</link>", start) :]
+    )
+    finger = THIN / 2 + 0.0005 if holds else 0.0
+    verdict = judge(twin_of(tmp_path, robot, cell), opening(rests=closing(finger, aside)))
+    if holds:
+        assert isinstance(verdict, Certified), verdict.diagnoses
+        return
+    assert isinstance(verdict, Refused)
+    assert any("before it is held" in each.reason for each in verdict.diagnoses)
