@@ -114,7 +114,7 @@ def _moved(  # noqa: PLR0913, PLR0917  # a chain's frames, and a box behind them
 
 def _cells(tree: Tree, joints: list[Joint], tolerances: Tolerances) -> tuple[Array, Array]:
     """Positions of the joints amid each cell, and how far they are from there at most, shape (L, n)."""
-    resolved = [_source(tree, joint) for joint in joints]
+    resolved = [source_of(tree, joint) for joint in joints]
     sources = list({name: None for name, _, _ in resolved})
     count = max(1, int(CELLS ** (1 / max(1, len(sources)))))
     grids: list[list[tuple[float, float]]] = []
@@ -138,7 +138,7 @@ def _cells(tree: Tree, joints: list[Joint], tolerances: Tolerances) -> tuple[Arr
     return np.array(middles).reshape(shape), np.array(widths).reshape(shape)
 
 
-def _source(tree: Tree, joint: Joint) -> tuple[str, float, float]:
+def source_of(tree: Tree, joint: Joint) -> tuple[str, float, float]:
     """Joint that is mimicked in the end, multiplier and offset."""
     multiplier, offset = 1.0, 0.0
     while joint.mimic is not None:
