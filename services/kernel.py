@@ -22,16 +22,18 @@ _settings: Any = config
 _njit: Any = numba.njit
 
 
-def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:  # noqa: ANN401 - of numba
+def kernel(function: Callable[..., Any] | None = None, *, makes: bool = True, **options: Any) -> Any:  # noqa: ANN401 - of numba
     """A function that is compiled when it is first called with such arguments, once for all processes.
 
     Args:
         function: Reads numbers, other kernels, `math` and `numpy`, and no other names of its module.
+        makes: Whether it makes arrays, or is given some by what it calls. Only then does it count who holds
+            an array, at every view and every call: that takes a quarter of the time of such loops.
         options: Of `numba.njit`.
     """
     if function is None:
-        return lambda each: kernel(each, **options)
-    made = _njit(pipeline_class=_Pipeline, no_cfunc_wrapper=True, _nrt=True, **options)(function)
+        return lambda each: kernel(each, makes=makes, **options)
+    made = _njit(pipeline_class=_Pipeline, no_cfunc_wrapper=True, _nrt=makes, **options)(function)
     made._cache = Kept(function)  # as `cache=True` does
     return made
 
@@ -41,8 +43,7 @@ def subkernel(function: Callable[..., Any] | None = None, *, makes: bool = False
 
     Args:
         function: As above.
-        makes: Whether it makes arrays, or is given some by what it calls. Only then does it count who holds
-            an array, at every view and every call: that takes a quarter of the time of such loops.
+        makes: As above, but for what is usual.
     """
     if function is None:
         return lambda each: subkernel(each, makes=makes)
@@ -70,6 +71,7 @@ class _Pipeline(Compiler):
     def compile_extra(self, func: object) -> object:
         with _at_level():
             made: Any = super().compile_extra(func)
+        _refuse_arrays(self.state)
         for environment in made._find_referenced_environments():
             made.codegen.set_env(environment.env_name, environment)  # of what is inside too
         return made
@@ -84,15 +86,16 @@ class _Inner(Compiler):
         self.state.library = _Part(context.codegen(), func.__qualname__)
         with _at_level():
             made = super().compile_extra(func)
-        if not self.state.flags.nrt:
-            self._refuse_arrays(func.__qualname__)
+        _refuse_arrays(self.state)
         return made
 
-    def _refuse_arrays(self, name: str) -> None:
-        """Who does not count who holds an array gives none away, and is given none to throw away."""
-        called = (each for node, each in self.state.calltypes.items() if getattr(node, "op", "") == "call")
-        if any(map(_is_array, (self.state.return_type, *(each.return_type for each in called)))):
-            raise TypeError(f"the subkernel {name} makes arrays: declare it @subkernel(makes=True)")
+
+def _refuse_arrays(state: Any) -> None:  # noqa: ANN401 - of numba
+    """Who does not count who holds an array gives none away, and is given none to throw away."""
+    called = (each for node, each in state.calltypes.items() if getattr(node, "op", "") == "call")
+    given = (state.return_type, *(each.return_type for each in called))
+    if not state.flags.nrt and any(map(_is_array, given)):
+        raise TypeError(f"the kernel {state.func_id.func_qualname} makes arrays: declare it with makes=True")
 
 
 def _is_array(kind: Any) -> bool:  # noqa: ANN401 - of numba

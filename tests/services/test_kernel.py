@@ -123,7 +123,7 @@ def test_an_error_in_a_subkernel_is_raised_from_its_caller(loaded: Loader) -> No
 
 
 def test_a_subkernel_that_is_given_an_array_says_that_it_makes_some(loaded: Loader) -> None:
-    with pytest.raises(TypeError, match=r"inner makes arrays: declare it @subkernel\(makes=True\)"):
+    with pytest.raises(TypeError, match=r"inner makes arrays: declare it with makes=True"):
         loaded(inner="made(x)[0]", declared="subkernel").outer(1.0)
     assert loaded(inner="made(x)[0]", declared="subkernel(makes=True)").outer(1.0) == 1.0
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from services.embodiment.body.kernels import copied, forward, joint_pose, matmul, moved, place_boxes
 from services.kernel import kernel, subkernel
-from services.physics.geometry.convex import parted
+from services.physics.geometry.convex import ROOM, parted
 from services.physics.geometry.packed import bounds_of
 
 
@@ -60,14 +60,23 @@ def track(qs, tree, boxes, radius, moves, row, count, first, base):
     `first` is the pose of all joints at qs[0]. The way is that of the point which moves farthest, in
     the world and, for the robot's own pairs, as seen from the joint `base`.
     """
-    joint, local_r, local_c = boxes
-    r, p = first[0].copy(), first[1].copy()
-    turn, carried, seen = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     size = qs.shape[0]
-    at_r, at_c = np.empty((size, count, 3, 3)), np.empty((size, count, 3))
-    way, own = np.zeros((size, count)), np.zeros((size, count))
-    last_r, last_c, now = np.empty((count, 3, 3)), np.empty((count, 3)), np.empty(3)
-    for k in range(size):
+    along = np.empty((size, count, 3, 3)), np.empty((size, count, 3))
+    ways = np.zeros((size, count)), np.zeros((size, count))
+    last = np.empty((count, 3, 3)), np.empty((count, 3))
+    spare = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
+    frames = first[0].copy(), first[1].copy()
+    _tracked(qs, tree, boxes, radius, moves, row, frames, base, last, spare, along, ways)
+    return along, ways
+
+
+@subkernel
+def _tracked(qs, tree, boxes, radius, moves, row, frames, base, last, spare, along, ways):
+    """What `track` says is in `along` and `ways`; the joints' frames, `last` and `spare` are written to."""
+    joint, local_r, local_c = boxes
+    (r, p), (at_r, at_c), (way, own), (last_r, last_c) = frames, along, ways, last
+    turn, carried, seen, now = spare
+    for k in range(qs.shape[0]):
         for j in range(1, r.shape[0]):
             if k > 0 and moves[j]:
                 joint_pose(j, qs[k], tree, turn, carried, r, p)
@@ -100,7 +109,6 @@ def track(qs, tree, boxes, radius, moves, row, count, first, base):
             copied(seen, last_r[m])
             for i in range(3):
                 last_c[m, i] = now[i]
-    return at_r, at_c, way, own
 
 
 @subkernel
@@ -202,11 +210,22 @@ def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, largest
     forward(qs[0], tree, r, p)
     place_boxes(r, p, boxes, still[0], still[1])
     moves, _, row, many = movers(qs, tree, boxes[0], base)
-    at_r, at_c, way, inner = track(qs, tree, boxes, radius, moves, row, many, (r, p), base)
-    along, work = (at_r, at_c), np.zeros((8, 4))
-    low, high = np.empty((count, 3)), np.empty((count, 3))
+    along, ways = track(qs, tree, boxes, radius, moves, row, many, (r, p), base)
+    corners, work = (np.empty((count, 3)), np.empty((count, 3)), np.empty((2, 3))), np.zeros(ROOM)
+    centres = _first(row, still, along, ways[1])
+    rest = shapes, radius, row, still, along
+    found = _met(split, margins, largest, ways[0], corners, work, *rest)
+    return found if found[0] >= 0 else _met_itself(own, centres, ways[1], work, *rest)
+
+
+@subkernel
+def _met(split, margins, largest, way, corners, work, shapes, radius, row, still, along):
+    """The first configuration found at which robot and kitchen are too near, and the two shapes; or −1."""
+    low, high, (bottom, top) = corners[0], corners[1], (corners[2][0], corners[2][1])
     boxed(shapes, row, still, along, low, high)
-    bottom, top = np.full(3, math.inf), np.full(3, -math.inf)
+    for i in range(3):
+        bottom[i], top[i] = math.inf, -math.inf
+    count = row.shape[0]
     for s in range(split, count):
         for i in range(3):
             bottom[i], top[i] = min(bottom[i], low[s, i]), max(top[i], high[s, i])
@@ -223,14 +242,20 @@ def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, largest
             k = walk(s, e, margin, shapes, radius, row, still, along, way, work)
             if k >= 0:
                 return k, s, e
-    centre, ways = _first(row, still, along, inner)
+    return -1, -1, -1
+
+
+@subkernel
+def _met_itself(own, centres, way, work, shapes, radius, row, still, along):
+    """The same of the robot's own pairs."""
+    centre, ways = centres
     for n in range(own[0].shape[0]):
         a, b = own[0][n, 0], own[0][n, 1]
         x, y, z = centre[a, 0] - centre[b, 0], centre[a, 1] - centre[b, 1], centre[a, 2] - centre[b, 2]
         near = radius[a] + radius[b] + own[1][n] + ways[a] + ways[b]
         if x * x + y * y + z * z > near * near:
             continue
-        k = walk(a, b, own[1][n], shapes, radius, row, still, along, inner, work)
+        k = walk(a, b, own[1][n], shapes, radius, row, still, along, way, work)
         if k >= 0:
             return k, a, b
     return -1, -1, -1
@@ -240,7 +265,7 @@ def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, largest
 def distances(shapes, boxes, pairs, r, p, low, high):
     """Bounds of the distances of pairs of shapes (M, 2) at joint frames r, p are in low and high (M,)."""
     joint, local_r, local_c = boxes
-    work, at_r, at_c = np.zeros((8, 4)), np.empty((2, 3, 3)), np.empty((2, 3))
+    work, at_r, at_c = np.zeros(ROOM), np.empty((2, 3, 3)), np.empty((2, 3))
     for n in range(pairs.shape[0]):
         for i in range(2):
             s = pairs[n, i]

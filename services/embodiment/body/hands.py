@@ -7,19 +7,28 @@ import numpy as np
 from services.embodiment.body.contacts import clear, parting
 from services.embodiment.body.kernels import joint_pose, matmul, moved
 from services.kernel import kernel, subkernel
-from services.physics.geometry.convex import parted
+from services.physics.geometry.convex import ROOM, parted
 from services.physics.geometry.packed import bounds_of
 
 CENTRED = 5  # times that a hand is centred and closed; two are usual
 
 
-@subkernel(makes=True)
-def touching(hand, at, kitchen, split, radius, shapes, margins):
+def room(shapes: int, coordinates: int) -> tuple:
+    """What the loops write to, for a hand of so many shapes in a scene of so many coordinates.
+
+    Poses of the shapes, gaps of the two sides of the fingers, work, a configuration, and spare matrices.
+    """
+    spare = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
+    at = np.empty((shapes, 3, 3)), np.empty((shapes, 3))
+    return at, np.empty(2), np.zeros(ROOM), np.empty(coordinates), spare
+
+
+@subkernel
+def touching(hand, at, kitchen, split, radius, shapes, margins, work):
     """A shape of the hand and one of the kitchen's to which it is too near, or (−1, −1).
 
     `hand` are indices of shapes, `at` their poses; `kitchen` is (indices, rotations, centres).
     """
-    work = np.zeros((8, 4))
     for n in range(kitchen[0].shape[0]):
         e = kitchen[0][n]
         for i in range(hand.shape[0]):
@@ -27,8 +36,8 @@ def touching(hand, at, kitchen, split, radius, shapes, margins):
             margin = margins[s - split, e]
             if margin < 0.0 or clear(shapes, e, kitchen[1][n], kitchen[2][n], at[1][i], radius[s] + margin):
                 continue
-            there = kitchen[1][n], kitchen[2][n]
-            if parting(shapes, s, e, at[0][i], at[1][i], *there, margin, work) <= margin:
+            there_r, there_c = kitchen[1][n], kitchen[2][n]
+            if parting(shapes, s, e, at[0][i], at[1][i], there_r, there_c, margin, work) <= margin:
                 return s, e
     return -1, -1
 
@@ -39,52 +48,65 @@ def touching_many(hand, seen, tools, kitchen, split, radius, shapes, margins, fo
 
     `seen` are poses of the hand's shapes in the tool's frame.
     """
-    at_r, at_c = np.empty_like(seen[0]), np.empty_like(seen[1])
+    at_r, at_c, work = np.empty_like(seen[0]), np.empty_like(seen[1]), np.zeros(ROOM)
     for g in range(found.shape[0]):
         for i in range(hand.shape[0]):
             matmul(tools[0][g], seen[0][i], at_r[i])
             moved(tools[0][g], tools[1][g], seen[1][i], at_c[i])
-        found[g, 0], found[g, 1] = touching(hand, (at_r, at_c), kitchen, split, radius, shapes, margins)
+        rest = split, radius, shapes, margins, work
+        found[g, 0], found[g, 1] = touching(hand, (at_r, at_c), kitchen, *rest)
 
 
 @kernel
 def posed(q, hand, at):
-    """Poses of a hand's shapes as its tool sees them, fingers as in q, are in `at` (rotations, centres).
+    """Poses of a hand's shapes as its tool sees them, fingers as in q, are in `at` (rotations, centres)."""
+    _posed(q, hand, at, (np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty(3)))
+
+
+@subkernel
+def _posed(q, hand, at, spare):
+    """The same.
 
     `hand` is (indices of the shapes, fingers last; number of those that are no fingers; joints that q may
     move, from the root on; tree; boxes; tool's pose (rotation, translation); poses of all joint frames,
     into which the moved ones are written).
     """
     shapes, _, joints, tree, (joint, local_r, local_c), (tool_r, tool_p), (r, p) = hand
-    turn, carried, frame, centre = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
-    back, nowhere = tool_r.T.copy(), np.zeros(3)
+    turn, carried, frame, centre = spare
     for j in joints:
         joint_pose(j, q, tree, turn, carried, r, p)
     for i in range(shapes.shape[0]):
         s = shapes[i]
         matmul(r[joint[s]], local_r[s], frame)
-        matmul(back, frame, at[0][i])
         moved(r[joint[s]], p[joint[s]], local_c[s], centre)
+        _seen(tool_r, tool_p, frame, centre, at[0][i], at[1][i])
+
+
+@subkernel
+def _seen(r, p, frame, centre, seen_r, seen_p):
+    """A pose (frame, centre) as it is seen from another, (r, p), is in `seen_r`, `seen_p`."""
+    x, y, z = centre[0] - p[0], centre[1] - p[1], centre[2] - p[2]
+    for i in range(3):
+        seen_p[i] = r[0, i] * x + r[1, i] * y + r[2, i] * z
         for k in range(3):
-            centre[k] -= tool_p[k]
-        moved(back, nowhere, centre, at[1][i])
+            seen_r[i, k] = r[0, i] * frame[0, k] + r[1, i] * frame[1, k] + r[2, i] * frame[2, k]
 
 
-@subkernel(makes=True)
-def _closed_by(shares, closing):
-    """Configuration of a scene whose finger joints are closed by these shares (F,).
+@subkernel
+def _closed_by(shares, hand, closing, room):
+    """Poses of a hand's shapes as its tool sees them are in room[0], its finger joints closed by shares (F,).
 
     `closing` is (open configuration, what closing each finger joint adds to it).
     """
-    q = np.empty(closing[0].shape[0])
+    at, _, _, q, spare = room
     for i in range(q.shape[0]):
         q[i] = closing[0][i]
         for k in range(shares.shape[0]):
             q[i] += closing[1][k, i] * shares[k]
-    return q
+    _posed(q, hand, at, spare)
 
 
-@subkernel(makes=True)
+@subkernel
 def _gaps(shares, sides, hand, closing, handle, shapes, room, near):
     """Distances of the handle from the nearest finger shape of each of two `sides` (2, fingers), in room[1].
 
@@ -92,8 +114,8 @@ def _gaps(shares, sides, hand, closing, handle, shapes, room, near):
     rotations, centres) as the tool sees it. The shapes in `near` (2,), which were the nearest before, are
     looked at first.
     """
-    at, out, work = room
-    posed(_closed_by(shares, closing), hand, at)
+    at, out, work = room[0], room[1], room[2]
+    _closed_by(shares, hand, closing, room)
     out[0] = out[1] = math.inf
     one, other = near[0], near[1]
     for turn in range(-2, sides.shape[1]):
@@ -109,11 +131,11 @@ def _gaps(shares, sides, hand, closing, handle, shapes, room, near):
                     enough = max(enough, out[side], 0.0)
             if enough < 0.0:
                 break
-            there = handle[1][m], handle[2][m]
-            widest = parted(shapes, s, h, at[0][i], at[1][i], *there)
+            own_r, own_c, there_r, there_c = at[0][i], at[1][i], handle[1][m], handle[2][m]
+            widest = parted(shapes, s, h, own_r, own_c, there_r, there_c)
             if widest > enough:
                 continue
-            low, _ = bounds_of(shapes, s, h, at[0][i], at[1][i], *there, enough, -math.inf, work)
+            low, _ = bounds_of(shapes, s, h, own_r, own_c, there_r, there_c, enough, -math.inf, work)
             if low == -math.inf:
                 low = min(widest, 0.0)
             for side in range(2):
@@ -168,14 +190,11 @@ def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, ro
     are closed. `sides` (F, 2, fingers) are those that each closes; `handle` is in the world. What closing
     each joint found before is in `guess` (F, 2) and `near` (F, 2): it saves looks, at first all are 0.
     """
-    seen, back, nowhere = (np.empty_like(handle[1]), np.empty_like(handle[2])), tool[0].T.copy(), np.zeros(3)
-    count, found, away = shares.shape[0], np.empty_like(shares), np.empty(3)
+    seen = np.empty_like(handle[1]), np.empty_like(handle[2])
+    count, found = shares.shape[0], np.empty_like(shares)
     for _ in range(CENTRED):
         for m in range(handle[0].shape[0]):
-            matmul(back, handle[1][m], seen[0][m])
-            for i in range(3):
-                away[i] = handle[2][m, i] - tool[1][i]
-            moved(back, nowhere, away, seen[1][m])
+            _seen(tool[0], tool[1], handle[1][m], handle[2][m], seen[0][m], seen[1][m])
         there = handle[0], seen[0], seen[1]
         for k in range(count):
             rest = hand, closing, there, shapes, touch, rounds, room, guess[k], near[k]
@@ -203,8 +222,8 @@ def engaged(tool, shares, pads, hand, closing, handle, shapes, reach, inward, ro
     more: there they overlap. `pads` are (finger shapes of each body (B, fingers), its side of the tool along
     y (B,), 1 or −1). The rest is as in `closed`, which left the hand so.
     """
-    seen, back, nowhere = (np.empty_like(handle[1]), np.empty_like(handle[2])), tool[0].T.copy(), np.zeros(3)
-    near, away, above, below = np.empty(2, np.int64), np.empty(3), False, False
+    seen, place = (np.empty_like(handle[1]), np.empty_like(handle[2])), np.empty(3)
+    near, above, below = np.empty(2, np.int64), False, False
     there, own = (handle[0], seen[0], seen[1]), np.empty((2, pads[0].shape[1]), np.bool_)
     for b in range(pads[0].shape[0]):
         near[0] = near[1] = 0
@@ -214,14 +233,13 @@ def engaged(tool, shares, pads, hand, closing, handle, shapes, reach, inward, ro
                 near[0] = near[1] = f
         over, more = True, 0.0
         for look in range(5):
+            for i in range(3):
+                place[i] = tool[1][i] - pads[1][b] * more * tool[0][i, 1]
+                if look > 0:
+                    way = reach if look % 2 else -reach
+                    place[i] -= way * tool[0][i, 0 if look < 3 else 2]
             for m in range(handle[0].shape[0]):
-                matmul(back, handle[1][m], seen[0][m])
-                for i in range(3):
-                    away[i] = handle[2][m, i] - tool[1][i] + pads[1][b] * more * tool[0][i, 1]
-                    if look > 0:
-                        way = reach if look % 2 else -reach
-                        away[i] += way * tool[0][i, 0 if look < 3 else 2]
-                moved(back, nowhere, away, seen[1][m])
+                _seen(tool[0], place, handle[1][m], handle[2][m], seen[0][m], seen[1][m])
             _gaps(shares, own, hand, closing, there, shapes, room, near)
             if look == 0:
                 more = max(room[1][0], 0.0) + inward
@@ -233,10 +251,11 @@ def engaged(tool, shares, pads, hand, closing, handle, shapes, reach, inward, ro
     return above and below
 
 
-@subkernel(makes=True)
-def _put(tool, shares, hand, closing, seen, at):
+@subkernel
+def _put(tool, shares, hand, closing, room, at):
     """Poses of a hand's shapes in the world, its finger joints closed by these shares, are in `at`."""
-    posed(_closed_by(shares, closing), hand, seen)
+    _closed_by(shares, hand, closing, room)
+    seen = room[0]
     for i in range(hand[0].shape[0]):
         matmul(tool[0], seen[0][i], at[0][i])
         moved(tool[0], tool[1], seen[1][i], at[1][i])
@@ -250,11 +269,11 @@ def stays(tool, shares, hand, closing, kitchens, rest, margins, room):
     from the handle; `rest` is (split, radius, shapes).
     """
     at = np.empty_like(room[0][0]), np.empty_like(room[0][1])
-    _put(tool, shares, hand, closing, room[0], at)
+    _put(tool, shares, hand, closing, room, at)
     first = 0
     for last in kitchens[3]:
         there = kitchens[0][first:last], kitchens[1][first:last], kitchens[2][first:last]
-        one, other = touching(hand[0], at, there, rest[0], rest[1], rest[2], margins)
+        one, other = touching(hand[0], at, there, rest[0], rest[1], rest[2], margins, room[2])
         if one >= 0:
             return one, other
         first = last
@@ -271,8 +290,9 @@ def swings(tool, shares, start, steps, hand, closing, kitchen, rest, margins, ro
     for step in range(steps):
         for k in range(shares.shape[0]):
             now[k] = start[k] + (shares[k] - start[k]) * (step / steps)
-        _put(tool, now, hand, closing, room[0], at)
-        one, other = touching(hand[0], at, kitchen, rest[0], rest[1], rest[2], margins[1 if step == 0 else 0])
+        _put(tool, now, hand, closing, room, at)
+        demanded = margins[1 if step == 0 else 0]
+        one, other = touching(hand[0], at, kitchen, rest[0], rest[1], rest[2], demanded, room[2])
         if one >= 0:
             return one, other
     return -1, -1

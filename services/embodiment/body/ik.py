@@ -24,8 +24,13 @@ STALLED = 0.64  # [1] of the squared error that is left when a seed is given up:
 @kernel
 def tool_pose(x, chain, r, p, z, o):
     """Tool pose is in r (3, 3), p (3,); each joint's world axis and origin in z, o (C, 3)."""
+    _tool_pose(x, chain, r, p, z, o, np.empty((3, 3)), np.empty((3, 3)))
+
+
+@subkernel
+def _tool_pose(x, chain, r, p, z, o, turn, tmp):
+    """The same, with room for two matrices."""
     place_r, place_p, axis, kind, var, mult, offset, end_r, end_p = chain
-    turn, tmp = np.empty((3, 3)), np.empty((3, 3))
     for i in range(3):
         p[i] = 0.0
         for j in range(3):
@@ -52,11 +57,13 @@ def tool_pose(x, chain, r, p, z, o):
                 p[i] += z[c, i] * angle
 
 
-@kernel
+@kernel(makes=False)
 def jacobian(chain, p, z, o, out):
     """World Jacobian of the tool (linear over angular) is in out (6, n)."""
     kind, var, mult = chain[3], chain[4], chain[5]
-    out[:, :] = 0.0
+    for i in range(6):
+        for k in range(out.shape[1]):
+            out[i, k] = 0.0
     for c in range(kind.shape[0]):
         k, m = var[c], mult[c]
         if k < 0:
@@ -73,27 +80,25 @@ def jacobian(chain, p, z, o, out):
                 out[i, k] += m * z[c, i]
 
 
-@kernel
+@kernel(makes=False)
 def pose_error(r, p, target_r, target_p, e):
     """Error twist that leads from (r, p) to the target is in e (6,), in the world frame."""
-    w = np.zeros(3)
-    trace = -1.0
+    x, y, z, trace = 0.0, 0.0, 0.0, -1.0
     for i in range(3):
         e[i] = target_p[i] - p[i]
         for k in range(3):
             trace += target_r[i, k] * r[i, k]
     # target_r · rᵀ, its skew part is 2 sin(angle) · axis
     for k in range(3):
-        w[0] += target_r[2, k] * r[1, k] - target_r[1, k] * r[2, k]
-        w[1] += target_r[0, k] * r[2, k] - target_r[2, k] * r[0, k]
-        w[2] += target_r[1, k] * r[0, k] - target_r[0, k] * r[1, k]
-    sine2 = math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+        x += target_r[2, k] * r[1, k] - target_r[1, k] * r[2, k]
+        y += target_r[0, k] * r[2, k] - target_r[2, k] * r[0, k]
+        z += target_r[1, k] * r[0, k] - target_r[0, k] * r[1, k]
+    sine2 = math.sqrt(x * x + y * y + z * z)
     angle = math.atan2(sine2, trace)
     scale = angle / sine2 if sine2 > 1e-9 else 0.5
     if sine2 <= 1e-9 and trace < 0.0:  # a half turn: any axis will do for one step
-        w[0], scale = math.pi, 1.0
-    for i in range(3):
-        e[3 + i] = w[i] * scale
+        x, scale = math.pi, 1.0
+    e[3], e[4], e[5] = x * scale, y * scale, z * scale
 
 
 @subkernel
@@ -115,13 +120,13 @@ def solve6(a, b):
         b[i] /= a[i, i]
 
 
-@subkernel(makes=True)
-def step(x, jac, e, error, weight, lower, upper):
+@subkernel
+def step(x, jac, e, error, weight, lower, upper, room):
     """x has made one damped step; False if nothing may move."""
     n = x.shape[0]
-    a, y = np.empty((6, 6)), np.empty(6)
-    free = np.ones(n, np.bool_)
-    dx = np.zeros(n)
+    a, y, free, dx = room
+    for k in range(n):
+        free[k] = True
     for _ in range(4):
         for i in range(6):
             y[i] = e[i]
@@ -156,14 +161,20 @@ def step(x, jac, e, error, weight, lower, upper):
 
 
 @subkernel(makes=True)
-def solve(x, target_r, target_p, chain, weight, lower, upper, steps, tolerance):
+def _room(joints, n):
+    """What `solve` writes to, for so many joints and variables."""
+    pose, twist = (np.empty((3, 3)), np.empty(3)), (np.empty((6, n)), np.empty(6))
+    axes, spare = (np.empty((joints, 3)), np.empty((joints, 3))), (np.empty((3, 3)), np.empty((3, 3)))
+    return pose, axes, spare, twist, (np.empty((6, 6)), np.empty(6), np.empty(n, np.bool_), np.empty(n))
+
+
+@subkernel
+def solve(x, target_r, target_p, chain, weight, lower, upper, steps, tolerance, room):
     """Whether x has been moved to where the tool meets the target within `tolerance` [m, and rad · ARM]."""
-    joints, n = chain[3].shape[0], x.shape[0]
-    r, p = np.empty((3, 3)), np.empty(3)
-    z, o = np.empty((joints, 3)), np.empty((joints, 3))
-    jac, e, before = np.empty((6, n)), np.empty(6), math.inf
+    n, before = x.shape[0], math.inf
+    (r, p), (z, o), (turn, tmp), (jac, e), free = room
     for k in range(steps):
-        tool_pose(x, chain, r, p, z, o)
+        _tool_pose(x, chain, r, p, z, o, turn, tmp)
         pose_error(r, p, target_r, target_p, e)
         jacobian(chain, p, z, o, jac)
         error = 0.0
@@ -179,7 +190,7 @@ def solve(x, target_r, target_p, chain, weight, lower, upper, steps, tolerance):
             if k > PATIENCE and error > STALLED * before:
                 return False
             before = error
-        if not step(x, jac, e, error, weight, lower, upper):
+        if not step(x, jac, e, error, weight, lower, upper, free):
             return False
     return False
 
@@ -187,9 +198,10 @@ def solve(x, target_r, target_p, chain, weight, lower, upper, steps, tolerance):
 @kernel
 def solve_many(seeds, target_r, target_p, chain, weight, lower, upper, steps, tolerance):
     """Which seeds (S, n) reached their target (S, 3, 3), (S, 3); the seeds become the solutions."""
-    met = np.zeros(seeds.shape[0], np.bool_)
+    met, room = np.zeros(seeds.shape[0], np.bool_), _room(chain[3].shape[0], seeds.shape[1])
+    rest = chain, weight, lower, upper, steps, tolerance, room
     for s in range(seeds.shape[0]):
-        met[s] = solve(seeds[s], target_r[s], target_p[s], chain, weight, lower, upper, steps, tolerance)
+        met[s] = solve(seeds[s], target_r[s], target_p[s], *rest)
     return met
 
 
@@ -197,11 +209,11 @@ def solve_many(seeds, target_r, target_p, chain, weight, lower, upper, steps, to
 def misses(xs, target_r, target_p, chain):
     """How far the tool is from each target (S, 3, 3), (S, 3) at each of xs (S, n) [m, and rad · ARM]."""
     joints = chain[3].shape[0]
-    r, p = np.empty((3, 3)), np.empty(3)
+    r, p, turn, tmp = np.empty((3, 3)), np.empty(3), np.empty((3, 3)), np.empty((3, 3))
     z, o = np.empty((joints, 3)), np.empty((joints, 3))
     e, out = np.empty(6), np.empty(xs.shape[0])
     for s in range(xs.shape[0]):
-        tool_pose(xs[s], chain, r, p, z, o)
+        _tool_pose(xs[s], chain, r, p, z, o, turn, tmp)
         pose_error(r, p, target_r[s], target_p[s], e)
         error = 0.0
         for i in range(6):
@@ -213,10 +225,12 @@ def misses(xs, target_r, target_p, chain):
 @kernel
 def follow(x0, target_r, target_p, chain, weight, lower, upper, steps, tolerance, jump, path):
     """How many targets in a row could be followed from x0 with no variable jumping; path (K, n) has them."""
-    x = x0.copy()
+    x, before, room = x0.copy(), np.empty(x0.shape[0]), _room(chain[3].shape[0], x0.shape[0])
+    rest = chain, weight, lower, upper, steps, tolerance, room
     for k in range(target_r.shape[0]):
-        before = x.copy()
-        if not solve(x, target_r[k], target_p[k], chain, weight, lower, upper, steps, tolerance):
+        for i in range(x.shape[0]):
+            before[i] = x[i]
+        if not solve(x, target_r[k], target_p[k], *rest):
             return k
         for i in range(x.shape[0]):
             if abs(x[i] - before[i]) > jump:

@@ -13,7 +13,7 @@ from services.kernel import kernel, subkernel
 REVOLUTE = 1
 
 
-@kernel
+@kernel(makes=False)
 def rotation(axis, angle, out):
     """Rotation matrix about a unit axis is in `out`."""
     c, s = math.cos(angle), math.sin(angle)
@@ -69,13 +69,15 @@ def joint_pose(j, q, tree, turn, carried, r, p):
 def forward(q, tree, r, p):
     """World poses of all joint frames are in r (J, 3, 3), p (J, 3); joint 0 is the world."""
     turn, carried = np.empty((3, 3)), np.empty((3, 3))
-    copied(np.eye(3), r[0])
-    p[0] = 0.0
+    for i in range(3):
+        p[0, i] = 0.0
+        for k in range(3):
+            r[0, i, k] = 1.0 if i == k else 0.0
     for j in range(1, r.shape[0]):
         joint_pose(j, q, tree, turn, carried, r, p)
 
 
-@kernel
+@kernel(makes=False)
 def place_boxes(r, p, boxes, box_r, box_c):
     """World poses of all boxes are in box_r, box_c."""
     joint, local_r, local_c = boxes

@@ -7,6 +7,7 @@ import numpy as np
 from services.embodiment.body.contacts import beside, parting
 from services.embodiment.body.kernels import forward, joint_pose, matmul, moved
 from services.kernel import kernel, subkernel
+from services.physics.geometry.convex import ROOM
 
 
 @kernel
@@ -22,7 +23,7 @@ def contacts_each(found, qs, tree, boxes, split, radius, shapes, base, own, marg
         np.empty((count, 3)),
         np.empty((count, 3)),
     )
-    turn, carried, work = np.empty((3, 3)), np.empty((3, 3)), np.zeros((8, 4))
+    turn, carried, work, around = np.empty((3, 3)), np.empty((3, 3)), np.zeros(ROOM), np.empty((2, 3))
     forward(qs[0], tree, r, p)
     for n in range(qs.shape[0]):
         for j in range(1, joints):
@@ -32,7 +33,7 @@ def contacts_each(found, qs, tree, boxes, split, radius, shapes, base, own, marg
         for s in range(count):
             if n == 0 or moves[boxes[0][s]]:
                 _placed(s, r, p, boxes, shapes, at, low, high)
-        e, s = _near(split, shapes, at, low, high, margins, largest, work)
+        e, s = _near(split, shapes, at, low, high, margins, largest, around, work)
         if e < 0:
             e, s = _near_own(radius, shapes, at, own, work)
         found[n, 0], found[n, 1] = e, s
@@ -51,12 +52,13 @@ def _placed(s, r, p, boxes, shapes, at, low, high):
         low[s, i], high[s, i] = at[1][s, i] - reach, at[1][s, i] + reach
 
 
-@subkernel(makes=True)
-def _near(split, shapes, at, low, high, margins, largest, work):
+@subkernel
+def _near(split, shapes, at, low, high, margins, largest, around, work):
     """A shape of the robot and one of the kitchen nearer than their margin, or (−1, −1)."""
-    bottom, top = np.full(3, math.inf), np.full(3, -math.inf)
-    for s in range(split, low.shape[0]):
-        for i in range(3):
+    bottom, top = around[0], around[1]
+    for i in range(3):
+        bottom[i], top[i] = math.inf, -math.inf
+        for s in range(split, low.shape[0]):
             bottom[i], top[i] = min(bottom[i], low[s, i]), max(top[i], high[s, i])
     for e in range(split):
         far = False

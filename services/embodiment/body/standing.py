@@ -6,7 +6,7 @@ import numpy as np
 
 from services.embodiment.body.kernels import matmul
 from services.kernel import kernel, subkernel
-from services.physics.geometry.convex import parted
+from services.physics.geometry.convex import ROOM, parted
 from services.physics.geometry.packed import bounds_of
 
 TOUCHES = -1.0
@@ -114,7 +114,7 @@ def _beyond(n, e, best, split, at, there, corners, shapes, margin, work):
 def _room(count):
     """What `_clearance` writes to."""
     corners = np.empty((count + 1, 3)), np.empty((count + 1, 3))
-    return np.empty((count, 3)), *corners, np.zeros((8, 4)), np.array([0, -1])
+    return np.empty((count, 3)), *corners, np.zeros(ROOM), np.array([0, -1])
 
 
 @kernel

@@ -34,7 +34,7 @@ def _warm_hands(world: World, limb: Limb, demands: Rules) -> None:
     hand = one + world.split, 0, one + 1, world.tree, world.boxes, tool, frames
     rest, margins, kitchen = (world.split, world.radius, world.shapes), demands.environment, (one, *at)
     closing, shares = (limb.q(x), limb.q(x)[None]), np.zeros(1)
-    room = at, np.empty(2), np.zeros((8, 4))
+    room = hands.room(1, world.scene.model.nq)
     hands.posed(limb.q(x), hand, at)
     hands.touching_many(hand[0], at, at, kitchen, *rest, margins, np.empty((1, 2), np.int64))
     sides = np.ones((1, 2, 1), np.bool_)

@@ -234,11 +234,9 @@ class Hand:
             self._seen[share] = at
         return self._seen[share]
 
-    def room(self) -> tuple[tuple[Array, Array], Array, Array]:
-        """What compiled loops write to: poses of its shapes, gaps of the two sides of its fingers, work."""
-        count = len(self.shapes)
-        at = np.empty((count, 3, 3)), np.empty((count, 3))
-        return at, np.empty(2), np.zeros((8, 4))
+    def room(self) -> tuple:
+        """What compiled loops write to; first poses of its shapes."""
+        return hands.room(len(self.shapes), len(self.closing[0]))
 
     def opening(self, share: float) -> tuple[tuple[str, float], ...]:
         """Positions of the finger joints, closed by a share."""

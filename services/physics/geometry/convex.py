@@ -17,6 +17,8 @@ BOX, BALL, CYLINDER, CAPSULE, HULL, MESH = 0, 1, 2, 3, 4, 5
 ITERATIONS = 48
 EXACT = 1e-9  # [m] between the bounds of a distance that counts as known
 GOOD = 0.8  # [1] share of the upper bound from which a lower bound that is high enough is not raised
+ROOM = (13, 4)
+"""Shape of the array that `bounds` and `packed.bounds_of` write to."""
 FLAT = 1e-14  # [1] relative volume or area under which a simplex says nothing
 
 
@@ -183,7 +185,7 @@ def bounds(shapes, a, b, ra, ca, rb, cb, free, hit, work):
     `shapes` is what `packed.pack` gives, a and b say which; (ra, ca), (rb, cb) are world poses of the middles
     of their own boxes. The search ends when low > free, when high <= hit, or when both agree to EXACT.
     Where the shapes without their radii touch, low is −inf: their depth is not looked for. `work` is
-    room, shape (8, 4); the last column begins with the direction from b to a along which low was found.
+    room, of shape ROOM; the last column begins with the direction from b to a along which low was found.
     """
     w, v, share, spare, other = work[:4, :3], work[4, :3], work[5], work[6], work[7]
     around = shapes[2][a] + shapes[2][b]

@@ -179,11 +179,11 @@ def bounds_of(shapes, a, b, ra, ca, rb, cb, free, hit, work):
     return -math.inf, math.inf
 
 
-@subkernel(makes=True)
+@subkernel
 def _of_mesh(shapes, m, b, rm, cm, rb, cb, free, hit, work):
     """Bounds of the distance of mesh m and a convex shape: of the least of all triangles' distances."""
     kind, size, radius, first, last, vertices = shapes[:6]
-    turn, at, reach = np.empty((3, 3)), np.empty(3), np.empty(3)
+    turn, at, reach = work[8:11, :3], work[11, :3], work[12, :3]
     for i in range(3):  # shape b as the mesh sees it
         at[i], reach[i] = 0.0, radius[b]
         for k in range(3):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from services.physics.geometry.convex import EXACT, HULL, parted
+from services.physics.geometry.convex import EXACT, HULL, ROOM, parted
 from services.physics.geometry.packed import bounds_of, pack
 from services.physics.geometry.shapes import hull
 
@@ -59,7 +59,7 @@ def bounds(
     packed: tuple[np.ndarray, ...], pairs: np.ndarray, poses: list[tuple[np.ndarray, np.ndarray]]
 ) -> np.ndarray:
     """Lower and upper bounds of the distance of each pair, shape (2, M) [m]."""
-    work = np.zeros((8, 4))
+    work = np.zeros(ROOM)
     frames = zip(*poses[0], *poses[1], strict=True)
     return np.array(
         [
@@ -116,8 +116,8 @@ def test_whether_a_mesh_is_nearer_than_a_margin_needs_no_distance(margin: float)
         a, b = int(rng.integers(20)), int(rng.integers(20, 40))
         turns, at = Rotation.random(2, rng).as_matrix(), rng.uniform(-0.6, 0.6, (2, 3))
         poses = np.ascontiguousarray(turns[0]), at[0], np.ascontiguousarray(turns[1]), at[1]
-        low, _ = bounds_of(packed, a, b, *poses, np.inf, -np.inf, np.zeros((8, 4)))
-        quick, _ = bounds_of(packed, a, b, *poses, margin, margin, np.zeros((8, 4)))
+        low, _ = bounds_of(packed, a, b, *poses, np.inf, -np.inf, np.zeros(ROOM))
+        quick, _ = bounds_of(packed, a, b, *poses, margin, margin, np.zeros(ROOM))
         assert (quick > margin) == (low > margin)
         assert quick <= low + EXACT
         near += low <= margin

@@ -10,7 +10,7 @@ import numpy as np
 
 from services.embodiment.certify.sweep.compiled import first_order, middle_of, second_order, turn_of
 from services.kernel import kernel, subkernel
-from services.physics.geometry.convex import parted
+from services.physics.geometry.convex import ROOM, parted
 from services.physics.geometry.packed import bounds_of
 
 SHUT, ASKED, LEFT = 0, 1, 2
@@ -65,7 +65,7 @@ def look(items, pairs, keep, sets, shapes, convex, placed, spans, path, revolute
     precision, hopeless, shortest = limits
     one_r, one_c, one_half = np.empty((3, 3)), np.empty(3), np.empty(3)
     two_r, two_c, two_half = np.empty((3, 3)), np.empty(3), np.empty(3)
-    work, levers = np.zeros((8, 4)), np.empty(path.shape[0])
+    work, levers = np.zeros(ROOM), np.empty(path.shape[0])
     span, shape, against, turned = -1, -1, -1, False  # what is known of the first shape of the item before
     first, second = 0.0, 0.0
     for n in range(items[0].shape[0]):
