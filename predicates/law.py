@@ -81,11 +81,11 @@ def _judged(question: Question, physics: Physics, embodiment: Embodiment | None,
     satisfied = performed = None
     if caused is None or not _outside(caused):
         solved = case if caused is None else caused.case
-        satisfied, performed = _satisfied(solved, container), _performed(solved, embodiment)
+        performed = _performed(solved, embodiment)
         if _is_new(performed, case):
             caused = _executed(performed, physics)
-            satisfied = _satisfied(caused.case, container)
-        satisfied = _as_sure_as(caused, satisfied)
+            solved = caused.case
+        satisfied = _as_sure_as(caused, _satisfied(solved, container))
     return _verdict(case, (satisfied, caused, performed), began, inputs)
 
 
