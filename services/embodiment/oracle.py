@@ -25,9 +25,10 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
 from services.embodiment.hold.grasp import grasp_settings
 from services.embodiment.hold.kit import Kits
-from services.embodiment.plan import Planned, Planner, Setting
+from services.embodiment.plan import Planned, Planner
 from services.embodiment.prove import boxes
 from services.embodiment.report import refusal
+from services.embodiment.setting import Setting
 from services.embodiment.ways import cells
 from services.embodiment.ways.roads import Known
 from services.embodiment.ways.start import near, turned
@@ -37,7 +38,7 @@ from services.physics.oracle import Kinematics, version_of
 Array = NDArray[np.float64]
 Start = tuple[float, float, float]
 
-EMBODIMENT_VERSION = "11"
+EMBODIMENT_VERSION = "12"
 """Raised whenever an answer of this oracle may change."""
 
 MOVED_START = (
@@ -163,7 +164,7 @@ class WholeBody:
             rejected.append(outcome.diagnoses)
         search = planner.searched(time.thread_time() - began)
         reasons = refusal(planner, rejected, search, self.budget)
-        proof = planner.proof or planner.in_hand
+        proof = planner.proofs.whole or planner.proofs.partial
         artefact = None if proof is None else proof.artefact
         return Answer(case, False, reasons, self._notes(setting, None), clock.seconds, artefact=artefact)
 

@@ -12,48 +12,28 @@ from numpy.typing import NDArray
 
 from predicates.case import Search
 from sdt_kg.annotation import Drive
-from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
-from sdt_kg.twin import Container
 from services.embodiment.attempt import Attempt
 from services.embodiment.body.limb import Limb, beside, touching
-from services.embodiment.body.world import World
-from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.fit import Fitter
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import WAYPOINTS, Holding, Problem, Searcher
-from services.embodiment.hold.kit import Kit, Kits
+from services.embodiment.hold.kit import Kit
 from services.embodiment.hold.sampling import FULL, QUICK, Effort
-from services.embodiment.proof_check.content import IN_HAND
-from services.embodiment.prove import Proved, Prover, in_hand, out_of_reach
+from services.embodiment.prove import out_of_reach
+from services.embodiment.proving import EARLY_BOXES, LATE_BOXES, Proofs
+from services.embodiment.setting import Setting
 from services.embodiment.ways.approach import Approacher, Blocked
 from services.embodiment.ways.assemble import Assembled, Assembler
-from services.embodiment.ways.roads import Known, Roads, make_roads
+from services.embodiment.ways.roads import Roads, make_roads
 from services.embodiment.ways.slim import slim
 
 Array = NDArray[np.float64]
 
 MORE_ROUNDS = 48  # the same, where postures were found but no way on from them
 ALONE = 4  # rounds of single paths before many postures search together; a few do so after the first of them
-EARLY_BOXES = 1_000  # of a proof looked for as soon as one batch of seeds reached no grasp
-LATE_BOXES = 6_000  # of a proof looked for when the search has given up
 TRIES = 4  # holdings of one batch that are approached
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Setting:
-    """What is asked, and under which policy."""
-
-    world: World
-    container: Container
-    motion: Motion
-    drive: Drive
-    start: tuple[float, float, float]
-    robot: Iri
-    kits: Kits
-    roads: Known
-    tolerances: Tolerances
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,8 +55,7 @@ class Planner:
         holdings: How many were found.
         refused: How many of them led to a motion that was not certified.
         unfit: Pairs of shapes in contact that ruled grasps out → how often.
-        proof: That no gripper can hold the handle all along, if one was found and verified.
-        in_hand: The same of holds with the handle in hand, as all have it that were searched.
+        proofs: That nothing will do, as far as it was proved.
         start_contact: Shapes of robot and kitchen in contact at the start, and their distance [m].
         rough: Motions that leave limits: too fast where times are required, or beyond a joint's end.
     """
@@ -91,9 +70,7 @@ class Planner:
         self.rough: list[Assembled] = []
         self.bar: Bar | None = None
         self.holdings = self.refused = self.placements = 0
-        self.proof: Proved | None = None
-        self.in_hand: Proved | None = None
-        self._prover: Prover | None = None
+        self.proofs = Proofs(setting, spent)
         self.start_contact: tuple[tuple[int, int], float] | None = None
         self.unfit: Counter[tuple[int, int]] = Counter()
 
@@ -137,64 +114,40 @@ class Planner:
         if effort is None and not stands:
             self._prove_of_holds()
         for attempt in self.attempts if stands or self.holdings <= self.refused else ():
-            if self.proof is None and self.in_hand is None and not self.late():
+            if not self.proofs.ended and not self.late():
                 found = attempt.breed(self.late) if effort is None else attempt.spread(self.late, effort)
                 yield from self._of(attempt, found)
         if effort is None and stands:
             self._prove_of_holds()
 
     def _proved_early(self, number: int) -> bool:
-        """Whether there is a proof; looked for once if no posture reached the handle in the first round."""
-        if number == 1 and not any(attempt.searcher.tally.solved for attempt in self.attempts):
-            self._prove(EARLY_BOXES)
-        return self.proof is not None
+        """Whether nothing will do; looked for once, after the first round."""
+        if number == 1:
+            if not any(attempt.searcher.tally.solved for attempt in self.attempts):
+                self.proofs.look(EARLY_BOXES)
+            self.proofs.look_at_sweep()
+        return self.proofs.ended
 
     def _prove_at_once(self, limbs: list[Limb]) -> None:
         """Look for a proof where one is likely: times may be too short, or the handle far from any hand."""
         if self.setting.motion.timed:
-            self._prove(0)
+            self.proofs.look(0)
         if out_of_reach(self.setting.world, self.mechanics, limbs, self.setting.motion.values[:, 0]):
-            self._prove(EARLY_BOXES)
+            self.proofs.look(EARLY_BOXES)
 
     def _give_up(self) -> None:
         """Look for a proof once more, not for long where only bodies can be in the way."""
-        self._prove(EARLY_BOXES if self._has_ways() or self.start_contact is not None else LATE_BOXES)
-
-    def _prove(self, boxes: int) -> None:
-        """Look for a proof from times, and with so many boxes for each gripper and value of the container."""
-        at, setting = time.perf_counter(), self.setting
-        if self.proof is not None or setting.tolerances != Tolerances():
-            return  # it refutes what these accept, no more
-        if self._prover is None:
-            self._prover = self._about(None)
-        self.proof = self._prover.hurried(setting.motion)
-        if self.proof is None and boxes:
-            self.proof = self._prover.prove(boxes)
-        self._spent("proof", at)
+        self.proofs.look(EARLY_BOXES if self._has_ways() or self.start_contact is not None else LATE_BOXES)
 
     def _prove_of_holds(self) -> None:
         """Look for a proof that no hold, or none in hand, can be had all along, where none was found."""
-        at, setting = time.perf_counter(), self.setting
-        if self.proof is not None or self._prover is None or self._has_ways():
-            return
-        if (stands := setting.drive is Drive.FIXED) and not self.late():
-            self.proof = self._prover.prove(EARLY_BOXES, one_hold=True)
-        tools = [grasp.translation for attempt in self.attempts for grasp in attempt.searched()]
-        if self.proof is None and tools and in_hand(setting.world, setting.container.handle, tools):
-            boxes = EARLY_BOXES if stands else LATE_BOXES  # heights alone are cheap to compare
-            self.in_hand = self._about(IN_HAND).prove(boxes, stands and not self.late())
-        self._spent("proof", at)
+        if not self._has_ways():
+            tools = (grasp.translation for attempt in self.attempts for grasp in attempt.searched())
+            self.proofs.look_at_holds(tools, self.late)
 
     def _has_ways(self) -> bool:
         """Whether a handle could be followed in hand all along."""
         return any(attempt.searcher.tally.paths for attempt in self.attempts)
-
-    def _about(self, within: float | None) -> Prover:
-        """Who looks for proofs about this setting, and such holds."""
-        setting = self.setting
-        twin, values = setting.world.scene.twin, setting.motion.values[:, 0]
-        about = setting.robot, setting.container, setting.drive, setting.start
-        return Prover(twin, *about, values, within)
 
     def searched(self, seconds: float) -> Search:
         """What was tried so far."""

@@ -21,8 +21,8 @@ def refusal(
 
     Where nothing but the search itself was measured, the evidence is its time against its budget [s].
     """
-    if planner.proof is not None:
-        return (planner.proof.diagnosis,)
+    if planner.proofs.whole is not None:
+        return (planner.proofs.whole.diagnosis,)
     if planner.start_contact is not None:
         return (_at_start(planner, *planner.start_contact),)
     stage, counts = _stage(planner, bool(rejected))
@@ -36,8 +36,8 @@ def refusal(
     found = [Diagnosis(Kind.EMBODIMENT, reason, evidence, search=search)]
     if not planner.holdings and (farthest := _farthest(planner)) is not None:
         found.append(Diagnosis(Kind.EMBODIMENT, *farthest, search=search))
-    if planner.in_hand is not None:
-        found.append(replace(planner.in_hand.diagnosis, search=search))
+    if planner.proofs.partial is not None:
+        found.append(replace(planner.proofs.partial.diagnosis, search=search))
     if planner.late():
         reason = f"the search was stopped after {search.seconds:.1f} s, its budget"
         found.append(Diagnosis(Kind.EMBODIMENT, reason, spent, search=search))

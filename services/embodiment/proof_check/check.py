@@ -11,15 +11,11 @@ from sdt_kg.iri import Iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
-from services.embodiment.proof_check.content import (
-    IN_HAND,
-    Claim,
-    Proof,
-    Refutation,
-    Timing,
-    read_proof,
-)
+from services.embodiment.proof_check.claim import Claim, Timing
+from services.embodiment.proof_check.content import IN_HAND, Proof, Refutation, read_proof
 from services.embodiment.proof_check.haste import too_fast
+from services.embodiment.proof_check.pinch.fingers import handle_span
+from services.embodiment.proof_check.pinch.refuted import refuted_pinches
 from services.embodiment.proof_check.places import at_value, refuted_places
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.tree import refuted_boxes
@@ -63,7 +59,7 @@ def check(twin: Twin, robot: Iri, container: Container, content: bytes) -> Check
     leaves = 0
     if not reasons:
         about = twin, robot, container, claim.drive, claim.start, claim.tolerances
-        statement = Statement(*about, within=claim.within)
+        statement = Statement(*about, within=claim.within, declared=claim.declared)
         if claim.timing is not None:
             reasons += _hurried(statement, proof, claim.timing)
         else:
@@ -75,6 +71,7 @@ def check(twin: Twin, robot: Iri, container: Container, content: bytes) -> Check
     values = sorted({value for one in proof.refutations for value in one.values})
     past = ", ".join(f"{value:.4g}" for value in values) or "any value"
     meant = "" if claim.within is None else f"with {local_name(container.handle)} in hand "
+    meant += "with its bodies as their collision shapes are " if claim.declared else ""
     sentence = f"no certified motion of {local_name(robot)} {meant}takes {container.name} past {past}"
     return Checked(tuple(reasons), sentence, proof.assumptions(), leaves)
 
@@ -148,23 +145,52 @@ def _tree(statement: Statement, arm: Arm, given: Refutation) -> int:
     Raises:
         InputError: One is not, or the tree does not cover all joint positions.
     """
-    links = arm.chain.links
-    if given.joints != tuple(link.name for link in links) or len(given.box) != len(links):
-        raise InputError("the proof is about other joints", allowed=", ".join(one.name for one in links))
-    low, high = (np.array([end[k] for end in given.box]).reshape(-1) for k in (0, 1))
-    for link, a, b in zip(links, low, high, strict=True):
-        if a > link.lower or b < link.upper:
-            raise InputError(
-                f"{link.name} may be beyond {a:.4g} to {b:.4g}",
-                allowed=f"all of {link.lower:.4g} to {link.upper:.4g}",
-            )
     if len(given.tree) > MOST_NODES:
         raise InputError(f"a tree of {len(given.tree)} nodes", allowed=f"at most {MOST_NODES}")
-    nodes = iter(given.tree)
-    if given.places is None:
-        count = refuted_boxes(at_value(statement, arm, given.value), nodes, low, high)
+    nodes, links = iter(given.tree), arm.chain.links
+    if given.pinched:
+        count = _pinches(statement, given, nodes)
     else:
-        count = refuted_places(statement, arm, given.places, nodes, (low, high))
+        ends = np.array([[link.lower, link.upper] for link in links]).T
+        box = _covered(given, tuple(link.name for link in links), *ends)
+        if given.places is None:
+            count = refuted_boxes(at_value(statement, arm, given.value), nodes, *box)
+        else:
+            count = refuted_places(statement, arm, given.places, nodes, box)
     if next(nodes, None) is not None:
         raise InputError("the proof's tree goes on after its end", allowed="a whole tree")
     return count
+
+
+def _pinches(statement: Statement, given: Refutation, nodes: Iterator[int]) -> int:
+    """The same where it is refuted that two fingers come to the handle together.
+
+    Raises:
+        InputError: One is not, or the tree does not cover all positions of arm and fingers.
+    """
+    (gripper,) = (one for one in statement.grippers if one.name == given.gripper)
+    hand, target = statement.hand(gripper), statement.target(given.value)
+    if hand is None or not len(target.boxes):
+        raise InputError(
+            "a proof from two fingers", allowed="a free base, two fingers, a handle with a shape"
+        )
+    box = _covered(given, hand.names, hand.low, hand.high)
+    near = statement.near(hand, given.value)
+    return refuted_pinches(hand, handle_span(target), near, nodes, box)
+
+
+def _covered(given: Refutation, names: tuple[str, ...], lowest: Array, highest: Array) -> tuple[Array, Array]:
+    """Lower and upper ends of the refuted box.
+
+    Raises:
+        InputError: It is about other joints, or not about all positions of these.
+    """
+    if given.joints != names or len(given.box) != len(names):
+        raise InputError("the proof is about other joints", allowed=", ".join(names))
+    low, high = (np.array([end[k] for end in given.box]).reshape(-1) for k in (0, 1))
+    for name, a, b, least, most in zip(names, low, high, lowest, highest, strict=True):
+        if a > least or b < most:
+            raise InputError(
+                f"{name} may be beyond {a:.4g} to {b:.4g}", allowed=f"all of {least:.4g} to {most:.4g}"
+            )
+    return low, high

@@ -6,9 +6,10 @@ the rest of the byte is the joint whose origin is too far from the handle in all
 number n of joints where the grasp box itself is apart from it, or n + 1 + c where the arm's core c meets
 something solid. A proof about times has no tree but the window of samples that is too fast. "sdt proof 1"
 had neither, and is read as it is. "sdt proof 3" is a proof about some holds alone: those `within` a distance.
-From "sdt proof 4" on a refutation may have `places`: then its tree is one of cells of them, with trees of
-joints in it (`places.py`), and n + 1 + C + k, behind the C cores, says that joint k is too far from the cell.
-What is written is "sdt proof 5": its leaves may be refuted by the floor, and by closer bounds than before.
+From 4 on a refutation may have `places`: then its tree is one of cells of them, with trees of joints in it
+(`places.py`), and n + 1 + C + k, behind the C cores, says that joint k is too far from the cell. From 5 on
+the floor refutes too. Written is "sdt proof 6": one may be `pinched`, the fingers' joints last, and a leaf
+then names the one finger that may come to the handle (`pinch/`).
 """
 
 import base64
@@ -21,14 +22,13 @@ from typing import Any
 
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
-from sdt_kg.iri import Iri
-from sdt_kg.twin import Twin
 from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check.claim import Claim, Timing
 
-SCHEMA = "sdt proof 5"
-OF_SOME_HOLDS = "sdt proof 3"
+SCHEMA = "sdt proof 6"
 BY_PLACES = "sdt proof 4"
-READ = ("sdt proof 1", "sdt proof 2", OF_SOME_HOLDS, BY_PLACES, SCHEMA)
+SINCE_SOME_HOLDS = ("sdt proof 3", BY_PLACES, "sdt proof 5", SCHEMA)
+READ = ("sdt proof 1", "sdt proof 2", *SINCE_SOME_HOLDS)
 IN_HAND = 0.02
 """[m] Ours: in hand is a handle whose box is so near to the tool's origin, amid the fingertips, at the grasp;
 the search has it there to within 16 mm."""
@@ -37,9 +37,8 @@ NO_HOLD = 255
 MOST_BYTES = 20_000_000
 """[bytes] More than any proof's; a small file cannot claim a memory of its choice."""
 
+PINCHED = "fingers: two that a joint moves against each other are at the handle together, both as high as it"
 ONE_HOLD = "one hold: the tool keeps the pose on the handle that it has at the grasp, at all values"
-
-Start = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +64,7 @@ class Refutation:
         box: Interval of each joint [rad or m].
         tree: Its division; see above.
         places: Where one hold at several values is refuted, and not all holds at one.
+        pinched: Whether it is refuted that two fingers come to the handle together.
     """
 
     gripper: str
@@ -73,59 +73,12 @@ class Refutation:
     box: tuple[tuple[float, float], ...]
     tree: bytes
     places: Places | None = None
+    pinched: bool = False
 
     @property
     def values(self) -> tuple[float, ...]:
         """All values that are needed [rad or m]."""
         return (self.value,) if self.places is None else self.places.values
-
-
-@dataclass(frozen=True, slots=True)
-class Timing:
-    """A motion of the container that has to keep its times: increasing times [s], values [rad or m]."""
-
-    times: tuple[float, ...]
-    values: tuple[float, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Claim:
-    """That no motion which certification accepts takes the container past the refuted values.
-
-    With a timing: that none moves it so in these times.
-
-    Attributes:
-        models: Environment, then robot: IRI and content hash.
-        state: Joint IRI → position [rad or m] in which the motion begins.
-        span: Values [rad or m] all of which the container has to pass.
-        start: Base pose x, y [m], yaw [rad] of a fixed base; any pose is meant otherwise.
-        within: How far the tool's origin is at most from a box about the handle when it is grasped, of the
-            holds that are meant [m]; None: every hold that certification accepts is.
-    """
-
-    models: tuple[tuple[Iri, str], tuple[Iri, str]]
-    state: dict[Iri, float]
-    container: Iri
-    span: tuple[float, float]
-    drive: Drive
-    start: Start
-    tolerances: Tolerances
-    timing: Timing | None = None
-    within: float | None = None
-
-    @property
-    def holds(self) -> str:
-        """Those that are meant, in words."""
-        if self.within is None:
-            return (
-                "every hold that certification accepts, two fingers on both sides of the handle anywhere "
-                "along it, at any angle"
-            )
-        return (
-            f"holds with the handle, or a box about it, at most {1000 * self.within:g} mm from the tool's "
-            "origin when it is grasped, at any angle; a hold farther out on the fingers, or deeper between "
-            "them, is not refuted"
-        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,26 +111,12 @@ class Proof:
             f"grasp set: {claim.holds}",
             f"tolerances: those of certification, {claim.tolerances}",
             *([ONE_HOLD] if any(one.places is not None for one in self.refutations) else []),
+            *([PINCHED] if any(one.pinched for one in self.refutations) else []),
             "joints: limits of the twin, each joint for itself",
             "collision geometry: of the fingers and the handle, which a hold is about; besides, with a fixed "
-            "base, boxes inside the robot's bodies (sdt:hasCore), inside the kitchen's boxes, cylinders "
+            f"base, boxes inside {claim.bodies}, inside the kitchen's boxes, cylinders "
             "and spheres as they are declared, and below the floor",
         )
-
-
-def claim_about(  # noqa: PLR0913, PLR0917  # the parts of a claim
-    twin: Twin,
-    robot: Iri,
-    container: Iri,
-    span: tuple[float, float],
-    drive: Drive,
-    start: Start,
-    timing: Timing | None = None,
-    within: float | None = None,
-) -> Claim:
-    """The claim about a robot and a container of a twin, with this version's tolerances."""
-    models = ((twin.environment, twin.content_hash(twin.environment)), (robot, twin.content_hash(robot)))
-    return Claim(models, dict(twin.state), container, span, drive, start, Tolerances(), timing, within)
 
 
 def to_bytes(proof: Proof) -> bytes:
@@ -233,8 +172,10 @@ def _unpacked(content: bytes) -> dict[str, Any]:  # Any: JSON
 
 
 def _claim(given: dict[str, Any], schema: str) -> Claim:  # Any: JSON
-    if schema != BY_PLACES and ("within" in given) is not (schema in {OF_SOME_HOLDS, SCHEMA}):
+    if schema != BY_PLACES and ("within" in given) is not (schema in SINCE_SOME_HOLDS):
         raise ValueError(f"which holds are meant is not told in {schema}")
+    if ("declared" in given) is not (schema == SCHEMA) or type(given.get("declared", False)) is not bool:
+        raise ValueError(f"how the robot's bodies are taken is not told in {schema}")
     environment, robot = ((str(iri), str(known)) for iri, known in given["models"])
     low, high = (_number(each) for each in given["span"])
     x, y, yaw = (_number(each) for each in given["start"])
@@ -251,6 +192,7 @@ def _claim(given: dict[str, Any], schema: str) -> Claim:  # Any: JSON
         Tolerances(**{name: _number(value) for name, value in given["tolerances"].items()}),
         _timing(given.get("timing")),
         None if given.get("within") is None else _number(given["within"]),
+        given.get("declared", False),
     )
 
 
@@ -281,6 +223,7 @@ def _refutation(given: dict[str, Any]) -> Refutation:  # Any: JSON
         _box(given["box"]),
         base64.b64decode(given["tree"], validate=True),
         None if places is None else Places(tuple(map(_number, places["values"])), _box(places["box"])),
+        given.get("pinched") is True,
     )
 
 

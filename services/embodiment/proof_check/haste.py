@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive, Gripper
 from services.embodiment.proof_check.arm import ROUNDING, Arm
-from services.embodiment.proof_check.content import Timing
+from services.embodiment.proof_check.claim import Timing
 from services.embodiment.proof_check.interval import Interval, apply, exact
 from services.embodiment.proof_check.mechanics import Placement
 from services.embodiment.proof_check.statement import BASE, Statement

@@ -33,11 +33,11 @@ from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import ROUNDING, Arm, make_arm, upright
-from services.embodiment.proof_check.cores import (
+from services.embodiment.proof_check.inside.boxes import cores_on
+from services.embodiment.proof_check.inside.cores import (
     Around,
     Solids,
     Surroundings,
-    cores_on,
     kept_apart,
     own_solids,
 )
@@ -51,6 +51,7 @@ from services.embodiment.proof_check.mechanics import (
     base_T_root,
     lever_of,
 )
+from services.embodiment.proof_check.pinch.fingers import Hand, hand_of
 from services.embodiment.proof_check.shapes import boxes_of, finger_box, tool_in
 from services.embodiment.proof_check.target import Target
 
@@ -67,6 +68,7 @@ class Statement:
         start: Base pose x, y [m], yaw [rad] of a fixed base; not looked at otherwise.
         room: How far from `start` the fixed base may stand [m, m, rad]; a map asks for more than a pose.
         within: Of the holds that are meant, see `Claim`.
+        declared: How the robot's bodies are taken, see `Claim`.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917  # what a claim is about
@@ -79,9 +81,10 @@ class Statement:
         tolerances: Tolerances,
         room: tuple[float, float, float] = (0.0, 0.0, 0.0),
         within: float | None = None,
+        declared: bool = False,
     ) -> None:
         self.twin, self.robot, self.container, self.room = twin, robot, container, room
-        self.within = within
+        self.within, self.declared = within, declared
         self.level, self.start, self.tolerances = drive is not Drive.FIXED, start, tolerances
         self._annotation = twin.robot(robot)
         self.grippers = self._annotation.grippers
@@ -95,7 +98,7 @@ class Statement:
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Statement":
         """The same, with the fixed base elsewhere."""
         about = self.twin, self.robot, self.container, Drive.FIXED, start, self.tolerances, room
-        other = Statement(*about, self.within)
+        other = Statement(*about, self.within, self.declared)
         other._chains, other._targets = self._chains, self._targets
         other._surroundings, other._solids = self._surroundings, self._solids
         return other
@@ -112,11 +115,21 @@ class Statement:
         if not self.level:
             whole = Chain((*self._base(height), *chain.links), chain.end)
             joints, root = [link.name for link in chain.links], base_T_root(self._tree, self._annotation)
-            cores = cores_on(self._tree, self._annotation, joints, root, len(BASE) - 1)
+            about = self._tree, self._annotation, joints, root, len(BASE) - 1
+            cores = cores_on(*about, self.declared)
             return replace(make_arm(gripper.name, whole, corners, 0), cores=cores)
         first = replace(chain.links[0], before=height @ chain.links[0].before)
         whole = Chain((first, *chain.links[1:]), chain.end)
         return make_arm(gripper.name, whole, corners, upright(whole))
+
+    def hand(self, gripper: Gripper) -> Hand | None:
+        """The same with its fingers, for a base that is anywhere; None where it has no two to hold with."""
+        arm = self.arm(gripper) if self.level else None
+        return None if arm is None else hand_of(self._tree, gripper, arm, self.tolerances)
+
+    def near(self, hand: Hand, value: float) -> float:
+        """How far both fingers of a hand that holds the handle may be from it at a value [m]."""
+        return hand.near(self.tolerances, begins=value == self.twin.state[self.container.joint])
 
     def _behind_base(self, gripper: Gripper) -> tuple[Chain, Array] | None:
         """The chain from the base's frame to the tool, and the corners of the grasp box."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sdt_kg.errors import InputError
 from services.embodiment.proof_check.arm import ROUNDING, Arm
 from services.embodiment.proof_check.content import LEAF
-from services.embodiment.proof_check.cores import Around, pierced
+from services.embodiment.proof_check.inside.cores import Around, pierced
 from services.embodiment.proof_check.interval import apply, exact
 from services.embodiment.proof_check.mechanics import HERE, Placement, Swing
 from services.embodiment.proof_check.target import Target
@@ -52,7 +52,7 @@ def refuted_boxes(goal: Goal, nodes: Iterator[int], low: Array, high: Array) -> 
         InputError: One is not, or the tree does not cover the box.
     """
     near, cores = len(goal.arm.chain.links) + 1, len(goal.arm.cores)
-    leaves, count = _leaves(nodes, low, high, goal.codes), 0
+    leaves, count = leaves_of(nodes, low, high, goal.codes), 0
     while block := list(islice(leaves, BLOCK)):
         count += len(block)
         kinds = np.digitize([leaf[2] for leaf in block], [near, near + cores])
@@ -66,7 +66,9 @@ def refuted_boxes(goal: Goal, nodes: Iterator[int], low: Array, high: Array) -> 
     return count
 
 
-def _leaves(nodes: Iterator[int], low: Array, high: Array, codes: int) -> Iterator[tuple[Array, Array, int]]:
+def leaves_of(
+    nodes: Iterator[int], low: Array, high: Array, codes: int
+) -> Iterator[tuple[Array, Array, int]]:
     """Boxes of the leaves, and what each of them names; together they are the whole box.
 
     Raises:

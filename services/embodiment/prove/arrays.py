@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.proof_check.arm import Arm
-from services.embodiment.proof_check.cores import Around
+from services.embodiment.proof_check.inside.cores import Around
 from services.embodiment.proof_check.interval import Interval
 from services.embodiment.proof_check.target import Target
 

@@ -13,7 +13,8 @@ from services.kernel import subkernel
 SLACK = 1e-5  # [m] by which a box must be refuted, so that interval arithmetic finds so too
 DEEP = 0.004  # [m] less deep in each other, a core and a solid are no reason to halve a box
 MOSTLY = 0.5  # [1] of how far a core sways at most: it rarely goes less far along each of its own axes
-ROUNDS = 6  # of projections between a core and a solid
+ROUNDS = 100  # of projections between a core and a solid, at most
+STILL = 1e-7  # [m] by which a point moves that stands still
 
 
 @subkernel
@@ -34,6 +35,7 @@ def deepest(box, less, solid, point, local):
     for i in range(3):
         point[i] = place[i]
     for _ in range(ROUNDS):
+        x, y, z = point[0], point[1], point[2]
         into(turn, place, point, local)
         for i in range(3):
             most = max(half[i] - less, 0.0)
@@ -43,6 +45,8 @@ def deepest(box, less, solid, point, local):
         for i in range(3):
             local[i] = min(max(local[i], -solid[2][i]), solid[2][i])
         moved(solid[0], solid[1], local, point)
+        if abs(point[0] - x) + abs(point[1] - y) + abs(point[2] - z) < STILL:
+            break
     into(turn, place, point, local)
     depth = math.inf
     for i in range(3):

@@ -16,12 +16,14 @@ from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.check import refuted
-from services.embodiment.proof_check.content import Proof, Refutation, Timing, claim_about, to_bytes
+from services.embodiment.proof_check.claim import Timing, claim_about
+from services.embodiment.proof_check.content import Proof, Refutation, to_bytes
 from services.embodiment.proof_check.haste import too_fast
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove.arrays import aim, inner, joints
 from services.embodiment.prove.boxes import FOUND, LEAF, divide
 from services.embodiment.prove.inner import SLACK
+from services.embodiment.prove.pinch import by_fingers
 from services.embodiment.prove.places import by_places
 from services.embodiment.prove.windows import window
 
@@ -29,6 +31,8 @@ Array = NDArray[np.float64]
 
 VALUES = 9  # of the container at which a proof is looked for
 FEW = 3  # the same, where many base poses are asked about
+MANY = 65  # the same, where something has to come inside what the base carries
+SWEPT = 100  # boxes of such a proof
 SPARSE = 2  # every so many of them, where one hold at several is refuted
 HINGE, SLIDE = "rad", "m"
 
@@ -54,6 +58,7 @@ class Prover:
         start: Base pose x, y [m], yaw [rad] of a fixed base.
         values: Of the container's joint along τ; only what opens or closes it is taken for needed.
         within: Of the holds that are meant, see `Claim`; None: every one that certification accepts.
+        declared: How the robot's bodies are taken, see `Claim`.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917  # what a claim is about
@@ -65,12 +70,13 @@ class Prover:
         start: tuple[float, float, float],
         values: Array,
         within: float | None = None,
+        declared: bool = False,
     ) -> None:
         self.twin, self.robot, self.container, self.drive = twin, robot, container, drive
         self.start = (float(start[0]), float(start[1]), float(start[2]))
         self.span = needed(container, twin.state[container.joint], values)
         about = twin, robot, container, drive, self.start, Tolerances()
-        self.statement = Statement(*about, within=within)
+        self.statement = Statement(*about, within=within, declared=declared)
         self.count = VALUES
         self._arms: dict[str, Arm | None] = {}
 
@@ -94,9 +100,15 @@ class Prover:
             return None
         refutations, leaves = found
         about = self.twin, self.robot, self.container.iri, self.span, self.drive, self.start
-        claim = claim_about(*about, within=self.statement.within)
+        claim = claim_about(*about, within=self.statement.within, declared=self.statement.declared)
         artefact = Artefact(ArtefactKind.PROOF, to_bytes(Proof(claim, tuple(refutations))))
         return Proved(self._diagnosis(refutations, leaves), artefact, leaves)
+
+    def swept(self) -> Proved | None:
+        """The same where the container comes into what stands, or only lifts: looked for at many values."""
+        other = copy(self)
+        other.count = MANY
+        return other.prove(SWEPT)
 
     def hurried(self, motion: Motion) -> Proved | None:
         """A verified proof that no gripper is as fast as a timed motion of the container asks."""
@@ -133,6 +145,8 @@ class Prover:
         refutations: list[Refutation] = []
         for gripper in self.statement.grippers:
             found = next(self._refutations(gripper, nodes), None)
+            if found is None and self.statement.within is None:
+                found = next(self._by_fingers(gripper), None)
             if found is None and one_hold and (arm := self._arms[gripper.name]) is not None:
                 found = by_places(self.statement, arm, sorted(self._values())[::SPARSE])
             if found is None:
@@ -164,6 +178,14 @@ class Prover:
             if outcome == FOUND:
                 yield Refutation(gripper.name, value, names, box, tree[:count].tobytes())
 
+    def _by_fingers(self, gripper: Gripper) -> Iterator[Refutation]:
+        """Refutations of two fingers of one gripper together, at the ends of the span."""
+        if self.statement.level and (hand := self.statement.hand(gripper)) is not None:
+            for value in self._values()[:2]:
+                found = by_fingers(self.statement, hand, value)
+                if found is not None:
+                    yield found
+
     def _values(self) -> list[float]:
         assert self.span is not None
         values = np.linspace(*self.span, self.count).clip(*self.span).tolist()
@@ -189,6 +211,8 @@ class Prover:
         )
         within = self.statement.within
         come = "come to" if within is None else f"have the middle between its fingers within {within:g} m of"
+        if any(one.pinched for one in refutations):
+            come = "bring two fingers to"
         values = sorted({value for one in refutations for value in one.values})
         if any(one.places is not None for one in refutations):
             amid = "one hold" if within is None else f"the middle between its fingers within {within:g} m"
@@ -203,7 +227,10 @@ class Prover:
         opens = self.twin.state[self.container.joint] <= self.span[0]
         demanded = self.span[1] if opens else self.span[0]
         evidence = Evidence(Quantity.POSITION, demanded, value, unit, entity=self.container.joint)
-        return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=within is None)
+        if self.statement.declared:
+            reason += "; its bodies are taken as the collision shapes that certification has"
+        whole = within is None and not self.statement.declared
+        return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=whole)
 
     def _inside(self, refutations: list[Refutation]) -> str:
         """Names of the bodies whose cores refute something at a single value."""

@@ -12,7 +12,8 @@ from sdt_kg.iri import Iri, local_name
 from sdt_kg.state import State
 from sdt_kg.twin import Container, Twin
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.content import Claim, read_proof
+from services.embodiment.proof_check.claim import Claim
+from services.embodiment.proof_check.content import read_proof
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.recheck.embodiment import is_at
 
@@ -63,10 +64,10 @@ def _claim_differs(stored: StoredVerdict, claim: Claim) -> Iterator[str]:
     if stored.outcome is not Outcome.NOT_CERTIFIED or stored.can_perform is not False:
         yield f"the verdict says {stored.outcome.value}, and has a proof that nothing can be certified"
     proved = any(each.proof for each in stored.diagnoses)
-    if claim.within is None and not proved:
+    if not claim.partial and not proved:
         yield "the verdict has a proof, and none of its diagnoses says so"
-    if claim.within is not None and proved:
-        yield "the verdict says that nothing can be certified, and its proof is about some holds alone"
+    if claim.partial and proved:
+        yield "the verdict says that nothing can be certified, and its proof is about less"
     (environment, _), (robot, _) = claim.models
     for name, said, proved in (
         ("environment", stored.environment, environment),

@@ -69,7 +69,7 @@ def region(twin: Twin, artefact: Artefact | None) -> Mark | None:
     value = [*lasting, *proof.refutations][0].value
     container = twin.container(claim.container)
     about = twin, claim.models[1][0], container, claim.drive, claim.start, Tolerances()
-    statement = Statement(*about, within=claim.within)
+    statement = Statement(*about, within=claim.within, declared=claim.declared)
     target = statement.target(value)
     boxes = []
     for place, half in zip(target.boxes, target.half, strict=True):

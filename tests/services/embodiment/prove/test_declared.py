@@ -1,0 +1,191 @@
+"""Proofs that take the robot's collision shapes for its bodies: what they refute, and that they say so."""
+
+import json
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError
+from sdt_kg.load import load_twin
+from sdt_kg.mechanism import Body, Geometry, Pose, ShapeType
+from sdt_kg.twin import Twin
+from services.embodiment.body.limb import Margins, make_limb, rules
+from services.embodiment.body.world import World
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check import check
+from services.embodiment.proof_check.inside.boxes import GAP, THIN, boxes_within
+from services.embodiment.proof_check.inside.cores import pierced
+from services.embodiment.proof_check.statement import Statement
+from services.embodiment.prove.prover import Proved, Prover
+from services.physics.model import Scene
+from tests.soak.doors import Front, draw, write
+
+HERE = (0.0, 0.0, 0.0)
+TIPS = 83  # front whose door comes 5 mm into a shape of the PR2's base
+STANDING = 31  # front whose door comes into the TIAGo++'s column
+BAR = 0.594  # [m] from the origin to what of a drawer's bar is nearest
+FACE = 0.3342  # [m] from the origin to the front of the PR2's base
+Change = Callable[[dict[str, Any]], None]
+
+
+def front(folder: Path, robot: str, what: int | Front) -> Twin:
+    drawn = draw(np.random.default_rng(what)) if isinstance(what, int) else what
+    return load_twin(write(drawn, folder, "front"), [robot])
+
+
+def swept(twin: Twin, declared: bool) -> Proved | None:
+    door = twin.container("front_door")
+    values = np.array([0.0, door.open_from])
+    return Prover(twin, twin.robots[0], door, Drive.FIXED, HERE, values, declared=declared).swept()
+
+
+@pytest.fixture(scope="module")
+def tipped(tmp_path_factory: pytest.TempPathFactory) -> tuple[Twin, bytes]:
+    """A front whose door comes into a collision shape of the PR2, not into what is known of its bodies."""
+    twin = front(tmp_path_factory.mktemp("front"), "pr2", TIPS)
+    assert swept(twin, declared=False) is None
+    proved = swept(twin, declared=True)
+    assert proved is not None
+    assert not proved.diagnosis.proof, "a PR2 with closer shapes is not refuted"
+    assert "collision shapes" in proved.diagnosis.reason
+    return twin, proved.artefact.content
+
+
+@pytest.fixture(scope="module")
+def standing(tmp_path_factory: pytest.TempPathFactory) -> tuple[Twin, bytes]:
+    """The same of a door that comes into the TIAGo++'s column, which is refuted for good."""
+    twin = front(tmp_path_factory.mktemp("front"), "tiago_dual", STANDING)
+    proved = swept(twin, declared=False)
+    assert proved is not None
+    assert proved.diagnosis.proof
+    return twin, proved.artefact.content
+
+
+def again(known: tuple[Twin, bytes], change: Change = lambda _: None) -> tuple[bool, str]:
+    """Whether a changed proof holds, and its assumptions."""
+    twin, content = known
+    whole = json.loads(zlib.decompress(content))
+    change(whole)
+    changed = zlib.compress(json.dumps(whole).encode())
+    checked = check(twin, twin.robots[0], twin.container("front_door"), changed)
+    return checked.holds, " ".join((checked.statement, *checked.assumptions))
+
+
+def test_a_proof_says_of_which_bodies_it_is(tipped: tuple[Twin, bytes], standing: tuple[Twin, bytes]) -> None:
+    holds, said = again(tipped)
+    assert holds
+    assert "as their collision shapes" in said
+    assert "hasCore" not in said
+    holds, said = again(standing)
+    assert holds
+    assert "collision shapes" not in said
+    assert "hasCore" in said
+
+
+def of_bodies(whole: dict[str, Any]) -> None:
+    whole["claim"]["declared"] = False
+
+
+def of_shapes(whole: dict[str, Any]) -> None:
+    whole["claim"]["declared"] = True
+
+
+def earlier(whole: dict[str, Any]) -> None:
+    whole["refutations"][0]["value"] = 0.0
+
+
+def unsaid(whole: dict[str, Any]) -> None:
+    del whole["claim"]["declared"]
+
+
+def older(whole: dict[str, Any]) -> None:
+    unsaid(whole)
+    whole["schema"] = "sdt proof 5"
+
+
+def older_and_said(whole: dict[str, Any]) -> None:
+    whole["schema"] = "sdt proof 5"
+
+
+def in_words(whole: dict[str, Any]) -> None:
+    whole["claim"]["declared"] = "yes"
+
+
+@pytest.mark.parametrize("change", [of_bodies, earlier, older])
+def test_a_changed_proof_of_shapes_does_not_hold(tipped: tuple[Twin, bytes], change: Change) -> None:
+    assert not again(tipped, change)[0]
+
+
+def test_one_of_bodies_is_none_of_shapes_and_an_older_one_is_read(standing: tuple[Twin, bytes]) -> None:
+    assert not again(standing, of_shapes)[0]
+    assert again(standing, older)[0]
+
+
+@pytest.mark.parametrize("change", [unsaid, older_and_said, in_words])
+def test_of_which_bodies_it_is_has_to_be_told(standing: tuple[Twin, bytes], change: Change) -> None:
+    with pytest.raises(InputError, match="how the robot's bodies are taken"):
+        again(standing, change)
+
+
+@pytest.mark.parametrize(("deep", "refuted"), [(-0.001, False), (0.001, False), (0.006, True)])
+def test_a_drawer_is_refuted_if_it_comes_farther_into_a_base_than_certification_tolerates(
+    tmp_path: Path, deep: float, refuted: bool
+) -> None:
+    travel = (BAR - FACE + deep) / 0.9
+    twin = front(tmp_path, "pr2", Front("drawer", 0.46, 0.2, travel, 0.2, (0.6, 0.0, 0.15)))
+    assert (swept(twin, declared=True) is not None) is refuted
+
+
+@pytest.mark.parametrize("radius", [0.02, 0.0557, 0.0853, 0.2691])
+def test_boxes_fill_a_cylinder_but_for_a_millimetre_and_stay_inside(radius: float) -> None:
+    pose = Pose((0.1, -0.2, 0.3), (0.0, 0.0, 0.0, 1.0))
+    body = Body("one", collision=(Geometry(ShapeType.CYLINDER, pose, (radius, 0.4)),))
+    angles, rim = np.linspace(0, 2 * np.pi, 1000), np.zeros(1000, dtype=np.bool_)
+    points = np.stack([np.cos(angles), np.sin(angles), np.full(1000, 0.19)], axis=1)
+    points = points * (radius - GAP, radius - GAP, 1.0) + pose.position
+    for at, half in boxes_within(body):
+        turn = (at.rotation.lo + at.rotation.hi) / 2
+        corner = turn @ (half * (1, 1, 0))
+        assert radius - 1e-6 < np.hypot(corner[0], corner[1]) < radius
+        assert at.translation.lo == pytest.approx(pose.position, abs=1e-12)
+        rim |= (np.abs((points - pose.position) @ turn) <= half).all(axis=1)
+    assert rim.all()
+
+
+def test_no_box_is_taken_of_what_is_thin_or_a_mesh() -> None:
+    pose = Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+    plate = Geometry(ShapeType.BOX, pose, (0.3, 1.9 * THIN, 0.3))
+    mesh = Geometry(ShapeType.MESH, pose, (1.0, 1.0, 1.0), "none.stl")
+    block, ball = Geometry(ShapeType.BOX, pose, (0.3, 0.2, 0.1)), Geometry(ShapeType.SPHERE, pose, (0.1,))
+    assert not [*boxes_within(Body("one", collision=(plate, mesh)))]
+    (_, half), (_, cube) = boxes_within(Body("one", collision=(plate, block, ball)))
+    assert half.tolist() == [0.15, 0.1, 0.05]
+    assert np.linalg.norm(cube) == pytest.approx(0.1, abs=1e-9)
+
+
+@pytest.mark.parametrize("robot", ["pr2", "tiago_dual"])
+def test_postures_in_a_refuted_box_are_in_contact(tmp_path: Path, robot: str) -> None:
+    twin, rng = front(tmp_path, robot, 16), np.random.default_rng(4)
+    door = twin.container("front_door")
+    about = Statement(twin, twin.robots[0], door, Drive.FIXED, HERE, Tolerances(), declared=True)
+    gripper = about.grippers[0]
+    arm = about.arm(gripper)
+    assert arm is not None
+    low, high = (np.array([getattr(one, end) for one in arm.chain.links]) for end in ("lower", "upper"))
+    middle = rng.uniform(low, high, (300, len(low)))
+    half = rng.uniform(0.0, 0.02, middle.shape)
+    around = about.around(arm, 0.0)
+    met = [pierced(arm.cores, c, arm.chain, around, (middle, half)) > 0 for c in range(len(arm.cores))]
+    chosen = np.flatnonzero(np.any(met, axis=0))
+    assert len(chosen) > 30
+    q = middle[chosen] + half[chosen] * rng.uniform(-1, 1, (len(chosen), len(low)))
+    world = World(Scene(twin, twin.robots[0]))
+    demands = rules(world, make_limb(world, gripper), Margins(0.0, 0.0, 0.0))
+    names = [link.name for link in arm.chain.links[3:]]
+    scenes = [world.scene.q(one[:3], dict(zip(names, one[3:].tolist(), strict=True))) for one in q]
+    assert all(world.contact(one[None], demands) is not None for one in scenes)
