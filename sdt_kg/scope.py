@@ -27,7 +27,7 @@ from sdt_kg.triples import Facts
 from sdt_kg.triples.to_rdflib import rdflib_graph
 from sdt_kg.twin import Container, Twin
 
-_TASK: Final = "https://example.org/id/request/task"
+TASK: Final = "https://example.org/id/request/task"
 _SH: Final = rdflib.Namespace(SH)
 
 KEPT: Final = 256
@@ -153,11 +153,17 @@ def violations(
         tee: D.
     """
     wider = [] if tee.refined is None else violations(twin, container, robot, verb, tee.refined)
-    asked = ["Environment", "Physics", *(["Task"] if verb is not None else [])]
-    found = _checked(tee, tuple(_of_kitchen(twin, container, verb, tee)), _shapes_of(tee, asked))
+    found = tuple[Violation, ...]()
+    if container.iri not in twin.entities.inside.get((tee.iri, verb), ()):
+        found = _checked(tee, tuple(about_kitchen(twin, container, verb, tee)), shapes_about(tee, verb))
     if robot is not None:
         found += _checked(tee, tuple(_of_robot(twin, robot, tee)), _shapes_of(tee, ["Robot"]))
     return [*wider, *sorted(found, key=_order)]
+
+
+def shapes_about(tee: TeeClass, verb: Iri | None) -> tuple[Iri, ...]:
+    """Shapes that have to find something to look at in `about_kitchen`."""
+    return _shapes_of(tee, ["Environment", "Physics", *(["Task"] if verb is not None else [])])
 
 
 def _shapes_of(tee: TeeClass, parts: list[str]) -> tuple[Iri, ...]:
@@ -251,7 +257,7 @@ def request_graph(
     tee: TeeClass = D_ARTIC,
 ) -> rdflib.Graph:
     """What the graph says of the individuals that the request is about, as far as the class asks."""
-    kitchen = _of_kitchen(twin, container, verb, tee)
+    kitchen = about_kitchen(twin, container, verb, tee)
     return rdflib_graph(chain(kitchen, () if robot is None else _of_robot(twin, robot, tee)))
 
 
@@ -260,7 +266,8 @@ def _of_robot(twin: Twin, robot: Iri, tee: TeeClass) -> Iterator[Triple]:
     yield from _mentioned(facts, [robot, *facts.iris(robot, "hasGripper")], tee)
 
 
-def _of_kitchen(twin: Twin, container: Container, verb: Iri | None, tee: TeeClass) -> Iterator[Triple]:
+def about_kitchen(twin: Twin, container: Container, verb: Iri | None, tee: TeeClass) -> Iterator[Triple]:
+    """The same without the robot, as triples."""
     facts = twin.entities.facts
     subjects = [twin.environment, container.iri, *facts.iris(container.iri, "hasHandle")]
     subjects += facts.iris(container.iri, "hasJoint")
@@ -270,9 +277,9 @@ def _of_kitchen(twin: Twin, container: Container, verb: Iri | None, tee: TeeClas
         subjects += [model for each in subjects for model in facts.iris(each, "hasForceModel")]
     yield from _mentioned(facts, subjects, tee)
     if verb is not None:
-        yield _TASK, RDF + "type", ox.NamedNode(LAW + "Task")
-        yield _TASK, LAW + "verb", ox.NamedNode(verb)
-        yield _TASK, LAW + "container", ox.NamedNode(container.iri)
+        yield TASK, RDF + "type", ox.NamedNode(LAW + "Task")
+        yield TASK, LAW + "verb", ox.NamedNode(verb)
+        yield TASK, LAW + "container", ox.NamedNode(container.iri)
 
 
 def _mentioned(facts: Facts, subjects: Iterable[Iri], tee: TeeClass) -> Iterator[Triple]:

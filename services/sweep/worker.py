@@ -9,12 +9,14 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 
 from predicates.case import Verdict
-from predicates.oracle import Embodiment, Physics
+from predicates.oracle import Embodiment, Physics, tee_class_of
 from predicates.record import to_json, to_record
 from predicates.record.recall import Recall
+from predicates.scope import look_at_all
 from sdt_kg.errors import SdtError
 from sdt_kg.load import ReadRobot, load_twin, read_robot, with_robot
 from sdt_kg.mechanism import JointType
+from sdt_kg.task import Task
 from sdt_kg.twin import Twin
 from services.app import Forces, Oracles, Policy, Service, whole_body
 from services.relative import Relative
@@ -60,6 +62,9 @@ def prepare(cell: Cell) -> None:
 
     with suppress(SdtError):
         service = service_of(cell)
+        task = service.case(cell.task, None).task
+        if isinstance(task, Task):
+            look_at_all(service.twin, task.verb, tee_class_of(service.physics))
         next(service.causes(cell.task), None)
         if isinstance(service.embodiment, WholeBody):
             service.embodiment.prepare(service.twin, service.robot(None))
