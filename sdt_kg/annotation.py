@@ -1,5 +1,6 @@
 """What a robot's or kitchen's `.ttl` adds to its URDF, as values."""
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 
@@ -35,6 +36,8 @@ class Gripper:
         fingers: Links which may touch a handle.
         finger_joints: Joints that open and close it, mimicking ones left out.
         opening: Free width between the finger pads when open [m].
+        difference: Between positions of its finger joints at most, where one motor drives them through
+            springs [rad or m]; infinite where each moves for itself.
     """
 
     name: str
@@ -43,6 +46,7 @@ class Gripper:
     fingers: tuple[str, ...]
     finger_joints: tuple[FingerJoint, ...]
     opening: float
+    difference: float = math.inf
 
 
 @dataclass(frozen=True, slots=True)

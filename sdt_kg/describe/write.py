@@ -87,6 +87,11 @@ def _gripper(model: str, gripper: Gripper) -> str:
     lines = [
         f"<{iri}> a sdt:Gripper ;",
         f'  rdfs:label "{gripper.name}" ;',
+        *(
+            [f"  sdt:fingerDifference {gripper.difference:.4f} ;"]
+            if math.isfinite(gripper.difference)
+            else []
+        ),
         f"  sdt:hasFinger {fingers} ;",
         f"  sdt:hasFingerJoint {joints} ;",
         f"  sdt:opening {gripper.opening:.4f} ;",

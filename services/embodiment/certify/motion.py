@@ -143,13 +143,18 @@ def _coordinates(scene: Scene, joints: Iterable[str]) -> Indices:
 def _same(scene: Scene, k: int, times: Array, off: Array, tolerances: Tolerances) -> Findings:
     source = local_name(scene.names[scene.coupling.source[k]])
     reason = f"{local_name(scene.names[k])} does not follow {source}, which it mimics"
-    return _apart(scene, k, reason, times, off, tolerances)
+    return _apart(scene, k, reason, times, off, tolerances.coupling)
 
 
 def _together(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
-    """Joints that share one motor move equally, between samples too."""
-    findings = Findings()
-    for group in scene.annotation.coupled:
+    """Joints that share one motor move equally, fingers to within what springs give, between samples too."""
+    findings, annotation = Findings(), scene.annotation
+    groups = [(group, tolerances.coupling) for group in annotation.coupled]
+    for gripper in annotation.grippers:
+        if np.isfinite(gripper.difference):
+            fingers = tuple(finger.joint for finger in gripper.finger_joints)
+            groups.append((fingers, gripper.difference + tolerances.coupling))
+    for group, most in groups:
         own = [scene.coordinate[joint_iri(scene.robot.mechanism.name, name)] for name in group]
         for one, other in combinations(own, 2):
             between = replace(pieces, c=pieces.c[:, :, [one]] - pieces.c[:, :, [other]])
@@ -160,14 +165,14 @@ def _together(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
             reason = f"{names} share one motor and do not move equally"
             times = (pieces.start[None, :, None] + s).ravel()
             order = np.argsort(times, kind="stable")
-            findings.add(_apart(scene, one, reason, times[order], np.abs(off).ravel()[order], tolerances))
+            findings.add(_apart(scene, one, reason, times[order], np.abs(off).ravel()[order], most))
     return findings
 
 
 def _apart(  # noqa: PLR0913, PLR0917  # one sentence and its figures
-    scene: Scene, k: int, reason: str, times: Array, off: Array, tolerances: Tolerances
+    scene: Scene, k: int, reason: str, times: Array, off: Array, most: float
 ) -> Findings:
-    findings, most = Findings(), tolerances.coupling
+    findings = Findings()
     for n in (int(np.argmax(off > most)), int(np.argmax(off))):
         if off[n] > most:
             unit = "rad" if joint_axes(scene)[1][k] else "m"

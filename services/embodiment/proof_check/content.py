@@ -37,7 +37,10 @@ NO_HOLD = 255
 MOST_BYTES = 20_000_000
 """[bytes] More than any proof's; a small file cannot claim a memory of its choice."""
 
-PINCHED = "fingers: two that a joint moves against each other are at the handle together, both as high as it"
+PINCHED = (
+    "fingers: two of them are at the handle at once, so both come as high as it; those that one motor drives "
+    "differ by no more than the twin says"
+)
 ONE_HOLD = "one hold: the tool keeps the pose on the handle that it has at the grasp, at all values"
 
 

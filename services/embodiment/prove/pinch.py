@@ -20,7 +20,9 @@ POSTURES, LOOKS = 400, 12  # that are tried first, and how often
 NEARER, AT_ENDS = 0.6, 0.15  # [1] by which they are nearer each time, and joints that are at a limit
 TOGETHER = 1024  # boxes that are looked at at once
 SLACK = 1e-7  # [m] by which fingers are apart so that the check finds so too
-MOST = 40_000  # nodes of a tree
+MOST = 24_000  # nodes of a tree
+NARROW, LESS = 1e-3, 1e-3  # [m] a finger so near to reaching is looked at last: [1] it counts as much
+TINY = 1e-300  # in place of 0, by which nothing can be divided
 FINEST = 1e-5  # [m] a box in which a finger moves by no more is not halved
 
 
@@ -36,7 +38,7 @@ class _Arrays:
     pieces: tuple[Array, Array, Array, NDArray[np.bool_]]
 
 
-class _Search:
+class Search:
     """Boxes of one hand that are refuted, or halved, until none is left.
 
     Args:
@@ -46,6 +48,7 @@ class _Search:
 
     def __init__(self, hand: Hand, span: tuple[float, float]) -> None:
         self._hand, self._span = hand, span
+        self._driven = np.isin(np.arange(len(hand.names)), hand.driven[0])
         self._fingers = [[_arrays(part) for part in finger] for finger in hand.fingers]
         self.low, self.high = hand.low[None], hand.high[None]
         self._below: list[tuple[int, int]] = [(0, 0)]
@@ -61,7 +64,7 @@ class _Search:
             if len(at) > TOGETHER:
                 stack.append((low[TOGETHER:], high[TOGETHER:], at[TOGETHER:]))
                 low, high, at = low[:TOGETHER], high[:TOGETHER], at[:TOGETHER]
-            named, split = self._look((low + high) / 2, (high - low) / 2)
+            named, split = self._look(low, high)
             if (split < -1).any() or len(self._node) + 2 * (split >= 0).sum() > MOST:
                 return None
             for one, name in zip(at[named >= 0].tolist(), named[named >= 0].tolist(), strict=True):
@@ -80,7 +83,7 @@ class _Search:
             drawn = np.where(rng.random(shape) < AT_ENDS, ends, drawn).clip(low, high)
             drawn[0] = best
             apart = np.stack([self._nearest(one, drawn, still[None])[1] for one in self._fingers])
-            second = np.sort(apart, axis=0)[1]
+            second = np.where(self._hand.differ(drawn, drawn) > 0, np.inf, np.sort(apart, axis=0)[1])
             best = drawn[np.argmin(second)]
             if second.min() <= SLACK:
                 return True
@@ -109,18 +112,22 @@ class _Search:
                 stack += self._below[one][::-1]
         return bytes(written)
 
-    def _look(self, at: Array, half: Array) -> tuple[Indices, Indices]:
-        """The finger that a box names or −1; the joint to halve, −1 for none, −2 where two fingers reach."""
+    def _look(self, low: Array, high: Array) -> tuple[Indices, Indices]:
+        """What a box names or −1; the joint to halve, −1 for none, −2 where two fingers reach."""
+        at, half = (low + high) / 2, (high - low) / 2
         found = [self._nearest(finger, at, half) for finger in self._fingers]
         apart, there, ways = (np.stack([one[k] for one in found]) for k in range(3))
         every = np.arange(len(at))
-        second = np.argsort(apart, axis=0, kind="stable")[1]
-        refuted = apart[second, every] > SLACK
-        way = ways[second, every]
-        split = np.argmax(way, axis=1)
-        reached = (np.sort(there, axis=0)[1] <= SLACK) | (way[every, split] <= FINEST)
-        named = np.where(refuted, np.argmin(apart, axis=0), -1)
-        return named, np.where(refuted, -1, np.where(reached, -2, split))
+        nearly = np.where(ways.max(axis=2) > FINEST, _nearly(there, apart), -np.inf)
+        nearly = np.where(there < NARROW, LESS * nearly, nearly)
+        second = np.argsort(nearly, axis=0, kind="stable")[1]
+        even, uneven = self._hand.differ(at, at), self._hand.differ(low, high)
+        named = np.where(np.sort(apart, axis=0)[1] > SLACK, np.argmin(apart, axis=0), -1)
+        named = np.where(uneven > 0, len(self._fingers), named)
+        nearest, motor = nearly[second, every], _nearly(even, uneven)
+        way = np.where((motor > nearest)[:, None], half * self._driven, ways[second, every])
+        split = np.where(np.maximum(motor, nearest) > 0, np.argmax(way, axis=1), -2)
+        return named, np.where(named >= 0, -1, split)
 
     def _nearest(self, finger: list[_Arrays], at: Array, half: Array) -> tuple[Array, Array, Array]:
         """The same as of a part, of that which comes nearest."""
@@ -168,13 +175,20 @@ class _Search:
         seen = np.abs(np.einsum("lni,pij->lnpj", across, turns))
         first = np.abs(moves[..., 2]) + np.einsum("lnpj,pj->lpn", seen, sizes)
         whole = np.where(one.turns, np.linalg.norm(moves, axis=3) + radius, 1.0)
-        angles = np.where(one.turns, widths, 0.0)
+        behind = np.arange(len(one.turns)) >= self._hand.upright
+        angles = np.where(one.turns & behind, widths, 0.0)
         before = np.cumsum(angles, axis=1) - angles
         second = whole * (angles / 2 + before)[:, None]
         ways = np.minimum(whole, np.where(one.turns, first, np.abs(axes[:, None, :, 2])) + second)
         lifts = np.where(one.turns, 0.0, np.abs(axes[..., 2]))[:, None]
-        ways = np.where(np.arange(len(one.turns)) < self._hand.upright, lifts, ways)
+        ways = np.where(behind, ways, lifts)
         return ways * widths[:, None]
+
+
+def _nearly(amid: Array, all_along: Array) -> Array:
+    """How nearly boxes are refuted by what is so much apart amid them and so much in all of them [1]."""
+    gap, least = (np.where(amid > 0, one, 0.0) for one in (amid, all_along))
+    return np.where(amid > 0, gap / np.maximum(gap - least, TINY), -np.inf)
 
 
 def _frames(one: _Arrays, q: Array) -> tuple[Array, Array, Array, Array]:
@@ -226,7 +240,7 @@ def by_fingers(statement: Statement, hand: Hand, value: float) -> Refutation | N
     if not len(target.boxes) or any(not part.pieces for finger in hand.fingers for part in finger):
         return None
     near, (lowest, highest) = statement.near(hand, value), handle_span(target)
-    tree = _Search(hand, (lowest - near, highest + near)).tree()
+    tree = Search(hand, (lowest - near, highest + near)).tree()
     if tree is None:
         return None
     box = tuple(zip(hand.low.tolist(), hand.high.tolist(), strict=True))

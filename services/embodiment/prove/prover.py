@@ -79,6 +79,7 @@ class Prover:
         self.statement = Statement(*about, within=within, declared=declared)
         self.count = VALUES
         self._arms: dict[str, Arm | None] = {}
+        self._pinched: dict[str, Refutation | None] = {}
 
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Prover":
         """The same, with the fixed base anywhere in a room about another pose; for `excludes`."""
@@ -146,7 +147,7 @@ class Prover:
         for gripper in self.statement.grippers:
             found = next(self._refutations(gripper, nodes), None)
             if found is None and self.statement.within is None:
-                found = next(self._by_fingers(gripper), None)
+                found = self._by_fingers(gripper)
             if found is None and one_hold and (arm := self._arms[gripper.name]) is not None:
                 found = by_places(self.statement, arm, sorted(self._values())[::SPARSE])
             if found is None:
@@ -178,13 +179,14 @@ class Prover:
             if outcome == FOUND:
                 yield Refutation(gripper.name, value, names, box, tree[:count].tobytes())
 
-    def _by_fingers(self, gripper: Gripper) -> Iterator[Refutation]:
-        """Refutations of two fingers of one gripper together, at the ends of the span."""
-        if self.statement.level and (hand := self.statement.hand(gripper)) is not None:
-            for value in self._values()[:2]:
-                found = by_fingers(self.statement, hand, value)
-                if found is not None:
-                    yield found
+    def _by_fingers(self, gripper: Gripper) -> Refutation | None:
+        """A refutation of two fingers of one gripper together, at an end of the span; looked for once."""
+        if gripper.name not in self._pinched:
+            hand = self.statement.hand(gripper) if self.statement.level else None
+            values = [] if hand is None else self._values()[:2]
+            found = (by_fingers(self.statement, hand, value) for value in values if hand is not None)
+            self._pinched[gripper.name] = next((one for one in found if one is not None), None)
+        return self._pinched[gripper.name]
 
     def _values(self) -> list[float]:
         assert self.span is not None

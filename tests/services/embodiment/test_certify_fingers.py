@@ -5,10 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sdt_kg.errors import AnnotationError
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused
-from tests.services.embodiment.gantry import FOLDER, RESTS, opening
+from tests.services.embodiment.gantry import FOLDER, JOINTS, RESTS, opening
 from tests.services.embodiment.judging import judge
 
 pytestmark = pytest.mark.oracle
@@ -21,10 +22,10 @@ HOOK = (
 THIN = 0.0008  # [m] fingers, and the plate that they should hold
 
 
-def twin_of(folder: Path, robot: str, cell: str) -> Twin:
+def twin_of(folder: Path, robot: str, cell: str, turtle: str | None = None) -> Twin:
     """Of a changed gantry and cell."""
     (folder / "gantry.urdf").write_text(robot)
-    (folder / "gantry.ttl").write_text((FOLDER / "gantry.ttl").read_text())
+    (folder / "gantry.ttl").write_text(turtle or (FOLDER / "gantry.ttl").read_text())
     (folder / "cell.urdf").write_text(cell)
     return load_twin(folder / "cell.urdf", [folder / "gantry.urdf"])
 
@@ -81,3 +82,32 @@ def test_thin_fingers_on_one_side_of_a_thin_plate_do_not_hold_it(
         return
     assert isinstance(verdict, Refused)
     assert any("before it is held" in each.reason for each in verdict.diagnoses)
+
+
+@pytest.mark.parametrize(("apart", "holds"), [(0.0018, True), (0.0032, False)])
+def test_fingers_that_one_motor_drives_differ_by_no_more_than_their_springs_give(
+    tmp_path: Path, apart: float, holds: bool
+) -> None:
+    robot, cell = texts()
+    robot = robot.replace('<mimic joint="up_joint"/>', "")
+    turtle = (FOLDER / "gantry.ttl").read_text()
+    driven = "sdt:hasFingerJoint j:up_joint, j:down_joint ; sdt:fingerDifference 0.001 ; sdt:opening"
+    turtle = turtle.replace("sdt:hasFingerJoint j:up_joint ; sdt:opening", driven, 1)
+    turtle += "j:down_joint sdt:openPosition 0.04 ; sdt:closedPosition 0.0 .\n"
+    rests = np.column_stack((RESTS[:, :8], RESTS[:, 7], RESTS[:, 8:]))
+    rests[3:, 7], rests[3:, 8] = 0.005, 0.005 + apart
+    twin = twin_of(tmp_path, robot, cell, turtle)
+    verdict = judge(twin, opening(rests=rests, joints=(*JOINTS, "down_joint")))
+    if holds:
+        assert isinstance(verdict, Certified), verdict.diagnoses
+        return
+    assert isinstance(verdict, Refused)
+    assert any("share one motor" in each.reason for each in verdict.diagnoses)
+
+
+@pytest.mark.parametrize("said", ["-0.1", '"much"', "true", "0.1, 0.2"])
+def test_what_fingers_may_differ_by_is_a_number(tmp_path: Path, said: str) -> None:
+    turtle = (FOLDER / "gantry.ttl").read_text()
+    turtle = turtle.replace("sdt:opening", f"sdt:fingerDifference {said} ; sdt:opening", 1)
+    with pytest.raises(AnnotationError, match="fingerDifference"):
+        judge(twin_of(tmp_path, *texts(), turtle), opening())

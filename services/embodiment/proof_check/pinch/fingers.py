@@ -14,6 +14,7 @@ nothing has slipped yet, and `contact` is all.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ from sdt_kg.annotation import Gripper
 from sdt_kg.mechanism import JointType, ShapeType
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
-from services.embodiment.proof_check.interval import Interval, exact
+from services.embodiment.proof_check.interval import Interval, apply, exact
 from services.embodiment.proof_check.mechanics import HERE, Chain, Swing, Tree
 from services.embodiment.proof_check.shapes import Box, box_about, finger_box, source_of
 from services.embodiment.proof_check.target import UP, Target
@@ -30,6 +31,7 @@ from services.embodiment.proof_check.target import UP, Target
 Array = NDArray[np.float64]
 
 SUMS = 1e-12  # [rad or m] more than positions that follow others are off by
+LEANS = 1e-4  # [1] sine of an angle by which a hinge is taken for upright: URDF often says 1.5708
 SOLVED = 1e-5  # [m] more than the distance of two shapes is off by
 
 
@@ -72,8 +74,10 @@ class Hand:
     Attributes:
         names: Of the variables: the arm's joints, then those that move the fingers.
         low, high: Their limits, as far as certification lets them go [rad or m], shape (m,).
-        upright: How many of the first joints leave every later one upright.
+        upright: How many of the first joints leave every later one upright, to within `LEANS`.
+        leaning: By how much heights depend on the hinges among these all the same [m].
         fingers: Each in its parts.
+        driven: Which variables one motor drives, and by how much they may differ [rad or m].
         far: Of any point that a finger may touch, from the tool [m].
     """
 
@@ -82,15 +86,25 @@ class Hand:
     low: Array
     high: Array
     upright: int
+    leaning: float
     fingers: tuple[tuple[Part, ...], ...]
+    driven: tuple[tuple[int, ...], float]
     far: float
+
+    def differ(self, low: Array, high: Array) -> Array:
+        """By how much two driven variables differ at least in boxes, beyond what they may, shape (L,)."""
+        driven, most = self.driven
+        least = np.full(len(low), -np.inf)
+        for one, other in permutations(driven, 2):
+            least = np.maximum(least, low[:, one] - high[:, other])
+        return least - most - SUMS
 
     def near(self, tolerances: Tolerances, begins: bool) -> float:
         """How near to the handle both fingers are [m], when the container begins to move or later."""
         if begins:
-            return tolerances.contact + SOLVED
+            return tolerances.contact + self.leaning + SOLVED
         turned = 2 * float(np.sin(tolerances.tool_angle / 2)) * (self.far + tolerances.contact)
-        return tolerances.contact + tolerances.tool_position + turned + SOLVED
+        return tolerances.contact + tolerances.tool_position + turned + self.leaning + SOLVED
 
 
 def hand_of(tree: Tree, gripper: Gripper, arm: Arm, tolerances: Tolerances) -> Hand | None:
@@ -107,18 +121,39 @@ def hand_of(tree: Tree, gripper: Gripper, arm: Arm, tolerances: Tolerances) -> H
     if not np.isfinite(limits).all():
         return None
     variables = (*(link.name for link in links), *sources)
+    driven = tuple(variables.index(one.joint) for one in gripper.finger_joints if one.joint in variables)
     return Hand(
         gripper.name,
         variables,
         np.array([*(link.lower for link in links), *(limits[:, 0] - tolerances.position)]),
         np.array([*(link.upper for link in links), *(limits[:, 1] + tolerances.position)]),
-        arm.upright,
+        *_upright(arm),
         tuple(
             tuple(_part(tree, arm, (carrier, *one, variables), tolerances) for one in sorted(parts.items()))
             for _, parts in sorted(groups.items())
         ),
+        (driven, gripper.difference + tolerances.coupling),
         float(np.linalg.norm(np.maximum(np.abs(box[0]), np.abs(box[1])))),
     )
+
+
+def _upright(arm: Arm) -> tuple[int, float]:
+    """How many of the first joints only lift and turn about nearly the vertical, and what that lifts.
+
+    A turn about an axis that leans by e moves a point at a distance r up or down by no more than 2 e r, and
+    the axes behind it lean by 2 e more.
+    """
+    at, leans, lifted = HERE, 0.0, 0.0
+    for k, link in enumerate(arm.chain.links):
+        at = at @ link.before
+        if link.turns:
+            axis = apply(at.rotation, exact(link.axis))
+            own = float(axis[..., :2].norm().hi)
+            if own > LEANS:
+                return k, lifted
+            lifted += 2 * (1 + LEANS) * (leans + own) * float(arm.reach[k])
+            leans += 2 * (1 + LEANS) * own
+    return len(arm.chain.links), lifted
 
 
 def _groups(tree: Tree, gripper: Gripper) -> dict[str, dict[str, list[str]]]:
@@ -168,6 +203,8 @@ def _pieces(tree: Tree, carrier: str, body: str) -> Iterator[Piece]:
 def spans(part: Part, upright: int, middle: Array, half: Array) -> Iterator[tuple[Array, Array]]:
     """Heights below and above which no point of each piece comes, in boxes of the variables, shape (L,) [m].
 
+    Where an upright hinge is, no height depends on: it counts as if it stood still.
+
     Args:
         part: Whose pieces they are.
         upright: How many of the first joints leave every later one upright.
@@ -177,6 +214,7 @@ def spans(part: Part, upright: int, middle: Array, half: Array) -> Iterator[tupl
     q, widths = part.joints(middle, half)
     origins, axes, end = part.chain.frames(q)
     turns = np.array([link.turns for link in part.chain.links])
+    widths[:, (np.arange(len(turns)) < upright) & turns] = 0.0
     swing, up = Swing(origins, axes, widths, turns, upright), np.tile(UP, (len(q), 1))
     for piece in part.pieces:
         at = end @ piece.box.middle

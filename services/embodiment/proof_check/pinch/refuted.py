@@ -1,7 +1,8 @@
 """Trees of boxes in each of which no two fingers come as high, or as low, as the handle.
 
 Nodes are those of `tree.py`; a leaf names the one finger that may come there. All others stay above or below
-the whole handle, by more than certification lets them be away from it.
+the whole handle, by more than certification lets them be away from it. Or, by the number of fingers, it says
+that their joints, which one motor drives, differ by more than certification allows.
 """
 
 from collections.abc import Iterator
@@ -34,11 +35,17 @@ def refuted_pinches(
     Raises:
         InputError: Two may, or the tree does not cover the box.
     """
-    leaves, count = leaves_of(nodes, *box, len(hand.fingers)), 0
+    leaves, count = leaves_of(nodes, *box, len(hand.fingers) + 1), 0
     while block := list(islice(leaves, BLOCK)):
         count += len(block)
         low, high = (np.array([one[k] for one in block]) for k in (0, 1))
         named = np.array([one[2] for one in block])
+        uneven = named == len(hand.fingers)
+        if not (hand.differ(low[uneven], high[uneven]) > 0).all():
+            raise InputError(
+                "the fingers can be as near to each other", allowed="more than their motor allows"
+            )
+        low, high, named = low[~uneven], high[~uneven], named[~uneven]
         middle = (low + high) / 2
         half = np.maximum(high - middle, middle - low) * (1 + 1e-12)
         for k, finger in enumerate(hand.fingers):
