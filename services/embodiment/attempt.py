@@ -81,11 +81,11 @@ class Attempt:
             for pivot, xs in breeder.postures():
                 yield from self._spreader(opened, FULL, late).holdings_from(pivot, xs)
 
-    def searched(self) -> Iterator[Grasp]:
-        """The grasps that were searched; those of the wide set that were not needed as they were meant."""
+    def listed(self) -> Iterator[Grasp]:
+        """Listed grasps that were searched; those of the wide set that no posture has as they were meant."""
         for grasp, _ in (*self.grasps, *self.steep):
             yield grasp
-        for opened in (*self.wide, *self.bred):
+        for opened in self.wide:
             closed = self.fitter.known(opened)
             yield opened[0] if closed is None else closed[0]
 

@@ -142,8 +142,8 @@ class Planner:
     def _prove_of_holds(self) -> None:
         """Look for a proof that no hold, or none in hand, can be had all along, where none was found."""
         if not self._has_ways():
-            tools = (grasp.translation for attempt in self.attempts for grasp in attempt.searched())
-            self.proofs.look_at_holds(tools, self.late)
+            tools = [grasp.translation for attempt in self.attempts for grasp in attempt.listed()]
+            self.proofs.look_at_holds(tools, sum(len(attempt.bred) for attempt in self.attempts), self.late)
 
     def _has_ways(self) -> bool:
         """Whether a handle could be followed in hand all along."""

@@ -1,7 +1,8 @@
 """Proofs that no body motion exists, as the search for one comes to look for them."""
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +24,8 @@ class Proofs:
 
     Attributes:
         whole: That no gripper can hold the handle all along, if one was found and verified.
-        partial: The same of holds with the handle in hand, as all have it that were searched; or of
-            the robot's collision shapes in place of its bodies.
+        partial: The same of holds with the handle in hand, as all listed grasps have it; or of the robot's
+            collision shapes in place of its bodies.
     """
 
     def __init__(self, setting: Setting, spent: Callable[[str, float], None]) -> None:
@@ -60,11 +61,12 @@ class Proofs:
                 self.partial = self._about(declared=True).swept()
         self._spent("proof", at)
 
-    def look_at_holds(self, tools: Iterable[Array], late: Callable[[], bool]) -> None:
+    def look_at_holds(self, tools: list[Array], bred: int, late: Callable[[], bool]) -> None:
         """Look for a proof that no hold, or none in hand, can be had all along, where none was found.
 
         Args:
-            tools: Origins of the tool in grasps that were searched, in the handle's frame [m], shape (3,).
+            tools: Origins of the tool in listed grasps that were searched, in the handle's frame [m], (3,).
+            bred: How many others were searched, of which some may not have the handle in hand.
             late: Whether time is up.
         """
         at, setting = time.perf_counter(), self._setting
@@ -72,10 +74,10 @@ class Proofs:
             return
         if self._stands and not late():
             self.whole = self._prover.prove(EARLY_BOXES, one_hold=True)
-        held = [*tools]
-        if self.whole is None and held and in_hand(setting.world, setting.container.handle, held):
+        if self.whole is None and tools and in_hand(setting.world, setting.container.handle, tools):
             boxes = EARLY_BOXES if self._stands else LATE_BOXES  # heights alone are cheap to compare
-            self.partial = self._about(IN_HAND).prove(boxes, self._stands and not late())
+            found = self._about(IN_HAND).prove(boxes, self._stands and not late())
+            self.partial = found if found is None or not bred else _beyond(found, bred)
         self._spent("proof", at)
 
     def _about(self, within: float | None = None, declared: bool = False) -> Prover:
@@ -84,3 +86,9 @@ class Proofs:
         twin, values = setting.world.scene.twin, setting.motion.values[:, 0]
         about = setting.robot, setting.container, setting.drive, setting.start
         return Prover(twin, *about, values, within, declared)
+
+
+def _beyond(found: Proved, bred: int) -> Proved:
+    """The same, saying what was searched beyond what it is about."""
+    reason = f"{found.diagnosis.reason}; of other holds {bred} bred grasps were searched, and none will do"
+    return replace(found, diagnosis=replace(found.diagnosis, reason=reason))

@@ -29,6 +29,10 @@ class Placement:
             apply(self.rotation, other.translation) + self.translation,
         )
 
+    def some(self, chosen: NDArray[np.intp]) -> "Placement":
+        """Those of several."""
+        return Placement(self.rotation[chosen], self.translation[chosen])
+
     def inverse(self) -> "Placement":
         """b_T_a."""
         back = self.rotation.T

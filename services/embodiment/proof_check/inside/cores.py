@@ -29,7 +29,9 @@ Array = NDArray[np.float64]
 ROUNDING = 1e-7  # [m] what quaternions and axes of not quite unit length can be off by
 FLOOR = "floor"
 """In place of the IRI of a body, which never is one word."""
-ROUNDS = (12, 96)  # of projections between a core and a solid; any point that they lead to is checked
+ROUNDS, MORE_ROUNDS = 12, 96
+"""Of projections between a core and a solid, more where these end near; any point they lead to is checked."""
+NEARLY = 0.005  # [m] outside of the core
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -172,18 +174,28 @@ def _pierced(
     middle, half = boxes
     origins, axes, at = Chain(links, core.middle).frames(middle)
     turns = np.array([link.turns for link in links], dtype=np.bool_)
-    swing, depth = Swing(origins, axes, half, turns), np.full(len(middle), -np.inf)
-    about = at, core.half, solids, np.flatnonzero(keeps), _moved(at.translation, origins, axes, links, half)
-    for rounds in ROUNDS:
-        if (depth > 0).all():
-            break
-        point, which = _points(*about, rounds)
-        local = apply(solids.at.rotation[which].T, exact(point) - solids.at.translation[which])
-        inside = (local.magnitude().hi + ROUNDING <= solids.half[which]).all(axis=1)
-        seen = apply(at.rotation.T, exact(point) - at.translation).magnitude().hi
-        deep = (core.half - seen - swing.seen(exact(point), at)).min(axis=1) - ROUNDING
-        depth = np.maximum(depth, np.where(inside, deep, -np.inf))
+    moved, every = _moved(at.translation, origins, axes, links, half), np.flatnonzero(keeps)[None]
+    swing = Swing(origins, axes, half, turns)
+    point, which, near = _points(at, core.half, solids, every, moved, ROUNDS)
+    depth = _depth(core, at, swing, solids, (point, which))
+    left = np.flatnonzero((depth <= 0) & (near > -NEARLY))
+    if len(left):
+        at, swing = at.some(left), Swing(origins[left], axes[left], half[left], turns)
+        point, which, _ = _points(at, core.half, solids, which[left, None], moved[left], MORE_ROUNDS)
+        depth[left] = _depth(core, at, swing, solids, (point, which))
     return depth
+
+
+def _depth(
+    core: Core, at: Placement, swing: Swing, solids: Solids, found: tuple[Array, NDArray[np.intp]]
+) -> Array:
+    """How deep points (L, 3) of solids (L,) stay in a core [m], shape (L,); −inf where one is of none."""
+    point, which = found
+    local = apply(solids.at.rotation[which].T, exact(point) - solids.at.translation[which])
+    inside = (local.magnitude().hi + ROUNDING <= solids.half[which]).all(axis=1)
+    seen = apply(at.rotation.T, exact(point) - at.translation).magnitude().hi
+    deep = (core.half - seen - swing.seen(exact(point), at)).min(axis=1) - ROUNDING
+    return np.where(inside, deep, -np.inf)
 
 
 def _moved(point: Interval, origins: Interval, axes: Interval, links: tuple[Link, ...], half: Array) -> Array:
@@ -194,23 +206,27 @@ def _moved(point: Interval, origins: Interval, axes: Interval, links: tuple[Link
 
 
 def _points(  # noqa: PLR0913, PLR0917  # where a box is, what it may meet, and how far it is looked
-    at: Placement, half: Array, solids: Solids, chosen: NDArray[np.intp], moved: Array, rounds: int
-) -> tuple[Array, NDArray[np.intp]]:
-    """A point of a solid in each box, and the solid, such that it lies deep; in floats, to be checked."""
-    turn, place = _middle(at.rotation), _middle(at.translation)
-    other, there = _middle(solids.at.rotation)[chosen], _middle(solids.at.translation)[chosen]
+    at: Placement, half: Array, solids: Solids, which: NDArray[np.intp], moved: Array, rounds: int
+) -> tuple[Array, NDArray[np.intp], Array]:
+    """A point of a solid in each box, the solid, and how deep it lies there; in floats, to be checked.
+
+    The solids are those of `which`: some for all boxes (1, S), or one for each (L, 1).
+    """
+    turn, place = _middle(at.rotation), _middle(at.translation)[:, None]
+    other, there = _middle(solids.at.rotation)[which], _middle(solids.at.translation)[which]
     own = np.maximum(half - moved[:, None], 0.0)[:, None]
-    room = solids.half[chosen] * (1 - 1e-9) - 2 * ROUNDING
-    point = np.repeat(place[:, None], len(chosen), axis=1)
+    room = solids.half[which] * (1 - 1e-9) - 2 * ROUNDING
+    point = np.repeat(place, which.shape[1], axis=1)
     seen = np.zeros_like(point)
     for _ in range(rounds):
-        seen = np.einsum("lji,lsj->lsi", turn, point - place[:, None])
-        point = np.einsum("lij,lsj->lsi", turn, np.clip(seen, -own, own)) + place[:, None]
-        local = np.clip(np.einsum("sji,lsj->lsi", other, point - there), -room, room)
-        point = np.einsum("sij,lsj->lsi", other, local) + there
-    seen = np.einsum("lji,lsj->lsi", turn, point - place[:, None])
-    best = (half - np.abs(seen)).min(axis=2).argmax(axis=1)
-    return point[np.arange(len(point)), best], chosen[best]
+        seen = np.einsum("lji,lsj->lsi", turn, point - place)
+        point = np.einsum("lij,lsj->lsi", turn, np.clip(seen, -own, own)) + place
+        local = np.clip(np.einsum("lsji,lsj->lsi", other, point - there), -room, room)
+        point = np.einsum("lsij,lsj->lsi", other, local) + there
+    seen = np.einsum("lji,lsj->lsi", turn, point - place)
+    deep = (half - np.abs(seen)).min(axis=2)
+    rows, best = np.arange(len(point)), deep.argmax(axis=1)
+    return point[rows, best], np.broadcast_to(which, deep.shape)[rows, best], deep[rows, best]
 
 
 def _placed(iri: Iri, chain: Chain, q: Array, geometries: list[Geometry], slack: float) -> Solids:

@@ -29,6 +29,7 @@ HERE = (0.0, 0.0, 0.0)
 TIPS = 83  # front whose door comes 5 mm into a shape of the PR2's base
 STANDING = 31  # front whose door comes into the TIAGo++'s column
 BAR = 0.594  # [m] from the origin to what of a drawer's bar is nearest
+STRIDE = 3  # every so many cores are looked at
 FACE = 0.3342  # [m] from the origin to the front of the PR2's base
 Change = Callable[[dict[str, Any]], None]
 
@@ -177,12 +178,13 @@ def test_postures_in_a_refuted_box_are_in_contact(tmp_path: Path, robot: str) ->
     arm = about.arm(gripper)
     assert arm is not None
     low, high = (np.array([getattr(one, end) for one in arm.chain.links]) for end in ("lower", "upper"))
-    middle = rng.uniform(low, high, (300, len(low)))
+    middle = rng.uniform(low, high, (100, len(low)))
     half = rng.uniform(0.0, 0.02, middle.shape)
     around = about.around(arm, 0.0)
-    met = [pierced(arm.cores, c, arm.chain, around, (middle, half)) > 0 for c in range(len(arm.cores))]
+    some = range(0, len(arm.cores), STRIDE)
+    met = [pierced(arm.cores, c, arm.chain, around, (middle, half)) > 0 for c in some]
     chosen = np.flatnonzero(np.any(met, axis=0))
-    assert len(chosen) > 30
+    assert len(chosen) >= 5
     q = middle[chosen] + half[chosen] * rng.uniform(-1, 1, (len(chosen), len(low)))
     world = World(Scene(twin, twin.robots[0]))
     demands = rules(world, make_limb(world, gripper), Margins(0.0, 0.0, 0.0))

@@ -1,0 +1,86 @@
+"""Which proofs the search comes to look for, and what they say of what was searched besides."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sdt_kg.annotation import Drive
+from sdt_kg.load import load_twin
+from sdt_kg.motion import Motion
+from services.embodiment.body.limb import Margins
+from services.embodiment.body.world import World
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.hold.handle import Mechanics, find_bar
+from services.embodiment.hold.kit import Kits
+from services.embodiment.proving import Proofs
+from services.embodiment.setting import Setting
+from services.embodiment.ways.roads import Known
+from services.physics.model import Scene
+from tests.soak.doors import draw, write
+
+HERE = (0.0, 0.0, 0.0)
+FAR = 41  # front whose handle the TIAGo++ touches with the ends of its fingers at best
+STANDING, TIPS = (
+    31,
+    83,
+)  # fronts whose doors come into the TIAGo++'s column, and into a shape of the PR2's base
+BRED = 96
+
+
+def setting(folder: Path, number: int, robot: str, drive: Drive) -> Setting:
+    twin = load_twin(write(draw(np.random.default_rng(number)), folder, "front"), [robot])
+    world, door = World(Scene(twin, twin.robots[0])), twin.container("front_door")
+    motion = Motion(door.joint, np.array([0.0, 1.0]), np.array([[0.0], [door.open_from]]))
+    own = Kits(world, Margins()), Known(), Tolerances()
+    return Setting(world, door, motion, drive, HERE, twin.robots[0], *own)
+
+
+def proofs(about: Setting) -> Proofs:
+    return Proofs(about, lambda _step, _since: None)
+
+
+def middle(about: Setting) -> np.ndarray:
+    """Of the bar, in the frame of its joint [m], shape (3,)."""
+    bar = find_bar(about.world, Mechanics(about.world, about.container), about.world.scene.q(HERE, {}))
+    assert bar is not None
+    return bar.centre
+
+
+@pytest.mark.parametrize("bred", [0, BRED])
+def test_of_holds_in_hand_it_is_said_what_was_searched_beyond_them(tmp_path: Path, bred: int) -> None:
+    about = setting(tmp_path, FAR, "tiago_dual", Drive.FIXED)
+    known = proofs(about)
+    known.look(0)
+    known.look_at_holds([middle(about)], bred, late=lambda: True)
+    assert known.whole is None
+    assert known.partial is not None
+    assert known.ended
+    assert not known.partial.diagnosis.proof
+    assert "within 0.02 m" in known.partial.diagnosis.reason
+    assert (f"{BRED} bred grasps" in known.partial.diagnosis.reason) is (bred == BRED)
+
+
+def test_nothing_is_said_of_holds_in_hand_where_listed_grasps_have_it_farther_off(tmp_path: Path) -> None:
+    about = setting(tmp_path, FAR, "tiago_dual", Drive.FIXED)
+    known = proofs(about)
+    known.look(0)
+    known.look_at_holds([middle(about) + np.array([0.1, 0.0, 0.0])], BRED, late=lambda: True)
+    assert not known.ended
+
+
+@pytest.mark.parametrize(("number", "robot", "whole"), [(STANDING, "tiago_dual", True), (TIPS, "pr2", False)])
+def test_a_door_that_comes_into_a_standing_robot_ends_the_search(
+    tmp_path: Path, number: int, robot: str, whole: bool
+) -> None:
+    known = proofs(setting(tmp_path, number, robot, Drive.FIXED))
+    known.look_at_sweep()
+    assert known.ended
+    assert (known.whole is not None) is whole
+    assert (known.partial is not None) is not whole
+
+
+def test_of_a_robot_that_may_drive_away_that_is_not_asked(tmp_path: Path) -> None:
+    known = proofs(setting(tmp_path, STANDING, "tiago_dual", Drive.OMNI))
+    known.look_at_sweep()
+    assert not known.ended
