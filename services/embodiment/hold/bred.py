@@ -139,14 +139,18 @@ class Breeder:
             genes = self._rng.uniform(-FREE_MOST, FREE_MOST, (BLOCK, len(FREE_MOST)))
             flips = self._rng.choice((1, -1), BLOCK)
             found = self._fit(genes, flips)
-            fit = [k for k, one in enumerate(found) if one is not None][:left]
+            held = (k for k, one in enumerate(found) if one is not None and self.fitter.engaged(one[0]))
+            fit = list(itertools.islice(held, left))
             self._fitted += [one[0] for k in fit if (one := found[k])]
             self._shares += [one[1] for k in fit if (one := found[k])]
             self._genes = np.concatenate((self._genes, genes[fit]))
             self._flips = np.concatenate((self._flips, flips[fit]))
 
     def _fit(self, genes: Array, flips: NDArray[np.int64]) -> list[tuple[Fitted, float] | None]:
-        """The grasps (N, 5) that the hand alone can take, fingers over the bar, no narrower than needed."""
+        """The grasps (N, 5) that the hand alone can take, no narrower than needed; its fingers may end on the bar.
+
+        Whether they reach over it is asked of those that are kept: it takes as long as closing the hand.
+        """
         turned = zip(genes, flips.tolist(), strict=True)
         grasps = [free_grasp(self.fitter.bar, one, flip, next(self._numbers)) for one, flip in turned]
         found: dict[int, tuple[Fitted, float]] = {}
@@ -154,7 +158,7 @@ class Breeder:
             left = (one for one in grasps if one.index not in found)
             for grasp in self.fitter.screened(left, share, self._late):
                 fitted = self.fitter.fitted((grasp, share))
-                if fitted is not None and self.fitter.engaged(fitted):
+                if fitted is not None:
                     found[grasp.index] = fitted, share
         return [found.get(one.index) for one in grasps]
 
@@ -225,7 +229,7 @@ class Breeder:
         for k, cost in enumerate(costs.sum(axis=1).tolist()):
             parent = parents[fit[k]]
             other = dearest.pop(0) if dearest else parent
-            if cost < total[parent] and cost < total[other]:
+            if cost < min(total[parent], total[other]) and self.fitter.engaged(children[k][0]):
                 self._genes[other], self._flips[other] = genes[fit[k]], self._flips[parent]
                 self._fitted[other], self._shares[other] = children[k]
                 self._xs[other], self._costs[other] = xs[k], costs[k]
