@@ -69,12 +69,36 @@ def joint_pose(j, q, tree, turn, carried, r, p):
 def forward(q, tree, r, p):
     """World poses of all joint frames are in r (J, 3, 3), p (J, 3); joint 0 is the world."""
     turn, carried = np.empty((3, 3)), np.empty((3, 3))
+    _at_world(r, p)
+    for j in range(1, r.shape[0]):
+        joint_pose(j, q, tree, turn, carried, r, p)
+
+
+@subkernel
+def _at_world(r, p):
+    """The pose of joint 0 is in r[0], p[0]."""
     for i in range(3):
         p[0, i] = 0.0
         for k in range(3):
             r[0, i, k] = 1.0 if i == k else 0.0
-    for j in range(1, r.shape[0]):
-        joint_pose(j, q, tree, turn, carried, r, p)
+
+
+@kernel
+def poses(qs, tree, joint, to_r, to_p):
+    """World poses of one joint's frame at each of qs (T, nq) are in to_r (T, 3, 3), to_p (T, 3)."""
+    count = tree[0].shape[0]
+    r, p, above = np.empty((count, 3, 3)), np.empty((count, 3)), np.zeros(count, np.bool_)
+    turn, carried, j = np.empty((3, 3)), np.empty((3, 3)), joint
+    while j > 0:
+        above[j], j = True, tree[0][j]
+    _at_world(r, p)
+    for t in range(qs.shape[0]):
+        for k in range(1, joint + 1):
+            if above[k]:
+                joint_pose(k, qs[t], tree, turn, carried, r, p)
+        copied(r[joint], to_r[t])
+        for i in range(3):
+            to_p[t, i] = p[joint, i]
 
 
 @kernel(makes=False)

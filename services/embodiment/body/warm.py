@@ -23,6 +23,7 @@ def warm(world: World, limb: Limb) -> None:
     ik.misses(x[None], target_r, target_p, limb.chain)
     ik.follow(x, target_r, target_p, limb.chain, *bounds, 1, 1.0, 1.0, np.empty((1, n)))
     r, p = world.frames(limb.q(x))
+    world.poses(limb.q(x)[None], 1)
     world.distances(demands.pairs[:1], r, p)
     _warm_hands(world, limb, demands)
     Parked(world, limb.q(x), demands).drives(np.zeros((1, 3)))

@@ -94,6 +94,12 @@ class World:
         kernels.forward(np.ascontiguousarray(q), self.tree, r, p)
         return r, p
 
+    def poses(self, configurations: Array, joint: int) -> tuple[Array, Array]:
+        """World poses of one joint frame at each configuration (N, nq): shapes (N, 3, 3) and (N, 3)."""
+        r, p = np.empty((len(configurations), 3, 3)), np.empty((len(configurations), 3))
+        kernels.poses(np.ascontiguousarray(configurations), self.tree, joint, r, p)
+        return r, p
+
     def contact(self, configurations: Array, rules: Rules) -> Contact | None:
         """A pair nearer than its margin in one of the configurations, shape (N, nq); None if all are free.
 

@@ -147,9 +147,9 @@ class Breeder:
             self._flips = np.concatenate((self._flips, flips[fit]))
 
     def _fit(self, genes: Array, flips: NDArray[np.int64]) -> list[tuple[Fitted, float] | None]:
-        """The grasps (N, 5) that the hand alone can take, no narrower than needed; its fingers may end on the bar.
+        """The grasps (N, 5) that the hand alone can take, no narrower than needed.
 
-        Whether they reach over it is asked of those that are kept: it takes as long as closing the hand.
+        Whether fingers reach over the bar is asked of those that are kept: it takes as long as closing them.
         """
         turned = zip(genes, flips.tolist(), strict=True)
         grasps = [free_grasp(self.fitter.bar, one, flip, next(self._numbers)) for one, flip in turned]

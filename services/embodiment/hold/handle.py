@@ -87,11 +87,7 @@ class Mechanics:
 
     def handle_poses(self, q: Array, joint: int, values: Array) -> tuple[Array, Array]:
         """World poses of a joint frame at each value: rotations (T, 3, 3), translations (T, 3)."""
-        r, p = np.empty((len(values), 3, 3)), np.empty((len(values), 3))
-        for k, placed in enumerate(self.put(q, values)):
-            frames_r, frames_p = self.world.frames(placed)
-            r[k], p[k] = frames_r[joint], frames_p[joint]
-        return r, p
+        return self.world.poses(self.put(q, values), joint)
 
 
 def find_bar(world: World, mechanics: Mechanics, q: Array, seed: int = 0) -> Bar | None:

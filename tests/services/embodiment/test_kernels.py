@@ -96,3 +96,17 @@ def test_frames_of_all_joints_are_those_of_pinocchio(seed: int) -> None:
     for j in range(1, JOINTS + 1):
         np.testing.assert_allclose(r[j], one.data.oMi[j].rotation, atol=SAME)
         np.testing.assert_allclose(p[j], one.data.oMi[j].translation, atol=SAME)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_frames_of_one_joint_along_a_motion_are_those_of_all_joints(seed: int) -> None:
+    one = Chain(seed)
+    qs = one.q() + np.linspace(0.0, 0.5, 5)[:, None]
+    r, p = np.empty((JOINTS + 1, 3, 3)), np.empty((JOINTS + 1, 3))
+    for joint in range(JOINTS + 1):
+        along_r, along_p = np.empty((len(qs), 3, 3)), np.empty((len(qs), 3))
+        kernels.poses(qs, one.tree, joint, along_r, along_p)
+        for k, q in enumerate(qs):
+            kernels.forward(q, one.tree, r, p)
+            assert (along_r[k] == r[joint]).all()
+            assert (along_p[k] == p[joint]).all()
