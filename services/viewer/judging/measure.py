@@ -78,7 +78,8 @@ def region(twin: Twin, artefact: Artefact | None) -> Mark | None:
         a, b, c, w = (float(each) for each in Rotation.from_matrix(rotation).as_quat())
         boxes.append(Box(_point(middle), (a, b, c, w), _point(2 * half)))
     what = "finger" if claim.within is None else "middle between the fingers"
-    text = f"proved: no {what} of any gripper gets here with {container.name} at {value:.3g}"
+    proved = "proved of its collision shapes" if claim.declared else "proved"
+    text = f"{proved}: no {what} of any gripper gets here with {container.name} at {value:.3g}"
     if lasting:
-        text = f"proved: no gripper keeps one hold all along; {container.name} is at {value:.3g} here"
+        text = f"{proved}: no gripper keeps one hold all along; {container.name} is at {value:.3g} here"
     return Mark(What.REGION, text, reason=0, bodies=(container.handle,), boxes=tuple(boxes))

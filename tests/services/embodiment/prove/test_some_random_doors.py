@@ -51,3 +51,13 @@ def test_a_drawer_that_opens_into_a_fixed_tiago_is_proved_impossible(tmp_path: P
 def test_a_door_of_which_no_one_hold_lasts_is_proved_impossible(tmp_path: Path) -> None:
     # It tips over, 0.97 m away: at each angle a TIAGo++ has some hold of it.
     assert result(tmp_path, 12, "tiago_dual", Drive.FIXED, 5 * BUDGET) is Result.PROVED
+
+
+@pytest.mark.parametrize(
+    ("seed", "robot", "known"), [(86, "tiago_dual", Result.PROVED), (83, "pr2", Result.OF_SHAPES)]
+)
+def test_what_comes_into_a_standing_robot_is_proved_of_its_bodies_or_of_its_shapes(
+    tmp_path: Path, seed: int, robot: str, known: Result
+) -> None:
+    # A drawer comes 8 mm into the column of a TIAGo++, a door 5 mm into what contains the PR2's base.
+    assert result(tmp_path, seed, robot, Drive.FIXED, BUDGET) is known
