@@ -35,7 +35,7 @@ def kernel(function: Callable[..., Any] | None = None, *, makes: bool = True, **
         return lambda each: kernel(each, makes=makes, **options)
     made = _njit(pipeline_class=_Pipeline, no_cfunc_wrapper=True, _nrt=makes, **options)(function)
     made._cache = Kept(function)  # as `cache=True` does
-    return made
+    return _for_all_numbers(made)
 
 
 def subkernel(function: Callable[..., Any] | None = None, *, makes: bool = False) -> Any:  # noqa: ANN401 - of numba
@@ -52,6 +52,15 @@ def subkernel(function: Callable[..., Any] | None = None, *, makes: bool = False
     whole = cache(lambda: kernel(function))
     made.add_overload = lambda part: made.overloads.update({tuple(part.signature.args): part})
     made._compile_for_args = lambda *_, **__: whole()  # asked where no overload can be called from Python
+    return _for_all_numbers(made)
+
+
+def _for_all_numbers(made: Any) -> Any:  # noqa: ANN401 - of numba
+    """Compiled once: numba would compile it for each number that a caller writes, as a type of its own."""
+    template = made.get_call_template
+    made.get_call_template = lambda args, named: template(
+        tuple(map(types.unliteral, args)), {name: types.unliteral(each) for name, each in named.items()}
+    )
     return made
 
 

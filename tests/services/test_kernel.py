@@ -42,6 +42,10 @@ def outer(x):
 @kernel
 def _late(x):
     return x
+
+@kernel
+def several(x):
+    return inner(1) + inner(2) + inner(x)
 """
 
 Loader = Callable[..., ModuleType]
@@ -141,6 +145,12 @@ def test_of_former_code_only_the_newest_is_kept(loaded: Loader, monkeypatch: pyt
         assert outer(1.0) == factor
         found += kept(outer)
     assert [each.exists() for each in found] == [False, True, True]
+
+
+def test_what_is_called_with_numbers_as_written_is_compiled_once(loaded: Loader) -> None:
+    assert loaded().several(3) == 9.0
+    inner = vars(sys.modules["edited_inner"])["inner"]
+    assert len(inner.signatures) == len(kept(inner)) == 1
 
 
 def test_each_kind_of_argument_has_its_own_file(loaded: Loader) -> None:
