@@ -24,5 +24,6 @@ def warm(scene: Scene) -> None:
     Sweep(checked.timeline, checked.kinematics, checked.shapes, sets).run(FAR)
     first = checked.pieces.columns(pieces.moving).c[:2, 0]
     placed = checked.kinematics.place(first[:1], first[1:])
+    checked.pieces.at(np.zeros(1, np.intp), np.zeros(1))
     for finger, handle in pairs.tolist():
         depths(checked, placed, finger, handle, np.zeros((1, 3)))

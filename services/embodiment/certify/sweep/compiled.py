@@ -57,6 +57,18 @@ def place(q, v, parents, offsets, axes, revolute, rotation, origin, axis, omega,
                         rotation[u, i, k, n] = frame[k, n]
 
 
+@kernel(makes=False)
+def at(piece, s, c, q, v, a):
+    """What coordinates do at s into pieces with coefficients c (4, N, nq) is in the last three, (U, nq)."""
+    for u in range(q.shape[0]):
+        n, t = piece[u], s[u]
+        for k in range(q.shape[1]):
+            c1, c2, c3 = c[1, n, k], c[2, n, k], c[3, n, k]
+            q[u, k] = c[0, n, k] + t * (c1 + t * (c2 + t * c3))
+            v[u, k] = c1 + t * (2 * c2 + 3 * t * c3)
+            a[u, k] = 2 * c2 + 6 * t * c3
+
+
 @kernel
 def moments(piece, s, half, c, q, v, shift, v_max, a_max):
     """What coordinates do at s into pieces, and within `half` of it, is in the last five; see `Spans`."""

@@ -28,10 +28,9 @@ class Pieces:
 
     def at(self, piece: Indices, s: Array) -> tuple[Array, Array, Array]:
         """Positions, velocities and accelerations, shape (M, nq) each, at s [s] into the pieces."""
-        c0, c1, c2, c3 = self.c[:, piece]
-        s = s[:, None]
-        q = c0 + s * (c1 + s * (c2 + s * c3))
-        return q, c1 + s * (2 * c2 + 3 * s * c3), 2 * c2 + 6 * s * c3
+        q, v, a = np.empty((3, len(piece), self.c.shape[2]))
+        compiled.at(piece, s, self.c, q, v, a)
+        return q, v, a
 
     def columns(self, coordinates: Indices) -> "Pieces":
         """The same pieces with these coordinates only; extremes that are known already stay so."""
@@ -70,7 +69,7 @@ def hermite(times: Array, q: Array, v: Array) -> Pieces:
     w = h[:, None]
     c2 = (3 * step / w - 2 * v[:-1] - v[1:]) / w
     c3 = (v[:-1] + v[1:] - 2 * step / w) / w**2
-    return Pieces(times[:-1], h, np.stack((q[:-1], v[:-1], c2, c3)))
+    return Pieces(times[:-1], h, np.ascontiguousarray(np.stack((q[:-1], v[:-1], c2, c3))))
 
 
 def positions(pieces: Pieces) -> tuple[Array, Array]:
