@@ -33,6 +33,7 @@ Array = NDArray[np.float64]
 MORE_ROUNDS = 48  # the same, where postures were found but no way on from them
 ALONE = 4  # rounds of single paths before many postures search together; a few do so after the first of them
 TRIES = 4  # holdings of one batch that are approached
+SWEEP = 5.0  # [s] that are left for a proof that the container comes into the robot; else the search has them
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
 
 
@@ -125,7 +126,8 @@ class Planner:
         if number == 1:
             if not any(attempt.searcher.tally.solved for attempt in self.attempts):
                 self.proofs.look(EARLY_BOXES)
-            self.proofs.look_at_sweep()
+            if time.thread_time() + SWEEP < self.deadline:
+                self.proofs.look_at_sweep()
         return self.proofs.ended
 
     def _prove_at_once(self, limbs: list[Limb]) -> None:

@@ -33,7 +33,7 @@ from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import ROUNDING, Arm, make_arm, upright
-from services.embodiment.proof_check.inside.boxes import cores_on
+from services.embodiment.proof_check.inside.boxes import Core, cores_on
 from services.embodiment.proof_check.inside.cores import (
     Around,
     Solids,
@@ -94,6 +94,8 @@ class Statement:
         self._targets: dict[float, Target] = {}
         self._surroundings = Surroundings(self._kitchen, self._slack())
         self._solids: dict[float, Solids] = {}
+        self._cores: dict[str, tuple[Core, ...]] = {}
+        self._own: dict[str, tuple[Around, ...]] = {}
 
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Statement":
         """The same, with the fixed base elsewhere."""
@@ -114,13 +116,17 @@ class Statement:
         height = Placement(HERE.rotation, exact([0.0, 0.0, self._annotation.base_height]))
         if not self.level:
             whole = Chain((*self._base(height), *chain.links), chain.end)
-            joints, root = [link.name for link in chain.links], base_T_root(self._tree, self._annotation)
-            about = self._tree, self._annotation, joints, root, len(BASE) - 1
-            cores = cores_on(*about, self.declared)
-            return replace(make_arm(gripper.name, whole, corners, 0), cores=cores)
+            if gripper.name not in self._cores:
+                self._cores[gripper.name] = self._inside(chain)
+            return replace(make_arm(gripper.name, whole, corners, 0), cores=self._cores[gripper.name])
         first = replace(chain.links[0], before=height @ chain.links[0].before)
         whole = Chain((first, *chain.links[1:]), chain.end)
         return make_arm(gripper.name, whole, corners, upright(whole))
+
+    def _inside(self, chain: Chain) -> tuple[Core, ...]:
+        """Boxes inside the bodies that a chain behind the base carries."""
+        joints, root = [link.name for link in chain.links], base_T_root(self._tree, self._annotation)
+        return cores_on(self._tree, self._annotation, joints, root, len(BASE) - 1, self.declared)
 
     def hand(self, gripper: Gripper) -> Hand | None:
         """The same with its fingers, for a base that is anywhere; None where it has no two to hold with."""
@@ -154,7 +160,9 @@ class Statement:
         kitchen = Around(-1, solids, keeps)
         if any(self.room):  # a map asks at many poses: what does not depend on them is left out
             return (kitchen,)
-        return kitchen, *own_solids(arm.cores, self._tree, self._annotation)
+        if arm.gripper not in self._own:
+            self._own[arm.gripper] = own_solids(arm.cores, self._tree, self._annotation)
+        return kitchen, *self._own[arm.gripper]
 
     def _slack(self) -> float:
         """How far a joint of the kitchen may be from where it is said to be [rad or m]."""

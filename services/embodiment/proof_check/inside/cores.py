@@ -93,6 +93,7 @@ class Surroundings:
         below = placement(BELOW)
         at = Placement(below.rotation, exact(np.array([BELOW.position])))
         self._floor = _solids(FLOOR, at, np.array(SIZE) / 2 - ROUNDING)
+        self._chains: dict[str, Chain] = {}
         self._seen: dict[tuple[str, bytes], Solids] = {}
 
     def at(self, state: State) -> Solids:
@@ -102,7 +103,9 @@ class Surroundings:
             geometries = [one for one in body.collision if one.shape is not ShapeType.MESH]
             if not geometries:
                 continue
-            chain = self._kitchen.chain(self._kitchen.path(body.name), HERE, 0.0)
+            if body.name not in self._chains:
+                self._chains[body.name] = self._kitchen.chain(self._kitchen.path(body.name), HERE, 0.0)
+            chain = self._chains[body.name]
             q = np.array([[state[joint_iri(name, link.name)] for link in chain.links]]).reshape(1, -1)
             key = body.name, q.tobytes()
             if key not in self._seen:
