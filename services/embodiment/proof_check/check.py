@@ -71,7 +71,7 @@ def check(twin: Twin, robot: Iri, container: Container, content: bytes) -> Check
     values = sorted({value for one in proof.refutations for value in one.values})
     past = ", ".join(f"{value:.4g}" for value in values) or "any value"
     meant = "" if claim.within is None else f"with {local_name(container.handle)} in hand "
-    meant += "with its bodies as their collision shapes are " if claim.declared else ""
+    meant += "(its collision shapes for its bodies) " if claim.declared else ""
     sentence = f"no certified motion of {local_name(robot)} {meant}takes {container.name} past {past}"
     return Checked(tuple(reasons), sentence, proof.assumptions(), leaves)
 
