@@ -80,7 +80,7 @@ def again(known: tuple[Twin, bytes], change: Change = lambda _: None) -> tuple[b
 def test_a_proof_says_of_which_bodies_it_is(tipped: tuple[Twin, bytes], standing: tuple[Twin, bytes]) -> None:
     holds, said = again(tipped)
     assert holds
-    assert "as their collision shapes" in said
+    assert "its collision shapes for its bodies" in said
     assert "hasCore" not in said
     holds, said = again(standing)
     assert holds
