@@ -33,7 +33,10 @@ class State(Mapping[Iri, float]):
         return State(tuple(sorted(positions.items())))
 
     def __getitem__(self, joint: Iri) -> float:
-        return dict(self.positions)[joint]
+        for own, position in self.positions:
+            if own == joint:
+                return position
+        raise KeyError(joint)
 
     def __iter__(self) -> Iterator[Iri]:
         return (joint for joint, _ in self.positions)

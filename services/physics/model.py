@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
@@ -10,13 +11,13 @@ import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found throug
 from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.errors import AnnotationError, UnknownEntityError
 from sdt_kg.iri import Iri, body_iri
-from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, Pose, ShapeType
+from sdt_kg.mechanism import Geometry, JointType, Mechanism, Pose, ShapeType
 from sdt_kg.twin import Twin
 from services.physics.geometry.floor import BELOW, floor_box, floor_iri, standing
 from services.physics.geometry.hulls import COARSE, FINE
 from services.physics.geometry.packed import pack
 from services.physics.geometry.shapes import solids, surface
-from services.physics.tree import UNIVERSE, Array, Bounds, Indices, Part, add, coupling, se3
+from services.physics.tree import UNIVERSE, Array, Bounds, Indices, Part, add, coupling, exempt_pairs, se3
 
 BASE_COORDINATES = ("base_x", "base_y", "base_yaw")
 
@@ -231,22 +232,31 @@ class Scene:
         Raises:
             UnknownEntityError: The robot or the kitchen has no such movable joint.
         """
-        for name in robot.keys() - (known := {joint.name for joint in self.robot.joints}):
-            raise UnknownEntityError("joint", name, known)
+        q = self._still.copy()
+        for given, known in ((kitchen or {}, self.coordinate), (robot, self._robot_coordinate)):
+            for joint, value in given.items():
+                if joint not in known:
+                    raise UnknownEntityError("joint", joint, known)
+                q[known[joint]] = value
+        q[self.base] = base
+        return self.coupling.positions(q)
+
+    @cached_property
+    def _robot_coordinate(self) -> dict[str, int]:
+        return {joint.name: k for k, joint in enumerate(self.robot.joints, self.robot.first)}
+
+    @cached_property
+    def _still(self) -> Array:
+        """The kitchen as the twin's state says; the robot parked: as annotated, else at or nearest to 0."""
         q = np.zeros(self.model.nq)
-        for iri, value in (dict(self.twin.state.positions) | dict(kitchen or {})).items():
+        for iri, value in self.twin.state.positions:
             if iri not in self.coordinate:
                 raise UnknownEntityError("joint", iri, self.names)
             q[self.coordinate[iri]] = value
-        q[self.base] = base
         for k, joint in enumerate(self.robot.joints, self.robot.first):
-            q[k] = robot.get(joint.name, self.parked(joint))
-        return self.coupling.positions(q)
-
-    def parked(self, joint: Joint) -> float:
-        """Position of a robot joint when driving: as annotated, else 0 or the limit nearest to it."""
-        rest = min(max(0.0, joint.limits.lower), joint.limits.upper)
-        return self.annotation.parked.get(joint.name, rest)
+            rest = min(max(0.0, joint.limits.lower), joint.limits.upper)
+            q[k] = self.annotation.parked.get(joint.name, rest)
+        return q
 
     def tool_frame(self, gripper: str) -> str:
         """Name of a gripper's tool frame in the model."""
@@ -279,23 +289,3 @@ def _solids(part: Part, shapes: Callable[[Iri, Geometry], tuple[coal.CollisionGe
         for geometry in body.collision
         for shape in shapes(iri, geometry)
     ]
-
-
-def exempt_pairs(mechanism: Mechanism, annotation: RobotAnnotation) -> set[frozenset[Iri]]:
-    """Bodies (IRIs) whose contact is no self-collision; a set of one body means the body with itself.
-
-    Two bodies are exempt if one joint joins them, if only fixed joints lie between them, or if the
-    annotation says so.
-    """
-    rigid = {mechanism.root: mechanism.root}
-    pairs = set(annotation.allowed_contacts)
-    for joint in mechanism.joints:
-        rigid[joint.child] = rigid[joint.parent] if joint.type is JointType.FIXED else joint.child
-        pairs.add(frozenset((joint.parent, joint.child)))
-    groups: dict[str, list[str]] = {}
-    for body, group in rigid.items():
-        groups.setdefault(group, []).append(body)
-    for group in groups.values():
-        pairs.update(frozenset((one, other)) for one in group for other in group)
-    iri = {body: body_iri(mechanism.name, body) for body in frozenset[str]().union(*pairs)}
-    return {frozenset(iri[body] for body in pair) for pair in pairs}

@@ -12,8 +12,9 @@ import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 from numpy.typing import NDArray
 
+from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.errors import UrdfError
-from sdt_kg.iri import body_iri, joint_iri
+from sdt_kg.iri import Iri, body_iri, joint_iri
 from sdt_kg.mechanism import Inertia, Joint, JointType, Mechanism, Pose
 
 Array = NDArray[np.float64]
@@ -164,3 +165,23 @@ def build(mechanism: Mechanism) -> Model:
         joint_iri(mechanism.name, joint.name): part.first + i for i, joint in enumerate(part.joints)
     }
     return Model(model, model.createData(), part, coupling(model.nq, [part]), coordinate)
+
+
+def exempt_pairs(mechanism: Mechanism, annotation: RobotAnnotation) -> set[frozenset[Iri]]:
+    """Bodies (IRIs) whose contact is no self-collision; a set of one body means the body with itself.
+
+    Two bodies are exempt if one joint joins them, if only fixed joints lie between them, or if the
+    annotation says so.
+    """
+    rigid = {mechanism.root: mechanism.root}
+    pairs = set(annotation.allowed_contacts)
+    for joint in mechanism.joints:
+        rigid[joint.child] = rigid[joint.parent] if joint.type is JointType.FIXED else joint.child
+        pairs.add(frozenset((joint.parent, joint.child)))
+    groups: dict[str, list[str]] = {}
+    for body, group in rigid.items():
+        groups.setdefault(group, []).append(body)
+    for group in groups.values():
+        pairs.update(frozenset((one, other)) for one in group for other in group)
+    iri = {body: body_iri(mechanism.name, body) for body in frozenset[str]().union(*pairs)}
+    return {frozenset(iri[body] for body in pair) for pair in pairs}

@@ -98,6 +98,8 @@ def _chain(mechanism: Mechanism, body: str) -> list[Joint]:
 def without_fixed(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> tuple[BodyMotion, Findings]:
     """The motion without those kitchen joints that cannot move, and which of them it moves all the same."""
     kitchen, findings = scene.kitchen.mechanism, Findings()
+    if scene.coordinate.keys() >= {*motion.kitchen_joints}:
+        return motion, findings
     fixed = {joint_iri(kitchen.name, each.name) for each in kitchen.joints if each.type is JointType.FIXED}
     kept = [i for i, joint in enumerate(motion.kitchen_joints) if joint not in fixed]
     for i, joint in enumerate(motion.kitchen_joints):

@@ -19,8 +19,8 @@ from sdt_kg.urdf import read_mechanism
 from services.physics.geometry.hulls import COARSE, FINE, Fineness, convex_pieces
 from services.physics.geometry.pieces import pieces
 from services.physics.geometry.shapes import solids, surface
-from services.physics.model import Scene, exempt_pairs
-from services.physics.tree import Model, build
+from services.physics.model import Scene
+from services.physics.tree import Model, build, exempt_pairs
 
 pytestmark = pytest.mark.oracle
 Array = NDArray[np.float64]

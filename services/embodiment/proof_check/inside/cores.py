@@ -22,7 +22,7 @@ from services.embodiment.proof_check.inside.boxes import Core, within
 from services.embodiment.proof_check.interval import Interval, apply, cross, exact
 from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement, Swing, Tree, placement
 from services.physics.geometry.floor import BELOW, SIZE, standing
-from services.physics.model import exempt_pairs
+from services.physics.tree import exempt_pairs
 
 Array = NDArray[np.float64]
 
