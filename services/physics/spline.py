@@ -42,12 +42,62 @@ def at_rest_velocities(times: Array, values: Array) -> Array:
     if len(times) < 3:
         return velocities
     h = np.diff(times)
-    before, after, slope = h[:-1], h[1:], np.diff(values, axis=0) / h[:, None]
-    bands = np.zeros((3, len(times) - 2))
-    bands[0, 1:], bands[1], bands[2, :-1] = before[:-1], 2 * (before + after), after[1:]
-    known = 3 * (after[:, None] * slope[:-1] + before[:, None] * slope[1:])
-    velocities[1:-1] = solve_banded((1, 1), bands, known)
+    bands, known = _as_smooth(h, np.diff(values, axis=0) / h[:, None])
+    velocities[1:-1] = solve_banded((1, 1), bands[:, 1:-1], known)
     return velocities
+
+
+def free_velocities(times: Array, values: Array) -> Array:
+    """The same of the C² cubic spline whose first two pieces are one cubic, and its last two.
+
+    Two samples are joined by a straight line, three by a parabola.
+    """
+    h = np.diff(times)
+    slope = np.diff(values, axis=0) / h[:, None]
+    if len(times) == 2:
+        return np.repeat(slope, 2, axis=0)
+    if len(times) == 3:
+        middle = (h[1] * slope[0] + h[0] * slope[1]) / (h[0] + h[1])
+        return np.stack([2 * slope[0] - middle, middle, 2 * slope[1] - middle])
+    known = np.empty_like(values)
+    bands, known[1:-1] = _as_smooth(h, slope)
+    for own, inner, beside in ((0, 1, (0, 1)), (-1, -2, (2, -2))):
+        both = h[own] + h[inner]
+        bands[1, own], bands[beside] = h[inner], both
+        known[own] = ((h[own] + 2 * both) * h[inner] * slope[own] + h[own] ** 2 * slope[inner]) / both
+    return solve_banded((1, 1), bands, known)
+
+
+def _as_smooth(h: Array, slope: Array) -> tuple[Array, Array]:
+    """Both sides of the equations by which pieces that meet have one acceleration.
+
+    The diagonals, for all T velocities, are shape (3, T), of which the equations of the first and last
+    sample are left open; what is known is shape (T − 2, n).
+    """
+    before, after = h[:-1], h[1:]
+    bands = np.zeros((3, len(h) + 1))
+    bands[0, 2:], bands[1, 1:-1], bands[2, :-2] = before, 2 * (before + after), after
+    return bands, 3 * (after[:, None] * slope[:-1] + before[:, None] * slope[1:])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cubic:
+    """The cubic Hermite spline of samples of n joints: times (T,), values and velocities (T, n)."""
+
+    times: Array
+    values: Array
+    velocities: Array
+
+    def at(self, times: Array) -> tuple[Array, Array]:
+        """Positions and velocities at some times (M,), shape (M, n) each; outside, the end pieces go on."""
+        before = np.searchsorted(self.times[1:-1], times, side="right")
+        start, h = self.times[before], (self.times[before + 1] - self.times[before])[:, None]
+        s = (times - start)[:, None]
+        v, end = self.velocities[before], self.velocities[before + 1]
+        slope = (self.values[before + 1] - self.values[before]) / h
+        bend, turn = (3 * slope - 2 * v - end) / h, (v + end - 2 * slope) / (h * h)
+        position = self.values[before] + s * (v + s * (bend + s * turn))
+        return position, v + s * (2 * bend + 3 * s * turn)
 
 
 class Hermite:
@@ -91,7 +141,7 @@ class Hermite:
 
     def _sampled(self, inner: list[Array], of: Callable[[Array], Array], scale: int) -> tuple[Array, Array]:
         u = np.stack([np.zeros_like(self._h), *inner, np.ones_like(self._h)])
-        u = np.clip(np.nan_to_num(u, nan=0.0, posinf=1.0, neginf=0.0), 0.0, 1.0)
+        u = np.fmin(np.fmax(u, 0.0), 1.0)  # also what is no number
         u.sort(axis=0)
         values = of(u) / self._h**scale
         return (self._start + u * self._h).T.ravel(), values.T.ravel()

@@ -9,9 +9,9 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from sdt_kg.motion import Motion
+from services.physics.spline import Cubic, at_rest_velocities, free_velocities
 
 Array = NDArray[np.float64]
 
@@ -142,16 +142,17 @@ class Followed:
     """
 
     values: Array
-    spline: CubicSpline
+    spline: Cubic
 
     @staticmethod
     def through(values: Array, x: Array) -> "Followed":
         share = (values - values[0]) / (values[-1] - values[0])
-        return Followed(values, CubicSpline(share, x))
+        return Followed(values, Cubic(share, x, free_velocities(share, x)))
 
     def at(self, share: Array, rate: Array) -> tuple[Array, Array]:
         """Positions and velocities of the robot at shares of the way with rates [1/s], shape (T, n)."""
-        return self.spline(share), self.spline(share, 1) * rate[:, None]
+        x, slope = self.spline.at(share)
+        return x, slope * rate[:, None]
 
 
 def slowed(
@@ -201,10 +202,11 @@ def as_timed(motion: Motion, samples: int) -> tuple[Array, Array, Array]:
 
     Between its samples the motion is the C² cubic spline at rest at both ends.
     """
-    spline = CubicSpline(motion.times - motion.times[0], motion.values[:, 0], bc_type="clamped")
-    times = np.union1d(spline.x, np.linspace(0.0, spline.x[-1], samples))
+    knots, values = motion.times - motion.times[0], motion.values
+    times = np.union1d(knots, np.linspace(0.0, knots[-1], samples))
     times = times[np.append(True, np.diff(times) > 1e-9)]
-    return times, spline(times), spline(times, 1)
+    x, v = Cubic(knots, values, at_rest_velocities(knots, values)).at(times)
+    return times, x[:, 0], v[:, 0]
 
 
 def at_values(path: Followed, times: Array, values: Array, rates: Array) -> Timed:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
-from services.physics.spline import Hermite, at_rest_velocities, excesses
+from services.physics.spline import Cubic, Hermite, at_rest_velocities, excesses, free_velocities
 
 FINITE = st.floats(-3, 3, allow_subnormal=False)
 
@@ -54,6 +54,20 @@ def test_velocities_at_samples_are_those_of_the_clamped_spline(values: np.ndarra
     times = np.concatenate([[0.0], np.cumsum(steps)])
     expected = CubicSpline(times, values, bc_type="clamped")(times, 1)
     np.testing.assert_allclose(at_rest_velocities(times, values), expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 7])
+@given(rows=arrays(float, (7, 2), elements=FINITE), steps=arrays(float, 6, elements=st.floats(0.05, 2)))
+def test_a_free_spline_is_the_usual_one_where_its_pieces_are_not_told_apart(
+    count: int, rows: np.ndarray, steps: np.ndarray
+) -> None:
+    times, values = np.concatenate([[0.0], np.cumsum(steps)])[:count], rows[:count]
+    at = np.union1d(times, np.linspace(-0.1, times[-1] + 0.1, 50))
+    expected = CubicSpline(times, values)
+    found = Cubic(times, values, free_velocities(times, values)).at(at)
+    scale = max(1.0, float(np.abs(expected(at, 1)).max()))
+    np.testing.assert_allclose(found[0], expected(at), atol=1e-9 * scale)
+    np.testing.assert_allclose(found[1], expected(at, 1), atol=1e-9 * scale)
 
 
 def test_first_and_worst_excess_are_told_apart() -> None:
