@@ -27,7 +27,7 @@ from sdt_kg.triples import Facts
 from sdt_kg.triples.to_rdflib import rdflib_graph
 from sdt_kg.twin import Container, Twin
 
-TASK: Final = "https://example.org/id/request/task"
+_TASK: Final = "https://example.org/id/request/task"
 _SH: Final = rdflib.Namespace(SH)
 
 KEPT: Final = 256
@@ -153,17 +153,11 @@ def violations(
         tee: D.
     """
     wider = [] if tee.refined is None else violations(twin, container, robot, verb, tee.refined)
-    found = tuple[Violation, ...]()
-    if container.iri not in twin.entities.inside.get((tee.iri, verb), ()):
-        found = _checked(tee, tuple(about_kitchen(twin, container, verb, tee)), shapes_about(tee, verb))
+    asked = ["Environment", "Physics", *(["Task"] if verb is not None else [])]
+    found = _checked(tee, tuple(_of_kitchen(twin, container, verb, tee)), _shapes_of(tee, asked))
     if robot is not None:
         found += _checked(tee, tuple(_of_robot(twin, robot, tee)), _shapes_of(tee, ["Robot"]))
     return [*wider, *sorted(found, key=_order)]
-
-
-def shapes_about(tee: TeeClass, verb: Iri | None) -> tuple[Iri, ...]:
-    """Shapes that have to find something to look at in `about_kitchen`."""
-    return _shapes_of(tee, ["Environment", "Physics", *(["Task"] if verb is not None else [])])
 
 
 def _shapes_of(tee: TeeClass, parts: list[str]) -> tuple[Iri, ...]:
@@ -257,7 +251,7 @@ def request_graph(
     tee: TeeClass = D_ARTIC,
 ) -> rdflib.Graph:
     """What the graph says of the individuals that the request is about, as far as the class asks."""
-    kitchen = about_kitchen(twin, container, verb, tee)
+    kitchen = _of_kitchen(twin, container, verb, tee)
     return rdflib_graph(chain(kitchen, () if robot is None else _of_robot(twin, robot, tee)))
 
 
@@ -266,8 +260,7 @@ def _of_robot(twin: Twin, robot: Iri, tee: TeeClass) -> Iterator[Triple]:
     yield from _mentioned(facts, [robot, *facts.iris(robot, "hasGripper")], tee)
 
 
-def about_kitchen(twin: Twin, container: Container, verb: Iri | None, tee: TeeClass) -> Iterator[Triple]:
-    """The same without the robot, as triples."""
+def _of_kitchen(twin: Twin, container: Container, verb: Iri | None, tee: TeeClass) -> Iterator[Triple]:
     facts = twin.entities.facts
     subjects = [twin.environment, container.iri, *facts.iris(container.iri, "hasHandle")]
     subjects += facts.iris(container.iri, "hasJoint")
@@ -277,9 +270,9 @@ def about_kitchen(twin: Twin, container: Container, verb: Iri | None, tee: TeeCl
         subjects += [model for each in subjects for model in facts.iris(each, "hasForceModel")]
     yield from _mentioned(facts, subjects, tee)
     if verb is not None:
-        yield TASK, RDF + "type", ox.NamedNode(LAW + "Task")
-        yield TASK, LAW + "verb", ox.NamedNode(verb)
-        yield TASK, LAW + "container", ox.NamedNode(container.iri)
+        yield _TASK, RDF + "type", ox.NamedNode(LAW + "Task")
+        yield _TASK, LAW + "verb", ox.NamedNode(verb)
+        yield _TASK, LAW + "container", ox.NamedNode(container.iri)
 
 
 def _mentioned(facts: Facts, subjects: Iterable[Iri], tee: TeeClass) -> Iterator[Triple]:

@@ -94,11 +94,6 @@ class Entities:
         return {}
 
     @cached_property
-    def inside(self) -> dict[tuple[Iri, Iri | None], frozenset[Iri]]:
-        """TEE class and verb → containers that are known to be inside, as far as the kitchen decides."""
-        return {}
-
-    @cached_property
     def kitchen(self) -> KitchenAnnotation:
         """Annotation of the kitchen."""
         return read_kitchen(self.facts, self.environment)

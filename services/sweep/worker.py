@@ -12,11 +12,10 @@ from predicates.case import Verdict
 from predicates.oracle import Embodiment, Physics, tee_class_of
 from predicates.record import to_json, to_record
 from predicates.record.recall import Recall
-from predicates.scope import look_at_all
+from predicates.scope import out_of_scope
 from sdt_kg.errors import SdtError
 from sdt_kg.load import ReadRobot, load_twin, read_robot, with_robot
 from sdt_kg.mechanism import JointType
-from sdt_kg.task import Task
 from sdt_kg.twin import Twin
 from services.app import Forces, Oracles, Policy, Service, whole_body
 from services.relative import Relative
@@ -62,9 +61,9 @@ def prepare(cell: Cell) -> None:
 
     with suppress(SdtError):
         service = service_of(cell)
-        task = service.case(cell.task, None).task
-        if isinstance(task, Task):
-            look_at_all(service.twin, task.verb, tee_class_of(service.physics))
+        case, tee = service.case(cell.task, None), tee_class_of(service.physics)
+        for container in service.twin.containers():
+            out_of_scope(case, container, tee)
         next(service.causes(cell.task), None)
         if isinstance(service.embodiment, WholeBody):
             service.embodiment.prepare(service.twin, service.robot(None))
