@@ -198,12 +198,16 @@ class Approacher:
             return Blocked("fold")
         turns = road[-1, 2] - back[2]
         space = ArmSpace(self.world, self.limb, self.rules, self.rest, self.weight, back[BASE])
-        corners = connect(space, (folded, back), rng, ARM_ITERATIONS, self.late)
-        if corners is None:
-            return Blocked("fold")
-        contact = self._contact(corners)
-        if contact is not None:
-            return Blocked("fold", contact)
+        straight = np.stack([folded, back])
+        if self._contact(straight) is None:
+            corners = straight
+        else:
+            corners = connect(space, (folded, back), rng, ARM_ITERATIONS, self.late)
+            if corners is None:
+                return Blocked("fold")
+            contact = self._contact(corners)
+            if contact is not None:
+                return Blocked("fold", contact)
         whole = [corners.copy(), np.stack([back, left[-1]]), left[::-1].copy()]
         for part in whole:
             part[:, 2] += turns
