@@ -1,6 +1,7 @@
 """What a hand needs to know of a handle: its bar, and where it goes as the container moves."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
@@ -96,7 +97,7 @@ def find_bar(world: World, mechanics: Mechanics, q: Array, seed: int = 0) -> Bar
     if not len(shapes):
         return None
     corners = _corners(world, shapes)
-    points = _surface(corners, np.random.default_rng(seed))
+    points = _surface(corners, seed)
     joint = int(world.boxes[0][shapes[0]])
     outward = _opening_direction(mechanics, q, joint, points.mean(axis=0))
     along, outward = _axes(_covariance(corners), outward)
@@ -154,13 +155,22 @@ def _corners(world: World, shapes: NDArray[np.int64]) -> Array:
     return np.concatenate(triangles)
 
 
-def _surface(corners: Array, rng: np.random.Generator) -> Array:
+def _surface(corners: Array, seed: int) -> Array:
     """Points on triangles, shape (SAMPLES, 3)."""
     edge_1, edge_2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    area = np.linalg.norm(np.cross(edge_1, edge_2), axis=1)
-    chosen = rng.choice(len(corners), SAMPLES, p=area / area.sum())
-    u, v = np.sort(rng.random((2, SAMPLES)), axis=0)
+    part = np.cumsum(np.linalg.norm(np.cross(edge_1, edge_2), axis=1))
+    share, u, v = _shares(seed)
+    chosen = np.searchsorted(part / part[-1], share, side="right")
     return corners[chosen, 0] + u[:, None] * edge_1[chosen] + (v - u)[:, None] * edge_2[chosen]
+
+
+@lru_cache(maxsize=4)
+def _shares(seed: int) -> tuple[Array, Array, Array]:
+    """Random shares that choose triangles, and places on them; kept, so not to be changed."""
+    rng = np.random.default_rng(seed)
+    share = rng.random(SAMPLES)
+    u, v = np.sort(rng.random((2, SAMPLES)), axis=0)
+    return share, u, v
 
 
 def _triangles(shape: coal.CollisionGeometry) -> Array:
