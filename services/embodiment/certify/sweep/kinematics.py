@@ -60,15 +60,15 @@ class Kinematics:
         axes, revolute = joint_axes(scene)
         self._axis = np.vstack((np.zeros((1, 3)), axes[moving]))
         self.revolute = np.concatenate(([False], revolute[moving]))
-        count, model = len(moving) + 1, scene.model
+        count, (parents, placements) = len(moving) + 1, _links(scene)
         self._parent, self._offset = np.zeros(count, dtype=np.intp), np.tile(np.eye(4), (count, 1, 1))
         self.path = np.zeros((count, count), dtype=bool)
-        self.carrier = np.zeros(model.njoints, dtype=np.intp)
-        self.fixed = np.tile(np.eye(4), (model.njoints, 1, 1))
+        self.carrier = np.zeros(len(parents), dtype=np.intp)
+        self.fixed = np.tile(np.eye(4), (len(parents), 1, 1))
         own, moved = {int(k): i + 1 for i, k in enumerate(moving)}, _displacements(axes, revolute, q)
-        for joint in range(1, model.njoints):
-            parent, k = model.parents[joint], joint - 1
-            placement = self.fixed[parent] @ model.jointPlacements[joint].homogeneous
+        for joint in range(1, len(parents)):
+            parent, k = parents[joint], joint - 1
+            placement = self.fixed[parent] @ placements[joint]
             self.carrier[joint] = self.carrier[parent]
             if k not in own:
                 self.fixed[joint] = placement @ moved[k]
@@ -183,6 +183,12 @@ def joint_axes(scene: Scene) -> tuple[Array, NDArray[np.bool_]]:
         for k, joint in enumerate(part.joints, part.first):
             axes[k], revolute[k] = joint.axis, joint.type is not JointType.PRISMATIC
     return axes, revolute
+
+
+@lru_cache(maxsize=4)
+def _links(scene: Scene) -> tuple[list[int], list[Array]]:
+    """Parent of each of Pinocchio's joints and parent_T_joint, shape (4, 4); kept, so not to be changed."""
+    return list(scene.model.parents), [one.homogeneous for one in scene.model.jointPlacements]
 
 
 def _displacements(axes: Array, revolute: NDArray[np.bool_], q: Array) -> Array:
