@@ -1,7 +1,7 @@
 """Interval, State and Region: I, s and G_final of the paper."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import ItemsView, Iterator, Mapping
 from dataclasses import dataclass
 
 from sdt_kg.iri import Iri
@@ -37,6 +37,9 @@ class State(Mapping[Iri, float]):
             if own == joint:
                 return position
         raise KeyError(joint)
+
+    def items(self) -> ItemsView[Iri, float]:
+        return dict(self.positions).items()
 
     def __iter__(self) -> Iterator[Iri]:
         return (joint for joint, _ in self.positions)

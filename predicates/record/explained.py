@@ -81,7 +81,8 @@ def _settings(verdict: Verdict, predicate: str) -> Iterator[str]:
 
 def position_triples(judged: Iri, start: State, state: State) -> Iterator[Triple]:
     """Joints that are not where the kitchen starts, and where they are: the state s in which was asked."""
-    moved = [(joint, at) for joint, at in sorted(state.items()) if at != start[joint]]
+    began = dict(start.items())
+    moved = [(joint, at) for joint, at in sorted(state.items()) if at != began[joint]]
     for index, (joint, position) in enumerate(moved, 1):
         of = part_iri(judged, "joint_position", index)
         yield judged, LAW + "jointPosition", ox.NamedNode(of)

@@ -128,7 +128,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     _check_figures(findings.figures)
     certificate = Certificate(
         models=models_of(twin, robot),
-        state=dict(twin.state),
+        state=dict(twin.state.items()),
         container=container.iri,
         drive=drive,
         start=start,
