@@ -7,6 +7,7 @@ which follow it. Friction, springs, and the mass of what is inside are outside D
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,8 +96,12 @@ def state_with(model: Model, twin: Twin, active: Iri, position: float) -> State:
     return State.of(state)
 
 
+@lru_cache(maxsize=1)
 def spline_of(motion: Motion) -> Hermite:
-    """The motion between its samples, at rest at its ends unless it brings its own velocities."""
+    """The motion between its samples, at rest at its ends unless it brings its own velocities.
+
+    That of the last motion is kept: its limits and its stops are asked about one after the other.
+    """
     times, values = motion.times, motion.values
     velocities = at_rest_velocities(times, values) if motion.velocities is None else motion.velocities
     return Hermite(times, values[:, 0], velocities[:, 0])

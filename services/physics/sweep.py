@@ -131,14 +131,9 @@ class _Path:
             if joint in model.coordinate:
                 self._q[model.coordinate[joint]] = value
         self._begin, self._end = float(self._q[self._k]), end
-        pinocchio = model.model
-        follows = {
-            i for i in range(1, pinocchio.njoints) if model.coupling.source[pinocchio.idx_qs[i]] == self._k
-        }
-        self._moving = {
-            i for i in range(1, pinocchio.njoints) if follows & set(pinocchio.supports[i].tolist())
-        }
-        self._follows = follows
+        joints, sources = range(1, model.model.njoints), model.coupling.source.tolist()
+        self._follows = {i for i in joints if sources[model.model.idx_qs[i]] == self._k}
+        self._moving = {i for i in joints if not self._follows.isdisjoint(model.model.supports[i].tolist())}
 
     def _frames(self, position: float) -> list[pin.SE3]:
         """world_T_joint of every joint: Pinocchio's own list, valid until the next call."""
