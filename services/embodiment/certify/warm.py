@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from services.embodiment.certify.held.pressed import depths
+from services.embodiment.certify.held.pressed import depths, frames
 from services.embodiment.certify.sweep.clearance import Pairs, Sweep
 from services.embodiment.certify.sweep.pieces import hermite
 from services.embodiment.certify.sweep.subject import subject
@@ -26,4 +26,4 @@ def warm(scene: Scene) -> None:
     placed = checked.kinematics.place(first[:1], first[1:])
     checked.pieces.at(np.zeros(1, np.intp), np.zeros(1))
     for finger, handle in pairs.tolist():
-        depths(checked, placed, finger, handle, np.zeros((1, 3)))
+        depths(checked, placed, finger, frames(checked, placed, handle), np.zeros((1, 3)))

@@ -76,14 +76,14 @@ def grasp_settings() -> str:
 def grasp_set(bar: Bar, steep: bool = False) -> Iterator[Grasp]:
     """All grasps of a bar, straight ones first, or those that come from far above or below."""
     room = max(bar.length / 2 - FINGER_HALF, 0.0)
+    places = [bar.centre + place * room * bar.along for place in PLACES]
     turns = dict[tuple[int, int, int], Array]()
     for index, (pitch, tilt, flip, place, depth) in _choices(steep):
         key = pitch, tilt, flip
         if key not in turns:
             turns[key] = _turn(bar, float(PITCHES[pitch]), float(TILTS[tilt]), flip)
         rotation = turns[key]
-        translation = bar.centre + PLACES[place] * room * bar.along + DEPTHS[depth] * rotation[:, 0]
-        yield Grasp(rotation, translation, index)
+        yield Grasp(rotation, places[place] + DEPTHS[depth] * rotation[:, 0], index)
 
 
 def wide_set(bar: Bar) -> Iterator[Grasp]:

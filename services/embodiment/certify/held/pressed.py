@@ -41,9 +41,9 @@ def pressed(checked: Subject, hold: Hold) -> Findings:
     q, v, _ = pieces.at(piece, times - pieces.start[piece])
     placed = checked.kinematics.place(q, v)
     for mesh in meshes:
-        points = _points(solids[mesh].shape)
+        points, at = _points(solids[mesh].shape), frames(checked, placed, mesh)
         for finger in map(int, hold.fingers):
-            found = depths(checked, placed, finger, mesh, points)
+            found = depths(checked, placed, finger, at, points)
             for n in {int(np.argmax(found > checked.tolerances.depth)), int(np.argmax(found))}:
                 if found[n] > checked.tolerances.depth:
                     pair, depth, time = (finger, mesh), float(found[n]), float(times[n])
@@ -59,17 +59,22 @@ def _points(mesh: coal.BVHModelBase) -> Array:
     return np.vstack((np.unique(vertices, axis=0), vertices[corners].mean(axis=1)))
 
 
-def depths(checked: Subject, placed: Placed, finger: int, mesh: int, points: Array) -> Array:
-    """Depth of the deepest of the points in the finger at each time, shape (T,) [m]; 0 if none is in it."""
-    shape, count = checked.scene.solids[finger].shape, len(placed.origin)
+def frames(checked: Subject, placed: Placed, shape: int) -> tuple[Array, Array]:
+    """Rotations and origins of one shape in the world at each time, shapes (T, 3, 3) and (T, 3) [m]."""
+    span = np.arange(len(placed.origin))
+    return checked.shapes.frames(placed, span, np.full(len(span), shape))
+
+
+def depths(checked: Subject, placed: Placed, finger: int, mesh: tuple[Array, Array], points: Array) -> Array:
+    """Depth of the deepest of the points in the finger at each time, shape (T,) [m]; 0 if none is in it.
+
+    `mesh` has the frames in which the points are.
+    """
+    shape, found = checked.scene.solids[finger].shape, np.empty(len(placed.origin))
     body, box = faces(shape), shape.aabb_local
     assert body is not None, "shapes of the robot are convex"
-    span = np.arange(count)
-    own_R, own_p = checked.shapes.frames(placed, span, np.full(count, finger))
-    mesh_R, mesh_p = checked.shapes.frames(placed, span, np.full(count, mesh))
-    found, corners = np.empty(count), (np.array(box.min_), np.array(box.max_))
-    poses = (mesh_R, mesh_p), (own_R, own_p)
-    compiled.deepest_points(points, *poses, corners, body.normals, body.offsets, found)
+    own, corners = frames(checked, placed, finger), (np.array(box.min_), np.array(box.max_))
+    compiled.deepest_points(points, mesh, own, corners, body.normals, body.offsets, found)
     return found
 
 
