@@ -31,6 +31,10 @@ def place(q, v, parents, offsets, axes, revolute, rotation, origin, axis, omega,
     """Carriers at U configurations are in the last five; what they hold is said by `Placed`."""
     frame, turn = np.empty((3, 3)), np.empty((3, 3))
     for u in range(q.shape[0]):
+        for k in range(3):
+            origin[u, 0, k] = axis[u, 0, k] = omega[u, 0, k] = linear[u, 0, k] = 0.0
+            for n in range(3):
+                rotation[u, 0, k, n] = 1.0 if k == n else 0.0
         for i in range(1, parents.shape[0]):
             parent, rate = parents[i], v[u, i - 1]
             _product(rotation[u, parent], offsets[i, :3, :3], frame)

@@ -18,8 +18,6 @@ from services.physics.model import Scene
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-WORLD = 0  # carrier of everything that no moving joint moves
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Placed:
@@ -83,22 +81,8 @@ class Kinematics:
         count = len(self._parent)
         rotation = np.empty((len(q), count, 3, 3))
         origin, axis, omega, linear = np.empty((4, len(q), count, 3))
-        rotation[:, WORLD] = np.eye(3)
-        for one in (origin, axis, omega, linear):
-            one[:, WORLD] = 0.0
-        compiled.place(
-            q,
-            v,
-            self._parent,
-            self._offset,
-            self._axis,
-            self.revolute,
-            rotation,
-            origin,
-            axis,
-            omega,
-            linear,
-        )
+        tree = self._parent, self._offset, self._axis, self.revolute
+        compiled.place(q, v, *tree, rotation, origin, axis, omega, linear)
         return Placed(rotation, origin, axis, omega, linear)
 
     def levers(self, placed: Placed, point: Array) -> Array:
