@@ -64,11 +64,14 @@ class Room:
         joint, local_r, local_c = joint[kitchen], local_r[kitchen], local_c[kitchen]
         frames = self.world.frames(q)
         turn = now[0] @ first[0].T
-        at_r = turn.T @ (frames[0][joint] @ local_r)
         at_c = (_moved(frames, joint, local_c) - (now[1] - turn @ first[1])) @ turn
-        beyond = np.abs(((middle - at_c)[:, None] @ at_r)[:, 0]) - self.world.half[kitchen]
-        near = np.flatnonzero(np.linalg.norm(np.maximum(beyond, 0.0), axis=1) < reach)
-        return near, np.ascontiguousarray(at_r[near]), np.ascontiguousarray(at_c[near])
+        away = np.linalg.norm(middle - at_c, axis=1) - self.world.radius[kitchen]
+        near = np.flatnonzero(away < reach)
+        at_r = turn.T @ (frames[0][joint[near]] @ local_r[near])
+        beyond = np.abs(((middle - at_c[near])[:, None] @ at_r)[:, 0]) - self.world.half[near]
+        boxed = np.linalg.norm(np.maximum(beyond, 0.0), axis=1) < reach
+        near, at_r = near[boxed], at_r[boxed]
+        return near, np.ascontiguousarray(at_r), np.ascontiguousarray(at_c[near])
 
 
 def _moved(frames: tuple[Array, Array], joint: NDArray[np.int64], local: Array) -> Array:
