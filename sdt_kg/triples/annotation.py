@@ -3,7 +3,6 @@
 import math
 
 from sdt_kg.annotation import BaseLimits, Drive, FingerJoint, Gripper, KitchenAnnotation, RobotAnnotation
-from sdt_kg.errors import AnnotationError
 from sdt_kg.iri import RDFS, Iri, local_name
 from sdt_kg.triples.facts import Facts
 from sdt_kg.triples.to_mechanism import geometry_of, notes_of
@@ -86,16 +85,8 @@ def _gripper(facts: Facts, gripper: Iri) -> Gripper:
         fingers=tuple(sorted(local_name(finger) for finger in facts.iris(gripper, "hasFinger"))),
         finger_joints=tuple(finger_joints),
         opening=facts.number(gripper, "opening"),
-        difference=_difference(facts, gripper),
+        difference=facts.number(gripper, "fingerDifference", math.inf),
     )
-
-
-def _difference(facts: Facts, gripper: Iri) -> float:
-    """How far a gripper's finger joints may differ [rad or m]; infinite where nothing is said."""
-    most = facts.number(gripper, "fingerDifference", math.inf)
-    if most < 0:
-        raise AnnotationError(f"{local_name(gripper)} sdt:fingerDifference is {most:g}", allowed="0 or above")
-    return most
 
 
 ROBOT_NEEDS = (

@@ -32,6 +32,7 @@ AMOUNTS = frozenset(
         "baseLinearAcceleration",
         "baseLinearVelocity",
         "effortLimit",
+        "fingerDifference",
         "length",
         "mass",
         "opening",
