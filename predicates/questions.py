@@ -66,9 +66,16 @@ def _parts(case: Case, physics: Physics) -> list[tuple[Container, Case]]:
     containers = containers_meant(case)
     if not isinstance(case.body_motion, BodyMotion):
         return [(each, case) for each in containers]
-    parts = [(each, with_carried(case, case.body_motion, each, physics)) for each in containers]
+    parts = [(each, _as_given(case, case.body_motion, each, physics)) for each in containers]
     named = isinstance(case.task, Task) and case.task.container is not UNKNOWN
     return parts if named else [(each, part) for each, part in parts if _moves(part.motion)]
+
+
+def _as_given(case: Case, body_motion: BodyMotion, container: Container, physics: Physics) -> Case:
+    """As `with_carried`; but a τ with times that was given too is the one that is asked about."""
+    part = with_carried(case, body_motion, container, physics)
+    given = isinstance(case.motion, Motion) and case.motion.timed
+    return replace(part, motion=case.motion) if given else part
 
 
 def with_carried(case: Case, body_motion: BodyMotion, container: Container, physics: Physics) -> Case:

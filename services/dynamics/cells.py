@@ -7,7 +7,7 @@ import numpy as np
 from sdt_kg.motion import Motion
 from services.dynamics.model import Array
 from services.embodiment.proof_check.interval import Interval
-from services.physics.spline import at_rest_velocities
+from services.physics.replay import velocities_of
 
 ROUNDING = 1e-12
 """[1] Share of a motion's own figures by which bounds are widened: more than evaluating a cubic errs."""
@@ -38,8 +38,7 @@ def cells(motion: Motion, parts: int) -> Cells:
     at most one extremum, and position is monotone wherever speed keeps its sign; else it is bounded by speed.
     """
     times, values = motion.times, motion.values[:, 0]
-    given = motion.velocities
-    speeds = (at_rest_velocities(times, motion.values) if given is None else given)[:, 0]
+    speeds = velocities_of(motion)[:, 0]
     h = np.diff(times)
     step, v0, v1 = np.diff(values), speeds[:-1] * h, speeds[1:] * h
     c0, c1, c2, c3 = values[:-1], v0, 3 * step - 2 * v0 - v1, v0 + v1 - 2 * step

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from predicates.case import Answer, Case, Diagnosis
 from predicates.record.inputs import ANY_START, NEAREST, TURNED, pose_text
@@ -19,12 +18,14 @@ from sdt_kg.twin import Container, Twin
 from services.embodiment.body.limb import Margins
 from services.embodiment.body.warm import warm
 from services.embodiment.body.world import World
+from services.embodiment.certify.asked import to_keep
 from services.embodiment.certify.check import Certified, Refused, certify
 from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
 from services.embodiment.hold.grasp import grasp_settings
 from services.embodiment.hold.kit import Kits
+from services.embodiment.hopeless import hopeless
 from services.embodiment.plan import Planned, Planner
 from services.embodiment.prove import boxes
 from services.embodiment.report import refusal
@@ -35,10 +36,9 @@ from services.embodiment.ways.start import near, turned
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics, version_of
 
-Array = NDArray[np.float64]
 Start = tuple[float, float, float]
 
-EMBODIMENT_VERSION = "12"
+EMBODIMENT_VERSION = "13"
 """Raised whenever an answer of this oracle may change."""
 
 MOVED_START = (
@@ -140,17 +140,25 @@ class WholeBody:
         if isinstance(case.body_motion, BodyMotion):
             demanded = None if self.any_start else self._start(case, world, kits, container)
             return self._verified(case, world, container, demanded, clock)
-        if not isinstance(case.motion, Motion):
+        motion = self._as_values(case)
+        if motion is None:
             raise OracleRejectedError("CanPerform was asked without a motion")
-        motion = case.motion
-        if motion.is_poses:
-            motion = self._physics.replay(twin, motion).motion
         drive, start = self._drive(twin, case.robot), self._start(case, world, kits, container)
         own = kits, roads, self.tolerances
         setting = Setting(world, container, motion, drive, start, case.robot, *own)
         return self._searched(case, setting, clock)
 
+    def _as_values(self, case: Case) -> Motion | None:
+        """The container's motion of the case as values of a joint, if it has one."""
+        if isinstance(case.motion, Motion) and case.motion.is_poses:
+            return self._physics.replay(case.twin, case.motion).motion
+        return case.motion if isinstance(case.motion, Motion) else None
+
     def _searched(self, case: Case, setting: Setting, clock: Clock) -> Answer:
+        none = hopeless(setting, clock.spent)
+        if none is not None:
+            notes = (*self._notes(setting, None), none.note)
+            return Answer(case, False, none.diagnoses, notes, clock.seconds, artefact=none.artefact)
         began = time.thread_time()
         planner = Planner(setting, began + self.budget, self.seed, clock.spent)
         rejected: list[tuple[Diagnosis, ...]] = []
@@ -184,6 +192,7 @@ class WholeBody:
             drive=drive,
             start=start,
             scene=world.scene,
+            asked=to_keep(self._as_values(case), case.body_motion),
             in_full=True,
         )
         clock.spent("certify", at)
@@ -206,6 +215,7 @@ class WholeBody:
             drive=setting.drive,
             start=setting.start,
             scene=setting.world.scene,
+            asked=setting.motion if setting.motion.timed else None,
         )
 
     def _notes(self, setting: Setting, planned: Planned | None) -> tuple[str, ...]:

@@ -27,6 +27,7 @@ from services.embodiment.ways.approach import Approacher, Blocked
 from services.embodiment.ways.assemble import Assembled, Assembler
 from services.embodiment.ways.roads import Roads, make_roads
 from services.embodiment.ways.slim import slim
+from services.embodiment.ways.timing import farthest
 
 Array = NDArray[np.float64]
 
@@ -212,7 +213,8 @@ class Planner:
         return setting.roads[key]
 
     def _problem(self, bar: Bar, q: Array) -> Problem:
-        values = np.linspace(self.mechanics.start, float(self.setting.motion.values[-1, 0]), WAYPOINTS)
+        start = self.mechanics.start
+        values = np.linspace(start, farthest(self.setting.motion, start), WAYPOINTS)
         handle_r, handle_p = self.mechanics.handle_poses(q, bar.joint, values)
         return Problem(self.mechanics, values, handle_r, handle_p, handle_r[0] @ bar.outward)
 

@@ -102,9 +102,15 @@ def spline_of(motion: Motion) -> Hermite:
 
     That of the last motion is kept: its limits and its stops are asked about one after the other.
     """
-    times, values = motion.times, motion.values
-    velocities = at_rest_velocities(times, values) if motion.velocities is None else motion.velocities
-    return Hermite(times, values[:, 0], velocities[:, 0])
+    return Hermite(motion.times, motion.values[:, 0], velocities_of(motion)[:, 0])
+
+
+def velocities_of(motion: Motion) -> Array:
+    """Velocities at the samples, shape (T, 1): its own, or those with which it begins and ends at rest.
+
+    Whoever asks where τ, given as values, is between its samples asks here: all predicates judge one curve.
+    """
+    return at_rest_velocities(motion.times, motion.values) if motion.velocities is None else motion.velocities
 
 
 def check_samples(motion: Motion) -> None:

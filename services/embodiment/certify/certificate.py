@@ -18,7 +18,7 @@ import numpy as np
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
-from sdt_kg.motion import Array, BodyMotion
+from sdt_kg.motion import Array, BodyMotion, Motion
 from sdt_kg.twin import Twin
 from services.embodiment.certify.tolerances import Tolerances
 
@@ -45,6 +45,7 @@ class Certificate:
         motion: As executed: between samples it is the cubic Hermite spline.
         figures: What was kept, and by how much: name → (value, unit).
         nearest: What comes nearest, one sentence for each scope; and what was not seen.
+        asked: The container's motion whose times had to be kept; None where any would do.
     """
 
     models: tuple[tuple[Iri, str], tuple[Iri, str]]
@@ -56,6 +57,7 @@ class Certificate:
     motion: BodyMotion
     figures: Figures
     nearest: tuple[str, ...] = ()
+    asked: Motion | None = None
 
     @property
     def environment(self) -> Iri:
@@ -88,6 +90,8 @@ class Certificate:
             "figures": {name: list(figure) for name, figure in self.figures.items()},
             "nearest": list(self.nearest),
         }
+        if self.asked is not None:
+            said["asked"] = _asked_said(self.asked)
         return sealed(json.dumps(said).encode("utf-8"))
 
 
@@ -165,7 +169,19 @@ def _certificate(said: Mapping[str, Any]) -> Certificate:
         ),
         figures={str(name): (float(value), str(unit)) for name, (value, unit) in said["figures"].items()},
         nearest=tuple(map(str, said["nearest"])),
+        asked=_asked(said["asked"]) if "asked" in said else None,
     )
+
+
+def _asked_said(motion: Motion) -> dict[str, object]:
+    velocities = None if motion.velocities is None else _packed(motion.velocities)
+    arrays = {"times": _packed(motion.times), "values": _packed(motion.values), "velocities": velocities}
+    return {"of": motion.of, **arrays}
+
+
+def _asked(said: Mapping[str, Any]) -> Motion:
+    velocities = None if said["velocities"] is None else _unpacked(said["velocities"])
+    return Motion(str(said["of"]), _unpacked(said["times"]), _unpacked(said["values"]), True, velocities)
 
 
 def _start(said: list[float] | None) -> Start | None:

@@ -9,8 +9,9 @@ from predicates.case import Artefact, ArtefactKind, Diagnosis
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import OracleRejectedError, UnknownEntityError
 from sdt_kg.iri import Iri
-from sdt_kg.motion import BodyMotion
+from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container, Twin
+from services.embodiment.certify.asked import keeps
 from services.embodiment.certify.certificate import Certificate, models_of
 from services.embodiment.certify.collisions import collisions
 from services.embodiment.certify.findings import Findings
@@ -75,6 +76,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     drive: Drive,
     start: tuple[float, float, float] | None = None,
     scene: Scene | None = None,
+    asked: Motion | None = None,
     in_full: bool = False,
 ) -> Certified | Refused:
     """Whether the robot can move so, and moves that container by its handle and nothing else.
@@ -92,6 +94,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
         start: Base pose x, y [m], yaw [rad] at which the robot has to start, parked; None if any
             start will do.
         scene: The scene of this twin and robot if it is built already.
+        asked: Motion of the container, as values, that it has to keep with its times; None if any will do.
         in_full: Whether a refusal is to have every kind of collision with its depth, and how the handle
             is held and let go; takes longer, and changes no refusal into a certificate or back.
 
@@ -113,6 +116,8 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     findings.add(joint_limits(scene, pieces, container, tolerances))
     findings.add(drive_limits(scene, pieces, drive, tolerances))
     findings.add(kitchen_keeps(scene, pieces, container, tolerances))
+    if asked is not None:
+        findings.add(keeps(scene, pieces, asked, tolerances))
     checked = subject(scene, pieces, tolerances)
     hold, held = _hold(checked, container, motion.gripper, in_full)
     findings.add(held)
@@ -136,6 +141,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
         motion=motion,
         figures=findings.figures,
         nearest=tuple(findings.nearest),
+        asked=asked,
     )
     return Certified(findings.figures, certificate)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from predicates.case import Artefact, ArtefactKind, Case, Outcome, Verdict
 from predicates.law import law
 from predicates.oracle import Physics, tee_class_of
-from predicates.record.inputs import NEAREST, START_INPUT
+from predicates.record.inputs import NEAREST, START_INPUT, inputs_of
 from predicates.record.stored import StoredVerdict
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
@@ -160,7 +160,7 @@ def _certify_again(  # noqa: PLR0913, PLR0917 - one trial
         return
     again = verdict.can_perform.figures
     trial.found(figures_differ(certificate.figures, again, "the certificate", "the recheck"))
-    trial.notes += _notes(certificate, stored, physics)
+    trial.notes += _notes(checker, stored, physics)
 
 
 def _is_about(verdict: Verdict, container: Iri) -> bool:
@@ -168,9 +168,9 @@ def _is_about(verdict: Verdict, container: Iri) -> bool:
     return isinstance(task, Task) and task.container == container
 
 
-def _notes(certificate: Certificate, stored: StoredVerdict | None, physics: Physics) -> list[str]:
+def _notes(checker: Certifier, stored: StoredVerdict | None, physics: Physics) -> list[str]:
     """What was not checked, or is not as this version would have it."""
-    notes: list[str] = []
+    certificate, notes = checker.certificate, list[str]()
     if certificate.tolerances != Tolerances():
         notes.append(f"held to its own tolerances, not to this version's: {certificate.tolerances}")
     if stored is None:
@@ -186,11 +186,19 @@ def _notes(certificate: Certificate, stored: StoredVerdict | None, physics: Phys
         )
     if tee_class_of(physics) is not D_ARTIC:
         notes.append("forces at the handle were bounded again; what the robot bears was not checked again")
-    if said.get("motion", NOT_GIVEN) != NOT_GIVEN:
+    if said.get("motion", NOT_GIVEN) not in {NOT_GIVEN, _asked(checker, physics)}:
         notes.append(
             "a motion of the container was asked for; that the body motion keeps its times was not compared"
         )
     return notes
+
+
+def _asked(checker: Certifier, physics: Physics) -> str:
+    """What a verdict's inputs say of the motion that was compared with the certificate's."""
+    asked = checker.certificate.asked
+    if asked is None:
+        return NOT_GIVEN
+    return dict(inputs_of(Case(checker.twin, motion=asked), physics, None))["motion"]
 
 
 def _name(iri: Iri | None) -> str:

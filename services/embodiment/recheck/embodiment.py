@@ -92,6 +92,7 @@ class Certifier:
             drive=one.drive,
             start=one.start,
             scene=self.scene,
+            asked=one.asked,
         )
         if isinstance(outcome, Certified):
             return Answer(case, True, figures=outcome.figures)

@@ -88,7 +88,8 @@ class Assembler:
         container = np.concatenate([np.full(still, values[0]), values])
         speed = np.concatenate([np.zeros(still), rates])
         body = self._body(whole, marks, container, speed)
-        executed = Motion(self.motion.of, follow.times, values[:, None], timed=self.motion.timed)
+        of, timed = self.motion.of, self.motion.timed
+        executed = Motion(of, follow.times, values[:, None], timed, rates[:, None])
         outside = max(timing.outside(one, self.limb.lower, self.limb.upper) for one in (reach, follow))
         return Assembled(body, executed, excess, outside)
 

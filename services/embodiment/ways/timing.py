@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.motion import Motion
-from services.physics.spline import Cubic, at_rest_velocities, free_velocities
+from services.physics.replay import spline_of, velocities_of
+from services.physics.spline import Cubic, free_velocities
 
 Array = NDArray[np.float64]
 
@@ -200,13 +201,24 @@ def excess(timed: Timed, bound: Bound) -> tuple[float, float]:
 def as_timed(motion: Motion, samples: int) -> tuple[Array, Array, Array]:
     """(times, values, rates) of a motion given as values, on at least `samples` samples, from time 0.
 
-    Between its samples the motion is the C² cubic spline at rest at both ends.
+    Its knots are among these, so that between two of them it is one cubic: that of their values and rates.
     """
-    knots, values = motion.times - motion.times[0], motion.values
+    knots = motion.times - motion.times[0]
     times = np.union1d(knots, np.linspace(0.0, knots[-1], samples))
     times = times[np.append(True, np.diff(times) > 1e-9)]
-    x, v = Cubic(knots, values, at_rest_velocities(knots, values)).at(times)
+    x, v = Cubic(knots, motion.values, velocities_of(motion)).at(times)
     return times, x[:, 0], v[:, 0]
+
+
+def farthest(motion: Motion, start: float) -> float:
+    """The value to which a robot has to bring the container, if it begins at `start`.
+
+    A motion that keeps its times may go on farther than it ends; one that need not is brought to its end.
+    """
+    if not motion.timed:
+        return float(motion.values[-1, 0])
+    _, values = spline_of(motion).position()
+    return float(values[np.argmax(np.abs(values - start))])
 
 
 def at_values(path: Followed, times: Array, values: Array, rates: Array) -> Timed:

@@ -13,8 +13,7 @@ from services.embodiment.certify.motion import whole_motion
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.chain import follower
 from services.physics.model import Scene
-from services.physics.replay import state_with
-from services.physics.spline import at_rest_velocities
+from services.physics.replay import state_with, velocities_of
 from services.physics.tree import Model
 from services.reports.scene.camera import Camera, beside
 from services.reports.scene.tree import Tree
@@ -119,9 +118,7 @@ def _camera(scene: Scene, motion: BodyMotion, q: Array, times: Array) -> Camera:
 def container_clip(name: str, model: Model, twin: Twin, motion: Motion, note: str = "") -> Clip:
     """A container's motion alone: nobody is there who would move it."""
     times = np.linspace(motion.times[0], motion.times[-1], FRAMES // 2)
-    values, rates = motion.values, motion.velocities
-    rates = at_rest_velocities(motion.times, values) if rates is None else rates
-    own = CubicHermiteSpline(motion.times, values[:, 0], rates[:, 0])(times)
+    own = CubicHermiteSpline(motion.times, motion.values[:, 0], velocities_of(motion)[:, 0])(times)
     followed = follower(model, motion.of)
     states = [
         state_with(model, twin, followed.active, (value - followed.offset) / followed.multiplier)

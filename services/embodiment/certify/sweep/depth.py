@@ -10,7 +10,6 @@ from functools import lru_cache
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
 Array = NDArray[np.float64]
 
@@ -71,15 +70,15 @@ def faces(shape: coal.CollisionGeometry) -> Faces | None:
         return _round(0.0, shape.radius)
     if isinstance(shape, coal.Capsule):
         return _round(shape.halfLength, shape.radius)
-    if isinstance(shape, coal.ConvexBase):
+    if isinstance(shape, coal.Convex):
         return _hull(shape)
     return None
 
 
 @lru_cache(maxsize=256)
-def _hull(shape: coal.ConvexBase) -> Faces:
-    equations = ConvexHull(np.array(shape.points())).equations
-    return Faces(np.ascontiguousarray(equations[:, :3]), -equations[:, 3])
+def _hull(shape: coal.Convex) -> Faces:
+    assert shape.num_normals_and_offsets > 0, "hulls are qhull's, which tells their faces"
+    return Faces(np.array(shape.normals()), -np.array(shape.offsets()).ravel())
 
 
 def _round(half_length: float, radius: float) -> Faces:

@@ -1,0 +1,150 @@
+"""A container's motion that was asked for: whether it can be certified at all, and is what a robot does."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from predicates.case import Evidence, Quantity
+from sdt_kg.iri import local_name
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.twin import Container
+from services.embodiment.certify.findings import Findings, Violation
+from services.embodiment.certify.limits import STILL, joint_limits, kitchen_keeps
+from services.embodiment.certify.motion import rests, start, whole_motion
+from services.embodiment.certify.sweep.kinematics import joint_axes
+from services.embodiment.certify.sweep.pieces import Pieces, hermite, positions
+from services.embodiment.certify.tolerances import Tolerances
+from services.physics.model import Scene
+from services.physics.replay import velocities_of
+
+Array = NDArray[np.float64]
+
+SHARES = np.linspace(0.3, 0.7, 9)  # [1] of the way to the farthest value: one of them is passed at some speed
+HALVINGS = 60  # until a time is known to the last bit
+
+
+def refused_at_once(scene: Scene, container: Container, motion: Motion, tolerances: Tolerances) -> Findings:
+    """Why the certifier refuses whatever moves the container so, if it does: limits, its start, its ends.
+
+    Args:
+        scene: Kitchen and robot; the robot stands, wherever.
+        container: What the motion is of.
+        motion: Values of a joint of the container. One that need not keep its times counts by its end.
+        tolerances: Of the certifier.
+    """
+    times, values, velocities = motion.times, motion.values, velocities_of(motion)
+    if not motion.timed:
+        if abs(values[-1, 0] - values[0, 0]) > STILL:
+            return Findings()
+        times, values, velocities = times[[0, -1]], values[[0, -1]], np.zeros((2, 1))
+    none, still = np.zeros((len(times), 0)), np.zeros((len(times), 3))
+    moved = (motion.of,), values, velocities
+    stands = BodyMotion(scene.robot_iri, "", (), times, still, none, none, still, *moved)
+    pieces, findings = whole_motion(scene, stands, tolerances)
+    if motion.timed:
+        findings.add(start(scene, pieces, None, tolerances))
+        findings.add(rests(scene, pieces, tolerances))
+        findings.add(joint_limits(scene, pieces, container, tolerances))
+    findings.add(kitchen_keeps(scene, pieces, container, tolerances))
+    return findings
+
+
+def to_keep(motion: Motion | None, body: BodyMotion) -> Motion | None:
+    """The motion, if it has times that the body motion has to keep; none if that carries it itself."""
+    if motion is None or not motion.timed:
+        return None
+    if motion.of not in body.kitchen_joints or motion.velocities is None:
+        return motion
+    k = [body.kitchen_joints.index(motion.of)]
+    same = np.array_equal(motion.times, body.times) and np.array_equal(motion.values, body.kitchen_q[:, k])
+    return None if same and np.array_equal(motion.velocities, body.kitchen_v[:, k]) else motion
+
+
+def keeps(scene: Scene, pieces: Pieces, motion: Motion, tolerances: Tolerances) -> Findings:
+    """From some time on the container is where the motion has it, all the time; before and after, it rests.
+
+    Args:
+        scene: Of the body motion.
+        pieces: Of the body motion, all coordinates.
+        motion: Values of a joint of the kitchen, to be kept with their times.
+        tolerances: `coupling` is how far off the joint may be.
+    """
+    k = scene.coordinate[motion.of]
+    wanted, found = hermite(motion.times, motion.values, velocities_of(motion)), pieces.columns(np.array([k]))
+    lag = _lag(wanted, found)
+    if lag is None:
+        return Findings()
+    off, time = _apart(Pieces(wanted.start + lag, wanted.duration, wanted.c), found)
+    if off <= tolerances.coupling:
+        return Findings(figures={"off the motion asked for": (off, _unit(scene, k))})
+    reason = f"{local_name(motion.of)} is up to {off:.4g} {_unit(scene, k)} off the motion that was asked for"
+    evidence = Evidence(Quantity.POSITION, off, tolerances.coupling, _unit(scene, k), motion.of, time=time)
+    return Findings([Violation("motion asked for", reason, evidence, off)])
+
+
+def _unit(scene: Scene, k: int) -> str:
+    return "rad" if joint_axes(scene)[1][k] else "m"
+
+
+def _lag(wanted: Pieces, found: Pieces) -> float | None:
+    """By how much later one motion is at a value than the other [s], none if the first never moves.
+
+    The value is one that the first passes quickly, so that the time is sharp; infinite if the other does not
+    come there.
+    """
+    values = positions(wanted)[0]
+    begin = float(wanted.c[0, 0, 0])
+    way = float(values.ravel()[np.argmax(np.abs(values - begin))]) - begin
+    if way == 0:
+        return None
+    passed = [(share, *_first(wanted, begin + share * way, way)) for share in SHARES]
+    share, there, _ = max(passed, key=lambda each: each[2])
+    return _first(found, begin + float(share) * way, way)[0] - there
+
+
+def _first(pieces: Pieces, value: float, way: float) -> tuple[float, float]:
+    """When one coordinate comes to a value, from where `way` leads to it, and its speed there."""
+    values, s = (each[:, :, 0] for each in positions(pieces))
+    beyond = (values - value) * way >= 0
+    if not beyond.any():
+        return np.inf, 0.0
+    n = int(np.argmax(beyond.any(axis=0)))
+    order = np.argsort(s[:, n], kind="stable")
+    turns, reached = s[order, n], beyond[order, n]
+    k = int(np.argmax(reached))
+    low, high = turns[max(k - 1, 0)], turns[k]
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        x = pieces.at(np.array([n]), np.array([middle]))[0][0, 0]
+        low, high = (low, middle) if (x - value) * way >= 0 else (middle, high)
+    return float(pieces.start[n] + high), abs(float(pieces.at(np.array([n]), np.array([high]))[1][0, 0]))
+
+
+def _apart(one: Pieces, other: Pieces) -> tuple[float, float]:
+    """How far a coordinate of two motions, at rest before and after, is apart at most, and about when [s].
+
+    Between two knots of either the difference is a cubic, and within the hull of its Bézier points.
+    """
+    knots = np.unique(np.concatenate([_knots(one), _knots(other)]))
+    if not np.isfinite(knots).all():
+        return np.inf, float(other.start[0])
+    h = np.diff(knots)
+    (x0, v0, x1, v1), (y0, y_v0, y1, y_v1) = (_at(each, knots) for each in (one, other))
+    points = np.abs([x0 - y0, x0 - y0 + h / 3 * (v0 - y_v0), x1 - y1 - h / 3 * (v1 - y_v1), x1 - y1])
+    n = int(np.argmax(points.max(axis=0)))
+    return float(points.max()), float(knots[n])
+
+
+def _knots(pieces: Pieces) -> Array:
+    return np.append(pieces.start, pieces.start[-1] + pieces.duration[-1])
+
+
+def _at(pieces: Pieces, knots: Array) -> tuple[Array, Array, Array, Array]:
+    """Position and velocity at both ends of the intervals between knots, as their cubics have them."""
+    end, middle = pieces.start[-1] + pieces.duration[-1], (knots[1:] + knots[:-1]) / 2
+    n = np.clip(np.searchsorted(pieces.start, middle, side="right") - 1, 0, len(pieces.start) - 1)
+    moves = (middle > pieces.start[0]) & (middle < end)
+    found: list[Array] = []
+    for at in (knots[:-1], knots[1:]):
+        x, v, _ = pieces.at(n, np.clip(at - pieces.start[n], 0.0, pieces.duration[n]))
+        found += [x[:, 0], np.where(moves, v[:, 0], 0.0)]
+    return found[0], found[1], found[2], found[3]

@@ -1,0 +1,175 @@
+"""A τ with times and velocities is one curve: Φ judges it, the robot keeps it, the certificate says so."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from predicates.case import Answer, Case, Outcome, Quantity, Verdict
+from predicates.law import law
+from sdt_kg.annotation import Drive
+from sdt_kg.load import load_twin
+from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.task import Task, Verb
+from sdt_kg.twin import Twin
+from services.embodiment.certify.certificate import read_certificate
+from services.embodiment.oracle import WholeBody
+from services.embodiment.recheck import recheck_artefact
+from services.physics.oracle import Kinematics
+from services.physics.replay import spline_of, velocities_of
+from services.physics.spline import Cubic
+from tests.services.embodiment.gantry import DRAWER, START, gantry_twin, opening
+
+pytestmark = pytest.mark.oracle
+
+EASY = "sink_area_left_middle_drawer_main"
+UPPER = 0.48  # [m] of that drawer
+
+
+@cache
+def kitchen() -> Twin:
+    return load_twin("b", ["tiago_dual"])
+
+
+def asked(times: list[float], values: list[float], velocities: list[float] | None = None) -> Motion:
+    """Of the easy drawer: seconds, shares of the way to its stop, and velocities [m/s]."""
+    rates = None if velocities is None else np.array(velocities)[:, None]
+    joint = kitchen().container(EASY).joint
+    return Motion(joint, np.array(times), UPPER * np.array(values)[:, None], timed=True, velocities=rates)
+
+
+def perform(motion: Motion) -> Answer:
+    container = kitchen().container(EASY)
+    case = Case(kitchen(), kitchen().robots[0], Task(Verb.OPEN, container.iri), motion)
+    return WholeBody(drive=Drive.OMNI, budget=4.0).perform(case)
+
+
+def off(motion: Motion, body: BodyMotion) -> float:
+    """How far the robot's drawer is from τ at worst, on a fine grid, both ending together [m]."""
+    grid = np.linspace(motion.times[0], motion.times[-1], 3001)
+    wanted = Cubic(motion.times, motion.values, velocities_of(motion)).at(grid)[0]
+    later = grid - motion.times[-1] + body.times[-1]
+    return float(np.abs(wanted - Cubic(body.times, body.kitchen_q, body.kitchen_v).at(later)[0]).max())
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        asked([0, 5, 10, 15, 20], [0, 0.25, 0.5, 0.75, 1], [0, 0, 0, 0, 0]),
+        asked([0, 5, 10, 15, 20], [0, 0.25, 0.5, 0.90, 0.92], [0, 0, 0, 0.03, 0]),
+        asked([0, 5, 10, 15, 20], [0, 0.25, 0.5, 0.75, 0.95], [0, 0, 0, 0.1, 0]),
+        asked([0, 20, 40], [0, 0.5, 0]),
+        asked([100, 120], [0, 1]),
+    ],
+    ids=["rests in between", "swings past its end", "hurries", "comes back", "begins late"],
+)
+def test_the_robot_keeps_a_timed_motion_between_its_samples_too(motion: Motion) -> None:
+    answer = perform(motion)
+    assert answer.holds, [each.reason for each in answer.diagnoses]
+    assert isinstance(answer.case.body_motion, BodyMotion)
+    assert off(motion, answer.case.body_motion) < 1e-12
+    executed = answer.case.motion
+    assert isinstance(executed, Motion)
+    grid = np.linspace(executed.times[0], executed.times[-1], 1001)
+    one, other = (
+        Cubic(each.times - each.times[0], each.values, velocities_of(each)) for each in (executed, motion)
+    )
+    np.testing.assert_allclose(one.at(grid)[0], other.at(grid)[0], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("motion", "said"),
+    [
+        (asked([0, 10, 20], [0, 0.8, 0.99], [0, 0.1, 0]), "reaches position"),
+        (asked([0, 20], [0, 0]), "does not move"),
+        (asked([0, 20], [0.004, 1]), "starts at"),
+    ],
+    ids=["past its stop between samples", "stands still", "begins elsewhere"],
+)
+def test_a_timed_motion_that_nobody_can_keep_is_refused_without_a_search(motion: Motion, said: str) -> None:
+    answer = perform(motion)
+    assert not answer.holds
+    assert said in answer.diagnoses[0].reason
+    assert any("none was searched for" in note for note in answer.notes)
+    assert "holding" not in answer.seconds
+
+
+def test_a_motion_past_its_stop_between_samples_is_refused_by_physics_and_by_the_robot() -> None:
+    motion = asked([0, 10, 20], [0, 0.8, 0.99], [0, 0.1, 0])
+    assert spline_of(motion).position()[1].max() > UPPER
+    container = kitchen().container(EASY)
+    case = Case(kitchen(), kitchen().robots[0], Task(Verb.OPEN, container.iri), motion)
+    (verdict,) = law(case, Kinematics(), WholeBody(drive=Drive.OMNI))
+    assert verdict.causes is not None
+    assert verdict.can_perform is not None
+    assert not verdict.causes.holds
+    assert not verdict.can_perform.holds
+
+
+def carried(later: float = 0.0) -> Motion:
+    """What the gantry's motion does with the drawer, from the grasp on, that many seconds later."""
+    body = opening()
+    follow = body.times >= 11.0 - 1e-9
+    arrays = body.times[follow] - 11.0 + later, body.kitchen_q[follow]
+    return Motion(DRAWER, *arrays, timed=True, velocities=body.kitchen_v[follow])
+
+
+def both(folder: Path, motion: Motion) -> Verdict:
+    twin = gantry_twin(folder)
+    task = Task(Verb.OPEN, twin.container("drawer_main").iri)
+    case = Case(twin, twin.robots[0], task, motion, body_motion=opening())
+    (verdict,) = law(case, Kinematics(), WholeBody(Drive.OMNI, START))
+    return verdict
+
+
+@pytest.mark.parametrize("later", [0.0, 7.0])
+def test_a_body_motion_that_keeps_the_motion_that_is_asked_for_is_certified(
+    tmp_path: Path, later: float
+) -> None:
+    verdict = both(tmp_path, carried(later))
+    assert verdict.outcome is Outcome.CERTIFIED, [each.reason for each in verdict.diagnoses]
+
+
+def slower(motion: Motion) -> Motion:
+    assert motion.velocities is not None
+    return replace(motion, times=motion.times * 1.1, velocities=motion.velocities / 1.1)
+
+
+def resting(motion: Motion) -> Motion:
+    assert motion.velocities is not None
+    return Motion(
+        motion.of, motion.times[::10], motion.values[::10], True, np.zeros_like(motion.values[::10])
+    )
+
+
+def one_percent_less(motion: Motion) -> Motion:
+    assert motion.velocities is not None
+    return replace(motion, values=0.99 * motion.values, velocities=0.99 * motion.velocities)
+
+
+@pytest.mark.parametrize("change", [slower, resting, one_percent_less])
+def test_a_body_motion_that_does_not_keep_the_motion_that_is_asked_for_is_not_certified(
+    tmp_path: Path, change: Callable[[Motion], Motion]
+) -> None:
+    verdict = both(tmp_path, change(carried()))
+    assert verdict.outcome is Outcome.NOT_CERTIFIED
+    (diagnosis,) = verdict.diagnoses
+    assert "off the motion that was asked for" in diagnosis.reason
+    assert diagnosis.evidence is not None
+    assert diagnosis.evidence.quantity is Quantity.POSITION
+    assert diagnosis.evidence.value > diagnosis.evidence.bound
+
+
+def test_a_recheck_compares_the_motion_that_was_asked_for(tmp_path: Path) -> None:
+    verdict, twin = both(tmp_path, carried()), gantry_twin(tmp_path)
+    assert verdict.can_perform is not None
+    assert verdict.can_perform.artefact is not None
+    certificate = read_certificate(verdict.can_perform.artefact.content)
+    assert certificate.asked is not None
+    assert recheck_artefact("as it is", certificate.content(), lambda *_: (twin, "given")).holds
+    other = replace(certificate, asked=slower(certificate.asked))
+    found = recheck_artefact("changed", other.content(), lambda *_: (twin, "given"))
+    assert "off the motion that was asked for" in found.reasons[0]
