@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_banded
+
+from services.kernel import kernel
 
 Array = NDArray[np.float64]
 
@@ -43,7 +44,7 @@ def at_rest_velocities(times: Array, values: Array) -> Array:
         return velocities
     h = np.diff(times)
     bands, known = _as_smooth(h, np.diff(values, axis=0) / h[:, None])
-    velocities[1:-1] = solve_banded((1, 1), bands[:, 1:-1], known)
+    velocities[1:-1] = _solution(bands[:, 1:-1], known)
     return velocities
 
 
@@ -59,13 +60,13 @@ def free_velocities(times: Array, values: Array) -> Array:
     if len(times) == 3:
         middle = (h[1] * slope[0] + h[0] * slope[1]) / (h[0] + h[1])
         return np.stack([2 * slope[0] - middle, middle, 2 * slope[1] - middle])
-    known = np.empty_like(values)
+    known = np.empty(values.shape)
     bands, known[1:-1] = _as_smooth(h, slope)
     for own, inner, beside in ((0, 1, (0, 1)), (-1, -2, (2, -2))):
         both = h[own] + h[inner]
         bands[1, own], bands[beside] = h[inner], both
         known[own] = ((h[own] + 2 * both) * h[inner] * slope[own] + h[own] ** 2 * slope[inner]) / both
-    return solve_banded((1, 1), bands, known)
+    return _solution(bands, known)
 
 
 def _as_smooth(h: Array, slope: Array) -> tuple[Array, Array]:
@@ -78,6 +79,33 @@ def _as_smooth(h: Array, slope: Array) -> tuple[Array, Array]:
     bands = np.zeros((3, len(h) + 1))
     bands[0, 2:], bands[1, 1:-1], bands[2, :-2] = before, 2 * (before + after), after
     return bands, 3 * (after[:, None] * slope[:-1] + before[:, None] * slope[1:])
+
+
+def _solution(bands: Array, known: Array) -> Array:
+    """Velocities that fulfil the equations, shape (T, n), of the bands above, on and below the diagonal."""
+    above, middle, below = bands.copy()
+    velocities = np.array(known, order="C")
+    _eliminate(above, middle, below, velocities)
+    return velocities
+
+
+@kernel(makes=False)
+def _eliminate(above: Array, middle: Array, below: Array, known: Array) -> None:
+    """The known sides become the solution: middle[i] x[i] + above[i + 1] x[i + 1] + below[i - 1] x[i - 1].
+
+    Without exchange of rows: a row's diagonal outweighs the others, but for the ends of `free_velocities`,
+    whose own diagonals stay positive.
+    """
+    count, joints = known.shape
+    for i in range(1, count):
+        share = below[i - 1] / middle[i - 1]
+        middle[i] -= share * above[i]
+        for j in range(joints):
+            known[i, j] -= share * known[i - 1, j]
+    for i in range(count - 1, -1, -1):
+        for j in range(joints):
+            rest = known[i, j] - above[i + 1] * known[i + 1, j] if i < count - 1 else known[i, j]
+            known[i, j] = rest / middle[i]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

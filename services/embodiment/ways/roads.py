@@ -4,14 +4,13 @@ A probabilistic roadmap (Kavraki et al. 1996), grown only as far as a question n
 kitchen share what is known of free poses, and nothing else: no answer depends on what was asked before.
 """
 
+import heapq
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import dijkstra
 
 from sdt_kg.annotation import Drive
 from services.embodiment.body.limb import Limb
@@ -118,15 +117,8 @@ class Roads:
             return None
         count = len(self.nodes)
         links = [*self.edges, *((k, count, d) for k, d in first), *((k, count + 1, d) for k, d in last)]
-        one, other, length = (np.array(column) for column in zip(*links, strict=True))
-        graph = coo_matrix((length, (one, other)), shape=(count + 2, count + 2))
-        far, before = dijkstra(graph, directed=False, indices=count, return_predecessors=True)
-        if not np.isfinite(far[count + 1]):
-            return None
-        path = [int(before[count + 1])]
-        while before[path[-1]] != count:
-            path.append(int(before[path[-1]]))
-        return [self.nodes[k] for k in path[::-1]]
+        path = _shortest(links, count, count + 1)
+        return None if path is None else [self.nodes[k] for k in path[1:-1]]
 
     def _shortened(self, path: list[Array]) -> Array:
         for _ in range(SHORTCUTS):
@@ -148,3 +140,26 @@ def make_roads(world: World, limb: Limb, posture: Array, rules: Rules, drive: Dr
     """An empty roadmap for the robot with that limb carried so, its hand open."""
     space = DriveSpace(Parked(world, limb.q(posture), rules), drive)
     return Roads(space, posture, Lattice(space))
+
+
+def _shortest(links: list[tuple[int, int, float]], start: int, goal: int) -> list[int] | None:
+    """The shortest way over links (one, other, length), start and goal included (Dijkstra 1959)."""
+    beside: dict[int, list[tuple[int, float]]] = {}
+    for one, other, length in links:
+        beside.setdefault(one, []).append((other, length))
+        beside.setdefault(other, []).append((one, length))
+    came: dict[int, int] = {}
+    ahead = [(0.0, start, start)]
+    while ahead and goal not in came:
+        far, node, before = heapq.heappop(ahead)
+        if node not in came:
+            came[node] = before
+            for other, length in beside.get(node, ()):
+                if other not in came:
+                    heapq.heappush(ahead, (far + length, other, node))
+    if goal not in came:
+        return None
+    path = [goal]
+    while path[-1] != start:
+        path.append(came[path[-1]])
+    return path[::-1]

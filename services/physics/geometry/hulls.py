@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
 Array = NDArray[np.float64]
 
@@ -109,6 +108,8 @@ def _cross_at(one: Array, other: Array, axis: int, at: float) -> Array:
 
 def _volume(triangles: Array) -> float:
     """Volume of the hull; nothing for what is flat or empty."""
+    from scipy.spatial import ConvexHull, QhullError  # noqa: PLC0415 - slow to import, and pieces are kept
+
     try:
         return float(ConvexHull(triangles.reshape(-1, 3)).volume)
     except (QhullError, ValueError):

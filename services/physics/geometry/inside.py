@@ -12,10 +12,8 @@ from functools import lru_cache
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
-from services.physics.geometry.pieces import SAME_POINT
+from services.physics.geometry.pieces import joined, same_points
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -77,8 +75,8 @@ def where(mesh: coal.BVHModelBase, point: Array) -> Where:
 @lru_cache(maxsize=1024)
 def _parts(mesh: coal.BVHModelBase) -> tuple[Part, ...]:
     faces = np.array([[face[k] for k in range(3)] for face in map(mesh.tri_indices, range(mesh.num_tris))])
-    vertices, index = np.unique(np.round(mesh.vertices(), SAME_POINT), axis=0, return_inverse=True)
-    faces = index.reshape(-1)[faces]
+    vertices, index = same_points(np.array(mesh.vertices()))
+    faces = index[faces]
     ordered = np.sort(faces, axis=1)
     _, first = np.unique(ordered, axis=0, return_index=True)
     kept = first[(np.diff(ordered[first], axis=1) > 0).all(axis=1)]  # a face with one corner twice is none
@@ -90,9 +88,7 @@ def _parts(mesh: coal.BVHModelBase) -> tuple[Part, ...]:
     edge, face, count = edge.reshape(-1), np.tile(np.arange(len(faces)), 3), int(edge.max()) + 1
     forth = np.where(directed[:, 0] < directed[:, 1], 1, -1)
     meet, turn = np.bincount(edge), np.bincount(edge, weights=forth)
-    size = len(faces) + count
-    graph = coo_matrix((np.ones(len(edge)), (face, len(faces) + edge)), shape=(size, size))
-    label = connected_components(graph, directed=False)[1]
+    label = joined(np.column_stack((face, len(faces) + edge)), len(faces) + count)
     parts: list[Part] = []
     for each in np.unique(label[: len(faces)]):
         own = np.flatnonzero(label[len(faces) :] == each)
