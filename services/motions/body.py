@@ -1,5 +1,7 @@
 """Arrays → Γ of a robot, and back."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from sdt_kg.errors import MotionError
@@ -19,6 +21,9 @@ WORLD = ("world", "map")
 
 STILL = 1e-3
 """[rad or m] A fixed joint whose position differs from 0 by less stands still."""
+
+STANDS = 1e-9
+"""[rad or m] What differs by no more from one sample to the next stands still."""
 
 ANOTHER = "another robot"
 """Robot of a motion that names none, and most of whose joints the robot that is asked about lacks."""
@@ -190,7 +195,19 @@ def _moving(
 def _velocities(given: Given, name: str, times: Array, positions: Array, columns: tuple[str, ...]) -> Array:
     if name in given:
         return given.numbers(name, positions.shape, columns)
-    return at_rest_velocities(times, positions) if positions.size else np.zeros_like(positions)
+    velocities = np.zeros_like(positions)
+    for k, column in enumerate(positions.T):
+        for run in _moving_runs(column):
+            velocities[run, k] = at_rest_velocities(times[run], column[run, None])[:, 0]
+    return velocities
+
+
+def _moving_runs(column: Array) -> Iterator[slice]:
+    """Samples from rest to rest: what stands from one sample to the next does not swing between them."""
+    moves = np.abs(np.diff(column)) > STANDS
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], moves, [False]])))
+    for first, last in edges.reshape(-1, 2):
+        yield slice(first, last + 1)
 
 
 def _phases(given: Given, samples: int) -> tuple[tuple[str, int], ...]:

@@ -58,7 +58,16 @@ def motion_of(arrays: Arrays, twin: Twin, robot: Iri | None = None) -> Motion | 
 
 def _motion(given: Given, twin: Twin, robot: Iri | None) -> Motion | BodyMotion:
     given.check_names()
+    whose = [name for name in ("joint", "frame") if name in given]
     if "robot_positions" in given or "base" in given:
+        whose.append("base")
+    if len(whose) > 1:
+        raise MotionError(
+            f"the file has '{whose[0]}' and '{whose[1]}': motions of two kinds",
+            allowed=ALLOWED,
+            remedy="one motion in a file",
+        )
+    if "base" in whose:
         return body_motion(given, twin, robot)
     if "joint" in given:
         return joint_motion(given, twin)

@@ -52,6 +52,12 @@ def test_a_containers_motion_is_values_of_its_joint(tmp_path: Path) -> None:
     assert motion.velocities is None
 
 
+@pytest.mark.parametrize("more", [body_motion(), {"frame": np.asarray("low_drawer_handle")}])
+def test_a_file_holds_one_motion(tmp_path: Path, more: Arrays) -> None:
+    with pytest.raises(MotionError, match=r"motions of two kinds.*one motion in a file"):
+        read(tmp_path, {**more, **container_motion()})
+
+
 def test_values_may_be_a_column(tmp_path: Path) -> None:
     motion = read(tmp_path, container_motion(values=0.46 * SMOOTH[:, None]))
     assert isinstance(motion, Motion)
@@ -73,6 +79,16 @@ def test_a_body_motion_without_velocities_gets_those_of_the_spline_at_rest(tmp_p
     middle = 0.25 * np.pi / 4  # d/dt of 0.5 + 0.5 · (1 - cos(π t / 4)) / 2 at t = 2
     assert motion.v[4, 0] == pytest.approx(middle, rel=1e-3)
     assert motion.kitchen_q.shape == (9, 0)
+
+
+def test_what_stands_from_one_sample_to_the_next_does_not_swing_between_them(tmp_path: Path) -> None:
+    moved = np.concatenate([np.zeros(4), 0.46 * np.linspace(0, 1, 3), np.full(2, 0.46)])[:, None]
+    kitchen = {"kitchen_joint_names": ["low_drawer_joint"], "kitchen_positions": moved}
+    motion = read(tmp_path, body_motion(**kitchen))
+    assert isinstance(motion, BodyMotion)
+    assert motion.kitchen_v[:, 0] == pytest.approx(
+        [0, 0, 0, 0, 0, 0.75 * 0.46 / (TIMES[1] - TIMES[0]), 0, 0, 0]
+    )
 
 
 def test_a_name_may_be_a_list_of_one(tmp_path: Path) -> None:

@@ -62,10 +62,11 @@ def whole_motion(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> tu
         if source not in given and multiplier != 0:
             q[:, source] = (q[:, k] - coupling.offset[k]) / multiplier
             v[:, source] = v[:, k] / multiplier
-    whole = coupling.positions(q)
-    for k in own:
-        findings.add(_same(scene, int(k), motion.times, np.abs(whole[:, k] - q[:, k]), tolerances))
-    pieces = hermite(motion.times, whole, coupling.rates(v))
+    whole, rates = coupling.positions(q), coupling.rates(v)
+    pieces = hermite(motion.times, whole, rates)
+    listed = hermite(motion.times, whole[:, own] - q[:, own], rates[:, own] - v[:, own])
+    for i in np.flatnonzero(listed.c.any(axis=(0, 1))):
+        findings.add(_same(scene, int(own[i]), listed.columns(np.array([i])), tolerances))
     findings.add(_together(scene, pieces, tolerances))
     return pieces, findings
 
@@ -142,10 +143,11 @@ def _coordinates(scene: Scene, joints: Iterable[str]) -> Indices:
     return np.array([scene.coordinate[name] for name in names], dtype=np.intp)
 
 
-def _same(scene: Scene, k: int, times: Array, off: Array, tolerances: Tolerances) -> Findings:
+def _same(scene: Scene, k: int, off: Pieces, tolerances: Tolerances) -> Findings:
+    """A joint that is listed is where those that it mimics have it, between samples too."""
     source = local_name(scene.names[scene.coupling.source[k]])
     reason = f"{local_name(scene.names[k])} does not follow {source}, which it mimics"
-    return _apart(scene, k, reason, times, off, tolerances.coupling)
+    return _apart(scene, k, reason, off, tolerances.coupling)
 
 
 def _together(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
@@ -162,19 +164,18 @@ def _together(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
             between = replace(pieces, c=pieces.c[:, :, [one]] - pieces.c[:, :, [other]])
             if not between.c.any():
                 continue
-            off, s = positions(between)
             names = f"{local_name(scene.names[one])} and {local_name(scene.names[other])}"
             reason = f"{names} share one motor and do not move equally"
-            times = (pieces.start[None, :, None] + s).ravel()
-            order = np.argsort(times, kind="stable")
-            findings.add(_apart(scene, one, reason, times[order], np.abs(off).ravel()[order], most))
+            findings.add(_apart(scene, one, reason, between, most))
     return findings
 
 
-def _apart(  # noqa: PLR0913, PLR0917  # one sentence and its figures
-    scene: Scene, k: int, reason: str, times: Array, off: Array, most: float
-) -> Findings:
-    findings = Findings()
+def _apart(scene: Scene, k: int, reason: str, between: Pieces, most: float) -> Findings:
+    """Where the difference of two coordinates, of which k is one, is too large: first and worst."""
+    findings, (values, s) = Findings(), positions(between)
+    times = (between.start[None, :, None] + s).ravel()
+    order = np.argsort(times, kind="stable")
+    times, off = times[order], np.abs(values).ravel()[order]
     for n in (int(np.argmax(off > most)), int(np.argmax(off))):
         if off[n] > most:
             unit = "rad" if joint_axes(scene)[1][k] else "m"

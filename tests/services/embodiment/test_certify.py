@@ -13,8 +13,10 @@ from sdt_kg.errors import (
     UnknownEntityError,
 )
 from sdt_kg.iri import body_iri, joint_iri, model_iri
+from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused, Tolerances
+from services.motions.files import arrays_of, motion_of
 from tests.services.embodiment.gantry import DRAWER, RESTS, gantry_twin, opening
 from tests.services.embodiment.judging import judge, only, refusal, with_rests
 
@@ -51,6 +53,13 @@ def test_a_good_motion_is_certified_however_coarse_its_samples(twin: Twin, step:
     assert figures["largest base velocity ratio"][0] == pytest.approx(
         0.6, abs=0.001
     )  # 1.5 · 0.4 m / 5 s / 0.2 m/s
+
+
+def test_a_file_without_velocities_is_as_good_where_joints_stand_from_sample_to_sample(twin: Twin) -> None:
+    arrays = {name: array for name, array in arrays_of(opening()).items() if not name.endswith("velocities")}
+    motion = motion_of(arrays, twin)
+    assert isinstance(motion, BodyMotion)
+    assert isinstance(judge(twin, motion), Certified)  # nothing swings past a stop, or before it is held
 
 
 def test_nothing_of_the_verdict_depends_on_the_phases_that_a_planner_names(twin: Twin) -> None:
@@ -249,6 +258,12 @@ def test_a_mimicking_finger_follows(twin: Twin) -> None:
     q[:, 4] = 0.04
     found = refusal(twin, replace(both, q=q), Quantity.POSITION)
     assert "does not follow" in found[0].reason
+    swinging = both.v.copy()
+    swinging[60, 4] += 0.5  # [m/s] between two samples 0.1 s apart it leaves the other by 7 mm
+    found = refusal(twin, replace(both, v=swinging), Quantity.POSITION)
+    assert "does not follow" in found[0].reason
+    assert found[0].evidence is not None
+    assert found[0].evidence.value == pytest.approx(0.5 * 0.1 * 4 / 27, rel=1e-6)
 
 
 def test_what_is_no_motion_is_an_error(twin: Twin) -> None:
