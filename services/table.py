@@ -1,7 +1,7 @@
 """Many cases at once: every container of some kitchens for some robots, in worker processes."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -150,9 +150,10 @@ def run(  # noqa: PLR0913, PLR0917  # who is told of what; the rest has defaults
     firsts = list({case.loaded: case for case in reversed(missing)}.values())
     for case in firsts:
         service_of(case)  # what cannot be loaded is told before anything is judged
-    # One by one, however alike: an interrupt loses nothing but what the workers are at.
     begun = missing if jobs == 1 else dear_first(missing)
-    for case, result in each_or_lost(begun, jobs, partial(_judge, keep=keep), partial(_prepare, firsts)):
+    judge, prepared = partial(_judge, keep=keep), partial(_prepare, firsts)
+    # One by one, however alike: an interrupt loses nothing but what the workers are at.
+    for case, result in each_or_lost(begun, jobs, judge, prepared, _container, most=1):
         if isinstance(result, Lost):
             done[case] = without = Unjudged(case, result.reason)
             lost(without)
@@ -163,6 +164,11 @@ def run(  # noqa: PLR0913, PLR0917  # who is told of what; the rest has defaults
     judged = [each for each in ordered if isinstance(each, CellResult)]
     unjudged = [each for each in ordered if isinstance(each, Unjudged)]
     return TableResult(judged, unjudged, time.perf_counter() - began, cpu_seconds() - cpu_began)
+
+
+def _container(cell: Cell) -> Hashable:
+    """What the container is asked for every robot is found out by one worker."""
+    return cell.kitchen, cell.states, cell.container
 
 
 def _prepare(firsts: Sequence[Cell], _: Cell) -> None:

@@ -17,7 +17,7 @@ from pathlib import Path
 from sdt_kg.errors import SdtError
 from services.judging.jobs import Counts, Done, Handler, Job, Keeper, Wanted
 from services.judging.problems import Problem, ProblemType, problem, problem_of
-from services.sweep.engines import end_with_parent
+from services.sweep.process import end_with_parent
 from services.telemetry import logs
 from services.telemetry.origin import within
 from services.telemetry.told import Telemetry

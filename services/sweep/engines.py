@@ -1,19 +1,16 @@
 """Who judges: processes of this machine, or a Dask cluster; each as an executor that can be opened anew."""
 
-import gc
-import multiprocessing as mp
 import os
 import re
 import resource
-import signal
-import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 from sdt_kg.errors import InputError, OracleUnavailableError
+from services.sweep.process import OneProcess
 
 _ADDRESS = re.compile(r"(tcp|tls)://[^/\s]+:\d{1,5}")
 CONNECT = "10 s"
@@ -22,58 +19,33 @@ CONNECT = "10 s"
 
 @dataclass(frozen=True, slots=True)
 class Engine:
-    """An executor that can be opened, and opened anew when a worker has broken it.
+    """Executors that can be opened, and opened anew when a worker has broken one.
 
     Attributes:
         open: A new executor.
-        workers: How many work side by side.
+        workers: How many work side by side, in all executors.
         end: Ends an executor at once, with the case that it is at.
         copies: Whether workers begin as copies of this process, with all that it has loaded.
+        lanes: How many executors there are, each with its share of the workers: what is alike stays in one.
     """
 
     open: Callable[[], Executor]
     workers: int
     end: Callable[[Executor], None]
     copies: bool = False
+    lanes: int = 1
 
 
 def processes(count: int) -> Engine:
     """So many processes of this machine; they end with the one that started them."""
     # Each process has one core; a library's own threads would be in each other's way.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    # Forked: a new interpreter would import for seconds what is here already.
-    context = mp.get_context("fork")
-
-    def opened() -> Executor:
-        return ProcessPoolExecutor(count, context, _begin)
-
-    return Engine(opened, count, _killed, copies=True)
-
-
-def _begin() -> None:
-    """The process ends with the one that started it, and at once when the user interrupts."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-    gc.freeze()  # looking for garbage in what the parent has loaded would copy all of it
-    end_with_parent()
-
-
-def end_with_parent() -> None:
-    """From now on this process ends soon after the one that started it, whatever it is doing."""
-    threading.Thread(target=_ended_with_parent, daemon=True).start()
-
-
-def _ended_with_parent() -> None:
-    parent = mp.parent_process()
-    assert parent is not None, "in a worker"
-    parent.join()
-    os._exit(1)
+    return Engine(OneProcess, count, _killed, copies=True, lanes=count)
 
 
 def _killed(executor: Executor) -> None:
-    """The processes are gone: what they were judging is judged again when the sweep is resumed."""
-    executor.shutdown(wait=False, cancel_futures=True)
-    for child in mp.active_children():
-        child.kill()
+    """The process is gone: what it was judging is judged again when the sweep is resumed."""
+    executor.shutdown(cancel_futures=True)
 
 
 @contextmanager

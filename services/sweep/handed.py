@@ -12,7 +12,7 @@ from typing import Final, Generic, TypeVar
 
 from sdt_kg.errors import InputError, OracleUnavailableError, SdtError
 from services.sweep.engines import Engine, processes
-from services.sweep.waiting import Waiting
+from services.sweep.waiting import MOST_TOGETHER, Waiting
 
 _log = logging.getLogger("sdt.sweep")
 
@@ -43,8 +43,17 @@ class Lost:
         return InputError(self.reason) if self.is_input else OracleUnavailableError(f"{what}: {self.reason}")
 
 
+@dataclass(slots=True, eq=False)
+class _Lane:
+    """An executor, with how many pieces it is, and what the last of them was alike in."""
+
+    executor: Executor
+    pieces: int = 0
+    last: Hashable = None
+
+
 class Handed(Generic[T, R]):
-    """Items that are with an executor or wait for it; an executor that breaks is opened anew.
+    """Items that are with executors or wait for them; an executor that breaks is opened anew.
 
     Left by an error, the workers end at once with what they are at.
 
@@ -54,6 +63,7 @@ class Handed(Generic[T, R]):
         alike: What items have in common that are to be done by one worker.
         prepare: Called with the first item before the workers begin, where they begin as copies of this
             process: what it loads they have.
+        most: Items that are handed out together at most: what came of them comes back together.
     """
 
     def __init__(
@@ -62,12 +72,14 @@ class Handed(Generic[T, R]):
         work: Callable[[T], R],
         alike: Callable[[T], Hashable],
         prepare: Callable[[T], None] | None = None,
+        most: int = MOST_TOGETHER,
     ) -> None:
-        self._engine, self._work = engine, partial(_each, work)
+        self._engine, self._work, self._alike = engine, partial(_each, work), alike
         self._prepare = prepare if engine.copies else None
-        self._executor: Executor | None = None
-        self._waiting: Waiting[T] = Waiting(engine.workers, alike)
-        self._futures: dict[Future[list[R | Lost]], list[T]] = {}
+        self._at_once = AHEAD * engine.workers // engine.lanes
+        self._lanes: list[_Lane] = []
+        self._waiting: Waiting[T] = Waiting(engine.workers, alike, most)
+        self._futures: dict[Future[list[R | Lost]], tuple[_Lane, list[T]]] = {}
         self._suspects: deque[T] = deque()
 
     def __enter__(self) -> "Handed[T, R]":
@@ -76,12 +88,11 @@ class Handed(Generic[T, R]):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._executor is None:
-            return
-        if kind is None:
-            self._executor.shutdown()
-        else:
-            self._engine.end(self._executor)
+        for lane in self._lanes:
+            if kind is None:
+                lane.executor.shutdown()
+            else:
+                self._engine.end(lane.executor)
 
     def add(self, item: T) -> Iterator[tuple[T, R | Lost]]:
         """The item waits for a worker; what is done, until there is room for the next."""
@@ -93,34 +104,43 @@ class Handed(Generic[T, R]):
 
     def rest(self) -> Iterator[tuple[T, R | Lost]]:
         """What is done, until nothing is left."""
-        while self._futures or self._suspects or len(self._waiting):
+        while self._futures or len(self._waiting):
             self._fill()
             yield from self._done()
 
     def _fill(self) -> None:
         """Every worker has a piece, and one that waits, as far as there are any."""
-        at_once = AHEAD * self._engine.workers
-        while not self._suspects and len(self._waiting) and len(self._futures) < at_once:
-            self._submit(self._waiting.piece())
+        if not self._lanes and len(self._waiting):
+            self._begin(self._waiting.first)
+        while len(self._waiting):
+            lane = min(self._lanes, key=lambda each: each.pieces)
+            if lane.pieces >= self._at_once:
+                return
+            self._submit(lane)
 
-    def _submit(self, piece: list[T]) -> None:
-        if self._executor is None:
-            if self._prepare is not None:
-                self._prepare(piece[0])
-            self._executor = self._engine.open()
-        try:
-            self._futures[self._executor.submit(self._work, piece)] = piece
-        except BrokenExecutor:
-            self._suspects.extend(piece)
+    def _begin(self, first: T) -> None:
+        if self._prepare is not None:
+            self._prepare(first)
+        self._lanes = [_Lane(self._engine.open()) for _ in range(self._engine.lanes)]
+
+    def _submit(self, lane: _Lane) -> None:
+        elsewhere = {each.last for each in self._lanes if each is not lane}
+        piece = self._waiting.piece(lane.last, elsewhere)
+        lane.last, lane.pieces = self._alike(piece[0]), lane.pieces + 1
+        self._futures[lane.executor.submit(self._work, piece)] = lane, piece
 
     def _done(self) -> Iterator[tuple[T, R | Lost]]:
         done, _ = wait(self._futures, return_when=FIRST_COMPLETED)
         for future in done:
-            yield from self._result(future, self._futures.pop(future))
-        if self._suspects:
-            yield from self._alone()
+            if future in self._futures:  # not with its dead process yet
+                lane, _ = self._futures[future]
+                yield from self._result(future)
+                if self._suspects:
+                    yield from self._alone(lane)
 
-    def _result(self, future: Future[list[R | Lost]], piece: list[T]) -> Iterator[tuple[T, R | Lost]]:
+    def _result(self, future: Future[list[R | Lost]]) -> Iterator[tuple[T, R | Lost]]:
+        lane, piece = self._futures.pop(future)
+        lane.pieces -= 1
         try:
             results = future.result()
         except BrokenExecutor:
@@ -133,27 +153,24 @@ class Handed(Generic[T, R]):
             self._waiting.back(piece[len(results) :])
             yield from zip(piece, results, strict=False)
 
-    def _alone(self) -> Iterator[tuple[T, R | Lost]]:
-        """Those that were out when a process died, one at a time: it shows which of them kills."""
-        for piece in self._futures.values():
-            self._suspects.extend(piece)
-        self._futures.clear()
-        self._reopen()
+    def _alone(self, lane: _Lane) -> Iterator[tuple[T, R | Lost]]:
+        """Those that a process had when it died, one at a time: it shows which of them kills."""
+        for future in [each for each, (own, _) in self._futures.items() if own is lane]:
+            yield from self._result(future)
+        self._reopen(lane)
         while self._suspects:
             item = self._suspects.popleft()
-            assert self._executor is not None, "opened above"
             try:
-                (result,) = self._executor.submit(self._work, [item]).result()
+                (result,) = lane.executor.submit(self._work, [item]).result()
             except BrokenExecutor:
                 _log.warning("the process died twice at %s", item)
                 result = Lost("the process that judged it died twice")
-                self._reopen()
+                self._reopen(lane)
             yield item, result
 
-    def _reopen(self) -> None:
-        if self._executor is not None:
-            self._executor.shutdown(wait=False)
-        self._executor = self._engine.open()
+    def _reopen(self, lane: _Lane) -> None:
+        lane.executor.shutdown(wait=False)
+        lane.executor = self._engine.open()
 
 
 def each(
@@ -182,14 +199,23 @@ def each(
         yield item, result
 
 
-def each_or_lost(
+def each_or_lost(  # noqa: PLR0913, PLR0917  # the rest has defaults
     items: Sequence[T],
     jobs: int,
     work: Callable[[T], R],
     prepare: Callable[[T], None] | None = None,
     alike: Callable[[T], Hashable] = lambda item: item,
+    most: int = MOST_TOGETHER,
 ) -> Iterator[tuple[T, R | Lost]]:
     """The same, for who goes on where nothing came of an item.
+
+    Args:
+        items: As above.
+        jobs: Likewise.
+        work: Likewise.
+        prepare: Likewise.
+        alike: Likewise.
+        most: See `Handed`.
 
     Raises:
         InputError: What an item names is wrong.
@@ -197,7 +223,7 @@ def each_or_lost(
     if jobs == 1:
         yield from ((item, work(item)) for item in items)
         return
-    with Handed(processes(jobs), work, alike, prepare) as handed:
+    with Handed(processes(jobs), work, alike, prepare, most) as handed:
         for item in items:
             yield from map(_mended, handed.add(item))
         yield from map(_mended, handed.rest())

@@ -1,7 +1,7 @@
 """What is not handed out yet: what is alike stays together, and the last pieces are small."""
 
 from collections import deque
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Collection, Hashable, Sequence
 from typing import Final, Generic, TypeVar
 
 T = TypeVar("T")
@@ -18,10 +18,11 @@ class Waiting(Generic[T]):
     Args:
         workers: How many share the items.
         alike: What an item has in common with those that are to stay with it.
+        most: Items in one piece at most.
     """
 
-    def __init__(self, workers: int, alike: Callable[[T], Hashable]) -> None:
-        self._workers, self._alike = workers, alike
+    def __init__(self, workers: int, alike: Callable[[T], Hashable], most: int = MOST_TOGETHER) -> None:
+        self._workers, self._alike, self._most = workers, alike, most
         self._groups: dict[Hashable, deque[T]] = {}
 
     def __len__(self) -> int:
@@ -44,12 +45,26 @@ class Waiting(Generic[T]):
             group.extendleft(reversed(items))
             self._groups = {key: group, **self._groups}
 
-    def piece(self) -> list[T]:
-        """What one worker does next: a whole group as long as there are more of them than workers."""
-        key, group = next(iter(self._groups.items()))
+    @property
+    def first(self) -> T:
+        """What has waited longest."""
+        return next(iter(self._groups.values()))[0]
+
+    def piece(self, last: Hashable = None, elsewhere: Collection[Hashable] = ()) -> list[T]:
+        """What one worker does next: a whole group as long as there are more of them than workers.
+
+        Args:
+            last: What it did last was alike in this: more of the same comes first.
+            elsewhere: Likewise of the other workers: theirs comes last.
+        """
+        groups = self._groups
+        key = last if last in groups else next((each for each in groups if each not in elsewhere), None)
+        if key not in groups:
+            key = next(iter(groups))
+        group = groups[key]
         share = -(-len(self) // (PIECES * self._workers))
-        count = len(group) if len(self._groups) > self._workers else share
-        taken = [group.popleft() for _ in range(min(count, len(group), MOST_TOGETHER))]
+        count = len(group) if len(groups) > self._workers else share
+        taken = [group.popleft() for _ in range(min(count, len(group), self._most))]
         if not group:
-            del self._groups[key]
+            del groups[key]
         return taken

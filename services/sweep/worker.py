@@ -9,10 +9,9 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 
 from predicates.case import Verdict
-from predicates.oracle import Embodiment, Physics, tee_class_of
+from predicates.oracle import Embodiment, Physics
 from predicates.record import to_json, to_record
 from predicates.record.recall import Recall
-from predicates.scope import out_of_scope
 from sdt_kg.errors import SdtError
 from sdt_kg.load import ReadRobot, load_twin, read_robot, with_robot
 from sdt_kg.mechanism import JointType
@@ -61,9 +60,6 @@ def prepare(cell: Cell) -> None:
 
     with suppress(SdtError):
         service = service_of(cell)
-        case, tee = service.case(cell.task, None), tee_class_of(service.physics)
-        for container in service.twin.containers():
-            out_of_scope(case, container, tee)
         next(service.causes(cell.task), None)
         if isinstance(service.embodiment, WholeBody):
             service.embodiment.prepare(service.twin, service.robot(None))

@@ -15,7 +15,7 @@ from services.app import Policy
 from services.sweep import handed
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
 from services.sweep.engines import Engine, processes
-from services.sweep.handed import AHEAD, each
+from services.sweep.handed import AHEAD, each, each_or_lost
 from services.sweep.run import run
 from services.sweep.waiting import MOST_TOGETHER, Waiting
 from services.sweep.worker import service_of
@@ -48,6 +48,13 @@ def test_a_case_that_kills_its_process_twice_is_alone_without_a_verdict() -> Non
     assert found.pop("die") == "the process that judged it died twice"
     assert len(found) == 7
     assert set(found.values()) == {"verdict"}
+
+
+def test_a_process_that_dies_disturbs_no_other(tmp_path: Path) -> None:
+    cells = [cell(f"die-once {tmp_path / str(number)}") for number in range(4)]
+    done = list(each_or_lost(cells, 2, obedient, alike=lambda _: None, most=1))
+    assert sorted(map(str, cells)) == sorted(str(asked) for asked, _ in done)
+    assert all(isinstance(found, CellResult) for _, found in done)
 
 
 def test_a_worker_that_fails_is_no_verdict_and_no_end() -> None:
@@ -109,6 +116,16 @@ def test_what_is_alike_stays_together_until_the_last_workers_share_it() -> None:
     assert [item for piece in pieces for item in piece] == [
         f"{group}{number}" for group in "abc" for number in range(17)
     ]
+
+
+def test_a_worker_goes_on_with_what_is_alike_and_takes_what_others_are_at_last() -> None:
+    waiting: Waiting[str] = Waiting(2, lambda item: item[0], most=1)
+    for item in ("a0", "a1", "b0", "b1", "c0"):
+        waiting.add(item)
+    assert waiting.first == "a0"
+    taken = [waiting.piece(), waiting.piece(None, "a"), waiting.piece("b", "a"), waiting.piece("b", "a")]
+    assert taken == [["a0"], ["b0"], ["b1"], ["c0"]]
+    assert waiting.piece("c", "a") == ["a1"]
 
 
 def test_what_is_left_of_a_piece_is_next() -> None:
