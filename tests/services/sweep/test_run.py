@@ -51,10 +51,21 @@ def test_a_case_that_kills_its_process_twice_is_alone_without_a_verdict() -> Non
 
 
 def test_a_process_that_dies_disturbs_no_other(tmp_path: Path) -> None:
-    cells = [cell(f"die-once {tmp_path / str(number)}") for number in range(4)]
-    done = list(each_or_lost(cells, 2, obedient, alike=lambda _: None, most=1))
-    assert sorted(map(str, cells)) == sorted(str(asked) for asked, _ in done)
-    assert all(isinstance(found, CellResult) for _, found in done)
+    work = partial(_begun_in, tmp_path)
+    done = dict(each_or_lost(range(8), 2, work, alike=lambda number: number % 2, most=1))
+    assert done == {number: number for number in range(8)}
+    begun = [len(list(tmp_path.glob(f"{number} *"))) for number in range(8)]
+    assert begun[0] == 2, "it killed its process, and was begun again"
+    assert begun[1::2] == [1] * 4, "the other process went on"
+
+
+def _begun_in(folder: Path, number: int) -> int:
+    """The number itself, noted as begun; the first time that it is, 0 kills its process."""
+    first = not any(folder.glob("0 *"))
+    (folder / f"{number} {os.getpid()}").touch()
+    if number == 0 and first:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
 
 
 def test_a_worker_that_fails_is_no_verdict_and_no_end() -> None:
