@@ -6,12 +6,15 @@ the code of the function, of everything that it calls and of each constant that 
 of files: an edit of any of these compiles anew what holds it, a fresh checkout of the same sources nothing.
 """
 
+import fcntl
 import hashlib
 import math
 import pickle
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from functools import cache, cached_property
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
@@ -125,6 +128,22 @@ class Kept(_Cache):
     def cache_path(self) -> str:
         """`NUMBA_CACHE_DIR`, beside the source, or the user's own folder: where numba would keep it."""
         return self._placed.locator.get_cache_path()
+
+    @contextmanager
+    def alone(self, sig: object, target_context: Any) -> Iterator[None]:  # noqa: ANN401 - numba's
+        """Nobody else compiles the same for these types: who comes later waits, and finds what was kept."""
+        path = self._path(self._key(sig, target_context.codegen())).with_suffix(".lock")
+        if not self._enabled or path.with_suffix(".nbc").exists():
+            yield
+            return
+        self._placed.locator.ensure_cache_path()
+        with path.open("w") as file:
+            with suppress(OSError):  # where files cannot be locked: each then compiles for itself
+                fcntl.flock(file, fcntl.LOCK_EX)
+            try:
+                yield
+            finally:
+                path.unlink(missing_ok=True)
 
     def load_overload(self, sig: object, target_context: Any) -> object:  # noqa: ANN401 - numba's
         """What was compiled for these types, or None."""

@@ -5,6 +5,8 @@ their callers hold it.
 """
 
 import gc
+import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -15,11 +17,26 @@ import numba
 from numba.core import config, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
+from numba.core.compiler_lock import global_compiler_lock
 
 from services.compiled import LEVEL, Kept
 
 _settings: Any = config
 _njit: Any = numba.njit
+
+
+class _Spent(threading.local):
+    """Of each thread: how many kernels it waits for, one for the other, and what that has cost [s]."""
+
+    depth, seconds = 0, 0.0
+
+
+_spent = _Spent()
+
+
+def worked() -> float:
+    """Seconds of CPU of this thread, without those in which kernels were compiled or loaded."""
+    return time.thread_time() - _spent.seconds
 
 
 def kernel(function: Callable[..., Any] | None = None, *, makes: bool = True, **options: Any) -> Any:  # noqa: ANN401 - of numba
@@ -35,7 +52,25 @@ def kernel(function: Callable[..., Any] | None = None, *, makes: bool = True, **
         return lambda each: kernel(each, makes=makes, **options)
     made = _njit(pipeline_class=_Pipeline, no_cfunc_wrapper=True, _nrt=makes, **options)(function)
     made._cache = Kept(function)  # as `cache=True` does
+    made.compile = _once(made._cache, made.targetctx, made.compile)
     return _for_all_numbers(made)
+
+
+def _once(cache: Kept, context: Any, usual: Callable[[Any], Any]) -> Callable[[Any], Any]:  # noqa: ANN401 - of numba
+    """Compiled by one process, for all that ask at the same time; what it takes is no work of its thread."""
+
+    def compiled(signature: Any) -> Any:  # noqa: ANN401 - of numba
+        began, _spent.depth = time.thread_time(), _spent.depth + 1
+        try:
+            # In this order: a thread that waits for a file must not be waited for by the one that has it.
+            with global_compiler_lock, cache.alone(signature, context):
+                return usual(signature)
+        finally:
+            _spent.depth -= 1
+            if not _spent.depth:
+                _spent.seconds += time.thread_time() - began
+
+    return compiled
 
 
 def subkernel(function: Callable[..., Any] | None = None, *, makes: bool = False) -> Any:  # noqa: ANN401 - of numba

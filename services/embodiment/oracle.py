@@ -33,6 +33,7 @@ from services.embodiment.setting import Setting
 from services.embodiment.ways import cells
 from services.embodiment.ways.roads import Known
 from services.embodiment.ways.start import near, turned
+from services.kernel import worked
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics, version_of
 
@@ -115,6 +116,7 @@ class WholeBody:
         world, kits, _ = self._world(twin, robot)
         self._warm(world, kits)
         cells.warm()
+        boxes.warm()
 
     def scene(self, twin: Twin, robot: Iri) -> Scene:
         """The scene in which questions about the twin are answered."""
@@ -159,7 +161,7 @@ class WholeBody:
         if none is not None:
             notes = (*self._notes(setting, None), none.note)
             return Answer(case, False, none.diagnoses, notes, clock.seconds, artefact=none.artefact)
-        began = time.thread_time()
+        began = worked()
         planner = Planner(setting, began + self.budget, self.seed, clock.spent)
         rejected: list[tuple[Diagnosis, ...]] = []
         for planned in planner.plans():
@@ -170,7 +172,7 @@ class WholeBody:
                 found = replace(case, body_motion=planned.body, motion=planned.motion)
                 return _certified(found, self._notes(setting, planned), clock, outcome)
             rejected.append(outcome.diagnoses)
-        search = planner.searched(time.thread_time() - began)
+        search = planner.searched(worked() - began)
         reasons = refusal(planner, rejected, search, self.budget)
         proof = planner.proofs.whole or planner.proofs.partial
         artefact = None if proof is None else proof.artefact
@@ -253,7 +255,6 @@ class WholeBody:
         """Compilation costs no budget."""
         if not self._compiled:
             warm(world, kits.of(world.scene.annotation.grippers[0]).limb)
-            boxes.warm()
             warm_certifier(world.scene)
             self._compiled = True
 

@@ -28,6 +28,7 @@ from services.embodiment.ways.assemble import Assembled, Assembler
 from services.embodiment.ways.roads import Roads, make_roads
 from services.embodiment.ways.slim import slim
 from services.embodiment.ways.timing import farthest
+from services.kernel import worked
 
 Array = NDArray[np.float64]
 
@@ -49,7 +50,7 @@ class Planned:
 
 
 class Planner:
-    """Plans for one setting, until the thread that asks has spent the deadline's seconds of CPU.
+    """Plans for one setting, until the thread that asks has `worked` for the deadline's seconds of CPU.
 
     Attributes:
         attempts: One for each gripper that has a grasp.
@@ -78,7 +79,7 @@ class Planner:
 
     def late(self) -> bool:
         """Whether the budget is spent."""
-        return time.thread_time() > self.deadline
+        return worked() > self.deadline
 
     def plans(self) -> Iterator[Planned]:
         """Body motions, one after the other, until the search gives up."""
@@ -127,7 +128,7 @@ class Planner:
         if number == 1:
             if not any(attempt.searcher.tally.solved for attempt in self.attempts):
                 self.proofs.look(EARLY_BOXES)
-            if time.thread_time() + SWEEP < self.deadline:
+            if worked() + SWEEP < self.deadline:
                 self.proofs.look_at_sweep()
         return self.proofs.ended
 

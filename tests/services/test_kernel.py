@@ -1,16 +1,19 @@
 """Compiled loops are kept between processes, and never outlive what they were made of."""
 
 import importlib.util
+import multiprocessing
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from numba.core.errors import TypingError
 
 from services import compiled
 from services.compiled import made_of
-from services.kernel import kept
+from services.kernel import kept, worked
 
 CALLEE = """
 import numpy as np
@@ -164,3 +167,36 @@ def test_a_kernel_may_read_nothing_that_a_hash_cannot_tell(loaded: Loader) -> No
     vars(sys.modules["edited_inner"])["TABLE"] = [1.0]
     with pytest.raises(TypeError, match=r"edited_inner\.inner reads 'TABLE', a list"):
         made_of(module.outer.py_func)
+
+
+def test_of_processes_that_ask_at_the_same_time_one_compiles(loaded: Loader) -> None:
+    made_by = multiprocessing.get_context("fork")
+    outer, told = loaded().outer, made_by.SimpleQueue()
+
+    def ask() -> None:
+        result = outer(1.0)
+        told.put((sum(outer.stats.cache_hits.values()), sum(outer.stats.cache_misses.values()), result))
+
+    asking = [made_by.Process(target=ask) for _ in range(2)]
+    for each in asking:
+        each.start()
+    for each in asking:
+        each.join()
+    assert sorted(told.get() for _ in asking) == [(0, 1, 2.0), (1, 0, 2.0)]
+    assert not list(kept(outer)[0].parent.glob("*.lock"))
+
+
+def test_who_could_not_compile_keeps_nobody_waiting(loaded: Loader) -> None:
+    for _ in range(2):
+        with pytest.raises(TypingError):
+            loaded(inner="x.none").outer(1.0)
+    assert loaded().outer(1.0) == 2.0
+
+
+def test_what_compiling_and_loading_cost_is_no_work_of_the_thread(loaded: Loader) -> None:
+    for _ in range(2):
+        outer = loaded().outer
+        spent, own = time.thread_time(), worked()
+        assert outer(1.0) == 2.0
+        spent, own = time.thread_time() - spent, worked() - own
+        assert own < spent / 2

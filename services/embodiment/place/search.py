@@ -1,6 +1,5 @@
 """The question `place`: candidates from holdings, each certified by CanPerform as it is asked elsewhere."""
 
-import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -27,6 +26,7 @@ from services.embodiment.hold.kit import Kit, Kits
 from services.embodiment.oracle import WholeBody
 from services.embodiment.place.grid import CELLS, SIDE, Cell, Excluder, Status, block, cells
 from services.embodiment.prove import Prover
+from services.kernel import worked
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics
 
@@ -120,12 +120,12 @@ def place(  # noqa: PLR0913, PLR0917  # what is asked; the rest has defaults
     Raises:
         InputError: The task is about no container.
     """
-    began = time.thread_time()
+    began = worked()
     asked = _question(twin, robot, task, budget, seed)
     if isinstance(asked, _Question):
         asked.enough = enough
         return asked.answered()
-    return Placement(asked.name, (), (), 0, asked.diagnoses, time.thread_time() - began)
+    return Placement(asked.name, (), (), 0, asked.diagnoses, worked() - began)
 
 
 def spots(  # noqa: PLR0913, PLR0917  # what is asked
@@ -180,12 +180,12 @@ class _Question:
         self.world = World(Scene(twin, robot))
         self.kits = Kits(self.world, Margins())
         self.mechanics = Mechanics(self.world, container)
-        self.began = time.thread_time()
+        self.began = worked()
         self.tried, self.enough = 0, ENOUGH
 
     def after(self, share: float) -> Callable[[], bool]:
         """Whether that share of the budget is spent."""
-        return lambda: time.thread_time() > self.began + share * self.budget
+        return lambda: worked() > self.began + share * self.budget
 
     def rows(self) -> list[list[Cell]]:
         """The map of which nothing is known yet."""
@@ -203,7 +203,7 @@ class _Question:
         prover = Prover(self.twin, self.robot, self.container, Drive.FIXED, here, values)
         Excluder(prover, self.after(MAPPED)).exclude(rows)
         block(rows, self.world, self.kits.outside(), self.after(1.0))
-        seconds = time.thread_time() - self.began
+        seconds = worked() - self.began
         return Placement(self.container.name, found, tuple(map(tuple, rows)), self.tried, (), seconds)
 
     def _spots(self, rows: list[list[Cell]]) -> Iterator[Spot]:
@@ -230,7 +230,7 @@ class _Question:
         return where is not None and rows[where[0]][where[1]].status is Status.CERTIFIED
 
     def _certified(self, pose: Pose) -> Spot | None:
-        left = self.began + ASKED * self.budget - time.thread_time()
+        left = self.began + ASKED * self.budget - worked()
         self.tried += 1
         self.oracle.start, self.oracle.budget = pose, max(EACH * left, min(left, LEAST))
         answer = self.oracle.perform(replace(self.case, robot=self.robot, motion=self.motion))

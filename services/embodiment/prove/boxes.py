@@ -9,7 +9,7 @@ import numpy as np
 
 from services.embodiment.body.kernels import copied, matmul, moved, rotation
 from services.embodiment.prove.inner import meets
-from services.kernel import kernel, subkernel
+from services.kernel import kept, kernel, subkernel
 
 FOUND, REACHED, GAVE_UP = 0, 1, 2
 """The tree is whole; some posture reaches; the nodes were spent."""
@@ -247,6 +247,12 @@ def divide(low, high, chain, upright, aims, both, level, slack, inner, tree):
 
 
 def warm() -> None:
+    """`divide` is loaded if it was ever compiled: compiling takes seconds, and few who ask need a proof."""
+    if kept(divide):
+        _run()
+
+
+def _run() -> None:
     """`divide` has run once, with the types in which it is used."""
     turn, zero, one = np.eye(3)[None], np.zeros((1, 3)), np.zeros(1)
     chain = turn, zero, zero, np.zeros(1, np.bool_)
