@@ -29,7 +29,7 @@ from services.embodiment.hopeless import hopeless
 from services.embodiment.plan import Planned, Planner
 from services.embodiment.prove import boxes
 from services.embodiment.report import refusal
-from services.embodiment.setting import Setting
+from services.embodiment.setting import Setting, of_own_joint
 from services.embodiment.ways import cells
 from services.embodiment.ways.roads import Known
 from services.embodiment.ways.start import near, turned
@@ -146,7 +146,7 @@ class WholeBody:
         if motion is None:
             raise OracleRejectedError("CanPerform was asked without a motion")
         drive, start = self._drive(twin, case.robot), self._start(case, world, kits, container)
-        own = kits, roads, self.tolerances
+        motion, own = of_own_joint(world.scene, container, motion), (kits, roads, self.tolerances)
         setting = Setting(world, container, motion, drive, start, case.robot, *own)
         return self._searched(case, setting, clock)
 

@@ -215,7 +215,8 @@ class Planner:
 
     def _problem(self, bar: Bar, q: Array) -> Problem:
         start = self.mechanics.start
-        values = np.linspace(start, farthest(self.setting.motion, start), WAYPOINTS)
+        end = farthest(self.setting.motion, start, self.setting.container)
+        values = np.linspace(start, end, WAYPOINTS)
         handle_r, handle_p = self.mechanics.handle_poses(q, bar.joint, values)
         return Problem(self.mechanics, values, handle_r, handle_p, handle_r[0] @ bar.outward)
 

@@ -47,7 +47,7 @@ class Proofs:
             return  # it refutes what these accept, no more
         if self._prover is None:
             self._prover = self._about()
-        self.whole = self._prover.hurried(setting.motion)
+        self.whole = self._prover.hurried(replace(setting.motion, values=self._values()))
         if self.whole is None and boxes:
             self.whole = self._prover.prove(boxes)
         self._spent("proof", at)
@@ -80,10 +80,16 @@ class Proofs:
             self.partial = found if found is None or not bred else _beyond(found, bred)
         self._spent("proof", at)
 
+    def _values(self) -> Array:
+        """Values of the motion, shape (T, 1); what is beyond a stop, by rounding or more, at the stop."""
+        return np.clip(
+            self._setting.motion.values, self._setting.container.lower, self._setting.container.upper
+        )
+
     def _about(self, within: float | None = None, declared: bool = False) -> Prover:
         """Who looks for proofs about this setting, such holds and bodies taken so."""
         setting = self._setting
-        twin, values = setting.world.scene.twin, setting.motion.values[:, 0]
+        twin, values = setting.world.scene.twin, self._values()[:, 0]
         about = setting.robot, setting.container, setting.drive, setting.start
         return Prover(twin, *about, values, within, declared)
 

@@ -1,5 +1,7 @@
 """A container's motion that was asked for: whether it can be certified at all, and is what a robot does."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -8,17 +10,22 @@ from sdt_kg.iri import local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
-from services.embodiment.certify.limits import STILL, joint_limits, kitchen_keeps
+from services.embodiment.certify.limits import joint_limits, kitchen_keeps, position_limits
 from services.embodiment.certify.motion import rests, start, whole_motion
 from services.embodiment.certify.sweep.kinematics import joint_axes
 from services.embodiment.certify.sweep.pieces import Pieces, hermite, positions
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
-from services.physics.replay import velocities_of
+from services.physics.replay import POSITION_SLACK, START_TOLERANCE, spline_of, velocities_of
 
 Array = NDArray[np.float64]
 
 SHARES = np.linspace(0.3, 0.7, 9)  # [1] of the way to the farthest value: one of them is passed at some speed
+AS_PHYSICS = {
+    "start_position": START_TOLERANCE["m"],
+    "start_angle": START_TOLERANCE["rad"],
+    "position": POSITION_SLACK,
+}
 HALVINGS = 60  # until a time is known to the last bit
 
 
@@ -28,24 +35,34 @@ def refused_at_once(scene: Scene, container: Container, motion: Motion, toleranc
     Args:
         scene: Kitchen and robot; the robot stands, wherever.
         container: What the motion is of.
-        motion: Values of a joint of the container. One that need not keep its times counts by its end.
+        motion: Values of the container's joint. If it need not keep its times, a robot begins where the
+            kitchen is, and slower is no less: what counts is the way, as Φ takes it.
         tolerances: Of the certifier.
     """
+    if not motion.timed and _is_way(scene, container, motion):
+        return Findings()
     times, values, velocities = motion.times, motion.values, velocities_of(motion)
-    if not motion.timed:
-        if abs(values[-1, 0] - values[0, 0]) > STILL:
-            return Findings()
-        times, values, velocities = times[[0, -1]], values[[0, -1]], np.zeros((2, 1))
     none, still = np.zeros((len(times), 0)), np.zeros((len(times), 3))
     moved = (motion.of,), values, velocities
     stands = BodyMotion(scene.robot_iri, "", (), times, still, none, none, still, *moved)
-    pieces, findings = whole_motion(scene, stands, tolerances)
+    kept = tolerances if motion.timed else replace(tolerances, **AS_PHYSICS)
+    pieces, findings = whole_motion(scene, stands, kept)
+    findings.add(start(scene, pieces, None, kept))
     if motion.timed:
-        findings.add(start(scene, pieces, None, tolerances))
-        findings.add(rests(scene, pieces, tolerances))
-        findings.add(joint_limits(scene, pieces, container, tolerances))
-    findings.add(kitchen_keeps(scene, pieces, container, tolerances))
+        findings.add(rests(scene, pieces, kept))
+        findings.add(joint_limits(scene, pieces, container, kept))
+    else:
+        findings.add(position_limits(scene, pieces, container, kept))
+    findings.add(kitchen_keeps(scene, pieces, container, kept))
     return findings
+
+
+def _is_way(scene: Scene, container: Container, motion: Motion) -> bool:
+    """Whether the motion goes from where the kitchen is to somewhere, between the container's stops."""
+    k, (_, values) = scene.coordinate[motion.of], spline_of(motion).position()
+    begins = abs(values[0] - scene.q((0.0, 0.0, 0.0), {})[k]) <= min(START_TOLERANCE.values())
+    inside = container.lower <= values.min() and values.max() <= container.upper
+    return begins and inside and float(np.ptp(values)) > START_TOLERANCE["rad"]
 
 
 def to_keep(motion: Motion | None, body: BodyMotion) -> Motion | None:

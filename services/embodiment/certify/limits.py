@@ -26,7 +26,7 @@ MOST_SUBSAMPLES = 20_000  # of the sideways velocity on one piece
 def joint_limits(scene: Scene, pieces: Pieces, container: Container, tolerances: Tolerances) -> Findings:
     """Every coordinate keeps its limits; the base's linear ones hold for the length of the vector too."""
     findings, bounds = Findings(), _bounds(scene, container)
-    findings.add(_positions(scene, pieces, bounds, tolerances))
+    findings.add(position_limits(scene, pieces, container, tolerances))
     own = pieces.moving
     moved = pieces.columns(own)
     rated = (
@@ -46,9 +46,10 @@ def joint_limits(scene: Scene, pieces: Pieces, container: Container, tolerances:
     return findings
 
 
-def _positions(scene: Scene, pieces: Pieces, bounds: Bounds, tolerances: Tolerances) -> Findings:
+def position_limits(scene: Scene, pieces: Pieces, container: Container, tolerances: Tolerances) -> Findings:
     """What moves keeps its limits all the time; what stands still, at the start."""
     findings, (values, s), begin = Findings(), positions(pieces), pieces.c[0, 0]
+    bounds = _bounds(scene, container)
     may = np.maximum(bounds.lower - begin, begin - bounds.upper) > tolerances.position
     may[pieces.moving] = True
     own = np.flatnonzero(may)

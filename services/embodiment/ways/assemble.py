@@ -121,13 +121,14 @@ class Assembler:
         """(robot, container's values, their rates, ratios to the limits)."""
         path = Followed.through(self.problem.values, xs)
         container = self.problem.mechanics.container
-        if not self.motion.timed:
-            timed, values, rates = timing.slowed(
-                path, self.body_bound, (container.velocity, container.acceleration), FOLLOW_SAMPLES
-            )
+        most = container.velocity, container.acceleration
+        if not self.motion.timed and not timing.turns_back(self.motion):
+            timed, values, rates = timing.slowed(path, self.body_bound, most, FOLLOW_SAMPLES)
             return timed, values, rates, timing.excess(timed, self.body_bound)
         times, values, rates = timing.as_timed(self.motion, FOLLOW_SAMPLES)
         timed = timing.at_values(path, times, values, rates)
+        if not self.motion.timed:
+            timed, values, rates = timing.stretched(timed, self.body_bound, (values, rates), most)
         return timed, values, rates, timing.excess(timed, self.body_bound)
 
     def _body(

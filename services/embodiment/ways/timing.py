@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.motion import Motion
+from sdt_kg.twin import Container
 from services.physics.replay import spline_of, velocities_of
 from services.physics.spline import Cubic, free_velocities
 
@@ -18,6 +19,9 @@ Array = NDArray[np.float64]
 
 SLACK = 0.98  # [1] of every limit is used
 BASE_LINEAR = slice(0, 2)
+TURNS = (
+    2e-3  # [rad or m] back and forth by less, τ counts as going straight to its end: twice what it may be off
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -210,15 +214,32 @@ def as_timed(motion: Motion, samples: int) -> tuple[Array, Array, Array]:
     return times, x[:, 0], v[:, 0]
 
 
-def farthest(motion: Motion, start: float) -> float:
-    """The value to which a robot has to bring the container, if it begins at `start`.
+def turns_back(motion: Motion) -> bool:
+    """Whether the motion goes another way than straight from its first value to its last."""
+    _, values = spline_of(motion).position()
+    return float(np.abs(np.diff(values)).sum()) > abs(float(values[-1] - values[0])) + TURNS
 
-    A motion that keeps its times may go on farther than it ends; one that need not is brought to its end.
-    """
-    if not motion.timed:
-        return float(motion.values[-1, 0])
+
+def farthest(motion: Motion, start: float, container: Container) -> float:
+    """The value to which a robot has to bring the container, if it begins at `start`: a stop is the end."""
+    if not motion.timed and not turns_back(motion):
+        return min(max(float(motion.values[-1, 0]), container.lower), container.upper)
     _, values = spline_of(motion).position()
     return float(values[np.argmax(np.abs(values - start))])
+
+
+def stretched(
+    timed: Timed, bound: Bound, alone: tuple[Array, Array], container: tuple[float, float]
+) -> tuple[Timed, Array, Array]:
+    """Robot and container, its values and rates `alone`, at all times slower by what their limits ask for.
+
+    `container` holds the velocity and acceleration limit of the container's joint.
+    """
+    values, rates = (np.stack([each, np.zeros_like(each)], axis=1) for each in alone)
+    own = Bound(np.array(container[:1]), np.array(container[1:]))
+    ratios = excess(timed, bound), excess(Timed(timed.times, values, rates), own)
+    factor = max(max(speed, np.sqrt(acceleration)) for speed, acceleration in ratios) / SLACK
+    return Timed(timed.times * factor, timed.x, timed.v / factor), alone[0], alone[1] / factor
 
 
 def at_values(path: Followed, times: Array, values: Array, rates: Array) -> Timed:

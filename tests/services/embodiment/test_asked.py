@@ -11,6 +11,7 @@ import pytest
 from predicates.case import Answer, Case, Outcome, Quantity, Verdict
 from predicates.law import law
 from sdt_kg.annotation import Drive
+from sdt_kg.errors import MotionError
 from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task, Verb
@@ -107,6 +108,55 @@ def test_a_motion_past_its_stop_between_samples_is_refused_by_physics_and_by_the
     assert verdict.can_perform is not None
     assert not verdict.causes.holds
     assert not verdict.can_perform.holds
+
+
+@pytest.mark.parametrize("timed", [True, False])
+def test_a_value_beyond_its_stop_by_the_rounding_of_single_precision_is_at_the_stop(timed: bool) -> None:
+    beyond = float(np.nextafter(np.float32(UPPER), np.float32(1)))
+    motion = replace(asked([0, 20], [0, beyond / UPPER]), timed=timed)
+    assert motion.values[-1, 0] > UPPER
+    assert perform(motion).holds
+
+
+@pytest.mark.parametrize("timed", [True, False])
+def test_a_sample_beyond_its_stop_is_refused_with_the_limit(timed: bool) -> None:
+    answer = perform(replace(asked([0, 10, 20], [0, 1.1, 0.95]), timed=timed))
+    assert not answer.holds
+    assert "its limit is 0.48 m" in answer.diagnoses[0].reason
+
+
+def test_a_motion_that_may_be_slower_goes_the_same_way_there_and_back() -> None:
+    motion = replace(asked([0, 0.2, 0.4], [0, 0.8, 0.5]), timed=False)  # far too fast
+    answer = perform(motion)
+    assert answer.holds, [each.reason for each in answer.diagnoses]
+    executed = answer.case.motion
+    assert isinstance(executed, Motion)
+    assert executed.values[:, 0].max() == pytest.approx(spline_of(motion).position()[1].max(), abs=1e-3)
+    assert executed.values[-1, 0] == pytest.approx(0.5 * UPPER)
+    assert executed.times[-1] > 1.0
+
+
+def test_a_motion_given_by_the_joint_that_a_door_follows_is_that_doors() -> None:
+    twin = load_twin("a", ["tiago_dual"])
+    door = twin.container("cabinet4_door_bottom")
+    assert door.multiplier == pytest.approx(1.2)
+    last = (door.upper - door.offset) / door.multiplier
+    motion = Motion(door.active_joint, np.array([0.0, 30.0]), np.array([[0.0], [last]]))
+    answer = WholeBody(drive=Drive.OMNI).perform(
+        Case(twin, twin.robots[0], Task(Verb.OPEN, door.iri), motion)
+    )
+    assert answer.holds, [each.reason for each in answer.diagnoses]
+    executed = answer.case.motion
+    assert isinstance(executed, Motion)
+    assert executed.of == door.joint
+    assert executed.values[-1, 0] == pytest.approx(door.upper)
+
+
+def test_a_motion_of_another_container_than_the_tasks_is_an_error() -> None:
+    other = kitchen().container("iai_fridge_door")
+    case = Case(kitchen(), kitchen().robots[0], Task(Verb.OPEN, other.iri), asked([0, 20], [0, 1]))
+    with pytest.raises(MotionError, match="does not move iai_fridge_door"):
+        WholeBody(drive=Drive.OMNI).perform(case)
 
 
 def carried(later: float = 0.0) -> Motion:
