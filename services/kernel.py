@@ -14,10 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import numba
-from numba.core import config, types
+from numba.core import config, typed_passes, types, untyped_passes
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+from numba.core.compiler import CompilerBase
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.compiler_machinery import PassManager
 
 from services.compiled import LEVEL, Kept
 
@@ -109,8 +110,36 @@ def kept(compiled: Any) -> list[Path]:  # noqa: ANN401 - numba's dispatcher
     return compiled._cache.files()
 
 
-class _Pipeline(Compiler):
-    """numba's own, at our level of optimisation; numba lets one thread compile at a time."""
+PASSES = (
+    untyped_passes.TranslateByteCode,
+    untyped_passes.FixupArgs,
+    untyped_passes.IRProcessing,
+    untyped_passes.RewriteSemanticConstants,
+    untyped_passes.GenericRewrites,
+    untyped_passes.ReconstructSSA,
+    typed_passes.NopythonTypeInference,
+    typed_passes.PreLowerStripPhis,
+    typed_passes.IRLegalization,
+    typed_passes.AnnotateTypes,
+    typed_passes.NativeLowering,
+    typed_passes.NoPythonBackend,
+)
+"""numba's, as loops over numbers need them: it has a dozen more, for closures, `with`, whole arrays at once."""
+
+
+class _Compiler(CompilerBase):
+    """numba's own, with fewer passes."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        manager: Any = PassManager("kernel")
+        for each in PASSES:
+            manager.add_pass(each, each.__name__)
+        manager.finalize()
+        return [manager]
+
+
+class _Pipeline(_Compiler):
+    """At our level of optimisation; numba lets one thread compile at a time."""
 
     def compile_extra(self, func: object) -> object:
         with _at_level():
@@ -121,7 +150,7 @@ class _Pipeline(Compiler):
         return made
 
 
-class _Inner(Compiler):
+class _Inner(_Compiler):
     """The same for what only kernels call: no machine code, which would be a third of the time."""
 
     def compile_extra(self, func: Any) -> object:  # noqa: ANN401 - numba's
