@@ -1,6 +1,6 @@
 """τ of a container under a body motion: as that says, or as a gripper drags the handle along."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,6 +33,9 @@ FINGER_PLAY = 0.01
 
 STOP_STEP = 1e-5
 """[rad or m] Differences beyond a stop which count when the moment of the grasp is looked for."""
+
+BEGINS = 200
+"""[1] Of more samples at which the hold may begin some are looked at first, then those about the best."""
 
 INSTANT = 1e-4
 """[s] Half of the interval over which the velocity of a dragged joint is taken."""
@@ -153,8 +156,9 @@ def _longest_hold(  # noqa: PLR0913, PLR0917 - two paths, what joins them, and w
     A gripper that comes along the joint's own direction is held to the right moment by the joint's
     limits: taken too early, it would push a closed drawer through the cabinet.
     """
-    best: _Hold | None = None
-    for begin in _near(scene, tools, gripper, container.handle):
+    near = np.flatnonzero(_near(scene, tools, gripper, container.handle)).tolist()
+
+    def hold_from(begin: int) -> _Hold:
         values = _positions(handle, bounds, twin, tools[begin:], tools[begin])
         fitted = handle.poses((values - handle.follower.offset) / handle.follower.multiplier)[0]
         gaps, angles = apart(fitted, tools[begin:] @ _tool_T_handle(handle, twin, tools[begin]))
@@ -162,10 +166,17 @@ def _longest_hold(  # noqa: PLR0913, PLR0917 - two paths, what joins them, and w
         closed = (np.abs(fingers[begin:] - fingers[begin]) <= FINGER_PLAY).all(axis=1)
         fits = (gaps <= POSE_TOLERANCE) & (angles <= ANGLE_TOLERANCE) & inside & closed
         length = len(fits) if fits.all() else int(np.argmin(fits))
-        hold = _Hold(begin, begin + length - 1, values[:length])
-        if best is None or _rank(hold, bounds) > _rank(best, bounds):
-            best = hold
-    return best
+        return _Hold(begin, begin + length - 1, values[:length])
+
+    def best(begins: list[int]) -> _Hold | None:
+        return max(map(hold_from, begins), key=lambda hold: _rank(hold, bounds), default=None)
+
+    step = len(near) // BEGINS + 1
+    found = best(near[::step])
+    if found is None or step == 1:
+        return found
+    at = near.index(found.begin)
+    return best(near[max(at - step + 1, 0) : at + step])
 
 
 def _rank(hold: _Hold, bounds: Bounds) -> tuple[int, int, float]:
@@ -186,8 +197,8 @@ def _positions(handle: Chain, bounds: Bounds, twin: Twin, tools: Array, grasp: A
     return fitted_positions(handle, bounds, twin.state[handle.follower.active], observed)
 
 
-def _near(scene: Scene, tools: Array, gripper: Gripper, handle: Iri) -> Iterator[int]:
-    """Samples at which the tool's origin is no farther from the handle than half the gripper's opening."""
+def _near(scene: Scene, tools: Array, gripper: Gripper, handle: Iri) -> NDArray[np.bool_]:
+    """At which samples the tool's origin is no farther from the handle than half the gripper's opening."""
     _, joint_T_handle = scene.kitchen.attached[local_name(handle)]
     world_T_joint = scene.placement(scene.q(np.zeros(3), {}), handle) * joint_T_handle.inverse()
     origins = (world_T_joint.inverse().homogeneous @ tools[:, :, 3].T).T[:, :3]
@@ -197,4 +208,4 @@ def _near(scene: Scene, tools: Array, gripper: Gripper, handle: Iri) -> Iterator
             local = (origins - solid.centre) @ solid.joint_T_shape.rotation
             beyond = np.maximum(np.abs(local) - solid.half, 0.0)
             near |= np.linalg.norm(beyond, axis=1) <= gripper.opening / 2
-    yield from (int(k) for k in np.flatnonzero(near))
+    return near

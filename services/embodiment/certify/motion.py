@@ -22,6 +22,10 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
+MOST_SAMPLES = 200_000
+"""[1] Of a body motion: a usual robot's are checked in 3 GB, and their certificate can be read again."""
+
+
 def of_another_robot(scene: Scene, motion: BodyMotion) -> Findings:
     """Whether the motion is of this robot; if it is not, nothing else can be said of it."""
     if motion.robot == scene.robot_iri:
@@ -122,6 +126,12 @@ def without_fixed(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> t
 
 def _check_arrays(motion: BodyMotion) -> None:
     check_times(motion.times)
+    if len(motion.times) > MOST_SAMPLES:
+        raise MotionError(
+            f"a body motion of {len(motion.times)} samples",
+            allowed=f"up to {MOST_SAMPLES}",
+            remedy="leave samples out: with their velocities, the others say as much",
+        )
     count, n, m = len(motion.times), len(motion.joints), len(motion.kitchen_joints)
     shapes = {"base": (count, 3), "base_v": (count, 3), "q": (count, n), "v": (count, n)}
     if m:
@@ -190,13 +200,14 @@ def start(
 ) -> Findings:
     """The kitchen begins in the twin's state and, where a start pose is given, the robot parked there.
 
-    Finger joints may be anywhere.
+    Finger joints may be anywhere. The base, and the robot's joints without limits, may have wound up.
     """
     findings, q, turns = Findings(), pieces.c[0, 0], joint_axes(scene)[1]
     parked = scene.q(q[scene.base] if base is None else base, {})
     off = q - parked
-    yaw = scene.base[2]
-    off[yaw] = (off[yaw] + np.pi) % (2 * np.pi) - np.pi
+    endless = turns & np.isinf(scene.bounds.lower) & np.isinf(scene.bounds.upper)
+    endless[: scene.base[0]] = False  # where a container is after a turn, Φ has to say
+    off[endless] = (off[endless] + np.pi) % (2 * np.pi) - np.pi
     free = {fj.joint for gripper in scene.annotation.grippers for fj in gripper.finger_joints}
     fingers = {scene.coordinate[joint_iri(scene.robot.mechanism.name, name)] for name in free}
     for k in range(len(q)):

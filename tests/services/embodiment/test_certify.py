@@ -224,6 +224,14 @@ def test_a_motion_starts_where_and_as_it_is_told(twin: Twin) -> None:
     assert isinstance(judge(twin, opening(rests=with_rests(finger=(0, 0.03)))), Certified)
 
 
+def test_a_joint_without_limits_starts_parked_a_turn_further_on_too(twin: Twin) -> None:
+    motion = opening()
+    turned = replace(motion, q=motion.q + np.array([0, 0, 2 * np.pi, 0]))  # the wrist
+    assert isinstance(judge(twin, turned), Certified)
+    halfway = replace(motion, q=motion.q + np.array([0, 0, np.pi, 0]))
+    assert "parked" in refusal(twin, halfway, Quantity.POSITION)[0].reason
+
+
 def test_a_motion_starts_in_the_twins_state(twin: Twin) -> None:
     found = refusal(twin.at({DRAWER: 0.1}), opening(), Quantity.POSITION)
     assert "the kitchen's state" in found[0].reason

@@ -15,6 +15,7 @@ from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused, certify
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.oracle import WholeBody
+from services.physics import carry
 from services.physics.oracle import Kinematics
 from tests.services.embodiment.gantry import LETTING_GO, RESTS, START, gantry_twin, opening
 from tests.services.embodiment.judging import judge, refusal
@@ -125,6 +126,28 @@ def test_a_container_goes_where_the_gripper_drags_it_until_the_fingers_open(
         WholeBody(start=START),
     )
     assert verdict.outcome is Outcome.CERTIFIED, verdict.diagnoses
+
+
+def test_a_finely_sampled_motion_is_dragged_from_the_same_moment_with_few_looks(
+    twin: Twin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    motion = letting_go(OPENED, AWAY, step=0.02)
+    bare = replace(motion, kitchen_joints=(), kitchen_q=np.zeros((0, 0)), kitchen_v=np.zeros((0, 0)))
+    container, looks, fit = twin.container("drawer_main"), [], carry.fitted_positions
+
+    def counted(*about: object) -> object:
+        looks.append(about)
+        return fit(*about)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(carry, "fitted_positions", counted)
+    every = Kinematics().carried(twin, bare, container).values
+    most = len(looks)
+    monkeypatch.setattr(carry, "BEGINS", 20)
+    looks.clear()
+    few = Kinematics().carried(twin, bare, container).values
+    assert len(looks) < most / 2
+    np.testing.assert_allclose(few, every, atol=1e-9)
+    np.testing.assert_allclose(few, motion.kitchen_q, atol=1e-5)
 
 
 def test_every_kind_of_violation_is_told_of_a_hand_that_lets_go_wrongly(twin: Twin) -> None:

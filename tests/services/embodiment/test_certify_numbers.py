@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sdt_kg.errors import AnnotationError, GraphError, InputError, OracleRejectedError
-from sdt_kg.iri import joint_iri
+from sdt_kg.errors import AnnotationError, GraphError, InputError, MotionError, OracleRejectedError
+from sdt_kg.iri import joint_iri, model_iri
+from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Twin
 from services.app import load
 from services.embodiment.certify import Refused, Tolerances, check
+from services.embodiment.certify.motion import MOST_SAMPLES
 from tests.services.embodiment.gantry import FOLDER, gantry_twin, opening
 from tests.services.embodiment.judging import judge
 
@@ -73,3 +75,11 @@ def test_nothing_is_certified_with_a_figure_that_is_no_number(twin: Twin, monkey
     monkeypatch.setattr(check, "tolerated", lambda *_: {"room": (np.nan, "m")})
     with pytest.raises(OracleRejectedError, match="figure 'room' came out as nan: nothing is certified"):
         judge(twin, opening(0.5))
+
+
+def test_a_motion_of_more_samples_than_can_be_checked_is_told_so(twin: Twin) -> None:
+    count = MOST_SAMPLES + 1
+    none, still = np.zeros((count, 0)), np.zeros((count, 3))
+    endless = BodyMotion(model_iri("gantry"), "hand", (), np.arange(count) / 100, still, none, none, still)
+    with pytest.raises(MotionError, match=r"200001 samples; allowed: up to 200000; leave samples out"):
+        judge(twin, endless)
