@@ -1,7 +1,6 @@
 """Kitchen and robots, by bundled name or path, → Twin."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -16,7 +15,7 @@ from sdt_kg.errors import AnnotationError, GraphError, InputError, UnknownEntity
 from sdt_kg.iri import Iri, graph_iri, local_name, model_iri
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.scenes import SCENE_SUFFIXES, read_scene, scene_stem
-from sdt_kg.store import MemoryStore, Triple
+from sdt_kg.store import MemoryStore
 from sdt_kg.triples import mechanism_triples
 from sdt_kg.twin import Twin
 from sdt_kg.urdf import model_stem, read_mechanism
@@ -81,40 +80,25 @@ def _saved(path: Path, annotation: Path | None, robots: Sequence[tuple[str | Pat
     return _with(twin, robots)
 
 
-@dataclass(frozen=True, slots=True)
-class ReadRobot:
-    """A robot as it was read: it can stand in any number of kitchens.
-
-    Attributes:
-        iri: Of the robot.
-        triples: What is asserted of it.
-        notes: What reading it changed, chose or assumed.
-    """
-
-    iri: Iri
-    triples: tuple[Triple, ...]
-    notes: tuple[str, ...]
-
-
-def read_robot(robot: str | Path, annotation: Path | None = None) -> ReadRobot:
-    """A robot by bundled name or path, with its annotation.
+def read_robot(robot: str | Path, annotation: Path | None = None) -> Entities:
+    """A robot by bundled name or path, with its annotation, alone: it can stand in any number of kitchens.
 
     Raises:
         UnknownEntityError, UrdfError, AnnotationError: As `load_twin`.
     """
     mechanism, kind, chosen = _robot(robot, annotation)
-    triples = tuple(with_annotation(mechanism_triples(mechanism, kind), chosen))
-    return ReadRobot(model_iri(mechanism.name), triples, tuple(_notes(mechanism, chosen)))
+    triples = with_annotation(mechanism_triples(mechanism, kind), chosen)
+    return Entities.alone(model_iri(mechanism.name), triples, _notes(mechanism, chosen))
 
 
-def with_robot(twin: Twin, robot: ReadRobot) -> Twin:
+def with_robot(twin: Twin, robot: Entities) -> Twin:
     """The same twin in the same state, with a robot unless it has it.
 
-    Several twins of one kitchen share so what was read of it.
+    Several twins of one kitchen share so what was read of it, and those with one robot what was read of that.
     """
-    if robot.iri in twin.robots:
+    if robot.environment in twin.robots:
         return twin
-    return Twin(twin.entities.joined(robot.iri, robot.triples, robot.notes), twin.state)
+    return Twin(twin.entities.beside(robot), twin.state)
 
 
 def _with(twin: Twin, robots: Sequence[tuple[str | Path, Path | None]]) -> Twin:

@@ -10,7 +10,7 @@ from threading import Lock
 from typing import Final, TypeVar
 
 import ontology
-from sdt_kg.annotating.annotate import TEE_GRAPH, annotate
+from sdt_kg.annotating.annotate import TEE_GRAPH, annotate, tee_triples
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
 from sdt_kg.entities.container import Container, container_of
 from sdt_kg.entities.coupling import Coupling
@@ -216,23 +216,35 @@ class Entities:
             GraphError: The robot is not whole.
         """
         checked_model(triples, robot, "Robot")
-        return self.joined(robot, triples, notes)
+        return self.beside(Entities.alone(robot, triples, notes))
 
-    def joined(self, robot: Iri, triples: Iterable[Triple], notes: Sequence[str] = ()) -> "Entities":
-        """The same entities and a robot whose triples were just made from a whole model.
+    @staticmethod
+    def alone(model: Iri, triples: Iterable[Triple], notes: Sequence[str] = ()) -> "Entities":
+        """One model, whose triples were just made from a whole one, and nothing around it."""
+        store, graph = MemoryStore(), graph_iri("asserted", local_name(model))
+        store.add(TEE_GRAPH, tee_triples())
+        store.add(graph, triples)
+        inferred = tuple(annotate(store, model, graph))
+        return Entities(store, model, (), {model: graph}, {model: inferred}, tuple(notes))
+
+    def beside(self, robot: "Entities") -> "Entities":
+        """These entities and a robot that was alone, with what was read of it there.
 
         Raises:
             InputError: There is a model of that name.
         """
-        if robot in self.asserted:
-            name = local_name(robot)
+        model = robot.environment
+        if model in self.asserted:
+            name = local_name(model)
             raise InputError(f"there is a model named '{name}' already", allowed="each name once")
-        store, graph = self._copy(()), graph_iri("asserted", local_name(robot))
-        store.add(graph, triples)
-        asserted, inferred = {**self.asserted, robot: graph}, dict(self.inferred)
-        inferred[robot] = tuple(annotate(store, robot, graph))
-        robots, said = (*self.robots, robot), (*self.notes, *notes)
-        return self._kept_by(Entities(store, self.environment, robots, asserted, inferred, said))
+        store, robots = self.store.dump(self.graphs), (*self.robots, model)
+        store.extend(robot.store.dump(robot.graphs_of(model)))
+        asserted, inferred = {**self.asserted, **robot.asserted}, {**self.inferred, **robot.inferred}
+        said = (*self.notes, *robot.notes)
+        made = self._kept_by(Entities(MemoryStore(store), self.environment, robots, asserted, inferred, said))
+        made._facts[model], made._mechanisms[model] = robot._facts_of(model), robot.mechanism(model)
+        made._hashes[model] = robot.content_hash(model)
+        return made
 
     def without_robot(self, robot: Iri) -> "Entities":
         """The same entities but for one robot; UnknownEntityError if it is not there."""

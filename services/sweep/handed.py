@@ -76,7 +76,6 @@ class Handed(Generic[T, R]):
     ) -> None:
         self._engine, self._work, self._alike = engine, partial(_each, work), alike
         self._prepare = prepare if engine.copies else None
-        self._at_once = AHEAD * engine.workers // engine.lanes
         self._lanes: list[_Lane] = []
         self._waiting: Waiting[T] = Waiting(engine.workers, alike, most)
         self._futures: dict[Future[list[R | Lost]], tuple[_Lane, list[T]]] = {}
@@ -114,9 +113,15 @@ class Handed(Generic[T, R]):
             self._begin(self._waiting.first)
         while len(self._waiting):
             lane = min(self._lanes, key=lambda each: each.pieces)
-            if lane.pieces >= self._at_once:
+            if lane.pieces >= self._room():
                 return
             self._submit(lane)
+
+    def _room(self) -> int:
+        """Pieces that an executor has at once: the last are kept for those who are free first."""
+        each = self._engine.workers // self._engine.lanes
+        last = self._engine.lanes > 1 and len(self._waiting) <= AHEAD * self._engine.workers
+        return each if last else AHEAD * each
 
     def _begin(self, first: T) -> None:
         if self._prepare is not None:

@@ -12,8 +12,9 @@ from predicates.case import Verdict
 from predicates.oracle import Embodiment, Physics
 from predicates.record import to_json, to_record
 from predicates.record.recall import Recall
+from sdt_kg.entities import Entities
 from sdt_kg.errors import SdtError
-from sdt_kg.load import ReadRobot, load_twin, read_robot, with_robot
+from sdt_kg.load import load_twin, read_robot, with_robot
 from sdt_kg.mechanism import JointType
 from sdt_kg.twin import Twin
 from services.app import Forces, Oracles, Policy, Service, whole_body
@@ -144,7 +145,7 @@ def kitchen_of(kitchen: str) -> Twin:
 
 
 @lru_cache(maxsize=TWINS_KEPT)
-def _robot(robot: Written) -> ReadRobot:
+def _robot(robot: Written) -> Entities:
     return read_robot(robot.name)
 
 

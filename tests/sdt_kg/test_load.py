@@ -246,8 +246,11 @@ def test_a_model_is_called_by_its_stem(given: str | Path, name: str) -> None:
 def test_a_robot_that_was_read_stands_in_a_kitchen_as_if_it_was_loaded_with_it(kitchen: str) -> None:
     read, there = read_robot("stretch"), load_twin(kitchen)
     joined, loaded = with_robot(there, read), load_twin(kitchen, ["stretch"])
-    assert joined.robots == loaded.robots == (read.iri,)
+    assert joined.robots == loaded.robots == (read.environment,)
     assert joined.notes == loaded.notes
+    for model in (joined.environment, *joined.robots):
+        assert joined.mechanism(model) == loaded.mechanism(model)
+        assert joined.content_hash(model) == loaded.content_hash(model)
     assert sorted(joined.serialize("nquads").splitlines()) == sorted(loaded.serialize("nquads").splitlines())
     assert with_robot(joined, read) is joined
     assert not there.robots
