@@ -149,6 +149,11 @@ def _kitchen(given: Given, kitchen: Mechanism, times: Array) -> tuple[tuple[str,
     verdict to refuse.
     """
     if "kitchen_joint_names" not in given:
+        for array in ("kitchen_positions", "kitchen_velocities"):
+            if array in given:
+                raise MotionError(
+                    f"there is '{array}', and no 'kitchen_joint_names'", allowed="both, or neither"
+                )
         return (), np.zeros((len(times), 0)), np.zeros((len(times), 0))
     names = given.names("kitchen_joint_names")
     q = given.numbers("kitchen_positions", (len(times), len(names)), names)

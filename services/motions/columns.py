@@ -49,8 +49,9 @@ def _parsed(text: str) -> tuple[dict[str, str], list[str], list[int], list[list[
     for number, line in enumerate(text.splitlines(), 1):
         if line.startswith("#"):
             name, colon, value = line[1:].partition(":")
-            if colon and name.strip() in HEADS:
-                heads[name.strip()] = value.strip()
+            name = name.strip()
+            if colon and name in HEADS and heads.setdefault(name, value.strip()) != value.strip():
+                raise MotionError(f"line {number} gives another '{name}'", allowed="one")
         elif line.strip():
             (cells,) = csv.reader([line])
             cells = [cell.strip() for cell in cells]

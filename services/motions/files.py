@@ -107,12 +107,21 @@ def _write_npz(path: Path, arrays: dict[str, np.ndarray]) -> None:
 
 def _read_json(path: Path) -> Given:
     try:
-        said = json.loads(path.read_text(encoding="utf-8"))
+        said = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_once_each)
     except (UnicodeDecodeError, ValueError, RecursionError) as error:
         raise MotionError(f"it is no JSON: {error}", allowed=ALLOWED) from None
     if not isinstance(said, dict):
         raise MotionError(f"it holds a {type(said).__name__}", allowed=f"an object with {ALLOWED}")
     return Given({str(name): _array(str(name), value) for name, value in said.items()})
+
+
+def _once_each(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    said = dict(pairs)
+    if len(said) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise MotionError(f"it has '{twice}' twice", allowed="every name once")
+    return said
 
 
 def _array(name: str, value: object) -> np.ndarray:

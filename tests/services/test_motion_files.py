@@ -170,6 +170,11 @@ def test_a_file_written_by_us_names_its_robot(tmp_path: Path) -> None:
         ),
         (body_motion(gripper=["left", "right"]), r"'gripper' holds <U5 of shape \(2,\); allowed: one name"),
         (body_motion(robot=7), "'robot' holds int64"),
+        (body_motion(kitchen_positions=SMOOTH[:, None]), "'kitchen_positions', and no 'kitchen_joint_names'"),
+        (
+            body_motion(kitchen_velocities=SMOOTH[:, None]),
+            "'kitchen_velocities', and no 'kitchen_joint_names'",
+        ),
         (container_motion(joint=["low_drawer_joint"] * 2), "'joint' holds"),
         (container_motion(joint=[]), "'joint' holds"),
         (container_motion(timed="false"), "'timed' holds .* true or false"),

@@ -205,6 +205,7 @@ def cell(column: int, value: str) -> Callable[[str], str]:
         (edited(3, lambda line: line.replace("base_yaw", "yaw", 1)), "there is no column 'base_yaw'"),
         (edited(3, lambda line: line.replace("base_x", "base_y", 1)), "line 3 names 'base_y' twice"),
         (edited(2, lambda _: "# base_frame: base_link"), "in the frame 'base_link'"),
+        (lambda lines: lines.append("# robot: stretch"), "line 13 gives another 'robot'; allowed: one"),
         (lambda lines: lines.__delitem__(slice(3, None)), "motion.csv: it has no samples"),
         (lambda lines: lines.__delitem__(2), "line 3 has the number 0.0 for the name of a column"),
         (edited(3, lambda line: line.replace(",", ";")), "line 3 names one column, 'time;base_x;.* commas"),
@@ -241,6 +242,7 @@ TWO_SAMPLES = {"times": [0, 1], "base": [[0, 0, 0]] * 2, "robot_joint_names": ["
             "'base' at index 1 has 2 values; allowed: 3",
         ),
         (json.dumps({"times": [0, None]}), "the motion has times"),
+        ('{"times": [0, 1], "base": [], "times": [0, 2]}', "motion.json: it has 'times' twice"),
         (
             json.dumps({"times": [0, 10**400], "joint": "low_drawer_joint", "values": [0, 1]}),
             "motion.json: 'times' is '10{39}' at index 1; allowed: real numbers",
