@@ -1,7 +1,7 @@
 """Whether a proof of infeasibility holds, in interval arithmetic and without the code that found it."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -131,7 +131,7 @@ def refuted(
             reasons.append(f"the container need not pass {beyond[0]:.4g}, at which {gripper.name} is refuted")
         else:
             try:
-                leaves += _tree(statement, arm, one)
+                leaves += leaves_of_one(statement, arm, one)
             except SdtError as error:
                 reasons.append(f"gripper {gripper.name}: {error}")
     if not statement.grippers:
@@ -139,14 +139,16 @@ def refuted(
     return reasons, leaves
 
 
-def _tree(statement: Statement, arm: Arm, given: Refutation) -> int:
-    """Number of leaves, each of which is refuted.
+def leaves_of_one(statement: Statement, arm: Arm, given: Refutation) -> int:
+    """Number of leaves of one refutation's tree, each of which is refuted.
 
     Raises:
         InputError: One is not, or the tree does not cover all joint positions.
     """
     if len(given.tree) > MOST_NODES:
         raise InputError(f"a tree of {len(given.tree)} nodes", allowed=f"at most {MOST_NODES}")
+    if given.beside and (given.pinched or given.places is not None):
+        raise InputError("a tree of places or fingers that goes over to limbs", allowed="one of arms alone")
     nodes, links = iter(given.tree), arm.chain.links
     if given.pinched:
         count = _pinches(statement, given, nodes)
@@ -154,7 +156,9 @@ def _tree(statement: Statement, arm: Arm, given: Refutation) -> int:
         ends = np.array([[link.lower, link.upper] for link in links]).T
         box = _covered(given, tuple(link.name for link in links), *ends)
         if given.places is None:
-            count = refuted_boxes(at_value(statement, arm, given.value), nodes, *box)
+            goal = at_value(statement, arm, given.value)
+            limbs = tuple(statement.beside(arm, body, given.value) for body in given.beside)
+            count = refuted_boxes(replace(goal, beside=limbs), nodes, *box)
         else:
             count = refuted_places(statement, arm, given.places, nodes, box)
     if next(nodes, None) is not None:

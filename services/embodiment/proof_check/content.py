@@ -8,8 +8,10 @@ something solid. A proof about times has no tree but the window of samples that 
 had neither, and is read as it is. "sdt proof 3" is a proof about some holds alone: those `within` a distance.
 From 4 on a refutation may have `places`: then its tree is one of cells of them, with trees of joints in it
 (`places.py`), and n + 1 + C + k, behind the C cores, says that joint k is too far from the cell. From 5 on
-the floor refutes too. Written is "sdt proof 6": one may be `pinched`, the fingers' joints last, and a leaf
-then names the one finger that may come to the handle (`pinch/`).
+the floor refutes too, from 6 on one may be `pinched`, the fingers' joints last, and a leaf then names the one
+finger that may come to the handle (`pinch/`). Written is "sdt proof 7": behind all these numbers are those of
+the bodies `beside` the arm; after such a node comes a tree of the joints that carry this body, whose leaves
+name cores on them, numbered in the same way (`inside/beside.py`).
 """
 
 import base64
@@ -25,9 +27,10 @@ from sdt_kg.errors import InputError
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.claim import Claim, Timing
 
-SCHEMA = "sdt proof 6"
+SCHEMA = "sdt proof 7"
 BY_PLACES = "sdt proof 4"
-SINCE_SOME_HOLDS = ("sdt proof 3", BY_PLACES, "sdt proof 5", SCHEMA)
+SINCE_DECLARED = ("sdt proof 6", SCHEMA)
+SINCE_SOME_HOLDS = ("sdt proof 3", BY_PLACES, "sdt proof 5", *SINCE_DECLARED)
 READ = ("sdt proof 1", "sdt proof 2", *SINCE_SOME_HOLDS)
 IN_HAND = 0.02
 """[m] Ours: in hand is a handle whose box is so near to the tool's origin, amid the fingertips, at the grasp;
@@ -41,6 +44,7 @@ PINCHED = (
     "fingers: two of them are at the handle at once, so both come as high as it; those that one motor drives "
     "differ by no more than the twin says"
 )
+BESIDE = "limbs beside the arm: they, too, are somewhere within their limits, and touch nothing"
 ONE_HOLD = "one hold: the tool keeps the pose on the handle that it has at the grasp, at all values"
 
 
@@ -68,6 +72,7 @@ class Refutation:
         tree: Its division; see above.
         places: Where one hold at several values is refuted, and not all holds at one.
         pinched: Whether it is refuted that two fingers come to the handle together.
+        beside: Bodies that other joints carry, to whose trees the tree may go over.
     """
 
     gripper: str
@@ -77,6 +82,7 @@ class Refutation:
     tree: bytes
     places: Places | None = None
     pinched: bool = False
+    beside: tuple[str, ...] = ()
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -114,6 +120,7 @@ class Proof:
             f"grasp set: {claim.holds}",
             f"tolerances: those of certification, {claim.tolerances}",
             *([ONE_HOLD] if any(one.places is not None for one in self.refutations) else []),
+            *([BESIDE] if any(one.beside for one in self.refutations) else []),
             *([PINCHED] if any(one.pinched for one in self.refutations) else []),
             "joints: limits of the twin, each joint for itself",
             "collision geometry: of the fingers and the handle, which a hold is about; besides, with a fixed "
@@ -177,7 +184,9 @@ def _unpacked(content: bytes) -> dict[str, Any]:  # Any: JSON
 def _claim(given: dict[str, Any], schema: str) -> Claim:  # Any: JSON
     if schema != BY_PLACES and ("within" in given) is not (schema in SINCE_SOME_HOLDS):
         raise ValueError(f"which holds are meant is not told in {schema}")
-    if ("declared" in given) is not (schema == SCHEMA) or type(given.get("declared", False)) is not bool:
+    if ("declared" in given) is not (schema in SINCE_DECLARED) or type(
+        given.get("declared", False)
+    ) is not bool:
         raise ValueError(f"how the robot's bodies are taken is not told in {schema}")
     environment, robot = ((str(iri), str(known)) for iri, known in given["models"])
     low, high = (_number(each) for each in given["span"])
@@ -227,6 +236,7 @@ def _refutation(given: dict[str, Any]) -> Refutation:  # Any: JSON
         base64.b64decode(given["tree"], validate=True),
         None if places is None else Places(tuple(map(_number, places["values"])), _box(places["box"])),
         given.get("pinched") is True,
+        tuple(str(each) for each in given.get("beside", ())),
     )
 
 

@@ -29,10 +29,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import BaseLimits, Drive, Gripper
+from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import ROUNDING, Arm, make_arm, upright
+from services.embodiment.proof_check.inside.beside import Beside, beside, chain_to
 from services.embodiment.proof_check.inside.boxes import Core, cores_on
 from services.embodiment.proof_check.inside.cores import (
     Around,
@@ -95,7 +97,8 @@ class Statement:
         self._surroundings = Surroundings(self._kitchen, self._slack())
         self._solids: dict[float, Solids] = {}
         self._cores: dict[str, tuple[Core, ...]] = {}
-        self._own: dict[str, tuple[Around, ...]] = {}
+        self._own: dict[tuple[str, ...], tuple[Around, ...]] = {}
+        self._limbs: dict[str, Arm] = {}
 
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Statement":
         """The same, with the fixed base elsewhere."""
@@ -113,15 +116,18 @@ class Statement:
         if found is None:
             return None
         chain, corners = found
-        height = Placement(HERE.rotation, exact([0.0, 0.0, self._annotation.base_height]))
         if not self.level:
-            whole = Chain((*self._base(height), *chain.links), chain.end)
+            whole = self._on_base(chain)
             if gripper.name not in self._cores:
                 self._cores[gripper.name] = self._inside(chain)
             return replace(make_arm(gripper.name, whole, corners, 0), cores=self._cores[gripper.name])
-        first = replace(chain.links[0], before=height @ chain.links[0].before)
+        first = replace(chain.links[0], before=self._height() @ chain.links[0].before)
         whole = Chain((first, *chain.links[1:]), chain.end)
         return make_arm(gripper.name, whole, corners, upright(whole))
+
+    def _height(self) -> Placement:
+        """Where the base's frame is above the floor."""
+        return Placement(HERE.rotation, exact([0.0, 0.0, self._annotation.base_height]))
 
     def _inside(self, chain: Chain) -> tuple[Core, ...]:
         """Boxes inside the bodies that a chain behind the base carries."""
@@ -160,9 +166,26 @@ class Statement:
         kitchen = Around(-1, solids, keeps)
         if any(self.room):  # a map asks at many poses: what does not depend on them is left out
             return (kitchen,)
-        if arm.gripper not in self._own:
-            self._own[arm.gripper] = own_solids(arm.cores, self._tree, self._annotation)
-        return kitchen, *self._own[arm.gripper]
+        joints = tuple(link.name for link in arm.chain.links)
+        if joints not in self._own:
+            self._own[joints] = own_solids(arm.cores, self._tree, self._annotation)
+        return kitchen, *self._own[joints]
+
+    def beside(self, arm: Arm, body: str, value: float) -> Beside:
+        """The joints that carry a body, beside an arm, with the container at a value.
+
+        Raises:
+            InputError: They have no limits of their own, or the base is free.
+        """
+        limb = self._limbs[body] = self._limbs.get(body) or self._limb(body)
+        return beside(arm, limb, self.around(limb, value))
+
+    def _limb(self, body: str) -> Arm:
+        """The chain from a fixed base to a body, as an arm of no gripper."""
+        if self.level:
+            raise InputError(f"a proof from {body} with a free base", allowed="a fixed base")
+        chain = chain_to(self._tree, body, base_T_root(self._tree, self._annotation), self.tolerances)
+        return replace(make_arm(body, self._on_base(chain), np.zeros((8, 3)), 0), cores=self._inside(chain))
 
     def _slack(self) -> float:
         """How far a joint of the kitchen may be from where it is said to be [rad or m]."""
@@ -174,14 +197,16 @@ class Statement:
         kept = self.tolerances
         return kept.start_position + kept.position, kept.start_angle + kept.position
 
-    def _base(self, height: Placement) -> tuple[Link, ...]:
+    def _on_base(self, chain: Chain) -> Chain:
+        """A chain behind a base that stands."""
         slack, turn = self._base_slacks()
         slacks = tuple(one + more for one, more in zip((slack, slack, turn), self.room, strict=True))
-        places = (height, HERE, HERE)
-        return tuple(
+        places = (self._height(), HERE, HERE)
+        base = (
             Link(name, place, np.eye(3)[k], k == 2, self.start[k] - slacks[k], self.start[k] + slacks[k])
             for k, (name, place) in enumerate(zip(BASE, places, strict=True))
         )
+        return Chain((*base, *chain.links), chain.end)
 
     def _corners(self, gripper: Gripper) -> Array | None:
         """Corners of the grasp box in the tool's frame [m], shape (8, 3); for holds in hand its origin."""

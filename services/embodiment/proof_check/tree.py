@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sdt_kg.errors import InputError
 from services.embodiment.proof_check.arm import ROUNDING, Arm
 from services.embodiment.proof_check.content import LEAF
+from services.embodiment.proof_check.inside.beside import Beside
 from services.embodiment.proof_check.inside.cores import Around, pierced
 from services.embodiment.proof_check.interval import apply, exact
 from services.embodiment.proof_check.mechanics import HERE, Placement, Swing
@@ -30,6 +31,7 @@ class Goal:
         around: What is solid.
         level: Whether only heights are known.
         wrist: The arm to the origin of its last joint, and where that has to be; None if anywhere.
+        beside: Limbs whose trees a box may be handed to.
     """
 
     arm: Arm
@@ -37,6 +39,7 @@ class Goal:
     around: tuple[Around, ...]
     level: bool
     wrist: tuple[Arm, Target] | None = None
+    beside: tuple[Beside, ...] = ()
 
     @property
     def codes(self) -> int:
@@ -52,38 +55,78 @@ def refuted_boxes(goal: Goal, nodes: Iterator[int], low: Array, high: Array) -> 
         InputError: One is not, or the tree does not cover the box.
     """
     near, cores = len(goal.arm.chain.links) + 1, len(goal.arm.cores)
-    leaves, count = leaves_of(nodes, low, high, goal.codes), 0
+    leaves, count = leaves_of(nodes, low, high, goal.codes, goal.beside), 0
+    bounds = [near, near + cores, *_firsts(goal.codes, goal.beside)]
     while block := list(islice(leaves, BLOCK)):
         count += len(block)
-        kinds = np.digitize([leaf[2] for leaf in block], [near, near + cores])
-        parts = [[leaf for leaf, kind in zip(block, kinds, strict=True) if kind == k] for k in range(3)]
-        if parts[0]:
-            all_far(goal.arm, goal.target, parts[0], goal.level)
-        if parts[1]:
-            _all_pierced(goal.arm, goal.around, parts[1])
-        if parts[2] and goal.wrist is not None:
-            all_far(*goal.wrist, [(a, b, code - near - cores) for a, b, code in parts[2]], goal.level)
+        kinds = np.digitize([leaf[2] for leaf in block], bounds)
+        for kind in np.unique(kinds).tolist():
+            first = 0 if kind == 0 else bounds[kind - 1]
+            part = [(a, b, code - first) for (a, b, code), k in zip(block, kinds, strict=True) if k == kind]
+            _refuted_part(goal, kind, part)
     return count
 
 
+def _refuted_part(goal: Goal, kind: int, part: Block) -> None:
+    """All boxes of one kind are refuted: by what the arm carries, its cores, its wrist, or a limb's cores.
+
+    Raises:
+        InputError: One is not.
+    """
+    if kind == 0:
+        all_far(goal.arm, goal.target, part, goal.level)
+    elif kind == 1:
+        _all_pierced(goal.arm, goal.around, part)
+    elif kind == 2 and goal.wrist is not None:
+        all_far(*goal.wrist, part, goal.level)
+    else:
+        one = goal.beside[kind - 3]
+        _all_pierced(one.limb, one.around, part)
+
+
+def _firsts(codes: int, beside: tuple[Beside, ...]) -> list[int]:
+    """From which number on leaves name a core of each limb, behind all that an arm's leaf can name."""
+    return [codes + sum(len(one.limb.cores) for one in beside[:k]) for k in range(len(beside))]
+
+
 def leaves_of(
-    nodes: Iterator[int], low: Array, high: Array, codes: int
+    nodes: Iterator[int], low: Array, high: Array, codes: int, beside: tuple[Beside, ...] = ()
 ) -> Iterator[tuple[Array, Array, int]]:
     """Boxes of the leaves, and what each of them names; together they are the whole box.
+
+    A node that names a limb is followed by the tree of that: its leaves name its cores.
 
     Raises:
         InputError: The tree ends early, or names what is not there.
     """
-    stack = [(low, high)]
+    stack, firsts = [(low, high)], _firsts(codes, beside)
     while stack:
         low, high = stack.pop()
         node = next(nodes, None)
-        if node is None or node % LEAF >= (codes if node >= LEAF else len(low)):
+        if node is None or node % LEAF >= (codes + len(beside) if node >= LEAF else len(low)):
             raise InputError("the proof's tree is damaged", allowed="a whole tree over the arm's joints")
-        if node >= LEAF:
+        if node < LEAF:
+            stack += halves(low, high, node)
+        elif node < LEAF + codes:
             yield low, high, node - LEAF
-            continue
-        stack += halves(low, high, node)
+        else:
+            k = node - LEAF - codes
+            yield from _leaves_of_limb(nodes, beside[k], firsts[k], beside[k].box(low, high))
+
+
+def _leaves_of_limb(
+    nodes: Iterator[int], one: Beside, first: int, box: tuple[Array, Array]
+) -> Iterator[tuple[Array, Array, int]]:
+    """The same of a limb, whose leaves are numbered like an arm's and name cores alone, from a number on.
+
+    Raises:
+        InputError: The tree ends early, or a leaf names no core: a limb is far from the handle anyway.
+    """
+    near = len(one.limb.chain.links) + 1
+    for low, high, code in leaves_of(nodes, *box, near + len(one.limb.cores)):
+        if code < near:
+            raise InputError("a limb that is refuted by its distance", allowed="cores that meet a solid")
+        yield low, high, first + code - near
 
 
 def halves(low: Array, high: Array, axis: int) -> list[tuple[Array, Array]]:
@@ -94,13 +137,13 @@ def halves(low: Array, high: Array, axis: int) -> list[tuple[Array, Array]]:
 
 
 def _all_pierced(arm: Arm, around: tuple[Around, ...], block: Block) -> None:
-    """In each box the named core has a point of something solid in it.
+    """In each box the named core, counted from the first, has a point of something solid in it.
 
     Raises:
         InputError: It has none, as far as was shown.
     """
     low, high = (np.array([one[k] for one in block]) for k in (0, 1))
-    named = np.array([one[2] for one in block]) - len(arm.chain.links) - 1
+    named = np.array([one[2] for one in block])
     middle = (low + high) / 2
     half = np.maximum(high - middle, middle - low) * (1 + 1e-12)
     for c in np.unique(named).tolist():

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.proof_check.arm import Arm
+from services.embodiment.proof_check.inside.boxes import Core
 from services.embodiment.proof_check.inside.cores import Around
 from services.embodiment.proof_check.interval import Interval
 from services.embodiment.proof_check.target import Target
@@ -61,9 +62,14 @@ def _near(arm: Arm, places: Array, half: Array) -> NDArray[np.bool_]:
         return np.ones(len(places), dtype=np.bool_)
     start = np.array([(link.lower + link.upper) / 2 for link in links[:2]])
     room = sum(link.upper - link.lower for link in links[:2])
-    size = max((float(np.linalg.norm(core.half)) for core in cores), default=0.0)
+    size = max(map(_size, cores), default=0.0)
     away = np.linalg.norm(places[:, :2] - start, axis=1) - np.linalg.norm(half, axis=1)
     return away < arm.reach[2] + room + size
+
+
+def _size(core: Core) -> float:
+    """How far a core reaches from the origin of the link that carries it [m]."""
+    return float(np.linalg.norm(middle(core.middle.translation)) + np.linalg.norm(core.half))
 
 
 def grasp(arm: Arm) -> tuple[Array, Array, Array]:

@@ -9,18 +9,20 @@ from numpy.typing import NDArray
 
 from predicates.case import Artefact, ArtefactKind, Diagnosis, Evidence, Kind, Quantity
 from sdt_kg.annotation import Drive, Gripper
+from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.mechanism import JointType
 from sdt_kg.motion import Motion
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
-from services.embodiment.proof_check.check import refuted
+from services.embodiment.proof_check.check import leaves_of_one, refuted
 from services.embodiment.proof_check.claim import Timing, claim_about
 from services.embodiment.proof_check.content import Proof, Refutation, to_bytes
 from services.embodiment.proof_check.haste import too_fast
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove.arrays import aim, inner, joints
+from services.embodiment.prove.beside import Limbs
 from services.embodiment.prove.boxes import FOUND, LEAF, divide
 from services.embodiment.prove.inner import SLACK
 from services.embodiment.prove.pinch import by_fingers
@@ -33,6 +35,7 @@ VALUES = 9  # of the container at which a proof is looked for
 FEW = 3  # the same, where many base poses are asked about
 MANY = 65  # the same, where something has to come inside what the base carries
 SWEPT = 100  # boxes of such a proof
+AMID = 2_000  # the same, of an arm where limbs beside it are in the way in some parts of the lift only
 SPARSE = 2  # every so many of them, where one hold at several is refuted
 HINGE, SLIDE = "rad", "m"
 
@@ -80,6 +83,7 @@ class Prover:
         self.count = VALUES
         self._arms: dict[str, Arm | None] = {}
         self._pinched: dict[str, Refutation | None] = {}
+        self._limbs: Limbs | None = None
 
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Prover":
         """The same, with the fixed base anywhere in a room about another pose; for `excludes`."""
@@ -106,9 +110,11 @@ class Prover:
         return Proved(self._diagnosis(refutations, leaves), artefact, leaves)
 
     def swept(self) -> Proved | None:
-        """The same where the container comes into what stands, or only lifts: looked for at many values."""
+        """The same where the container comes into what stands, lifts or turns: looked for at many values."""
         other = copy(self)
         other.count = MANY
+        if self.span is not None:
+            other._limbs = Limbs(self.statement, sorted(other._values()))
         return other.prove(SWEPT)
 
     def hurried(self, motion: Motion) -> Proved | None:
@@ -145,7 +151,7 @@ class Prover:
             return None
         refutations: list[Refutation] = []
         for gripper in self.statement.grippers:
-            found = next(self._refutations(gripper, nodes), None)
+            found = next(self._refutations(gripper, nodes), None) or self._by_limbs(gripper)
             if found is None and self.statement.within is None:
                 found = self._by_fingers(gripper)
             if found is None and one_hold and (arm := self._arms[gripper.name]) is not None:
@@ -178,6 +184,21 @@ class Prover:
             )
             if outcome == FOUND:
                 yield Refutation(gripper.name, value, names, box, tree[:count].tobytes())
+
+    def _by_limbs(self, gripper: Gripper) -> Refutation | None:
+        """A refutation of one gripper by bodies beside its arm, where such are looked for."""
+        arm = self._arms[gripper.name]
+        if self._limbs is None or arm is None or not self.statement.handle_boxes():
+            return None
+        found = self._limbs.refutations(arm, AMID)
+        return next((one for one in found if self._shown(arm, one)), None)
+
+    def _shown(self, arm: Arm, one: Refutation) -> bool:
+        """Whether the check finds so too: where a limb is grazed it may not."""
+        try:
+            return leaves_of_one(self.statement, arm, one) > 0
+        except InputError:
+            return False
 
     def _by_fingers(self, gripper: Gripper) -> Refutation | None:
         """A refutation of two fingers of one gripper together, at an end of the span; looked for once."""
@@ -238,6 +259,9 @@ class Prover:
         """Names of the bodies whose cores refute something at a single value."""
         bodies: set[str] = set()
         for one in refutations:
+            if one.beside:
+                bodies.update(one.beside)
+                continue
             arm = self._arms[one.gripper]
             assert arm is not None, "what has no arm is not refuted"
             first = LEAF + len(one.joints) + 1

@@ -179,13 +179,18 @@ def _pierced(
     turns = np.array([link.turns for link in links], dtype=np.bool_)
     moved, every = _moved(at.translation, origins, axes, links, half), np.flatnonzero(keeps)[None]
     swing = Swing(origins, axes, half, turns)
-    point, which, near = _points(at, core.half, solids, every, moved, ROUNDS)
-    depth = _depth(core, at, swing, solids, (point, which))
-    left = np.flatnonzero((depth <= 0) & (near > -NEARLY))
-    if len(left):
-        at, swing = at.some(left), Swing(origins[left], axes[left], half[left], turns)
-        point, which, _ = _points(at, core.half, solids, which[left, None], moved[left], MORE_ROUNDS)
-        depth[left] = _depth(core, at, swing, solids, (point, which))
+    points, near = _points(at, core.half, solids, every, moved, ROUNDS)
+    rows, best = np.arange(len(middle)), near.argmax(axis=1)
+    depth = _depth(core, at, swing, solids, (points[rows, best], every[0, best]))
+    for s in range(every.shape[1]):
+        left = np.flatnonzero((depth <= 0) & (near[:, s] > -NEARLY))
+        if len(left):
+            there, which = at.some(left), every[:, [s]]
+            less = np.minimum(moved[left], max(float(core.half.min()) - NEARLY, 0.0))
+            points, _ = _points(there, core.half, solids, which, less, MORE_ROUNDS)
+            still = Swing(origins[left], axes[left], half[left], turns)
+            found = points[:, 0], np.broadcast_to(which[0], len(left))
+            depth[left] = _depth(core, there, still, solids, found)
     return depth
 
 
@@ -210,10 +215,10 @@ def _moved(point: Interval, origins: Interval, axes: Interval, links: tuple[Link
 
 def _points(  # noqa: PLR0913, PLR0917  # where a box is, what it may meet, and how far it is looked
     at: Placement, half: Array, solids: Solids, which: NDArray[np.intp], moved: Array, rounds: int
-) -> tuple[Array, NDArray[np.intp], Array]:
-    """A point of a solid in each box, the solid, and how deep it lies there; in floats, to be checked.
+) -> tuple[Array, Array]:
+    """A point of each solid in each box (L, S, 3), and how deep it lies there (L, S); to be checked.
 
-    The solids are those of `which`: some for all boxes (1, S), or one for each (L, 1).
+    The solids are those of `which`, shape (1, S). In floats.
     """
     turn, place = _middle(at.rotation), _middle(at.translation)[:, None]
     other, there = _middle(solids.at.rotation)[which], _middle(solids.at.translation)[which]
@@ -227,9 +232,7 @@ def _points(  # noqa: PLR0913, PLR0917  # where a box is, what it may meet, and 
         local = np.clip(np.einsum("lsji,lsj->lsi", other, point - there), -room, room)
         point = np.einsum("lsij,lsj->lsi", other, local) + there
     seen = np.einsum("lji,lsj->lsi", turn, point - place)
-    deep = (half - np.abs(seen)).min(axis=2)
-    rows, best = np.arange(len(point)), deep.argmax(axis=1)
-    return point[rows, best], np.broadcast_to(which, deep.shape)[rows, best], deep[rows, best]
+    return point, (half - np.abs(seen)).min(axis=2)
 
 
 def _placed(iri: Iri, chain: Chain, q: Array, geometries: list[Geometry], slack: float) -> Solids:

@@ -1,0 +1,189 @@
+"""Where bodies beside the arm are in the way with the container at a value, whatever the gripper does."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.mechanism import Joint, JointType
+from services.embodiment.proof_check.arm import Arm
+from services.embodiment.proof_check.content import LEAF, Refutation
+from services.embodiment.proof_check.inside.beside import Beside
+from services.embodiment.proof_check.mechanics import Tree
+from services.embodiment.proof_check.places import at_value
+from services.embodiment.proof_check.statement import BASE, Statement
+from services.embodiment.proof_check.tree import Goal, halves
+from services.embodiment.prove.arrays import aim, inner, joints
+from services.embodiment.prove.boxes import FOUND, divide
+from services.embodiment.prove.inner import SLACK
+
+Array = NDArray[np.float64]
+Box = tuple[Array, Array]
+
+CARRIED = 3  # joints behind the base on which bodies are looked at: a lift and two more
+LIFT = len(BASE)  # the joint that is halved for all limbs
+HALVED = 3  # times at most
+SPARSE = 4  # every so many values are looked at first, then those about the best
+TRIED = 5  # values at which all of the lift is to be refuted
+NODES = 2_000  # of the tree of one limb
+CODES = 256 - LEAF  # that leaves can have
+ANYWHERE = 1e3  # [m] half the size of a handle from which nothing is too far
+
+
+@dataclass(frozen=True, slots=True)
+class Met:
+    """A limb that is in the way in a part of the lift, to which body it goes, and the tree of its joints."""
+
+    body: str
+    tree: bytes
+
+
+Parts = Met | tuple["Parts", "Parts"] | None
+"""Of the lift: what is in the way there, or in its lower and upper half; None where nothing is."""
+
+
+class Limbs:
+    """Looks where limbs of one robot are in the way; what it finds counts for all its grippers.
+
+    Args:
+        statement: What is to be refuted, with a fixed base.
+        values: Of the container at which is looked, in order [rad or m].
+    """
+
+    def __init__(self, statement: Statement, values: list[float]) -> None:
+        self._statement, self._bodies = statement, _ends(statement)
+        self._values, self._known = values, dict[float, Parts]()
+
+    def refutations(self, arm: Arm, nodes: int) -> Iterator[Refutation]:
+        """Refutations of one gripper at single values: by limbs in parts of the lift, by its arm in others.
+
+        Those values come first at which limbs are in the way in the largest part, by the fewest boxes.
+
+        Args:
+            arm: The gripper's.
+            nodes: Of the arm's tree in each part that is left.
+        """
+        for value in self._values[::SPARSE]:
+            self._look(arm, value)
+        best = max(self._known, key=self._rank, default=None)
+        if best is not None and self._rank(best)[0]:
+            k = self._values.index(best)
+            for value in self._values[max(k - SPARSE, 0) : k + SPARSE]:
+                self._look(arm, value)
+        found = sorted(self._known, key=self._rank, reverse=True)[:TRIED]
+        each = (self._refute(arm, value, nodes) for value in found if self._rank(value)[0])
+        yield from (one for one in each if one is not None)
+
+    def _rank(self, value: float) -> tuple[float, int, float]:
+        """In how much of the lift limbs are in the way, by how few boxes (less than nothing), and where."""
+        parts = self._known[value]
+        return _covered(parts), -_nodes(parts), value
+
+    def _look(self, arm: Arm, value: float) -> None:
+        if value in self._known:
+            return
+        low, high = _ranges(arm)
+        limbs = {body: self._statement.beside(arm, body, value) for body in self._bodies}
+        asked = [_Asked(body, one) for body, one in limbs.items() if one.shared > LIFT]
+        self._known[value] = _parts(asked, (low, high), HALVED)
+
+    def _refute(self, arm: Arm, value: float, nodes: int) -> Refutation | None:
+        goal, parts, box = at_value(self._statement, arm, value), self._known[value], _ranges(arm)
+        used = tuple(sorted(_bodies(parts)))
+        tree = _tree(goal, used, parts, box, nodes) if goal.codes + len(used) <= CODES else None
+        if tree is None:
+            return None
+        names = tuple(link.name for link in arm.chain.links)
+        ends = tuple(zip(*(each.tolist() for each in box), strict=True))
+        return Refutation(arm.gripper, value, names, ends, tree, beside=used)
+
+
+def _ranges(arm: Arm) -> Box:
+    """Lower and upper ends of all positions of the arm's joints, shape (n,)."""
+    links = arm.chain.links
+    return np.array([link.lower for link in links]), np.array([link.upper for link in links])
+
+
+def _ends(statement: Statement) -> tuple[str, ...]:
+    """Bodies at the ends of short limbs, each with limits; all bodies on the way there are looked at too."""
+    tree = Tree(statement.twin.mechanism(statement.robot))
+    found: dict[tuple[str, ...], str] = {}
+    for body in tree.mechanism.bodies:
+        moving = [joint for joint in tree.path(body.name) if joint.type is not JointType.FIXED]
+        if 1 < len(moving) <= CARRIED and all(map(_bounded, moving)):
+            found[tuple(joint.name for joint in moving)] = body.name
+    return tuple(
+        body for on, body in found.items() if not any(len(on) < len(o) and o[: len(on)] == on for o in found)
+    )
+
+
+def _bounded(joint: Joint) -> bool:
+    return joint.mimic is None and joint.type is not JointType.CONTINUOUS
+
+
+class _Asked:
+    """A limb as compiled loops take it."""
+
+    def __init__(self, body: str, one: Beside) -> None:
+        links = len(one.limb.chain.links)
+        tool = np.eye(3), np.zeros(3), np.zeros(3)
+        handle = np.eye(3)[None], np.zeros((1, 3)), np.full((1, 3), ANYWHERE)
+        wanted = np.full(links, ANYWHERE), tool, handle
+        self.body, self._one = body, one
+        self._about = joints(one.limb), 0, (wanted, wanted), False, False, SLACK, inner(one.limb, one.around)
+
+    def in_the_way(self, box: Box) -> Met | None:
+        """Where a core meets something solid with the arm anywhere in a box, if it is found to."""
+        tree = np.zeros(NODES, dtype=np.uint8)
+        outcome, written = divide(*self._one.box(*box), *self._about, tree)
+        return Met(self.body, tree[:written].tobytes()) if outcome == FOUND else None
+
+
+def _parts(limbs: list[_Asked], box: Box, halved: int) -> Parts:
+    """What is in the way in a box of the arm's positions, halved so many times at most."""
+    found = (one.in_the_way(box) for one in limbs)
+    met = next((one for one in found if one is not None), None)
+    if met is not None or not halved:
+        return met
+    upper, lower = (_parts(limbs, half, halved - 1) for half in halves(*box, LIFT))
+    return None if lower is None and upper is None else (lower, upper)
+
+
+def _covered(parts: Parts) -> float:
+    """In how much of the lift something is in the way."""
+    if parts is None or isinstance(parts, Met):
+        return 0.0 if parts is None else 1.0
+    return (_covered(parts[0]) + _covered(parts[1])) / 2
+
+
+def _nodes(parts: Parts) -> int:
+    """Of all trees of limbs."""
+    if parts is None or isinstance(parts, Met):
+        return 0 if parts is None else len(parts.tree)
+    return _nodes(parts[0]) + _nodes(parts[1])
+
+
+def _bodies(parts: Parts) -> set[str]:
+    """To which bodies the limbs go that are in the way."""
+    if parts is None:
+        return set()
+    return {parts.body} if isinstance(parts, Met) else _bodies(parts[0]) | _bodies(parts[1])
+
+
+def _tree(goal: Goal, used: tuple[str, ...], parts: Parts, box: Box, nodes: int) -> bytes | None:
+    """The tree of an arm's joints that goes over to limbs where these are in the way."""
+    if isinstance(parts, Met):
+        return bytes([LEAF + goal.codes + used.index(parts.body)]) + parts.tree
+    if parts is None:
+        tree, wanted = np.zeros(nodes, dtype=np.uint8), aim(goal.arm, goal.target)
+        about = joints(goal.arm), 0, (wanted, wanted), False, False, SLACK, inner(goal.arm, goal.around)
+        outcome, written = divide(*box, *about, tree)
+        return tree[:written].tobytes() if outcome == FOUND else None
+    found = [bytes([LIFT])]
+    for part, half in zip(parts, reversed(halves(*box, LIFT)), strict=True):
+        tree = _tree(goal, used, part, half, nodes)
+        if tree is None:
+            return None
+        found.append(tree)
+    return b"".join(found)
