@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TypeGuard, TypeVar
 
 from predicates.can_perform import can_perform
-from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Verdict
+from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Quantity, Verdict
 from predicates.causes import causes
 from predicates.meant import moved_by
 from predicates.oracle import Embodiment, Physics
@@ -22,6 +22,9 @@ from sdt_kg.twin import Container
 
 T = TypeVar("T")
 Answers = tuple[Answer | None, Answer | None, Answer | None]
+
+BY_SPEED = frozenset({Quantity.VELOCITY, Quantity.ACCELERATION, Quantity.FORCE})
+"""What a motion of a container breaks that need not be broken more slowly."""
 
 NOT_ASKED = Diagnosis(Kind.EMBODIMENT, "no robot was asked, so CanPerform is open")
 
@@ -82,7 +85,7 @@ def _judged(question: Question, physics: Physics, embodiment: Embodiment | None,
     if caused is None or not _outside(caused):
         solved = case if caused is None else caused.case
         performed = _performed(solved, embodiment)
-        if _is_new(performed, case):
+        if _is_new(performed, case) and (caused is None or _may_be_executed(case, caused)):
             caused = _executed(performed, physics)
             solved = caused.case
         satisfied = _as_sure_as(caused, _satisfied(solved, container))
@@ -147,6 +150,17 @@ def _performed(case: Case, embodiment: Embodiment | None) -> Answer | None:
 def _is_new(performed: Answer | None, case: Case) -> TypeGuard[Answer]:
     """Whether CanPerform holds by a body motion that was not given."""
     return performed is not None and performed.holds and performed.case.body_motion is not case.body_motion
+
+
+def _may_be_executed(given: Case, caused: Answer) -> bool:
+    """Whether Causes is about what a robot makes of τ: of one that was given, if that is τ, or τ slower.
+
+    What leaves the joint's way or limits, or begins elsewhere, is no better for a robot that does otherwise.
+    """
+    if not isinstance(given.motion, Motion) or caused.holds:
+        return True
+    found = {None if each.evidence is None else each.evidence.quantity for each in caused.diagnoses}
+    return not given.motion.timed and found <= BY_SPEED
 
 
 def _executed(performed: Answer, physics: Physics) -> Answer:

@@ -20,8 +20,10 @@ from services.embodiment.certify.certificate import read_certificate
 from services.embodiment.oracle import WholeBody
 from services.embodiment.recheck import recheck_artefact
 from services.physics.oracle import Kinematics
+from services.physics.points import as_poses
 from services.physics.replay import spline_of, velocities_of
 from services.physics.spline import Cubic
+from services.physics.tree import build
 from tests.services.embodiment.gantry import DRAWER, START, gantry_twin, opening
 
 pytestmark = pytest.mark.oracle
@@ -157,6 +159,33 @@ def test_a_motion_of_another_container_than_the_tasks_is_an_error() -> None:
     case = Case(kitchen(), kitchen().robots[0], Task(Verb.OPEN, other.iri), asked([0, 20], [0, 1]))
     with pytest.raises(MotionError, match="does not move iai_fridge_door"):
         WholeBody(drive=Drive.OMNI).perform(case)
+
+
+@pytest.mark.parametrize("timed", [True, False])
+@pytest.mark.parametrize(
+    ("off", "first"), [(0.0, 0), (0.05, 8), (0.3, 0)], ids=["as it goes", "aside", "higher"]
+)
+def test_a_path_that_leaves_the_joints_way_is_not_certified_for_what_a_robot_does_instead(
+    timed: bool, off: float, first: int
+) -> None:
+    container, u = kitchen().container(EASY), np.linspace(0, 1, 25)
+    values = replace(asked((20 * u).tolist(), (3 * u**2 - 2 * u**3).tolist()), timed=timed)
+    path = as_poses(build(kitchen().mechanism(kitchen().environment)), kitchen(), values, container.handle)
+    path.values[first:16, 2] += off
+    case = Case(kitchen(), kitchen().robots[0], Task(Verb.OPEN, container.iri), path)
+    (verdict,) = law(case, Kinematics(), WholeBody(drive=Drive.OMNI))
+    assert verdict.causes is not None
+    assert verdict.causes.holds is (off == 0)
+    assert verdict.outcome is (Outcome.NOT_CERTIFIED if off else Outcome.CERTIFIED)
+
+
+def test_a_motion_that_is_too_fast_is_certified_as_a_robot_slows_it_where_it_may() -> None:
+    container, fast = kitchen().container(EASY), asked([0, 0.3], [0, 1])
+    for timed, outcome in ((False, Outcome.CERTIFIED), (True, Outcome.NOT_CERTIFIED)):
+        about = Task(Verb.OPEN, container.iri), replace(fast, timed=timed)
+        case = Case(kitchen(), kitchen().robots[0], *about)
+        (verdict,) = law(case, Kinematics(), WholeBody(drive=Drive.OMNI))
+        assert verdict.outcome is outcome
 
 
 def carried(later: float = 0.0) -> Motion:
