@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from predicates.case import Evidence, Quantity
+from sdt_kg.errors import MotionError, UnknownEntityError
 from sdt_kg.iri import local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container
@@ -16,7 +17,7 @@ from services.embodiment.certify.sweep.kinematics import joint_axes
 from services.embodiment.certify.sweep.pieces import Pieces, hermite, positions
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
-from services.physics.replay import POSITION_SLACK, START_TOLERANCE, spline_of, velocities_of
+from services.physics.replay import POSITION_SLACK, START_TOLERANCE, check_samples, spline_of, velocities_of
 
 Array = NDArray[np.float64]
 
@@ -84,12 +85,19 @@ def keeps(scene: Scene, pieces: Pieces, motion: Motion, tolerances: Tolerances) 
         pieces: Of the body motion, all coordinates.
         motion: Values of a joint of the kitchen, to be kept with their times.
         tolerances: `coupling` is how far off the joint may be.
+
+    Raises:
+        MotionError: What is to be kept is no motion, or is one of poses.
+        UnknownEntityError: There is no such joint that moves.
     """
+    check_samples(motion)
+    if motion.is_poses:
+        raise MotionError("a motion to be kept is given as poses", allowed="values of a joint")
+    if motion.of not in scene.coordinate:
+        raise UnknownEntityError("joint", local_name(motion.of), map(local_name, scene.coordinate))
     k = scene.coordinate[motion.of]
     wanted, found = hermite(motion.times, motion.values, velocities_of(motion)), pieces.columns(np.array([k]))
     lag = _lag(wanted, found)
-    if lag is None:
-        return Findings()
     off, time = _apart(Pieces(wanted.start + lag, wanted.duration, wanted.c), found)
     if off <= tolerances.coupling:
         return Findings(figures={"off the motion asked for": (off, _unit(scene, k))})
@@ -102,8 +110,8 @@ def _unit(scene: Scene, k: int) -> str:
     return "rad" if joint_axes(scene)[1][k] else "m"
 
 
-def _lag(wanted: Pieces, found: Pieces) -> float | None:
-    """By how much later one motion is at a value than the other [s], none if the first never moves.
+def _lag(wanted: Pieces, found: Pieces) -> float:
+    """By how much later one motion is at a value than the other [s], none if that never moves.
 
     The value is one that the first passes quickly, so that the time is sharp; infinite if the other does not
     come there.
@@ -112,7 +120,7 @@ def _lag(wanted: Pieces, found: Pieces) -> float | None:
     begin = float(wanted.c[0, 0, 0])
     way = float(values.ravel()[np.argmax(np.abs(values - begin))]) - begin
     if way == 0:
-        return None
+        return 0.0
     passed = [(share, *_first(wanted, begin + share * way, way)) for share in SHARES]
     share, there, _ = max(passed, key=lambda each: each[2])
     return _first(found, begin + float(share) * way, way)[0] - there
@@ -143,7 +151,8 @@ def _apart(one: Pieces, other: Pieces) -> tuple[float, float]:
     """
     knots = np.unique(np.concatenate([_knots(one), _knots(other)]))
     if not np.isfinite(knots).all():
-        return np.inf, float(other.start[0])
+        (one_x, _), (x, _) = positions(one), positions(other)  # what one comes to, and the other does not
+        return float(max(x.min() - one_x.min(), one_x.max() - x.max())), float(other.start[0])
     h = np.diff(knots)
     (x0, v0, x1, v1), (y0, y_v0, y1, y_v1) = (_at(each, knots) for each in (one, other))
     points = np.abs([x0 - y0, x0 - y0 + h / 3 * (v0 - y_v0), x1 - y1 - h / 3 * (v1 - y_v1), x1 - y1])

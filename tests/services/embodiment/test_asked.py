@@ -12,6 +12,7 @@ from predicates.case import Answer, Case, Outcome, Quantity, Verdict
 from predicates.law import law
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import MotionError
+from sdt_kg.iri import joint_iri
 from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task, Verb
@@ -229,6 +230,20 @@ def one_percent_less(motion: Motion) -> Motion:
     return replace(motion, values=0.99 * motion.values, velocities=0.99 * motion.velocities)
 
 
+def mirrored(motion: Motion) -> Motion:
+    """It goes where the drawer never is."""
+    assert motion.velocities is not None
+    return replace(motion, values=-motion.values, velocities=-motion.velocities)
+
+
+def test_how_far_a_body_motion_is_from_where_it_never_comes_is_a_number(tmp_path: Path) -> None:
+    verdict = both(tmp_path, mirrored(carried()))
+    assert verdict.can_perform is not None
+    (diagnosis,) = verdict.can_perform.diagnoses
+    assert diagnosis.evidence is not None
+    assert diagnosis.evidence.value == pytest.approx(0.46)
+
+
 @pytest.mark.parametrize("change", [slower, resting, one_percent_less])
 def test_a_body_motion_that_does_not_keep_the_motion_that_is_asked_for_is_not_certified(
     tmp_path: Path, change: Callable[[Motion], Motion]
@@ -252,3 +267,30 @@ def test_a_recheck_compares_the_motion_that_was_asked_for(tmp_path: Path) -> Non
     other = replace(certificate, asked=slower(certificate.asked))
     found = recheck_artefact("changed", other.content(), lambda *_: (twin, "given"))
     assert "off the motion that was asked for" in found.reasons[0]
+
+
+@pytest.mark.parametrize(
+    ("edit", "said"),
+    [
+        (lambda asked: replace(asked, of=joint_iri("cell", "drawer")), "no joint named 'drawer'"),
+        (lambda asked: replace(asked, times=asked.times[::-1]), "times do not increase"),
+        (lambda asked: replace(asked, values=asked.values[1:]), "values of shape"),
+        (lambda asked: replace(asked, velocities=None, values=np.zeros((len(asked.times), 7))), "as poses"),
+        (
+            lambda asked: replace(asked, values=0 * asked.values, velocities=None),
+            "0.46 m off the motion that was asked for",
+        ),
+    ],
+    ids=["another joint", "times", "shape", "poses", "stands"],
+)
+def test_a_certificate_about_what_is_no_motion_does_not_hold(
+    tmp_path: Path, edit: Callable[[Motion], Motion], said: str
+) -> None:
+    verdict, twin = both(tmp_path, carried()), gantry_twin(tmp_path)
+    assert verdict.can_perform is not None
+    assert verdict.can_perform.artefact is not None
+    certificate = read_certificate(verdict.can_perform.artefact.content)
+    assert certificate.asked is not None
+    wrong = replace(certificate, asked=edit(certificate.asked))
+    found = recheck_artefact("changed", wrong.content(), lambda *_: (twin, "given"))
+    assert said in "; ".join(found.reasons)
