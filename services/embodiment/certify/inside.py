@@ -57,7 +57,7 @@ _SAID = {
 }
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=8)
 def _asked(scene: Scene) -> tuple[Indices, Array, Indices]:
     """The robot's shapes, a point of each in its frame, shape (M, 3) [m], and the kitchen's meshes.
 

@@ -51,7 +51,7 @@ def reach(checked: Subject) -> float:
     return float((away[joint] + size).max(initial=0.0))
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=8)
 def _lengths(scene: Scene) -> tuple[list[tuple[int, int, float, bool]], NDArray[np.intp], Array]:
     """What is known of the robot's joints, and of its shapes; kept, so not to be changed.
 

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 SLACK = 0.005  # [m] beyond what certification tolerates: contact 2 mm, overhang, rounding
 UPRIGHT = 1e-9  # [1] deviation of a hinge's axis from the vertical that counts as none
-KEPT = 8  # limbs whose span is kept
+KEPT = 16  # limbs whose span is kept: two of each of the scenes that a worker keeps
 CHECKED = 9  # values of the container at which heights are compared
 
 

@@ -154,7 +154,7 @@ def cross(one: Array, other: Array) -> Array:
     return np.stack((y * w - z * v, z * u - x * w, x * v - y * u), axis=-1)
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=8)
 def joint_axes(scene: Scene) -> tuple[Array, NDArray[np.bool_]]:
     """Axis of each coordinate's joint in its own frame, shape (nq, 3), and whether it turns.
 
@@ -169,7 +169,7 @@ def joint_axes(scene: Scene) -> tuple[Array, NDArray[np.bool_]]:
     return axes, revolute
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=8)
 def _links(scene: Scene) -> tuple[list[int], list[Array]]:
     """Parent of each of Pinocchio's joints and parent_T_joint, shape (4, 4); kept, so not to be changed."""
     return list(scene.model.parents), [one.homogeneous for one in scene.model.jointPlacements]
