@@ -6,6 +6,8 @@ import os
 import re
 import shutil
 import signal
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,6 +25,7 @@ from services.table import CellResult, cells, run
 from tests.small import FOLDER
 
 LINKS = '<link name="base"/><link name="arm"/>'
+PROJECT = Path(__file__).resolve().parents[2]
 JOINT = '<joint name="j" type="fixed"><parent link="base"/><child link="arm"/></joint>'
 
 
@@ -125,3 +128,13 @@ def test_who_needs_every_verdict_is_told_that_one_is_missing() -> None:
     cases = cells([str(FOLDER / "a.urdf")], [str(FOLDER / "pr2.urdf")], "open", (), Policy())
     with pytest.raises(OracleUnavailableError, match=r"open:high_drawer.*died twice"):
         run(cases, 2, lambda result: None)
+
+
+def test_what_judges_is_loaded_without_the_parts_of_scipy_which_take_long() -> None:
+    code = "import sys, services.table, services.embodiment.oracle; print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=PROJECT, capture_output=True, text=True, check=True
+    )
+    loaded = done.stdout.split()
+    assert "services.embodiment.oracle" in loaded
+    assert not {"scipy.linalg", "scipy.sparse", "scipy.spatial", "scipy.optimize"} & set(loaded)

@@ -117,7 +117,7 @@ class Roads:
             return None
         count = len(self.nodes)
         links = [*self.edges, *((k, count, d) for k, d in first), *((k, count + 1, d) for k, d in last)]
-        path = _shortest(links, count, count + 1)
+        path = shortest(links, count, count + 1)
         return None if path is None else [self.nodes[k] for k in path[1:-1]]
 
     def _shortened(self, path: list[Array]) -> Array:
@@ -142,7 +142,7 @@ def make_roads(world: World, limb: Limb, posture: Array, rules: Rules, drive: Dr
     return Roads(space, posture, Lattice(space))
 
 
-def _shortest(links: list[tuple[int, int, float]], start: int, goal: int) -> list[int] | None:
+def shortest(links: list[tuple[int, int, float]], start: int, goal: int) -> list[int] | None:
     """The shortest way over links (one, other, length), start and goal included (Dijkstra 1959)."""
     beside: dict[int, list[tuple[int, float]]] = {}
     for one, other, length in links:

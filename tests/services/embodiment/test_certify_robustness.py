@@ -7,11 +7,13 @@ from pathlib import Path
 import coal
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from sdt_kg.load import load_twin
 from services.embodiment.certify import Certified
 from services.embodiment.certify.sweep.depth import deepest, faces, placed
+from services.physics.geometry.shapes import hull
 from tests.services.embodiment.gantry import FOLDER, gantry_twin, opening
 from tests.services.embodiment.judging import judge
 
@@ -90,3 +92,15 @@ def test_depth_of_what_is_round_is_right_to_a_fifth_of_a_millimetre_whatever_its
         placed(capsule, leaning, np.array((0, 0, 0.2))), placed(block, np.eye(3), np.array((0, 0, -2.0)))
     )
     assert found == pytest.approx(0.3 + 0.15 * np.sqrt(0.5) - 0.2, abs=2e-4)
+
+
+def test_the_faces_of_a_hull_hold_all_its_points_and_meet_three_each() -> None:
+    points = np.random.default_rng(0).normal(size=(60, 3))
+    found = faces(hull(points))
+    assert found is not None
+    beyond = points @ found.normals.T - found.offsets
+    assert beyond.max() <= 1e-12
+    assert (np.count_nonzero(beyond > -1e-12, axis=0) >= 3).all()
+    expected = ConvexHull(points).equations
+    ours = np.column_stack((found.normals, -found.offsets))
+    assert np.abs(ours[:, None] - expected).max(axis=2).min(axis=0).max() < 1e-9
