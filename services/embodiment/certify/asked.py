@@ -22,6 +22,9 @@ from services.physics.replay import POSITION_SLACK, START_TOLERANCE, check_sampl
 Array = NDArray[np.float64]
 
 SHARES = np.linspace(0.3, 0.7, 9)  # [1] of the way to the farthest value: one of them is passed at some speed
+OFF = "off the motion asked for"
+"""Name of the figure that says how far a certified motion is from it."""
+
 AS_PHYSICS = {
     "start_position": START_TOLERANCE["m"],
     "start_angle": START_TOLERANCE["rad"],
@@ -100,7 +103,7 @@ def keeps(scene: Scene, pieces: Pieces, motion: Motion, tolerances: Tolerances) 
     lag = _lag(wanted, found)
     off, time = _apart(Pieces(wanted.start + lag, wanted.duration, wanted.c), found)
     if off <= tolerances.coupling:
-        return Findings(figures={"off the motion asked for": (off, _unit(scene, k))})
+        return Findings(figures={OFF: (off, _unit(scene, k))})
     reason = f"{local_name(motion.of)} is up to {off:.4g} {_unit(scene, k)} off the motion that was asked for"
     evidence = Evidence(Quantity.POSITION, off, tolerances.coupling, _unit(scene, k), motion.of, time=time)
     return Findings([Violation("motion asked for", reason, evidence, off)])

@@ -10,6 +10,7 @@ from predicates.record.inputs import inputs_of, verdict_iri
 from predicates.record.stored import StoredVerdict
 from sdt_kg.iri import local_name
 from sdt_kg.task import UNKNOWN, Task
+from services.embodiment.certify.asked import OFF
 from services.embodiment.certify.certificate import Certificate, Figures, models_of
 from services.embodiment.certify.tolerances import MOST_CONTACT, Tolerances
 from services.embodiment.recheck.embodiment import Certifier
@@ -73,6 +74,8 @@ def claim_differs(stored: StoredVerdict, certificate: Certificate) -> Iterator[s
     ):
         if said != certified:
             yield f"the verdict's {name} is {_name(said)}, its certificate's {_name(certified)}"
+    if OFF in stored.figures and certificate.asked is None:
+        yield "the verdict is about a motion that was asked for, and its certificate has none"
     held = {name: stored.figures[name] for name in certificate.figures if name in stored.figures}
     yield from figures_differ(certificate.figures, held, "the certificate", "the verdict")
 
