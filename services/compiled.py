@@ -37,7 +37,7 @@ LIBRARIES = {"math", "numpy"}
 LEVEL = 2
 """[1] LLVM's level of optimisation. At numba's 3 compiling takes a third longer, and loops run no faster."""
 
-FORM = 2
+FORM = 3
 """[1] Raised when what is written of compiled code changes its form."""
 
 DIGITS = 24
@@ -56,8 +56,12 @@ def made_of(function: FunctionType) -> str:
     return hashlib.sha256(said.encode()).hexdigest()[:DIGITS]
 
 
+def _name(function: FunctionType) -> str:
+    return f"{function.__module__}.{function.__qualname__}"
+
+
 def _collect(function: FunctionType, options: str, parts: dict[str, str]) -> None:
-    name = f"{function.__module__}.{function.__qualname__}"
+    name = _name(function)
     if name in parts:
         return
     if function.__closure__:
@@ -69,7 +73,9 @@ def _collect(function: FunctionType, options: str, parts: dict[str, str]) -> Non
         value = function.__globals__[read]
         match value:
             case Dispatcher():
-                _collect(value.py_func, repr(sorted(value.targetoptions.items())), parts)
+                callee: Any = value
+                shared = getattr(callee._cache, "shared", False)
+                _collect(value.py_func, repr((shared, sorted(value.targetoptions.items()))), parts)
             case ModuleType() if value.__name__ in LIBRARIES:
                 pass
             case bool() | int() | float() | str() | tuple() | None:
@@ -94,6 +100,16 @@ def _names(code: CodeType) -> set[str]:
     return set(code.co_names).union(*map(_names, inner))
 
 
+def _called(function: FunctionType, found: dict[str, Any]) -> dict[str, Any]:
+    """Name → each kernel that it calls, or that one of these calls."""
+    for read in _names(function.__code__):
+        value = function.__globals__.get(read)
+        if isinstance(value, Dispatcher) and (name := _name(value.py_func)) not in found:
+            found[name] = value
+            _called(value.py_func, found)
+    return found
+
+
 def _age(file: Path) -> float:
     """[s] Before now; of one that another process removed, endless."""
     try:
@@ -102,8 +118,8 @@ def _age(file: Path) -> float:
         return math.inf
 
 
-def _parts(reduced: Any) -> tuple[object, ...]:  # noqa: ANN401 - of numba
-    """What is written: numba's tuple without the bitcode, the names that this defines, and the bitcode.
+def _parts(reduced: Any, shared: bool) -> tuple[object, ...]:  # noqa: ANN401 - of numba
+    """What is written: numba's tuple without the bitcode, names that this defines, and what callers take in.
 
     To read the bitcode takes longer than all the rest, and only who compiles a caller needs it.
     """
@@ -112,7 +128,7 @@ def _parts(reduced: Any) -> tuple[object, ...]:  # noqa: ANN401 - of numba
     values = (*module.functions, *module.global_variables)
     names = frozenset(each.name for each in values if not each.is_declaration)
     nothing = binding.parse_assembly("").as_bitcode()
-    return ((name, kind, (machine, nothing)), *rest), names, bitcode
+    return ((name, kind, (machine, nothing)), *rest), names, nothing if shared else bitcode
 
 
 class Kept(_Cache):
@@ -121,8 +137,8 @@ class Kept(_Cache):
     Nothing is looked for before the first call: what a kernel calls may stand below it in its module.
     """
 
-    def __init__(self, function: FunctionType) -> None:
-        self._function, self._enabled = function, True
+    def __init__(self, function: FunctionType, shared: bool = False) -> None:
+        self._function, self.shared, self._enabled = function, shared, True
 
     @property
     def cache_path(self) -> str:
@@ -154,8 +170,13 @@ class Kept(_Cache):
             content = self._path(key).read_bytes() if self._enabled else b""
         except FileNotFoundError:
             return None
-        same, *parts = pickle.loads(content) if content else (None,)  # noqa: S301 - as numba reads its own
-        return self._rebuilt(target_context, *parts) if same == key else None
+        same, needed, *parts = pickle.loads(content) if content else (None, ())  # noqa: S301 - as numba reads its own
+        if same != key:
+            return None
+        callees = _called(self._function, {}) if needed else {}
+        for name, types in needed:  # before code is loaded that calls them
+            callees[name].compile(types)
+        return self._rebuilt(target_context, *parts)
 
     def save_overload(self, sig: object, data: Any) -> None:  # noqa: ANN401 - numba's
         """It is kept, and of the function as it was before only what is newest."""
@@ -166,8 +187,15 @@ class Kept(_Cache):
             each.unlink(missing_ok=True)
         key = self._key(sig, data.codegen)
         with tempfile.NamedTemporaryFile(dir=self._folder, suffix=".tmp", delete=False) as file:
-            file.write(dumps((key, *_parts(self._placed.reduce(data)))))
+            file.write(dumps((key, self._needed(data), *_parts(self._placed.reduce(data), self.shared))))
         Path(file.name).replace(self._path(key))
+
+    def _needed(self, data: Any) -> list[tuple[str, object]]:  # noqa: ANN401 - numba's
+        """Names and types of kernels that such code calls and does not hold."""
+        absent = {each.name for each in data.library._final_module.functions if each.is_declaration}
+        callees = _called(self._function, {}).items()
+        made = ((name, each) for name, callee in callees for each in callee.overloads.values())
+        return [(name, each.signature.args) for name, each in made if each.fndesc.mangled_name in absent]
 
     def _rebuilt(self, context: Any, reduced: object, names: frozenset[str], bitcode: bytes) -> object:  # noqa: ANN401 - numba's
         """What numba makes of such parts; a caller that is compiled takes the bitcode."""

@@ -14,13 +14,14 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from llvmlite.binding import parse_assembly
 from numba.core import config, typed_passes, types, untyped_passes
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import PassManager
 
-from services.compiled import LEVEL, Kept
+from services.compiled import LEVEL, Kept, made_of
 
 _settings: Any = config
 _njit: Any = numba.njit
@@ -40,19 +41,28 @@ def worked() -> float:
     return time.thread_time() - _spent.seconds
 
 
-def kernel(function: Callable[..., Any] | None = None, *, makes: bool = True, **options: Any) -> Any:  # noqa: ANN401 - of numba
+def kernel(
+    function: Callable[..., Any] | None = None,
+    *,
+    makes: bool = True,
+    shared: bool = False,
+    **options: Any,  # noqa: ANN401 - of numba
+) -> Any:  # noqa: ANN401 - of numba
     """A function that is compiled when it is first called with such arguments, once for all processes.
 
     Args:
         function: Reads numbers, other kernels, `math` and `numpy`, and no other names of its module.
         makes: Whether it makes arrays, or is given some by what it calls. Only then does it count who holds
             an array, at every view and every call: that takes a quarter of the time of such loops.
+        shared: Whether kernels that call it run the machine code that there is of it, and hold none of their
+            own: for what is large and called by many.
         options: Of `numba.njit`.
     """
     if function is None:
-        return lambda each: kernel(each, makes=makes, **options)
-    made = _njit(pipeline_class=_Pipeline, no_cfunc_wrapper=True, _nrt=makes, **options)(function)
-    made._cache = Kept(function)  # as `cache=True` does
+        return lambda each: kernel(each, makes=makes, shared=shared, **options)
+    pipeline = _Shared if shared else _Pipeline
+    made = _njit(pipeline_class=pipeline, no_cfunc_wrapper=True, _nrt=makes, **options)(function)
+    made._cache = Kept(function, shared)  # as `cache=True` does
     made.compile = _once(made._cache, made.targetctx, made.compile)
     return _for_all_numbers(made)
 
@@ -124,7 +134,7 @@ PASSES = (
     typed_passes.NativeLowering,
     typed_passes.NoPythonBackend,
 )
-"""numba's, as loops over numbers need them: it has a dozen more, for closures, `with`, whole arrays at once."""
+"""numba's, as loops over numbers need them: it has a dozen more, for closures, `with`, sums of arrays."""
 
 
 class _Compiler(CompilerBase):
@@ -148,6 +158,18 @@ class _Pipeline(_Compiler):
         for environment in made._find_referenced_environments():
             made.codegen.set_env(environment.env_name, environment)  # of what is inside too
         return made
+
+
+class _Shared(_Pipeline):
+    """The same under a name that follows from all that it is made of: so callers of any process find it."""
+
+    def compile_extra(self, func: Any) -> object:  # noqa: ANN401 - numba's
+        context: Any = self.state.targetctx  # a copy, of this compilation alone
+        usual, stamp = context.mangler, made_of(func)
+        context.mangler = lambda name, *args, uid, **named: usual(f"{name}_{stamp}", *args, **named)
+        self.state.library = _Apart(context.codegen(), func.__qualname__)
+        self.state.library.enable_object_caching()
+        return super().compile_extra(func)
 
 
 class _Inner(_Compiler):
@@ -176,15 +198,23 @@ def _is_array(kind: Any) -> bool:  # noqa: ANN401 - of numba
     return any(map(_is_array, getattr(kind, "types", ()))) or isinstance(kind, types.Array)
 
 
+class _Apart(JITCodeLibrary):
+    """Code of which callers take nothing in but its name."""
+
+    def _get_module_for_linking(self) -> object:
+        return parse_assembly("")
+
+    def serialize_using_object_code(self) -> object:
+        """All of it, for those who load it."""
+        content = self._get_compiled_object(), super()._get_module_for_linking().as_bitcode()
+        return self.name, "object", content
+
+
 class _Part(JITCodeLibrary):
     """Code that waits for its callers, and is made fast together with them."""
 
     def _optimize_final_module(self) -> None:
-        """Made small, so that they copy less."""
-        codegen: Any = self._codegen
-        vectorise = {"loop_vectorize": False, "slp_vectorize": False}
-        manager, passes = codegen._module_pass_manager(opt=codegen._opt_level, cost="cheap", **vectorise)
-        manager.run(self._final_module, passes)
+        """Not before its callers are: each of its functions was made small."""
 
     def _finalize_final_module(self) -> None:
         """It stays as it is."""

@@ -2,6 +2,7 @@
 
 import importlib.util
 import multiprocessing
+import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -51,6 +52,12 @@ def several(x):
     return inner(1) + inner(2) + inner(x)
 """
 
+SHARED = "kernel(shared=True)"
+ASK = """
+from edited_outer import inner, outer
+print(outer(1.0), outer.stats.cache_hits.total(), inner.stats.cache_hits.total())
+"""
+
 Loader = Callable[..., ModuleType]
 
 
@@ -87,7 +94,7 @@ def test_what_was_compiled_is_found_again_whatever_the_date_of_the_file_and_its_
     assert not again.outer.stats.cache_misses
 
 
-@pytest.mark.parametrize("declared", ["kernel", "subkernel"])
+@pytest.mark.parametrize("declared", ["kernel", "subkernel", SHARED])
 def test_an_edit_of_a_callee_in_another_file_compiles_its_callers_anew(loaded: Loader, declared: str) -> None:
     old = loaded(declared=declared)
     assert old.outer(1.0) == 2.0
@@ -116,15 +123,27 @@ def test_who_is_compiled_anew_takes_in_what_was_kept_of_the_kernels_that_it_call
     assert inner(3.0) == 4.0
 
 
+def test_another_process_finds_a_shared_kernel_with_its_caller_or_compiles_it(loaded: Loader) -> None:
+    module = loaded(declared=SHARED)
+    assert (module.outer(1.0), module.inner(3.0)) == (2.0, 4.0)
+    folder = Path(module.__file__ or "").parent
+    for found in (1, 0):  # of the shared kernel, the second time its file is gone
+        said = subprocess.run([sys.executable, "-c", ASK], check=True, capture_output=True, cwd=folder)
+        assert said.stdout.split() == [b"2.0", b"1", str(found).encode()]
+        for file in kept(module.inner):
+            file.unlink()
+
+
 def test_a_subkernel_can_be_called_from_python_before_and_after_its_callers(loaded: Loader) -> None:
     module = loaded(inner="x + x * STEP", declared="subkernel")
     assert (module.inner(2.0), module.outer(2.0), module.inner(2.0)) == (4.0, 4.0, 4.0)
 
 
-def test_an_error_in_a_subkernel_is_raised_from_its_caller(loaded: Loader) -> None:
-    module = loaded(inner="STEP / x", declared="subkernel")
+@pytest.mark.parametrize("declared", ["subkernel", SHARED])
+def test_an_error_in_what_kernels_call_is_raised_from_its_caller(loaded: Loader, declared: str) -> None:
+    module = loaded(inner="STEP / x", declared=declared)
     assert module.outer(2.0) == 0.5
-    for outer in (module.outer, loaded(inner="STEP / x", declared="subkernel").outer):
+    for outer in (module.outer, loaded(inner="STEP / x", declared=declared).outer):
         with pytest.raises(ZeroDivisionError):
             outer(0.0)
 

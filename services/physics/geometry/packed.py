@@ -164,7 +164,7 @@ def _cut(order, start, end, middle, axis):
     return cut if start < cut < end else (start + end) // 2
 
 
-@subkernel
+@kernel(makes=False, shared=True)
 def bounds_of(shapes, a, b, ra, ca, rb, cb, free, hit, work):
     """What `bounds` says, of two shapes of which one may be a mesh.
 
