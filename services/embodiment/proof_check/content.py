@@ -11,7 +11,7 @@ From 4 on a refutation may have `places`: then its tree is one of cells of them,
 the floor refutes too, from 6 on one may be `pinched`, the fingers' joints last, and a leaf then names the one
 finger that may come to the handle (`pinch/`). Written is "sdt proof 7": behind all these numbers are those of
 the bodies `beside` the arm; after such a node comes a tree of the joints that carry this body, whose leaves
-name cores on them, numbered in the same way (`inside/beside.py`).
+name cores on them, numbered in the same way (`arm.py`).
 """
 
 import base64

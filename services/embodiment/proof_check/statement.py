@@ -33,8 +33,7 @@ from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.arm import ROUNDING, Arm, make_arm, upright
-from services.embodiment.proof_check.inside.beside import Beside, beside, chain_to
+from services.embodiment.proof_check.arm import ROUNDING, Arm, Beside, beside, chain_to, make_arm, upright
 from services.embodiment.proof_check.inside.boxes import Core, cores_on
 from services.embodiment.proof_check.inside.cores import (
     Around,

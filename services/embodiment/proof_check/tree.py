@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.errors import InputError
-from services.embodiment.proof_check.arm import ROUNDING, Arm
+from services.embodiment.proof_check.arm import ROUNDING, Arm, Beside
 from services.embodiment.proof_check.content import LEAF
-from services.embodiment.proof_check.inside.beside import Beside
 from services.embodiment.proof_check.inside.cores import Around, pierced
 from services.embodiment.proof_check.interval import apply, exact
 from services.embodiment.proof_check.mechanics import HERE, Placement, Swing

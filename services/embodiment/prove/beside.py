@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.mechanism import Joint, JointType
-from services.embodiment.proof_check.arm import Arm
+from services.embodiment.proof_check.arm import Arm, Beside
 from services.embodiment.proof_check.content import LEAF, Refutation
-from services.embodiment.proof_check.inside.beside import Beside
 from services.embodiment.proof_check.mechanics import Tree
 from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import BASE, Statement
