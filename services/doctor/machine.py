@@ -80,7 +80,7 @@ def _kernels() -> Finding:
         "compiled loops",
         Standing.OPTIONAL,
         f"{says}: the first question that needs another waits for it, up to a minute or two",
-        "sdt achieve --kitchen b --robot pr2 --task open:sink_area_left_middle_drawer_main, and for the loops of "
+        "sdt achieve --kitchen b --robot pr2 --task open:sink_area_left_middle_drawer_main, and for those of "
         "proofs sdt achieve --kitchen b --robot stretch --drive fixed --task open:iai_fridge_door, once",
     )
 
