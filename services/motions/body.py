@@ -219,7 +219,8 @@ def _phases(given: Given, samples: int) -> tuple[tuple[str, int], ...]:
     if "phase_names" not in given:
         return ()
     names = given.names("phase_names")
-    starts = [int(each) for each in given.numbers("phase_starts", (len(names),))]
-    if starts != sorted(starts) or any(not 0 <= each < samples for each in starts):
-        raise MotionError(f"phases start at {starts}", allowed=f"increasing samples from 0 to {samples - 1}")
-    return tuple(zip(names, starts, strict=True))
+    starts = given.numbers("phase_starts", (len(names),)).tolist()
+    if starts != sorted(starts) or any(each not in range(samples) for each in starts):
+        said = ", ".join(f"{each:g}" for each in starts)
+        raise MotionError(f"phases start at [{said}]", allowed=f"increasing samples from 0 to {samples - 1}")
+    return tuple(zip(names, map(int, starts), strict=True))

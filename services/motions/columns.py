@@ -2,14 +2,16 @@
 
 import csv
 import io
+import re
 from collections.abc import Iterator, Sequence
+from difflib import get_close_matches
 from itertools import chain
 from pathlib import Path
 
 import numpy as np
 
 from sdt_kg.errors import MotionError
-from services.motions.given import Given
+from services.motions.given import ALIKE, Given
 
 BASE = ("base_x", "base_y", "base_yaw")
 POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
@@ -48,9 +50,8 @@ def _parsed(text: str) -> tuple[dict[str, str], list[str], list[int], list[list[
     rows: list[list[float]] = []
     for number, line in enumerate(text.splitlines(), 1):
         if line.startswith("#"):
-            name, colon, value = line[1:].partition(":")
-            name = name.strip()
-            if colon and name in HEADS and heads.setdefault(name, value.strip()) != value.strip():
+            name, value = _head(line, number)
+            if name in HEADS and heads.setdefault(name, value) != value:
                 raise MotionError(f"line {number} gives another '{name}'", allowed="one")
         elif line.strip():
             (cells,) = csv.reader([line])
@@ -61,6 +62,17 @@ def _parsed(text: str) -> tuple[dict[str, str], list[str], list[int], list[list[
                 lines.append(number)
                 rows.append(_row(cells, columns, number))
     return heads, columns, lines, rows
+
+
+def _head(line: str, number: int) -> tuple[str, str]:
+    """Name and value of a head; what has no such name is a comment, unless that is a name misspelled."""
+    parts = [part.strip() for part in re.split("([:=])", line[1:], maxsplit=1)]
+    name, sign, value = parts if len(parts) > 1 else ("", "", "")
+    near = get_close_matches(name.lower(), HEADS, n=1, cutoff=ALIKE)
+    if near and (name not in HEADS or sign != ":"):
+        said = f"line {number} begins with '# {name[:40]}{sign}', which means nothing"
+        raise MotionError(said, allowed=f"did you mean '# {near[0]}:'?", remedy="rename it, or leave it out")
+    return name, value
 
 
 def _names(cells: list[str], number: int) -> list[str]:
@@ -107,20 +119,12 @@ def _arrays(
 ) -> dict[str, np.ndarray]:
     arrays = {name: np.array(value) for name, value in heads.items() if name not in {"timed", "phases"}}
     arrays["times"] = values["time"]
-    if "timed" in heads:
-        arrays["timed"] = np.array(heads["timed"].lower() != "false")
-    if "joint" in heads:
-        return arrays | {
-            array: values[column]
-            for array, column in (("values", "value"), ("velocities", VELOCITY + "value"))
-            if column in values
-        }
-    if "frame" in heads:
-        return arrays | {"poses": _columns(values, POSE)}
+    if "joint" in heads or "frame" in heads:
+        return arrays | _of_container(heads, columns, values)
     if "phases" in heads:
-        phases = [each.rsplit(" ", 1) for each in heads["phases"].split(", ") if " " in each]
-        arrays["phase_names"] = np.array([name for name, _ in phases], dtype=np.str_)
-        arrays["phase_starts"] = np.array([start for _, start in phases]).astype(np.str_)
+        phases = [each.rpartition(" ") for each in heads["phases"].split(", ")]
+        arrays["phase_names"] = np.array([name for name, _, _ in phases], dtype=np.str_)
+        arrays["phase_starts"] = np.array([start for _, _, start in phases], dtype=np.str_)
     own = [
         name
         for name in columns
@@ -134,6 +138,25 @@ def _arrays(
             said = f"there is a column '{name}', and none '{name.removeprefix(VELOCITY)}'"
             raise MotionError(said, allowed="velocities of columns that there are")
     return arrays
+
+
+def _of_container(
+    heads: dict[str, str], columns: list[str], values: dict[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """τ; no column is left out: a misspelled one would make it another."""
+    known = ("value", VELOCITY + "value") if "joint" in heads else POSE
+    for name in columns:
+        if name != "time" and name not in known:
+            said = f"there is a column '{name}', which means nothing"
+            raise MotionError(said, allowed=", ".join(("time", *known)), remedy="rename it, or leave it out")
+    timed = heads.get("timed", "true").lower()
+    if timed not in {"true", "false"}:
+        raise MotionError(f"'timed' is '{timed[:40]}'", allowed="true or false")
+    arrays = {"timed": np.array(timed == "true")}
+    if "frame" in heads:
+        return arrays | {"poses": _columns(values, POSE)}
+    names = (("values", "value"), ("velocities", VELOCITY + "value"))
+    return arrays | {array: values[column] for array, column in names if column in values}
 
 
 def _group(

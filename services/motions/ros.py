@@ -41,6 +41,7 @@ def read_bag(path: Path, twin: Twin, robot: Iri | None) -> Given:
     joints, poses = _messages(path)
     if not joints:
         raise MotionError("it has no trajectory of joints", allowed=ALLOWED)
+    _check_stamps([*joints, *poses])
     times = _times(joints[0][1].points, joints[0][0])
     columns: dict[str, Array] = {}
     speeds: dict[str, Array] = {}
@@ -53,7 +54,8 @@ def read_bag(path: Path, twin: Twin, robot: Iri | None) -> Given:
             if v is not None:
                 speeds[name] = v
     arrays = {"times": times}
-    arrays |= _base(columns, speeds, poses, times, joints[0][1].header.frame_id)
+    frame = next((each.header.frame_id for _, each in joints if BASE_JOINTS[0] in each.joint_names), "")
+    arrays |= _base(columns, speeds, poses, times, frame)
     return Given(arrays | _split(columns, speeds, twin, robot), lambda sample: f"point {sample}")
 
 
@@ -80,6 +82,22 @@ def _messages(path: Path) -> tuple[list[tuple[str, Message]], list[tuple[str, Me
         for kind in (JOINTS, POSES)
     }
     return of_kind[JOINTS], of_kind[POSES]
+
+
+def _check_stamps(messages: list[tuple[str, Message]]) -> None:
+    """All trajectories begin at once: their points' times are from their own stamps."""
+    first, *others = [(topic, each.header.stamp) for topic, each in messages]
+    for topic, stamp in others:
+        if abs(stamp.sec - first[1].sec + NANO * (stamp.nanosec - first[1].nanosec)) > SAME_TIME:
+            raise MotionError(
+                f"the trajectory of {topic} begins at {_seconds(stamp)} s by its header's stamp",
+                allowed=f"{_seconds(first[1])} s, as that of {first[0]}: all begin at once",
+                remedy="give all trajectories one stamp",
+            )
+
+
+def _seconds(stamp: Message) -> str:
+    return f"{stamp.sec}.{stamp.nanosec:09d}"
 
 
 def _times(points: list[Message], topic: str) -> Array:
@@ -155,6 +173,10 @@ def _base(
         raise MotionError("the bag does not say where the base is, or says it twice", allowed=ALLOWED)
     topic, message = poses[0]
     _check_times(times, _times(message.points, topic), topic)
+    for k, point in enumerate(message.points):
+        if len(point.transforms) != 1:
+            said = f"point {k} of {topic} has {len(point.transforms)} transforms"
+            raise MotionError(said, allowed="1, of the base")
     base = np.array([_planar(k, point.transforms[0]) for k, point in enumerate(message.points)])
     base[:, 2] = np.unwrap(base[:, 2])
     turning = _has_velocities(topic, message.points, 1)

@@ -159,6 +159,7 @@ def test_a_file_written_by_us_names_its_robot(tmp_path: Path) -> None:
             "lift_joint twice",
         ),
         (body_motion(phase_names=["follow"], phase_starts=[99]), r"phases start at \[99\]"),
+        (body_motion(phase_names=["follow"], phase_starts=[3.9]), r"phases start at \[3.9\]"),
         (body_motion(robot_positions=SMOOTH[:, None] + 1j), "'robot_positions' holds complex128; .* real"),
         (body_motion(times=np.arange(9).astype("M8[s]")), r"'times' holds datetime64\[s\]"),
         (body_motion(times=np.arange(9).astype("m8[s]")), r"'times' holds timedelta64\[s\]"),
@@ -242,3 +243,34 @@ def test_a_fixed_joint_may_be_listed_if_it_stands_still(tmp_path: Path) -> None:
 def test_slow_waypoints_are_not_taken_for_milliseconds(tmp_path: Path) -> None:
     motion = read(tmp_path, container_motion(times=TIMES * 3))  # 1.5 s apart, a tenth of the drawer's speed
     assert motion.times[-1] == 12
+
+
+TAU = "# joint: low_drawer_joint\n# timed: {}\ntime,value{}\n0,0{}\n4,0.4{}\n"
+
+
+def test_a_line_of_csv_that_names_nothing_known_is_a_comment(tmp_path: Path) -> None:
+    (tmp_path / "motion.csv").write_text(
+        "# made by: hand\n# fast, = sure\n" + TAU.format("False", "", "", "")
+    )
+    motion = read_motion(tmp_path / "motion.csv", TWIN)
+    assert isinstance(motion, Motion)
+    assert not motion.timed
+
+
+@pytest.mark.parametrize(
+    ("parts", "message"),
+    [
+        (("no", "", "", ""), "'timed' is 'no'; allowed: true or false"),
+        (
+            ("true", ",velocity", ",0.1", ",0.1"),
+            "column 'velocity', which .* allowed: time, .*velocity/value",
+        ),
+        (("true", ",base_x", ",0", ",0"), "a column 'base_x', which means nothing"),
+    ],
+)
+def test_nothing_of_a_containers_csv_is_left_out(
+    tmp_path: Path, parts: tuple[str, ...], message: str
+) -> None:
+    (tmp_path / "motion.csv").write_text(TAU.format(*parts))
+    with pytest.raises(MotionError, match=message):
+        read_motion(tmp_path / "motion.csv", TWIN)

@@ -85,6 +85,8 @@ def bag(
     points: int = 9,
     tilt: float = 0.0,
     speeds: int = 0,
+    later: int = 0,
+    placed: int = 1,
 ) -> Path:
     """ARRAYS as a bag, the first points of which have the velocities SPEEDS."""
     kinds = {
@@ -127,7 +129,8 @@ def bag(
                         kinds["Vector3"](x, y, 0.0),
                         kinds["Quaternion"](tilt, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)),
                     )
-                ],
+                ]
+                * placed,
                 [kinds["Twist"](kinds["Vector3"](vx, vy, 0.0), kinds["Vector3"](0.0, 0.0, turn))][:speeds],
                 [],
                 since(t),
@@ -136,7 +139,13 @@ def bag(
                 TIMES[:points], ARRAYS["base"], SPEEDS["base_velocities"], strict=False
             )
         ]
-        messages.append(("/base", kinds["MultiDOFJointTrajectory"](header, ["world_joint"], poses)))
+        begins = kinds["Header"](kinds["Time"](later, 0), frame)
+        messages.append(("/base", kinds["MultiDOFJointTrajectory"](begins, ["world_joint"], poses)))
+    if base == "joints of another":
+        rows = zip(TIMES, ARRAYS["base"], strict=True)
+        at = [kinds["JointTrajectoryPoint"](row, none, none, none, since(t)) for t, row in rows]
+        odom = kinds["Header"](kinds["Time"](0, 0), "odom")
+        messages.append(("/base", kinds["JointTrajectory"](odom, ["base_x", "base_y", "base_yaw"], at)))
     with rosbag2.Writer(folder / "bag", version=9, storage_plugin=rosbag2.StoragePlugin.MCAP) as writer:
         for topic, message in messages:
             connection = writer.add_connection(topic, message.__msgtype__, typestore=TS)
@@ -158,7 +167,13 @@ def test_a_bag_says_the_same(tmp_path: Path, base: str, speeds: dict[str, np.nda
         ({"base": "nowhere"}, "does not say where the base is"),
         ({"base": "transforms", "points": 8}, "/base has 8 points; allowed: 9"),
         ({"base": "transforms", "tilt": 0.1}, "tilted at point 0"),
+        ({"base": "transforms", "placed": 0}, "point 0 of /base has 0 transforms; allowed: 1"),
+        (
+            {"base": "transforms", "later": 3},
+            "/base begins at 3.0* s by .*; allowed: 0.0* s, as that of /arm",
+        ),
         ({"frame": "odom"}, "bag: .* frame 'odom'; allowed: .*world"),
+        ({"base": "joints of another"}, "bag: .* frame 'odom'; allowed: .*world"),
         ({"speeds": 8}, "point 8 of /arm has 0 velocities; allowed: 5, one for each joint, at every point"),
     ],
 )
@@ -205,6 +220,14 @@ def cell(column: int, value: str) -> Callable[[str], str]:
         (edited(3, lambda line: line.replace("base_yaw", "yaw", 1)), "there is no column 'base_yaw'"),
         (edited(3, lambda line: line.replace("base_x", "base_y", 1)), "line 3 names 'base_y' twice"),
         (edited(2, lambda _: "# base_frame: base_link"), "in the frame 'base_link'"),
+        (edited(2, lambda _: "# Base_frame: base_link"), "line 2 .*'# Base_frame:', .* mean '# base_frame:'"),
+        (edited(2, lambda _: "# base frame: base_link"), "line 2 .*'# base frame:', .* mean '# base_frame:'"),
+        (edited(2, lambda _: "# base_frame = base_link"), "line 2 .*'# base_frame=', .* '# base_frame:'"),
+        (edited(2, lambda _: "# phases: drive 0, follow"), "'phase_starts' is 'follow'"),
+        (
+            edited(2, lambda _: "# phases: drive 0, follow 4.7"),
+            r"phases start at \[0, 4.7\]; allowed: .* to 8",
+        ),
         (lambda lines: lines.append("# robot: stretch"), "line 13 gives another 'robot'; allowed: one"),
         (lambda lines: lines.__delitem__(slice(3, None)), "motion.csv: it has no samples"),
         (lambda lines: lines.__delitem__(2), "line 3 has the number 0.0 for the name of a column"),
