@@ -91,7 +91,7 @@ def _found(case: Case, task: Task, container: Container, physics: Physics) -> An
     if refusals:
         final = case.final if refusals[0].kind is Kind.OUT_OF_SCOPE else case.twin.state
         return Answer(replace(case, final=final), holds=False, diagnoses=tuple(refusals))
-    return _generated(case, demanded(container, task.verb), physics)
+    return _generated(case, _wanted(case.final, demanded(container, task.verb)), physics)
 
 
 def _reached(case: Case, final: State | Region, physics: Physics) -> Answer:
@@ -117,6 +117,8 @@ def _generated(case: Case, goal: Region, physics: Physics) -> Answer:
     for motion in physics.generate(case.twin, goal):
         replayed = physics.replay(case.twin, motion)
         diagnoses = replayed.violations + _missed(case, goal, replayed.final, proof=False)
+        if goal != case.final and not diagnoses:
+            diagnoses = _missed(case, case.final, replayed.final, proof=False)
         solved = replace(case, motion=replayed.motion, final=replayed.final)
         return Answer(solved, not diagnoses, diagnoses, replayed.notes, figures=replayed.figures)
     reason = "the physics found no motion into the goal"
@@ -137,13 +139,24 @@ def _nothing_to_cause(case: Case, task: Task, container: Container) -> Iterator[
 
 def _missed(case: Case, goal: object, final: State, *, proof: bool) -> tuple[Diagnosis, ...]:
     """Where the final state lies outside the goal, if one is known; proved only if that state is certain."""
+    missed = [(joint, interval) for joint, interval in _intervals(goal) if final[joint] not in interval]
+    return tuple(_outside_goal(case, joint, final[joint], interval, proof) for joint, interval in missed)
+
+
+def _intervals(goal: object) -> tuple[tuple[Iri, Interval], ...]:
+    """What a final state or region demands of each joint; nothing, if none is known."""
     if isinstance(goal, State):
         near = {joint: Interval(p - STATE_TOLERANCE, p + STATE_TOLERANCE) for joint, p in goal.items()}
-        goal = Region(tuple(near.items()))
-    if not isinstance(goal, Region):
-        return ()
-    missed = [(joint, interval) for joint, interval in goal.intervals if final[joint] not in interval]
-    return tuple(_outside_goal(case, joint, final[joint], interval, proof) for joint, interval in missed)
+        return tuple(near.items())
+    return goal.intervals if isinstance(goal, Region) else ()
+
+
+def _wanted(final: object, request: Region) -> Region:
+    """The part of the request's region that is in a final state or region too; if none is, the request's."""
+    ((joint, interval),) = request.intervals
+    also = dict(_intervals(final)).get(joint, Interval())
+    lower, upper = max(interval.lower, also.lower), min(interval.upper, also.upper)
+    return Region(((joint, Interval(lower, upper)),)) if lower <= upper else request
 
 
 def _outside_goal(case: Case, joint: Iri, position: float, interval: Interval, proof: bool) -> Diagnosis:

@@ -86,7 +86,7 @@ def _judged(question: Question, physics: Physics, embodiment: Embodiment | None,
         solved = case if caused is None else caused.case
         performed = _performed(solved, embodiment)
         if _is_new(performed, case) and (caused is None or _may_be_executed(case, caused)):
-            caused = _executed(performed, physics)
+            caused = _executed(performed, case, physics)
             solved = caused.case
         satisfied = _as_sure_as(caused, _satisfied(solved, container))
     return _verdict(case, (satisfied, caused, performed), began, inputs)
@@ -148,8 +148,11 @@ def _performed(case: Case, embodiment: Embodiment | None) -> Answer | None:
 
 
 def _is_new(performed: Answer | None, case: Case) -> TypeGuard[Answer]:
-    """Whether CanPerform holds by a body motion that was not given."""
-    return performed is not None and performed.holds and performed.case.body_motion is not case.body_motion
+    """Whether CanPerform holds by a body motion that was not given, or may be slower than τ."""
+    if performed is None or not performed.holds:
+        return False
+    slower = isinstance(case.motion, Motion) and not case.motion.timed
+    return slower or performed.case.body_motion is not case.body_motion
 
 
 def _may_be_executed(given: Case, caused: Answer) -> bool:
@@ -163,7 +166,7 @@ def _may_be_executed(given: Case, caused: Answer) -> bool:
     return not given.motion.timed and found <= BY_SPEED
 
 
-def _executed(performed: Answer, physics: Physics) -> Answer:
+def _executed(performed: Answer, given: Case, physics: Physics) -> Answer:
     """Causes about the motion that the robot really makes the container do.
 
     A generated τ is a proposal which the robot may slow down: what it proposed is not what counts.
@@ -172,7 +175,7 @@ def _executed(performed: Answer, physics: Physics) -> Answer:
     if not isinstance(body_motion, BodyMotion) or not isinstance(motion, Motion):
         raise OracleRejectedError("CanPerform holds, but the embodiment oracle gave no body motion")
     container = moved_by(performed.case.twin, motion.of)[0]
-    case = with_carried(replace(performed.case, final=UNKNOWN), body_motion, container, physics)
+    case = with_carried(replace(performed.case, final=given.final), body_motion, container, physics)
     return _timed("causes", causes(case, physics))
 
 

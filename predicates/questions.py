@@ -72,10 +72,9 @@ def _parts(case: Case, physics: Physics) -> list[tuple[Container, Case]]:
 
 
 def _as_given(case: Case, body_motion: BodyMotion, container: Container, physics: Physics) -> Case:
-    """As `with_carried`; but a τ with times that was given too is the one that is asked about."""
+    """As `with_carried`; but a τ that was given too is the one that is asked about."""
     part = with_carried(case, body_motion, container, physics)
-    given = isinstance(case.motion, Motion) and case.motion.timed
-    return replace(part, motion=case.motion) if given else part
+    return replace(part, motion=case.motion) if isinstance(case.motion, Motion) else part
 
 
 def with_carried(case: Case, body_motion: BodyMotion, container: Container, physics: Physics) -> Case:

@@ -11,6 +11,7 @@ from predicates.satisfies_request import demanded
 from sdt_kg.errors import NoModeError
 from sdt_kg.iri import local_name
 from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.state import Interval, Region, State
 from sdt_kg.task import UNKNOWN, Task, Verb
 from services.physics.oracle import Kinematics
 from tests.small import small_twin
@@ -144,6 +145,20 @@ def test_a_motion_that_meets_no_new_request_is_explained_by_none() -> None:
     assert verdict.case.task is UNKNOWN
     assert verdict.outcome is Outcome.NOT_CERTIFIED
     assert "the motion meets no request that was not met before" in [d.reason for d in verdict.diagnoses]
+
+
+@pytest.mark.parametrize("of_state", [True, False])
+def test_a_final_state_that_is_given_with_a_task_has_to_be_reached_too(of_state: bool) -> None:
+    def final(lower: float, upper: float) -> State | Region:
+        middle = State.of({LOW.joint: (lower + upper) / 2})
+        return middle if of_state else Region(((LOW.joint, Interval(lower, upper)),))
+
+    reached, missed = (only(replace(opening(), final=final(*each))) for each in ((0.48, 0.482), (0.1, 0.102)))
+    assert reached.outcome is Outcome.CERTIFIED
+    assert isinstance(reached.case.final, State)
+    assert 0.479 <= reached.case.final[LOW.joint] <= 0.483
+    assert missed.outcome is Outcome.NOT_CERTIFIED
+    assert [each.kind for each in missed.diagnoses] == [Kind.CAUSAL]
 
 
 def test_neither_task_nor_motion_is_no_mode() -> None:

@@ -70,10 +70,8 @@ def _is_way(scene: Scene, container: Container, motion: Motion) -> bool:
 
 
 def to_keep(motion: Motion | None, body: BodyMotion) -> Motion | None:
-    """The motion, if it has times that the body motion has to keep; none if that carries it itself."""
-    if motion is None or not motion.timed:
-        return None
-    if motion.of not in body.kitchen_joints or motion.velocities is None:
+    """The motion that the body motion has to keep; none if that carries it itself."""
+    if motion is None or motion.of not in body.kitchen_joints or motion.velocities is None:
         return motion
     k = [body.kitchen_joints.index(motion.of)]
     same = np.array_equal(motion.times, body.times) and np.array_equal(motion.values, body.kitchen_q[:, k])
@@ -83,10 +81,12 @@ def to_keep(motion: Motion | None, body: BodyMotion) -> Motion | None:
 def keeps(scene: Scene, pieces: Pieces, motion: Motion, tolerances: Tolerances) -> Findings:
     """From some time on the container is where the motion has it, all the time; before and after, it rests.
 
+    Of a motion that need not keep its times the way is kept: where it begins, turns back and ends.
+
     Args:
         scene: Of the body motion.
         pieces: Of the body motion, all coordinates.
-        motion: Values of a joint of the kitchen, to be kept with their times.
+        motion: Values of a joint of the kitchen, to be kept, with their times where these are required.
         tolerances: `coupling` is how far off the joint may be.
 
     Raises:
@@ -100,8 +100,10 @@ def keeps(scene: Scene, pieces: Pieces, motion: Motion, tolerances: Tolerances) 
         raise UnknownEntityError("joint", local_name(motion.of), map(local_name, scene.coordinate))
     k = scene.coordinate[motion.of]
     wanted, found = hermite(motion.times, motion.values, velocities_of(motion)), pieces.columns(np.array([k]))
-    lag = _lag(wanted, found)
-    off, time = _apart(Pieces(wanted.start + lag, wanted.duration, wanted.c), found)
+    if motion.timed:
+        off, time = _apart(Pieces(wanted.start + _lag(wanted, found), wanted.duration, wanted.c), found)
+    else:
+        off, time = _astray(_way(wanted, tolerances.coupling), _way(found, tolerances.coupling)), None
     if off <= tolerances.coupling:
         return Findings(figures={OFF: (off, _unit(scene, k))})
     reason = f"{local_name(motion.of)} is up to {off:.4g} {_unit(scene, k)} off the motion that was asked for"
@@ -111,6 +113,25 @@ def keeps(scene: Scene, pieces: Pieces, motion: Motion, tolerances: Tolerances) 
 
 def _unit(scene: Scene, k: int) -> str:
     return "rad" if joint_axes(scene)[1][k] else "m"
+
+
+def _way(pieces: Pieces, least: float) -> list[float]:
+    """Where one coordinate begins, turns back by more than `least`, and ends, or nearly so."""
+    values, s = (each[:, :, 0] for each in positions(pieces))
+    turns = [float(values[0, 0])]
+    for value in np.take_along_axis(values, np.argsort(s, axis=0, kind="stable"), axis=0).T.ravel().tolist():
+        if len(turns) > 1 and (value - turns[-1]) * (turns[-1] - turns[-2]) >= 0:
+            turns[-1] = value
+        elif abs(value - turns[-1]) > least:
+            turns.append(value)
+    return turns
+
+
+def _astray(one: list[float], other: list[float]) -> float:
+    """How far two ways are apart at most where they turn; what has ended stays there."""
+    count = max(len(one), len(other))
+    ways = [np.array(way + way[-1:] * (count - len(way))) for way in (one, other)]
+    return float(np.abs(ways[0] - ways[1]).max())
 
 
 def _lag(wanted: Pieces, found: Pieces) -> float:

@@ -45,7 +45,7 @@ class Certificate:
         motion: As executed: between samples it is the cubic Hermite spline.
         figures: What was kept, and by how much: name → (value, unit).
         nearest: What comes nearest, one sentence for each scope; and what was not seen.
-        asked: The container's motion whose times had to be kept; None where any would do.
+        asked: The container's motion whose times, or else whose way, had to be kept; None where any would do.
     """
 
     models: tuple[tuple[Iri, str], tuple[Iri, str]]
@@ -176,12 +176,13 @@ def _certificate(said: Mapping[str, Any]) -> Certificate:
 def _asked_said(motion: Motion) -> dict[str, object]:
     velocities = None if motion.velocities is None else _packed(motion.velocities)
     arrays = {"times": _packed(motion.times), "values": _packed(motion.values), "velocities": velocities}
-    return {"of": motion.of, **arrays}
+    return {"of": motion.of, **arrays, **({} if motion.timed else {"timed": False})}
 
 
 def _asked(said: Mapping[str, Any]) -> Motion:
     velocities = None if said["velocities"] is None else _unpacked(said["velocities"])
-    return Motion(str(said["of"]), _unpacked(said["times"]), _unpacked(said["values"]), True, velocities)
+    arrays, timed = (_unpacked(said["times"]), _unpacked(said["values"])), said.get("timed") is not False
+    return Motion(str(said["of"]), *arrays, timed, velocities)
 
 
 def _start(said: list[float] | None) -> Start | None:

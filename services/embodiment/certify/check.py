@@ -94,7 +94,8 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
         start: Base pose x, y [m], yaw [rad] at which the robot has to start, parked; None if any
             start will do.
         scene: The scene of this twin and robot if it is built already.
-        asked: Motion of the container, as values, that it has to keep with its times; None if any will do.
+        asked: Motion of the container, as values, that it has to keep, with its times if it is timed; None if
+            any will do.
         in_full: Whether a refusal is to have every kind of collision with its depth, and how the handle
             is held and let go; takes longer, and changes no refusal into a certificate or back.
 
