@@ -21,8 +21,9 @@ from services.physics.geometry.passing import Boxes, Way, may_meet
 from services.physics.tree import Array, Model
 
 ALLOWANCE = 0.01
-"""[m] How much deeper than in the present state a moved shape may sink into another: the doors of
-the bundled kitchens and of their sources turn up to 9 mm into the edges of their neighbours."""
+"""[m] How deep a moved shape may be in another, more than the model's rest allows it: the doors of
+the bundled kitchens and of their sources turn up to 9 mm into the edges of their neighbours. A state in
+which it is deeper is no beginning: from one to the next a body would pass through another step by step."""
 
 THIN_SHARE = 0.25
 """[1] Share of the two shapes' summed thickness that the allowance never exceeds: half of it is all the
@@ -228,7 +229,7 @@ class _Path:
             placed = _placed(self._frames(position)[one.joint] * one.pose)
             gap = _gap(one, placed, other, resting)
             if position == self._begin:
-                allowed += max(0.0, -gap, REST_FACTOR * self._rest.depth(one, other))
+                allowed += REST_FACTOR * self._rest.depth(one, other)
             if gap < -allowed:
                 return Block(position, -gap, allowed, one.body, other.body)
             if position == end or (until - position) * direction <= 0:

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from predicates.case import Answer, Case, Kind, Outcome, Quantity
@@ -9,6 +10,7 @@ from predicates.causes import causes
 from predicates.law import law
 from sdt_kg.iri import SDT
 from sdt_kg.load import load_twin
+from sdt_kg.motion import Motion
 from sdt_kg.state import State
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
@@ -98,6 +100,28 @@ def test_of_the_bundled_containers_only_the_blocked_ones_are_stopped(
 def test_a_post_before_a_drawer_stops_it_however_thin(tmp_path: Path, thickness: float) -> None:
     assert not asked(with_post(tmp_path, 0.3, thickness), "drawer").holds
     assert asked(with_post(tmp_path, 0.8, thickness), "drawer").holds
+
+
+def test_a_drawer_does_not_pass_a_post_by_small_steps_either(tmp_path: Path) -> None:
+    twin = with_post(tmp_path, 0.3, 0.1)
+    joint, step = twin.container("drawer").joint, 0.008
+    passed = [0.0]
+    while passed[-1] < 0.45:
+        begins, ends = twin.at({joint: passed[-1]}), passed[-1] + step
+        motion = Motion(joint, np.array([0.0, 1.0]), np.array([[passed[-1]], [ends]]))
+        if not next(causes(Case(begins, motion=motion), PHYSICS)).holds:
+            break
+        passed.append(ends)
+    assert 0.2 < passed[-1] < 0.26
+
+
+@pytest.mark.parametrize("verb", list(Verb))
+def test_nothing_begins_where_it_is_deep_in_another_body(tmp_path: Path, verb: Verb) -> None:
+    twin = with_post(tmp_path, 0.3, 0.1)
+    diagnosis, *_ = asked(twin.at({twin.container("drawer").joint: 0.3}), "drawer", verb).diagnoses
+    assert diagnosis.evidence is not None
+    assert diagnosis.evidence.time == 0
+    assert not diagnosis.proof
 
 
 def test_an_obstacle_of_an_edited_twin_is_seen(tmp_path: Path) -> None:
