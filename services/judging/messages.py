@@ -1,16 +1,20 @@
 """What can be asked: the same over Zenoh and over HTTP.
 
-Unknown fields are tolerated, an unknown major version of the schema is refused.
+Unknown fields are tolerated unless they look like a known one misspelled; an unknown major version of the
+schema is refused.
 """
 
+from difflib import get_close_matches
 from enum import Enum
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from services.relative import Relative, TeeName
 
 SCHEMA = "1.0"
+ALIKE = 0.75
+"""[1] A field that is so like one of these, which is missing, is that one misspelled. Ours: `motoin` is."""
 DriveName = Literal["omni", "differential", "fixed"]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
@@ -57,7 +61,23 @@ class Header(Message):
     traceparent: str = Field(default="", max_length=256)
 
 
-class Stated(Message):
+class Request(Message):
+    """A question: without a field that was meant it would be another one."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _spells_what_it_means(cls, said: object) -> object:
+        """No field is left out because its name is misspelled."""
+        fields = said if isinstance(said, dict) else {}
+        missing = [name for name in cls.model_fields if name not in fields]
+        for name in (str(each) for each in fields if each not in cls.model_fields):
+            near = get_close_matches(name.lower(), missing, n=1, cutoff=ALIKE)
+            if near:
+                raise ValueError(f"no field '{name[:80]}'; did you mean '{near[0]}'?")
+        return said
+
+
+class Stated(Request):
     """A question about the kitchen in a state.
 
     Attributes:
@@ -88,7 +108,7 @@ class Classed(Stated):
         return Relative(self.tee, handle_force=self.handle_force)
 
 
-class QueryRequest(Message):
+class QueryRequest(Request):
     """SPARQL over everything that the server holds: twins, states, verdicts.
 
     The reply is what SPARQL 1.1 says: results as JSON for SELECT and ASK, N-Triples for a graph.
@@ -168,7 +188,7 @@ class PlaceRequest(Stated):
     seed: Seed = 0
 
 
-class ComputeRequest(Message):
+class ComputeRequest(Request):
     """What a query can touch and nobody has judged is judged, within bounds; then it can be asked.
 
     Attributes:
@@ -181,7 +201,7 @@ class ComputeRequest(Message):
     limit: int = Field(default=20, ge=1, le=1000)
 
 
-class WhyRequest(Message):
+class WhyRequest(Request):
     """A stored verdict in plain words."""
 
     iri: str = Field(max_length=500)
@@ -209,7 +229,7 @@ class SweepRequest(Classed):
     budget: float = Field(default=20.0, gt=0, le=3600)
 
 
-class HistoryRequest(Message):
+class HistoryRequest(Request):
     """Events that were published after one that the asker has seen.
 
     Attributes:

@@ -43,6 +43,24 @@ def test_unknown_fields_pass_and_another_major_version_does_not() -> None:
 
 
 @pytest.mark.parametrize(
+    ("said", "message"),
+    [
+        ({"motoin": {}}, "no field 'motoin'; did you mean 'motion'"),
+        ({"Base": [0, 0, 0]}, "no field 'Base'; did you mean 'base'"),
+        ({"drive_": "fixed"}, "no field 'drive_'; did you mean 'drive'"),
+        ({"robots": ["pr2"]}, "no field 'robots'; did you mean 'robot'"),
+    ],
+)
+def test_a_misspelled_field_is_refused_for_it_would_be_another_question(
+    said: dict[str, object], message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        decode(AchieveRequest, json.dumps({"task": "open", **said}).encode())
+    with pytest.raises(InputError, match=message):
+        decode(AchieveRequest, cbor2.dumps({"task": "open", **said}), CBOR)
+
+
+@pytest.mark.parametrize(
     "payload",
     [b"[", b"[]", b"7", b"{}", b'{"task": 3}', b'{"task": NaN}', b"\xff\xfe", b"[" * 100_000],
 )
