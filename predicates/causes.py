@@ -8,7 +8,7 @@ from predicates.meant import containers_meant, moved_by, tasks_meant, unit_of
 from predicates.oracle import Physics, tee_class_of
 from predicates.satisfies_request import demanded, meets, satisfies_request, threshold
 from predicates.scope import out_of_scope
-from sdt_kg.errors import NoModeError
+from sdt_kg.errors import NoModeError, UnknownEntityError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import Motion
 from sdt_kg.state import Interval, Region, State
@@ -139,6 +139,9 @@ def _nothing_to_cause(case: Case, task: Task, container: Container) -> Iterator[
 
 def _missed(case: Case, goal: object, final: State, *, proof: bool) -> tuple[Diagnosis, ...]:
     """Where the final state lies outside the goal, if one is known; proved only if that state is certain."""
+    for joint, _ in _intervals(goal):
+        if joint not in final:
+            raise UnknownEntityError("joint", local_name(joint), map(local_name, final))
     missed = [(joint, interval) for joint, interval in _intervals(goal) if final[joint] not in interval]
     return tuple(_outside_goal(case, joint, final[joint], interval, proof) for joint, interval in missed)
 

@@ -4,10 +4,10 @@ Joints of a `trajectory_msgs/JointTrajectory` are the robot's or, where the robo
 name, the kitchen's. The base comes either from a `trajectory_msgs/MultiDOFJointTrajectory` of one
 joint, whose transforms are world_T_base, or from three joints named `base_x`, `base_y`, `base_yaw`.
 Velocities of the base are those of its origin in the same frame, and of its turn about z.
-The last message of each topic counts; all of them must have the same times from start.
+The last message of each topic counts; all of them must have the same stamp and the same times from start.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,13 @@ from sdt_kg.twin import Twin
 from services.motions.given import Given
 
 JOINTS, POSES = "trajectory_msgs/msg/JointTrajectory", "trajectory_msgs/msg/MultiDOFJointTrajectory"
+TYPES = (
+    *(JOINTS, POSES, "trajectory_msgs/msg/JointTrajectoryPoint", "std_msgs/msg/Header"),
+    *("trajectory_msgs/msg/MultiDOFJointTrajectoryPoint", "builtin_interfaces/msg/Time"),
+    *("builtin_interfaces/msg/Duration", "geometry_msgs/msg/Transform", "geometry_msgs/msg/Twist"),
+    *("geometry_msgs/msg/Vector3", "geometry_msgs/msg/Quaternion"),
+)
+"""Of trajectories, and of what they consist of."""
 BASE_JOINTS = ("base_x", "base_y", "base_yaw")
 NANO = 1e-9
 UPRIGHT = 1e-3
@@ -70,11 +77,15 @@ def _messages(path: Path) -> tuple[list[tuple[str, Message]], list[tuple[str, Me
         ) from None
     found: dict[str, tuple[str, Message]] = {}
     try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+        ours = get_typestore(Stores.ROS2_HUMBLE)
+        with AnyReader([path], default_typestore=ours) as reader:
             wanted = [each for each in reader.connections if each.msgtype in {JOINTS, POSES}]
+            _check_fields(reader.typestore.fielddefs, ours.fielddefs)
             for connection, _, raw in reader.messages(wanted) if wanted else ():
                 message = reader.deserialize(raw, connection.msgtype)
                 found[connection.topic] = connection.msgtype, message
+    except MotionError:
+        raise
     except Exception as error:  # noqa: BLE001 - whatever a foreign, damaged file makes the library raise
         raise MotionError(f"it is no readable ROS 2 bag: {error}", allowed=ALLOWED) from None
     of_kind = {
@@ -82,6 +93,13 @@ def _messages(path: Path) -> tuple[list[tuple[str, Message]], list[tuple[str, Me
         for kind in (JOINTS, POSES)
     }
     return of_kind[JOINTS], of_kind[POSES]
+
+
+def _check_fields(theirs: Mapping[str, object], ours: Mapping[str, object]) -> None:
+    """What the bag calls by the name of a message that is read here is that message."""
+    for name in TYPES:
+        if name in theirs and theirs[name] != ours[name]:
+            raise MotionError(f"its messages {name} have other fields than those of ROS 2", allowed=ALLOWED)
 
 
 def _check_stamps(messages: list[tuple[str, Message]]) -> None:

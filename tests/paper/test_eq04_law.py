@@ -8,7 +8,7 @@ import pytest
 from predicates.case import Case, Kind, Outcome, Verdict
 from predicates.law import law
 from predicates.satisfies_request import demanded
-from sdt_kg.errors import NoModeError
+from sdt_kg.errors import NoModeError, UnknownEntityError
 from sdt_kg.iri import local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.state import Interval, Region, State
@@ -159,6 +159,11 @@ def test_a_final_state_that_is_given_with_a_task_has_to_be_reached_too(of_state:
     assert 0.479 <= reached.case.final[LOW.joint] <= 0.483
     assert missed.outcome is Outcome.NOT_CERTIFIED
     assert [each.kind for each in missed.diagnoses] == [Kind.CAUSAL]
+
+
+def test_a_final_state_of_a_joint_that_there_is_not_is_told_so() -> None:
+    with pytest.raises(UnknownEntityError, match=r"no joint named 'low_drawer'; .*low_drawer_joint"):
+        only(replace(opening(), final=State.of({LOW.joint.removesuffix("_joint"): 0.5})))
 
 
 def test_neither_task_nor_motion_is_no_mode() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sdt_kg.errors import InputError, MotionError, UnknownEntityError
-from sdt_kg.iri import joint_iri
+from sdt_kg.iri import joint_iri, model_iri
 from sdt_kg.motion import BodyMotion, Motion
 from services.motions import read_motion, write_motion
 from tests.small import small_twin
@@ -274,3 +274,17 @@ def test_nothing_of_a_containers_csv_is_left_out(
     (tmp_path / "motion.csv").write_text(TAU.format(*parts))
     with pytest.raises(MotionError, match=message):
         read_motion(tmp_path / "motion.csv", TWIN)
+
+
+def test_another_format_is_told_which_there_are(tmp_path: Path) -> None:
+    (tmp_path / "motion.yaml").write_text("times: []")
+    with pytest.raises(InputError, match=r"\.npz, \.json, \.csv, \.mcap"):
+        read_motion(tmp_path / "motion.yaml", TWIN, PR2)
+
+
+def test_a_motion_of_another_robot_is_read_as_one(tmp_path: Path) -> None:
+    names = ["shoulder", "elbow", "wrist"]
+    other = read(tmp_path, body_motion(robot_joint_names=names, robot_positions=np.zeros((9, 3))))
+    assert isinstance(other, BodyMotion)
+    assert other.robot == model_iri("another robot")
+    assert other.joints == ("shoulder", "elbow", "wrist")

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sdt_kg.errors import InputError, MotionError
-from sdt_kg.iri import model_iri
+from sdt_kg.errors import MotionError
 from sdt_kg.motion import BodyMotion, Motion
 from services.motions import motion_of, read_motion, write_motion
 from tests.small import small_twin
@@ -182,10 +181,19 @@ def test_a_wrong_bag_is_told_so(tmp_path: Path, options: dict[str, object], mess
         read_motion(bag(tmp_path, **options), TWIN, PR2)  # type: ignore[arg-type]
 
 
-def test_a_damaged_bag_is_told_so(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("damaged", "message"),
+    [
+        (lambda content: content[:200], "no readable ROS 2 bag"),
+        (lambda content: content[:-40], "no readable ROS 2 bag"),
+        (lambda content: content.replace(b"] velocities", b"] velocitiew"), "Point have other fields than"),
+    ],
+    ids=["cut at its head", "cut at its end", "other fields"],
+)
+def test_a_damaged_bag_is_told_so(tmp_path: Path, damaged: Callable[[bytes], bytes], message: str) -> None:
     file = bag(tmp_path) / "bag.mcap"
-    file.write_bytes(file.read_bytes()[:200])
-    with pytest.raises(MotionError, match="no readable ROS 2 bag"):
+    file.write_bytes(damaged(file.read_bytes()))
+    with pytest.raises(MotionError, match=message):
         read_motion(file, TWIN, PR2)
 
 
@@ -284,17 +292,3 @@ def test_wrong_json_is_told_where(tmp_path: Path, text: str, message: str) -> No
     (tmp_path / "motion.json").write_text(text)
     with pytest.raises(MotionError, match=message):
         read_motion(tmp_path / "motion.json", TWIN, PR2)
-
-
-def test_another_format_is_told_which_there_are(tmp_path: Path) -> None:
-    (tmp_path / "motion.yaml").write_text("times: []")
-    with pytest.raises(InputError, match=r"\.npz, \.json, \.csv, \.mcap"):
-        read_motion(tmp_path / "motion.yaml", TWIN, PR2)
-
-
-def test_a_motion_of_another_robot_is_read_as_one() -> None:
-    names = np.array(["shoulder", "elbow", "wrist"])
-    other = motion_of({**ARRAYS, "robot_joint_names": names, "robot_positions": np.zeros((9, 3))}, TWIN, PR2)
-    assert isinstance(other, BodyMotion)
-    assert other.robot == model_iri("another robot")
-    assert other.joints == ("shoulder", "elbow", "wrist")
