@@ -41,7 +41,7 @@ def of_own_joint(scene: Scene, container: Container, motion: Motion) -> Motion:
     if given == own:
         return motion
     source, multiplier, offset = scene.coupling.source, scene.coupling.multiplier, scene.coupling.offset
-    if given is None or source[given] != source[own]:
+    if given is None or source[given] != source[own] or multiplier[given] == 0:
         raise MotionError(
             f"the motion is of {local_name(motion.of)}, which does not move {container.name}",
             allowed=f"one of {local_name(container.joint)}",

@@ -1,6 +1,7 @@
 """A body motion that comes with a τ without required times goes its way, in whatever time."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,11 +9,15 @@ import pytest
 from predicates.case import Case, Outcome, Verdict
 from predicates.law import law
 from sdt_kg.annotation import Drive
+from sdt_kg.errors import MotionError
+from sdt_kg.iri import joint_iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.embodiment.certify.certificate import read_certificate
 from services.embodiment.oracle import WholeBody
+from services.embodiment.setting import of_own_joint
+from services.physics.model import Scene
 from services.physics.oracle import Kinematics
 from tests.services.embodiment.gantry import DRAWER, LETTING_GO, RESTS, START, gantry_twin, opening
 
@@ -81,6 +86,24 @@ def test_one_that_goes_another_way_is_not_certified(twin: Twin, values: tuple[fl
 
 def test_one_that_turns_back_where_the_motion_does_not_is_not_certified(twin: Twin) -> None:
     assert judged(twin, way(0.0, 0.46), opening(rests=BACK_AND_FORTH)).outcome is Outcome.NOT_CERTIFIED
+
+
+FOLLOWER = """<link name="flap"/><joint name="flap_joint" type="prismatic"><parent link="world"/>
+<child link="flap"/><axis xyz="1 0 0"/><limit lower="0" upper="1" velocity="1" effort="1"/>
+<mimic joint="drawer_main_joint" multiplier="2"/></joint>"""
+
+
+def test_a_motion_of_what_follows_is_one_of_the_container_unless_it_stands_still(tmp_path: Path) -> None:
+    twin = gantry_twin(tmp_path, FOLLOWER)
+    container, flap = twin.container("drawer_main"), joint_iri("cell", "flap_joint")
+    motion = replace(way(0.0, 0.46), of=flap)
+    own = of_own_joint(Scene(twin, twin.robots[0]), container, motion)
+    assert own.values[:, 0].tolist() == [0.0, 0.23]
+    still = twin.with_edit(flap, mimicMultiplier=0.0)
+    with pytest.raises(
+        MotionError, match=r"flap_joint, which does not move drawer_main; allowed: .*main_joint"
+    ):
+        of_own_joint(Scene(still, still.robots[0]), container, motion)
 
 
 def test_what_was_generated_is_certified_again(twin: Twin) -> None:
