@@ -13,7 +13,7 @@ from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.limits import joint_limits, kitchen_keeps, position_limits
 from services.embodiment.certify.motion import rests, start, whole_motion
-from services.embodiment.certify.sweep.kinematics import joint_axes
+from services.embodiment.certify.sweep.kinematics import unit_of
 from services.embodiment.certify.sweep.pieces import Pieces, hermite, positions
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
@@ -99,20 +99,17 @@ def keeps(scene: Scene, pieces: Pieces, motion: Motion, tolerances: Tolerances) 
     if motion.of not in scene.coordinate:
         raise UnknownEntityError("joint", local_name(motion.of), map(local_name, scene.coordinate))
     k = scene.coordinate[motion.of]
+    unit = unit_of(scene, k)
     wanted, found = hermite(motion.times, motion.values, velocities_of(motion)), pieces.columns(np.array([k]))
     if motion.timed:
         off, time = _apart(Pieces(wanted.start + _lag(wanted, found), wanted.duration, wanted.c), found)
     else:
         off, time = _astray(_way(wanted, tolerances.coupling), _way(found, tolerances.coupling)), None
     if off <= tolerances.coupling:
-        return Findings(figures={OFF: (off, _unit(scene, k))})
-    reason = f"{local_name(motion.of)} is up to {off:.4g} {_unit(scene, k)} off the motion that was asked for"
-    evidence = Evidence(Quantity.POSITION, off, tolerances.coupling, _unit(scene, k), motion.of, time=time)
+        return Findings(figures={OFF: (off, unit)})
+    reason = f"{local_name(motion.of)} is up to {off:.4g} {unit} off the motion that was asked for"
+    evidence = Evidence(Quantity.POSITION, off, tolerances.coupling, unit, motion.of, time=time)
     return Findings([Violation("motion asked for", reason, evidence, off)])
-
-
-def _unit(scene: Scene, k: int) -> str:
-    return "rad" if joint_axes(scene)[1][k] else "m"
 
 
 def _way(pieces: Pieces, least: float) -> list[float]:

@@ -23,7 +23,7 @@ from services.embodiment.certify.motion import of_another_robot, rests, whole_mo
 from services.embodiment.certify.motion import start as starts
 from services.embodiment.certify.robustness import tolerated
 from services.embodiment.certify.survey import survey
-from services.embodiment.certify.sweep.kinematics import joint_axes
+from services.embodiment.certify.sweep.kinematics import unit_of
 from services.embodiment.certify.sweep.pieces import Pieces
 from services.embodiment.certify.sweep.subject import Subject, subject
 from services.embodiment.certify.tolerances import Tolerances
@@ -198,5 +198,5 @@ def _survey(checked: Subject, container: Container, name: str) -> Findings:
 def _end(scene: Scene, pieces: Pieces, container: Container) -> Findings:
     k = scene.coordinate[container.joint]
     last = pieces.at(np.array([len(pieces.start) - 1]), pieces.duration[-1:])[0][0, k]
-    unit = "rad" if joint_axes(scene)[1][k] else "m"
+    unit = unit_of(scene, k)
     return Findings(figures={"container at the end": (float(last), unit)})

@@ -10,7 +10,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.iri import local_name
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
-from services.embodiment.certify.sweep.kinematics import joint_axes
+from services.embodiment.certify.sweep.kinematics import joint_axes, unit_of
 from services.embodiment.certify.sweep.pieces import Pieces, accelerations, positions, velocities
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
@@ -160,7 +160,7 @@ def kitchen_keeps(scene: Scene, pieces: Pieces, container: Container, tolerances
     (values, s), begin = positions(pieces), pieces.c[0, 0]
     own = scene.coordinate[container.joint]
     if not (np.abs(values[:, :, own] - begin[own]) > STILL).any():
-        unit = "rad" if joint_axes(scene)[1][own] else "m"
+        unit = unit_of(scene, own)
         evidence = Evidence(Quantity.POSITION, 0.0, STILL, unit, container.joint)
         findings.violations.append(Violation("moves", f"{container.name} does not move", evidence, 0.0))
     others = pieces.moving[pieces.moving < scene.base[0]]
@@ -169,7 +169,7 @@ def kitchen_keeps(scene: Scene, pieces: Pieces, container: Container, tolerances
     for j, i, n in _first_and_worst(moved > tolerances.position, moved):
         k = int(others[j])
         value, time = float(moved[i, n, j]), float(pieces.start[n] + s[i, n, k])
-        unit = "rad" if joint_axes(scene)[1][k] else "m"
+        unit = unit_of(scene, k)
         evidence = Evidence(Quantity.POSITION, value, 0.0, unit, scene.names[k], time=time)
         reason = (
             f"{local_name(scene.names[k])} moves by {value:.4g} {unit}, and it is no part of {container.name}"

@@ -13,7 +13,7 @@ from sdt_kg.iri import joint_iri, local_name
 from sdt_kg.mechanism import Joint, JointType, Mechanism
 from sdt_kg.motion import BodyMotion, check_numbers, check_times
 from services.embodiment.certify.findings import Findings, Violation
-from services.embodiment.certify.sweep.kinematics import joint_axes
+from services.embodiment.certify.sweep.kinematics import joint_axes, unit_of
 from services.embodiment.certify.sweep.pieces import Pieces, hermite, positions
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
@@ -188,7 +188,7 @@ def _apart(scene: Scene, k: int, reason: str, between: Pieces, most: float) -> F
     times, off = times[order], np.abs(values).ravel()[order]
     for n in (int(np.argmax(off > most)), int(np.argmax(off))):
         if off[n] > most:
-            unit = "rad" if joint_axes(scene)[1][k] else "m"
+            unit = unit_of(scene, k)
             value, time = float(off[n]), float(times[n])
             evidence = Evidence(Quantity.POSITION, value, most, unit, scene.names[k], time=time)
             findings.violations.append(Violation("coupled joints", reason, evidence, value))
@@ -238,7 +238,7 @@ def rests(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
         k = int(np.argmax(np.abs(speeds[n])))
         speed = float(abs(speeds[n, k]))
         if speed > tolerances.rest:
-            unit = "rad/s" if joint_axes(scene)[1][k] else "m/s"
+            unit = f"{unit_of(scene, k)}/s"
             reason = f"the motion {when} while {local_name(scene.names[k])} moves at {speed:.4g} {unit}"
             time = float(pieces.start[ends[n]] + times[n])
             evidence = Evidence(Quantity.VELOCITY, speed, tolerances.rest, unit, scene.names[k], time=time)

@@ -17,7 +17,7 @@ from sdt_kg.mechanism import Mechanism
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
-from services.embodiment.certify.sweep.kinematics import Placed, joint_axes
+from services.embodiment.certify.sweep.kinematics import Placed, unit_of
 from services.embodiment.certify.sweep.subject import Subject
 
 Array = NDArray[np.float64]
@@ -205,7 +205,7 @@ def _gaps(checked: Subject, hold: Hold, times: Array) -> Array:
 def _contact(checked: Subject, hold: Hold, times: Array, gaps: Array) -> Iterator[Violation]:
     """How far the container moves before a finger is at its handle, and where the finger leaves it."""
     container, k = hold.container, checked.scene.coordinate[hold.container.joint]
-    unit = "rad" if joint_axes(checked.scene)[1][k] else "m"
+    unit = unit_of(checked.scene, k)
     pieces = checked.pieces
     piece = np.clip(np.searchsorted(pieces.start, times, side="right") - 1, 0, len(pieces.start) - 1)
     moved = np.abs(pieces.at(piece, times - pieces.start[piece])[0][:, k] - pieces.c[0, 0, k])

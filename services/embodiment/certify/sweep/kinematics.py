@@ -169,6 +169,11 @@ def joint_axes(scene: Scene) -> tuple[Array, NDArray[np.bool_]]:
     return axes, revolute
 
 
+def unit_of(scene: Scene, k: int) -> str:
+    """Unit of a coordinate: rad where its joint turns, else m."""
+    return "rad" if joint_axes(scene)[1][k] else "m"
+
+
 @lru_cache(maxsize=8)
 def _links(scene: Scene) -> tuple[list[int], list[Array]]:
     """Parent of each of Pinocchio's joints and parent_T_joint, shape (4, 4); kept, so not to be changed."""
