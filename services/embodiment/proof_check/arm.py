@@ -98,10 +98,10 @@ class Beside:
 
     def box(self, low: Array, high: Array) -> tuple[Array, Array]:
         """All positions of the limb's joints with the arm in a box, lower and upper ends, shape (m,)."""
-        ends = np.array([[link.lower, link.upper] for link in self.limb.chain.links]).T
+        lower, upper = self.limb.chain.ranges()
         return (
-            np.concatenate((low[: self.shared], ends[0, self.shared :])),
-            np.concatenate((high[: self.shared], ends[1, self.shared :])),
+            np.concatenate((low[: self.shared], lower[self.shared :])),
+            np.concatenate((high[: self.shared], upper[self.shared :])),
         )
 
 

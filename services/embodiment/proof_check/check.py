@@ -153,8 +153,7 @@ def leaves_of_one(statement: Statement, arm: Arm, given: Refutation) -> int:
     if given.pinched:
         count = _pinches(statement, given, nodes)
     else:
-        ends = np.array([[link.lower, link.upper] for link in links]).T
-        box = _covered(given, tuple(link.name for link in links), *ends)
+        box = _covered(given, tuple(link.name for link in links), *arm.chain.ranges())
         if given.places is None:
             goal = at_value(statement, arm, given.value)
             limbs = tuple(statement.beside(arm, body, given.value) for body in given.beside)

@@ -87,6 +87,10 @@ class Chain:
     links: tuple[Link, ...]
     end: Placement
 
+    def ranges(self) -> tuple[Array, Array]:
+        """Lower and upper ends of all positions of its joints [rad or m], shape (n,) each."""
+        return np.array([link.lower for link in self.links]), np.array([link.upper for link in self.links])
+
     def frames(self, q: Array) -> tuple[Interval, Interval, Placement]:
         """Origins and axes of the joints at exact positions q (L, n), shapes (L, n, 3), and the frame.
 

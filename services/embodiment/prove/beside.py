@@ -13,8 +13,9 @@ from services.embodiment.proof_check.mechanics import Tree
 from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import BASE, Statement
 from services.embodiment.proof_check.tree import Goal, halves
-from services.embodiment.prove.arrays import aim, inner, joints
+from services.embodiment.prove.arrays import inner, joints
 from services.embodiment.prove.boxes import FOUND, divide
+from services.embodiment.prove.divided import divided
 from services.embodiment.prove.inner import SLACK
 
 Array = NDArray[np.float64]
@@ -82,13 +83,12 @@ class Limbs:
     def _look(self, arm: Arm, value: float) -> None:
         if value in self._known:
             return
-        low, high = _ranges(arm)
         limbs = {body: self._statement.beside(arm, body, value) for body in self._bodies}
         asked = [_Asked(body, one) for body, one in limbs.items() if one.shared > LIFT]
-        self._known[value] = _parts(asked, (low, high), HALVED)
+        self._known[value] = _parts(asked, arm.chain.ranges(), HALVED)
 
     def _refute(self, arm: Arm, value: float, nodes: int) -> Refutation | None:
-        goal, parts, box = at_value(self._statement, arm, value), self._known[value], _ranges(arm)
+        goal, parts, box = at_value(self._statement, arm, value), self._known[value], arm.chain.ranges()
         used = tuple(sorted(_bodies(parts)))
         tree = _tree(goal, used, parts, box, nodes) if goal.codes + len(used) <= CODES else None
         if tree is None:
@@ -96,12 +96,6 @@ class Limbs:
         names = tuple(link.name for link in arm.chain.links)
         ends = tuple(zip(*(each.tolist() for each in box), strict=True))
         return Refutation(arm.gripper, value, names, ends, tree, beside=used)
-
-
-def _ranges(arm: Arm) -> Box:
-    """Lower and upper ends of all positions of the arm's joints, shape (n,)."""
-    links = arm.chain.links
-    return np.array([link.lower for link in links]), np.array([link.upper for link in links])
 
 
 def _ends(statement: Statement) -> tuple[str, ...]:
@@ -175,10 +169,7 @@ def _tree(goal: Goal, used: tuple[str, ...], parts: Parts, box: Box, nodes: int)
     if isinstance(parts, Met):
         return bytes([LEAF + goal.codes + used.index(parts.body)]) + parts.tree
     if parts is None:
-        tree, wanted = np.zeros(nodes, dtype=np.uint8), aim(goal.arm, goal.target)
-        about = joints(goal.arm), 0, (wanted, wanted), False, False, SLACK, inner(goal.arm, goal.around)
-        outcome, written = divide(*box, *about, tree)
-        return tree[:written].tobytes() if outcome == FOUND else None
+        return divided(goal, *box, nodes)
     found = [bytes([LIFT])]
     for part, half in zip(parts, reversed(halves(*box, LIFT)), strict=True):
         tree = _tree(goal, used, part, half, nodes)

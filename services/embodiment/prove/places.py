@@ -38,7 +38,7 @@ class _Search:
     """Looks for a tree of joint positions for one cell after the other."""
 
     def __init__(self, statement: Statement, arm: Arm, values: list[float]) -> None:
-        self.box = np.array([[link.lower, link.upper] for link in arm.chain.links]).T
+        self.box = arm.chain.ranges()
         self.whole = region(statement, arm)
         self.spent = 0
         self._arm, self._chain, self._wrist = arm, joints(arm), wrist_of(arm)

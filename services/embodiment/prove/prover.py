@@ -20,11 +20,11 @@ from services.embodiment.proof_check.check import leaves_of_one, refuted
 from services.embodiment.proof_check.claim import Timing, claim_about
 from services.embodiment.proof_check.content import Proof, Refutation, to_bytes
 from services.embodiment.proof_check.haste import too_fast
+from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.prove.arrays import aim, inner, joints
 from services.embodiment.prove.beside import Limbs
-from services.embodiment.prove.boxes import FOUND, LEAF, divide
-from services.embodiment.prove.inner import SLACK
+from services.embodiment.prove.boxes import LEAF
+from services.embodiment.prove.divided import divided
 from services.embodiment.prove.pinch import by_fingers
 from services.embodiment.prove.places import by_places
 from services.embodiment.prove.windows import window
@@ -169,21 +169,15 @@ class Prover:
         arm = self._arms[gripper.name]
         if arm is None:
             return
-        low, high = (np.array([getattr(link, end) for link in arm.chain.links]) for end in ("lower", "upper"))
+        low, high = arm.chain.ranges()
         names = tuple(link.name for link in arm.chain.links)
         box = tuple(zip(low.tolist(), high.tolist(), strict=True))
+        if not self.statement.handle_boxes():
+            return
         for value in self._values():
-            tree = np.zeros(nodes, dtype=np.uint8)
-            target = self.statement.target(value)
-            if not len(target.boxes):
-                return
-            wanted, level = aim(arm, target), self.statement.level
-            solids = inner(arm, self.statement.around(arm, value))
-            outcome, count = divide(
-                low, high, joints(arm), arm.upright, (wanted, wanted), False, level, SLACK, solids, tree
-            )
-            if outcome == FOUND:
-                yield Refutation(gripper.name, value, names, box, tree[:count].tobytes())
+            tree = divided(at_value(self.statement, arm, value), low, high, nodes)
+            if tree is not None:
+                yield Refutation(gripper.name, value, names, box, tree)
 
     def _by_limbs(self, gripper: Gripper) -> Refutation | None:
         """A refutation of one gripper by bodies beside its arm, where such are looked for."""

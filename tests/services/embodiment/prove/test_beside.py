@@ -12,7 +12,6 @@ import pytest
 
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
-from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from services.embodiment.body.limb import Margins, make_limb, rules
 from services.embodiment.body.world import World
@@ -20,26 +19,15 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.content import BESIDE, LEAF, read_proof
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.prove.prover import Proved, Prover
+from services.embodiment.prove.prover import Proved
 from services.physics.model import Scene
-from tests.soak.doors import draw, write
+from tests.services.embodiment.prove.standing import HERE, front, swept
 
-HERE = (0.0, 0.0, 0.0)
 TIPS = 75  # front whose door tips onto the left shoulder of the PR2, however that is turned and lifted
 OPENED = {"pr2": 3, "tiago_dual": 3}
 """Fronts that are certified with the base standing, and so are refuted nowhere."""
 POSTURES = 200
 Change = Callable[[dict[str, Any]], None]
-
-
-def front(folder: Path, robot: str, seed: int) -> Twin:
-    return load_twin(write(draw(np.random.default_rng(seed)), folder, "front"), [robot])
-
-
-def swept(twin: Twin, declared: bool = False) -> Proved | None:
-    door = twin.container("front_door")
-    values = np.array([0.0, door.open_from])
-    return Prover(twin, twin.robots[0], door, Drive.FIXED, HERE, values, declared=declared).swept()
 
 
 @pytest.fixture(scope="module")
@@ -80,9 +68,9 @@ def test_wherever_the_arms_are_at_that_value_something_is_in_contact(tipped: tup
         scene = Scene(twin.at({door.joint: one.value}), twin.robots[0])
         world = World(scene)
         demands = rules(world, make_limb(world, gripper), Margins(0.0, 0.0, 0.0))
-        ends = np.array([[link.lower, link.upper] for link in arm.chain.links]).T
+        low, high = arm.chain.ranges()
         names = [link.name for link in arm.chain.links[3:]]
-        for q in rng.uniform(*ends, (POSTURES, len(ends[0]))):
+        for q in rng.uniform(low, high, (POSTURES, len(low))):
             posture = scene.q(q[:3], dict(zip(names, q[3:].tolist(), strict=True)))
             assert world.contact(posture[None], demands) is not None
 

@@ -11,7 +11,6 @@ import pytest
 
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
-from sdt_kg.load import load_twin
 from sdt_kg.mechanism import Body, Geometry, Pose, ShapeType
 from sdt_kg.twin import Twin
 from services.embodiment.body.limb import Margins, make_limb, rules
@@ -21,28 +20,16 @@ from services.embodiment.proof_check import check
 from services.embodiment.proof_check.inside.boxes import GAP, THIN, boxes_within
 from services.embodiment.proof_check.inside.cores import pierced
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.prove.prover import Proved, Prover
 from services.physics.model import Scene
-from tests.soak.doors import Front, draw, write
+from tests.services.embodiment.prove.standing import HERE, front, swept
+from tests.soak.doors import Front
 
-HERE = (0.0, 0.0, 0.0)
 TIPS = 83  # front whose door comes 5 mm into a shape of the PR2's base
 STANDING = 31  # front whose door comes into the TIAGo++'s column
 BAR = 0.594  # [m] from the origin to what of a drawer's bar is nearest
 STRIDE = 3  # every so many cores are looked at
 FACE = 0.3342  # [m] from the origin to the front of the PR2's base
 Change = Callable[[dict[str, Any]], None]
-
-
-def front(folder: Path, robot: str, what: int | Front) -> Twin:
-    drawn = draw(np.random.default_rng(what)) if isinstance(what, int) else what
-    return load_twin(write(drawn, folder, "front"), [robot])
-
-
-def swept(twin: Twin, declared: bool) -> Proved | None:
-    door = twin.container("front_door")
-    values = np.array([0.0, door.open_from])
-    return Prover(twin, twin.robots[0], door, Drive.FIXED, HERE, values, declared=declared).swept()
 
 
 @pytest.fixture(scope="module")

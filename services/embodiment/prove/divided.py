@@ -1,0 +1,19 @@
+"""The tree of an arm's joint positions that is to refute a goal."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from services.embodiment.proof_check.tree import Goal
+from services.embodiment.prove.arrays import aim, inner, joints
+from services.embodiment.prove.boxes import FOUND, divide
+from services.embodiment.prove.inner import SLACK
+
+Array = NDArray[np.float64]
+
+
+def divided(goal: Goal, low: Array, high: Array, nodes: int) -> bytes | None:
+    """The tree over a box of positions, lower and upper ends of shape (n,), if so many nodes are enough."""
+    arm, tree, wanted = goal.arm, np.zeros(nodes, dtype=np.uint8), aim(goal.arm, goal.target)
+    about = joints(arm), arm.upright, (wanted, wanted), False, goal.level, SLACK, inner(arm, goal.around)
+    outcome, count = divide(low, high, *about, tree)
+    return tree[:count].tobytes() if outcome == FOUND else None
