@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, ShapeType
+from sdt_kg.urdf import meshes
 from services.physics.geometry import hulls
 from services.physics.geometry.hulls import COARSE, Fineness, convex_pieces
 from services.physics.geometry.kept import kept
@@ -58,18 +59,30 @@ def _primitive(geometry: Geometry) -> coal.CollisionGeometry:
 @lru_cache(maxsize=1024)
 def _triangles(mesh_file: str, mesh_hash: str, scale: tuple[float, ...]) -> coal.BVHModelBase:
     # The hash is part of the key: a file that changed is another mesh.
-    del mesh_hash
-    mesh = _loaded(mesh_file, scale, coal.BV_OBBRSS)
+    mesh = _loaded(mesh_file, mesh_hash, scale, coal.BV_OBBRSS)
     mesh.computeLocalAABB()
     return mesh
 
 
-def _loaded(mesh_file: str, scale: tuple[float, ...], tree: coal.NODE_TYPE) -> coal.BVHModelBase:
+def _loaded(
+    mesh_file: str, mesh_hash: str, scale: tuple[float, ...], tree: coal.NODE_TYPE
+) -> coal.BVHModelBase:
+    """The mesh that the model names: its hash is in every verdict, and what is kept is found by it.
+
+    Raises:
+        UrdfError: The file is no mesh, or another one than when the model was read.
+    """
     try:
-        return coal.MeshLoader(tree).load(mesh_file, np.array(scale))
+        mesh = coal.MeshLoader(tree).load(mesh_file, np.array(scale))
     except (RuntimeError, ValueError) as error:
         said = " ".join(str(error).rpartition("message:")[2].split())  # before it: where in coal's sources
         raise UrdfError(f"mesh {mesh_file} cannot be read: {said}", allowed="STL, OBJ, DAE") from error
+    if meshes.mesh_hash(Path(mesh_file)) != mesh_hash:
+        raise UrdfError(
+            f"mesh {mesh_file} is another file than when its model was read",
+            remedy="read the model again, with a service by starting it again; or put the file back",
+        )
+    return mesh
 
 
 @lru_cache(maxsize=1024)
@@ -77,7 +90,7 @@ def _hulls(
     mesh_file: str, mesh_hash: str, scale: tuple[float, ...], fineness: Fineness
 ) -> tuple[coal.ConvexBase, ...]:
     def cut() -> list[NDArray[np.float64]]:
-        pieces = convex_pieces(_corners(mesh_file, scale), fineness)
+        pieces = convex_pieces(_corners(mesh_file, mesh_hash, scale), fineness)
         return [np.array(hull(points).points()) for points in pieces]
 
     return tuple(hull(points) for points in kept((_code(), mesh_hash, scale, fineness), cut))
@@ -90,9 +103,10 @@ def _code() -> str:
     return hashlib.sha256(b"".join(each.read_bytes() for each in sources)).hexdigest() + version("coal")
 
 
-def _corners(mesh_file: str, scale: tuple[float, ...]) -> NDArray[np.float64]:
+def _corners(mesh_file: str, mesh_hash: str, scale: tuple[float, ...]) -> NDArray[np.float64]:
     """Triangles of a mesh, shape (M, 3, 3) [m]."""
-    return _read(_loaded(mesh_file, scale, coal.BV_AABB))  # the cheapest tree: nothing is asked of it
+    # The cheapest tree: nothing is asked of it.
+    return _read(_loaded(mesh_file, mesh_hash, scale, coal.BV_AABB))
 
 
 @lru_cache(maxsize=1024)

@@ -1,5 +1,6 @@
 """Pieces of meshes that are kept on disk are those that were made, or are made anew."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -7,10 +8,12 @@ import numpy as np
 import pytest
 import trimesh
 
+from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, Pose, ShapeType
+from sdt_kg.urdf.meshes import mesh_hash
 from services.physics.geometry.hulls import FINE
 from services.physics.geometry.kept import Array, folder, kept
-from services.physics.geometry.shapes import solids
+from services.physics.geometry.shapes import solids, surface
 
 PIECES = [np.array([[0.0, 0.0, 0.1], [1.0, 0.0, 0.2], [0.0, 1.0, 0.3]]), np.array([[0.1, 0.2, 0.7]])]
 
@@ -30,6 +33,11 @@ def made() -> tuple[list[int], Callable[[], list[Array]]]:
         return PIECES
 
     return count, make
+
+
+def mesh_at(path: Path) -> Geometry:
+    """The mesh of a file, as a model names it."""
+    return Geometry(ShapeType.MESH, Pose(), (1.0, 1.0, 1.0), str(path), mesh_hash(path))
 
 
 def same(one: list[Array], other: list[Array]) -> bool:
@@ -91,10 +99,7 @@ def test_a_mesh_has_the_same_hulls_whether_they_were_kept_or_not(tmp_path: Path)
     )
     for name in ("one.stl", "same.stl"):
         bent.export(tmp_path / name)
-    first, second = (
-        solids(Geometry(ShapeType.MESH, Pose(), (1.0, 1.0, 1.0), str(tmp_path / name), "hash"), FINE)
-        for name in ("one.stl", "same.stl")
-    )
+    first, second = (solids(mesh_at(tmp_path / name), FINE) for name in ("one.stl", "same.stl"))
     assert len(list(folder().iterdir())) == 1
     assert len(first) > 1
     assert [np.array(each.points()).tolist() for each in first] == [
@@ -103,3 +108,18 @@ def test_a_mesh_has_the_same_hulls_whether_they_were_kept_or_not(tmp_path: Path)
     for each in first:
         corners = np.array(each.points())
         assert np.abs(corners).max() <= 0.5 + 1e-12
+
+
+@pytest.mark.parametrize("shapes", [solids, surface])
+def test_a_file_that_changed_since_its_model_was_read_is_refused_and_nothing_is_kept_of_it(
+    tmp_path: Path, shapes: Callable[[Geometry], object]
+) -> None:
+    file = tmp_path / "one.stl"
+    trimesh.creation.box((1, 1, 1)).export(file)
+    read = mesh_at(file)
+    trimesh.creation.box((3, 3, 3)).export(file)
+    os.utime(file, ns=(1, 1))
+    with pytest.raises(UrdfError, match="another file than when its model was read"):
+        shapes(read)
+    assert not folder().exists()
+    shapes(mesh_at(file))

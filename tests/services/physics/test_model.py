@@ -16,6 +16,7 @@ from sdt_kg.load import load_twin
 from sdt_kg.mechanism import Body, Geometry, Joint, JointType, Mechanism, Mimic, Pose, ShapeType
 from sdt_kg.twin import Twin
 from sdt_kg.urdf import read_mechanism
+from sdt_kg.urdf.meshes import mesh_hash
 from services.physics.geometry.hulls import COARSE, FINE, Fineness, convex_pieces
 from services.physics.geometry.pieces import pieces
 from services.physics.geometry.shapes import solids, surface
@@ -220,7 +221,7 @@ endsolid s
 
 def mesh(path: Path, text: str, size: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> Geometry:
     path.write_text(text)
-    return Geometry(ShapeType.MESH, Pose(), size, str(path), str(path))
+    return Geometry(ShapeType.MESH, Pose(), size, str(path), mesh_hash(path))
 
 
 def one(shapes: tuple[coal.CollisionGeometry, ...]) -> coal.CollisionGeometry:

@@ -12,6 +12,7 @@ from sdt_kg.iri import Iri, body_iri, joint_iri, local_name
 from sdt_kg.mechanism import Body, Geometry, Mechanism, Pose, ShapeType
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Twin
+from sdt_kg.urdf.meshes import mesh_hash
 from services.app import load
 from services.physics.model import Scene
 from services.viewer.picture.film import Film
@@ -96,7 +97,7 @@ def test_a_mesh_is_drawn_as_it_is_judged(tmp_path: Path, hulls: bool) -> None:
     faces = "".join(f"f {a} {b} {c}\n" for a, b, c in ((1, 3, 2), (1, 2, 4), (2, 3, 4), (1, 4, 3)))
     file = tmp_path / "corner.obj"
     file.write_text("".join("v {} {} {}\n".format(*corner) for corner in corners) + faces)
-    geometry = Geometry(ShapeType.MESH, Pose(), (2.0, 1.0, 1.0), str(file), "hash")
+    geometry = Geometry(ShapeType.MESH, Pose(), (2.0, 1.0, 1.0), str(file), mesh_hash(file))
     mechanism = Mechanism("m", "body", (Body("body", None, (geometry,)),), ())
     surface = collision_surfaces(mechanism, hulls=hulls)["body"]
     assert surface.vertices.max(axis=0) == pytest.approx((2, 1, 1), abs=1e-3)
