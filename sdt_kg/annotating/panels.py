@@ -17,6 +17,7 @@ from sdt_kg.mechanism import Geometry, Pose, ShapeType
 from sdt_kg.store import Store, Triple, double, rows_of
 from sdt_kg.triples import Facts
 from sdt_kg.triples.to_mechanism import geometry_of
+from sdt_kg.urdf.meshes import metres
 
 Points = NDArray[np.float64]
 
@@ -92,11 +93,12 @@ def _own_corners(shape: Geometry) -> Points:
 
 @cache
 def _vertices(file: str) -> Points:
-    """Vertices of a mesh file, in the file's own units."""
+    """Vertices of a mesh file, shape (n, 3) [m]."""
     import trimesh  # noqa: PLC0415 - only where a mesh is measured
 
     loader: Any = trimesh  # its annotations are partial
-    return np.asarray(loader.load(Path(file), force="mesh").vertices, dtype=np.float64)
+    vertices = np.asarray(loader.load(Path(file), force="mesh").vertices, dtype=np.float64)
+    return vertices * metres(Path(file))
 
 
 def moved(points: Points, pose: Pose) -> Points:

@@ -63,6 +63,7 @@ def read_mjcf(root: ET.Element, path: Path, name: str) -> Mechanism:
     except ValueError as error:
         said = " ".join(str(error).split())
         raise UrdfError(f"{path}: MuJoCo says: {said}") from None
+    _check_meshes(library, model, path)
     return _Reader(library, model, path).mechanism(name)
 
 
@@ -84,6 +85,17 @@ def _check_files(root: ET.Element, path: Path, folder: Path, seen: tuple[Path, .
                 refuse_unsafe(content, included)
                 tree = ET.fromstring(content)  # noqa: S314 - no DTD is left in the text
                 _check_files(tree, included, folder, (*seen, included))
+
+
+def _check_meshes(library: Model, model: Model, path: Path) -> None:
+    """That vertices are where mesh files have them: the compiled model does not say what moves them."""
+    for mesh in library.MjSpec.from_file(str(path)).meshes if model.nmesh else ():
+        if any(mesh.refpos) or any(mesh.refquat[1:]):
+            raise UrdfError(
+                f"{path}: mesh '{mesh.name}' has a frame of its own",
+                allowed="meshes without refpos and refquat",
+                remedy="shift and turn the vertices in the file, or the geom instead",
+            )
 
 
 @dataclass(frozen=True, slots=True)

@@ -65,7 +65,7 @@ def _resolved(joint: Joint, by_name: dict[str, Joint], source: Path) -> Joint:
                 allowed="another joint of the same file",
             )
         seen.add(target.name)
-        if target.mimic is None or target.type is JointType.FIXED:
+        if target.mimic is None or _stands(target):
             break
         step = target.mimic
         mimic = Mimic(
@@ -75,6 +75,11 @@ def _resolved(joint: Joint, by_name: dict[str, Joint], source: Path) -> Joint:
         return joint
     note = f"mimics '{joint.mimic.joint if joint.mimic else ''}', which mimics '{mimic.joint}': joined"
     return replace(joint, mimic=mimic, notes=(*joint.notes, note))
+
+
+def _stands(joint: Joint) -> bool:
+    """Whether a joint cannot move, whatever it mimics."""
+    return joint.type is JointType.FIXED or joint.limits.lower == joint.limits.upper
 
 
 def with_fixed(joints: Iterable[Joint]) -> list[Joint]:

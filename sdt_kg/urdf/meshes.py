@@ -1,6 +1,8 @@
 """Mesh references of a URDF → files inside the model's own folder."""
 
 import hashlib
+import math
+import re
 from functools import lru_cache
 from pathlib import Path
 from typing import Final
@@ -9,6 +11,9 @@ from sdt_kg.errors import UrdfError
 
 PACKAGE: Final = "package://"
 FILE: Final = "file://"
+COLLADA: Final = ".dae"
+UNIT: Final = re.compile(rb"""<unit\b[^>]*?\bmeter\s*=\s*["']([^"']*)["']""")
+"""A COLLADA file's unit, which its first `asset` gives; without one it is the metre."""
 
 
 def mesh_path(reference: str, urdf: Path, where: str) -> Path:
@@ -58,3 +63,21 @@ def mesh_hash(path: Path) -> str:
 @lru_cache(maxsize=1024)
 def _hash(path: Path, _modified: int, _size: int) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def metres(path: Path) -> float:
+    """How long a mesh file's unit is [m]: COLLADA files say so, others are in metres.
+
+    Raises:
+        UrdfError: It is no length.
+    """
+    if path.suffix.lower() != COLLADA:
+        return 1.0
+    said = UNIT.search(path.read_bytes())
+    try:
+        unit = 1.0 if said is None else float(said[1])
+    except ValueError:
+        unit = math.nan
+    if not 0 < unit < math.inf:
+        raise UrdfError(f"mesh {path} has a unit that is no length", allowed='<unit meter="1"/>')
+    return unit

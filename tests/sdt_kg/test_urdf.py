@@ -109,6 +109,14 @@ def test_a_chain_of_mimics_becomes_one_step(write: Write) -> None:
     assert model.joint("c").notes == ("mimics 'b', which mimics 'hinge': joined",)
 
 
+def test_a_chain_of_mimics_ends_at_a_joint_that_stands_though_it_mimics(write: Write) -> None:
+    stands = joint("b", "prismatic", "door", "l2", f'<mimic joint="hinge"/>{limit(0.5, 0.5)}')
+    follower = joint("c", "prismatic", "l2", "l3", f'<mimic joint="b" multiplier="2"/>{limit(0, 9)}')
+    model = read_mechanism(write(*hinge(limit(0, 1)), link("l2"), link("l3"), stands, follower))
+    assert [model.joint(name).type for name in ("b", "c")] == [JointType.FIXED] * 2
+    assert [model.joint(name).origin.position[0] for name in ("b", "c")] == [0.5, 1.0]
+
+
 @pytest.mark.parametrize(
     "mimic", ['<mimic joint="hinge" offset="0.25"/>', '<mimic joint="x" multiplier="0"/>']
 )

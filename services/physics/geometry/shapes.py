@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, ShapeType
 from sdt_kg.urdf import meshes
+from sdt_kg.urdf.meshes import metres
 from services.physics.geometry import hulls
 from services.physics.geometry.hulls import COARSE, Fineness, convex_pieces
 from services.physics.geometry.kept import kept
@@ -73,10 +74,12 @@ def _loaded(
         UrdfError: The file is no mesh, or another one than when the model was read.
     """
     try:
-        mesh = coal.MeshLoader(tree).load(mesh_file, np.array(scale))
+        mesh = coal.MeshLoader(tree).load(mesh_file, np.array(scale) * metres(Path(mesh_file)))
     except (RuntimeError, ValueError) as error:
         said = " ".join(str(error).rpartition("message:")[2].split())  # before it: where in coal's sources
         raise UrdfError(f"mesh {mesh_file} cannot be read: {said}", allowed="STL, OBJ, DAE") from error
+    if not np.isfinite(mesh.vertices()).all():  # its triangle would touch nothing
+        raise UrdfError(f"mesh {mesh_file} has a vertex that is no point", allowed="finite coordinates")
     if meshes.mesh_hash(Path(mesh_file)) != mesh_hash:
         raise UrdfError(
             f"mesh {mesh_file} is another file than when its model was read",
@@ -99,7 +102,7 @@ def _hulls(
 @cache
 def _code() -> str:
     """Hash of the code that makes pieces, and the version of what reads meshes and makes hulls."""
-    sources = (Path(__file__), Path(hulls.__file__))
+    sources = (Path(__file__), Path(hulls.__file__), Path(meshes.__file__))
     return hashlib.sha256(b"".join(each.read_bytes() for each in sources)).hexdigest() + version("coal")
 
 

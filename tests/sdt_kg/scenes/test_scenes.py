@@ -134,6 +134,14 @@ def test_it_agrees_with_mujoco_where_joints_have_anchors_and_references(nasty: P
         assert apart.max() < 1e-6  # single precision of MuJoCo's vertices
 
 
+@pytest.mark.parametrize("frame", ['refpos="0.1 0 0.2"', 'refquat="1 0 0 1"'])
+def test_a_mesh_that_mujoco_moves_in_its_own_frame_is_refused(nasty: Path, frame: str) -> None:
+    # The compiled model does not say how, and the mesh would stand elsewhere.
+    nasty.write_text(NASTY.replace('scale="2 1 1"', f'scale="2 1 1" {frame}'), encoding="utf-8")
+    with pytest.raises(UrdfError, match=r"mesh 'm' has a frame of its own; allowed: meshes without refpos"):
+        read_scene(nasty)
+
+
 def test_what_mjcf_cannot_carry_over_is_listed(nasty: Path) -> None:
     mechanism = read_scene(nasty)
     slide = mechanism.joint("slide")

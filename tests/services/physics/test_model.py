@@ -1,5 +1,6 @@
 """Models built from mechanisms have the kinematics of models built from URDF files."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
+from sdt_kg.annotating.panels import corners
 from sdt_kg.errors import UnknownEntityError, UrdfError
 from sdt_kg.iri import body_iri, joint_iri, local_name
 from sdt_kg.load import load_twin
@@ -249,6 +251,47 @@ def test_a_robots_mesh_is_filled_and_a_kitchens_is_its_surface(tmp_path: Path) -
     assert distance_to_ball(one(solids(closed)), (1.0, 1.0, 1.0), 0.1) == pytest.approx(
         1 / np.sqrt(3) - 0.1, abs=1e-6
     )
+
+
+@pytest.mark.parametrize("number", ["nan", "inf"])
+@pytest.mark.parametrize("shapes", [solids, surface], ids=["robot", "kitchen"])
+def test_a_mesh_with_a_vertex_that_is_no_point_is_refused(
+    shapes: Callable[[Geometry], object], number: str, tmp_path: Path
+) -> None:
+    # Its triangles would touch nothing, and a robot could pass through them.
+    broken = SLOPE.replace("vertex 1 0 0", f"vertex {number} 0 0")
+    with pytest.raises(UrdfError, match=r"broken\.stl has a vertex that is no point; allowed: finite"):
+        shapes(mesh(tmp_path / "broken.stl", TETRAHEDRON.format(more=broken)))
+
+
+COLLADA = """<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset>{unit}</asset>
+<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="12">
+0 0 0 1 0 0 0 2 0 0 0 3</float_array><technique_common><accessor source="#a" count="4" stride="3">
+<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/>
+</accessor></technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>0 2 1 0 1 3 0 3 2 1 2 3</p>
+</triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene id="s">
+<node><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
+
+
+@pytest.mark.parametrize(
+    ("unit", "metres"), [("", 1.0), ('<unit meter="1"/>', 1.0), ('<unit name="cm" meter="0.01"/>', 0.01)]
+)
+def test_a_mesh_is_as_large_as_the_unit_of_its_file_says(unit: str, metres: float, tmp_path: Path) -> None:
+    file = mesh(tmp_path / "unit.dae", COLLADA.format(unit=unit), (1.0, 1.0, 2.0))
+    size = np.array([1.0, 2.0, 6.0]) * metres
+    np.testing.assert_allclose(one(surface(file)).aabb_local.max_, size)
+    np.testing.assert_allclose(one(solids(file)).aabb_local.max_, size)
+    np.testing.assert_allclose(corners([file]).max(axis=0), size)
+
+
+def test_a_mesh_whose_unit_is_no_length_is_refused(tmp_path: Path) -> None:
+    for meter in ("0", "-1", "inf", "cm"):
+        file = mesh(tmp_path / f"unit{meter}.dae", COLLADA.format(unit=f'<unit meter="{meter}"/>'))
+        with pytest.raises(UrdfError, match="has a unit that is no length"):
+            surface(file)
 
 
 def test_a_flat_mesh_is_a_thin_solid(tmp_path: Path) -> None:
