@@ -7,13 +7,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Protocol, runtime_checkable
+from typing import Final, Protocol, runtime_checkable
 
-from predicates.case import Answer, ArtefactKind, Case, Outcome, Verdict
+from predicates.case import Answer, Case, Verdict
 from predicates.causes import causes_request
 from predicates.law import law, stored_verdicts
 from predicates.oracle import Embodiment, Physics
-from predicates.record.recall import REMEDY, Recall, nothing_stored
+from predicates.record.recall import Recall, nothing_stored
 from predicates.satisfies_request import satisfies_request
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, QueryError
@@ -22,10 +22,14 @@ from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import UNKNOWN, Task
 from sdt_kg.twin import Twin
+from services.certified import with_motion
 from services.requests import parse_state, parse_task
 
 DEFAULT_BUDGET = 20.0
 """[s] How long CanPerform searches for one container before it gives up."""
+
+SEEDS: Final = 2**63
+"""How many seeds there are: they are kept as integers of 64 bits."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +43,9 @@ class Policy:
         seed: Of the search.
         any_start: Whether a body motion that is given may begin anywhere, in any posture.
         contact: How far a finger may be from the handle that it holds [m]; None takes the certifier's.
+
+    Raises:
+        InputError: A seed or budget that is none, or both a start and none that is demanded.
     """
 
     drive: Drive | None = None
@@ -49,6 +56,13 @@ class Policy:
     contact: float | None = None
 
     def __post_init__(self) -> None:
+        if not 0 <= self.seed < SEEDS:
+            raise InputError(f"a seed of {self.seed}", allowed="a whole number, 0 or more, below 2^63")
+        if not self.budget >= 0:
+            raise InputError(f"a budget of {self.budget:g} s", allowed="0 s or more")
+        if self.any_start and self.base is not None:
+            what = "a start of the base, for a motion that may begin anywhere"
+            raise InputError(what, allowed="one of base and any_start")
         if self.base is not None:
             from services.motions.units import check_start  # noqa: PLC0415 - seldom given
 
@@ -134,12 +148,12 @@ class Service:
             motion: To be verified; generated where it is None.
         """
         case = self.case(task, robot, motion)
-        return map(_with_motion, law(case, self.physics, self.embodiment, self.recall))
+        return map(with_motion, law(case, self.physics, self.embodiment, self.recall))
 
     def stored(self, task: str | Task, robot: str | Iri | None = None) -> list[Verdict] | None:
         """What `achieve` would say, if all of it is stored; else None, and nothing is judged."""
         found = stored_verdicts(self.case(task, robot), self.physics, self.embodiment, self.recall)
-        return None if found is None else list(map(_with_motion, found))
+        return None if found is None else list(map(with_motion, found))
 
     def query(self, sparql: str) -> tuple[list[str], list[dict[str, object]]]:
         """Columns and rows of a SPARQL query over entities and present state.
@@ -191,7 +205,15 @@ class Service:
     def case(
         self, task: str | Task, robot: str | Iri | None, motion: Motion | BodyMotion | None = None
     ) -> Case:
-        """What `achieve` asks the Law about."""
+        """What `achieve` asks the Law about.
+
+        Raises:
+            InputError: Any start is allowed, and there is no robot's motion: what is searched begins parked.
+        """
+        if self.policy.any_start and not isinstance(motion, BodyMotion):
+            raise InputError(
+                "no robot's motion is given that may begin anywhere", remedy="leave any_start out"
+            )
         case = Case(self.twin, robot=self.robot(robot), task=self._task(task))
         if isinstance(motion, BodyMotion):
             return replace(case, body_motion=motion)
@@ -237,40 +259,6 @@ def whole_body(policy: Policy) -> Embodiment:
         any_start=policy.any_start,
         contact=policy.contact,
     )
-
-
-def _with_motion(verdict: Verdict) -> Verdict:
-    """A stored verdict with the body motion that its certificate holds.
-
-    Raises:
-        InputError: It says certified, and has no certificate, or that of something else.
-    """
-    if not verdict.stored or verdict.outcome is not Outcome.CERTIFIED:
-        return verdict
-    from services.embodiment.certify.certificate import read_certificate  # noqa: PLC0415 - only for stored verdicts
-
-    artefact = None if verdict.can_perform is None else verdict.can_perform.artefact
-    if artefact is None or artefact.kind is not ArtefactKind.CERTIFICATE:
-        raise InputError(
-            f"the stored verdict {verdict.iri} is certified without a certificate", remedy=REMEDY
-        )
-    certificate = read_certificate(artefact.content)
-    case, said = verdict.case, dict(verdict.inputs)
-    certified = {
-        "environment": " ".join(certificate.models[0]),
-        "robot": " ".join(certificate.models[1]),
-        "embodiment.drive": certificate.drive.value,
-        "embodiment.tolerances": repr(certificate.tolerances),
-    }
-    other = [name for name, value in certified.items() if said.get(name, value) != value]
-    if certificate.state != dict(case.twin.state):
-        other.append("state")
-    if isinstance(case.task, Task) and case.task.container not in {UNKNOWN, certificate.container}:
-        other.append("container")
-    if other:
-        what = f"has a certificate about another {other[0].removeprefix('embodiment.')}"
-        raise InputError(f"the stored verdict {verdict.iri} {what}", remedy=REMEDY)
-    return replace(verdict, case=replace(case, body_motion=certificate.motion))
 
 
 def load(

@@ -89,7 +89,9 @@ budget_option = click.option(
     show_default=True,
     help="Seconds of CPU that the search for each container may take before it gives up.",
 )
-seed_option = click.option("--seed", type=int, default=0, show_default=True, help="Seed of the search.")
+seed_option = click.option(
+    "--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Seed of the search."
+)
 jobs_option = click.option(
     "--jobs",
     type=click.IntRange(min=1),

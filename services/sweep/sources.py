@@ -67,20 +67,21 @@ class Listed:
         for kitchen in _models(row, "kitchen", self.kitchens):
             for robot in _models(row, "robot", self.robots):
                 for states in _states(row, self.axes):
-                    for policy, relative in product(self.axes.policies, self.axes.classes):
+                    for policy, relative in product(self.axes.policies, _classes(row, self.axes)):
                         for task in self._tasks(row, kitchen):
-                            how = _policy(row, policy), _relative(row, relative)
-                            yield Cell(kitchen, robot, task, states, *how)
+                            yield Cell(kitchen, robot, task, states, _policy(row, policy), relative)
 
     def _tasks(self, row: Row, kitchen: str) -> Iterator[str]:
         """The row's task about its container, or about each where it names none."""
-        for text in [row["task"].lower()] if "task" in row else self.axes.tasks:
-            verb, _, name = text.partition(":")
-            name = row.get("container", name)
+        for text in [row["task"]] if "task" in row else self.axes.tasks:
+            verb, _, about = text.partition(":")
+            name = row.get("container", about)
+            if "task" in row and about not in {"", name}:
+                raise InputError(f"the task is about '{about}', and the container is '{name}'")
             if name:
-                yield f"{verb}:{name}"
+                yield f"{verb.lower()}:{name}"
             else:
-                yield from (f"{verb}:{each.name}" for each in self._known.twin(kitchen).containers())
+                yield from (f"{verb.lower()}:{each.name}" for each in self._known.twin(kitchen).containers())
 
 
 def csv_rows(file: Path) -> Iterator[tuple[str, Row]]:
@@ -122,10 +123,12 @@ def query_rows(
             yield f"row {number} of the query over {kitchen}", {"kitchen": kitchen, **_named(row)}
 
 
-def _check_columns(columns: Iterable[str], where: str) -> None:
+def _check_columns(columns: Sequence[str], where: str) -> None:
     for column in columns:
         if column not in COLUMNS:
             raise UnknownEntityError("column", column, COLUMNS, f"{where} may have: {', '.join(COLUMNS)}")
+        if columns.count(column) > 1:
+            raise InputError(f"{where} has the column '{column}' twice", allowed="each column once")
 
 
 def _filled(row: Mapping[str, str | None]) -> Row:
@@ -171,12 +174,13 @@ def _policy(row: Row, policy: Policy) -> Policy:
     return replace(policy, base=parse_base(row["base"].replace(" ", ","))) if "base" in row else policy
 
 
-def _relative(row: Row, relative: Relative) -> Relative:
-    """The class with what the row says otherwise."""
-    tee = tee_of(row.get("tee", relative.tee))
-    if "handle_force" in row:
-        try:
-            return Relative(tee, relative.forces, float(row["handle_force"]))
-        except ValueError as error:
-            raise InputError(str(error), allowed="handle_force: N") from None
-    return relative if tee == relative.tee else Relative(tee)
+def _classes(row: Row, axes: Axes) -> Sequence[Relative]:
+    """The class that the row names, with the forces of the options for it; or each of the options."""
+    tee = tee_of(row["tee"]) if "tee" in row else None
+    found = [each for each in axes.classes if tee in {None, each.tee}] or [Relative(tee or "d_artic")]
+    if "handle_force" not in row:
+        return found
+    try:
+        return [replace(each, handle_force=float(row["handle_force"])) for each in found]
+    except ValueError as error:
+        raise InputError(str(error), allowed="handle_force: N") from None

@@ -14,6 +14,7 @@ from services.app import DEFAULT_BUDGET
 from services.commands.exits import Exit
 from services.commands.options import (
     FiniteRange,
+    OutFile,
     forces_option,
     jobs_option,
     json_flag,
@@ -117,7 +118,7 @@ from services.sweep.worker import stored, twin_of
 @click.option(
     "--parquet",
     "table",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=OutFile(),
     metavar="FILE",
     help="A row for each case, stored ones too, written when all are done.",
 )

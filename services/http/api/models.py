@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from services.judging.messages import TeeName
+from services.judging.messages import Seed, TeeName
 
 Name = Annotated[str, Field(min_length=1, max_length=500)]
 StateText = Annotated[str, Field(min_length=3, max_length=500, examples=["iai_fridge_door=open"])]
@@ -65,7 +65,7 @@ class TaskBody(Body):
     drive: Literal["omni", "differential", "fixed"] | None = None
     base: tuple[Number, Number, Number] | None = None
     budget: float = Field(default=20.0, gt=0, le=600)
-    seed: int = 0
+    seed: Seed = 0
     tee: TeeName = "d_artic"
     handle_force: float | None = Field(default=None, gt=0, le=10_000, allow_inf_nan=False)
 
@@ -85,7 +85,7 @@ class AchieveBody(CausesBody):
     drive: Literal["omni", "differential", "fixed"] | None = None
     base: tuple[Number, Number, Number] | None = None
     budget: float = Field(default=20.0, gt=0, le=600)
-    seed: int = 0
+    seed: Seed = 0
     motions: bool = False
 
 

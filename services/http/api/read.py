@@ -6,13 +6,14 @@ import math
 from dataclasses import asdict
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Depends, Query, Request
 
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.history.diff import twin_difference
 from sdt_kg.iri import Iri, local_name, verdict_iri
 from sdt_kg.task import Task
 from services.http.kitchens import Kitchen
+from services.http.protocol.exchange import check_parameters
 from services.http.protocol.graphs import graph_quads
 from services.http.world import World
 from services.store.files import graph_of
@@ -30,7 +31,7 @@ OUTCOMES = {"certified": "Certified", "not_certified": "NotCertified", "abstaine
 """As JSON spells an outcome → as the graph does."""
 SPELLED = {term: name for name, term in OUTCOMES.items()}
 
-router = APIRouter(prefix="/api/v1")
+router = APIRouter(prefix="/api/v1", dependencies=[Depends(check_parameters)])
 Json = dict[str, Any]  # JSON object
 KitchenName = Annotated[str | None, Query(description="may be left out where one kitchen is served")]
 States = Annotated[list[str], Query(description="JOINT=VALUE, on top of the present state; repeatable")]

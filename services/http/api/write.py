@@ -5,7 +5,7 @@ import json
 from typing import Final
 
 import pyoxigraph as ox
-from fastapi import APIRouter, FastAPI, Request
+from fastapi import APIRouter, Depends, FastAPI, Request
 
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import Edit, changed, moved
@@ -22,6 +22,7 @@ from services.http.api.models import (
 )
 from services.http.api.read import Json, state_json, world_of
 from services.http.judges import Judges, question
+from services.http.protocol.exchange import check_parameters
 from services.http.world import World
 from services.judging.messages import AchieveRequest, CausesRequest, ComputeRequest, TaskRequest, Verb
 from services.judging.replies import CausesReply, ComputeReply, TaskReply, VerdictsReply
@@ -33,7 +34,7 @@ SOSA: Final = "http://www.w3.org/ns/sosa/"
 GRACE: Final = 120.0
 """[s] Beyond its budget, for loading and for the case that has begun."""
 
-router = APIRouter(prefix="/api/v1")
+router = APIRouter(prefix="/api/v1", dependencies=[Depends(check_parameters)])
 
 
 @router.post("/causes")

@@ -1,6 +1,7 @@
 """Reading requests strictly and answering them: shared by the two protocols."""
 
 from collections.abc import Iterable, Mapping
+from typing import get_origin
 from urllib.parse import parse_qsl
 
 import pyoxigraph as ox
@@ -39,6 +40,22 @@ def single(parameters: Pairs, name: str) -> str | None:
     if len(values) > 1:
         raise RefusedError(400, f"there are {len(values)} parameters '{name}'", allowed="one")
     return values[0] if values else None
+
+
+async def check_parameters(request: Request) -> None:
+    """The URL of a verb has no parameter that the verb does not know: it would answer another question.
+
+    Raises:
+        RefusedError: It has, or one twice that may be there once.
+    """
+    parameters, known = query_string(request), request.scope["route"].dependant.query_params
+    several = {each.alias for each in known if get_origin(each.field_info.annotation) is list}
+    for name, _ in parameters:
+        if name not in {each.alias for each in known}:
+            allowed = ", ".join(each.alias for each in known) or "none here; a POST has them in its body"
+            raise RefusedError(400, f"there is no parameter '{name[:100]}'", allowed=allowed)
+        if name not in several:
+            single(parameters, name)
 
 
 def own_url(request: Request) -> str:

@@ -1,5 +1,7 @@
 """`/sparql`: SPARQL 1.1 Protocol, the query operation; an update is refused, as the text allows."""
 
+from difflib import get_close_matches
+
 from starlette.requests import Request
 from starlette.responses import Response
 
@@ -15,12 +17,14 @@ from services.http.protocol.exchange import (
     respond,
     single,
 )
+from services.judging.messages import ALIKE
 from services.store.workers import Asked, Workers
 from services.store.workers.evaluate import GRAPHS, TABLES
 
 FORM = "application/x-www-form-urlencoded"
 QUERY = "application/sparql-query"
 UPDATE = "application/sparql-update"
+DEFAULT, NAMED = "default-graph-uri", "named-graph-uri"
 NO_UPDATE = "writes go through the verbs under /api/v1"
 
 
@@ -34,6 +38,7 @@ async def sparql(request: Request) -> Response:
             return await description(request)
     else:
         text, url = await _posted(request, url)
+    _check_spelling(url)
     taken = check_acceptable(request, (*TABLES, *GRAPHS))
     answered = await workers.ask(
         Asked(
@@ -41,8 +46,8 @@ async def sparql(request: Request) -> Response:
             text,
             accepted=taken,
             base=own_url(request),
-            default_graphs=_graphs(url, "default-graph-uri"),
-            named_graphs=_graphs(url, "named-graph-uri"),
+            default_graphs=_graphs(url, DEFAULT),
+            named_graphs=_graphs(url, NAMED),
         )
     )
     return respond(request, answered)
@@ -92,6 +97,15 @@ def _query_of(parameters: Pairs, *, posted: bool = False) -> str | None:
     if updating:
         raise RefusedError(403, "this endpoint does no updates", remedy=NO_UPDATE)
     return single(parameters, "query")
+
+
+def _check_spelling(parameters: Pairs) -> None:
+    """No graph is left out because its parameter is misspelled; other parameters are those of clients."""
+    for name in {name for name, _ in parameters} - {DEFAULT, NAMED}:
+        for near in get_close_matches(name, (DEFAULT, NAMED), n=1, cutoff=ALIKE):
+            raise RefusedError(
+                400, f"there is no parameter '{name[:100]}'", allowed=f"did you mean '{near}'?"
+            )
 
 
 def _graphs(parameters: Pairs, name: str) -> tuple[Iri, ...]:

@@ -125,6 +125,7 @@ BAD = {
     "graph twice": (("GET", "/graphs?graph=http://e/one&graph=http://e/two", {}), 400),
     "empty graph": (("GET", "/graphs?graph=", {}), 400),
     "relative graph": (("GET", "/graphs?graph=one", {}), 400),
+    "misspelled default graph": (("GET", "/sparql?query=ASK%7B%7D&default-graph=e:one", {}), 400),
     "relative default graph": (("GET", "/sparql?query=ASK%7B%7D&default-graph-uri=one", {}), 400),
     "unknown graph": (("GET", "/graphs?graph=http://e/three", {}), 404),
     "unknown graph, directly": (("HEAD", "/graphs/three", {}), 404),

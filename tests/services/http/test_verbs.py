@@ -145,6 +145,9 @@ BAD = {
     "observed nobody": ("observation", WRITES["/api/v1/observation"], 404),
     "unknown task": ("task", {"task": "dance"}, 400),
     "file as a task": ("task", {"task": "/etc/passwd"}, 400),
+    "a seed below 0": ("achieve", {"task": "open", "seed": -1}, 422),
+    "a seed that cannot be kept": ("task", {"task": "open_then_close", "seed": 2**63}, 422),
+    "another question in the URL": ("achieve?robot=stretch", {"task": "open"}, 400),
     "no number of seconds": ("achieve", {"task": "open", "seconds": 1e9}, 422),
 }
 
@@ -157,6 +160,22 @@ def test_bad_input_is_named_and_writes_nothing(served, name: str) -> None:
     assert answer.status_code == status, answer.text
     assert answer.headers["content-type"] == "application/problem+json"
     assert served.world.version == before
+
+
+@pytest.mark.parametrize(
+    ("question", "said"),
+    [
+        ("satisfies?sate=all%3Dopen", "no parameter 'sate'"),
+        ("verdicts?outcom=certified", "no parameter 'outcom'"),
+        ("kitchens?kitchen=a", "no parameter 'kitchen'"),
+        ("state?kitchen=a&kitchen=b", "2 parameters 'kitchen'"),
+    ],
+)
+def test_a_parameter_that_a_verb_does_not_know_is_refused(served, question: str, said: str) -> None:
+    answer = served.get(f"/api/v1/{question}")
+    assert answer.status_code == 400
+    assert said in answer.json()["detail"]
+    assert served.get("/api/v1/satisfies?state=all%3Dopen&state=all%3Dclosed").status_code == 200
 
 
 def test_what_is_posted_is_data_and_is_never_fetched(served, drawer) -> None:

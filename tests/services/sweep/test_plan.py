@@ -80,6 +80,12 @@ def test_a_case_that_is_listed_twice_is_one_case(tmp_path: Path) -> None:
         ("robot,tsk\npr2,open\n", "no column named 'tsk'.*task"),
         ("robot,task\npr2,open,1\n", "line 2 has more cells than the head"),
         ("robot,task\n", "there is no row"),
+        ("robot,seed\npr2,-1\n", "line 2: a seed of -1"),
+        ("robot,container,container\npr2,sink_area_trash_drawer_main,iai_fridge_door\n", "'container' twice"),
+        (
+            "robot,task,container\npr2,open:iai_fridge_door,sink_area_trash_drawer_main\n",
+            "line 2: the task is about 'iai_fridge_door', and the container is 'sink_area_trash_drawer_main'",
+        ),
         ("robot,state\npr2,iai_fridge_door=wide\n", "line 2: 'iai_fridge_door=wide' has no number"),
     ],
 )
@@ -123,6 +129,19 @@ def test_classes_and_forces_are_varied_and_those_without_a_class_that_knows_any_
             rows_of(tmp_path, f"{head}{row}\n")
     with pytest.raises(InputError, match="says nothing to d_artic"):
         classes(["d_artic"], None, (5.0,))
+
+
+def test_a_row_takes_the_forces_that_the_options_give_its_class(tmp_path: Path) -> None:
+    file = tmp_path / "cases.csv"
+    file.write_text(f"container,tee\n{DOOR},d_artic_dyn\n")
+    both = Listed(("b",), ("pr2",), Axes(classes=classes(BOTH_CLASSES, None, (5.0,))))
+    cells = both.plan(csv_rows(file)).cells
+    assert [each.relative for each in cells] == [Relative("d_artic_dyn", None, 5.0)]
+
+
+def test_names_in_a_row_keep_their_capitals(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no container named .Door."):
+        rows_of(tmp_path, "robot,task\npr2,OPEN:Door\n")
 
 
 def test_a_case_of_a_sweep_is_judged_relative_to_its_class() -> None:

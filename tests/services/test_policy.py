@@ -1,0 +1,33 @@
+"""A policy says one thing, and what it says is part of the question that a stored verdict answers."""
+
+import math
+
+import pytest
+
+from sdt_kg.errors import InputError
+from services.app import SEEDS, Policy, load
+
+
+def test_a_start_and_any_start_contradict_each_other() -> None:
+    # Both were taken, and searched was from the base: a proof about one base was told of every other.
+    with pytest.raises(InputError, match="one of base and any_start"):
+        Policy(any_start=True, base=(0.0, 0.0, 0.0))
+
+
+def test_any_start_is_nothing_to_a_motion_that_is_to_be_found() -> None:
+    kitchen = load("b", ["pr2"], policy=Policy(any_start=True))
+    with pytest.raises(InputError, match="no robot's motion is given that may begin anywhere"):
+        list(kitchen.achieve("open:iai_fridge_door"))
+
+
+@pytest.mark.parametrize("seed", [-1, SEEDS])
+def test_a_seed_is_an_integer_that_can_be_kept(seed: int) -> None:
+    assert Policy(seed=SEEDS - 1).seed == SEEDS - 1
+    with pytest.raises(InputError, match=f"a seed of {seed}; allowed: a whole number, 0 or more"):
+        Policy(seed=seed)
+
+
+@pytest.mark.parametrize("budget", [-1.0, math.nan])
+def test_a_budget_is_a_time(budget: float) -> None:
+    with pytest.raises(InputError, match=r"a budget of (-1|nan) s; allowed: 0 s or more"):
+        Policy(budget=budget)
