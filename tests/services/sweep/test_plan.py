@@ -140,7 +140,7 @@ def test_a_row_takes_the_forces_that_the_options_give_its_class(tmp_path: Path) 
 
 
 def test_names_in_a_row_keep_their_capitals(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no container named .Door."):
+    with pytest.raises(InputError, match="no container named 'Door'"):
         rows_of(tmp_path, "robot,task\npr2,OPEN:Door\n")
 
 
