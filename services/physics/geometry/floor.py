@@ -34,11 +34,14 @@ def floor_box() -> coal.Box:
 def standing(mechanism: Mechanism, annotation: RobotAnnotation) -> frozenset[Iri]:
     """Bodies (IRIs) that keep their height wherever the robot goes, and so may stand on the floor.
 
-    They are those which only fixed joints, and joints that planning holds (wheels, casters), part
-    from the root.
+    They are those which only fixed joints, and joints that planning holds (wheels, casters, suspensions),
+    part from the root. A held joint that follows another, or has a limit of acceleration, may move in a
+    motion that is given: it counts only where it turns without end, as wheels do.
     """
     bodies = {mechanism.root}
     for joint in mechanism.joints:
-        if joint.parent in bodies and (joint.type is JointType.FIXED or joint.name in annotation.held):
+        stays = joint.mimic is None and joint.name not in annotation.acceleration
+        held = joint.name in annotation.held and (stays or joint.type is JointType.CONTINUOUS)
+        if joint.parent in bodies and (held or joint.type is JointType.FIXED):
             bodies.add(joint.child)
     return frozenset(body_iri(mechanism.name, body) for body in bodies)

@@ -9,13 +9,14 @@ import pytest
 
 from sdt_kg.errors import AnnotationError, GraphError, InputError, MotionError, OracleRejectedError
 from sdt_kg.iri import joint_iri, model_iri
+from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Twin
 from services.app import load
-from services.embodiment.certify import Refused, Tolerances, check
+from services.embodiment.certify import Certified, Refused, Tolerances, check
 from services.embodiment.certify.motion import MOST_SAMPLES
 from tests.services.embodiment.gantry import FOLDER, gantry_twin, opening
-from tests.services.embodiment.judging import judge
+from tests.services.embodiment.judging import judge, with_rests
 
 pytestmark = pytest.mark.oracle
 
@@ -63,6 +64,24 @@ def test_a_gripper_without_a_shape_holds_nothing_and_says_so(tmp_path: Path) -> 
     service = load(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"])
     with pytest.raises(AnnotationError, match="gripper 'hand' has no collision shape to hold a handle with"):
         next(service.achieve("open:drawer_main"))
+
+
+@pytest.mark.parametrize("down", [0.01, 0.03])
+def test_a_held_body_that_a_motion_moves_all_the_same_stays_above_the_floor(
+    tmp_path: Path, down: float
+) -> None:
+    # Planning holds the lift, which ends 20 mm above the floor; the motion lowers it.
+    tall = (FOLDER / "gantry.urdf").read_text().replace('"0.1 0.1 0.1"', '"0.1 0.1 0.56"')
+    (tmp_path / "gantry.urdf").write_text(tall.replace('lower="0" upper="0.6"', 'lower="-0.6" upper="0.6"'))
+    held = (FOLDER / "gantry.ttl").read_text() + "\nj:lift_joint sdt:held true ."
+    (tmp_path / "gantry.ttl").write_text(held)
+    twin = load_twin(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"])
+    lowered = np.insert(with_rests(), 1, (4.0, 0.0, 0.0, 0.0, -down, 0.0, 0.0, 0.04, 0.0), axis=0)
+    lowered[2:, 0] += 4.0
+    verdict = judge(twin, opening(rests=lowered))
+    assert isinstance(verdict, Certified if down < 0.02 else Refused)
+    if isinstance(verdict, Refused):
+        assert all("lift and floor are" in each.reason for each in verdict.diagnoses)
 
 
 @pytest.mark.parametrize("name", [field.name for field in fields(Tolerances)])
