@@ -110,15 +110,15 @@ class Server:
             self._query(verb, question, waiter)
             return
         payload, encoding = question.payload, question.encoding
+        states = self._memory.world.kitchens[question.twin].moved
         if verb is Verb.SWEEP:
-            started = self._sweeps.start(question.twin, decode(SweepRequest, payload, encoding))
+            started = self._sweeps.start(question.twin, decode(SweepRequest, payload, encoding), states)
             waiter.answer(Done(encode(started), JSON))
             return
         if verb is Verb.HISTORY:
             assert self._herald is not None, "started"
             self._herald.tell(question, decode(HistoryRequest, payload, encoding))
             return
-        states = self._memory.world.kitchens[question.twin].moved
         task = Task(question.twin, verb.value, payload, encoding, question.seconds, states, question.origin)
         self._pool.submit(task, waiter, share=True)
 

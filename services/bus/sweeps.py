@@ -38,10 +38,15 @@ State = Literal["queued", "running", "done", "cancelled", "failed"]
 
 @dataclass(slots=True, eq=False)
 class Sweep:
-    """One job."""
+    """One job.
+
+    Attributes:
+        present: The kitchen's present state when it began, as texts; the cases' own come after it.
+    """
 
     id: str
     twin: str
+    present: tuple[str, ...]
     total: int
     state: State = "queued"
     objects: list[dict[str, Any]] = field(default_factory=list[dict[str, Any]])
@@ -75,8 +80,8 @@ class Sweeps:
         self._jobs: dict[str, Sweep] = {}
         self._lock = threading.Lock()
 
-    def start(self, twin: str, request: SweepRequest) -> JobReply:
-        """A new job.
+    def start(self, twin: str, request: SweepRequest, present: tuple[str, ...] = ()) -> JobReply:
+        """A new job, in the kitchen as it is now.
 
         Raises:
             UnknownEntityError: A robot that the server does not hold.
@@ -95,7 +100,7 @@ class Sweeps:
             if going >= AT_ONCE_JOBS:
                 said = f"{going} sweeps are going on already"
                 raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, said, retry_after=10.0))
-            sweep = Sweep(keys.job_id(self.instance, uuid.uuid4().hex[:16]), twin, len(cases))
+            sweep = Sweep(keys.job_id(self.instance, uuid.uuid4().hex[:16]), twin, present, len(cases))
             self._jobs[sweep.id] = sweep
             finished = [job for job, each in self._jobs.items() if each.over]
             for job in finished[: max(0, len(self._jobs) - JOBS_KEPT)]:
@@ -165,7 +170,7 @@ class Sweeps:
                     sweep.problems.append(f"{case.robot} {case.task}: {outcome.detail}")
             over()
 
-        task = Task(sweep.twin, "canachieve", encode(case), JSON, seconds)
+        task = Task(sweep.twin, "canachieve", encode(case), JSON, seconds, sweep.present)
         # Cases wait their turn behind others: the deadline counts from when a worker could have begun.
         waiter = Waiter(time.monotonic() + AT_ONCE * seconds, answer)
         job = self._pool.submit(task, waiter, share=True)

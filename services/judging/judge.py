@@ -184,9 +184,10 @@ class Judge:
         return replace(replied(reply, asked.encoding), records=tuple(records), judged=_judged(verdicts))
 
     def _compute(self, request: ComputeRequest, asked: Asked) -> Done:
-        """What a query can touch and nobody has judged yet, judged within bounds."""
+        """What a query can touch and nobody has judged yet, judged within bounds: of one kitchen, or of all."""
         keeper = _Keeper(self._stored)
-        loaded = replace(self.loaded, states=asked.states)
+        kitchens = tuple(each for each in self.loaded.kitchens if asked.twin in {"", model_name(each)})
+        loaded = replace(self.loaded, kitchens=kitchens, states=asked.states)
         computed = compute(request.query, loaded, Bounds(request.budget, request.limit), keeper)
         reply = ComputeReply(computed=computed.to_json())
         return replace(replied(reply, asked.encoding), records=tuple(keeper.records))

@@ -18,9 +18,11 @@ from tests.small import FOLDER
 
 
 @contextmanager
-def small(session: zenoh.Session, telemetry: Telemetry | None = None) -> Iterator[tuple[Memory, Server]]:
+def small(
+    session: zenoh.Session, telemetry: Telemetry | None = None, robots: tuple[str, ...] = ()
+) -> Iterator[tuple[Memory, Server]]:
     """What it keeps, and the server; a process that judges is started when somebody asks for it."""
-    world = World(open_kitchens((str(FOLDER / "a.urdf"),), ()), Workers(1))
+    world = World(open_kitchens((str(FOLDER / "a.urdf"),), robots), Workers(1))
     with running(world) as memory:
         pool = Pool(setup_of(world), 1, memory, telemetry=telemetry)
         try:

@@ -2,6 +2,7 @@
 
 import asyncio
 import queue
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from services.judging.messages import HistoryRequest
 from services.store.files import opened
 from tests.services.bus.conftest import free_endpoint
 from tests.services.bus.served import small
+from tests.small import FOLDER
 
 
 @pytest.fixture
@@ -62,6 +64,27 @@ def test_a_question_is_about_the_present_state(served: tuple[Memory, Connection]
     move(memory, "all=open")
     assert {met.verb for met in to.satisfies()} == {"open"}
     assert {met.verb for met in to.satisfies("all=closed")} == {"close"}
+
+
+@pytest.mark.oracle
+def test_a_sweep_is_about_the_state_that_was_present_when_it_began() -> None:
+    endpoint = free_endpoint()
+    with (
+        open_session(listen=endpoint) as session,
+        small(session, robots=(str(FOLDER / "pr2.urdf"),)) as (memory, _),
+        open_session(connect=endpoint, mode="client") as client,
+    ):
+        to = Connection(client, "a", 60.0)
+        move(memory, "all=open")
+        job = to.sweep(tasks=["open:low_drawer"]).job
+        until = time.monotonic() + 60
+        while to.progress(job).state in {"queued", "running"}:
+            assert time.monotonic() < until
+            time.sleep(0.1)
+        (swept,) = to.result(job)["verdicts"]
+        (asked,) = to.achieve("open:low_drawer").objects
+        assert swept["iri"] == asked["iri"]
+        assert "already meets open" in str(swept["diagnoses"])
 
 
 def test_numbers_go_on_where_a_server_with_a_store_has_ended(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from services.judging import judge
 from services.judging.codec import JSON
 from services.judging.jobs import Done, Task
 from services.judging.judge import Judge
+from tests.small import FOLDER
 
 KITCHEN = "b"
 
@@ -35,6 +36,27 @@ def test_a_state_is_asked_about_once_and_another_is_another(monkeypatch: pytest.
     assert opened == met(judging, present=("iai_fridge_door=open",))
     assert opened ^ closed == {("close", "iai_fridge_door"), ("open", "iai_fridge_door")}
     assert len(asked) == 2
+
+
+def test_what_is_computed_is_of_the_kitchen_that_is_asked_and_in_its_state() -> None:
+    kitchens = tuple(str(FOLDER / f"{name}.urdf") for name in ("a", "b"))
+    judging = Judge({}, Loaded(kitchens, (str(FOLDER / "pr2.urdf"),)))
+    payload = json.dumps({"query": "SELECT ?v { ?v a law:Verdict }", "limit": 1}).encode()
+
+    def computed(twin: str, *present: str) -> dict[str, set[str]]:
+        done = judging(Task(twin, "compute", payload, JSON, 60.0, present), lambda _: None)
+        assert isinstance(done, Done), done
+        found = json.loads(done.payload)["computed"]
+        verdicts = [each["iri"] for each in found["ran"]] + [each["verdict"] for each in found["left_out"]]
+        return {
+            "of": {each["kitchen"] for each in (*found["ran"], *found["left_out"])},
+            "iris": set(verdicts),
+        }
+
+    assert computed("")["of"] == {"a", "b"}
+    closed, opened = computed("a"), computed("a", "low_drawer_joint=0.2")
+    assert closed["of"] == opened["of"] == {"a"}
+    assert not closed["iris"] & opened["iris"]
 
 
 def test_no_more_states_are_kept_than_said(monkeypatch: pytest.MonkeyPatch) -> None:
