@@ -13,7 +13,7 @@ from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.asked import keeps
 from services.embodiment.certify.certificate import Certificate, models_of
-from services.embodiment.certify.collisions import collisions
+from services.embodiment.certify.collisions import above_floor, collisions
 from services.embodiment.certify.findings import Findings
 from services.embodiment.certify.held.hold import Hold, begin
 from services.embodiment.certify.held.pressed import pressed
@@ -124,6 +124,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     findings.add(held)
     findings.add(collisions(checked, hold))
     findings.add(inside(checked))
+    findings.add(above_floor(checked))
     findings.add(_end(scene, pieces, container))
     if findings.violations:
         if in_full:

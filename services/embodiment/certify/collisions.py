@@ -7,9 +7,11 @@ from predicates.case import Evidence, Quantity
 from sdt_kg.iri import local_name
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
+from services.embodiment.certify.robustness import reach
 from services.embodiment.certify.sweep.clearance import NEAR, PRECISION, Clearance, Distance, Pairs, Sweep
-from services.embodiment.certify.sweep.pieces import Timeline
+from services.embodiment.certify.sweep.pieces import Timeline, positions
 from services.embodiment.certify.sweep.subject import Subject
+from services.physics.geometry.floor import SIDE
 from services.physics.model import Scene
 
 Indices = NDArray[np.intp]
@@ -51,6 +53,22 @@ def collisions(checked: Subject, hold: Hold | None) -> Findings:
             for (scope, name, _), one in zip(some, found, strict=True):
                 findings.add(_findings(checked.scene, one, scope, name))
     return findings
+
+
+def above_floor(checked: Subject) -> Findings:
+    """The robot stays where there is a floor: its box ends, and beyond it nothing would be below the arm."""
+    plane, (values, s) = checked.scene.base[:2], positions(checked.pieces)
+    away = np.abs(values[:, :, plane]).max(axis=2)
+    i, n = np.unravel_index(np.argmax(away), away.shape)
+    far, most = float(away[i, n]) + reach(checked), SIDE / 2
+    if far <= most:
+        return Findings()
+    name, time = checked.scene.names[plane[0]], float(checked.pieces.start[n] + s[i, n, plane[0]])
+    reason = (
+        f"the robot comes up to {far:.4g} m from the kitchen's origin, and its floor ends after {most:g} m"
+    )
+    evidence = Evidence(Quantity.POSITION, far, most, "m", name, time=time)
+    return Findings([Violation("beyond the floor", reason, evidence, far)])
 
 
 def _blocks(timeline: Timeline) -> int:

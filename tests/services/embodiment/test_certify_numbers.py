@@ -1,7 +1,7 @@
 """Numbers that would bound nothing certify nothing: no limit, one below zero, frames that scale, NaN."""
 
 import re
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -82,6 +82,22 @@ def test_a_held_body_that_a_motion_moves_all_the_same_stays_above_the_floor(
     assert isinstance(verdict, Certified if down < 0.02 else Refused)
     if isinstance(verdict, Refused):
         assert all("lift and floor are" in each.reason for each in verdict.diagnoses)
+
+
+@pytest.mark.parametrize("away", [45.0, 60.0, -1e5])
+def test_a_robot_beyond_the_end_of_the_floor_is_refused(tmp_path: Path, away: float) -> None:
+    # Nothing would be below its arm.
+    cell = (FOLDER / "cell.urdf").read_text().replace('xyz="1.5 0 0"', f'xyz="{1.5 + away} 0 0"')
+    (tmp_path / "cell.urdf").write_text(cell)
+    motion = opening()
+    motion = replace(motion, base=motion.base + np.array((away, 0.0, 0.0)))
+    verdict = judge(
+        load_twin(tmp_path / "cell.urdf", [FOLDER / "gantry.urdf"]), motion, start=(away, 0.0, 0.0)
+    )
+    assert isinstance(verdict, Certified if 0 < away < 50 else Refused)
+    if isinstance(verdict, Refused):
+        (found,) = verdict.diagnoses
+        assert "m from the kitchen's origin, and its floor ends after 50 m" in found.reason
 
 
 @pytest.mark.parametrize("name", [field.name for field in fields(Tolerances)])
