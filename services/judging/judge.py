@@ -184,7 +184,7 @@ class Judge:
         return replace(replied(reply, asked.encoding), records=tuple(records), judged=_judged(verdicts))
 
     def _compute(self, request: ComputeRequest, asked: Asked) -> Done:
-        """What a query can touch and nobody has judged yet, judged within bounds: of one kitchen, or of all."""
+        """What a query can touch, of one kitchen or of all, and nobody has judged: judged within bounds."""
         keeper = _Keeper(self._stored)
         kitchens = tuple(each for each in self.loaded.kitchens if asked.twin in {"", model_name(each)})
         loaded = replace(self.loaded, kitchens=kitchens, states=asked.states)

@@ -24,6 +24,11 @@ M = TypeVar("M", Motion, BodyMotion)
 _DIAGNOSES = TypeAdapter(tuple[Diagnosis, ...])
 
 
+def twin_key(twin: Twin) -> str:
+    """What a twin and its robots are known by on the bus, whatever the state: what all of it follows from."""
+    return " ".join(f"{model} {twin.content_hash(model)}" for model in (twin.environment, *twin.robots))
+
+
 def motion_plain(motion: Motion | BodyMotion) -> Plain:
     """Its fields; arrays stay arrays."""
     return {each.name: getattr(motion, each.name) for each in fields(motion)}

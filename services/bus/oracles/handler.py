@@ -9,7 +9,7 @@ from typing import Any
 import pyoxigraph as ox
 
 from predicates.oracle import Embodiment, Physics
-from sdt_kg.errors import InputError, SdtError
+from sdt_kg.errors import GraphError, InputError, SdtError
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Twin
 from services.app import Forces, whole_body
@@ -23,6 +23,7 @@ from services.bus.oracles.codec import (
     policy_value,
     region_value,
     replayed_plain,
+    twin_key,
 )
 from services.judging.codec import CBOR, from_cbor, to_cbor
 from services.judging.jobs import Done, Handler, Task
@@ -67,9 +68,11 @@ class Twins:
         key = str(plain["key"])
         if "quads" in plain:
             quads = list(ox.parse(plain["quads"], format=ox.RdfFormat.N_QUADS))
-            hashes = {str(model): str(value) for model, value in plain["hashes"].items()}
             robots = [str(robot) for robot in plain["robots"]]
-            self._known[key] = Twin.from_quads(quads, plain["environment"], robots, hashes=hashes)
+            sent = Twin.from_quads(quads, plain["environment"], robots)
+            if twin_key(sent) != key:  # others ask by the key alone
+                raise GraphError(f"the quads are {twin_key(sent)}, and the key is {key}", allowed="one twin")
+            self._known[key] = sent
         if key not in self._known:
             raise UnknownTwinError(UNKNOWN_TWIN)
         self._known.move_to_end(key)

@@ -29,6 +29,7 @@ from services.bus.oracles.codec import (
     policy_plain,
     region_plain,
     replayed_value,
+    twin_key,
 )
 from services.bus.oracles.handler import UNKNOWN_TWIN
 from services.bus.sessions import Reach
@@ -218,13 +219,10 @@ class BusOracles:
 
 def _twin_plain(twin: Twin, *, whole: bool = False) -> Plain:
     """Which twin is meant, in which state; whole: with its graphs."""
-    models = (twin.environment, *twin.robots)
-    hashes = {model: twin.content_hash(model) for model in models}
-    plain: Plain = {"key": " ".join(hashes.values()), "state": dict(twin.state)}
+    plain: Plain = {"key": twin_key(twin), "state": dict(twin.state)}
     if whole:
         plain |= {
             "quads": twin.serialize("nquads"),
-            "hashes": hashes,
             "environment": twin.environment,
             "robots": list(twin.robots),
         }

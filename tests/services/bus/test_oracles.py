@@ -11,12 +11,13 @@ import pytest
 
 from predicates.case import Case, Outcome, Verdict
 from predicates.satisfies_request import demanded
-from sdt_kg.errors import InputError, OracleUnavailableError
+from sdt_kg.errors import GraphError, InputError, OracleUnavailableError
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task, Verb
 from services.app import Policy, Service, load, whole_body
 from services.bus.keys import Oracle
-from services.bus.oracles.codec import policy_plain
+from services.bus.oracles.codec import policy_plain, twin_key
+from services.bus.oracles.handler import Twins, UnknownTwinError
 from services.bus.oracles.remote import BusOracles
 from services.bus.oracles.server import oracle
 from services.bus.sessions import open_session
@@ -104,6 +105,18 @@ def test_a_twin_that_was_edited_is_judged_as_edited(here: Service, on_bus: Route
     (answer,) = there.causes(Task(Verb.OPEN, here.twin.container(DRAWER).iri))
     assert isinstance(answer.case.motion, Motion)
     assert answer.case.motion.values.max() <= 0.2
+
+
+def test_a_twin_that_is_sent_under_the_key_of_another_is_refused(here: Service) -> None:
+    # Who asks next sends the key alone, and would be answered about the kitchen that was sent.
+    edited = here.twin.with_edit(here.twin.container(DRAWER).joint, upperLimit=0.2)
+    sent = {"quads": edited.serialize("nquads"), "environment": edited.environment, "robots": edited.robots}
+    twins = Twins()
+    with pytest.raises(GraphError, match="and the key is"):
+        twins.of({"key": twin_key(here.twin), "state": {}, **sent})
+    with pytest.raises(UnknownTwinError):
+        twins.of({"key": twin_key(here.twin), "state": {}})
+    assert twin_key(twins.of({"key": twin_key(edited), "state": {}, **sent})) == twin_key(edited)
 
 
 def test_oracles_judge_with_forces_as_this_process_does(here: Service, on_bus: Routed) -> None:
