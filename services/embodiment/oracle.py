@@ -200,6 +200,7 @@ class WholeBody:
         clock.spent("certify", at)
         notes = (f"drive: {drive.value}", "the body motion was given; it was only checked")
         notes += (f"start: {ANY_START}",) if self.any_start else ()
+        notes += _of_models(world.scene)
         if isinstance(outcome, Certified):
             return _certified(case, notes, clock, outcome)
         notes += ("collisions are of shapes that contain the robot's: shallow ones may be theirs alone",)
@@ -231,7 +232,7 @@ class WholeBody:
             notes.append(MOVED_START.format(usual[0], usual[1], np.hypot(x - usual[0], y - usual[1])))
         if planned is not None:
             notes.append(f"grasp {planned.grasp} by gripper {planned.body.gripper}, {planned.style}")
-        return (*notes, *setting.world.scene.annotation.notes)
+        return (*notes, *_of_models(setting.world.scene))
 
     def _drive(self, twin: Twin, robot: Iri) -> Drive:
         return self.drive or twin.robot(robot).drive
@@ -268,6 +269,11 @@ class WholeBody:
         made = world, Kits(world, self.margins), Known()
         self._worlds = [(key, own, made), *self._worlds[: SCENES_KEPT - 1]]
         return made
+
+
+def _of_models(scene: Scene) -> tuple[str, ...]:
+    """What of kitchen and robot is assumed, or missing: nothing can collide with what has no shape."""
+    return (*scene.kitchen.mechanism.notes, *scene.annotation.notes)
 
 
 def _certified(case: Case, notes: tuple[str, ...], clock: Clock, outcome: Certified) -> Answer:

@@ -1,10 +1,12 @@
 """CanPerform on the bundled kitchens and robots: what is found, certified, refused and why."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import kitchens
 from predicates.case import Answer, ArtefactKind, Case, Kind, Quantity
 from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
@@ -244,3 +246,21 @@ def test_a_given_body_motion_is_only_verified() -> None:
     refused = WholeBody(drive=Drive.OMNI).perform(replace(found.case, body_motion=wrong))
     assert not refused.holds
     assert refused.diagnoses[0].evidence is not None
+
+
+def test_what_has_no_shape_to_collide_with_is_told_of_motions_that_are_found_and_given(
+    tmp_path: Path,
+) -> None:
+    wall = '<link name="wall"><visual><geometry><box size="9 0.1 9"/></geometry></visual></link>'
+    fixed = '<joint name="wall_joint" type="fixed"><parent link="world"/><child link="wall"/></joint>'
+    kitchen = (kitchens.path("b") / "b.urdf").read_text().replace("</robot>", f"{wall}{fixed}</robot>")
+    (tmp_path / "b.urdf").write_text(kitchen)
+    twin = load_twin(tmp_path / "b.urdf", ["pr2"])
+    found = ask(WholeBody(drive=Drive.OMNI), twin, DRAWER)
+    body, motion = performed(found), found.case.motion
+    given = WholeBody(drive=Drive.OMNI).perform(replace(found.case, motion=motion, body_motion=body))
+    told = "links with a visual but no collision geometry, which nothing can collide with: wall"
+    for answer in (found, given):
+        assert answer.holds
+        assert told in answer.notes
+        assert "Casters, head and laser are held at 0." in answer.notes
