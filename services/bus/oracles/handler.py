@@ -52,6 +52,10 @@ class UnknownTwinError(SdtError):
     """The twin has not been sent, or was forgotten."""
 
 
+class OtherVersionError(SdtError):
+    """The verdict would name a version that did not judge."""
+
+
 @dataclass(slots=True)
 class Twins:
     """The twins that were sent lately, by their key."""
@@ -86,13 +90,18 @@ def _handled(answer: Callable[[str, TeeName, Plain], object], task: Task) -> Don
     verb, _, tee = task.verb.partition(";")
     try:
         return Done(to_cbor(answer(verb, tee_of(tee or "d_artic"), _fields(task.payload))), CBOR)
-    except UnknownTwinError as error:
+    except (UnknownTwinError, OtherVersionError) as error:
         return problem(ProblemType.CONFLICT, str(error))
     except SdtError as error:
         return problem_of(error)
     except Exception:
         log.exception("an oracle failed at %s", task.verb)
         return problem(ProblemType.INTERNAL, f"{task.verb} failed; the oracle's log says why")
+
+
+def _check_version(own: str, plain: Plain) -> None:
+    if plain["version"] != own:
+        raise OtherVersionError(f"this oracle is '{own}', and '{plain['version']}' is asked")
 
 
 def _fields(payload: bytes) -> Plain:
@@ -127,6 +136,7 @@ class Causing:
             return physics.version
         if verb not in {"replay", "generate", "carried"}:
             raise InputError(f"no question '{verb}'", allowed="version, replay, generate, carried")
+        _check_version(physics.version, plain)
         twin = self._twins.of(plain["twin"])
         if verb == "replay":
             return replayed_plain(physics.replay(twin, motion_value(Motion, plain["motion"])))
@@ -154,6 +164,7 @@ class Performing:
             return embodiment.version
         if verb not in {"settings", "perform"}:
             raise InputError(f"no question '{verb}'", allowed="version, settings, perform")
+        _check_version(embodiment.version, plain)
         twin = self._twins.of(plain["twin"])
         if verb == "settings":
             return [list(each) for each in embodiment.settings(twin, plain["robot"])]

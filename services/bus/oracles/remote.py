@@ -4,7 +4,6 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any
 
 import zenoh
@@ -65,23 +64,24 @@ class Callers:
         return present(self.session, keys.any_oracle(self.kind))
 
     def call(self, verb: str, twin: Twin | None, seconds: float = QUICK, **given: Any) -> Any:  # noqa: ANN401 - what CBOR carries
-        """The answer of whichever oracle was asked least; if it dies, of another.
+        """The answer of whichever oracle was asked least; if it dies, or has another version, of another.
 
         Raises:
-            BusUnavailableError: No oracle is there, or all that were there have died.
+            BusUnavailableError: No oracle is there, or none of those that were there has answered.
             BusError, InputError: What the oracle says.
         """
-        dead: set[str] = set()
+        silent: dict[str, str] = {}
         while True:
-            there = [each for each in self.instances() if each not in dead]
+            there = [each for each in self.instances() if each not in silent]
             if not there:
-                said = f"no oracle for {self.kind.value} answers on the bus"
+                why = "".join(f"; {each}" for each in silent.values())
+                said = f"no oracle for {self.kind.value} answers on the bus{why}"
                 raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, said))
             instance = self._least_asked(there)
             try:
                 return self._answer(instance, verb, twin, seconds, given)
-            except BusUnavailableError:
-                dead.add(instance)
+            except (BusUnavailableError, ConflictError) as error:
+                silent[instance] = error.problem.detail
 
     def _least_asked(self, there: list[str]) -> str:
         """Whose turn it is; one that has just come has been asked as often as who was asked least."""
@@ -126,58 +126,69 @@ class Callers:
 
 @dataclass(frozen=True)
 class RemotePhysics:
-    """Φ on the bus."""
+    """Φ on the bus: of the version that was told last, which is what verdicts name."""
 
     callers: Callers
+    _told: list[str] = field(default_factory=list[str])
 
     @property
     def tee_class(self) -> TeeClass:
         """D."""
         return D_ARTIC if self.callers.tee == "d_artic" else D_ARTIC_DYN
 
-    @cached_property
+    @property
     def version(self) -> str:
-        """The oracle's own."""
-        return str(self.callers.call("version", None))
+        """The oracle's own, as it is now."""
+        self._told[:] = [str(self.callers.call("version", None))]
+        return self._told[0]
 
     def replay(self, twin: Twin, motion: Motion) -> Replayed:
         """Final state under the motion."""
-        return replayed_value(self.callers.call("replay", twin, motion=motion_plain(motion)))
+        return replayed_value(self._asked("replay", twin, motion=motion_plain(motion)))
 
     def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:
         """Motions into the region, best first."""
-        for each in self.callers.call("generate", twin, goal=region_plain(goal)):
+        for each in self._asked("generate", twin, goal=region_plain(goal)):
             yield motion_value(Motion, each)
 
     def carried(self, twin: Twin, body_motion: BodyMotion, container: Container) -> Motion:
         """τ under a body motion."""
         plain = motion_plain(body_motion)
-        said = self.callers.call("carried", twin, body_motion=plain, container=container.iri)
+        said = self._asked("carried", twin, body_motion=plain, container=container.iri)
         return motion_value(Motion, said)
+
+    def _asked(self, verb: str, twin: Twin, **given: Any) -> Any:  # noqa: ANN401 - what CBOR carries
+        return self.callers.call(verb, twin, version=self._told[0] if self._told else self.version, **given)
 
 
 @dataclass(frozen=True)
 class RemoteEmbodiment:
-    """CanPerform on the bus, under a policy."""
+    """CanPerform on the bus, under a policy; of the version that was told last, as Φ."""
 
     callers: Callers
     policy: Policy
+    _told: list[str] = field(default_factory=list[str])
 
-    @cached_property
+    @property
     def version(self) -> str:
-        """The oracle's own."""
-        return str(self.callers.call("version", None, policy=policy_plain(self.policy)))
+        """The oracle's own, as it is now."""
+        self._told[:] = [str(self.callers.call("version", None, policy=policy_plain(self.policy)))]
+        return self._told[0]
 
     def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
         """What decides the answer beyond the case."""
-        said = self.callers.call("settings", twin, policy=policy_plain(self.policy), robot=robot)
+        said = self.callers.call("settings", twin, robot=robot, **self._pinned())
         return tuple((str(name), str(value)) for name, value in said)
 
     def perform(self, case: Case) -> Answer:
         """Body motion that follows the case's motion, certified; or the verification of its own."""
         seconds = self.policy.budget + MARGIN
-        plain = {"policy": policy_plain(self.policy), "case": case_plain(case)}
-        return answer_value(case.twin, self.callers.call("perform", case.twin, seconds, **plain))
+        said = self.callers.call("perform", case.twin, seconds, case=case_plain(case), **self._pinned())
+        return answer_value(case.twin, said)
+
+    def _pinned(self) -> Plain:
+        version = self._told[0] if self._told else self.version
+        return {"policy": policy_plain(self.policy), "version": version}
 
 
 @dataclass(frozen=True, slots=True)

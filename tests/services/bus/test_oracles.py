@@ -119,6 +119,22 @@ def test_a_twin_that_is_sent_under_the_key_of_another_is_refused(here: Service) 
     assert twin_key(twins.of({"key": twin_key(edited), "state": {}, **sent})) == twin_key(edited)
 
 
+def test_who_has_another_version_than_the_verdict_would_name_does_not_judge(
+    here: Service, on_bus: Routed
+) -> None:
+    container = here.twin.container(DRAWER)
+    physics, body = on_bus[0].physics(), on_bus[0].embodiment(Policy())
+    for there, asked in (
+        (physics, lambda: list(physics.generate(here.twin, demanded(container, Verb.OPEN)))),
+        (body, lambda: body.settings(here.twin, here.twin.robots[0])),
+    ):
+        there._told[:] = ["one before"]
+        with pytest.raises(OracleUnavailableError, match="and 'one before' is asked"):
+            asked()
+        assert there.version != "one before"
+        assert asked()
+
+
 def test_oracles_judge_with_forces_as_this_process_does(here: Service, on_bus: Routed) -> None:
     ours = here.with_forces()
     theirs = replace(ours, oracles=on_bus[0].with_forces())
