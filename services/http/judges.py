@@ -10,6 +10,7 @@ from services.http.world import World
 from services.judging.codec import JSON, decode, encode
 from services.judging.jobs import Done, Task, Waiter
 from services.judging.judge import Setup
+from services.judging.loaded import models_of
 from services.judging.messages import Message, Verb
 from services.judging.pool import Pool
 from services.judging.problems import Problem, ProblemType, error_of
@@ -23,7 +24,8 @@ R = TypeVar("R", bound=Reply)
 def setup_of(world: World) -> Setup:
     """What the processes load that judge about this world."""
     kitchens = tuple(world.kitchens.values())
-    return Setup(tuple(each.source for each in kitchens), kitchens[0].robots if kitchens else ())
+    served = models_of(each.twin for each in kitchens)
+    return Setup(tuple(each.source for each in kitchens), kitchens[0].robots if kitchens else (), served)
 
 
 def question(verb: Verb, twin: str, request: Message, seconds: float, states: tuple[str, ...] = ()) -> Task:

@@ -22,6 +22,7 @@ from services.judging.answers import body_arrays, caused, motion_given, n_quads,
 from services.judging.codec import decode
 from services.judging.jobs import Done, Handler, Quads
 from services.judging.jobs import Task as Asked
+from services.judging.loaded import Models, check_same
 from services.judging.messages import (
     REQUESTS,
     AchieveRequest,
@@ -64,11 +65,13 @@ class Setup:
     Attributes:
         kitchens: Names or paths.
         robots: Names or paths, loaded with every kitchen.
+        served: What they were when the service read them.
         oracles: Made once in each process: who answers for Φ and R; None: the process itself.
     """
 
     kitchens: tuple[str, ...]
     robots: tuple[str, ...]
+    served: Models
     oracles: Callable[[], Oracles] | None = None
 
     def __call__(self) -> Handler:
@@ -77,7 +80,7 @@ class Setup:
         if self.oracles is not None:
             oracles = self.oracles()
             services = {name: replace(each, oracles=oracles) for name, each in services.items()}
-        return Judge(services, Loaded(self.kitchens, self.robots))
+        return Judge(services, Loaded(self.kitchens, self.robots), self.served)
 
 
 @dataclass(slots=True)
@@ -87,10 +90,12 @@ class Judge:
     Attributes:
         services: By the kitchen's name.
         loaded: The same, as a computation loads it.
+        served: What it was when the service read it.
     """
 
     services: dict[str, Service]
     loaded: Loaded
+    served: Models
     _kept: dict[Key, Service] = field(default_factory=dict[Key, Service])
     _met: dict[tuple[str, tuple[str, ...], str], Done] = field(
         default_factory=dict[tuple[str, tuple[str, ...], str], Done]
@@ -102,6 +107,7 @@ class Judge:
         try:
             request = decode(REQUESTS[Verb(task.verb)], task.payload, task.encoding)
             self._recall = recall
+            check_same((each.twin for each in self.services.values()), self.served)
             return self._answered(request, task)
         except SdtError as error:
             return problem_of(error)
@@ -185,7 +191,7 @@ class Judge:
 
     def _compute(self, request: ComputeRequest, asked: Asked) -> Done:
         """What a query can touch, of one kitchen or of all, and nobody has judged: judged within bounds."""
-        keeper = _Keeper(self._stored)
+        keeper = _Keeper(self._stored, self.served)
         kitchens = tuple(each for each in self.loaded.kitchens if asked.twin in {"", model_name(each)})
         loaded = replace(self.loaded, kitchens=kitchens, states=asked.states)
         computed = compute(request.query, loaded, Bounds(request.budget, request.limit), keeper)
@@ -245,8 +251,8 @@ class _Keeper:
         records: IRI and N-Quads of each new verdict.
     """
 
-    def __init__(self, recall: Callable[[Iri], StoredVerdict | None]) -> None:
-        self._recall = recall
+    def __init__(self, recall: Callable[[Iri], StoredVerdict | None], served: Models) -> None:
+        self._recall, self._served = recall, served
         self.records: list[tuple[Iri, bytes]] = []
 
     def stored(self, verdict: Iri) -> StoredVerdict | None:
@@ -254,7 +260,8 @@ class _Keeper:
         return self._recall(verdict)
 
     def add_twin(self, twin: Twin) -> None:
-        """The server has its twins already."""
+        """The server has its twins already, if they are these."""
+        check_same([twin], self._served)
 
     def add_record(self, record: Record) -> None:
         """To be kept when the computation is done."""

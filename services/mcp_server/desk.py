@@ -18,6 +18,7 @@ from services.http.judges import Judges
 from services.http.problems import RefusedError
 from services.judging.codec import JSON
 from services.judging.jobs import Kept, Task
+from services.judging.loaded import models_of
 from services.judging.pool import Pool
 from services.mcp_server.judge import Head, JudgeSetup
 from services.store.files import graph_of
@@ -66,14 +67,15 @@ class Setup:
             found[name] = load(source, self.robots)
         return found
 
-    def judging(self) -> JudgeSetup:
-        """What the process that judges loads."""
+    def judging(self, services: Iterable[Service]) -> JudgeSetup:
+        """What the process that judges loads, which is to be what these services are about."""
+        served = models_of(each.twin for each in services)
         if self.connect is None:
-            return JudgeSetup(self.kitchens, self.robots)
+            return JudgeSetup(self.kitchens, self.robots, served)
         from services.bus.oracles.remote import OnBus  # noqa: PLC0415 - most need no bus
         from services.bus.sessions import Reach  # noqa: PLC0415 - see above
 
-        return JudgeSetup(self.kitchens, self.robots, OnBus(Reach(self.connect)))
+        return JudgeSetup(self.kitchens, self.robots, served, OnBus(Reach(self.connect)))
 
 
 @dataclass
@@ -203,7 +205,8 @@ async def opened(setup: Setup, services: dict[str, Service]) -> AsyncIterator[De
     """A desk whose processes are there, until it is closed."""
     workers = Workers(count=1, limits=Limits(seconds=QUERY_SECONDS, rows=ROWS, size=QUERY_SIZE))
     kept: dict[Iri, bytes] = {}
-    judges = Judges(Pool(setup.judging(), 1, _Kept(kept, workers, asyncio.get_running_loop())))
+    judging = setup.judging(services.values())
+    judges = Judges(Pool(judging, 1, _Kept(kept, workers, asyncio.get_running_loop())))
     desk = Desk(services, workers, judges, kept)
     try:
         models = [bulk(each.twin.serialize("nquads")) for each in services.values()]

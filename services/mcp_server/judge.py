@@ -19,6 +19,7 @@ from services.app import Oracles, Policy, Service, load
 from services.judging.answers import motion_given, n_quads
 from services.judging.codec import JSON
 from services.judging.jobs import Done, Handler, Kept, Quads, Task
+from services.judging.loaded import Models, check_same
 from services.judging.problems import Problem, ProblemType, problem, problem_of
 from services.whatif import World, changed, parse_change
 
@@ -37,18 +38,20 @@ class JudgeSetup:
     Attributes:
         kitchens: Bundled names or paths.
         robots: Bundled names or paths, loaded with every kitchen.
+        served: What they were when the server read them.
         oracles: Who answers for Φ and R; None: the process itself.
     """
 
     kitchens: tuple[str, ...]
     robots: tuple[str, ...]
+    served: Models
     oracles: Callable[[], Oracles] | None = None
 
     def __call__(self) -> Handler:
         """Load everything."""
         services = {model_name(each): load(each, self.robots) for each in self.kitchens}
         oracles = None if self.oracles is None else self.oracles()
-        return Judge(services, {model_name(each): each for each in self.robots}, oracles)
+        return Judge(services, {model_name(each): each for each in self.robots}, self.served, oracles)
 
 
 @dataclass(slots=True)
@@ -58,11 +61,13 @@ class Judge:
     Attributes:
         services: By the kitchen's name.
         robots: Name → bundled name or path, as loaded.
+        served: What all of it was when the server read it.
         oracles: Who answers for Φ and R; None: this process.
     """
 
     services: dict[str, Service]
     robots: dict[str, str]
+    served: Models
     oracles: Oracles | None = None
     _kept: dict[Key, Service] = field(default_factory=dict[Key, Service])
     _quads: Quads | None = None
@@ -71,6 +76,7 @@ class Judge:
         """The answer as JSON, or what is wrong with the question."""
         self._quads = recall
         try:
+            check_same((each.twin for each in self.services.values()), self.served)
             head = json.loads(task.payload)
             found, records = self.what_if(head) if task.verb == "what_if" else self.verify(head)
             return Done(json.dumps(found).encode(), JSON, records)

@@ -1,6 +1,8 @@
 """What a process that judges keeps of a state, and that another state is another question."""
 
 import json
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -9,10 +11,17 @@ from services.compute.run import Loaded
 from services.judging import judge
 from services.judging.codec import JSON
 from services.judging.jobs import Done, Task
-from services.judging.judge import Judge
+from services.judging.judge import Judge, Setup
+from services.judging.loaded import models_of
+from services.judging.problems import Problem, ProblemType
 from tests.small import FOLDER
 
 KITCHEN = "b"
+
+
+def alone(service: Service) -> Judge:
+    """A process that judges about one kitchen without robots."""
+    return Judge({KITCHEN: service}, Loaded((KITCHEN,), ()), models_of([service.twin]))
 
 
 def met(judging: Judge, *state: str, present: tuple[str, ...] = ()) -> set[tuple[str, str]]:
@@ -27,7 +36,7 @@ def test_a_state_is_asked_about_once_and_another_is_another(monkeypatch: pytest.
     asked: list[Service] = []
     stated = judge.stated
     monkeypatch.setattr(judge, "stated", lambda service: asked.append(service) or stated(service))
-    judging = Judge({KITCHEN: load(KITCHEN, ())}, Loaded((KITCHEN,), ()))
+    judging = alone(load(KITCHEN, ()))
     closed = met(judging)
     assert ("close", "iai_fridge_door") in closed
     assert met(judging) == closed
@@ -40,7 +49,8 @@ def test_a_state_is_asked_about_once_and_another_is_another(monkeypatch: pytest.
 
 def test_what_is_computed_is_of_the_kitchen_that_is_asked_and_in_its_state() -> None:
     kitchens = tuple(str(FOLDER / f"{name}.urdf") for name in ("a", "b"))
-    judging = Judge({}, Loaded(kitchens, (str(FOLDER / "pr2.urdf"),)))
+    robots = (str(FOLDER / "pr2.urdf"),)
+    judging = Judge({}, Loaded(kitchens, robots), models_of(load(each, robots).twin for each in kitchens))
     payload = json.dumps({"query": "SELECT ?v { ?v a law:Verdict }", "limit": 1}).encode()
 
     def computed(twin: str, *present: str) -> dict[str, set[str]]:
@@ -59,9 +69,32 @@ def test_what_is_computed_is_of_the_kitchen_that_is_asked_and_in_its_state() -> 
     assert not closed["iris"] & opened["iris"]
 
 
+def test_models_whose_files_changed_since_the_service_read_them_are_not_judged(tmp_path: Path) -> None:
+    kitchen = tmp_path / "a.urdf"
+    kitchen.write_text((FOLDER / "a.urdf").read_text())
+    setup = Setup((str(kitchen),), (str(FOLDER / "pr2.urdf"),), frozenset())
+    services = [load(str(kitchen), setup.robots)]
+    setup = replace(setup, served=models_of(each.twin for each in services))
+    asked = [
+        Task("a", "satisfies", b"{}", JSON, 9.0),
+        Task("a", "compute", b'{"query": "SELECT ?v { ?v a law:Verdict }", "limit": 1}', JSON, 60.0),
+    ]
+    before = setup()
+    assert all(isinstance(before(each, lambda _: None), Done) for each in asked)
+    kitchen.write_text(kitchen.read_text().replace('upper="0.5"', 'upper="0.4"', 1))
+    for judging, questions in (
+        (setup(), asked),
+        (before, asked[1:]),
+    ):  # a process that began later, and one that reads again
+        for each in questions:
+            said = judging(each, lambda _: None)
+            assert isinstance(said, Problem)
+            assert (said.kind, said.detail[:14]) == (ProblemType.UNAVAILABLE, "the files of a")
+
+
 def test_no_more_states_are_kept_than_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(judge, "STATES_KEPT", 2)
-    judging = Judge({KITCHEN: load(KITCHEN, ())}, Loaded((KITCHEN,), ()))
+    judging = alone(load(KITCHEN, ()))
     for degree in range(5):
         met(judging, f"iai_fridge_door={degree / 10}")
     assert len(judging._met) == 2
