@@ -84,16 +84,20 @@ def _once(cache: Kept, context: Any, usual: Callable[[Any], Any]) -> Callable[[A
     return compiled
 
 
-def subkernel(function: Callable[..., Any] | None = None, *, makes: bool = False) -> Any:  # noqa: ANN401 - of numba
+def subkernel(
+    function: Callable[..., Any] | None = None, *, makes: bool = False, inline: bool = False
+) -> Any:  # noqa: ANN401 - of numba
     """A kernel that only kernels call: compiled into each of them. Called from Python, it is a `kernel`.
 
     Args:
         function: As above.
         makes: As above, but for what is usual.
+        inline: Whether its code is put wherever it is called: for what is called often and given many
+            arrays. Each of them is seven arguments, and handing them on can take longer than the rest.
     """
     if function is None:
-        return lambda each: subkernel(each, makes=makes)
-    options = {"no_cfunc_wrapper": True, "no_cpython_wrapper": True, "_nrt": makes}
+        return lambda each: subkernel(each, makes=makes, inline=inline)
+    options = {"no_cfunc_wrapper": True, "no_cpython_wrapper": True, "_nrt": makes, "forceinline": inline}
     made = _njit(pipeline_class=_Inner, **options)(function)
     whole = cache(lambda: kernel(function))
     made.add_overload = lambda part: made.overloads.update({tuple(part.signature.args): part})

@@ -154,6 +154,17 @@ def test_a_subkernel_that_is_given_an_array_says_that_it_makes_some(loaded: Load
     assert loaded(inner="made(x)[0]", declared="subkernel(makes=True)").outer(1.0) == 1.0
 
 
+@pytest.mark.parametrize(("declared", "called"), [("subkernel", True), ("subkernel(inline=True)", False)])
+def test_a_large_subkernel_is_called_but_where_its_code_is_put_into_callers(
+    loaded: Loader, declared: str, called: bool
+) -> None:
+    large = " + ".join(f"(x + {n}) / (x * x + {n})" for n in range(1, 60))
+    several = loaded(inner=large, declared=declared).several
+    several(1.0)
+    (machine,) = several.inspect_asm().values()
+    assert ("_ZN12edited_inner5inner" in machine) is called
+
+
 def test_an_edit_of_a_constant_that_a_callee_reads_compiles_its_callers_anew(loaded: Loader) -> None:
     assert loaded().outer(1.0) == 2.0
     assert loaded(step=5.0).outer(1.0) == 6.0

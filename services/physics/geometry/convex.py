@@ -17,12 +17,12 @@ BOX, BALL, CYLINDER, CAPSULE, HULL, MESH = 0, 1, 2, 3, 4, 5
 ITERATIONS = 48
 EXACT = 1e-9  # [m] between the bounds of a distance that counts as known
 GOOD = 0.8  # [1] share of the upper bound from which a lower bound that is high enough is not raised
-ROOM = (13, 4)
-"""Shape of the array that `bounds` and `packed.bounds_of` write to."""
+ROOM = 52
+"""Length of the array that `bounds` and `packed.bounds_of` write to: of rows of four."""
 FLAT = 1e-14  # [1] relative volume or area under which a simplex says nothing
 
 
-@subkernel
+@subkernel(inline=True)
 def support(shapes, k, r, c, x, y, z):
     """Point of shape k, its radius left out, that is farthest along (x, y, z) in the world."""
     kind, size, _, first, last, vertices, fan, starts = shapes
@@ -60,7 +60,9 @@ def support(shapes, k, r, c, x, y, z):
 
 @subkernel
 def _dot(w, i, j):
-    return w[i, 0] * w[j, 0] + w[i, 1] * w[j, 1] + w[i, 2] * w[j, 2]
+    """Product of corners i and j; of w each corner has four numbers, of which the first three count."""
+    i, j = 4 * i, 4 * j
+    return w[i] * w[j] + w[i + 1] * w[j + 1] + w[i + 2] * w[j + 2]
 
 
 @subkernel
@@ -68,16 +70,23 @@ def _combined(w, share, v):
     """v is the point with these shares of the four corners; its squared length."""
     total = share[0] + share[1] + share[2] + share[3]
     for k in range(3):
-        v[k] = (share[0] * w[0, k] + share[1] * w[1, k] + share[2] * w[2, k] + share[3] * w[3, k]) / total
+        v[k] = (share[0] * w[k] + share[1] * w[4 + k] + share[2] * w[8 + k] + share[3] * w[12 + k]) / total
     return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+
+
+@subkernel
+def _shared(share, a, b, c, d):
+    """The shares are these four."""
+    share[0], share[1], share[2], share[3] = a, b, c, d
 
 
 @subkernel
 def _on_segment(w, i, j, share):
     """Shares of corners i, j in the point of their segment nearest to the origin."""
-    share[:] = 0.0
-    along, length = _dot(w, i, i) - _dot(w, i, j), _dot(w, i, i) - 2 * _dot(w, i, j) + _dot(w, j, j)
+    here, both = _dot(w, i, i), _dot(w, i, j)
+    along, length = here - both, here - 2 * both + _dot(w, j, j)
     t = min(max(along / length, 0.0), 1.0) if length > 0.0 else 0.0
+    _shared(share, 0.0, 0.0, 0.0, 0.0)
     share[i], share[j] = 1.0 - t, t
 
 
@@ -96,7 +105,7 @@ def _on_triangle(w, i, j, k, share, v, other):
     a, b, c = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
     scale = max(aa, bb, cc)
     if a > 0.0 and b > 0.0 and c > 0.0 and a + b + c > FLAT * scale * scale:
-        share[:] = 0.0
+        _shared(share, 0.0, 0.0, 0.0, 0.0)
         share[i], share[j], share[k] = a, b, c
         return
     best = math.inf
@@ -106,19 +115,21 @@ def _on_triangle(w, i, j, k, share, v, other):
         at = _combined(w, other, v)
         if at < best:
             best = at
-            for each in range(4):
-                share[each] = other[each]
+            _shared(share, other[0], other[1], other[2], other[3])
 
 
 @subkernel
 def _outside(w, i, j, k, m):
     """Whether the origin is not strictly on corner m's side of the plane through the others."""
-    ax, ay, az = w[j, 0] - w[i, 0], w[j, 1] - w[i, 1], w[j, 2] - w[i, 2]
-    bx, by, bz = w[k, 0] - w[i, 0], w[k, 1] - w[i, 1], w[k, 2] - w[i, 2]
+    i, j, k, m = 4 * i, 4 * j, 4 * k, 4 * m
+    x, y, z = w[i], w[i + 1], w[i + 2]
+    ax, ay, az = w[j] - x, w[j + 1] - y, w[j + 2] - z
+    bx, by, bz = w[k] - x, w[k + 1] - y, w[k + 2] - z
     nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-    here = -(nx * w[i, 0] + ny * w[i, 1] + nz * w[i, 2])
-    there = nx * (w[m, 0] - w[i, 0]) + ny * (w[m, 1] - w[i, 1]) + nz * (w[m, 2] - w[i, 2])
-    size = math.sqrt((nx * nx + ny * ny + nz * nz) * max(_dot(w, i, i), _dot(w, m, m), 1e-300))
+    here = -(nx * x + ny * y + nz * z)
+    there = nx * (w[m] - x) + ny * (w[m + 1] - y) + nz * (w[m + 2] - z)
+    farther = max(x * x + y * y + z * z, w[m] * w[m] + w[m + 1] * w[m + 1] + w[m + 2] * w[m + 2], 1e-300)
+    size = math.sqrt((nx * nx + ny * ny + nz * nz) * farther)
     return here * there <= 0.0 or abs(there) < 1e-12 * size
 
 
@@ -129,9 +140,9 @@ def _nearest(w, count, share, v, spare, other):
     The corners that carry it come first; 0 corners: the origin is inside.
     """
     if count == 1:
-        share[:] = 0.0
-        share[0] = 1.0
-    elif count == 2:
+        v[0], v[1], v[2] = w[0], w[1], w[2]
+        return 1, _dot(w, 0, 0)
+    if count == 2:
         _on_segment(w, 0, 1, share)
     elif count == 3:
         _on_triangle(w, 0, 1, 2, share, v, other)
@@ -145,8 +156,7 @@ def _nearest(w, count, share, v, spare, other):
             at = _combined(w, spare, v)
             if at < best:
                 best = at
-                for each in range(4):
-                    share[each] = spare[each]
+                _shared(share, spare[0], spare[1], spare[2], spare[3])
         if best == math.inf:
             return 0, 0.0
     squared = _combined(w, share, v)
@@ -154,7 +164,7 @@ def _nearest(w, count, share, v, spare, other):
     for i in range(count):
         if share[i] > 0.0:
             for k in range(3):
-                w[left, k] = w[i, k]
+                w[4 * left + k] = w[4 * i + k]
             left += 1
     return left, squared
 
@@ -185,9 +195,9 @@ def bounds(shapes, a, b, ra, ca, rb, cb, free, hit, work):
     `shapes` is what `packed.pack` gives, a and b say which; (ra, ca), (rb, cb) are world poses of the middles
     of their own boxes. The search ends when low > free, when high <= hit, or when both agree to EXACT.
     Where the shapes without their radii touch, low is −inf: their depth is not looked for. `work` is
-    room, of shape ROOM; the last column begins with the direction from b to a along which low was found.
+    room, of length ROOM; its 4th, 8th and 12th are the direction from b to a along which low was found.
     """
-    w, v, share, spare, other = work[:4, :3], work[4, :3], work[5], work[6], work[7]
+    w, v, share, spare, other = work[:16], work[16:20], work[20:24], work[24:28], work[28:32]
     around = shapes[2][a] + shapes[2][b]
     x, y, z = ca[0] - cb[0], ca[1] - cb[1], ca[2] - cb[2]
     if x * x + y * y + z * z == 0.0:
@@ -200,10 +210,10 @@ def bounds(shapes, a, b, ra, ca, rb, cb, free, hit, work):
         px, py, pz = px - qx, py - qy, pz - qz
         here = (x * px + y * py + z * pz) / length - around
         if here > low:
-            low, work[0, 3], work[1, 3], work[2, 3] = here, x, y, z
+            low, w[3], w[7], w[11] = here, x, y, z
         if high - low <= EXACT or (low > free and low >= GOOD * high):
             break
-        w[count, 0], w[count, 1], w[count, 2] = px, py, pz
+        w[4 * count], w[4 * count + 1], w[4 * count + 2] = px, py, pz
         count, squared = _nearest(w, count + 1, share, v, spare, other)
         if count == 0 or squared <= EXACT * EXACT:
             return -math.inf, -around

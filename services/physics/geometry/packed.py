@@ -183,13 +183,13 @@ def bounds_of(shapes, a, b, ra, ca, rb, cb, free, hit, work):
 def _of_mesh(shapes, m, b, rm, cm, rb, cb, free, hit, work):
     """Bounds of the distance of mesh m and a convex shape: of the least of all triangles' distances."""
     kind, size, radius, first, last, vertices = shapes[:6]
-    turn, at, reach = work[8:11, :3], work[11, :3], work[12, :3]
+    turn, at, reach = work[32:44], work[44:48], work[48:52]
     for i in range(3):  # shape b as the mesh sees it
         at[i], reach[i] = 0.0, radius[b]
         for k in range(3):
             at[i] += rm[k, i] * (cb[k] - cm[k])
-            turn[i, k] = rm[0, i] * rb[0, k] + rm[1, i] * rb[1, k] + rm[2, i] * rb[2, k]
-            reach[i] += abs(turn[i, k]) * size[b, k]
+            turn[4 * i + k] = rm[0, i] * rb[0, k] + rm[1, i] * rb[1, k] + rm[2, i] * rb[2, k]
+            reach[i] += abs(turn[4 * i + k]) * size[b, k]
     low, high, n, seed = math.inf, math.inf, first[m], -1
     dx, dy, dz, face = 0.0, 0.0, 0.0, 0.0  # beyond this plane of the mesh's frame is no point of b
     if hit == -math.inf:  # the distance itself is asked for: what is near is looked at first
@@ -212,9 +212,9 @@ def _of_mesh(shapes, m, b, rm, cm, rb, cb, free, hit, work):
             gap = max(gap, _beyond(shapes, n, leaf, middle, dx, dy, dz) - face)
         if gap <= free and gap < high:
             for k in range(3):
-                apart = abs(turn[0, k] * x + turn[1, k] * y + turn[2, k] * z) - size[b, k] - radius[b]
+                apart = abs(turn[k] * x + turn[4 + k] * y + turn[8 + k] * z) - size[b, k] - radius[b]
                 for i in range(3):
-                    apart -= abs(turn[i, k]) * size[n, i]
+                    apart -= abs(turn[4 * i + k]) * size[n, i]
                 gap = max(gap, apart)
         if gap > free or gap >= high:
             low = min(low, gap)
@@ -236,7 +236,7 @@ def _facing(shapes, b, rm, cm, rb, cb, work):
 
     Both are in the frame of the mesh, which is at (rm, cm): of a node that begins farther on, b is free.
     """
-    x, y, z = work[0, 3], work[1, 3], work[2, 3]
+    x, y, z = work[3], work[7], work[11]
     length = math.sqrt(x * x + y * y + z * z)
     x, y, z = x / length, y / length, z / length
     u, v, w = support(shapes, b, rb, cb, x, y, z)
