@@ -172,6 +172,19 @@ def test_a_fixed_joint_is_an_error() -> None:
         )
 
 
+@pytest.mark.parametrize("timed", [True, False])
+def test_that_proposed_times_are_too_short_proves_nothing(timed: bool) -> None:
+    container = TWIN.container("side_door")
+    share = np.linspace(0.0, 1.0, 9)[:, None]
+    hasty = Motion(container.joint, 0.1 * share[:, 0], container.upper * share, timed, 0.0 * share + 0.1)
+    found = PHYSICS.replay(TWIN, hasty).violations
+    proved = {each.evidence.quantity: each.proof for each in found if each.evidence is not None}
+    assert proved == {Quantity.VELOCITY: timed, Quantity.ACCELERATION: timed}
+    beyond = Motion(container.joint, 100 * share[:, 0], 2 * container.upper * share, timed)
+    (where,) = {each.proof for each in PHYSICS.replay(TWIN, beyond).violations}
+    assert where
+
+
 def test_an_unknown_joint_names_the_nearest() -> None:
     with pytest.raises(UnknownEntityError, match="did you mean 'low_drawer_joint'"):
         PHYSICS.replay(
