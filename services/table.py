@@ -1,6 +1,7 @@
 """Many cases at once: every container of some kitchens for some robots, in worker processes."""
 
 import time
+from collections import Counter
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -122,7 +123,7 @@ def run(  # noqa: PLR0913, PLR0917  # who is told of what; the rest has defaults
 ) -> TableResult:
     """Verdicts of all cases, in the order of the cases; each is reported as soon as it is there.
 
-    Models are loaded first, and once: workers begin as copies of this process. An interrupt stops the
+    Models are read first, and once: workers begin as copies of this process. An interrupt stops the
     workers; what was reported until then stays reported.
 
     Args:
@@ -151,7 +152,7 @@ def run(  # noqa: PLR0913, PLR0917  # who is told of what; the rest has defaults
     for case in firsts:
         service_of(case)  # what cannot be loaded is told before anything is judged
     begun = missing if jobs == 1 else dear_first(missing)
-    judge, prepared = partial(_judge, keep=keep), partial(_prepare, firsts)
+    judge, prepared = partial(_judge, keep=keep), partial(_prepare, shared(firsts, missing, jobs))
     # One by one, however alike: an interrupt loses nothing but what the workers are at.
     for case, result in each_or_lost(begun, jobs, judge, prepared, _container, most=1):
         if isinstance(result, Lost):
@@ -169,6 +170,17 @@ def run(  # noqa: PLR0913, PLR0917  # who is told of what; the rest has defaults
 def _container(cell: Cell) -> Hashable:
     """What the container is asked for every robot is found out by one worker."""
     return cell.kitchen, cell.states, cell.container
+
+
+def shared(firsts: Sequence[Cell], cases: Sequence[Cell], jobs: int) -> list[Cell]:
+    """Those of the first cases whose kitchen more than one worker will need.
+
+    It has more cases than one worker's share, or more than any other. The rest is loaded by the worker
+    that begins there, while the others are at work.
+    """
+    count = Counter(case.kitchen for case in cases)
+    share = min(len(cases) / jobs, max(count.values(), default=0) - 1)
+    return [case for case in firsts if count[case.kitchen] > share]
 
 
 def _prepare(firsts: Sequence[Cell], _: Cell) -> None:

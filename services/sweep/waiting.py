@@ -2,6 +2,8 @@
 
 from collections import deque
 from collections.abc import Callable, Collection, Hashable, Sequence
+from itertools import takewhile
+from operator import eq
 from typing import Final, Generic, TypeVar
 
 T = TypeVar("T")
@@ -17,7 +19,8 @@ class Waiting(Generic[T]):
 
     Args:
         workers: How many share the items.
-        alike: What an item has in common with those that are to stay with it.
+        alike: What an item has in common with those that are to stay with it; of tuples those are nearest
+            that begin alike.
         most: Items in one piece at most.
     """
 
@@ -54,13 +57,15 @@ class Waiting(Generic[T]):
         """What one worker does next: a whole group as long as there are more of them than workers.
 
         Args:
-            last: What it did last was alike in this: more of the same comes first.
+            last: What it did last was alike in this: more of the same comes first, then what is nearest.
             elsewhere: Likewise of the other workers: theirs comes last.
         """
         groups = self._groups
-        key = last if last in groups else next((each for each in groups if each not in elsewhere), None)
-        if key not in groups:
-            key = next(iter(groups))
+
+        def nearness(key: Hashable) -> tuple[int, int]:
+            return _shared(key, last), -max((_shared(key, other) for other in elsewhere), default=0)
+
+        key = last if last in groups else max(groups, key=nearness)
         group = groups[key]
         share = -(-len(self) // (PIECES * self._workers))
         count = len(group) if len(groups) > self._workers else share
@@ -68,3 +73,10 @@ class Waiting(Generic[T]):
         if not group:
             del groups[key]
         return taken
+
+
+def _shared(one: Hashable, other: Hashable) -> int:
+    """How many members of two tuples are the same, from the first on; of anything else, whether it is."""
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return sum(takewhile(bool, map(eq, one, other)))
+    return int(one == other)

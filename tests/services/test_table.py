@@ -21,7 +21,7 @@ from services.app import Policy
 from services.commands.exits import Exit
 from services.sweep.cell import Cell
 from services.sweep.worker import verdict_of
-from services.table import CellResult, cells, run
+from services.table import CellResult, cells, run, shared
 from tests.small import FOLDER
 
 LINKS = '<link name="base"/><link name="arm"/>'
@@ -128,6 +128,23 @@ def test_who_needs_every_verdict_is_told_that_one_is_missing() -> None:
     cases = cells([str(FOLDER / "a.urdf")], [str(FOLDER / "pr2.urdf")], "open", (), Policy())
     with pytest.raises(OracleUnavailableError, match=r"open:high_drawer.*died twice"):
         run(cases, 2, lambda result: None)
+
+
+def test_a_kitchen_that_keeps_one_worker_busy_is_loaded_by_that_one() -> None:
+    def firsts(jobs: int, **count: int) -> list[str]:
+        cases = [
+            Cell(kitchen, "r", f"open:c{number}", (), Policy())
+            for kitchen, many in count.items()
+            for number in range(many)
+        ]
+        first = list({case.kitchen: case for case in reversed(cases)}.values())
+        return sorted(case.kitchen for case in shared(first, cases, jobs))
+
+    assert firsts(2, a=81, b=51) == ["a"]
+    assert firsts(4, a=81, b=51) == ["a", "b"]
+    assert firsts(2, a=40, b=30, c=20) == ["a"], "loops are compiled before workers begin"
+    assert firsts(2, a=9) == ["a"]
+    assert firsts(2) == []
 
 
 def test_what_judges_is_loaded_without_the_parts_of_scipy_which_take_long() -> None:

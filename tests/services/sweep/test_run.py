@@ -139,6 +139,17 @@ def test_a_worker_goes_on_with_what_is_alike_and_takes_what_others_are_at_last()
     assert waiting.piece("c", "a") == ["a1"]
 
 
+def test_a_worker_goes_on_with_what_is_nearest_and_begins_far_from_the_others() -> None:
+    waiting: Waiting[tuple[str, int]] = Waiting(2, lambda item: item)
+    for item in (("a", 0), ("a", 1), ("b", 0), ("a", 2), ("b", 1)):
+        waiting.add(item)
+    assert waiting.piece() == [("a", 0)]
+    assert waiting.piece(None, [("a", 0)]) == [("b", 0)]
+    assert waiting.piece(("b", 0), [("a", 0)]) == [("b", 1)]
+    assert waiting.piece(("a", 0), [("b", 1)]) == [("a", 1)]
+    assert waiting.piece(("b", 1), [("a", 1)]) == [("a", 2)], "there is no more of its own"
+
+
 def test_what_is_left_of_a_piece_is_next() -> None:
     waiting: Waiting[str] = Waiting(2, lambda item: item[0])
     for item in ("a0", "b0", "b1", "c0"):
