@@ -58,6 +58,13 @@ def tee_class(verdict: Verdict) -> TeeClass | None:
     return tee_class_of_hash(dict(verdict.inputs).get("tee_class", ""))
 
 
+def moved(verdict: Verdict) -> dict[str, float]:
+    """Joints that are not where the kitchen starts → where they are at first [rad or m]."""
+    twin = verdict.case.twin
+    start = twin.entities.coupling.start()
+    return {local_name(joint): at for joint, at in sorted(twin.state.items()) if at != start[joint]}
+
+
 def to_json(verdict: Verdict) -> dict[str, object]:
     """The object that `sdt achieve --json` prints for one verdict."""
     case = verdict.case
@@ -70,6 +77,7 @@ def to_json(verdict: Verdict) -> dict[str, object]:
         "robot": local_name(case.robot) if isinstance(case.robot, str) else None,
         "task": task.verb.value if task is not None else None,
         "container": local_name(container) if container is not None else None,
+        "state": moved(verdict),
         "outcome": verdict.outcome.value,
         "satisfies_request": holds["satisfiesRequest"],
         "causes": holds["causes"],

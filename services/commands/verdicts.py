@@ -53,6 +53,7 @@ def told(objects: Sequence[Json], *, as_json: bool) -> int:
 def print_verdict(verdict: Json) -> None:
     """Outcome, the three predicates, every reason with its evidence, the figures, the notes."""
     click.echo("{outcome}  {task}({container})  {robot} in kitchen {kitchen}".format_map(verdict))
+    _line("state", ", ".join(f"{joint} at {at:g}" for joint, at in verdict["state"].items()) or None)
     for name in PREDICATES:
         _line(name, {True: "yes", False: "no", None: "not asked"}[verdict[name]])
     for diagnosis in verdict["diagnoses"]:

@@ -200,7 +200,7 @@ class WholeBody:
         clock.spent("certify", at)
         notes = (f"drive: {drive.value}", "the body motion was given; it was only checked")
         notes += (f"start: {ANY_START}",) if self.any_start else ()
-        notes += _of_models(world.scene)
+        notes += (*self.tolerances.notes, *_of_models(world.scene))
         if isinstance(outcome, Certified):
             return _certified(case, notes, clock, outcome)
         notes += ("collisions are of shapes that contain the robot's: shallow ones may be theirs alone",)
@@ -232,7 +232,7 @@ class WholeBody:
             notes.append(MOVED_START.format(usual[0], usual[1], np.hypot(x - usual[0], y - usual[1])))
         if planned is not None:
             notes.append(f"grasp {planned.grasp} by gripper {planned.body.gripper}, {planned.style}")
-        return (*notes, *_of_models(setting.world.scene))
+        return (*notes, *self.tolerances.notes, *_of_models(setting.world.scene))
 
     def _drive(self, twin: Twin, robot: Iri) -> Drive:
         return self.drive or twin.robot(robot).drive

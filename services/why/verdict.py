@@ -1,5 +1,6 @@
 """A stored verdict in plain words: what was asked, what each predicate says, why, how to check it again."""
 
+import re
 import shlex
 from collections.abc import Iterator
 from urllib.parse import unquote
@@ -10,6 +11,8 @@ from predicates.record.facts import Facts
 from predicates.record.inputs import ANY_START, START_INPUT, UNKNOWN_INPUT
 from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import ID, LAW, Iri, local_name
+from sdt_kg.scope import D_ARTIC
+from services.embodiment.certify.tolerances import USUAL_CONTACT
 from services.why.words import Section, in_capitals, moved, reasons, versions, with_unit
 
 PREDICATES = {
@@ -25,6 +28,7 @@ MEANS = {
     Outcome.ABSTAINED: "The case lies outside {tee}, so nothing is claimed: neither that it can be done "
     "nor that it cannot.",
 }
+_CONTACT = re.compile(r"\bcontact=([^,)]+)")
 FORCES = {"D_artic": "no forces, no friction", "D_artic_dyn": "forces at the handle, the robot's as noted"}
 
 
@@ -175,8 +179,13 @@ def _command(verdict: StoredVerdict, facts: Facts) -> str:
     for of in facts.all(verdict.iri, LAW + "jointPosition"):
         joint, value = facts.needed(of, LAW + "entity"), facts.measured(of, LAW + "value")
         words += ["--state", f"{local_name(joint)}={value!r}"]
+    tee = tee_class_of_hash(inputs.get("tee_class", ""))
+    words += ["--tee", tee.name.lower()] if tee is not None and tee != D_ARTIC else []
     drive = inputs.get("embodiment.drive")
     words += ["--drive", drive] if drive else []
+    contact = _CONTACT.search(inputs.get("embodiment.tolerances", ""))
+    if contact and float(contact[1]) != USUAL_CONTACT:
+        words += ["--contact-tolerance", contact[1]]
     start = inputs.get(START_INPUT, "")
     if start.count(",") == 2:
         words += ["--base", start.replace(" ", "")]

@@ -13,6 +13,7 @@ from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import local_name
 from sdt_kg.motion import Motion
 from sdt_kg.task import Task, Verb
+from services.dynamics.oracle import Dynamics
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.oracle import Kinematics
 from services.why import used, why
@@ -131,6 +132,21 @@ STARTS = {
     "0, 1, 0.5": ("x 0 m, y 1 m, yaw 0.5 rad, arms parked", "--base 0,1,0.5"),
     "where and as the motion begins": ("where and as the motion begins", "--any-start"),
 }
+
+
+def test_a_class_and_a_tolerance_go_into_the_command() -> None:
+    class Loose(Lift):
+        def settings(self, twin, robot):
+            return (*super().settings(twin, robot), ("tolerances", repr(Tolerances(contact=0.02))))
+
+    case = Case(TWIN, robot=TWIN.robots[0], task=Task(Verb.OPEN, TWIN.container("low_drawer").iri))
+    (loose,) = law(case, Kinematics(), Loose())
+    assert "--contact-tolerance 0.02" in told(loose)
+    (forced,) = law(case, Dynamics(), Lift())
+    assert "--tee d_artic_dyn --drive" in told(forced)
+    usual = told(verdict("low_drawer"))
+    assert "--tee" not in usual
+    assert "--contact-tolerance" not in usual
 
 
 @pytest.mark.parametrize("start", STARTS)

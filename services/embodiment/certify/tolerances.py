@@ -5,6 +5,8 @@ from dataclasses import dataclass, fields
 
 from sdt_kg.errors import InputError
 
+USUAL_CONTACT = 0.002
+"""[m] How far a finger may be from the handle that it holds, unless somebody asks for something else."""
 MOST_CONTACT = 0.1
 """[m] More than anybody may ask for: farther from a handle than that nothing is held."""
 
@@ -38,7 +40,7 @@ class Tolerances:
 
     margin: float = 0.0
     resolution: float = 1e-4
-    contact: float = 0.002
+    contact: float = USUAL_CONTACT
     depth: float = 0.002
     engaged: float = 0.003
     facing: float = math.radians(30.0)
@@ -62,3 +64,11 @@ class Tolerances:
         for field in fields(self):
             if math.isnan(getattr(self, field.name)):
                 raise InputError(f"the tolerance '{field.name}' is not a number", allowed="0 or above")
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a verdict has to say of them: that fingers may be farther from a handle than usual."""
+        if self.contact == USUAL_CONTACT:
+            return ()
+        much, usual = 1e3 * self.contact, 1e3 * USUAL_CONTACT
+        return (f"a finger may be {much:g} mm from the handle that it holds, not {usual:g} mm: as asked",)

@@ -47,6 +47,16 @@ def test_the_same_question_is_answered_from_the_store_with_its_motion(sdt, tmp_p
     assert achieve(sdt, "--motion", str(motion)).code == 0
 
 
+def test_a_verdict_says_what_settings_may_have_changed(sdt) -> None:
+    usual = achieve(sdt)
+    other = achieve(sdt, "--state", "iai_fridge_door=0.5", "--contact-tolerance", "0.02")
+    assert (usual.code, other.code) == (0, 0), other.err
+    assert "iai_fridge_door_joint at 0.5\n" in other.out
+    assert "note: a finger may be 20 mm from the handle that it holds, not 2 mm: as asked" in other.out
+    assert "iai_fridge_door_joint at" not in usual.out
+    assert "a finger may be" not in usual.out
+
+
 def test_the_motion_of_another_robot_is_refused(sdt, tmp_path: Path) -> None:
     motion = str(tmp_path / "drawer.npz")
     assert achieve(sdt, "--motion-out", motion).code == 0
