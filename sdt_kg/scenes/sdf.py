@@ -67,6 +67,7 @@ class _Model:
     def __init__(self, model: ET.Element, path: Path, prefix: str) -> None:
         self.path, self.prefix, self.model = path, prefix, model
         self.where = f"{path}: model '{model.get('name')}'"
+        self._check_placed()
         self.world_T_model = own_pose(model, self.where)
         self.elements = {
             each.get("name", ""): each for tag in ("link", "joint", "frame") for each in model.findall(tag)
@@ -74,6 +75,23 @@ class _Model:
         self.link_names = [each.get("name", "") for each in model.findall("link")]
         self.carried_by = {self._end(joint, "child"): joint for joint in model.findall("joint")}
         self.odd: list[str] = []
+
+    def _check_placed(self) -> None:
+        """That the model stands where its pose says, in the world, and poses name frames as since 1.7."""
+        pose = self.model.find("pose")
+        base = "" if pose is None else pose.get("relative_to", "")
+        if base not in ("", WORLD) or self.model.get("placement_frame"):
+            raise UrdfError(
+                f"{self.where} is placed by a frame: relative_to='{base}', "
+                f"placement_frame='{self.model.get('placement_frame', '')}'",
+                allowed="a pose of the model in the world",
+                remedy="gz sdf -p FILE writes the poses out",
+            )
+        for pose in self.model.iter("pose"):
+            if pose.get("frame"):
+                raise UrdfError(
+                    f"{self.where} has a pose with frame='{pose.get('frame')}'", allowed="relative_to='…'"
+                )
 
     def parts(self) -> Iterator[Part]:
         """Every link, its frame at its joint."""

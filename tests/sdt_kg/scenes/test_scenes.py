@@ -209,8 +209,8 @@ def test_sdf_frames_axes_and_worlds(tmp_path: Path) -> None:
 FIXED = '<joint name="{}" type="fixed"><parent>{}</parent><child>{}</child></joint>'
 
 
-def in_model(inside: str) -> str:
-    return f'<sdf version="1.9"><model name="m"><link name="a"/><link name="b"/>{inside}</model></sdf>'
+def in_model(inside: str, how: str = "") -> str:
+    return f'<sdf version="1.9"><model name="m" {how}><link name="a"/><link name="b"/>{inside}</model></sdf>'
 
 
 @pytest.mark.parametrize(
@@ -224,6 +224,9 @@ def in_model(inside: str) -> str:
         ("s.xml", '<mujoco><include file="inner.xml"/></mujoco>', "meshdir='/etc' lies outside of"),
         ("s.sdf", '<sdf version="1.4"><model name="m"/></sdf>', "SDF version '1.4'; allowed: 1.5 or later"),
         ("s.sdf", '<sdf version="1.9"/>', "has no model"),
+        ("s.sdf", in_model("<pose relative_to='n'>1 0 0 0 0 0</pose>"), "placed by a frame: relative_to='n'"),
+        ("s.sdf", in_model("", "placement_frame='b'"), "placed by a frame: .*placement_frame='b'"),
+        ("s.sdf", in_model("<link name='c'><pose frame='b'>1 0 0 0 0 0</pose></link>"), "frame='b'; allowed"),
         ("s.sdf", in_model(FIXED.format("j", "a", "c")), "has child 'c'"),
         ("s.sdf", in_model("<link name='world'/>"), "several bodies are named 'world'"),
         ("s.sdf", in_model("<link name='c'><pose relative_to='d'/></link>"), "frame 'd' does not exist"),
