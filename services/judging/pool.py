@@ -19,7 +19,7 @@ from services.telemetry.told import Telemetry
 WAITING = 64
 """Jobs that may wait for a process."""
 
-Key = tuple[str, str, bytes, str, tuple[str, ...]]
+Key = tuple[str, str, bytes, str, tuple[str, ...], float]
 
 
 class Pool:
@@ -91,9 +91,11 @@ class Pool:
     def submit(self, task: Task, waiter: Waiter, *, share: bool = False, urgent: bool = False) -> Job:
         """The job that answers the waiter: a new one, or with `share` one that does the same already.
 
+        It is not the same if there is less time for it: what is searched ends with it.
+
         Where too many jobs wait, the waiter is told so at once.
         """
-        key = (task.twin, task.verb, task.payload, task.encoding, task.states)
+        key = (task.twin, task.verb, task.payload, task.encoding, task.states, task.seconds)
         self.deadlines.watch(waiter)
         with self._lock:
             running = self._shared.get(key) if share else None

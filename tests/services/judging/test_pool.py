@@ -127,6 +127,13 @@ def test_two_equal_questions_at_once_are_computed_once(asker: Asker, tmp_path: P
     assert log.read_text() == "x"
 
 
+def test_who_has_more_time_does_not_get_the_answer_of_who_has_less(asker: Asker, tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    hurried, patient = (asker.send(f"count {log}", seconds, share=True) for seconds in (SOON, 2 * SOON))
+    assert text(hurried()) == text(patient()) == f"count {log}"
+    assert log.read_text() == "xx"
+
+
 def test_a_full_queue_refuses_at_once_and_says_when_to_come_back() -> None:
     with pool_of(1, waiting=1) as (asker, _):
         running = asker.send("sleep 1")
