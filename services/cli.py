@@ -1,5 +1,6 @@
 """The `sdt` command."""
 
+import atexit
 import contextlib
 import errno
 import gc
@@ -109,6 +110,9 @@ def sdt(context: click.Context, config: Path | None) -> None:
 def main() -> None:
     """Run `sdt` as a program."""
     gc.set_threshold(MADE)
+    atexit.register(
+        gc.freeze
+    )  # what is left goes with the process: to look for garbage in it takes half a second
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # what a terminal has no letter for is no bug
@@ -119,7 +123,6 @@ def main() -> None:
         code = Exit.BROKEN_PIPE if isinstance(error, BrokenPipeError) else _told(error)
         # What nobody reads is written nowhere, or Python would complain of it at the end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    gc.freeze()  # what is left goes with the process: to look for garbage in it takes half a second
     sys.exit(code)
 
 
