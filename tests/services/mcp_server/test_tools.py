@@ -187,7 +187,7 @@ def test_what_is_late_is_stopped_and_the_next_question_is_answered(
     agent: Agent, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with monkeypatch.context() as hurry:
-        hurry.setattr(judging, "FIRST", -0.9)
+        hurry.setattr(judging, "FIRST", -0.999)
         late = agent("verify_motion", task="close:iai_fridge_door", robot="pr2", motion=TOO_QUICK, budget=1.0)
     assert late.is_error
     assert isinstance(late.structured_content, dict)
