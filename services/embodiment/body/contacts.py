@@ -8,13 +8,22 @@ import math
 
 import numpy as np
 
-from services.embodiment.body.kernels import copied, forward, joint_pose, matmul, moved, place_boxes
+from services.embodiment.body.kernels import (
+    carried,
+    copied,
+    forward,
+    joint_pose,
+    matmul,
+    moved,
+    place_boxes,
+    seen_from,
+)
 from services.kernel import kernel, subkernel
 from services.physics.geometry.convex import ROOM, parted
 from services.physics.geometry.packed import bounds_of
 
 
-@subkernel
+@subkernel(inline=True)
 def parting(shapes, a, b, ra, ca, rb, cb, margin, work):
     """What the distance of two shapes is not below [m]; above the margin unless they are as near as that."""
     low = parted(shapes, a, b, ra, ca, rb, cb)
@@ -35,94 +44,81 @@ def clear(shapes, a, r, c, middle, reach):
 
 
 @subkernel(makes=True)
-def movers(qs, tree, joint, base):
-    """(which joints move along qs, whether the base does, row of each shape among those that move or −1)."""
-    parent = tree[0]
-    moves = np.zeros(parent.shape[0], np.bool_)
-    for j in range(1, parent.shape[0]):
-        moves[j] = moves[parent[j]]
-        for k in range(1, qs.shape[0]):
-            if moves[j] or qs[k, j - 1] != qs[0, j - 1]:
-                moves[j] = True
-                break
-    row, count = np.full(joint.shape[0], -1, np.int64), 0
-    for s in range(joint.shape[0]):
-        if moves[joint[s]]:
+def track(qs, moving, tree, boxes, radius, base, first):
+    """(poses of the moving shapes along qs, the way that each has come [m], row of each shape in them or −1).
+
+    `moving`, `tree` and `boxes` are what `carried` gives, `base` is what carries the base, `first` are the
+    frames at qs[0], which are written to. The way is that of the point which moves farthest, in the world
+    and, for the robot's own pairs, as seen from the base.
+    """
+    row, count = np.full(boxes[0].shape[0], -1, np.int64), 0
+    for s in range(row.shape[0]):
+        if boxes[0][s] > 0:
             row[s] = count
             count += 1
-    return moves, moves[base], row, count
-
-
-@subkernel(makes=True)
-def track(qs, tree, boxes, radius, moves, row, count, first, base):
-    """Poses of the `count` moving shapes along qs, and the way that each has come [m].
-
-    `first` is the pose of all joints at qs[0]. The way is that of the point which moves farthest, in
-    the world and, for the robot's own pairs, as seen from the joint `base`.
-    """
-    size = qs.shape[0]
+    size, joints = qs.shape[0], first[0].shape[0]
     along = np.empty((size, count, 3, 3)), np.empty((size, count, 3))
     ways = np.zeros((size, count)), np.zeros((size, count))
-    last = np.empty((count, 3, 3)), np.empty((count, 3))
-    spare = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
-    frames = first[0].copy(), first[1].copy()
-    _tracked(qs, tree, boxes, radius, moves, row, frames, base, last, spare, along, ways)
-    return along, ways
+    last = first[0].copy(), np.zeros((joints, 3, 3)), np.empty((count, 3))
+    spare = np.empty((3, 3)), np.empty((3, 3)), np.empty(3), np.zeros(joints), np.zeros(joints)
+    _tracked(qs, moving, tree, boxes, radius, base, row, first, last, spare, along, ways)
+    return along, ways, row
 
 
 @subkernel
-def _tracked(qs, tree, boxes, radius, moves, row, frames, base, last, spare, along, ways):
+def _tracked(qs, moving, tree, boxes, radius, base, row, frames, last, spare, along, ways):
     """What `track` says is in `along` and `ways`; the joints' frames, `last` and `spare` are written to."""
     joint, local_r, local_c = boxes
-    (r, p), (at_r, at_c), (way, own), (last_r, last_c) = frames, along, ways, last
-    turn, carried, seen, now = spare
+    (r, p), (at_r, at_c), (way, own) = frames, along, ways
+    turn, now_r, now, turned, own_turned = spare
     for k in range(qs.shape[0]):
-        for j in range(1, r.shape[0]):
-            if k > 0 and moves[j]:
-                joint_pose(j, qs[k], tree, turn, carried, r, p)
+        for j in moving:
+            if k > 0:
+                joint_pose(j, qs[k], tree, turn, now_r, r, p)
+                turned[j] = _chord(last[0][j], r[j])
+                copied(r[j], last[0][j])
+        for j in moving:
+            if base > 0 and j != base:
+                seen_from(r[base], p[base], r[j], p[j], now_r, now)
+                own_turned[j] = _chord(last[1][j], now_r)
+                copied(now_r, last[1][j])
         for s in range(joint.shape[0]):
-            m = row[s]
+            m, j = row[s], joint[s]
             if m < 0:
                 continue
-            j = joint[s]
             matmul(r[j], local_r[s], at_r[k, m])
             moved(r[j], p[j], local_c[s], at_c[k, m])
             if k > 0:
-                way[k, m] = way[k - 1, m] + _apart(
-                    at_r[k - 1, m], at_c[k - 1, m], at_r[k, m], at_c[k, m], radius[s]
-                )
-            if not moves[base]:
+                way[k, m] = way[k - 1, m] + _shift(at_c[k - 1, m], at_c[k, m]) + radius[s] * turned[j]
+            if base == 0:
                 own[k, m] = way[k, m]
-                continue
-            for i in range(3):  # baseᵀ · shape
-                now[i] = 0.0
-                for n in range(3):
-                    now[i] += r[base, n, i] * (at_c[k, m, n] - p[base, n])
-                    seen[i, n] = (
-                        r[base, 0, i] * at_r[k, m, 0, n]
-                        + r[base, 1, i] * at_r[k, m, 1, n]
-                        + r[base, 2, i] * at_r[k, m, 2, n]
-                    )
-            if k > 0:
-                step = _apart(last_r[m], last_c[m], seen, now, radius[s])
-                own[k, m] = own[k - 1, m] + (step if step > 1e-9 else 0.0)
-            copied(seen, last_r[m])
-            for i in range(3):
-                last_c[m, i] = now[i]
+            elif j != base:
+                x, y, z = at_c[k, m, 0] - p[base, 0], at_c[k, m, 1] - p[base, 1], at_c[k, m, 2] - p[base, 2]
+                for i in range(3):  # baseᵀ · centre
+                    now[i] = r[base, 0, i] * x + r[base, 1, i] * y + r[base, 2, i] * z
+                if k > 0:
+                    own[k, m] = own[k - 1, m] + _shift(last[2][m], now) + radius[s] * own_turned[j]
+                for i in range(3):
+                    last[2][m, i] = now[i]
 
 
 @subkernel
-def _apart(r, c, s, d, radius):
-    """How far a ball's points are at most from one pose (r, c) to another (s, d)."""
-    turn, shift = 0.0, 0.0
+def _shift(c, d):
+    """How far one point is from another."""
+    return math.sqrt((d[0] - c[0]) ** 2 + (d[1] - c[1]) ** 2 + (d[2] - c[2]) ** 2)
+
+
+@subkernel
+def _chord(r, s):
+    """How far a point at 1 m from the axis of the turn between two rotations is moved by it."""
+    squared = 0.0
     for i in range(3):
-        shift += (d[i] - c[i]) ** 2
         for k in range(3):
-            turn += (s[i, k] - r[i, k]) ** 2
-    return math.sqrt(shift) + radius * math.sqrt(turn / 2)
+            squared += (s[i, k] - r[i, k]) ** 2
+    return math.sqrt(squared / 2)
 
 
-@subkernel
+@subkernel(inline=True)
 def walk(a, b, margin, shapes, radius, row, still, along, way, work):
     """First configuration at which the pair is too near, or −1.
 
@@ -209,8 +205,8 @@ def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, largest
     still = (np.empty((count, 3, 3)), np.empty((count, 3)))
     forward(qs[0], tree, r, p)
     place_boxes(r, p, boxes, still[0], still[1])
-    moves, _, row, many = movers(qs, tree, boxes[0], base)
-    along, ways = track(qs, tree, boxes, radius, moves, row, many, (r, p), base)
+    carrier, many, moving, tree, boxes = carried(qs, tree, boxes, r, p, still)
+    along, ways, row = track(qs, moving[:many], tree, boxes, radius, carrier[base], (r, p))
     corners, work = (np.empty((count, 3)), np.empty((count, 3)), np.empty((2, 3))), np.zeros(ROOM)
     centres = _first(row, still, along, ways[1])
     rest = shapes, radius, row, still, along

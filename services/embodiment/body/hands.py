@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from services.embodiment.body.contacts import clear, parting
-from services.embodiment.body.kernels import joint_pose, matmul, moved
+from services.embodiment.body.kernels import joint_pose, matmul, moved, seen_from
 from services.kernel import kernel, subkernel
 from services.physics.geometry.convex import ROOM, parted
 from services.physics.geometry.packed import bounds_of
@@ -79,17 +79,7 @@ def _posed(q, hand, at, spare):
         s = shapes[i]
         matmul(r[joint[s]], local_r[s], frame)
         moved(r[joint[s]], p[joint[s]], local_c[s], centre)
-        _seen(tool_r, tool_p, frame, centre, at[0][i], at[1][i])
-
-
-@subkernel
-def _seen(r, p, frame, centre, seen_r, seen_p):
-    """A pose (frame, centre) as it is seen from another, (r, p), is in `seen_r`, `seen_p`."""
-    x, y, z = centre[0] - p[0], centre[1] - p[1], centre[2] - p[2]
-    for i in range(3):
-        seen_p[i] = r[0, i] * x + r[1, i] * y + r[2, i] * z
-        for k in range(3):
-            seen_r[i, k] = r[0, i] * frame[0, k] + r[1, i] * frame[1, k] + r[2, i] * frame[2, k]
+        seen_from(tool_r, tool_p, frame, centre, at[0][i], at[1][i])
 
 
 @subkernel
@@ -194,7 +184,7 @@ def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, ro
     count, found = shares.shape[0], np.empty_like(shares)
     for _ in range(CENTRED):
         for m in range(handle[0].shape[0]):
-            _seen(tool[0], tool[1], handle[1][m], handle[2][m], seen[0][m], seen[1][m])
+            seen_from(tool[0], tool[1], handle[1][m], handle[2][m], seen[0][m], seen[1][m])
         there = handle[0], seen[0], seen[1]
         for k in range(count):
             rest = hand, closing, there, shapes, touch, rounds, room, guess[k], near[k]
@@ -239,7 +229,7 @@ def engaged(tool, shares, pads, hand, closing, handle, shapes, reach, inward, ro
                     way = reach if look % 2 else -reach
                     place[i] -= way * tool[0][i, 0 if look < 3 else 2]
             for m in range(handle[0].shape[0]):
-                _seen(tool[0], place, handle[1][m], handle[2][m], seen[0][m], seen[1][m])
+                seen_from(tool[0], place, handle[1][m], handle[2][m], seen[0][m], seen[1][m])
             _gaps(shares, own, hand, closing, there, shapes, room, near)
             if look == 0:
                 more = max(room[1][0], 0.0) + inward

@@ -101,6 +101,46 @@ def poses(qs, tree, joint, to_r, to_p):
             to_p[t, i] = p[joint, i]
 
 
+@subkernel
+def seen_from(r, p, frame, centre, seen_r, seen_p):
+    """A pose (frame, centre) as it is seen from another, (r, p), is in `seen_r`, `seen_p`."""
+    x, y, z = centre[0] - p[0], centre[1] - p[1], centre[2] - p[2]
+    for i in range(3):
+        seen_p[i] = r[0, i] * x + r[1, i] * y + r[2, i] * z
+        for k in range(3):
+            seen_r[i, k] = r[0, i] * frame[0, k] + r[1, i] * frame[1, k] + r[2, i] * frame[2, k]
+
+
+@subkernel(makes=True)
+def carried(qs, tree, boxes, r, p, at):
+    """(carrier of each joint, number of carriers, their indices, tree and boxes on these carriers alone).
+
+    A joint that stands still along qs is carried by the nearest before it that does not, the rest by the
+    world, 0. Frames (r, p) and poses of the boxes, `at`, are those at qs[0].
+    """
+    size, shapes = r.shape[0], at[0].shape[0]
+    carrier, moving, many = np.zeros(size, np.int64), np.empty(size, np.int64), 0
+    up, place_r, place_p = np.zeros(size, np.int64), np.empty((size, 3, 3)), np.empty((size, 3))
+    joint, local_r, local_c = np.empty(shapes, np.int64), np.empty((shapes, 3, 3)), np.empty((shapes, 3))
+    turn, where = np.empty((3, 3)), np.empty(3)
+    for j in range(1, size):
+        before = tree[0][j]
+        carrier[j] = carrier[before]
+        for k in range(1, qs.shape[0]):
+            if qs[k, j - 1] != qs[0, j - 1]:
+                carrier[j] = j
+                break
+        if carrier[j] == j:
+            moving[many], many, up[j] = j, many + 1, carrier[before]
+            matmul(r[before], tree[1][j], turn)
+            moved(r[before], p[before], tree[2][j], where)
+            seen_from(r[up[j]], p[up[j]], turn, where, place_r[j], place_p[j])
+    for s in range(shapes):
+        joint[s] = j = carrier[boxes[0][s]]
+        seen_from(r[j], p[j], at[0][s], at[1][s], local_r[s], local_c[s])
+    return carrier, many, moving, (up, place_r, place_p, tree[3], tree[4]), (joint, local_r, local_c)
+
+
 @kernel(makes=False)
 def place_boxes(r, p, boxes, box_r, box_c):
     """World poses of all boxes are in box_r, box_c."""

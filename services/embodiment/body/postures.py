@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from services.embodiment.body.contacts import beside, parting
-from services.embodiment.body.kernels import forward, joint_pose, matmul, moved
+from services.embodiment.body.kernels import carried, forward, joint_pose, matmul, moved, place_boxes
 from services.kernel import kernel, subkernel
 from services.physics.geometry.convex import ROOM
 
@@ -14,24 +14,24 @@ from services.physics.geometry.convex import ROOM
 def contacts_each(found, qs, tree, boxes, split, radius, shapes, base, own, margins, largest):
     """The two shapes of a contact at each of qs (N, nq) alone, or (−1, −1), are in `found` (N, 2).
 
-    What one configuration has in common with that before it is not placed again.
+    What all configurations have in common is placed once.
     """
     count, joints = boxes[0].shape[0], tree[0].shape[0]
-    r, p, moves = np.empty((joints, 3, 3)), np.empty((joints, 3)), np.zeros(joints, np.bool_)
+    r, p = np.empty((joints, 3, 3)), np.empty((joints, 3))
     at, low, high = (
         (np.empty((count, 3, 3)), np.empty((count, 3))),
         np.empty((count, 3)),
         np.empty((count, 3)),
     )
-    turn, carried, work, around = np.empty((3, 3)), np.empty((3, 3)), np.zeros(ROOM), np.empty((2, 3))
+    turn, local, work, around = np.empty((3, 3)), np.empty((3, 3)), np.zeros(ROOM), np.empty((2, 3))
     forward(qs[0], tree, r, p)
+    place_boxes(r, p, boxes, at[0], at[1])
+    _, many, moving, tree, boxes = carried(qs, tree, boxes, r, p, at)
     for n in range(qs.shape[0]):
-        for j in range(1, joints):
-            moves[j] = moves[tree[0][j]] or (n > 0 and qs[n, j - 1] != qs[n - 1, j - 1])
-            if moves[j]:
-                joint_pose(j, qs[n], tree, turn, carried, r, p)
+        for j in moving[:many]:
+            joint_pose(j, qs[n], tree, turn, local, r, p)
         for s in range(count):
-            if n == 0 or moves[boxes[0][s]]:
+            if n == 0 or boxes[0][s] > 0:
                 _placed(s, r, p, boxes, shapes, at, low, high)
         e, s = _near(split, shapes, at, low, high, margins, largest, around, work)
         if e < 0:

@@ -96,7 +96,7 @@ def _clearance(x, y, robot, row, there, some, shapes, margins, largest, most, ro
     return best
 
 
-@subkernel
+@subkernel(inline=True)
 def _beyond(n, e, best, split, at, there, corners, shapes, margin, work):
     """How much farther than the margin shapes n and e are apart at least, up to `best` [m]; or TOUCHES."""
     far = best + margin
