@@ -81,6 +81,9 @@ def _judged(question: Question, physics: Physics, embodiment: Embodiment | None,
     began = time.perf_counter()
     case, container = question.case, question.container
     caused = _caused(case, physics)
+    guessed = _is_guessed(question.asked)
+    if caused is not None and guessed:
+        caused = _unproved(caused)
     satisfied = performed = None
     if caused is None or not _outside(caused):
         solved = case if caused is None else caused.case
@@ -89,6 +92,8 @@ def _judged(question: Question, physics: Physics, embodiment: Embodiment | None,
             caused = _executed(performed, case, physics)
             solved = caused.case
         satisfied = _as_sure_as(caused, _satisfied(solved, container))
+        if satisfied is not None and guessed:
+            satisfied = _unproved(satisfied)
     return _verdict(case, (satisfied, caused, performed), began, inputs)
 
 
@@ -97,6 +102,18 @@ def _caused(case: Case, physics: Physics) -> Answer | None:
     if case.motion is UNKNOWN and case.body_motion is not UNKNOWN:
         return None
     return _timed("causes", causes(case, physics))
+
+
+def _is_guessed(asked: Case) -> bool:
+    """Whether how the kitchen moves was concluded from the robot's motion, which does not say it."""
+    if isinstance(asked.motion, Motion) or not isinstance(asked.body_motion, BodyMotion):
+        return False
+    return not asked.body_motion.kitchen_joints
+
+
+def _unproved(answer: Answer) -> Answer:
+    """The answer, proving nothing."""
+    return replace(answer, diagnoses=tuple(replace(each, proof=False) for each in answer.diagnoses))
 
 
 def _timed(step: str, answers: Iterator[Answer]) -> Answer:
@@ -126,8 +143,7 @@ def _as_sure_as(caused: Answer | None, satisfied: Answer | None) -> Answer | Non
     """SatisfiesRequest about a state that Φ is not sure of (stopped by outer shapes) proves nothing."""
     if satisfied is None or caused is None or all(each.proof for each in caused.diagnoses):
         return satisfied
-    unsure = tuple(replace(each, proof=False) for each in satisfied.diagnoses)
-    return replace(satisfied, diagnoses=unsure)
+    return _unproved(satisfied)
 
 
 def _performed(case: Case, embodiment: Embodiment | None) -> Answer | None:

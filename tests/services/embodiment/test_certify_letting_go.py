@@ -128,6 +128,24 @@ def test_a_container_goes_where_the_gripper_drags_it_until_the_fingers_open(
     assert verdict.outcome is Outcome.CERTIFIED, verdict.diagnoses
 
 
+@pytest.mark.parametrize("told", [True, False])
+def test_how_a_gripper_drags_a_container_is_no_proof_unless_the_motion_says_so(
+    twin: Twin, told: bool
+) -> None:
+    rests = RESTS.copy()
+    rests[-1] = rests[-2] + (rests[-1] - rests[-2]) * 0.5  # so far only, and
+    rests[-1, 0] = rests[-2, 0] + 0.6  # [s] too fast
+    motion, container = opening(rests=rests), twin.container("drawer_main")
+    if not told:
+        motion = replace(motion, kitchen_joints=(), kitchen_q=np.zeros((0, 0)), kitchen_v=np.zeros((0, 0)))
+    case = Case(twin, twin.robots[0], Task(Verb.OPEN, container.iri), body_motion=motion)
+    (verdict,) = law(case, Kinematics(), WholeBody(start=START))
+    assert verdict.causes is not None
+    assert verdict.satisfies_request is not None
+    for answer in (verdict.causes, verdict.satisfies_request):
+        assert {each.proof for each in answer.diagnoses} == {told}
+
+
 def test_a_finely_sampled_motion_is_dragged_from_the_same_moment_with_few_looks(
     twin: Twin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
