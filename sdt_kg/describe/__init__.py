@@ -1,5 +1,6 @@
-"""A first annotation for a robot of one's own: grippers guessed, everything to check marked."""
+"""A first annotation for a robot of one's own: what its structure tells, everything to check marked."""
 
-from sdt_kg.describe.write import describe
+from sdt_kg.describe.guess import guessed
+from sdt_kg.describe.write import turtle
 
-__all__ = ["describe"]
+__all__ = ["guessed", "turtle"]

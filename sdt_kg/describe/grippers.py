@@ -19,11 +19,20 @@ BISECTIONS: Final = 40
 ROOM: Final = 0.09
 """[m] A gripper opens so far, if it can: those of the bundled robots open by 85 to 92 mm."""
 
+BEHIND: Final = 0.02
+"""[m] A bar is held so far behind the ends of closed fingers, as with the bundled robots (19 to 20 mm)."""
+
 TIP_SHARE: Final = 1 / 3
 """The tip is the outer third of a finger."""
 
 MAX_JOINTS_BELOW: Final = 2
 """A finger has at most that many further joints, its tip's say."""
+
+ARM: Final = 3
+"""Bodies that are not named like fingers count as such at the end of an arm of at least so many joints."""
+
+EQUAL_REACH: Final = 0.02
+"""[m] Of fingers that reach about as far out of the palm, those farthest apart hold the handle."""
 
 
 Positions = dict[str, float]
@@ -31,32 +40,92 @@ Positions = dict[str, float]
 
 @dataclass(frozen=True, slots=True)
 class _Finger:
-    """A finger: its first joint and all its bodies."""
+    """A finger: its first body, all its bodies, and the joint that moves it; None where it stands still."""
 
-    joint: Joint
+    body: str
     bodies: tuple[str, ...]
+    joint: Joint | None
 
 
 def guessed_grippers(tree: Tree) -> list[Gripper]:
-    """One gripper for each palm under which at least two fingers face each other."""
+    """One gripper for each palm under which two fingers face each other, one of which moves at least."""
     by_palm: dict[str, list[_Finger]] = {}
-    for finger in _fingers(tree):
-        by_palm.setdefault(tree.rigid_root(finger.joint.parent), []).append(finger)
-    palms = {palm: fingers for palm, fingers in by_palm.items() if len(fingers) > 1}
+    for finger, palm in _fingers(tree):
+        by_palm.setdefault(palm, []).append(finger)
+    palms = {palm: _facing(tree, palm, fingers) for palm, fingers in by_palm.items()}
+    palms = {palm: fingers for palm, fingers in palms.items() if len(fingers) > 1}
     names = _names(list(palms))
     grippers = [_gripper(tree, names[palm], palm, fingers) for palm, fingers in palms.items()]
     return [gripper for gripper in grippers if gripper is not None]
 
 
-def _fingers(tree: Tree) -> Iterator[_Finger]:
+def lonely_fingers(tree: Tree) -> list[str]:
+    """Joints named like a finger's that move the only finger of their palm."""
+    by_palm: dict[str, list[_Finger]] = {}
+    for finger, palm in _fingers(tree):
+        by_palm.setdefault(palm, []).append(finger)
+    return [
+        fingers[0].joint.name
+        for palm, fingers in by_palm.items()
+        if fingers[0].joint is not None and len(_facing(tree, palm, fingers)) == 1
+    ]
+
+
+def _fingers(tree: Tree) -> Iterator[tuple[_Finger, str]]:
+    """Fingers that move, each with its palm; no palm with fingers of its own, nothing that hangs on one."""
+    like = {
+        joint.child: tree.rigid_root(joint.parent)
+        for joint in tree.mechanism.joints
+        if _like_finger(tree, joint)
+    }
+    inside: set[str] = set()
     for joint in tree.mechanism.joints:
-        if joint.type not in (JointType.PRISMATIC, JointType.REVOLUTE):
+        if joint.child not in like or joint.child in inside:
             continue
-        named = any(word in f"{joint.name} {joint.child}".lower() for word in FINGER_WORDS)
-        if named and tree.movable_below(joint.child) <= MAX_JOINTS_BELOW:
-            bodies = tuple(tree.below(joint.child))
-            if len(tree.points(bodies, joint.child, {})):
-                yield _Finger(joint, bodies)
+        bodies = tuple(tree.below(joint.child))
+        palms = [like[body] for body in bodies[1:] if body in like]
+        if len(set(palms)) == len(palms) and len(tree.points(bodies, joint.child, {})):
+            inside.update(bodies)
+            yield _Finger(joint.child, bodies, joint), like[joint.child]
+
+
+def _like_finger(tree: Tree, joint: Joint) -> bool:
+    """By its name; or it is one of several at the end of an arm."""
+    if joint.type not in (JointType.PRISMATIC, JointType.REVOLUTE):
+        return False
+    if tree.movable_below(joint.child) > MAX_JOINTS_BELOW:
+        return False
+    if _named(joint.name, joint.child):
+        return True
+    palm = tree.rigid_root(joint.parent)
+    beside = [
+        other
+        for other in tree.mechanism.joints
+        if other.type is not JointType.FIXED and tree.rigid_root(other.parent) == palm
+    ]
+    short = all(tree.movable_below(other.child) <= MAX_JOINTS_BELOW for other in beside)
+    carried = sum(each.type is not JointType.FIXED for each in tree.ancestors(palm))
+    return len(beside) > 1 and short and carried >= ARM
+
+
+def _named(*names: str) -> bool:
+    return any(word in name.lower() for name in names for word in FINGER_WORDS)
+
+
+def _facing(tree: Tree, palm: str, fingers: list[_Finger]) -> list[_Finger]:
+    """The fingers; for a single one also the body fixed to the palm that is named like a finger."""
+    if len(fingers) > 1:
+        return fingers
+    still = [
+        joint.child
+        for body in tree.below(palm)
+        for joint in tree.children[body]
+        if joint.type is JointType.FIXED
+        and tree.rigid_root(joint.child) == palm
+        and _named(joint.child)
+        and len(tree.points([joint.child], joint.child, {}))
+    ]
+    return [*fingers, *(_Finger(body, (body,), None) for body in still)]
 
 
 def _names(palms: list[str]) -> dict[str, str]:
@@ -77,15 +146,14 @@ def _side(palm: str) -> str:
 
 
 def _gripper(tree: Tree, name: str, palm: str, fingers: list[_Finger]) -> Gripper | None:
-    free = [finger.joint for finger in fingers if finger.joint.mimic is None]
+    free = _motors(tree, fingers)
     pairs = [_Pair(tree, palm, one, other) for one, other in combinations(fingers, 2)]
-    at_lower = {joint.name: joint.limits.lower for joint in free}
-    at_upper = {joint.name: joint.limits.upper for joint in free}
-    pair = max(pairs, key=lambda each: max(each.gap(at_lower), each.gap(at_upper)))
-    opens_up = pair.gap(at_upper) >= pair.gap(at_lower)
-    is_open, is_shut = (at_upper, at_lower) if opens_up else (at_lower, at_upper)
+    middle = {joint.name: (joint.limits.lower + joint.limits.upper) / 2 for joint in free}
+    pair = _holding(pairs, middle)
+    is_open = {joint.name: _end(joint, pairs, middle) for joint in free}
+    is_shut = {joint.name: joint.limits.lower + joint.limits.upper - is_open[joint.name] for joint in free}
     opening = pair.gap(is_open)
-    if not free or opening <= 0:
+    if not free or opening <= 0 or opening - pair.gap(is_shut, is_open) <= 0:
         return None
     is_closed = _reached(pair, is_open, is_shut, 0.0)
     if opening > ROOM:
@@ -95,13 +163,36 @@ def _gripper(tree: Tree, name: str, palm: str, fingers: list[_Finger]) -> Grippe
     return Gripper(
         name=name,
         tool_body=palm,
-        tool=pair.tool(is_open),
+        tool=pair.tool(is_closed, is_open),
         fingers=tuple(sorted({body for finger in fingers for body in finger.bodies})),
         finger_joints=tuple(
             FingerJoint(joint.name, is_open[joint.name], is_closed[joint.name]) for joint in free
         ),
         opening=opening,
     )
+
+
+def _motors(tree: Tree, fingers: list[_Finger]) -> list[Joint]:
+    """The joints that move the fingers: their own, or those that these follow."""
+    own = [finger.joint for finger in fingers if finger.joint is not None]
+    names = [joint.name if joint.mimic is None else joint.mimic.joint for joint in own]
+    return [tree.mechanism.joint(name) for name in dict.fromkeys(names)]
+
+
+def _holding(pairs: list["_Pair"], positions: Positions) -> "_Pair":
+    """Of the pairs that reach farthest out of the palm the one that is farthest apart."""
+    reach = [pair.reach(positions) for pair in pairs]
+    far = [pair for pair, each in zip(pairs, reach, strict=True) if each >= max(reach) - EQUAL_REACH]
+    return max(far, key=lambda pair: pair.gap(positions))
+
+
+def _end(joint: Joint, pairs: list["_Pair"], middle: Positions) -> float:
+    """The limit at which fingers are farther apart, the other joints in the middle of theirs."""
+    lower, upper = (
+        sum(pair.gap(middle | {joint.name: limit}, middle) for pair in pairs)
+        for limit in (joint.limits.lower, joint.limits.upper)
+    )
+    return joint.limits.lower if lower > upper else joint.limits.upper
 
 
 def _reached(pair: "_Pair", is_open: Positions, is_shut: Positions, wanted: float) -> Positions:
@@ -142,8 +233,7 @@ class _Pair:
         rigid = [body for body in self.tree.below(self.palm) if self.tree.rigid_root(body) == self.palm]
         palm = self.tree.points(rigid, self.palm, positions)
         roots = [
-            self.tree.frame(finger.joint.child, self.palm, positions)[:3, 3]
-            for finger in (self.one, self.other)
+            self.tree.frame(finger.body, self.palm, positions)[:3, 3] for finger in (self.one, self.other)
         ]
         behind = palm.mean(axis=0) if len(palm) else np.mean(roots, axis=0)
         out = np.concatenate((one, other)).mean(axis=0) - behind
@@ -160,11 +250,19 @@ class _Pair:
         one, other = (_tip(points, out) for points in self.points(positions))
         return float((other @ across).min() - (one @ across).max())
 
-    def tool(self, positions: Positions) -> Pose:
-        """Between the tips: x out of the palm, y across."""
-        out, across = self.axes(positions)
-        tips = np.concatenate([_tip(points, out) for points in self.points(positions)])
-        x, y, z = (float(part) for part in (tips.min(axis=0) + tips.max(axis=0)) / 2)
+    def reach(self, positions: Positions, out: Matrix | None = None) -> float:
+        """How far out of the palm's frame the shorter of both reaches [m]."""
+        out = self.axes(positions)[0] if out is None else out
+        return min(float((points @ out).max()) for points in self.points(positions))
+
+    def tool(self, closed: Positions, opened: Positions) -> Pose:
+        """Between closed tips, a little behind their ends; x out of the palm, y across, as seen when open."""
+        out, across = self.axes(opened)
+        tips = np.concatenate([_tip(points, out) for points in self.points(closed)])
+        middle = (tips.min(axis=0) + tips.max(axis=0)) / 2
+        length = min(float(np.ptp(points @ out)) for points in self.points(closed))
+        behind = self.reach(closed, out) - min(BEHIND, length / 2)
+        x, y, z = (float(part) for part in middle + (behind - middle @ out) * out)
         rotation = np.column_stack((out, across, np.cross(out, across))).astype(np.float64)
         return Pose((x, y, z), quaternion(rotation))
 

@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotating.panels import corners
-from sdt_kg.mechanism import Joint, JointType, Mechanism
+from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, Pose, ShapeType
 
 Matrix = NDArray[np.float64]
 
@@ -69,6 +69,23 @@ class Tree:
             body = joint.parent
         return base_T_body
 
+    def axis(self, joint: Joint) -> Matrix:
+        """Axis of a joint in the root frame with all joints at 0, shape (3,)."""
+        root_T_child = self.frame(joint.child, self.mechanism.root, {})
+        return root_T_child[:3, :3] @ np.array(joint.axis)
+
+    def lowest(self, bodies: Iterable[str]) -> float:
+        """Least height of their shapes in the root frame, all joints at 0 [m]; infinite without shapes."""
+        shapes = {body.name: body.collision for body in self.mechanism.bodies}
+        return min(
+            (
+                _lowest(self.frame(body, self.mechanism.root, {}) @ shape.pose.matrix(), shape)
+                for body in bodies
+                for shape in shapes[body]
+            ),
+            default=math.inf,
+        )
+
     def points(self, bodies: Iterable[str], base: str, positions: Mapping[str, float]) -> Matrix:
         """Corners of the collision shapes of these bodies in the frame of base, shape (n, 3) [m]."""
         shapes = {body.name: body.collision for body in self.mechanism.bodies}
@@ -77,6 +94,17 @@ class Tree:
             base_T_body = self.frame(body, base, positions)
             parts.append(corners(shapes[body]) @ base_T_body[:3, :3].T + base_T_body[:3, 3])
         return np.concatenate(parts)
+
+
+def _lowest(root_T_shape: Matrix, shape: Geometry) -> float:
+    """Least height of a shape at its pose [m]: a wheel's rim is round, a box about it is not."""
+    if shape.shape in (ShapeType.SPHERE, ShapeType.CYLINDER, ShapeType.CAPSULE):
+        radius, length = (*shape.size, 0.0)[:2]
+        upright = abs(float(root_T_shape[2, 2]))
+        level = math.sqrt(max(0.0, 1 - upright**2)) if shape.shape is ShapeType.CYLINDER else 1.0
+        return float(root_T_shape[2, 3]) - upright * length / 2 - radius * level
+    points = corners([replace(shape, pose=Pose())])
+    return float((points @ root_T_shape[2, :3]).min() + root_T_shape[2, 3])
 
 
 def motion(joint: Joint, positions: Mapping[str, float]) -> Matrix:

@@ -1,83 +1,63 @@
-"""The first annotation of a robot, as Turtle."""
+"""An annotation as Turtle."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
-from pathlib import Path
-from typing import Final
+from collections.abc import Iterator, Mapping
+from urllib.parse import quote
 
-from sdt_kg.annotation import Gripper
-from sdt_kg.describe.grippers import guessed_grippers
-from sdt_kg.describe.tree import Tree
+import pyoxigraph as ox
+
+from sdt_kg.annotation import Gripper, RobotAnnotation
 from sdt_kg.iri import PREFIXES, body_iri, joint_iri, model_iri
-from sdt_kg.mechanism import JointType, Mechanism, Pose
-from sdt_kg.urdf import read_mechanism
+from sdt_kg.mechanism import Pose
 
-Contacts = Callable[[Mechanism], Iterable[tuple[str, str]]]
-"""Pairs of bodies which touch in every sampled configuration: physics finds them, not this package."""
-
-RISE_TIME: Final = 0.5
-"""[s] A joint is assumed to reach its highest speed in this time."""
-
-BASE_SPEED: Final = 0.2
-"""[m/s, rad/s] Speed of the base in the paper's experiment."""
+FINGERS = "the fingers of one gripper close upon each other"
 
 
-def describe(urdf: str | Path, contacts: Contacts) -> str:
-    """Turtle text of a first annotation: what is guessed says `check`.
+def turtle(robot: RobotAnnotation, source: str, why: Mapping[frozenset[str], str] | None = None) -> str:
+    """Turtle text of an annotation.
 
     Args:
-        urdf: URDF or xacro file of the robot.
-        contacts: Gives the pairs of bodies that touch wherever the robot moves.
-
-    Raises:
-        UrdfError: Not a valid URDF.
+        robot: What it says.
+        source: Name of the file that the robot was read from.
+        why: For pairs that may touch, the reason; it is written above them.
     """
-    tree = Tree(read_mechanism(urdf))
-    grippers = guessed_grippers(tree)
-    pairs = sorted({(min(pair), max(pair)) for pair in contacts(tree.mechanism)})
     prefixes = "\n".join(f"@prefix {name}: <{PREFIXES[name]}> ." for name in ("dcterms", "rdfs", "sdt"))
     blocks = (
         prefixes,
-        _robot(tree.mechanism, grippers, Path(urdf)),
-        *(_gripper(tree.mechanism.name, gripper) for gripper in grippers),
-        *_joints(tree, grippers),
-        *_pairs(tree.mechanism.name, pairs),
+        _robot(robot, source),
+        *(_gripper(robot.robot, gripper) for gripper in robot.grippers),
+        *(_coupling(robot.robot, k, joints) for k, joints in enumerate(robot.coupled)),
+        *_joints(robot),
+        *_pairs(robot, why or {}),
     )
     return "\n\n".join(blocks) + "\n"
 
 
-def _robot(mechanism: Mechanism, grippers: list[Gripper], urdf: Path) -> str:
-    assumptions = [
-        "check: the base is taken to be differential (sdt:Omni, sdt:Differential or sdt:Fixed)",
-        f"check: base speed {BASE_SPEED} m/s and {BASE_SPEED} rad/s, reached in {RISE_TIME} s",
-        f"check: acceleration limits let each joint reach its highest speed in {RISE_TIME} s",
-        "check: parked, every joint is at 0 or the nearest limit; give sdt:parkedPosition for better",
-        "check: joints that move no gripper are held",
-        "check: grippers, their fingers, tool frames and openings are guessed from names and shapes",
-        "check: pairs that may touch are those which touch in every sampled configuration",
-    ]
-    if not grippers:
-        assumptions.append("check: no gripper was found; add one with sdt:hasGripper, see robots/README.md")
+def _robot(robot: RobotAnnotation, source: str) -> str:
+    base = robot.base_limits
+    iris = (_gripper_iri(robot.robot, gripper) for gripper in robot.grippers)
+    couplings = (_coupling_iri(robot.robot, k) for k in range(len(robot.coupled)))
     lines = [
-        f"<{model_iri(mechanism.name)}> a sdt:Robot ;",
-        f'  rdfs:label "{mechanism.name}" ;',
-        f'  dcterms:source "{urdf.name}" ;',
-        *(f'  sdt:assumption "{assumption}" ;' for assumption in assumptions),
-        f"  sdt:baseAngularAcceleration {BASE_SPEED / RISE_TIME} ;",
-        f"  sdt:baseAngularVelocity {BASE_SPEED} ;",
-        f"  sdt:baseBody <{body_iri(mechanism.name, mechanism.root)}> ;",
-        "  sdt:baseHeight 0.0 ;",
-        f"  sdt:baseLinearAcceleration {BASE_SPEED / RISE_TIME} ;",
-        f"  sdt:baseLinearVelocity {BASE_SPEED} ;",
-        *(f"  sdt:hasGripper <{_gripper_iri(mechanism.name, gripper)}> ;" for gripper in grippers),
-        "  sdt:drive sdt:Differential ;",
-        "  sdt:overhang 0.0 .",
+        f"<{model_iri(robot.robot)}> a sdt:Robot ;",
+        f"  rdfs:label {ox.Literal(robot.robot)} ;",
+        f"  dcterms:source {ox.Literal(source)} ;",
+        *(f"  sdt:assumption {ox.Literal(note)} ;" for note in robot.notes),
+        f"  sdt:baseAngularAcceleration {base.angular_acceleration} ;",
+        f"  sdt:baseAngularVelocity {base.angular_velocity} ;",
+        f"  sdt:baseBody <{body_iri(robot.robot, robot.base_body)}> ;",
+        f"  sdt:baseHeight {robot.base_height} ;",
+        f"  sdt:baseLinearAcceleration {base.linear_acceleration} ;",
+        f"  sdt:baseLinearVelocity {base.linear_velocity} ;",
+        *(f"  sdt:hasCoupling <{iri}> ;" for iri in couplings),
+        *(f"  sdt:hasGripper <{iri}> ;" for iri in iris),
+        f"  sdt:drive sdt:{robot.drive.value.capitalize()} ;",
+        f"  sdt:overhang {robot.overhang} .",
     ]
     return "\n".join(lines)
 
 
 def _gripper_iri(model: str, gripper: Gripper) -> str:
-    return f"{model_iri(model)}/gripper/{gripper.name}"
+    return f"{model_iri(model)}/gripper/{quote(gripper.name, safe='')}"
 
 
 def _gripper(model: str, gripper: Gripper) -> str:
@@ -86,7 +66,7 @@ def _gripper(model: str, gripper: Gripper) -> str:
     joints = " , ".join(f"<{joint_iri(model, finger.joint)}>" for finger in gripper.finger_joints)
     lines = [
         f"<{iri}> a sdt:Gripper ;",
-        f'  rdfs:label "{gripper.name}" ;',
+        f"  rdfs:label {ox.Literal(gripper.name)} ;",
         *(
             [f"  sdt:fingerDifference {gripper.difference:.4f} ;"]
             if math.isfinite(gripper.difference)
@@ -117,27 +97,35 @@ def _decimal(value: float) -> str:
     return f"{value:.6f}"
 
 
-def _joints(tree: Tree, grippers: list[Gripper]) -> Iterator[str]:
-    """Acceleration limits of all joints that planning may move; the others are held."""
-    model = tree.mechanism.name
-    used = {finger.joint for gripper in grippers for finger in gripper.finger_joints}
-    for gripper in grippers:
-        used |= {joint.name for joint in tree.ancestors(gripper.tool_body)}
-    lines: list[str] = []
-    for joint in tree.mechanism.joints:
-        iri = joint_iri(model, joint.name)
-        if joint.type is JointType.FIXED or joint.mimic is not None:
-            continue
-        if joint.name not in used:
-            lines.append(f"<{iri}> sdt:held true .")
-        elif math.isfinite(joint.limits.velocity):
-            lines.append(f"<{iri}> sdt:accelerationLimit {_decimal(joint.limits.velocity / RISE_TIME)} .")
-    if lines:
-        yield "\n".join(lines)
+def _coupling_iri(model: str, k: int) -> str:
+    return f"{model_iri(model)}/coupling/telescope{k + 1}"
 
 
-def _pairs(model: str, pairs: list[tuple[str, str]]) -> Iterator[str]:
-    if pairs:
-        yield "\n".join(
-            f"<{body_iri(model, one)}> sdt:mayTouch <{body_iri(model, other)}> ." for one, other in pairs
+def _coupling(model: str, k: int, joints: tuple[str, ...]) -> str:
+    couples = " , ".join(f"<{joint_iri(model, joint)}>" for joint in joints)
+    return f"<{_coupling_iri(model, k)}> a sdt:Coupling ;\n  sdt:couples {couples} ."
+
+
+def _joints(robot: RobotAnnotation) -> Iterator[str]:
+    """A block for each of: limits of acceleration, what is held, where it is parked."""
+    said = (
+        {name: f"sdt:accelerationLimit {_decimal(limit)}" for name, limit in robot.acceleration.items()},
+        dict.fromkeys(robot.held, "sdt:held true"),
+        {name: f"sdt:parkedPosition {_decimal(at)}" for name, at in robot.parked.items()},
+    )
+    for words in said:
+        if words:
+            yield "\n".join(f"<{joint_iri(robot.robot, name)}> {words[name]} ." for name in words)
+
+
+def _pairs(robot: RobotAnnotation, why: Mapping[frozenset[str], str]) -> Iterator[str]:
+    """A block for each reason why pairs may touch."""
+    groups: dict[str, list[tuple[str, str]]] = {}
+    for pair in robot.allowed_contacts:
+        groups.setdefault(why.get(pair, FINGERS), []).append((min(pair), max(pair)))
+    for reason, pairs in sorted(groups.items()):
+        lines = (
+            f"<{body_iri(robot.robot, one)}> sdt:mayTouch <{body_iri(robot.robot, other)}> ."
+            for one, other in sorted(pairs)
         )
+        yield "\n".join((f"# check: {reason}", *lines))

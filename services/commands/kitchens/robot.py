@@ -4,8 +4,8 @@ from pathlib import Path
 
 import click
 
-from sdt_kg.describe import describe as describe_robot
 from sdt_kg.errors import InputError
+from sdt_kg.urdf import model_stem
 from services.commands.options import OutFile
 from services.commands.output import write_file
 
@@ -26,13 +26,16 @@ def robot() -> None:
 )
 @click.option("--force", is_flag=True, help="Overwrite the file if it is there.")
 def describe(urdf: Path, output: Path | None, force: bool) -> None:
-    """Write a first annotation of URDF: grippers guessed, pairs sampled, what to check marked."""
-    from services.physics.geometry.contacts import sampled_contacts  # noqa: PLC0415 - the only physics here
+    """Write a first annotation of URDF and say what was guessed: drive, grippers, parked arms, pairs."""
+    from services.describing.describe import describe as described  # noqa: PLC0415 - the only physics here
 
-    path = output or urdf.with_suffix(".ttl")
+    path = output or urdf.with_name(f"{model_stem(urdf)}.ttl")
     if path.exists() and not force:
         raise InputError(
             f"{path} exists", allowed="a file which is not there yet", remedy="--force overwrites it"
         )
-    write_file(path, describe_robot(urdf, sampled_contacts))
+    found = described(urdf)
+    write_file(path, found.text)
+    for note in found.robot.notes:
+        click.echo(note)
     click.echo(f"{path}: check every line that says 'check'")

@@ -1,0 +1,81 @@
+"""What is guessed of a robot by looking: parked arms and pairs that touch; and what the guess is worth."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sdt_kg.describe import guessed
+from sdt_kg.load import bundled, load_twin
+from sdt_kg.urdf import read_mechanism
+from services.describing.describe import describe
+from services.describing.touching import touching
+from services.embodiment.body.limb import Margins, make_limb, rules
+from services.embodiment.body.world import World
+from services.physics.model import Scene
+from tests.services.conftest import Done
+
+pytestmark = pytest.mark.oracle
+
+
+@pytest.fixture(scope="module")
+def mine(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The bundled Stretch as a robot of one's own, described."""
+    path = tmp_path_factory.mktemp("mine") / "mine.urdf"
+    shutil.copy(bundled("robot", "stretch"), path)
+    path.with_suffix(".ttl").write_text(describe(path).text, encoding="utf-8")
+    return path
+
+
+def test_a_described_robot_opens_what_the_annotated_one_opens(mine: Path, sdt: Callable[..., Done]) -> None:
+    words = "--kitchen", "b", "--robot", str(mine), "--drive", "omni"
+    for container in ("iai_fridge_door", "sink_area_left_middle_drawer_main"):
+        assert sdt("achieve", *words, "--task", f"open:{container}").code == 0
+
+
+def test_a_parked_arm_is_free_within_limits_and_not_in_front(mine: Path) -> None:
+    twin = load_twin("b", [mine])
+    world = World(Scene(twin, twin.robots[0]))
+    (gripper,) = world.scene.annotation.grippers
+    limb = make_limb(world, gripper)
+    demands = rules(world, limb, Margins(0.001, 0.001))
+    alone = type(demands)(np.full_like(demands.environment, -1.0), demands.pairs, demands.own)
+    assert world.free(limb.q(limb.parked), alone)
+    assert (limb.lower < limb.parked).all()
+    assert (limb.parked < limb.upper).all()
+    hand = limb.tool(limb.parked)[1]
+    assert abs(hand[0]) < 0.2  # x = 0.15 m is the front of its base
+    assert np.linalg.norm(hand[:2]) < 0.3
+
+
+def test_parts_of_a_telescope_may_touch_and_wheels_their_base_but_no_hand_the_mast(mine: Path) -> None:
+    twin = load_twin("b", [mine])
+    pairs = twin.robot(twin.robots[0]).allowed_contacts
+    assert frozenset(("link_arm_l4", "link_arm_l2")) in pairs
+    assert not any("link_mast" in pair and any("gripper" in body for body in pair) for pair in pairs)
+    text = mine.with_suffix(".ttl").read_text(encoding="utf-8")
+    assert "# check: parts of a telescope touch where it is drawn in" in text
+    assert "# check: the fingers of one gripper close upon each other" in text
+
+
+def test_each_allowed_pair_has_its_reason() -> None:
+    mechanism = read_mechanism(bundled("robot", "stretch"))
+    why = touching(mechanism, guessed(mechanism))
+    assert len(why) > 5
+    assert all(reason.startswith(("touch in", "parts of a telescope")) for reason in why.values())
+
+
+def test_describe_says_what_it_guessed(tmp_path: Path, sdt: Callable[..., Done]) -> None:
+    path = tmp_path / "my.urdf.xacro"
+    shutil.copy(bundled("robot", "stretch"), path)
+    done = sdt("robot", "describe", str(path))
+    assert done.code == 0
+    assert (tmp_path / "my.ttl").is_file()
+    assert (
+        "check: the base is taken to be sdt:Differential: wheels 'link_right_wheel', 'link_left_wheel'"
+        in done.out
+    )
+    assert "check: the arm of gripper 'gripper' is parked" in done.out
+    assert sdt("doctor", "--kitchen", "b", "--robot", str(path)).code == 0
