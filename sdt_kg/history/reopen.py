@@ -17,7 +17,7 @@ from sdt_kg.history.branches import Branch, History
 from sdt_kg.history.edits import Brought, Edit, Followed, Moved, Rewritten, TakenAway
 from sdt_kg.history.records import record_graph
 from sdt_kg.history.trajectory import Trajectory
-from sdt_kg.interchange import Quads
+from sdt_kg.interchange import Quads, stored
 from sdt_kg.iri import PROV, SDT, Iri, graph_iri, local_name, model_iri
 from sdt_kg.store import AnyTerm, Store, Triple, value_of
 from sdt_kg.triples.facts import TYPE
@@ -123,9 +123,7 @@ class _Kept:
     """What was kept of histories, each graph read when it is asked for."""
 
     def __init__(self, quads: Quads) -> None:
-        self._store: ox.Store = quads if isinstance(quads, ox.Store) else ox.Store()
-        if not isinstance(quads, ox.Store):
-            self._store.extend(quads)
+        self._store = stored(quads)
 
     def branches(self) -> list[Iri]:
         """Branches that have a record, the earliest steps first."""

@@ -61,13 +61,20 @@ def rebuilt(
     return entities, _state(graphs, entities, state)
 
 
+def stored(quads: Quads) -> ox.Store:
+    """The quads in a store; a store is itself."""
+    if isinstance(quads, ox.Store):
+        return quads
+    store = ox.Store()
+    store.extend(quads)
+    return store
+
+
 class _Graphs:
     """Named graphs of a store or a stream of quads, each read when it is asked for."""
 
     def __init__(self, quads: Quads) -> None:
-        self._store: ox.Store = quads if isinstance(quads, ox.Store) else ox.Store()
-        if not isinstance(quads, ox.Store):
-            self._store.extend(quads)
+        self._store = stored(quads)
 
     def names(self, prefix: str) -> list[Iri]:
         """Names of the graphs that begin like this, sorted."""

@@ -16,7 +16,7 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from services.http.problems import RefusedError, of_error, unexpected
-from services.http.settings import Settings
+from services.http.settings import Settings, host_name
 
 READING = frozenset({"GET", "HEAD", "OPTIONS"})
 GUARDED = "/api/"
@@ -82,7 +82,7 @@ class Gate:
         hosts = headers.getlist("host")
         if len(hosts) != 1 or not hosts[0]:
             raise RefusedError(400, "there is no Host header, or there are several", allowed="one")
-        if _name(hosts[0]) not in settings.hosts:
+        if host_name(hosts[0]) not in settings.hosts:
             raise RefusedError(
                 421,
                 f"this service is not '{hosts[0][:100]}'",
@@ -207,13 +207,6 @@ async def _preflight(send: Send) -> None:
     ]
     await send({"type": "http.response.start", "status": 204, "headers": allow})
     await send({"type": "http.response.body", "body": b""})
-
-
-def _name(host: str) -> str:
-    """Host without port, lower case; an IPv6 address keeps its brackets."""
-    end = host.rfind("]") + 1
-    colon = host.find(":", end)
-    return (host if colon < 0 else host[:colon]).lower().rstrip(".")
 
 
 def _same(origin: str, host: str, scope: Scope) -> bool:

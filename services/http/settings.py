@@ -89,6 +89,13 @@ def host_names(address: Address, others: Iterable[str] = ()) -> frozenset[str]:
     return frozenset((*LOOPBACK_NAMES, *own, *(name.lower() for name in others)))
 
 
+def host_name(host: str) -> str:
+    """The name in a Host header: without port, lower case; an IPv6 address keeps its brackets."""
+    end = host.rfind("]") + 1
+    colon = host.find(":", end)
+    return (host if colon < 0 else host[:colon]).lower().rstrip(".")
+
+
 def token_for(address: Address, file: Path | None = None) -> str | None:
     """The token of a service at an address: in the file, else in the environment.
 

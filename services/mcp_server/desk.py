@@ -16,6 +16,7 @@ from sdt_kg.load import model_name
 from services.app import Service, load
 from services.http.judges import Judges
 from services.http.problems import RefusedError
+from services.http.world import lines
 from services.judging.codec import JSON
 from services.judging.jobs import Kept, Task
 from services.judging.loaded import models_of
@@ -193,7 +194,7 @@ class _Kept:
         self.graphs.pop(verdict, None)
         self.graphs[verdict] = quads
         triples = (quad.triple for quad in ox.parse(quads, format=ox.RdfFormat.N_QUADS))
-        await self.workers.apply(put(graph_of(verdict), _lines(triples), instead=True))
+        await self.workers.apply(put(graph_of(verdict), lines(triples), instead=True))
         while len(self.graphs) > KEPT:
             oldest = next(iter(self.graphs))
             del self.graphs[oldest]
@@ -225,9 +226,5 @@ async def opened(setup: Setup, services: dict[str, Service]) -> AsyncIterator[De
 def _vocabulary(file: str) -> Delta:
     quads = ox.parse(ontology.path(file).read_bytes(), format=ox.RdfFormat.TURTLE)
     return put(
-        f"https://example.org/{file.removesuffix('.ttl')}", _lines(quad.triple for quad in quads), shown=False
+        f"https://example.org/{file.removesuffix('.ttl')}", lines(quad.triple for quad in quads), shown=False
     )
-
-
-def _lines(triples: Iterable[ox.Triple]) -> bytes:
-    return b"".join(f"{each} .\n".encode() for each in triples)

@@ -21,12 +21,12 @@ class EmbeddedStore:
 
     Args:
         store: Empty or not.
-        finish: Called once, on closing.
+        finish: Called once, on closing; by default what is in memory is gone then.
     """
 
     is_shared: ClassVar[bool] = False
 
-    def __init__(self, store: ox.Store, finish: Callable[[ox.Store], None]) -> None:
+    def __init__(self, store: ox.Store, finish: Callable[[ox.Store], None] = lambda store: None) -> None:
         self._store = store
         self._finish = finish
         self._is_open = True
@@ -89,8 +89,3 @@ class EmbeddedStore:
             return
         for graph in graphs:
             yield from self._store.quads_for_pattern(None, None, None, ox.NamedNode(graph))
-
-
-def in_memory() -> EmbeddedStore:
-    """A store that is gone with this process."""
-    return EmbeddedStore(ox.Store(), lambda store: None)

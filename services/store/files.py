@@ -143,4 +143,4 @@ def readable(place: str | Path) -> QuadStore:
         raise InputError(f"no file or store at {path}")
     if path.is_dir():
         return in_folder(path)
-    return EmbeddedStore(read_file(path), lambda store: None)
+    return EmbeddedStore(read_file(path))

@@ -40,7 +40,7 @@ class FolderStore:
 
     def __init__(self, tables: ox.Store, journal: Journal) -> None:
         self._tables, self._journal = tables, journal
-        self._reader = EmbeddedStore(tables, lambda _: None)
+        self._reader = EmbeddedStore(tables)
         self._emptied: set[ox.NamedNode] = set()
         self._written: dict[ox.NamedNode, list[ox.Quad]] = {}
         self._count = 0

@@ -30,7 +30,7 @@ from sdt_kg.scope import D_ARTIC
 from sdt_kg.store import Row, Term, rows_of
 from sdt_kg.task import Task, Verb
 from services.physics.oracle import Kinematics
-from services.store.embedded import EmbeddedStore, in_memory
+from services.store.embedded import EmbeddedStore
 from services.store.files import SavedVerdicts
 from services.store.known import restricted
 from services.store.on_disk import in_folder, read_file
@@ -77,7 +77,7 @@ def text(size: int) -> bytes:
 def store(size: int) -> EmbeddedStore:
     held = ox.Store()
     held.bulk_load(text(size), format=ox.RdfFormat.N_QUADS)
-    return EmbeddedStore(held, lambda _: None)
+    return EmbeddedStore(held)
 
 
 def known(query: Path) -> dict[str, Term]:
@@ -234,7 +234,7 @@ def test_load_to_a_server(benchmark: Benchmark, tmp_path: Path, where: str) -> N
     finally:
         server.kill()
     began = time.process_time()
-    in_memory().add(quads)
+    EmbeddedStore(ox.Store()).add(quads)
     memory = time.process_time() - began
     for name, seconds in (("client", ours), ("server", theirs), ("memory", memory)):
         benchmark.extra_info[f"{name}, quads a second of CPU"] = round(len(quads) / seconds)

@@ -61,7 +61,7 @@ def in_a_directory(folder: Path, size: int) -> QuadStore:
 def in_this_process(_: Path, size: int) -> QuadStore:
     memory = ox.Store()
     loaded(memory, size)
-    return EmbeddedStore(memory, lambda _: None)
+    return EmbeddedStore(memory)
 
 
 @pytest.fixture(scope="module", params=[in_a_directory, in_this_process], ids=["directory", "memory"])

@@ -1,18 +1,18 @@
 """`sdt codesign`: which robot for which kitchen, and what would have to be otherwise."""
 
-from contextlib import ExitStack
 from pathlib import Path
 
 import click
 
 from sdt_kg.annotation import Drive
 from services.app import Policy
+from services.codesign.command.grid import on_a_bar
 from services.codesign.design import Design, Plan, Step, designed, to_json
-from services.codesign.entries import Entry
 from services.codesign.grid import Asked
 from services.codesign.smallest.families import made_at_once
 from services.commands.options import (
     FiniteRange,
+    OutFile,
     budget_option,
     drive_option,
     forces_option,
@@ -24,7 +24,8 @@ from services.commands.options import (
     states_option,
     tee_option,
 )
-from services.commands.show import csv_text, print_json, print_rows, progress
+from services.commands.output import write_file
+from services.commands.show import csv_text, print_json, print_rows
 
 COVER_COLUMNS = ("kitchen", "robot", "certified", "of", "missing")
 
@@ -56,9 +57,7 @@ COVER_COLUMNS = ("kitchen", "robot", "certified", "of", "missing")
 @budget_option
 @seed_option
 @jobs_option
-@click.option(
-    "--csv", "csv_file", type=click.Path(path_type=Path), metavar="FILE", help="Write the covers as CSV."
-)
+@click.option("--csv", "csv_file", type=OutFile(), metavar="FILE", help="Write the covers as CSV.")
 @json_flag
 def codesign(
     *,
@@ -87,16 +86,10 @@ def codesign(
     policy = Policy(Drive(drive) if drive else None, None, budget, seed)
     models = tuple(kitchens.split(",")), tuple(robots.split(","))
     asked = Asked(*models, verb, (), policy, states, tee=tee, forces=forces)
-    with ExitStack() as stack:
-        bar = stack.enter_context(progress(f"{verb}()", 0))
-
-        def report(entry: Entry) -> None:
-            if bar:
-                bar.update(bar.task_ids[0], advance=1, now=f"{entry.robot} {entry.container}")
-
+    with on_a_bar(f"{verb}()") as report:
         found = designed(asked, jobs, edits, within, not no_plan, report)
     if csv_file:
-        csv_file.write_text(csv_text(_rows(found), COVER_COLUMNS))
+        write_file(csv_file, csv_text(_rows(found), COVER_COLUMNS))
     if as_json:
         print_json(to_json(found))
     else:

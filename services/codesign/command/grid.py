@@ -1,6 +1,7 @@
 """`sdt whatif --grid`: many cases in many worlds."""
 
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import click
@@ -8,9 +9,10 @@ import click
 from sdt_kg.errors import InputError
 from services.app import Policy
 from services.codesign.entries import Entry, Grid, How
-from services.codesign.grid import Asked, run, worlds_of
+from services.codesign.grid import Asked, Report, run, worlds_of
 from services.codesign.report import ENTRY_COLUMNS, counts, entry_rows, reuse_lines, to_json, turned_rows
 from services.commands.exits import Exit
+from services.commands.output import write_file
 from services.commands.show import csv_text, print_json, print_rows, progress
 
 TURNED_COLUMNS = ("world", "kitchen", "robot", "container", "outcome", "predicates", "why")
@@ -49,20 +51,26 @@ def asked_of(  # noqa: PLR0917 - what the command was told
 
 def judged(asked: Asked, jobs: int) -> Grid:
     """All entries, with a bar on a terminal."""
-    with ExitStack() as stack:
-        bar = stack.enter_context(progress("cases", 0))
+    with on_a_bar("cases") as report:
+        return run(asked, jobs, report)
+
+
+@contextmanager
+def on_a_bar(title: str) -> Iterator[Report]:
+    """Entries are told by a bar, if this is a terminal."""
+    with progress(title, 0) as bar:
 
         def report(entry: Entry) -> None:
             if bar:
                 bar.update(bar.task_ids[0], advance=1, now=f"{entry.robot} {entry.container}")
 
-        return run(asked, jobs, report)
+        yield report
 
 
 def told(grid: Grid, csv_file: Path | None, *, as_json: bool) -> None:
     """Print what was found."""
     if csv_file:
-        csv_file.write_text(csv_text(entry_rows(grid), ENTRY_COLUMNS))
+        write_file(csv_file, csv_text(entry_rows(grid), ENTRY_COLUMNS))
     if as_json:
         print_json(to_json(grid))
         return

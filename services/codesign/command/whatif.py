@@ -21,6 +21,7 @@ from services.commands.options import (
     KITCHEN_HELP,
     ROBOT_HELP,
     FiniteRange,
+    OutFile,
     budget_option,
     drive_option,
     forces_option,
@@ -68,7 +69,7 @@ TOLERANCE = 0.01
 @click.option(
     "--csv",
     "csv_file",
-    type=click.Path(path_type=Path),
+    type=OutFile(),
     metavar="FILE",
     help="Write every case of a grid as CSV.",
 )

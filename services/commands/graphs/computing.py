@@ -123,7 +123,7 @@ def computed_rows(source: str, sparql: str, asked: Asked) -> tuple[list[str], li
     kitchens = asked.kitchens or (ALL_KITCHENS if is_store else (source,))
     policy = Policy(Drive(asked.drive) if asked.drive else None)
     loaded = Loaded(kitchens, asked.robots or ALL_ROBOTS, asked.states, policy)
-    place = source if is_store else EmbeddedStore(ox.Store(), lambda store: None)
+    place = source if is_store else EmbeddedStore(ox.Store())
     with SavedVerdicts(place) as saved:
         if not is_store:
             saved.add_twin(load_twin(source))

@@ -63,7 +63,7 @@ async def containers(request: Request, kitchen: KitchenName = None, *, left_out:
     twin = world_of(request).kitchen(kitchen).twin
     found: Json = {
         "containers": [
-            {name: _finite(value) for name, value in asdict(each).items()} for each in twin.containers()
+            {name: finite(value) for name, value in asdict(each).items()} for each in twin.containers()
         ]
     }
     if left_out:
@@ -195,6 +195,6 @@ def _row(binding: Json) -> Json:
     return row | {"seconds": float(binding["seconds"]["value"]), "iri": binding["verdict"]["value"]}
 
 
-def _finite(value: object) -> object:
+def finite(value: object) -> object:
     """JSON has no infinity: a limit that is not there is null."""
     return None if isinstance(value, float) and not math.isfinite(value) else value

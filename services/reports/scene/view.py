@@ -4,7 +4,7 @@ import base64
 import html
 import json
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 
@@ -46,10 +46,6 @@ class View:
     lines: tuple[Line, ...]
     kinds: dict[Iri, str]
     camera: Camera
-
-    def with_clips(self, clips: Iterable[Clip], title: str = "") -> "View":
-        """The same kitchen and robots with other motions."""
-        return replace(self, clips=tuple(clips), title=title or self.title)
 
     def kind(self, tree: Tree, body: Iri) -> str:
         """What a body is, for its colour."""

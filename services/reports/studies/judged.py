@@ -163,7 +163,7 @@ def policy_of(
 @contextmanager
 def opened(store: str) -> Iterator[SavedVerdicts]:
     """The store, or one in memory where none is named."""
-    place = store or EmbeddedStore(ox.Store(), lambda store: None)
+    place = store or EmbeddedStore(ox.Store())
     with SavedVerdicts(place) as saved:
         yield saved
 

@@ -22,7 +22,7 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from sdt_kg.errors import InputError, OracleUnavailableError
-from services.http.settings import Address, host_names
+from services.http.settings import Address, host_name, host_names
 from services.viewer.doors.dress import dressed
 
 MOST_MESSAGE: Final = 4 * 2**20
@@ -105,7 +105,7 @@ class Gate:
         Host defends against DNS rebinding, Origin against pages of other sites.
         """
         hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
-        if len(hosts) != 1 or _name(hosts[0]) not in self.hosts:
+        if len(hosts) != 1 or host_name(hosts[0]) not in self.hosts:
             return http.HTTPStatus.MISDIRECTED_REQUEST, "this page has another name"
         own = {f"http://{hosts[0].lower()}", f"https://{hosts[0].lower()}"} | self.origins
         if any(origin.lower() not in own for origin in origins):
@@ -187,9 +187,3 @@ def _plain(status: http.HTTPStatus, text: str) -> Response:
         {"Content-Type": "text/plain; charset=utf-8", "Content-Length": str(len(body)), **HEADERS}
     )
     return Response(status, status.phrase, headers, body)
-
-
-def _name(host: str) -> str:
-    end = host.rfind("]") + 1
-    colon = host.find(":", end)
-    return (host if colon < 0 else host[:colon]).lower().rstrip(".")

@@ -20,6 +20,9 @@ BAD = {
     "state without value": (["satisfies", "b", "--state", "iai_fridge_door"], ["JOINT=VALUE"]),
     "unknown graph format": (["graph", "b", "-o", "x.json"], ["x.json", ".ttl"]),
     "table into no folder": (["table", "--csv", "gone/table.csv"], ["--csv", "no folder 'gone'"]),
+    "grid into no folder": (["whatif", "--csv", "gone/grid.csv"], ["--csv", "no folder 'gone'"]),
+    "covers into no folder": (["codesign", "--csv", "gone/covers.csv"], ["--csv", "no folder 'gone'"]),
+    "rows into no folder": (["sweep", "--parquet", "gone/rows.parquet"], ["--parquet", "no folder 'gone'"]),
     "motion into no folder": (
         ["causes", "b", "--task", "open", "--motion-out", "gone/x.npz"], ["--motion-out", "no folder 'gone'"],
     ),

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from sdt_kg.errors import StoreRejectedError
 from services.store import folder as folders
-from services.store.embedded import in_memory
+from services.store.embedded import EmbeddedStore
 from services.store.folder import FolderStore
 from services.store.journal import Entry, Journal
 from services.store.on_disk import JOURNAL, in_file, in_folder
@@ -70,7 +70,7 @@ def test_a_directory_is_a_store_in_memory_that_also_survives(
 ) -> None:
     monkeypatch.setattr(folders, "FEW", few)
     monkeypatch.setattr(folders, "MOST", most)
-    place, memory = Place(tmp_path_factory.mktemp("store")), in_memory()
+    place, memory = Place(tmp_path_factory.mktemp("store")), EmbeddedStore(ox.Store())
     for what, graph, literals in steps:
         if what == "die":
             place.killed()

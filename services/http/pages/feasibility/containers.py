@@ -9,6 +9,7 @@ from starlette.requests import Request
 from sdt_kg.iri import local_name
 from sdt_kg.task import Task, Verb
 from services.app import Service
+from services.http.api.read import finite
 from services.http.pages.feasibility.asked import Asked, asked_of, moved
 from services.http.pages.view import Json, View, here, sorted_by
 
@@ -75,19 +76,14 @@ def _listed(asked: Asked, met: dict[str, str]) -> list[Json]:
             "driven_by": None if each.joint == each.active_joint else local_name(each.active_joint),
             "handle": local_name(each.handle),
             "unit": "rad" if each.kind == "door" else "m",
-            "lower": _finite(each.lower),
-            "upper": _finite(each.upper),
-            "open_from": _finite(each.open_from),
-            "closed_to": _finite(each.closed_to),
-            "velocity": _finite(each.velocity),
-            "acceleration": _finite(each.acceleration),
+            "lower": finite(each.lower),
+            "upper": finite(each.upper),
+            "open_from": finite(each.open_from),
+            "closed_to": finite(each.closed_to),
+            "velocity": finite(each.velocity),
+            "acceleration": finite(each.acceleration),
             "position": asked.twin.state.get(each.joint),
             "is": met.get(each.iri, "in between"),
         }
         for each in asked.twin.containers()
     ]
-
-
-def _finite(value: float) -> float | None:
-    """JSON has no infinity: a limit that is not there is null."""
-    return value if math.isfinite(value) else None

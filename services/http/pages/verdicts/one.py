@@ -1,7 +1,6 @@
 """One verdict: what was asked, what each predicate says, why, on what it rests, and how to check it again."""
 
 import hashlib
-import math
 from collections.abc import Callable
 from typing import Final
 
@@ -15,6 +14,7 @@ from predicates.record.inputs import START_INPUT, TURNED, UNKNOWN_INPUT
 from predicates.scope import tee_class_of_hash
 from sdt_kg.errors import InputError
 from sdt_kg.iri import ID, LAW, Iri, local_name
+from services.http.api.read import finite
 from services.http.pages.kinds import Standing
 from services.http.pages.terms import Cell, iri_cell
 from services.http.pages.view import Json, View
@@ -95,7 +95,7 @@ def _data(stored: StoredVerdict, facts: Facts, told: dict[str, list[str]]) -> Js
         "tee_class": _tee(stored),
         "predicates": _predicates(stored, facts),
         "diagnoses": [_evidence(index, each) for index, each in enumerate(stored.diagnoses, 1)],
-        "margins": [{"name": name, "value": _finite(at), "unit": unit} for name, (at, unit) in figures],
+        "margins": [{"name": name, "value": finite(at), "unit": unit} for name, (at, unit) in figures],
         "artefact": _artefact(stored.artefact),
         "inputs": {name: value for name, value in stored.inputs if value != UNKNOWN_INPUT},
         "seconds": stored.seconds,
@@ -172,8 +172,8 @@ def _measured(evidence: Evidence | None) -> Json:
     return {
         "quantity": evidence.quantity.value.replace("_", " "),
         "of": list(entities),
-        "value": _finite(evidence.value),
-        "bound": _finite(evidence.bound),
+        "value": finite(evidence.value),
+        "bound": finite(evidence.bound),
         "unit": evidence.unit,
         "time": evidence.time,
     }
@@ -205,8 +205,3 @@ def _base(stored: StoredVerdict) -> str | None:
     """Where the base starts, if that is not the kitchen's own start."""
     start = dict(stored.inputs).get(START_INPUT, TURNED)
     return None if start.endswith(TURNED) or "," not in start else start.replace(" ", "")
-
-
-def _finite(value: float) -> float | None:
-    """JSON has no infinity and no NaN."""
-    return value if math.isfinite(value) else None
