@@ -42,14 +42,17 @@ def bases(drive: Drive, turning: bool) -> tuple[Base, ...]:
 
 
 def mobility(limb: Limb) -> Array:
-    """How willingly each variable moves: its speed against that of the fastest arm joint, shape (n,)."""
+    """How willingly each variable moves: its speed against that of the fastest arm joint, shape (n,).
+
+    Where the arm has none that moves, against that of the base.
+    """
     return _mobility(limb).copy()
 
 
 @lru_cache(maxsize=16)
 def _mobility(limb: Limb) -> Array:
     speed = np.minimum(limb.velocity, FASTEST)
-    return np.sqrt(speed / speed[3:].max())
+    return np.sqrt(speed / (speed[3:].max(initial=0.0) or speed.max()))
 
 
 def track(

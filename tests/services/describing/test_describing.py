@@ -1,5 +1,6 @@
 """What is guessed of a robot by looking: parked arms and pairs that touch; and what the guess is worth."""
 
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -79,3 +80,16 @@ def test_describe_says_what_it_guessed(tmp_path: Path, sdt: Callable[..., Done])
     )
     assert "check: the arm of gripper 'gripper' is parked" in done.out
     assert sdt("doctor", "--kitchen", "b", "--robot", str(path)).code == 0
+
+
+def test_a_robot_whose_arm_has_no_speed_gets_a_verdict_that_says_so(
+    tmp_path: Path, sdt: Callable[..., Done]
+) -> None:
+    path = tmp_path / "slow.urdf"
+    text = bundled("robot", "stretch").read_text(encoding="utf-8")
+    path.write_text(re.sub('velocity="[^"]*"', 'velocity="0"', text), encoding="utf-8")
+    path.with_suffix(".ttl").write_text(describe(path).text, encoding="utf-8")
+    words = "--kitchen", "b", "--robot", str(path), "--drive", "omni", "--budget", "2"
+    done = sdt("achieve", *words, "--task", "open:sink_area_left_middle_drawer_main")
+    assert done.code == 1
+    assert "would move a gripper, but have no velocity limit above 0 in the URDF" in done.out
