@@ -4,6 +4,8 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from typing import Final
 
+import pyoxigraph as ox
+
 from sdt_kg.errors import GraphError
 from sdt_kg.iri import SDT, Iri, body_iri, local_name
 from sdt_kg.mechanism import Mechanism
@@ -32,6 +34,8 @@ def checked_model(triples: Sequence[Triple], model: Iri, kind: str, before: Same
     """
     name = local_name(model)
     known = NONE if before is None else before.bodies
+    if before is None:
+        _check_parts(triples, model)
     _check_terms((each for each in triples if before is None or each[0] in before.changed), name)
     facts = Facts(triples)
     try:
@@ -50,6 +54,17 @@ def checked_model(triples: Sequence[Triple], model: Iri, kind: str, before: Same
         raise GraphError(f"'{name}' is not whole: it lacks {lost[0]}" + _more(lost))
     _check_tree(mechanism)
     return mechanism
+
+
+def _check_parts(triples: Sequence[Triple], model: Iri) -> None:
+    """Whatever is described is a part of something: a shape that no body has would be no obstacle."""
+    belong = {subject for subject, predicate, _ in triples if predicate == SDT + "partOf"}
+    belong |= {term.value for _, _, term in triples if isinstance(term, ox.NamedNode)}
+    lost = sorted({subject for subject, _, _ in triples} - belong - {model})
+    if lost:
+        raise GraphError(
+            f"'{local_name(model)}' is not whole: nothing has '{local_name(lost[0])}'" + _more(lost)
+        )
 
 
 def _values(triples: Iterable[Triple], like: Collection[Triple]) -> set[tuple[Iri, Iri, Value]]:

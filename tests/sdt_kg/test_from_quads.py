@@ -137,6 +137,7 @@ def test_what_was_saved_before_a_class_was_added_is_read(drawer: Path) -> None:
         (lambda store: rewrite(store, "position", NO_NUMBER), "position"),
         (lambda store: rewrite(store, "axisX", ox.BlankNode()), "blank node"),
         (lambda store: rewrite(store, "child", None), "'k' is not whole"),
+        (lambda store: rewrite(store, "hasCollisionGeometry", None, BODY), "whole: nothing has '.*0'"),
         (lambda store: rewrite(store, "partOf", None, BODY), "'k' is no tree|'k' is not whole"),
         (
             lambda store: store.add(

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from predicates.case import Evidence, Quantity
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import local_name
+from sdt_kg.mechanism import JointType
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.sweep.kinematics import joint_axes, unit_of
@@ -66,14 +67,25 @@ def position_limits(scene: Scene, pieces: Pieces, container: Container, toleranc
 
 def _unbounded(scene: Scene, pieces: Pieces, own: int, bounds: Bounds) -> Findings:
     """The container and each joint of the robot that moves have limits, or those of what they mimic."""
-    rated = (Quantity.VELOCITY, bounds.velocity), (Quantity.ACCELERATION, bounds.acceleration)
+    most = {
+        Quantity.POSITION: np.maximum(bounds.upper, -bounds.lower),
+        Quantity.VELOCITY: bounds.velocity,
+        Quantity.ACCELERATION: bounds.acceleration,
+    }
+    turning = {
+        k for k, one in enumerate(scene.robot.joints, scene.robot.first) if one.type is JointType.CONTINUOUS
+    }
+    endless = turning.union(scene.base.tolist(), [own])  # of the container, its scope asks for limits
     findings = Findings()
-    for k in pieces.moving:
+    for k in pieces.moving.tolist():
         if k != own and (k < scene.base[0] or scene.coupling.source[k] != k):
             continue
-        for quantity in [one for one, most in rated if not np.isfinite(most[k])]:
+        for quantity, all_of in most.items():
+            if np.isfinite(all_of[k]) or (quantity is Quantity.POSITION and k in endless):
+                continue
             name = local_name(scene.names[k])
-            reason = f"{name} moves, and nothing says how fast: it has no limit of {quantity.value}"
+            how = "far" if quantity is Quantity.POSITION else "fast"
+            reason = f"{name} moves, and nothing says how {how}: it has no limit of {quantity.value}"
             evidence = Evidence(Quantity.COUNT, 0.0, 1.0, "1", scene.names[k])
             findings.violations.append(Violation(f"no limit of {quantity.value}", reason, evidence, 0.0))
     return findings

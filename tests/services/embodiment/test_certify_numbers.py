@@ -35,6 +35,15 @@ def test_a_joint_without_a_limit_of_speed_moves_in_no_certified_motion(twin: Twi
         assert found.reason == f"arm_joint moves, and nothing says how fast: it has no limit of {quantity}"
 
 
+@pytest.mark.parametrize("name", ["lowerLimit", "upperLimit"])
+def test_a_slide_without_an_end_moves_in_no_certified_motion(twin: Twin, name: str) -> None:
+    arm = joint_iri("gantry", "arm_joint")
+    verdict = judge(twin.with_edit(arm, **{name: None}), opening())
+    assert isinstance(verdict, Refused)
+    (found,) = verdict.diagnoses
+    assert found.reason == "arm_joint moves, and nothing says how far: it has no limit of position"
+
+
 @pytest.mark.parametrize("name", ["velocityLimit", "accelerationLimit", "effortLimit"])
 def test_a_limit_below_zero_is_none(twin: Twin, name: str) -> None:
     with pytest.raises(InputError, match=f"sdt:{name} cannot be -1.0; allowed: a finite number, 0 or above"):
