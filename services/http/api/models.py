@@ -1,15 +1,14 @@
 """What the verbs take: checked before anything is done; an unknown field is an error."""
 
 from datetime import datetime
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from services.judging.messages import Seed, TeeName
+from services.judging.messages import DriveName, Finite, Seed, TeeName
 
 Name = Annotated[str, Field(min_length=1, max_length=500)]
 StateText = Annotated[str, Field(min_length=3, max_length=500, examples=["iai_fridge_door=open"])]
-Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class Body(BaseModel):
@@ -24,68 +23,69 @@ class Body(BaseModel):
     kitchen: Name | None = None
 
 
-class CausesBody(Body):
-    """Which motions would cause the task, or does this one? No robot.
+class Asked(Body):
+    """What every question about a task shares.
 
     Attributes:
         state: Texts as for `sdt --state`, on top of the present state.
-        motion: Arrays by name, as in a motion file; without it, motions are made.
         seconds: After which nobody waits any more.
         tee: The class that is asked about: kinematics alone, or with forces that push back.
         handle_force: Newtons allowed at the handle, for d_artic_dyn; without it, what the force data say.
     """
 
-    task: Name = Field(examples=["open:iai_fridge_door"])
     state: list[StateText] = Field(default_factory=list, max_length=1000)
-    motion: dict[str, Any] | None = None
     seconds: float = Field(default=60.0, gt=0, le=600)
     tee: TeeName = "d_artic"
     handle_force: float | None = Field(default=None, gt=0, le=10_000, allow_inf_nan=False)
 
 
-class TaskBody(Body):
+class Performed(Asked):
+    """What every question about a robot shares.
+
+    Attributes:
+        robot: Name; may be left out where one is served.
+        drive: How the base moves; without it, as the robot's hardware does.
+        base: Start pose x, y [m], yaw [rad]; without it the kitchen's.
+        budget: Seconds of search for each container, or step.
+    """
+
+    robot: Name | None = None
+    drive: DriveName | None = None
+    base: tuple[Finite, Finite, Finite] | None = None
+    budget: float = Field(default=20.0, gt=0, le=600)
+    seed: Seed = 0
+
+
+class CausesBody(Asked):
+    """Which motions would cause the task, or does this one? No robot.
+
+    Attributes:
+        motion: Arrays by name, as in a motion file; without it, motions are made.
+    """
+
+    task: Name = Field(examples=["open:iai_fridge_door"])
+    motion: dict[str, Any] | None = None
+
+
+class TaskBody(Performed):
     """What becomes of a task with steps, and of the rules that hold along the way? The result is kept.
 
     Attributes:
         task: Name of a ready task, or one written in Turtle.
-        robot: Name; may be left out where one is served.
-        state: Texts as for `sdt --state`, on top of the present state.
-        seconds: After which nobody waits any more.
-        drive: How the base moves; without it, as the robot's hardware does.
-        base: Start pose x, y [m], yaw [rad] of every step; without it the kitchen's.
-        budget: Seconds of search for each step.
-        tee: The class that is asked about: kinematics alone, or with forces that push back.
-        handle_force: Newtons allowed at the handle, for d_artic_dyn; without it, what the force data say.
     """
 
     task: Annotated[str, Field(min_length=1, max_length=200_000, examples=["open_two_drawers"])]
-    robot: Name | None = None
-    state: list[StateText] = Field(default_factory=list, max_length=1000)
     seconds: float = Field(default=120.0, gt=0, le=600)
-    drive: Literal["omni", "differential", "fixed"] | None = None
-    base: tuple[Number, Number, Number] | None = None
-    budget: float = Field(default=20.0, gt=0, le=600)
-    seed: Seed = 0
-    tee: TeeName = "d_artic"
-    handle_force: float | None = Field(default=None, gt=0, le=10_000, allow_inf_nan=False)
 
 
-class AchieveBody(CausesBody):
+class AchieveBody(Performed, CausesBody):
     """Can the robot achieve the task? Makes a motion, or verifies the one given; the verdict is kept.
 
     Attributes:
         robot: Name; without it, every robot that is served.
-        drive: How the base moves; without it, as the robot's hardware does.
-        base: Start pose x, y [m], yaw [rad]; without it the kitchen's.
-        budget: Seconds of search for each container.
         motions: Whether the answer has the certified body motions.
     """
 
-    robot: Name | None = None
-    drive: Literal["omni", "differential", "fixed"] | None = None
-    base: tuple[Number, Number, Number] | None = None
-    budget: float = Field(default=20.0, gt=0, le=600)
-    seed: Seed = 0
     motions: bool = False
 
 
@@ -123,7 +123,7 @@ class ObservationBody(Body):
         by: Who or what observed.
     """
 
-    positions: dict[Name, Number] = Field(min_length=1, max_length=1000)
+    positions: dict[Name, Finite] = Field(min_length=1, max_length=1000)
     time: datetime
     by: Name
 
@@ -139,7 +139,7 @@ class EditBody(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     entity: Name
-    changes: dict[Name, str | bool | int | Number | None] = Field(min_length=1, max_length=100)
+    changes: dict[Name, str | bool | int | Finite | None] = Field(min_length=1, max_length=100)
 
 
 class BranchBody(Body):
