@@ -17,6 +17,7 @@ BASE = ("base_x", "base_y", "base_yaw")
 POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 KITCHEN, VELOCITY = "kitchen/", "velocity/"
 HEADS = ("robot", "gripper", "base_frame", "joint", "frame", "timed", "phases")
+TRUTHS = ("true", "false")
 ALLOWED = (
     f"time, {', '.join(BASE)}, the robot's joints, {KITCHEN}JOINT, {VELOCITY}… (a robot's motion); "
     "or '# joint: NAME' and time, value; or '# frame: NAME' and time, " + ", ".join(POSE)
@@ -68,7 +69,9 @@ def _head(line: str, number: int) -> tuple[str, str]:
     """Name and value of a head; what has no such name is a comment, unless that is a name misspelled."""
     parts = [part.strip() for part in re.split("([:=])", line[1:], maxsplit=1)]
     name, sign, value = parts if len(parts) > 1 else ("", "", "")
-    near = get_close_matches(name.lower(), HEADS, n=1, cutoff=ALIKE)
+    # A file that tells its time, or its unit, tells nothing of whether times are to be kept.
+    is_time = name.lower() in {"time", "times"} and value.lower() not in TRUTHS
+    near = [] if is_time else get_close_matches(name.lower(), HEADS, n=1, cutoff=ALIKE)
     if near and (name not in HEADS or sign != ":"):
         said = f"line {number} begins with '# {name[:40]}{sign}', which means nothing"
         raise MotionError(said, allowed=f"did you mean '# {near[0]}:'?", remedy="rename it, or leave it out")
@@ -150,7 +153,7 @@ def _of_container(
             said = f"there is a column '{name}', which means nothing"
             raise MotionError(said, allowed=", ".join(("time", *known)), remedy="rename it, or leave it out")
     timed = heads.get("timed", "true").lower()
-    if timed not in {"true", "false"}:
+    if timed not in TRUTHS:
         raise MotionError(f"'timed' is '{timed[:40]}'", allowed="true or false")
     arrays = {"timed": np.array(timed == "true")}
     if "frame" in heads:

@@ -257,6 +257,21 @@ def test_a_line_of_csv_that_names_nothing_known_is_a_comment(tmp_path: Path) -> 
     assert not motion.timed
 
 
+@pytest.mark.parametrize("line", ["# time: s", "# time: 2024-05-01 10:30", "# Time = seconds", "# times: 2"])
+def test_a_comment_that_tells_the_time_is_no_misspelled_head(tmp_path: Path, line: str) -> None:
+    (tmp_path / "motion.csv").write_text(f"{line}\n" + TAU.format("false", "", "", ""))
+    motion = read_motion(tmp_path / "motion.csv", TWIN)
+    assert isinstance(motion, Motion)
+    assert not motion.timed
+
+
+@pytest.mark.parametrize("line", ["# time: false", "# times: True", "# timd: 3"])
+def test_a_misspelled_head_is_asked_about(tmp_path: Path, line: str) -> None:
+    (tmp_path / "motion.csv").write_text(f"{line}\n" + TAU.format("false", "", "", ""))
+    with pytest.raises(MotionError, match="did you mean '# timed:'"):
+        read_motion(tmp_path / "motion.csv", TWIN)
+
+
 @pytest.mark.parametrize(
     ("parts", "message"),
     [
