@@ -1,10 +1,12 @@
 """Work handed out to an executor, some at a time; what a dying process took with it is done once more."""
 
+import gc
 import logging
 import time
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from types import TracebackType
@@ -92,6 +94,8 @@ class Handed(Generic[T, R]):
                 lane.executor.shutdown()
             else:
                 self._engine.end(lane.executor)
+        if self._engine.copies:
+            gc.unfreeze()
 
     def add(self, item: T) -> Iterator[tuple[T, R | Lost]]:
         """The item waits for a worker; what is done, until there is room for the next."""
@@ -125,7 +129,8 @@ class Handed(Generic[T, R]):
 
     def _begin(self, first: T) -> None:
         if self._prepare is not None:
-            self._prepare(first)
+            with _all_kept():
+                self._prepare(first)
         self._lanes = [_Lane(self._engine.open()) for _ in range(self._engine.lanes)]
 
     def _submit(self, lane: _Lane) -> None:
@@ -176,6 +181,19 @@ class Handed(Generic[T, R]):
     def _reopen(self, lane: _Lane) -> None:
         lane.executor.shutdown(wait=False)
         lane.executor = self._engine.open()
+
+
+@contextmanager
+def _all_kept() -> Iterator[None]:
+    """No garbage is looked for in what is loaded; what compiling leaves, 300 MB, goes with the process."""
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.freeze()
+        if collects:
+            gc.enable()
 
 
 def each(

@@ -1,5 +1,6 @@
 """Each case ends in a verdict or in the reason why there is none, whatever happens to a worker."""
 
+import gc
 import os
 import signal
 from collections.abc import Iterator
@@ -104,6 +105,15 @@ def test_what_workers_begin_with_is_loaded_once_before_them_with_the_first_case(
 def _having(loaded: list[str], asked: Cell) -> Found:
     """A verdict, if what was loaded before is here."""
     return obedient(asked if loaded == ["c0"] else cell("fail empty-handed"))
+
+
+def test_no_garbage_is_looked_for_in_what_workers_begin_with_and_after_them_as_before() -> None:
+    looked_for: list[bool] = []
+    work = each([1, 2], 2, partial(pow, 2), prepare=lambda _: looked_for.append(gc.isenabled()))
+    assert next(work)[1] in {2, 4}
+    assert (looked_for, gc.isenabled(), gc.get_freeze_count() > 0) == ([False], True, True)
+    assert len(list(work)) == 1
+    assert gc.get_freeze_count() == 0
 
 
 def test_workers_that_are_no_copies_load_for_themselves() -> None:
