@@ -75,16 +75,14 @@ def _finite(value: object) -> object:
             return value
 
 
-def print_rows(rows: Sequence[Row], columns: Sequence[str], form: str) -> None:
-    """Rows as `table`, `csv` or `json`; the columns are shown even where there is no row.
+def print_rows(rows: Sequence[Row], columns: Sequence[str], *, as_json: bool = False) -> None:
+    """Rows as a table, CSV where `csv_flag` asks for that, or JSON; columns are shown even without a row.
 
-    A table is CSV where the reader asked for that with `csv_flag`; on a terminal that is too narrow for
-    its words it is one row below the other.
+    On a terminal that is too narrow for its words a table is one row below the other.
     """
-    form = "csv" if form == "table" and csv_is_asked() else form
-    if form == "json":
+    if as_json:
         print_json([{column: row.get(column) for column in columns} for row in rows])
-    elif form == "csv":
+    elif csv_is_asked():
         click.echo(csv_text(rows, columns), nl=False)
     else:
         out = console()

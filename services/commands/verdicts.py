@@ -40,7 +40,7 @@ def told(objects: Sequence[Json], *, as_json: bool) -> int:
     if as_json:
         print_json(list(objects))
     elif csv_is_asked():
-        print_rows([verdict_row(each) for each in objects], COLUMNS, "csv")
+        print_rows([verdict_row(each) for each in objects], COLUMNS)
     else:
         for each in objects:
             print_verdict(each)

@@ -54,7 +54,7 @@ def show(context: click.Context, command: str | None, *, as_json: bool) -> None:
         for each in found[name]
         if command or each.source is not Source.DEFAULT
     ]
-    print_rows(rows, COLUMNS, "json" if as_json else "table")
+    print_rows(rows, COLUMNS, as_json=as_json)
     unknown = _unknown(said, commands)
     for name in unknown:
         click.echo(f"note: {name} is no variable of a setting", err=True)
@@ -99,7 +99,7 @@ def path(context: click.Context, *, as_json: bool) -> None:
         {"path": str(each), "there": each.exists(), "read": each == said.path}
         for each in dict.fromkeys((*looked, *places(None, said.environment)))
     ]
-    print_rows(rows, ("path", "there", "read"), "json" if as_json else "table")
+    print_rows(rows, ("path", "there", "read"), as_json=as_json)
 
 
 @config.command()

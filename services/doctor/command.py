@@ -73,7 +73,7 @@ def doctor(
     if as_json:
         print_json({"well": not to_do, "findings": rows})
     elif csv_is_asked():
-        print_rows(rows, COLUMNS, "csv")
+        print_rows(rows, COLUMNS)
     else:
         _print(findings)
     raise SystemExit(Exit.NO if to_do else Exit.DONE)

@@ -95,7 +95,7 @@ def _list(*, as_json: bool) -> None:
         for one in each.parameters
     ]
     if as_json:
-        print_rows(rows, tuple(rows[0]), "json")
+        print_rows(rows, tuple(rows[0]), as_json=True)
         return
     for each in notebooks():
         click.echo(f"{each.name}: {each.question}")

@@ -110,7 +110,7 @@ def _rows(found: Design) -> list[dict[str, object]]:
 
 
 def _print(found: Design) -> None:
-    print_rows(_rows(found), COVER_COLUMNS, "table")
+    print_rows(_rows(found), COVER_COLUMNS)
     for kitchen, steps in found.together:
         said = ", then ".join(f"{each.what} ({_more(each)})" for each in steps)
         covered = steps[-1].covered if steps else 0

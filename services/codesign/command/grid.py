@@ -75,11 +75,11 @@ def told(grid: Grid, csv_file: Path | None, *, as_json: bool) -> None:
         print_json(to_json(grid))
         return
     rows = counts(grid)
-    print_rows(rows, tuple(rows[0]), "table")
+    print_rows(rows, tuple(rows[0]))
     turned = turned_rows(grid)
     if turned:
         click.echo("\nwhat turns:\n")
-        print_rows(turned, TURNED_COLUMNS, "table")
+        print_rows(turned, TURNED_COLUMNS)
     click.echo("")
     for line in reuse_lines(grid):
         click.echo(line)

@@ -75,7 +75,7 @@ def branch(
     else:
         for row in rows:
             row["events"] = "; ".join(str(each["text"]) for each in _events(row))
-        print_rows(rows, ("branch", "edit", "content_hash", "events"), "table")
+        print_rows(rows, ("branch", "edit", "content_hash", "events"))
     if output is not None:
         _save(history, past, output)
     if place is not None:
@@ -169,7 +169,7 @@ def diff(
         counts = {"removed": len(found.removed), "added": len(found.added)}
         print_json({**counts, "sentences": sentences})
     elif csv_is_asked():
-        print_rows([{"sentence": each} for each in sentences], ("sentence",), "csv")
+        print_rows([{"sentence": each} for each in sentences], ("sentence",))
     else:
         click.echo("\n".join(sentences) if sentences else "nothing differs")
         click.echo(f"{len(found.removed)} triples removed, {len(found.added)} added", err=True)

@@ -97,14 +97,14 @@ def refuse_without_compute(asked: Asked) -> None:
         raise InputError(f"{', '.join(given)} without --compute", remedy="add --compute")
 
 
-def print_computed(source: str, sparql: str, asked: Asked, form: str) -> None:
+def print_computed(source: str, sparql: str, asked: Asked, *, as_json: bool) -> None:
     """Rows as `print_rows` does, and what was computed: within the JSON, else on standard error."""
     columns, rows, done = computed_rows(source, sparql, asked)
-    if form == "json":
+    if as_json:
         found = [{column: row.get(column) for column in columns} for row in rows]
         print_json({"rows": found, "computed": done.to_json()})
     else:
-        print_rows(rows, columns, form)
+        print_rows(rows, columns)
     click.echo(done.told(), err=True)
 
 

@@ -30,9 +30,6 @@ from services.store.known import restricted
     metavar="FILE.rq",
 )
 @click.option(
-    "--format", "form", type=click.Choice(["table", "csv", "json"]), default="table", show_default=True
-)
-@click.option(
     "--known",
     multiple=True,
     metavar="NAME=VALUE",
@@ -47,7 +44,6 @@ def query(
     sparql: str | None,
     query_file: Path | None,
     known: tuple[str, ...],
-    form: str,
     as_json: bool,
     computes: bool,
     **options: Any,  # noqa: ANN401 - those of --compute, as click gives them
@@ -61,12 +57,12 @@ def query(
         raise InputError("there is no query, or there are two", allowed="'SPARQL' or -f FILE.rq")
     text = restricted(query_file.read_text() if query_file else str(sparql), dict(map(_known, known)))
     if computes:
-        print_computed(source, text, Asked(**options), "json" if as_json else form)
+        print_computed(source, text, Asked(**options), as_json=as_json)
         return
     refuse_without_compute(Asked(**options))
     with _stopped_at_once():
         columns, rows = query_saved(source, text) if is_saved_graph(source) else load(source).query(text)
-    print_rows(rows, columns, "json" if as_json else form)
+    print_rows(rows, columns, as_json=as_json)
 
 
 @contextmanager

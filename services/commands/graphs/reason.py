@@ -52,7 +52,7 @@ def reason(
     if as_json:
         print_json(_row(found))
     elif csv_is_asked():
-        print_rows([{"individual": a, "type": b} for a, b in found.types], ("individual", "type"), "csv")
+        print_rows([{"individual": a, "type": b} for a, b in found.types], ("individual", "type"))
     else:
         _say(found)
     if not found.consistent:

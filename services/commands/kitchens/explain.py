@@ -46,19 +46,19 @@ def _print(found: ScopeMap) -> None:
         }
         for each in found.classes
     ]
-    print_rows(rows, ("class", "refines", "in", "of"), "table")
+    print_rows(rows, ("class", "refines", "in", "of"))
     lacking = _lack_rows(found)
     if lacking:
         click.echo("\noutside, and what would bring them in:\n")
-        print_rows(lacking, LACK_COLUMNS, "table")
+        print_rows(lacking, LACK_COLUMNS)
     ends = _end_rows(found)
     if ends:
         click.echo("\nwhere the interval ends, for what comes nearest to an end:\n")
-        print_rows(ends, END_COLUMNS, "table")
+        print_rows(ends, END_COLUMNS)
     if found.left_out:
         click.echo("\nno containers, and why:\n")
         left = [{"body": local_name(each.body), "reason": each.reason} for each in found.left_out]
-        print_rows(left, ("body", "reason"), "table")
+        print_rows(left, ("body", "reason"))
 
 
 def _lack_rows(found: ScopeMap) -> list[dict[str, object]]:

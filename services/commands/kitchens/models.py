@@ -67,12 +67,12 @@ def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
         print_json(counted + left_out)
         return
     if csv_is_asked():
-        print_rows(counted + left_out, (*COLUMNS, *(("left_out", "reason") if show_all else ())), "csv")
+        print_rows(counted + left_out, (*COLUMNS, *(("left_out", "reason") if show_all else ())))
         return
-    print_rows(counted, COLUMNS, "table")
+    print_rows(counted, COLUMNS)
     if show_all:
         console().print()
-        print_rows(left_out, ("name", "joint", "reason"), "table")
+        print_rows(left_out, ("name", "joint", "reason"))
     for note in twin.notes:
         click.echo(f"note: {note}", err=True)
 
@@ -143,7 +143,7 @@ def scope(
     elif form == "turtle":
         click.echo(report_turtle(twin, twin.robots[0] if robot else None, asked))
     elif rows or csv_is_asked():
-        print_rows(rows, ("container", "focus", "path", "value", "bound", "message"), "table")
+        print_rows(rows, ("container", "focus", "path", "value", "bound", "message"))
     else:
         click.echo(
             f"in scope of {asked.name}: {len(twin.containers())} containers"

@@ -159,7 +159,7 @@ def _print(row: Json, as_json: bool) -> None:
     if as_json:
         print_json(row)
     elif csv_is_asked():
-        print_rows(candidate_rows(row), CANDIDATE_COLUMNS, "csv")
+        print_rows(candidate_rows(row), CANDIDATE_COLUMNS)
     else:
         _show(row)
 

@@ -131,7 +131,7 @@ def show_learned(row: Json) -> None:
     for name, text in lines.items():
         if text is not None:
             console().print(f"{name:<10}{text}", highlight=False)
-    print_rows(row["candidates"], ("joint_type", "evidence", "probability", "residual_rms"), "table")
+    print_rows(row["candidates"], ("joint_type", "evidence", "probability", "residual_rms"))
     for note in row["notes"]:
         click.echo(f"note: {note}", err=True)
 

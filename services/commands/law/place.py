@@ -61,7 +61,7 @@ def place(
     if as_json:
         print_json(answer.to_json(found))
     elif csv_is_asked():
-        print_rows([answer.spot(each) for each in found.spots], answer.COLUMNS, "csv")
+        print_rows([answer.spot(each) for each in found.spots], answer.COLUMNS)
     else:
         for line in answer.lines(found):
             click.echo(line)

@@ -37,7 +37,7 @@ def satisfies(kitchen: str, states: tuple[str, ...], as_json: bool) -> None:
     service = load(kitchen, state=states)
     tasks = (answer.case.task for answer in service.satisfies())
     rows = [_task_row(task) for task in tasks if isinstance(task, Task)]
-    print_rows(rows, ("task", "container"), "json" if as_json else "table")
+    print_rows(rows, ("task", "container"), as_json=as_json)
 
 
 @click.command()
@@ -87,7 +87,7 @@ def causes(
             row |= {f"{name} [{unit}]": value for name, (value, unit) in row["figures"].items()}
         figures = dict.fromkeys(f"{n} [{u}]" for row in rows for n, (_, u) in row["figures"].items())
         columns = ("task", "container", "outcome", "start", "end", "duration", *figures, "why")
-        print_rows(rows, columns, "table")
+        print_rows(rows, columns)
         for note in dict.fromkeys(note for row in rows for note in row["notes"]):
             click.echo(f"note: {note}", err=csv_is_asked())
     _exit(rows)

@@ -264,10 +264,10 @@ def _swept(
 
 def _show(summary: Summary, save: str | None, table: Path | None) -> None:
     """The counts, what has no verdict, and where the rest is."""
-    print_rows(summary.rows(), ("kitchen", "robot", "task", *OUTCOMES, "no_verdict", "cases"), "table")
+    print_rows(summary.rows(), ("kitchen", "robot", "task", *OUTCOMES, "no_verdict", "cases"))
     if summary.unjudged:
         click.echo("\nno verdict, and why:\n")
-        print_rows(summary.unjudged, ("kitchen", "robot", "task", "reason"), "table")
+        print_rows(summary.unjudged, ("kitchen", "robot", "task", "reason"))
     click.echo(f"\n{summary.total} cases, {summary.stored} of them stored before, in {summary.seconds:.0f} s")
     for name, place in (("verdicts as triples", save), ("table", table)):
         if place:

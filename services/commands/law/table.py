@@ -149,16 +149,16 @@ def _print_table(result: TableResult, objects: Sequence[dict[str, object]]) -> N
         {"kitchen": kitchen} | {robot: f"{row[robot][0]} / {row[robot][1]}" for robot in robots}
         for kitchen, row in counts.items()
     ]
-    print_rows(rows, ("kitchen", *robots), "table")
+    print_rows(rows, ("kitchen", *robots))
     drives = Counter((str(each["robot"]), str(each["drive"])) for each in objects)
     click.echo("\nbase: " + ", ".join(f"{robot} {drive}" for robot, drive in drives))
     missing = [verdict_row(each) for each in objects if each["outcome"] != "certified"]
     if missing:
         click.echo("\nnot certified, and why:\n")
-        print_rows(missing, ("kitchen", "robot", "container", "outcome", "why"), "table")
+        print_rows(missing, ("kitchen", "robot", "container", "outcome", "why"))
     if result.unjudged:
         click.echo("\nno verdict, and why:\n")
-        print_rows(result.without_verdict(), ("kitchen", "robot", "task", "reason"), "table")
+        print_rows(result.without_verdict(), ("kitchen", "robot", "task", "reason"))
     stored = sum(each.stored for each in result.results)
     kept = f", {stored} of them stored before," if stored else ""
     click.echo(

@@ -105,7 +105,7 @@ def task_command(
     if as_json:
         print_json(said)
     elif csv_is_asked():
-        print_rows(_rows(said), COLUMNS, "csv")
+        print_rows(_rows(said), COLUMNS)
     else:
         _print(said)
     exits = {Outcome.CERTIFIED: 0, Outcome.ABSTAINED: Exit.ABSTAINED}

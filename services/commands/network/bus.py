@@ -124,7 +124,7 @@ def _task(said: dict[str, Any], *, as_json: bool) -> int:
         rules = [
             {"part": "rule", "what": each["rule"], "outcome": each["standing"]} for each in said["rules"]
         ]
-        print_rows([*steps, *rules], ("part", "outcome", "what"), "table")
+        print_rows([*steps, *rules], ("part", "outcome", "what"))
     return {"certified": Exit.DONE, "abstained": Exit.ABSTAINED}.get(said["outcome"], Exit.NO)
 
 
@@ -146,7 +146,7 @@ def _rows(rows: list[dict[str, object]], *, as_json: bool, columns: tuple[str, .
     if as_json:
         print_json(rows)
     else:
-        print_rows(rows, columns or tuple(rows[0] if rows else ()), "table")
+        print_rows(rows, columns or tuple(rows[0] if rows else ()))
     return 0
 
 

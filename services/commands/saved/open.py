@@ -58,7 +58,7 @@ def open_command(context: click.Context, *, store: str, pages: bool, as_json: bo
     if as_json:
         print_json({"store": store, "verdicts": len(verdicts), "cases": rows, "next": following})
     else:
-        print_rows(rows, COLUMNS, "table")
+        print_rows(rows, COLUMNS)
         if not csv_is_asked():
             _say(verdicts, following)
     if pages:

@@ -64,7 +64,7 @@ def recheck(
         print_json([_json(each) for each in results])
     elif csv_is_asked():
         rows = [{**_json(each), "reasons": "; ".join(each.reasons)} for each in results]
-        print_rows(rows, ("of", "about", "kind", "holds", "reasons", "seconds"), "csv")
+        print_rows(rows, ("of", "about", "kind", "holds", "reasons", "seconds"))
     else:
         _print(results, without)
     raise SystemExit(0 if all(each.holds for each in results) else Exit.NO)

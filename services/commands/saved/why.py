@@ -41,7 +41,7 @@ def why_command(verdict: str, store: str | None, as_json: bool) -> None:
     iri = known[0] if iri is None else iri
     if csv_is_asked():
         rows = [{"section": each.title, "line": line} for each in sections(saved, iri) for line in each.lines]
-        print_rows(rows, ("section", "line"), "csv")
+        print_rows(rows, ("section", "line"))
     elif as_json:
         print_json([{"title": each.title, "lines": list(each.lines)} for each in sections(saved, iri)])
     else:
@@ -66,7 +66,7 @@ def _list(saved: ox.Store, as_json: bool) -> None:
     rows = [{**each, "verdict": local_name(each["verdict"])[:SHORT_KEY]} for each in rows]
     if not rows:
         raise InputError("there is no verdict in it", remedy="sdt achieve … --save FILE keeps one")
-    print_rows(rows, ("verdict", "question", "outcome"), "json" if as_json else "table")
+    print_rows(rows, ("verdict", "question", "outcome"), as_json=as_json)
 
 
 def without_twins(source: str) -> ox.Store:

@@ -136,8 +136,7 @@ def test_query_prints_csv(sdt) -> None:
     done = sdt(
         "query",
         "b",
-        "--format",
-        "csv",
+        "--csv",
         "SELECT ?d ?u WHERE { ?d a sdt:Door ; sdt:hasJoint/sdt:upperLimit ?u } ORDER BY ?d",
     )
     rows = list(csv.DictReader(io.StringIO(done.out)))

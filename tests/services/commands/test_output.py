@@ -81,7 +81,7 @@ def test_a_table_whose_words_do_not_fit_is_told_one_below_the_other(
 ) -> None:
     monkeypatch.setattr(show, "console", lambda: Console(width=width))
     rows = [{"name": "fridge_door", "why": "too far away", "at": 1.5}, {"name": "sink_area_left_drawer"}]
-    print_rows(rows, ("name", "why", "at"), "table")
+    print_rows(rows, ("name", "why", "at"))
     lines = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
     if below:
         assert lines[:3] == ["name  fridge_door", "why   too far away", "at    1.5"]

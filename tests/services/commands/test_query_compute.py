@@ -26,11 +26,11 @@ def test_rows_and_what_was_computed_come_as_json(sdt: Callable[..., Done], tmp_p
 
 
 def test_a_kitchen_is_asked_with_verdicts_that_are_not_kept(sdt: Callable[..., Done]) -> None:
-    done = sdt("query", KITCHEN, CLOSED, "--compute", "--robot", ROBOT, "--jobs", "1", "--format", "csv")
+    done = sdt("query", KITCHEN, CLOSED, "--compute", "--robot", ROBOT, "--jobs", "1", "--csv")
     assert len(done.out.splitlines()) == 3
     door = "SELECT ?door { ?door a sdt:Door }"
     assert (
-        sdt("query", KITCHEN, door, "--compute", "--format", "csv").out
+        sdt("query", KITCHEN, door, "--compute", "--csv").out
         == "door\nhttps://example.org/id/b/body/oven_door\n"
     )
 
