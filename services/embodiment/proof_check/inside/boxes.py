@@ -2,7 +2,9 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
+import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +12,7 @@ from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.mechanism import Body, Geometry, JointType, ShapeType
 from services.embodiment.proof_check.interval import exact, turning
 from services.embodiment.proof_check.mechanics import HERE, Placement, Tree, placement
+from services.physics.geometry.shapes import solids
 
 Array = NDArray[np.float64]
 Inside = tuple[Placement, Array]
@@ -17,6 +20,7 @@ Inside = tuple[Placement, Array]
 
 GAP = 0.001  # [m] between the face of a box and the cylinder that it is inside, at most
 THIN = 0.005  # [m] half an extent of a box below which nothing stays inside it that moves
+STICKS_OUT = 1e-4  # [m] of a box out of the shapes that contain its body: rounding of an annotation
 LESS = 1 - 1e-9  # [1] for what rounding may add
 
 
@@ -55,7 +59,7 @@ def cores_on(  # noqa: PLR0913, PLR0917  # a chain, and whose bodies
         declared: Whether a body is taken as its collision shapes are declared, and not by what is annotated.
     """
     fingers = {finger for gripper in annotation.grippers for finger in gripper.fingers}
-    boxes = _annotated(annotation)
+    boxes = _annotated(tree, annotation)
     if declared:
         told = {one.name: [*boxes_within(one)] for one in tree.mechanism.bodies}
         boxes = [one for one in boxes if not told[one[0]]]
@@ -82,10 +86,36 @@ def _carried(tree: Tree, body: str, joints: list[str], root: Placement) -> tuple
     return at, passed
 
 
-def _annotated(annotation: RobotAnnotation) -> list[tuple[str, Inside]]:
-    """Name of the body, and each box that it is said to contain."""
+def _annotated(tree: Tree, annotation: RobotAnnotation) -> list[tuple[str, Inside]]:
+    """Name of the body, and each box that it is said to contain.
+
+    One that sticks out of the body's collision shapes, which contain the body, is not inside it: what it
+    meets, certification would let pass.
+    """
+    shapes = {body.name: body.collision for body in tree.mechanism.bodies}
     boxes = [(body, one) for body, one in annotation.cores if one.shape is ShapeType.BOX]
-    return [(body, (placement(one.pose), np.array(one.size) / 2)) for body, one in boxes]
+    inside = [(body, one) for body, one in boxes if _holds(shapes[body], one)]
+    return [(body, (placement(one.pose), np.array(one.size) / 2)) for body, one in inside]
+
+
+@lru_cache(maxsize=1024)
+def _holds(shapes: tuple[Geometry, ...], core: Geometry) -> bool:
+    """Whether every corner of a box lies in one of the shapes, or in the hull of a part of a mesh."""
+    signs = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T
+    pose = core.pose.matrix()
+    corners = (signs * np.array(core.size) / 2) @ pose[:3, :3].T + pose[:3, 3]
+    parts = [(_at(one), part) for one in shapes for part in solids(one)]
+    return all(any(_meets(at, part, corner) for at, part in parts) for corner in corners)
+
+
+def _meets(at: coal.Transform3s, part: coal.CollisionGeometry, point: Array) -> bool:
+    ball, here = coal.Sphere(STICKS_OUT), coal.Transform3s(np.eye(3), point)
+    return bool(coal.collide(ball, here, part, at, coal.CollisionRequest(), coal.CollisionResult()))
+
+
+def _at(geometry: Geometry) -> coal.Transform3s:
+    matrix = geometry.pose.matrix()
+    return coal.Transform3s(matrix[:3, :3], matrix[:3, 3])
 
 
 def boxes_within(body: Body) -> Iterator[Inside]:

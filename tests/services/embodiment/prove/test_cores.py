@@ -20,6 +20,7 @@ from services.embodiment.proof_check.inside.cores import pierced
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove.prover import Proved, Prover
 from services.physics.model import Scene
+from tests.services.embodiment.gantry import FOLDER
 from tests.soak.doors import Front, draw, write
 
 ROBOTS = ("pr2", "tiago_dual")
@@ -138,3 +139,25 @@ def test_a_robot_without_cores_is_refuted_by_reach_alone(tmp_path: Path) -> None
     assert arm is not None
     assert arm.cores == ()
     assert about.around(arm, 0.0) == ()
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.2])
+def test_a_core_that_sticks_out_of_its_body_refutes_nothing(tmp_path: Path, aside: float) -> None:
+    # What it meets, certification, which knows of shapes alone, would let pass.
+    urdf = (FOLDER / "gantry.urdf").read_text()
+    tower = '<link name="tower"><collision><geometry><box size="0.2 0.2 0.6"/></geometry></collision></link>'
+    fixed = '<joint name="tower_joint" type="fixed"><parent link="base"/><child link="tower"/></joint>'
+    (tmp_path / "gantry.urdf").write_text(urdf.replace("</robot>", f"{tower}{fixed}</robot>"))
+    core = f"""
+b:tower sdt:hasCore <https://example.org/id/gantry/core> .
+<https://example.org/id/gantry/core> a sdt:Box ; sdt:sizeX 0.15 ; sdt:sizeY 0.15 ; sdt:sizeZ 0.5 ;
+    sdt:hasPose <https://example.org/id/gantry/core/pose> .
+<https://example.org/id/gantry/core/pose> a sdt:Pose ; sdt:x {aside} ; sdt:y 0.0 ; sdt:z 0.0 ;
+    sdt:qx 0.0 ; sdt:qy 0.0 ; sdt:qz 0.0 ; sdt:qw 1.0 .
+"""
+    (tmp_path / "gantry.ttl").write_text((FOLDER / "gantry.ttl").read_text() + core)
+    twin = load_twin(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"])
+    about = Statement(twin, twin.robots[0], twin.container("drawer_main"), Drive.FIXED, HERE, Tolerances())
+    arm = about.arm(about.grippers[0])
+    assert arm is not None
+    assert [each.body for each in arm.cores] == (["tower"] if aside == 0 else [])
