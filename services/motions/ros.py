@@ -4,7 +4,7 @@ Joints of a `trajectory_msgs/JointTrajectory` are the robot's or, where the robo
 name, the kitchen's. The base comes either from a `trajectory_msgs/MultiDOFJointTrajectory` of one
 joint, whose transforms are world_T_base, or from three joints named `base_x`, `base_y`, `base_yaw`.
 Velocities of the base are those of its origin in the same frame, and of its turn about z.
-The last message of each topic counts; all of them must have the same stamp and the same times from start.
+Each topic has one trajectory, which may be repeated; all must have the same stamp and times from start.
 """
 
 from collections.abc import Iterator, Mapping
@@ -28,6 +28,8 @@ TYPES = (
 )
 """Of trajectories, and of what they consist of."""
 BASE_JOINTS = ("base_x", "base_y", "base_yaw")
+CDR = "cdr"
+"""How ROS 2 writes messages."""
 NANO = 1e-9
 UPRIGHT = 1e-3
 """[1] How far x and y of a base's quaternion, and its norm, may be from those of a turn about z."""
@@ -46,18 +48,18 @@ def read_bag(path: Path, twin: Twin, robot: Iri | None) -> Given:
         MotionError: No bag, no trajectory, no base, or parts that do not fit together.
     """
     joints, poses = _messages(path)
-    if not joints:
-        raise MotionError("it has no trajectory of joints", allowed=ALLOWED)
     _check_stamps([*joints, *poses])
     times = _times(joints[0][1].points, joints[0][0])
     columns: dict[str, Array] = {}
     speeds: dict[str, Array] = {}
+    whose: dict[str, str] = {}
     for topic, message in joints:
         _check_times(times, _times(message.points, topic), topic)
         for name, q, v in _columns(topic, message):
             if name in columns:
-                raise MotionError(f"two trajectories have the joint '{name}'", allowed="each joint once")
-            columns[name] = q
+                said = f"the trajectories of {whose[name]} and {topic} have the joint '{name}'"
+                raise MotionError(said, allowed="each joint once")
+            columns[name], whose[name] = q, topic
             if v is not None:
                 speeds[name] = v
     arrays = {"times": times}
@@ -67,7 +69,11 @@ def read_bag(path: Path, twin: Twin, robot: Iri | None) -> Given:
 
 
 def _messages(path: Path) -> tuple[list[tuple[str, Message]], list[tuple[str, Message]]]:
-    """The last message of each topic, of joints and of poses."""
+    """The trajectory of each topic, of joints and of poses.
+
+    Raises:
+        MotionError: No bag, none of joints, several on a topic, or messages that are not as the bag says.
+    """
     try:
         from rosbags.highlevel import AnyReader  # noqa: PLC0415 - an extra
         from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - an extra
@@ -80,10 +86,10 @@ def _messages(path: Path) -> tuple[list[tuple[str, Message]], list[tuple[str, Me
         ours = get_typestore(Stores.ROS2_HUMBLE)
         with AnyReader([path], default_typestore=ours) as reader:
             wanted = [each for each in reader.connections if each.msgtype in {JOINTS, POSES}]
+            _check_some(reader.connections)
             _check_fields(reader.typestore.fielddefs, ours.fielddefs)
-            for connection, _, raw in reader.messages(wanted) if wanted else ():
-                message = reader.deserialize(raw, connection.msgtype)
-                found[connection.topic] = connection.msgtype, message
+            for topic, (kind, raw) in _raw(reader, wanted).items():
+                found[topic] = kind, reader.deserialize(raw, kind)
     except MotionError:
         raise
     except Exception as error:  # noqa: BLE001 - whatever a foreign, damaged file makes the library raise
@@ -93,6 +99,41 @@ def _messages(path: Path) -> tuple[list[tuple[str, Message]], list[tuple[str, Me
         for kind in (JOINTS, POSES)
     }
     return of_kind[JOINTS], of_kind[POSES]
+
+
+def _check_some(connections: list[Message]) -> None:
+    """There is a trajectory of joints."""
+    if not any(each.msgtype == JOINTS and each.msgcount for each in connections):
+        there = sorted({f"{each.topic} ({each.msgtype})" for each in connections if each.msgcount})
+        said = f"it has no trajectory of joints, but {', '.join(there[:8]) or 'no messages'}"
+        raise MotionError(said, allowed=ALLOWED)
+
+
+def _raw(reader: Message, wanted: list[Message]) -> dict[str, tuple[str, bytes]]:
+    """Kind and bytes of the one trajectory of each topic."""
+    found: dict[str, tuple[str, bytes]] = {}
+    counts = dict.fromkeys((each.topic for each in wanted), 0)
+    for each in wanted:
+        if each.ext.serialization_format != CDR:
+            said = f"messages of {each.topic} are written as '{each.ext.serialization_format}'"
+            raise MotionError(said, allowed=CDR)
+    for connection, _, raw in reader.messages(wanted):
+        counts[connection.topic] += 1
+        trajectory = connection.msgtype, bytes(raw)
+        if found.setdefault(connection.topic, trajectory) != trajectory:
+            raise MotionError(
+                f"message {counts[connection.topic]} of {connection.topic} is another than the first",
+                allowed="one on each topic; it may be repeated",
+                remedy="keep the one that is meant, or join them to one",
+            )
+    for topic, count in counts.items():
+        said = sum(each.msgcount for each in wanted if each.topic == topic)
+        if count != said:
+            raise MotionError(
+                f"it has {count} messages of {topic}, and says that it has {said}",
+                allowed="a whole bag",
+            )
+    return found
 
 
 def _check_fields(theirs: Mapping[str, object], ours: Mapping[str, object]) -> None:

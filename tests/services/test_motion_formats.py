@@ -2,8 +2,9 @@
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -86,6 +87,8 @@ def bag(
     speeds: int = 0,
     later: int = 0,
     placed: int = 1,
+    others: Sequence[tuple[str, object]] = (),
+    compression: object = None,
 ) -> Path:
     """ARRAYS as a bag, the first points of which have the velocities SPEEDS."""
     kinds = {
@@ -145,11 +148,50 @@ def bag(
         at = [kinds["JointTrajectoryPoint"](row, none, none, none, since(t)) for t, row in rows]
         odom = kinds["Header"](kinds["Time"](0, 0), "odom")
         messages.append(("/base", kinds["JointTrajectory"](odom, ["base_x", "base_y", "base_yaw"], at)))
-    with rosbag2.Writer(folder / "bag", version=9, storage_plugin=rosbag2.StoragePlugin.MCAP) as writer:
+    messages = [(topic, messages[0][1] if other is None else other) for topic, other in others] + messages
+    writer = rosbag2.Writer(folder / "bag", version=9, storage_plugin=rosbag2.StoragePlugin.MCAP)
+    if compression is not None:
+        writer.set_compression(compression, rosbag2.CompressionFormat.ZSTD)
+    with writer:
+        connections: dict[str, Any] = {}
         for topic, message in messages:
-            connection = writer.add_connection(topic, message.__msgtype__, typestore=TS)
-            writer.write(connection, 0, TS.serialize_cdr(message, message.__msgtype__))
+            if topic not in connections:
+                connections[topic] = writer.add_connection(topic, message.__msgtype__, typestore=TS)
+            writer.write(connections[topic], 0, TS.serialize_cdr(message, message.__msgtype__))
     return folder / "bag"
+
+
+def empty_way(*names: str) -> object:
+    """A trajectory without points."""
+    header = TS.types["std_msgs/msg/Header"](TS.types["builtin_interfaces/msg/Time"](0, 0), "world")
+    return TS.types["trajectory_msgs/msg/JointTrajectory"](header, list(names), [])
+
+
+def text(said: str) -> object:
+    return TS.types["std_msgs/msg/String"](said)
+
+
+@pytest.mark.parametrize("mode", ["STORAGE", "MESSAGE", "FILE"])
+def test_a_compressed_bag_says_the_same(tmp_path: Path, mode: str) -> None:
+    folder = bag(tmp_path, compression=rosbag2.CompressionMode[mode])
+    same(motion_of(ARRAYS, TWIN, PR2), read_motion(folder, TWIN, PR2), tolerance=1e-12)
+
+
+@pytest.mark.parametrize("others", [[("/arm", None)], [("/say", text("hello"))]], ids=["repeated", "others"])
+def test_a_trajectory_may_be_repeated_and_other_messages_may_be_there(
+    tmp_path: Path, others: list[tuple[str, object]]
+) -> None:
+    same(motion_of(ARRAYS, TWIN, PR2), read_motion(bag(tmp_path, others=others), TWIN, PR2), tolerance=1e-12)
+
+
+def test_a_bag_without_trajectories_says_what_it_has(tmp_path: Path) -> None:
+    path = tmp_path / "bag"
+    with rosbag2.Writer(path, version=9, storage_plugin=rosbag2.StoragePlugin.MCAP) as writer:
+        said = writer.add_connection("/say", "std_msgs/msg/String", typestore=TS)
+        writer.add_connection("/arm", "trajectory_msgs/msg/JointTrajectory", typestore=TS)
+        writer.write(said, 0, TS.serialize_cdr(text("hello"), "std_msgs/msg/String"))
+    with pytest.raises(MotionError, match=r"no trajectory of joints, but /say \(std_msgs/msg/String\);"):
+        read_motion(path, TWIN, PR2)
 
 
 @pytest.mark.parametrize("base", ["joints", "transforms"])
@@ -173,6 +215,11 @@ def test_a_bag_says_the_same(tmp_path: Path, base: str, speeds: dict[str, np.nda
         ),
         ({"frame": "odom"}, "bag: .* frame 'odom'; allowed: .*world"),
         ({"base": "joints of another"}, "bag: .* frame 'odom'; allowed: .*world"),
+        ({"others": [("/arm", empty_way("lift_joint"))]}, "message 2 of /arm is another than the first"),
+        (
+            {"others": [("/again", None)]},
+            "trajectories of /again and /arm have the joint|/arm and /again have",
+        ),
         ({"speeds": 8}, "point 8 of /arm has 0 velocities; allowed: 5, one for each joint, at every point"),
     ],
 )
@@ -186,9 +233,13 @@ def test_a_wrong_bag_is_told_so(tmp_path: Path, options: dict[str, object], mess
     [
         (lambda content: content[:200], "no readable ROS 2 bag"),
         (lambda content: content[:-40], "no readable ROS 2 bag"),
+        (
+            lambda content: content.replace(b"\x03\x00\x00\x00cdr", b"\x03\x00\x00\x00xml"),
+            "/arm are .* 'xml'.*cdr",
+        ),
         (lambda content: content.replace(b"] velocities", b"] velocitiew"), "Point have other fields than"),
     ],
-    ids=["cut at its head", "cut at its end", "other fields"],
+    ids=["cut at its head", "cut at its end", "another encoding", "other fields"],
 )
 def test_a_damaged_bag_is_told_so(tmp_path: Path, damaged: Callable[[bytes], bytes], message: str) -> None:
     file = bag(tmp_path) / "bag.mcap"
