@@ -34,7 +34,7 @@ class Attempt:
         steep, steeper: The same for those that come from far above or below, which high and low handles
             and those that tip over may need.
         wide: Those that many postures search together.
-        bred: Those that were looked at in between.
+        bred: Those that were looked at in between, by number.
         blocked: Holdings that could not be approached.
     """
 
@@ -49,7 +49,7 @@ class Attempt:
     assembler: Assembler
     rng: np.random.Generator
     wide: list[Opened] = field(default_factory=list[Opened])
-    bred: list[Opened] = field(default_factory=list[Opened])
+    bred: dict[int, Opened] = field(default_factory=dict[int, Opened])
     blocked: int = 0
 
     def saturated(self, number: int) -> bool:
@@ -76,7 +76,7 @@ class Attempt:
         """The same of grasps between these, which can be had at every value of the container."""
         breeder = Breeder(self.searcher, self.fitter, self.rng, late)
         for opened in breeder.litters():
-            self.bred += breeder.looked_at
+            self.bred |= {one[0].index: one for one in breeder.looked_at}
             self._count()
             for pivot, xs in breeder.postures():
                 yield from self._spreader(opened, FULL, late).holdings_from(pivot, xs)

@@ -186,7 +186,7 @@ class Planner:
     def _attempt(self, kit: Kit) -> Attempt | None:
         setting, world, limb = self.setting, self.setting.world, kit.limb
         q = limb.q(limb.parked)
-        self.bar = find_bar(world, self.mechanics, q)
+        self.bar = self.bar or find_bar(world, self.mechanics, q)
         if self.bar is None:
             return None
         problem = self._problem(self.bar, q)

@@ -97,12 +97,12 @@ def _closed_by(shares, hand, closing, room):
 
 
 @subkernel
-def _gaps(shares, sides, hand, closing, handle, shapes, room, near):
+def _gaps(shares, sides, hand, closing, handle, shapes, room, near, most):
     """Distances of the handle from the nearest finger shape of each of two `sides` (2, fingers), in room[1].
 
-    Negative where they are in each other: as deep as their own boxes are, at least. `handle` is (indices,
-    rotations, centres) as the tool sees it. The shapes in `near` (2,), which were the nearest before, are
-    looked at first.
+    Negative where they are in each other: as deep as their own boxes are, at least. Of what is farther than
+    `most` only that is told. `handle` is (indices, rotations, centres) as the tool sees it. The shapes in
+    `near` (2,), which were the nearest before, are looked at first.
     """
     at, out, work = room[0], room[1], room[2]
     _closed_by(shares, hand, closing, room)
@@ -118,7 +118,7 @@ def _gaps(shares, sides, hand, closing, handle, shapes, room, near):
             h, enough = handle[0][m], -math.inf
             for side in range(2):
                 if sides[side, n]:  # what is farther than the nearest so far is not the nearest
-                    enough = max(enough, out[side], 0.0)
+                    enough = max(enough, min(out[side], most), 0.0)
             if enough < 0.0:
                 break
             own_r, own_c, there_r, there_c = at[0][i], at[1][i], handle[1][m], handle[2][m]
@@ -145,7 +145,7 @@ def _closing(k, shares, sides, hand, closing, handle, shapes, touch, rounds, roo
     for _ in range(rounds):
         for other in range(shares.shape[0]):
             shares[other] = share if other == k else 0.0
-        _gaps(shares, sides, hand, closing, handle, shapes, room, near)
+        _gaps(shares, sides, hand, closing, handle, shapes, room, near, math.inf)
         at = max(room[1][0], room[1][1]) - touch / 2  # what is accepted lies on both sides of 0
         if at > touch / 2:
             at_high = at_high / 2 if before > 0.0 else at_high
@@ -195,7 +195,7 @@ def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, ro
             shares[k] = found[k]
         if count > 1:
             return True
-        _gaps(shares, sides[0], hand, closing, there, shapes, room, near[0])
+        _gaps(shares, sides[0], hand, closing, there, shapes, room, near[0], math.inf)
         left, right = room[1][0], room[1][1]
         if not math.isfinite(left + right) or abs(left - right) < touch:
             return True
@@ -230,7 +230,7 @@ def engaged(tool, shares, pads, hand, closing, handle, shapes, reach, inward, ro
                     place[i] -= way * tool[0][i, 0 if look < 3 else 2]
             for m in range(handle[0].shape[0]):
                 seen_from(tool[0], place, handle[1][m], handle[2][m], seen[0][m], seen[1][m])
-            _gaps(shares, own, hand, closing, there, shapes, room, near)
+            _gaps(shares, own, hand, closing, there, shapes, room, near, math.inf if look == 0 else 0.0)
             if look == 0:
                 more = max(room[1][0], 0.0) + inward
             elif room[1][0] > 0.0:

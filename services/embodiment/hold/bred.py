@@ -29,7 +29,7 @@ BLOCKS = 20  # at most, until so many fit
 EMPTY_BLOCKS = 4  # at most, of which none fits
 FIRST = 4  # seeds of each for each value
 GENERATIONS = 120
-ENOUGH = 24  # that can be had at all values
+ENOUGH = (8, 24)  # that can be had at all values: tried when there are so many, and then
 STALLED = 20  # generations that bring neither a cheaper one than the cheapest nor one more that costs nothing
 CHEAPER = 0.95  # [1] of what the cheapest costs counts as cheaper
 LITTERS = 3  # that are bred, one after the other
@@ -66,8 +66,10 @@ class Breeder:
         A litter may have none; where the cheapest is far from free there is no other.
         """
         for _ in range(LITTERS):
-            cheapest = self._litter() and self._freed()
-            yield [one for one, cost in zip(self.looked_at, self._total(), strict=True) if cost == 0.0]
+            cheapest = np.inf
+            for least in self._litter():
+                cheapest = least and self._freed()
+                yield [one for one, cost in zip(self.looked_at, self._total(), strict=True) if cost == 0.0]
             if cheapest > WORTH or self._late():
                 return
 
@@ -80,27 +82,31 @@ class Breeder:
     def _total(self) -> list[float]:
         return self._costs.sum(axis=1).tolist()
 
-    def _litter(self) -> float:
-        """What the cheapest costs after generations from new random grasps on [m]."""
+    def _litter(self) -> Iterator[float]:
+        """What the cheapest of a new litter costs [m], each time that enough are free and at its end."""
         self._fitted, self._shares, self._flips = [], [], np.empty(0, np.int64)
         self._genes, self._costs = np.empty((0, len(FREE_MOST))), np.empty((0, LOOKED_AT))
         self._draw()
         if not self._fitted:
-            return np.inf
+            yield np.inf
+            return
         count = len(self._fitted)
         seeds = np.stack([self._seeds(index, count) for index in self._at], axis=1)
         self._xs, self._costs = self._judged(self._fitted, seeds, FIRST, np.full(count, np.inf))
-        cheapest, free, stalled = np.inf, 0, 0
+        cheapest, free, stalled, enough = np.inf, 0, 0, [min(each, count) for each in ENOUGH]
         for number in range(GENERATIONS):
             total = self._total()
             least, found = min(total), total.count(0.0)
             stalled += 1
             if least < CHEAPER * cheapest or found > free:
                 cheapest, free, stalled = least, found, 0
-            if free >= min(ENOUGH, count) or stalled > STALLED or self._late():
+            if free >= enough[-1] or stalled > STALLED or self._late():
                 break
+            if free >= enough[0]:
+                enough = enough[1:]
+                yield least
             self._breed(number % 2 == 0)
-        return min(self._total())
+        yield min(self._total())
 
     def _freed(self) -> float:
         """What the cheapest costs once those that are in place everywhere were tried from many seeds [m].

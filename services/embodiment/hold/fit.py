@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from itertools import islice
+from itertools import chain, islice, repeat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,7 @@ Opened = tuple[Grasp, float]
 
 OPENINGS = (0.0, 0.55, 0.75)  # [1] shares by which the fingers are closed when the hand comes near
 SWING = 6  # steps at which closing fingers are checked
-BLOCK = 45  # grasps that are looked at together
+BLOCKS = (10, 45)  # grasps that are looked at together: at first, and then
 ENOUGH = 6  # grasps with which no narrower opening is tried
 CHECKED = 7  # values of the container at which the hand alone is checked
 BESIDE = 0.05  # [m] that a grasp's tool may lie beside the bar
@@ -136,7 +136,8 @@ class Fitter:
 
     def screened(self, grasps: Iterator[Grasp], share: float, late: Callable[[], bool]) -> Iterator[Grasp]:
         """Those at which the open hand touches nothing before the container moves."""
-        while block := list(islice(grasps, BLOCK)):
+        sizes = chain(BLOCKS, repeat(BLOCKS[-1]))
+        while block := list(islice(grasps, next(sizes))):
             if late():
                 return
             new = [one for one in block if (share, one.index) not in self._known]

@@ -90,10 +90,10 @@ def wide_set(bar: Bar) -> Iterator[Grasp]:
     """Grasps of a bar from more directions, also from beside it, nearly along the bar."""
     room = max(bar.length / 2 - FINGER_HALF, 0.0)
     turns = itertools.product(WIDE_PITCHES.tolist(), WIDE_TILTS.tolist(), (1, -1))
-    numbers = itertools.count(FIRST_WIDE)
+    numbers, places = itertools.count(FIRST_WIDE), np.array(PLACES)[:, None, None] * room * bar.along
     for turn in (_turn(bar, *one) for one in turns):
-        for place, depth in itertools.product(PLACES, WIDE_DEPTHS):
-            translation = bar.centre + place * room * bar.along + depth * turn[:, 0]
+        there = bar.centre + places + np.array(WIDE_DEPTHS)[:, None] * turn[:, 0]
+        for translation in there.reshape(-1, 3):
             yield Grasp(turn, translation, next(numbers))
 
 

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 WAYPOINTS = 61  # values of the container at which a path is solved and checked
 SEEDS = 48  # in one batch
 STEPS = 24  # of the solver, for one seed: of those that meet in 60, 99.9 % have met
-TOGETHER = 8  # postures that are looked at together
+TOGETHER = 8  # seeds that are looked at together: most batches end with the first of them
 NEAR, FAR = 0.3, 1.1  # [m] from base to handle, horizontally, of seeds
 INSIDE = 0.004  # [rad or m] kept from joint limits, for the spline through the waypoints
 LEVEL = 1e-6  # [1, m] how far from planar a handle's motion may be for the base alone to follow it
@@ -168,23 +168,28 @@ class Searcher:
         rng: np.random.Generator,
     ) -> Iterator[Holding]:
         """Holdings of grasps (each with its closed scene rest) that one batch of seeds leads to."""
-        chosen = [grasps[i % len(grasps)] for i in range(SEEDS)]
-        seeds = self.seeds(pivot, rng)
-        target_r, target_p = (
-            np.stack(part) for part in zip(*(self._aim_at(one, pivot) for one, _ in chosen), strict=True)
-        )
-        limb, weight = self.limb, self.weight.copy()
+        seeds, weight = self.seeds(pivot, rng), self.weight.copy()
         if self.telescope is not None and self._standing is None and self._batches % 2 == 0:
             self._aim(seeds, pivot, rng)
             weight[2] = 0.0
         self._batches += 1
-        met = ik.solve_many(
-            seeds, target_r, target_p, limb.chain, weight, self.lower, self.upper, STEPS, EXACT
-        )
-        self.tally.seeds += SEEDS
+        for first in range(0, SEEDS, TOGETHER):
+            chosen = [grasps[i % len(grasps)] for i in range(first, first + TOGETHER)]
+            xs = seeds[first : first + TOGETHER]
+            for s in self._clear(self._met(xs, chosen, pivot, weight), xs, chosen, pivot):
+                yield from self._led(xs[s], *chosen[s], pivot)
+
+    def _met(
+        self, xs: Array, chosen: list[tuple[Grasp, Array]], index: int, weight: Array
+    ) -> NDArray[np.intp]:
+        """Which of xs (N, n) were moved to where the tool is in their grasps at a waypoint."""
+        aims = (self._aim_at(one, index) for one, _ in chosen)
+        target_r, target_p = (np.array(part) for part in zip(*aims, strict=True))
+        limits = self.lower, self.upper
+        met = ik.solve_many(xs, target_r, target_p, self.limb.chain, weight, *limits, STEPS, EXACT)
+        self.tally.seeds += len(xs)
         self.tally.solved += int(met.sum())
-        for s in self._clear(np.flatnonzero(met), seeds, chosen, pivot):
-            yield from self._led(seeds[s], *chosen[s], pivot)
+        return np.flatnonzero(met)
 
     def seeds(self, pivot: int, rng: np.random.Generator) -> Array:
         """A batch of random x about the handle at a waypoint, or where the base stands."""
@@ -211,14 +216,15 @@ class Searcher:
         self, met: NDArray[np.intp], xs: Array, chosen: list[tuple[Grasp, Array]], index: int
     ) -> Iterator[int]:
         """Which of the postures that met their grasps at a waypoint touch nothing."""
-        for some in (met[k : k + TOGETHER] for k in range(0, len(met), TOGETHER)):
-            q = self.limb.q(xs[some], np.stack([chosen[s][1] for s in some]))
-            q = self.problem.mechanics.put_each(q, np.repeat(self.problem.values[index], len(some)))
-            for s, shapes in zip(some.tolist(), self.world.contact_each(q, self.rules), strict=True):
-                if shapes is None:
-                    yield s
-                else:
-                    self.tally.met("pose", Contact(index, shapes))
+        if not len(met):
+            return
+        q = self.limb.q(xs[met], np.stack([chosen[s][1] for s in met]))
+        q = self.problem.mechanics.put_each(q, np.repeat(self.problem.values[index], len(met)))
+        for s, shapes in zip(met.tolist(), self.world.contact_each(q, self.rules), strict=True):
+            if shapes is None:
+                yield s
+            else:
+                self.tally.met("pose", Contact(index, shapes))
 
     def _led(self, x: Array, grasp: Grasp, rest: Array, pivot: int) -> Iterator[Holding]:
         if self.drive is Drive.OMNI and self.planar:

@@ -10,7 +10,7 @@ from sdt_kg.annotation import Drive
 from services.app import Policy, load
 from services.embodiment.body import ik
 from services.embodiment.body.track import EXACT
-from services.embodiment.hold.bred import FIRST_BRED, LOOKED_AT, Breeder
+from services.embodiment.hold.bred import ENOUGH, FIRST_BRED, LOOKED_AT, Breeder
 from services.embodiment.hold.grasp import BEYOND, FREE_MOST, Grasp, free_grasp, grasp_set, grasp_settings
 from services.embodiment.hold.handle import Bar
 from services.embodiment.hold.holding import STEPS, Searcher
@@ -54,6 +54,12 @@ def test_bred_grasps_can_be_had_at_every_value_where_the_base_stands(tmp_path: P
             np.testing.assert_allclose(r, target_r, atol=1e-6)
             np.testing.assert_allclose(p, target_p, atol=1e-6)
             assert (x[:3] == 0.0).all()
+
+
+def test_bred_grasps_are_tried_when_a_few_are_free_and_others_bred_from_these(tmp_path: Path) -> None:
+    litters = breeder(tmp_path, (0.0, 0.0, 0.0)).litters()
+    few, many = len(next(litters)), len(next(litters))
+    assert ENOUGH[0] <= few < ENOUGH[1] <= many
 
 
 def test_nothing_is_bred_where_some_value_is_out_of_reach(tmp_path: Path) -> None:
