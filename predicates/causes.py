@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity
 from predicates.meant import containers_meant, moved_by, tasks_meant, unit_of
-from predicates.oracle import Physics, tee_class_of
+from predicates.oracle import Physics, Replayed, tee_class_of
 from predicates.satisfies_request import demanded, meets, satisfies_request, threshold
 from predicates.scope import out_of_scope
 from sdt_kg.errors import NoModeError, UnknownEntityError
@@ -81,7 +81,7 @@ def _verified(case: Case, motion: Motion, physics: Physics) -> Answer:
     certain = all(each.proof for each in replayed.violations)
     diagnoses += _missed(case, case.final, replayed.final, proof=certain)
     solved = replace(case, motion=replayed.motion, final=replayed.final)
-    return Answer(solved, not diagnoses, tuple(diagnoses), replayed.notes, figures=replayed.figures)
+    return Answer(solved, not diagnoses, tuple(diagnoses), _notes(case, replayed), figures=replayed.figures)
 
 
 def _found(case: Case, task: Task, container: Container, physics: Physics) -> Answer:
@@ -120,9 +120,16 @@ def _generated(case: Case, goal: Region, physics: Physics) -> Answer:
         if goal != case.final and not diagnoses:
             diagnoses = _missed(case, case.final, replayed.final, proof=False)
         solved = replace(case, motion=replayed.motion, final=replayed.final)
-        return Answer(solved, not diagnoses, diagnoses, replayed.notes, figures=replayed.figures)
+        return Answer(solved, not diagnoses, diagnoses, _notes(case, replayed), figures=replayed.figures)
     reason = "the physics found no motion into the goal"
     return Answer(case, holds=False, diagnoses=(Diagnosis(Kind.CAUSAL, reason),))
+
+
+def _notes(case: Case, replayed: Replayed) -> tuple[str, ...]:
+    """What Φ notes, and whether positions count the other way than in the kitchen's file."""
+    name, kitchen = local_name(replayed.motion.of), case.twin.mechanism(case.twin.environment)
+    turned = next((joint.turned for joint in kitchen.joints if joint.name == name), "")
+    return (*replayed.notes, *((f"{name} has in its file {turned}",) if turned else ()))
 
 
 def _nothing_to_cause(case: Case, task: Task, container: Container) -> Iterator[Diagnosis]:

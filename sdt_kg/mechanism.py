@@ -11,6 +11,9 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+TURNED = "axis turned"
+"""In the note of a joint whose positions are those of its file with the other sign."""
+
 
 class JointType(Enum):
     """Joint types of D_artic; `continuous` has no position limits."""
@@ -132,6 +135,11 @@ class Joint:
     limits: Limits = field(default_factory=Limits)
     mimic: Mimic | None = None
     notes: tuple[str, ...] = ()
+
+    @property
+    def turned(self) -> str:
+        """The note of an import that turned the axis, so that positions count the other way; else empty."""
+        return next((note for note in self.notes if TURNED in note), "")
 
 
 @dataclass(frozen=True, slots=True)

@@ -114,11 +114,12 @@ class Coupling:
                 raise StateError(f"joint '{local_name(joint)}' at {value}", allowed="a finite number")
 
     def _check_limits(self, joint: Iri, value: float) -> None:
-        limits = self.joints[joint].limits
+        limits, turned = self.joints[joint].limits, self.joints[joint].turned
         if limits.lower - LIMIT_TOLERANCE <= value <= limits.upper + LIMIT_TOLERANCE:
             return
         unit = "m" if self.joints[joint].type is JointType.PRISMATIC else "rad"
         raise StateError(
             f"joint '{local_name(joint)}' at {value:g} {unit} is outside its limits",
             allowed=f"{limits.lower:g} to {limits.upper:g} {unit}",
+            remedy=f"in its file it has {turned}" if turned and value < 0 else "",
         )

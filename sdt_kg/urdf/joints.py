@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from sdt_kg.errors import UrdfError
-from sdt_kg.mechanism import Joint, JointType, Mimic, Pose
+from sdt_kg.mechanism import TURNED, Joint, JointType, Mimic, Pose
 
 AXIS_TOLERANCE: Final = 1e-9
 """[1] An axis whose length differs from 1 by less is taken as it is; eight written digits do not reach it."""
@@ -176,7 +176,7 @@ def _turned(joint: Joint, flipped: set[str]) -> Joint:
         mimic = replace(mimic, multiplier=-mimic.multiplier, offset=-mimic.offset)
     limits = joint.limits
     note = (
-        f"limits [{limits.lower:g}, {limits.upper:g}]: axis turned, so that positions are "
+        f"limits [{limits.lower:g}, {limits.upper:g}]: {TURNED}, so that positions are "
         f"[{-limits.upper + 0.0:g}, {-limits.lower:g}] and count the other way"
     )
     x, y, z = joint.axis

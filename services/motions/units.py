@@ -42,6 +42,9 @@ MANY_SAMPLES = 5
 MILLI = 1000.0
 """[1] Millimetres in a metre, milliseconds in a second."""
 
+WRONG_WAY = 0.01
+"""[rad or m] What a joint is beyond 0 by no more is a matter for the verdict."""
+
 LEAP = 20.0
 """[1] Times its velocity limit: a joint that goes so fast from one sample to the next has jumped."""
 
@@ -52,7 +55,7 @@ LEAST_LEAP = 0.1
 def check_joints(
     names: tuple[str, ...], values: Array, mechanism: Mechanism, array: str, given: Given
 ) -> None:
-    """Positions are not in degrees or millimetres.
+    """Positions are not in degrees or millimetres, and count as the joint's do here.
 
     Raises:
         MotionError: With the first sample and the joint.
@@ -69,6 +72,23 @@ def check_joints(
                 allowed=f"{unit}, up to {bound:.4g}",
                 remedy=f"convert to {unit}",
             )
+        _check_sign(joints[name], values[:, column], array, given)
+
+
+def _check_sign(joint: Joint, values: Array, array: str, given: Given) -> None:
+    """Positions of a joint whose axis was turned on import are not those of its file.
+
+    Raises:
+        MotionError: With the farthest sample.
+    """
+    if joint.turned and -values.min() > max(float(values.max()), WRONG_WAY):
+        k = int(values.argmin())
+        where = f"'{array}' of {joint.name} at {given.at(k)}"
+        raise MotionError(
+            f"{where} is {values[k]:.6g}, as its file counts: {joint.turned}",
+            allowed=f"{joint.limits.lower:g} to {joint.limits.upper:g}",
+            remedy="give its positions and velocities the other sign",
+        )
 
 
 def _absurd(joint: Joint) -> tuple[float, str, str]:
