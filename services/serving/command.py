@@ -6,7 +6,9 @@ from pathlib import Path
 
 import click
 
+from sdt_kg.errors import InputError
 from services.commands.completion.types import KITCHEN, ROBOT
+from services.commands.network.bus import ENDPOINT
 from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange
 
 
@@ -107,6 +109,8 @@ def serve(
     spans_file: Path | None,
 ) -> None:
     """Serve kitchens and verdicts: SPARQL at /sparql, graphs at /graphs, JSON at /api/v1, pages at /."""
+    if bus is None and (oracles or bus_config):
+        raise InputError("--oracles and --bus-config say nothing without --bus", remedy=f"--bus {ENDPOINT}")
     from services.http.kitchens import open_kitchens  # noqa: PLC0415 - other commands need no web framework
     from services.http.run import bound, run  # noqa: PLC0415 - see above
     from services.http.settings import Address, Settings, host_names, token_for  # noqa: PLC0415 - see above

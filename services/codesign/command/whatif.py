@@ -122,8 +122,7 @@ def whatif(
     if "help" in edits:
         click.echo("\n".join(KINDS.values()))
         return
-    if grid and turn:
-        raise InputError("--grid and --turn are two questions", allowed="one of them")
+    _check_together(grid=grid, turn=turn, csv_file=csv_file)
     if kitchen is None or robot is None or task is None or not (edits or turn):
         raise InputError("--kitchen, --robot, --task and --edit are needed", remedy="--edit help lists edits")
     policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed)
@@ -148,6 +147,14 @@ def whatif(
     else:
         _print_contrast(said)
     raise SystemExit(0 if found.counterfactual.outcome.value == "certified" else Exit.NO)
+
+
+def _check_together(*, grid: bool, turn: bool, csv_file: Path | None) -> None:
+    """Options that make one question."""
+    if grid and turn:
+        raise InputError("--grid and --turn are two questions", allowed="one of them")
+    if csv_file and not grid:
+        raise InputError("--csv is of a grid", remedy="--grid, or --json")
 
 
 def _judged(world: World, task: str) -> Verdict:

@@ -25,6 +25,7 @@ from services.commands.options import (
 from services.commands.output import write_file
 from services.commands.show import csv_text, print_json, print_rows, progress
 from services.commands.verdicts import COLUMNS, Json, verdict_row
+from services.requests import parse_state, state_joints
 from services.store.files import SavedVerdicts
 from services.sweep.cell import Cell, Unjudged
 from services.table import CellResult, TableResult, cells, run
@@ -90,7 +91,7 @@ def table(
     with ExitStack() as stack:
         saved = stack.enter_context(SavedVerdicts(save)) if save else None
         if saved:
-            _add_twins(saved, kitchens.split(","), robots.split(","))
+            _add_twins(saved, kitchens.split(","), robots.split(","), states)
         bar = stack.enter_context(progress(f"{verb}()", len(cases)))
 
         def advance(cell: Cell) -> None:
@@ -137,9 +138,13 @@ def _write_csv(path: Path, objects: Sequence[Json]) -> None:
         write_file(path, text)
 
 
-def _add_twins(saved: SavedVerdicts, kitchens: Sequence[str], robots: Sequence[str]) -> None:
+def _add_twins(
+    saved: SavedVerdicts, kitchens: Sequence[str], robots: Sequence[str], states: Sequence[str]
+) -> None:
+    """The kitchens, each in the state in which it is judged."""
     for kitchen in kitchens:
-        saved.add_twin(load_twin(kitchen, robots))
+        twin = load_twin(kitchen, robots)
+        saved.add_twin(twin.at(parse_state(twin, state_joints(twin, states))))
 
 
 def _print_table(result: TableResult, objects: Sequence[dict[str, object]]) -> None:

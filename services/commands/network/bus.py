@@ -7,12 +7,23 @@ from typing import Any
 
 import click
 
+from sdt_kg.errors import InputError
 from services.commands.exits import Exit
 from services.commands.options import FiniteRange, csv_flag, json_flag, states_option, tee_option
 from services.commands.show import print_json, print_rows
 from services.commands.verdicts import told
 
 ENDPOINT = "tcp/127.0.0.1:7447"
+
+CASE = ("robot", "state", "drive", "tee", "handle-force")
+TAKES = {
+    "satisfies": ("state",),
+    "causes": ("state", "tee", "handle-force"),
+    "achieve": CASE,
+    "task": CASE,
+    "place": ("robot", "state"),
+}
+"""Verb → the options that it takes of those that decide what is asked; other verbs take none."""
 
 connect_option = click.option(
     "--connect",
@@ -84,6 +95,11 @@ def ask(
 
     Exit as `sdt achieve`; 4 if nobody answers.
     """
+    said = (robot, states, drive, tee != "d_artic", handle_force)
+    for option, given in zip(CASE, said, strict=True):
+        if given and option not in TAKES.get(verb, ()):
+            taking = ", ".join(each for each, options in TAKES.items() if option in options)
+            raise InputError(f"--{option} says nothing to {verb}", allowed=f"with {taking}")
     from services.bus.client import Connection  # noqa: PLC0415 - other commands need no bus
     from services.bus.client import connect as connected  # noqa: PLC0415 - see above
 

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.small import FOLDER
+
 pytestmark = pytest.mark.oracle
 
 DRAWER = "sink_area_left_middle_drawer_main"
@@ -55,6 +57,15 @@ def test_a_verdict_says_what_settings_may_have_changed(sdt) -> None:
     assert "note: a finger may be 20 mm from the handle that it holds, not 2 mm: as asked" in other.out
     assert "iai_fridge_door_joint at" not in usual.out
     assert "a finger may be" not in usual.out
+
+
+def test_the_state_in_which_was_judged_is_kept_with_the_verdicts(sdt, tmp_path: Path) -> None:
+    store = str(tmp_path / "kept.trig")
+    models = ("--kitchens", str(FOLDER / "b.urdf"), "--robots", str(FOLDER / "pr2.urdf"))
+    done = sdt("table", *models, "--state", "all=open", "--jobs", "1", "--save", store)
+    assert done.code == 0, done.err
+    where = "SELECT ?at { ?joint sdt:position ?at . FILTER(CONTAINS(STR(?joint), 'top_drawer_joint')) }"
+    assert [row["at"] for row in sdt("query", store, where, "--json").json] == [0.5]
 
 
 def test_the_motion_of_another_robot_is_refused(sdt, tmp_path: Path) -> None:

@@ -50,6 +50,15 @@ BAD = {
     "kitchen twice": (["table", "--kitchens", "a,a"], ["share a name"]),
     "state of no kitchen": (["table", "--kitchens", "b", "--state", "nothing=1"], ["nothing=1"]),
     "unknown option": (["containers", "b", "--jason"], ["--jason"]),
+    "oracles without a bus": (["serve", "--kitchen", "b", "--oracles"], ["--oracles", "without --bus"]),
+    "CSV of no grid": (["whatif", "--csv", "x.csv", "--turn"], ["--csv is of a grid", "--grid"]),
+    "a state of a query on the bus": (
+        ["ask", "b", "select", "SELECT * { ?a ?b ?c }", "--state", "iai_fridge_door=open"],
+        ["--state says nothing to select", "satisfies, causes"],
+    ),
+    "a drive of a place on the bus": (
+        ["ask", "b", "place", "open:iai_fridge_door", "--drive", "omni"], ["--drive says nothing to place"],
+    ),
     "one robot named twice": (
         ("achieve", "--kitchen", "b", "--robot", "pr2", "--robot", "stretch", "--task", "open"),
         ["--robot is given 2 times, and achieve takes one"],
