@@ -110,7 +110,7 @@ def _wheels(tree: Tree, arms: frozenset[str]) -> list[_Wheel]:
         if joint.type is JointType.CONTINUOUS
         and joint.name not in arms
         and abs(tree.axis(joint)[2]) < 1 - ALONG
-        and len(tree.points(tree.below(joint.child), joint.child, {}))
+        and ("wheel" in joint.child.lower() or len(tree.points(tree.below(joint.child), joint.child, {})))
     ]
     lowest = min((wheel.lowest for wheel in found), default=0.0)
     return [wheel for wheel in found if wheel.lowest <= lowest + NEAR_FLOOR]
@@ -120,8 +120,9 @@ def _wheel(tree: Tree, joint: Joint) -> _Wheel:
     root = tree.mechanism.root
     turning = [each for each in tree.ancestors(joint.parent) if each.type in TURNING]
     steering = next((each for each in turning if abs(tree.axis(each)[2]) > ALONG), None)
-    lowest = tree.lowest(tree.below(joint.child))
-    return _Wheel(joint.child, tree.frame(joint.child, root, {})[:3, 3], tree.axis(joint), lowest, steering)
+    centre = tree.frame(joint.child, root, {})[:3, 3]
+    lowest = min(tree.lowest(tree.below(joint.child)), float(centre[2]))
+    return _Wheel(joint.child, centre, tree.axis(joint), lowest, steering)
 
 
 def _drive(wheels: list[_Wheel]) -> tuple[Drive, str]:

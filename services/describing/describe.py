@@ -12,14 +12,19 @@ from services.describing.touching import touching
 
 @dataclass(frozen=True, slots=True)
 class Described:
-    """A first annotation, as a value and as Turtle; its notes say what was guessed and from what."""
+    """A first annotation, as a value and as Turtle.
+
+    Attributes:
+        notes: What import noticed about the model, and what was guessed and from what.
+    """
 
     robot: RobotAnnotation
     text: str
+    notes: tuple[str, ...]
 
 
 def describe(urdf: Path) -> Described:
-    """A first annotation of a URDF or xacro file; it loads as it is.
+    """A first annotation of a URDF or xacro file; it loads as it is, unless no gripper was found.
 
     Raises:
         UrdfError: Not a valid URDF.
@@ -28,4 +33,4 @@ def describe(urdf: Path) -> Described:
     robot = guessed(mechanism)
     why = touching(mechanism, robot)
     robot = parked(urdf, replace(robot, allowed_contacts=robot.allowed_contacts | why.keys()))
-    return Described(robot, turtle(robot, urdf.name, why))
+    return Described(robot, turtle(robot, urdf.name, why), (*mechanism.notes, *robot.notes))

@@ -21,7 +21,7 @@ from services.physics.model import Scene
 CLEARANCES = (0.02, 0.005, 0.001)  # [m] kept where more than two joints part bodies, the first that there is
 BESIDE = 0.02  # [m] from the middle of the robot at which an arm counts as its left or right one
 
-FLOOR = b'<robot name="floor"><link name="floor"/></robot>'
+FLOOR = b'<robot name="bare_floor"><link name="floor"/></robot>'
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ def _note(gripper: Gripper, found: Parked) -> str:
 def _scene(urdf: Path, robot: RobotAnnotation) -> Scene:
     """The robot alone on a floor."""
     with TemporaryDirectory() as folder:
-        floor, annotation = Path(folder) / "floor.urdf", Path(folder) / f"{robot.robot}.ttl"
+        floor, annotation = Path(folder) / "bare_floor.urdf", Path(folder) / f"{robot.robot}.ttl"
         floor.write_bytes(FLOOR)
         annotation.write_text(turtle(robot, urdf.name), encoding="utf-8")
         twin = load_twin(floor, [urdf], annotation)

@@ -72,6 +72,7 @@ def test_a_robot_without_fingers_is_told_so(write: Write) -> None:
     )
     text = turtle(guess(path), path.name)
     assert "check: no gripper was found" in text
+    assert "the longest row of joints ends in 'arm'" in text
     assert "hasGripper <" not in text
 
 
@@ -129,6 +130,16 @@ BESIDE = wheel("left", 0, 0.25), wheel("right", 0, -0.25)
 CORNERS = [(x, y) for x in (0.2, -0.2) for y in (0.2, -0.2)]
 DRIVES = {
     "two wheels beside": (BESIDE, Drive.DIFFERENTIAL, "turn about one line"),
+    "wheels without shapes": (
+        [
+            wheel(f"wheel_{k}", 0, y)
+            .replace(WHEEL, "")
+            .replace("<collision><geometry></geometry></collision>", "")
+            for k, y in enumerate((0.25, -0.25))
+        ],
+        Drive.DIFFERENTIAL,
+        "'wheel_0', 'wheel_1' turn about one line",
+    ),
     "casters too": ((*BESIDE, steered("caster", 0.2, 0)), Drive.DIFFERENTIAL, "turn about one line"),
     "four that do not steer": (
         [wheel(f"w{k}", *at) for k, at in enumerate(CORNERS)],

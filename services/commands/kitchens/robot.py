@@ -36,6 +36,6 @@ def describe(urdf: Path, output: Path | None, force: bool) -> None:
         )
     found = described(urdf)
     write_file(path, found.text)
-    for note in found.robot.notes:
+    for note in found.notes:
         click.echo(note)
     click.echo(f"{path}: check every line that says 'check'")

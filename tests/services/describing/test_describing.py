@@ -82,6 +82,15 @@ def test_describe_says_what_it_guessed(tmp_path: Path, sdt: Callable[..., Done])
     assert sdt("doctor", "--kitchen", "b", "--robot", str(path)).code == 0
 
 
+def test_describe_says_what_nothing_can_collide_with(tmp_path: Path, sdt: Callable[..., Done]) -> None:
+    path = tmp_path / "seen.urdf"
+    text = bundled("robot", "stretch").read_text(encoding="utf-8")
+    head, mast, rest = re.split('(<link name="link_mast">.*?</link>)', text, maxsplit=1, flags=re.DOTALL)
+    path.write_text(head + mast.replace("collision>", "visual>") + rest, encoding="utf-8")
+    done = sdt("robot", "describe", str(path))
+    assert "no collision geometry, which nothing can collide with: link_mast" in done.out
+
+
 def test_a_robot_whose_arm_has_no_speed_gets_a_verdict_that_says_so(
     tmp_path: Path, sdt: Callable[..., Done]
 ) -> None:
