@@ -27,7 +27,10 @@ which it is deeper is no beginning: from one to the next a body would pass throu
 
 THIN_SHARE = 0.25
 """[1] Share of the two shapes' summed thickness that the allowance never exceeds: half of it is all the
-depth that a thin shape reaches when it passes right through another."""
+depth that a thin shape reaches when it passes right through another. Triangles have no thickness."""
+
+TOUCH = -1e-6
+"""[m] What is allowed of two meshes of triangles, which have no depth in each other: they may not touch."""
 
 REST_FACTOR = 2.0
 """[1] How many times their depth at rest two shapes may have which overlap with every joint at its start
@@ -108,6 +111,10 @@ class _Rest:
         """[m] How deep the shapes are in each other, 0 where they are apart."""
         return max(0.0, -_gap(one, self._placed[id(one)], other, self._placed[id(other)]))
 
+    def touch(self, one: BodyShape, other: BodyShape) -> bool:
+        """Whether the shapes touch."""
+        return _gap(one, self._placed[id(one)], other, self._placed[id(other)]) <= 0
+
     def bears(self, one: BodyShape, other: BodyShape) -> bool:
         """One moves in or on the other: its joint's parent, or what is fixed to that and encloses it."""
         key = (one.body, other.body)
@@ -157,7 +164,7 @@ class _Path:
         reach = ((below.min(axis=0) - pad)[:, None] <= high).all(2)
         reach &= ((above.max(axis=0) + pad)[:, None] >= low).all(2)
         one, other = np.nonzero(reach)
-        least = np.array([_least(moved[i], resting[j]) for i, j in zip(one, other, strict=True)])
+        least = np.full(len(one), TOUCH)  # at least: which are triangles is known once they are made
         meet = np.ones((PARTS, len(one)), dtype=bool)
         if len(self._follows) == 1:
             meet = may_meet(self._way(abs(step) / 2), boxes.where(one), still.where(other), least)
@@ -220,23 +227,30 @@ class _Path:
         return part.joints[coordinate - part.first].type
 
     def followed(self, one: BodyShape, other: BodyShape, end: float, until: float) -> Block | None:
-        """The first position up to `end` at which the two are too deep in each other; none after `until`."""
+        """The first position up to `end` at which the two are too deep in each other; none after `until`.
+
+        Two meshes of triangles that touch where they were fitted together do not tell how deep they are;
+        where they touch elsewhere at the beginning they have to come apart at once.
+        """
         direction, speed = np.sign(end - self._begin), self._speed(one)
         resting = _placed(self._frames(self._begin)[other.joint] * other.pose)
         least = _least(one, other)
-        position, allowed = self._begin, least
+        if least == TOUCH and self._rest.touch(one, other):
+            return None
+        position, allowed, free = self._begin, least, 0.0
         while speed > 0:
             placed = _placed(self._frames(position)[one.joint] * one.pose)
             gap = _gap(one, placed, other, resting)
             if position == self._begin:
                 allowed += REST_FACTOR * self._rest.depth(one, other)
-            if gap < -allowed:
-                return Block(position, -gap, allowed, one.body, other.body)
+                free = 2 * LEAST_STEP if least == TOUCH and gap < -TOUCH else 0.0
+            if gap < -allowed and not (free and position == self._begin):
+                return Block(position, -gap, max(allowed, 0.0), one.body, other.body)
             if position == end or (until - position) * direction <= 0:
                 return None
-            step = max(gap, least / 2, LEAST_STEP) / speed
+            step = max(gap, least / 2, LEAST_STEP, free) / speed
             ahead = position + direction * step
-            position = end if (end - ahead) * direction <= 0 else float(ahead)
+            position, free = end if (end - ahead) * direction <= 0 else float(ahead), 0.0
         return None
 
 
@@ -249,7 +263,8 @@ def _gap(one: BodyShape, one_at: coal.Transform3s, other: BodyShape, other_at: c
 
 def _least(one: BodyShape, other: BodyShape) -> float:
     """[m] How deep the shapes may be in each other, wherever they are."""
-    return min(ALLOWANCE, THIN_SHARE * (one.thickness + other.thickness))
+    solid = [each.thickness for each in (one, other) if not isinstance(each.piece.shape, coal.BVHModelBase)]
+    return min(ALLOWANCE, THIN_SHARE * sum(solid)) if solid else TOUCH
 
 
 def _start(limits: Limits) -> float:

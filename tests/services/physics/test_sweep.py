@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from predicates.case import Answer, Case, Kind, Outcome, Quantity
 from predicates.causes import causes
@@ -141,3 +142,48 @@ def test_a_stop_found_with_outer_shapes_proves_nothing() -> None:
     kinds = {(each.kind, each.proof) for each in verdict.diagnoses}
     assert {(Kind.SEMANTIC, False), (Kind.CAUSAL, False)} <= kinds
     assert True not in {proof for _, proof in kinds}
+
+
+def angle(file: Path, thick: float, wide: float, rim: float, high: float) -> str:
+    """A board of that thickness along x, centred, with a rim at one end of its width: one bent mesh."""
+    x, y = thick / 2, wide / 2
+    ground = [(-x, -y), (x, -y), (x, y), (x + rim, y), (x + rim, y + thick), (-x, y + thick)]
+    corners = [(*point, z) for z in (-high / 2, high / 2) for point in ground]
+    flat = [(0, 1, 2), (0, 2, 5), (2, 3, 4), (2, 4, 5)]
+    sides = [(k, (k + 1) % 6, (k + 1) % 6 + 6) for k in range(6)]
+    sides += [(k, (k + 1) % 6 + 6, k + 6) for k in range(6)]
+    faces = [face[::-1] for face in flat] + [(a + 6, b + 6, c + 6) for a, b, c in flat] + sides
+    trimesh.Trimesh(corners, faces, process=False).export(file)
+    return f'<mesh filename="{file.name}"/>'
+
+
+@pytest.mark.parametrize("bent", [False, True], ids=["boxes", "meshes"])
+def test_a_drawer_does_not_pass_a_wall_that_is_a_bent_mesh(tmp_path: Path, bent: bool) -> None:
+    # Triangles have no thickness: a thin board is never deep in one of them, and two meshes never are.
+    wall = angle(tmp_path / "wall.stl", 0.1, 2.0, 0.3, 2.0)
+    urdf = DRAWER.replace('<box size="{thickness} {thickness} 1"/>', wall).format(at=0.25)
+    if bent:
+        front = angle(tmp_path / "front.stl", 0.018, 0.5, 0.02, 0.2)
+        bar = angle(tmp_path / "bar.stl", 0.01, 0.2, 0.01, 0.01)
+        urdf = urdf.replace('<box size="0.018 0.5 0.2"/>', front).replace('<box size="0.01 0.2 0.01"/>', bar)
+    (tmp_path / "post.urdf").write_text(urdf)
+    twin = load_twin(tmp_path / "post.urdf")
+    answer, drawer = asked(twin, "drawer"), twin.container("drawer")
+    assert not answer.holds
+    assert isinstance(answer.case.final, State)
+    met = 0.2 - 0.055 - (0.01 if bent else 0.0)  # the bar comes to the wall's face, the mesh's rim first
+    at = answer.case.final[drawer.joint]
+    assert met - 1e-6 <= at <= met + 0.006
+    stands = twin.at({drawer.joint: at})
+    assert asked(stands, "drawer", Verb.CLOSE).holds is bent  # nothing begins where it is deep
+    for further in (0.001, 0.01):
+        motion = Motion(drawer.joint, np.array([0.0, 2.0]), np.array([[at], [at + further]]))
+        assert PHYSICS.replay(stands, motion).violations
+
+
+def test_bent_meshes_that_were_fitted_together_slide_on_each_other(tmp_path: Path) -> None:
+    board = angle(tmp_path / "front.stl", 0.018, 0.5, 0.02, 0.2)
+    urdf = DRAWER.replace('<box size="0.018 0.5 0.2"/>', board).format(at=0.0, thickness=0.1)
+    urdf = urdf.replace('<box size="0.1 0.1 1"/>', angle(tmp_path / "rail.stl", 0.6, 0.02, 0.02, 0.02))
+    (tmp_path / "post.urdf").write_text(urdf)
+    assert asked(load_twin(tmp_path / "post.urdf"), "drawer").holds
