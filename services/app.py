@@ -4,10 +4,10 @@
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Final, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 from predicates.case import Answer, Case, Verdict
 from predicates.causes import causes_request
@@ -15,7 +15,6 @@ from predicates.law import law, stored_verdicts
 from predicates.oracle import Embodiment, Physics
 from predicates.record.recall import Recall, nothing_stored
 from predicates.satisfies_request import satisfies_request
-from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, QueryError
 from sdt_kg.iri import Iri
 from sdt_kg.load import load_twin
@@ -23,50 +22,19 @@ from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import UNKNOWN, Task
 from sdt_kg.twin import Twin
 from services.certified import with_motion
+from services.policy import DEFAULT_BUDGET, Policy
 from services.requests import parse_state, parse_task
 
-DEFAULT_BUDGET = 20.0
-"""[s] How long CanPerform searches for one container before it gives up."""
-
-SEEDS: Final = 2**63
-"""How many seeds there are: they are kept as integers of 64 bits."""
-
-
-@dataclass(frozen=True)
-class Policy:
-    """What decides CanPerform beyond twin, robot and task.
-
-    Attributes:
-        drive: How the base moves; None takes the robot's own.
-        base: Start pose x, y [m], yaw [rad]; None takes the kitchen's, turned towards the handle.
-        budget: Seconds of CPU for the search of each container.
-        seed: Of the search.
-        any_start: Whether a body motion that is given may begin anywhere, in any posture.
-        contact: How far a finger may be from the handle that it holds [m]; None takes the certifier's.
-
-    Raises:
-        InputError: A seed or budget that is none, or both a start and none that is demanded.
-    """
-
-    drive: Drive | None = None
-    base: tuple[float, float, float] | None = None
-    budget: float = DEFAULT_BUDGET
-    seed: int = 0
-    any_start: bool = False
-    contact: float | None = None
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.seed < SEEDS:
-            raise InputError(f"a seed of {self.seed}", allowed="a whole number, 0 or more, below 2^63")
-        if not self.budget >= 0:
-            raise InputError(f"a budget of {self.budget:g} s", allowed="0 s or more")
-        if self.any_start and self.base is not None:
-            what = "a start of the base, for a motion that may begin anywhere"
-            raise InputError(what, allowed="one of base and any_start")
-        if self.base is not None:
-            from services.motions.units import check_start  # noqa: PLC0415 - seldom given
-
-            check_start(self.base)
+__all__ = [
+    "DEFAULT_BUDGET",
+    "Forces",
+    "KnowingForces",
+    "Oracles",
+    "Policy",
+    "Service",
+    "load",
+    "whole_body",
+]
 
 
 class Oracles(Protocol):
@@ -102,7 +70,7 @@ class Service:
     """
 
     twin: Twin
-    policy: Policy = Policy()
+    policy: Policy = field(default_factory=Policy)
     recall: Recall = nothing_stored
     oracles: Oracles | None = None
 
@@ -119,7 +87,7 @@ class Service:
             handle_force: [N] Allowed at every handle instead of what the force models say.
 
         Raises:
-            InputError: Other oracles answer that know no forces.
+            InputError: Other oracles answer that know no forces, or the force is none.
             AnnotationError: The file is no force data of this kitchen.
         """
         from services.dynamics.data import with_forces  # noqa: PLC0415 - only where forces are asked about
@@ -180,11 +148,8 @@ class Service:
             return names[name]
         if name in names.values():
             return str(name)
-        raise InputError(
-            f"no loaded robot '{name}'",
-            allowed=", ".join(names) or "none is loaded",
-            remedy="pass it to load()",
-        )
+        what = "no robot is named" if name is None else f"no loaded robot '{name}'"
+        raise InputError(what, allowed=", ".join(names) or "none is loaded", remedy="pass it to load()")
 
     @cached_property
     def physics(self) -> Physics:

@@ -1,11 +1,11 @@
 """The class D that a question is about: on the shell, in a message, in a case of a sweep."""
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
 
 from sdt_kg.errors import InputError, UnknownEntityError
+from services.dynamics.data import check_force
 
 if TYPE_CHECKING:
     from services.app import Service
@@ -36,8 +36,7 @@ class Relative:
         idle = [f"{name} {value}" for name, value in given.items() if value is not None]
         if idle and self.tee != "d_artic_dyn":
             raise InputError(f"{idle[0]} says nothing to {self.tee}", allowed="with tee d_artic_dyn only")
-        if self.handle_force is not None and not 0 < self.handle_force < math.inf:
-            raise InputError(f"a handle_force of {self.handle_force:g} N", allowed="more than 0, and finite")
+        check_force(self.handle_force)
 
     def of(self, service: "Service") -> "Service":
         """The service, asked relative to this class.

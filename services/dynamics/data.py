@@ -4,6 +4,7 @@ Force data are no part of a kitchen's own annotation: verdicts of D_artic do not
 their IRIs whatever is measured later.
 """
 
+import math
 from pathlib import Path
 
 import pyoxigraph as ox
@@ -11,7 +12,7 @@ import pyoxigraph as ox
 import kitchens
 import robots
 from sdt_kg.entities import Replacement
-from sdt_kg.errors import AnnotationError
+from sdt_kg.errors import AnnotationError, InputError
 from sdt_kg.iri import SDT, Iri, local_name
 from sdt_kg.store import Triple
 from sdt_kg.twin import Twin
@@ -33,6 +34,7 @@ def with_forces(twin: Twin, file: Path | None = None, handle_force: float | None
         AnnotationError: The file is not Turtle, has blank nodes, or speaks of another kitchen.
         GraphError: It uses a property that `sdt.ttl` does not have, or one twice.
     """
+    check_force(handle_force)
     for robot in twin.robots:
         twin = _with_efforts(twin, robot)
     chosen = file or _bundled(twin)
@@ -42,6 +44,16 @@ def with_forces(twin: Twin, file: Path | None = None, handle_force: float | None
     _check(twin, chosen, triples)
     note = f"force data of {chosen.name}"
     return _allowing(twin.rewritten(Replacement(twin.environment, frozenset(), triples, note)), handle_force)
+
+
+def check_force(handle_force: float | None) -> None:
+    """A force [N] that may be allowed at handles.
+
+    Raises:
+        InputError: It is none.
+    """
+    if handle_force is not None and not 0 < handle_force < math.inf:
+        raise InputError(f"a handle_force of {handle_force:g} N", allowed="more than 0, and finite")
 
 
 def _allowing(twin: Twin, handle_force: float | None) -> Twin:

@@ -12,7 +12,7 @@ from predicates.record.inputs import ANY_START, START_INPUT, UNKNOWN_INPUT
 from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import ID, LAW, Iri, local_name
 from sdt_kg.scope import D_ARTIC
-from services.embodiment.certify.tolerances import USUAL_CONTACT
+from services.policy import USUAL_CONTACT
 from services.why.words import Section, in_capitals, moved, reasons, versions, with_unit
 
 PREDICATES = {

@@ -5,7 +5,8 @@ import math
 import pytest
 
 from sdt_kg.errors import InputError
-from services.app import SEEDS, Policy, load
+from services.app import Policy, load
+from services.policy import SEEDS
 
 
 def test_a_start_and_any_start_contradict_each_other() -> None:
@@ -25,6 +26,24 @@ def test_a_seed_is_an_integer_that_can_be_kept(seed: int) -> None:
     assert Policy(seed=SEEDS - 1).seed == SEEDS - 1
     with pytest.raises(InputError, match=f"a seed of {seed}; allowed: a whole number, 0 or more"):
         Policy(seed=seed)
+
+
+@pytest.mark.parametrize("contact", [-0.001, 0.11, math.nan])
+def test_nothing_is_held_from_farther_than_a_hand(contact: float) -> None:
+    assert Policy(contact=0.1).contact == 0.1
+    with pytest.raises(InputError, match=r"allowed: 0 to 0\.1 m"):
+        Policy(contact=contact)
+
+
+def test_a_drive_is_a_drive() -> None:
+    with pytest.raises(InputError, match=r"'omni' is no Drive; allowed: Drive\.OMNI"):
+        Policy(drive="omni")  # pyright: ignore[reportArgumentType]  # as somebody may type it
+
+
+@pytest.mark.parametrize("force", [-1.0, 0.0, math.inf])
+def test_a_force_that_is_none_is_allowed_nowhere(force: float) -> None:
+    with pytest.raises(InputError, match="a handle_force of"):
+        load("b").with_forces(handle_force=force)
 
 
 @pytest.mark.parametrize("budget", [-1.0, math.nan])

@@ -37,6 +37,7 @@ from services.commands.output import write_file
 from services.commands.show import progress
 from services.commands.verdicts import told
 from services.motions import read_motion, write_motion
+from services.policy import MOST_CONTACT
 from services.relative import in_class
 from services.requests import parse_base, parse_task
 
@@ -61,7 +62,7 @@ if TYPE_CHECKING:
 @click.option(
     "--contact-tolerance",
     "contact",
-    type=FiniteRange(min=0, max=0.1),
+    type=FiniteRange(min=0, max=MOST_CONTACT),
     metavar="M",
     help="How far a finger may be from the handle that it holds; without it 0.002.",
 )

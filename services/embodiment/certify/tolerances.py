@@ -4,11 +4,7 @@ import math
 from dataclasses import dataclass, fields
 
 from sdt_kg.errors import InputError
-
-USUAL_CONTACT = 0.002
-"""[m] How far a finger may be from the handle that it holds, unless somebody asks for something else."""
-MOST_CONTACT = 0.1
-"""[m] More than anybody may ask for: farther from a handle than that nothing is held."""
+from services.policy import USUAL_CONTACT
 
 
 @dataclass(frozen=True, slots=True)

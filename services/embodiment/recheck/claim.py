@@ -12,8 +12,9 @@ from sdt_kg.iri import local_name
 from sdt_kg.task import UNKNOWN, Task
 from services.embodiment.certify.asked import OFF
 from services.embodiment.certify.certificate import Certificate, Figures, models_of
-from services.embodiment.certify.tolerances import MOST_CONTACT, Tolerances
+from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.recheck.embodiment import Certifier
+from services.policy import MOST_CONTACT
 
 SAME_FIGURE = 1e-6
 """Relative, or absolute below 1: what may differ by the last bits of another processor."""

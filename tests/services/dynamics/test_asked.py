@@ -9,6 +9,7 @@ from services.compute.run import Loaded
 from services.judging.codec import JSON
 from services.judging.jobs import Done, Task
 from services.judging.judge import Judge
+from services.judging.loaded import models_of
 from services.judging.problems import Problem, ProblemType
 
 pytestmark = pytest.mark.oracle
@@ -18,7 +19,8 @@ DRAWER = "open:sink_area_left_middle_drawer_main"
 
 @pytest.fixture(scope="module")
 def judge() -> Judge:
-    return Judge({"b": load("b")}, Loaded(("b",), ()))
+    kitchen = load("b")
+    return Judge({"b": kitchen}, Loaded(("b",), ()), models_of([kitchen.twin]))
 
 
 def caused(judge: Judge, **request: object) -> Done | Problem:

@@ -1,0 +1,62 @@
+"""What decides CanPerform beyond twin, robot and task."""
+
+from dataclasses import dataclass
+from typing import Final
+
+from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError
+
+DEFAULT_BUDGET: Final = 20.0
+"""[s] How long CanPerform searches for one container before it gives up."""
+
+SEEDS: Final = 2**63
+"""How many seeds there are: they are kept as integers of 64 bits."""
+
+
+USUAL_CONTACT: Final = 0.002
+"""[m] How far a finger may be from the handle that it holds, unless somebody asks for something else."""
+
+MOST_CONTACT: Final = 0.1
+"""[m] More than anybody may ask for: farther from a handle than that nothing is held."""
+
+
+@dataclass(frozen=True)
+class Policy:
+    """How the robot moves, where it starts, and how long is searched.
+
+    Attributes:
+        drive: How the base moves; None takes the robot's own.
+        base: Start pose x, y [m], yaw [rad]; None takes the kitchen's, turned towards the handle.
+        budget: Seconds of CPU for the search of each container.
+        seed: Of the search.
+        any_start: Whether a body motion that is given may begin anywhere, in any posture.
+        contact: How far a finger may be from the handle that it holds [m]; None takes the certifier's.
+
+    Raises:
+        InputError: A drive, seed, budget or tolerance that is none, or a start where none is demanded.
+    """
+
+    drive: Drive | None = None
+    base: tuple[float, float, float] | None = None
+    budget: float = DEFAULT_BUDGET
+    seed: int = 0
+    any_start: bool = False
+    contact: float | None = None
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.seed < SEEDS:
+            raise InputError(f"a seed of {self.seed}", allowed="a whole number, 0 or more, below 2^63")
+        if not self.budget >= 0:
+            raise InputError(f"a budget of {self.budget:g} s", allowed="0 s or more")
+        if self.drive is not None and not isinstance(self.drive, Drive):
+            raise InputError(f"'{self.drive}' is no Drive", allowed=", ".join(map(str, Drive)))
+        if self.contact is not None and not 0 <= self.contact <= MOST_CONTACT:
+            what = f"a finger may be {self.contact:g} m from what it holds"
+            raise InputError(what, allowed=f"0 to {MOST_CONTACT:g} m")
+        if self.any_start and self.base is not None:
+            what = "a start of the base, for a motion that may begin anywhere"
+            raise InputError(what, allowed="one of base and any_start")
+        if self.base is not None:
+            from services.motions.units import check_start  # noqa: PLC0415 - seldom given
+
+            check_start(self.base)
