@@ -19,6 +19,8 @@ MEMORY: Final = 2_000_000_000
 PATIENCE: Final = 60
 """[s] Until a process that waits for something is given up."""
 
+BY_HAND: Final = "run xacro on it by hand, with its arguments: xacro FILE NAME:=VALUE > FILE.urdf"
+
 SCRIPT: Final = Path(__file__).with_name("expanding.py")
 
 
@@ -52,10 +54,10 @@ def expanded(path: Path) -> bytes:
         raise UrdfError(
             f"{path}: {wrong}",
             allowed="files below that folder, which is the one with package.xml if there is one",
-            remedy="put it there, or run xacro on it by hand",
+            remedy=f"put it there, or {BY_HAND}",
         )
     if wrong:
-        raise UrdfError(f"{path}: xacro says: {wrong}", remedy="run xacro on it by hand")
+        raise UrdfError(f"{path}: xacro says: {wrong}", remedy=BY_HAND)
     return document
 
 

@@ -114,3 +114,10 @@ def test_a_path_with_umlauts_is_read_whatever_the_locale(
     path.parent.mkdir()
     path.write_text(f"{HEAD}<!-- Tür -->{''.join(DRAWER)}</robot>", encoding="utf-8")
     assert read_mechanism(path).name == "große"
+
+
+def test_a_xacro_that_wants_an_argument_says_how_to_give_it(tmp_path: Path) -> None:
+    path = tmp_path / "my.xacro"
+    path.write_text(f'{HEAD}<xacro:arg name="side"/>{"".join(DRAWER)}</robot>', encoding="utf-8")
+    with pytest.raises(UrdfError, match=r"with its arguments: xacro FILE NAME:=VALUE > FILE.urdf"):
+        read_mechanism(path)
