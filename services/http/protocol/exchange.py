@@ -1,6 +1,7 @@
 """Reading requests strictly and answering them: shared by the two protocols."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from difflib import get_close_matches
 from typing import get_origin
 from urllib.parse import parse_qsl
 
@@ -10,6 +11,7 @@ from starlette.responses import Response
 
 from services.http.problems import RefusedError
 from services.http.protocol.negotiate import accepted, called
+from services.judging.messages import ALIKE
 from services.store.workers import Answered
 from services.store.workers.evaluate import GRAPHS
 
@@ -40,6 +42,19 @@ def single(parameters: Pairs, name: str) -> str | None:
     if len(values) > 1:
         raise RefusedError(400, f"there are {len(values)} parameters '{name}'", allowed="one")
     return values[0] if values else None
+
+
+def check_spelling(parameters: Iterable[tuple[str, str]], known: Sequence[str]) -> None:
+    """No parameter is left out because its name is misspelled; clients may have others of their own.
+
+    Raises:
+        RefusedError: One looks like one of these.
+    """
+    for name in {name for name, _ in parameters}.difference(known):
+        for near in get_close_matches(name, known, n=1, cutoff=ALIKE):
+            raise RefusedError(
+                400, f"there is no parameter '{name[:100]}'", allowed=f"did you mean '{near}'?"
+            )
 
 
 async def check_parameters(request: Request) -> None:

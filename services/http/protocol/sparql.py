@@ -1,7 +1,5 @@
 """`/sparql`: SPARQL 1.1 Protocol, the query operation; an update is refused, as the text allows."""
 
-from difflib import get_close_matches
-
 from starlette.requests import Request
 from starlette.responses import Response
 
@@ -11,13 +9,13 @@ from services.http.protocol.describe import description
 from services.http.protocol.exchange import (
     Pairs,
     check_acceptable,
+    check_spelling,
     own_url,
     pairs,
     query_string,
     respond,
     single,
 )
-from services.judging.messages import ALIKE
 from services.store.workers import Asked, Workers
 from services.store.workers.evaluate import GRAPHS, TABLES
 
@@ -38,7 +36,7 @@ async def sparql(request: Request) -> Response:
             return await description(request)
     else:
         text, url = await _posted(request, url)
-    _check_spelling(url)
+    check_spelling(url, (DEFAULT, NAMED))
     taken = check_acceptable(request, (*TABLES, *GRAPHS))
     answered = await workers.ask(
         Asked(
@@ -97,15 +95,6 @@ def _query_of(parameters: Pairs, *, posted: bool = False) -> str | None:
     if updating:
         raise RefusedError(403, "this endpoint does no updates", remedy=NO_UPDATE)
     return single(parameters, "query")
-
-
-def _check_spelling(parameters: Pairs) -> None:
-    """No graph is left out because its parameter is misspelled; other parameters are those of clients."""
-    for name in {name for name, _ in parameters} - {DEFAULT, NAMED}:
-        for near in get_close_matches(name, (DEFAULT, NAMED), n=1, cutoff=ALIKE):
-            raise RefusedError(
-                400, f"there is no parameter '{name[:100]}'", allowed=f"did you mean '{near}'?"
-            )
 
 
 def _graphs(parameters: Pairs, name: str) -> tuple[Iri, ...]:

@@ -6,6 +6,7 @@ import re
 from urllib.parse import urlencode
 
 import pyoxigraph as ox
+import pytest
 
 from services.http.pages.graph.console import examples, with_prefixes
 from services.http.world import lines
@@ -53,6 +54,19 @@ def test_the_state_of_a_view_is_in_its_address(served) -> None:
     assert 'value="low_drawer=open"' in text
     assert "No container stands like that." in text
     assert re.search(r'href="(/kitchens/a\.csv\?[^"]*)"', text)[1].count("&amp;") == 2
+
+
+@pytest.mark.parametrize(
+    ("path", "near"),
+    [
+        ("/kitchens/a.json?drve=fixed", "drive"),
+        ("/kitchens/a/containers.csv?states=all%3Dopen", "state"),
+        ("/verdicts.csv?outcom=certified", "outcome"),
+    ],
+)
+def test_a_misspelled_part_of_an_address_is_no_other_question(served, path: str, near: str) -> None:
+    answer = served.get(path)
+    assert (answer.status_code, answer.json()["allowed"]) == (400, f"did you mean '{near}'?")
 
 
 def test_a_verdict_page_has_its_answers_reasons_evidence_and_provenance(served) -> None:

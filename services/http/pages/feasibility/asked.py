@@ -14,6 +14,7 @@ from sdt_kg.task import Verb
 from sdt_kg.twin import Twin
 from services.http.kitchens import Kitchen
 from services.http.pages.asking import Wish
+from services.http.protocol.exchange import check_spelling
 from services.http.world import World
 
 T = TypeVar("T")
@@ -58,13 +59,14 @@ def asked_of(request: Request, world: World) -> Asked:
     """What the URL asks about.
 
     Raises:
-        InputError: No such kitchen, task, drive, class or state.
+        InputError: No such kitchen, task, drive, class or state, or one of these words misspelled.
     """
     return asked_about(world.kitchen(request.path_params["kitchen"]), request.query_params.multi_items())
 
 
 def asked_about(kitchen: Kitchen, fields: Sequence[tuple[str, str]]) -> Asked:
     """What the fields of a URL or form ask: task, drive, class, state."""
+    check_spelling(fields, ("task", "drive", "class", "state"))
     wanted = dict(fields)
     states = tuple(each for name, text in fields if name == "state" for each in text.split())
     verbs, drives = {each.value: each for each in Verb}, {each.value: each for each in Drive}

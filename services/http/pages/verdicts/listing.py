@@ -13,6 +13,7 @@ from services.http.api.read import OUTCOMES, SPELLED
 from services.http.pages.kinds import standings
 from services.http.pages.stored import rows
 from services.http.pages.view import Json, View, here, sorted_by
+from services.http.protocol.exchange import check_spelling
 from services.http.world import World
 
 PAGE: Final = 200
@@ -28,6 +29,7 @@ FILTERS: Final = ("kitchen", "robot", "container", "task", "outcome")
 async def listing(request: Request) -> View:
     """Verdicts by kitchen, container and robot, from where the page before ended."""
     world: World = request.app.state.world
+    check_spelling(request.query_params.multi_items(), FILTERS)
     wanted = {name: request.query_params.get(name, "").strip() for name in FILTERS}
     after = request.query_params.get("after", "")
     by = sorted_by(request, SORTS)
