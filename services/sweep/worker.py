@@ -10,7 +10,9 @@ from pathlib import Path
 
 from predicates.case import Verdict
 from predicates.oracle import Embodiment, Physics
+from predicates.questions import questions
 from predicates.record import to_json, to_record
+from predicates.record.inputs import inputs_of, verdict_iri
 from predicates.record.recall import Recall
 from sdt_kg.entities import Entities
 from sdt_kg.errors import SdtError
@@ -23,6 +25,8 @@ from services.sweep.cell import Cell, CellResult, Found, Unjudged
 
 TWINS_KEPT = 16
 """Kitchens with a robot that a worker keeps."""
+OF_OTHERS = "its worker has other models, or another version: start it again"
+"""Why there is no verdict though a worker gave one."""
 SERVICES_KEPT = 8
 """Combinations of kitchen, robot, state and policy whose scenes a worker keeps."""
 
@@ -100,6 +104,19 @@ def stored_verdict(cell: Cell, recall: Recall) -> Verdict | None:
     """The same, as a value."""
     verdicts = replace(service_of(cell), recall=recall).stored(cell.task)
     return None if verdicts is None else verdicts[0]
+
+
+def as_asked(found: Found) -> Found:
+    """What a worker elsewhere found, if it is about what is asked here; else no verdict.
+
+    It may have read other files at the same paths, or be of another version.
+    """
+    if not isinstance(found, CellResult):
+        return found
+    service = service_of(found.cell)
+    (question,) = questions(service.case(found.cell.task, None), service.physics, service.embodiment)
+    asked = verdict_iri(inputs_of(question.asked, service.physics, service.embodiment))
+    return found if found.record.verdict == asked else Unjudged(found.cell, OF_OTHERS)
 
 
 def service_of(cell: Cell) -> Service:

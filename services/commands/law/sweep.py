@@ -32,7 +32,7 @@ from services.sweep.plan import Axes, Plan, classes, grid, policies
 from services.sweep.run import run
 from services.sweep.sources import Listed, csv_rows, query_rows
 from services.sweep.summary import OUTCOMES, Kept, Summary
-from services.sweep.worker import stored, twin_of
+from services.sweep.worker import as_asked, stored, twin_of
 
 
 @click.command()
@@ -251,7 +251,8 @@ def _swept(
     """Every case judged or found, each kept before it is counted."""
     summary, kept = Summary(), Kept(saved)
     with progress("sweep", plan.total) as bar:
-        for found in run(plan.cells, engine, recall):
+        for each in run(plan.cells, engine, recall):
+            found = each if engine.copies else as_asked(each)
             kept.add(found)
             if rows is not None:
                 rows.add(found)

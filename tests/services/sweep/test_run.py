@@ -5,6 +5,7 @@ import os
 import signal
 from collections.abc import Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import replace
 from functools import partial
 from itertools import count, islice
 from pathlib import Path
@@ -19,7 +20,7 @@ from services.sweep.engines import Engine, processes
 from services.sweep.handed import AHEAD, each, each_or_lost
 from services.sweep.run import run
 from services.sweep.waiting import MOST_TOGETHER, Waiting
-from services.sweep.worker import service_of
+from services.sweep.worker import OF_OTHERS, as_asked, judge, service_of
 from tests.services.sweep.judging import cell, obedient
 from tests.small import FOLDER
 
@@ -67,6 +68,26 @@ def _begun_in(folder: Path, number: int) -> int:
     if number == 0 and first:
         os.kill(os.getpid(), signal.SIGKILL)
     return number
+
+
+def test_a_verdict_about_other_models_is_none_about_the_case(tmp_path: Path) -> None:
+    # As a worker elsewhere may give, which read its files earlier, or has others at the same paths.
+    (tmp_path / "b.urdf").write_text((FOLDER / "b.urdf").read_text().replace('upper="0.5"', 'upper="0.4"', 1))
+    ours, theirs = (
+        Cell(
+            str(folder / "b.urdf"),
+            str(FOLDER / "pr2.urdf"),
+            "open:top_drawer",
+            ("top_drawer=open",),
+            Policy(),
+        )
+        for folder in (FOLDER, tmp_path)
+    )
+    found = judge(theirs)
+    assert as_asked(found) is found
+    assert isinstance(found, CellResult)
+    assert as_asked(replace(found, cell=ours)) == Unjudged(ours, OF_OTHERS)
+    assert as_asked(Unjudged(ours, "why")) == Unjudged(ours, "why")
 
 
 def test_a_worker_that_fails_is_no_verdict_and_no_end() -> None:
