@@ -7,7 +7,7 @@ nothing is jumped over; while touching, by steps shorter than the allowance.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
@@ -90,8 +90,10 @@ class Sweep:
         path = _Path(self._model, self._rest, state, active, end)
         found: Block | None = None
         for one, other, until in path.near(self._shapes):
-            block = path.followed(one, other, end if found is None else found.position, until)
-            found = block or found
+            found = path.followed(one, other, end if found is None else found.position, until) or found
+        for one, other in path.together(self._shapes):
+            until = end if found is None else found.position
+            found = path.followed(one, other, until, until) or found
         return found
 
 
@@ -174,6 +176,17 @@ class _Path:
                 until = self._end if last == PARTS else self._begin + step * last
                 yield moved[one[n]], resting[other[n]], until
 
+    def together(self, shapes: Sequence[BodyShape]) -> Iterator[tuple[BodyShape, BodyShape]]:
+        """Pairs of shapes that move, each in its own way, as two leaves do of which one follows the other."""
+        if len(self._follows) == 1:
+            return
+        supports = self._model.model.supports
+        ways = [frozenset(self._follows.intersection(supports[each.joint].tolist())) for each in shapes]
+        moved = [(each, way) for each, way in zip(shapes, ways, strict=True) if way]
+        for (one, way), (other, another) in combinations(moved, 2):
+            if way != another and not (self._rest.bears(one, other) or self._rest.bears(other, one)):
+                yield one, other
+
     def _way(self, half: float) -> Way:
         """The way of the only joint that moves, whose axis rests."""
         (joint,) = self._follows
@@ -226,21 +239,25 @@ class _Path:
         part = self._model.part
         return part.joints[coordinate - part.first].type
 
+    def _placed(self, one: BodyShape, position: float) -> coal.Transform3s:
+        """Where a shape is with the actuated joint at a position."""
+        return _placed(self._frames(position)[one.joint] * one.pose)
+
     def followed(self, one: BodyShape, other: BodyShape, end: float, until: float) -> Block | None:
         """The first position up to `end` at which the two are too deep in each other; none after `until`.
 
         Two meshes of triangles that touch where they were fitted together do not tell how deep they are;
         where they touch elsewhere at the beginning they have to come apart at once.
         """
-        direction, speed = np.sign(end - self._begin), self._speed(one)
-        resting = _placed(self._frames(self._begin)[other.joint] * other.pose)
+        direction, speed = np.sign(end - self._begin), self._speed(one) + self._speed(other)
+        moves, against = other.joint in self._moving, self._placed(other, self._begin)
         least = _least(one, other)
         if least == TOUCH and self._rest.touch(one, other):
             return None
         position, allowed, free = self._begin, least, 0.0
         while speed > 0:
-            placed = _placed(self._frames(position)[one.joint] * one.pose)
-            gap = _gap(one, placed, other, resting)
+            against = self._placed(other, position) if moves else against
+            gap = _gap(one, self._placed(one, position), other, against)
             if position == self._begin:
                 allowed += REST_FACTOR * self._rest.depth(one, other)
                 free = 2 * LEAST_STEP if least == TOUCH and gap < -TOUCH else 0.0

@@ -187,3 +187,21 @@ def test_bent_meshes_that_were_fitted_together_slide_on_each_other(tmp_path: Pat
     urdf = urdf.replace('<box size="0.1 0.1 1"/>', angle(tmp_path / "rail.stl", 0.6, 0.02, 0.02, 0.02))
     (tmp_path / "post.urdf").write_text(urdf)
     assert asked(load_twin(tmp_path / "post.urdf"), "drawer").holds
+
+
+@pytest.mark.parametrize(("way", "meet"), [(-1.0, True), (1.0, False)])
+def test_two_leaves_of_which_one_follows_the_other_do_not_go_through_each_other(
+    tmp_path: Path, way: float, meet: bool
+) -> None:
+    leaf = '<link name="leaf"><collision><geometry><box size="0.02 0.5 0.2"/></geometry></collision></link>'
+    follows = f"""<joint name="leaf_joint" type="prismatic"><origin xyz="0.4 0 0"/><parent link="world"/>
+    <child link="leaf"/><axis xyz="1 0 0"/><limit lower="-1" upper="1" velocity="1" effort="1"/>
+    <mimic joint="drawer_joint" multiplier="{way}"/></joint>"""
+    urdf = DRAWER.format(at=2.0, thickness=0.1).replace("</robot>", f"{leaf}{follows}</robot>")
+    (tmp_path / "post.urdf").write_text(urdf)
+    answer = asked(load_twin(tmp_path / "post.urdf"), "drawer")
+    assert answer.holds is not meet
+    if meet:
+        assert answer.diagnoses[0].evidence is not None
+        assert answer.diagnoses[0].evidence.links is not None
+        assert "leaf" in "".join(answer.diagnoses[0].evidence.links)
