@@ -1,7 +1,7 @@
 """Where a moving part of the kitchen meets the rest of it.
 
-The container stops where it meets another body. Each pair of a moved and a resting shape is followed
-from the present state outwards: while apart, by steps no longer than their distance allows, so that
+The container stops where it meets another body, or where two bodies meet that move each in its own way.
+Each pair of shapes is followed from the present state outwards: while apart, by steps no longer than their distance allows, so that
 nothing is jumped over; while touching, by steps shorter than the allowance.
 """
 
@@ -77,7 +77,7 @@ class Sweep:
         """Where the actuated joint is stopped on its way from the state to `end`, or None.
 
         Bodies that one joint joins are left out: rails lie in their own cabinets. So are those
-        that move with the joint.
+        that move with it in the same way.
         """
         key = (state, active, end)
         if key not in self._known:
