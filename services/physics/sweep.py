@@ -1,8 +1,8 @@
 """Where a moving part of the kitchen meets the rest of it.
 
 The container stops where it meets another body, or where two bodies meet that move each in its own way.
-Each pair of shapes is followed from the present state outwards: while apart, by steps no longer than their distance allows, so that
-nothing is jumped over; while touching, by steps shorter than the allowance.
+Each pair of shapes is followed from the present state outwards: while apart, by steps no longer than their
+distance allows, so that nothing is jumped over; while touching, by steps shorter than the allowance.
 """
 
 from collections.abc import Iterator, Sequence
