@@ -1,5 +1,6 @@
 """The first annotation of a robot, whole."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -7,7 +8,7 @@ from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.describe import guessed, turtle
 from sdt_kg.urdf import read_mechanism
 from services.describing.parking import parked
-from services.describing.touching import touching
+from services.describing.touching import ALWAYS, Pair, touching
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,5 +33,16 @@ def describe(urdf: Path) -> Described:
     mechanism = read_mechanism(urdf)
     robot = guessed(mechanism)
     why = touching(mechanism, robot)
-    robot = parked(urdf, replace(robot, allowed_contacts=robot.allowed_contacts | why.keys()))
+    allowed = robot.allowed_contacts | why.keys()
+    notes = (*robot.notes, *_of_pairs(len(allowed), why))
+    robot = parked(urdf, replace(robot, allowed_contacts=allowed, notes=notes))
     return Described(robot, turtle(robot, urdf.name, why), (*mechanism.notes, *robot.notes))
+
+
+def _of_pairs(count: int, why: Mapping[Pair, str]) -> Iterator[str]:
+    """How many pairs may touch, and which of them do not do so always."""
+    if not count:
+        return
+    some = sorted(" with ".join(sorted(pair)) for pair, reason in why.items() if reason != ALWAYS)
+    rest = f"; these do not touch always: {', '.join(some)}" if some else ""
+    yield f"check: nobody sees contact of {count} pairs of bodies (sdt:mayTouch, each with its reason){rest}"

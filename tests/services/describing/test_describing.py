@@ -3,6 +3,7 @@
 import re
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -65,7 +66,28 @@ def test_each_allowed_pair_has_its_reason() -> None:
     mechanism = read_mechanism(bundled("robot", "stretch"))
     why = touching(mechanism, guessed(mechanism))
     assert len(why) > 5
-    assert all(reason.startswith(("touch in", "parts of a telescope")) for reason in why.values())
+    assert all(reason.startswith(("touch ", "parts of a telescope")) for reason in why.values())
+
+
+SPAN = '<limit lower="-3.1" upper="3.1" velocity="1" effort="1"/>'
+
+
+@pytest.mark.parametrize(("offset", "allowed"), [(0.2, False), (0.05, True)])
+def test_a_hand_that_bends_back_onto_its_arm_collides_and_one_in_its_fork_does_not(
+    tmp_path: Path, offset: float, allowed: bool
+) -> None:
+    box = '<collision><geometry><box size="0.18 0.18 0.18"/></geometry></collision>'
+    joints = "".join(
+        f'<joint name="j{k}" type="revolute"><parent link="b{k}"/><child link="b{k + 1}"/>'
+        f'<origin xyz="{offset / 2} 0 0"/><axis xyz="{axis}"/>{SPAN}</joint>'
+        for k, axis in enumerate(("0 0 1", "0 1 0"))
+    )
+    arm = f'<link name="b0">{box}</link><link name="b1"/><link name="b2">'
+    arm += box.replace("<collision>", f'<collision><origin xyz="{offset / 2} 0 0"/>') + "</link>"
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{arm}{joints}</robot>', encoding="utf-8")
+    mechanism = read_mechanism(tmp_path / "arm.urdf")
+    robot = replace(guessed(mechanism), held=(), acceleration={"j0": 1.0, "j1": 1.0})
+    assert (frozenset(("b0", "b2")) in touching(mechanism, robot)) is allowed
 
 
 def test_describe_says_what_it_guessed(tmp_path: Path, sdt: Callable[..., Done]) -> None:
@@ -79,6 +101,9 @@ def test_describe_says_what_it_guessed(tmp_path: Path, sdt: Callable[..., Done])
         in done.out
     )
     assert "check: the arm of gripper 'gripper' is parked" in done.out
+    assert re.search(
+        "check: nobody sees contact of [0-9]+ pairs .*: .*link_arm_l0 with link_arm_l4", done.out
+    )
     assert sdt("doctor", "--kitchen", "b", "--robot", str(path)).code == 0
 
 
