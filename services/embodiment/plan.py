@@ -110,13 +110,14 @@ class Planner:
     def _spread(self, effort: Effort | None) -> Iterator[Planned]:
         """Plans from holdings of more grasps, listed or else bred, that many postures find together.
 
-        A base that moves needs no others where some have no approach, but ways to them. Proofs about holds
-        come before bred ones, or after them where the base stands: there they take longer.
+        A base that found no way to one needs no others, but ways. Proofs about holds come before bred ones,
+        or after them where the base stands: there they take longer.
         """
         stands = self.setting.drive is Drive.FIXED
         if effort is None and not stands:
             self._prove_of_holds()
-        for attempt in self.attempts if stands or self.holdings <= self.refused else ():
+        shut = not stands and any(one.stage == "drive" for one in self.blocked)
+        for attempt in () if shut else self.attempts:
             if not self.proofs.ended and not self.late():
                 found = attempt.breed(self.late) if effort is None else attempt.spread(self.late, effort)
                 yield from self._of(attempt, found)

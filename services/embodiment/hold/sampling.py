@@ -147,7 +147,8 @@ class Sampler:
     def _found(self, effort: Effort) -> dict[int, Layer]:
         """Free postures at waypoints where some are found, by the share of seeds that lead to them.
 
-        None at all where no seed leads to the handle at some waypoint.
+        None at all where no seed leads to the handle at some waypoint. Where little is looked at, the last is
+        looked at first: mostly it is the narrow one, and the only one if some are found there.
         """
         every, solved = np.arange(len(self.opened)), dict[int, int]()
         found, share = dict[int, Layer](), dict[int, float]()
@@ -158,12 +159,17 @@ class Sampler:
             found[index] = both(found[index], layer) if index in found else layer
             solved[index] = solved.get(index, 0) + self.searcher.tally.solved - before
 
+        if quick := effort.first < effort.batches:
+            look(self.last, effort.enough, effort.batches)
+            if len(found[self.last].xs) >= effort.enough:
+                return found
         for index in np.linspace(0, self.last, LOOKED_AT).astype(int).tolist()[::-1]:
-            look(index, ENOUGH, effort.first)
-            if self.late() or not (solved[index] or effort.first < effort.batches):
+            if index not in found:
+                look(index, ENOUGH, effort.first)
+            if self.late() or not (solved[index] or quick):
                 return {}
         narrow = min(found, key=lambda index: share[index])
-        if effort.first < effort.batches and len(found[narrow].xs) < effort.enough:
+        if quick and narrow != self.last and len(found[narrow].xs) < effort.enough:
             look(narrow, effort.enough, effort.batches)
         free = sorted((one for one in found if len(found[one].xs)), key=lambda index: share[index])
         return {index: found[index] for index in free} if all(solved.values()) else {}

@@ -5,11 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from predicates.case import Outcome
+from sdt_kg.annotation import Drive
+from services.app import Policy, load
 from services.embodiment.body.track import JUMP
 from services.embodiment.hold.fit import Fitter, Opened
 from services.embodiment.hold.grasp import FIRST_WIDE, grasp_set, wide_set
 from services.embodiment.hold.handle import Bar
-from services.embodiment.hold.sampling import FULL, QUICK, Effort, Sampler
+from services.embodiment.hold.holding import SEEDS
+from services.embodiment.hold.sampling import FULL, LOOKED_AT, QUICK, Effort, Sampler
 from services.embodiment.hold.spread import Spreader
 from tests.services.embodiment.front import front
 
@@ -20,6 +24,8 @@ FRONT = 14
 OPEN = 1.472  # [rad]
 BARELY = 42
 """A front of whose grasps some leave a finger less than 3 mm over the bar."""
+NO_ROOM = 12
+"""A seed of the search with which the first holding that is found leaves no room to fold the arm."""
 
 
 def searched(folder: Path, base: tuple[float, float, float], effort: Effort = FULL) -> Spreader:
@@ -71,6 +77,12 @@ def test_a_hand_is_closed_only_in_grasps_that_a_posture_was_found_for(tmp_path: 
     assert 0 < len(closed) < len(opened) / 2
 
 
+def test_where_little_is_looked_at_postures_of_the_last_value_are_enough(tmp_path: Path) -> None:
+    spreader = searched(tmp_path, (0.0, 0.0, 0.0), QUICK)
+    next(spreader.holdings())
+    assert 0 < spreader.searcher.tally.seeds < LOOKED_AT * QUICK.first * SEEDS
+
+
 def test_grasps_whose_fingers_do_not_reach_over_the_bar_do_not_fit(tmp_path: Path) -> None:
     one = front(tmp_path, BARELY, "stretch", 61)
     opened = one.fitter.wide(lambda: False)
@@ -92,3 +104,9 @@ def test_the_wide_set_has_other_numbers_and_closes_across_the_bar() -> None:
         np.testing.assert_allclose(one.rotation.T @ one.rotation, np.eye(3), atol=1e-12)
         assert abs(one.rotation[:, 1] @ bar.along) < 1e-12
     assert max(abs(one.rotation[:, 0] @ bar.along) for one in wide) > np.sin(np.radians(79))
+
+
+def test_where_there_is_no_room_to_come_to_one_holding_others_are_looked_for() -> None:
+    service = load("a", ["pr2"], policy=Policy(Drive.OMNI, seed=NO_ROOM))
+    (verdict,) = service.achieve("open:cabinet7_door_bottom_left")
+    assert verdict.outcome is Outcome.CERTIFIED
