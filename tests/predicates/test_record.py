@@ -21,6 +21,7 @@ KEYS = [
     "robot",
     "task",
     "container",
+    "state",
     "outcome",
     "satisfies_request",
     "causes",
@@ -177,6 +178,7 @@ def test_another_state_is_another_question() -> None:
     elsewhere = TWIN.at({TWIN.container("side_door").joint: 0.1})
     (made,) = law(Case(elsewhere, robot=TWIN.robots[0], task=task), Kinematics(), Lift())
     assert made.iri != verdict().iri
+    assert (to_json(made)["state"], to_json(verdict())["state"]) == ({"side_door_joint": 0.1}, {})
 
 
 def test_json_has_the_keys_of_sdt_achieve_and_names_instead_of_iris() -> None:
