@@ -22,6 +22,7 @@ KEYS = [
     "task",
     "container",
     "state",
+    "state",
     "outcome",
     "satisfies_request",
     "causes",
