@@ -152,10 +152,47 @@ class _Compiler(CompilerBase):
         return [manager]
 
 
+class _Whole(JITCodeLibrary):
+    """Code that is made fast once, with all that it calls: numba would begin before it has that."""
+
+    def _optimize_functions(self, ll_module: Any) -> None:  # noqa: ANN401 - llvmlite's
+        ll_module.data_layout = self._codegen._data_layout
+
+
+class _Apart(_Whole):
+    """Code of which callers take nothing in but its name."""
+
+    def _get_module_for_linking(self) -> object:
+        return parse_assembly("")
+
+    def serialize_using_object_code(self) -> object:
+        """All of it, for those who load it."""
+        content = self._get_compiled_object(), super()._get_module_for_linking().as_bitcode()
+        return self.name, "object", content
+
+
+class _Part(JITCodeLibrary):
+    """Code that waits for its callers, and is made fast together with them."""
+
+    def _optimize_final_module(self) -> None:
+        """Not before its callers are: each of its functions was made small."""
+
+    def _finalize_final_module(self) -> None:
+        """It stays as it is."""
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+
 class _Pipeline(_Compiler):
     """At our level of optimisation; numba lets one thread compile at a time."""
 
-    def compile_extra(self, func: object) -> object:
+    library: type[JITCodeLibrary] = _Whole
+
+    def compile_extra(self, func: Any) -> object:  # noqa: ANN401 - numba's
+        context: Any = self.state.targetctx  # a copy, of this compilation alone
+        self.state.library = self.library(context.codegen(), func.__qualname__)
+        self.state.library.enable_object_caching()
         with _at_level():
             made: Any = super().compile_extra(func)
         _refuse_arrays(self.state)
@@ -167,12 +204,12 @@ class _Pipeline(_Compiler):
 class _Shared(_Pipeline):
     """The same under a name that follows from all that it is made of: so callers of any process find it."""
 
+    library = _Apart
+
     def compile_extra(self, func: Any) -> object:  # noqa: ANN401 - numba's
         context: Any = self.state.targetctx  # a copy, of this compilation alone
         usual, stamp = context.mangler, made_of(func)
         context.mangler = lambda name, *args, uid, **named: usual(f"{name}_{stamp}", *args, **named)
-        self.state.library = _Apart(context.codegen(), func.__qualname__)
-        self.state.library.enable_object_caching()
         return super().compile_extra(func)
 
 
@@ -200,31 +237,6 @@ def _refuse_arrays(state: Any) -> None:  # noqa: ANN401 - of numba
 def _is_array(kind: Any) -> bool:  # noqa: ANN401 - of numba
     """Whether values of a type are arrays, or hold some."""
     return any(map(_is_array, getattr(kind, "types", ()))) or isinstance(kind, types.Array)
-
-
-class _Apart(JITCodeLibrary):
-    """Code of which callers take nothing in but its name."""
-
-    def _get_module_for_linking(self) -> object:
-        return parse_assembly("")
-
-    def serialize_using_object_code(self) -> object:
-        """All of it, for those who load it."""
-        content = self._get_compiled_object(), super()._get_module_for_linking().as_bitcode()
-        return self.name, "object", content
-
-
-class _Part(JITCodeLibrary):
-    """Code that waits for its callers, and is made fast together with them."""
-
-    def _optimize_final_module(self) -> None:
-        """Not before its callers are: each of its functions was made small."""
-
-    def _finalize_final_module(self) -> None:
-        """It stays as it is."""
-        self._finalize_dynamic_globals()
-        self._verify_declare_only_symbols()
-        self._finalized = True
 
 
 @contextmanager
