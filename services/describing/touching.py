@@ -45,7 +45,7 @@ def touching(mechanism: Mechanism, robot: RobotAnnotation) -> dict[Pair, str]:
     """Pairs whose contact a guess allows, and why: to be checked.
 
     They touch in every sampled configuration; or, parted by a joint or two, as a wrist in its fork, in nearly
-    all, or with joints at 0 and in most: a hand that bends back onto its arm does in many, and not at 0; or in
+    all, or with joints at 0 and in most: a hand that bends back onto its arm does in many, not at 0; or in
     one as parts of a telescope. Held joints stay where they are. Pairs whose contact is allowed anyhow are
     left out.
     """
