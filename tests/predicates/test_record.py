@@ -22,7 +22,6 @@ KEYS = [
     "task",
     "container",
     "state",
-    "state",
     "outcome",
     "satisfies_request",
     "causes",
