@@ -1,4 +1,4 @@
-"""The guide for a robot of one's own, with the reference's Stretch: it opens all that the annotated one does."""
+"""The guide for a robot of one's own, with the reference's Stretch: described, it opens all of kitchen b."""
 
 from pathlib import Path
 
