@@ -110,9 +110,8 @@ def sdt(context: click.Context, config: Path | None) -> None:
 def main() -> None:
     """Run `sdt` as a program."""
     gc.set_threshold(MADE)
-    atexit.register(
-        gc.freeze
-    )  # what is left goes with the process: to look for garbage in it takes half a second
+    # What is left goes with the process: to look for garbage in it takes half a second.
+    atexit.register(gc.freeze)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # what a terminal has no letter for is no bug
