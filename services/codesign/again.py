@@ -22,7 +22,8 @@ from sdt_kg.twin import Container, Twin
 from services.app import Policy, Service
 from services.codesign.touched import Touched
 from services.embodiment.certify.check import Certified, certify
-from services.embodiment.oracle import WholeBody, container_of
+from services.embodiment.oracle import WholeBody
+from services.embodiment.setting import container_of
 from services.physics.model import Scene
 
 FREEDOM: Final = (Drive.FIXED, Drive.DIFFERENTIAL, Drive.OMNI)

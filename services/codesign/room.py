@@ -9,7 +9,7 @@ from sdt_kg.twin import Twin
 from services.codesign.again import FREEDOM, drive_of, whole_body
 from services.codesign.entries import How
 from services.codesign.touched import Touched
-from services.embodiment.oracle import container_of
+from services.embodiment.setting import container_of
 from services.whatif import World
 
 

@@ -2,7 +2,6 @@
 
 import hashlib
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -29,7 +28,7 @@ from services.embodiment.hopeless import hopeless
 from services.embodiment.plan import Planned, Planner
 from services.embodiment.prove import boxes
 from services.embodiment.report import refusal
-from services.embodiment.setting import Setting, of_own_joint
+from services.embodiment.setting import Setting, container_of, of_own_joint
 from services.embodiment.ways import cells
 from services.embodiment.ways.roads import Known
 from services.embodiment.ways.start import near, turned
@@ -280,27 +279,3 @@ def _certified(case: Case, notes: tuple[str, ...], clock: Clock, outcome: Certif
     """CanPerform holds, with what re-verifies it."""
     said = (*notes, *outcome.nearest)
     return Answer(case, True, (), said, clock.seconds, outcome.figures, outcome.artefact())
-
-
-def container_of(case: Case) -> Container:
-    """The container which the case is about: the task's, else the one that its motion moves.
-
-    Raises:
-        OracleRejectedError: Neither names one.
-    """
-    if case.task is not UNKNOWN and case.task.container is not UNKNOWN:
-        return case.twin.container(case.task.container)
-    return next(_moved(case))
-
-
-def _moved(case: Case) -> Iterator[Container]:
-    named: set[Iri] = set()
-    if isinstance(case.motion, Motion):
-        named.add(case.motion.of)
-    if isinstance(case.body_motion, BodyMotion):
-        span = np.ptp(case.body_motion.kitchen_q, axis=0) if len(case.body_motion.kitchen_joints) else ()
-        named.update(j for j, moved in zip(case.body_motion.kitchen_joints, span, strict=True) if moved > 0)
-    for one in case.twin.containers():
-        if named & {one.joint, one.active_joint, one.handle, one.iri}:
-            yield one
-    raise OracleRejectedError(f"none of {sorted(named) or 'nothing'} is a container or its joint")
