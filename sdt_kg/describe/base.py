@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from sdt_kg.annotation import BaseLimits, Drive
-from sdt_kg.describe.tree import Matrix, Tree
+from sdt_kg.describe.tree import Matrix, Tree, listed
 from sdt_kg.mechanism import Joint, JointType
 
 BASE_SPEED: Final = 0.2
@@ -69,7 +69,7 @@ def guessed_base(tree: Tree, arms: frozenset[str]) -> Base:
     """The base of a robot whose joints `arms` carry grippers."""
     planar = _planar(tree)
     wheels = [] if planar else _wheels(tree, arms)
-    drive, why = (Drive.OMNI, _list(planar)) if planar else _drive(wheels)
+    drive, why = (Drive.OMNI, listed(planar)) if planar else _drive(wheels)
     height = _height(tree, arms - set(planar))
     linear, angular = _speeds(tree, planar)
     limits = BaseLimits(linear, angular, linear / RISE_TIME, angular / RISE_TIME)
@@ -136,14 +136,14 @@ def _drive(wheels: list[_Wheel]) -> tuple[Drive, str]:
             "no wheel was found, a body that turns without end about a level axis near the floor",
         )
     if limited:
-        return Drive.FIXED, f"{_list(limited)} steer like a car's, and no drive here is a car's"
-    return _of_rigid(rigid) if rigid else (Drive.OMNI, f"all wheels steer without end ({_list([*steered])})")
+        return Drive.FIXED, f"{listed(limited)} steer like a car's, and no drive here is a car's"
+    return _of_rigid(rigid) if rigid else (Drive.OMNI, f"all wheels steer without end ({listed([*steered])})")
 
 
 def _of_rigid(wheels: list[_Wheel]) -> tuple[Drive, str]:
     """The drive of wheels that do not steer."""
     pairs = list(combinations(wheels, 2))
-    names = _list([wheel.name for wheel in wheels])
+    names = listed([wheel.name for wheel in wheels])
     if any(word in wheel.name.lower() for wheel in wheels for word in SIDEWAYS):
         return Drive.OMNI, f"wheels {names} are named as ones that roll sideways too"
     if any(abs(one.axis @ other.axis) < ALONG for one, other in pairs):
@@ -190,7 +190,3 @@ def _speeds(tree: Tree, planar: tuple[str, ...]) -> tuple[float, float]:
 
 def _given(speed: float) -> float:
     return speed if math.isfinite(speed) and speed > 0 else BASE_SPEED
-
-
-def _list(names: list[str] | tuple[str, ...]) -> str:
-    return ", ".join(f"'{name}'" for name in names)

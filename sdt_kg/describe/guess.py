@@ -9,7 +9,7 @@ import numpy as np
 from sdt_kg.annotation import Gripper, RobotAnnotation
 from sdt_kg.describe.base import ALONG, RISE_TIME, guessed_base
 from sdt_kg.describe.grippers import ARM, FINGER_WORDS, guessed_grippers, lonely_fingers
-from sdt_kg.describe.tree import Tree
+from sdt_kg.describe.tree import Tree, listed
 from sdt_kg.mechanism import Joint, JointType, Mechanism
 
 SPAN = 0.05
@@ -30,7 +30,7 @@ def guessed(mechanism: Mechanism) -> RobotAnnotation:
     notes = (
         *base.notes,
         *_of_grippers(tree, grippers),
-        *(f"check: one motor drives the telescope {_list(each)} (sdt:hasCoupling)" for each in coupled),
+        *(f"check: one motor drives the telescope {listed(each)} (sdt:hasCoupling)" for each in coupled),
         f"check: acceleration limits let each joint reach its highest speed in {RISE_TIME} s",
         "check: joints that move no gripper are held",
         *_of_still(still),
@@ -96,7 +96,7 @@ def _of_grippers(tree: Tree, grippers: tuple[Gripper, ...]) -> Iterator[str]:
     for gripper in grippers:
         yield (
             f"check: gripper '{gripper.name}' is body '{gripper.tool_body}' with fingers "
-            f"{_list(gripper.fingers)}, {gripper.opening:.3f} m apart when open: it, its tool frame "
+            f"{listed(gripper.fingers)}, {gripper.opening:.3f} m apart when open: it, its tool frame "
             "(x out of the palm, y from finger to finger) and its positions are guessed from names and shapes"
         )
         still = tuple(
@@ -104,7 +104,7 @@ def _of_grippers(tree: Tree, grippers: tuple[Gripper, ...]) -> Iterator[str]:
         )
         if still:
             yield (
-                f"check: {_list(still)} of gripper '{gripper.name}' stands still: the search closes both "
+                f"check: {listed(still)} of gripper '{gripper.name}' stands still: the search closes both "
                 "sides of a hand on a bar in its middle, and finds no grasp; your own --motion is judged"
             )
     for joint in lonely_fingers(tree):
@@ -115,8 +115,8 @@ def _of_grippers(tree: Tree, grippers: tuple[Gripper, ...]) -> Iterator[str]:
     if not grippers:
         yield (
             "check: no gripper was found: none of two bodies that close on each other, with "
-            f"{_list(FINGER_WORDS)} in their names or at the end of {ARM} joints or more; the longest row of "
-            f"joints ends in '{_end(tree)}'. Name its fingers so and describe the robot again, or add "
+            f"{listed(FINGER_WORDS)} in their names or at the end of {ARM} joints or more; the longest row "
+            f"of joints ends in '{_end(tree)}'. Name its fingers so and describe the robot again, or add "
             "sdt:hasGripper as robots/README.md says"
         )
 
@@ -132,10 +132,6 @@ def _end(tree: Tree) -> str:
 def _of_still(joints: list[str]) -> Iterator[str]:
     if joints:
         yield (
-            f"check: {_list(tuple(joints))} would move a gripper, but have no velocity limit above 0 in the "
+            f"check: {listed(joints)} would move a gripper, but have no velocity limit above 0 in the "
             "URDF and are held: give one there, and describe the robot again"
         )
-
-
-def _list(names: tuple[str, ...]) -> str:
-    return ", ".join(f"'{name}'" for name in names)

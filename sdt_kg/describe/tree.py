@@ -120,3 +120,8 @@ def motion(joint: Joint, positions: Mapping[str, float]) -> Matrix:
         cross = np.array(((0, -z, y), (z, 0, -x), (-y, x, 0)))
         moved[:3, :3] += math.sin(position) * cross + (1 - math.cos(position)) * cross @ cross
     return moved
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names as notes tell them."""
+    return ", ".join(f"'{name}'" for name in names)

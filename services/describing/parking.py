@@ -13,7 +13,7 @@ from sdt_kg.annotation import Gripper, RobotAnnotation
 from sdt_kg.describe import turtle
 from sdt_kg.iri import joint_iri, local_name
 from sdt_kg.load import load_twin
-from services.describing.posture import SEEDS, Postures
+from services.describing.posture import SEEDS, Postures, below
 from services.embodiment.body.limb import BASE, Limb, Margins, make_limb, rules
 from services.embodiment.body.world import Rules, World
 from services.physics.model import Scene
@@ -121,10 +121,8 @@ def _side(world: World, limb: Limb, fixed: NDArray[np.bool_]) -> int:
 
 def _without(world: World, demands: Rules, joints: Set[str]) -> Rules:
     """The same distances, but nothing is asked of what these joints move."""
-    scene, moved = world.scene, set[int]()
+    scene = world.scene
     iris = {joint_iri(scene.robot.mechanism.name, name) for name in joints}
-    for joint, parent in enumerate(scene.model.parents):
-        if joint and (scene.model.names[joint] in iris or parent in moved):
-            moved.add(joint)
-    near = ~np.isin(world.boxes[0][demands.pairs], sorted(moved)).any(axis=1)
+    moved = below(world.tree[0], {k for k, name in enumerate(scene.model.names) if name in iris})
+    near = ~np.isin(world.boxes[0][demands.pairs], moved).any(axis=1)
     return Rules(demands.environment, demands.pairs[near], demands.own[near])

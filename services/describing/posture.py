@@ -58,7 +58,7 @@ class Postures:
         standing = world.shapes_of(world.scene.standing)
         self._base = np.isin(np.arange(world.split, len(world.body)), standing)
         moved = np.flatnonzero(np.abs(limb.expansion[:, 3:][:, ~fixed[3:]]).any(axis=1)) + 1
-        self._arm = np.isin(self._joint, _below(world.tree[0], set(moved.tolist())))
+        self._arm = np.isin(self._joint, below(world.tree[0], set(moved.tolist())))
 
     def best(self) -> Array | None:
         """The posture that costs least; None where none is free."""
@@ -116,7 +116,7 @@ class Postures:
         return float(width + IN_FRONT * front + HIGH * top + ACROSS * across)
 
 
-def _below(parents: NDArray[np.int64], joints: set[int]) -> list[int]:
+def below(parents: NDArray[np.int64], joints: set[int]) -> list[int]:
     """The joints and all that they carry."""
     for joint, parent in enumerate(parents.tolist()):
         if joint and parent in joints:
