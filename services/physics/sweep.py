@@ -14,16 +14,12 @@ import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
 from sdt_kg.iri import Iri
-from sdt_kg.mechanism import JointType, Limits
+from sdt_kg.mechanism import JointType
 from sdt_kg.state import State
 from services.physics.geometry.bodies import BodyShape, shapes_of
 from services.physics.geometry.passing import Boxes, Way, may_meet
+from services.physics.geometry.rest import ALLOWANCE, Rest, gap_between, placed
 from services.physics.tree import Array, Model
-
-ALLOWANCE = 0.01
-"""[m] How deep a moved shape may be in another, more than the model's rest allows it: the doors of
-the bundled kitchens and of their sources turn up to 9 mm into the edges of their neighbours. A state in
-which it is deeper is no beginning: from one to the next a body would pass through another step by step."""
 
 THIN_SHARE = 0.25
 """[1] Share of the two shapes' summed thickness that the allowance never exceeds: half of it is all the
@@ -70,14 +66,14 @@ class Sweep:
     def __init__(self, model: Model) -> None:
         self._model = model
         self._shapes = tuple(shapes_of(model))
-        self._rest = _Rest(model, self._shapes)
+        self._rest = Rest(model, self._shapes)
         self._known: dict[tuple[State, Iri, float], Block | None] = {}
 
     def first_block(self, state: State, active: Iri, end: float) -> Block | None:
         """Where the actuated joint is stopped on its way from the state to `end`, or None.
 
-        Bodies that one joint joins are left out: rails lie in their own cabinets. So are those
-        that move with it in the same way.
+        Where one joint joins two bodies, shapes that lie beside each other at rest are left out: rails lie
+        in their own cabinets. So are bodies that move with it in the same way.
         """
         key = (state, active, end)
         if key not in self._known:
@@ -97,42 +93,10 @@ class Sweep:
         return found
 
 
-class _Rest:
-    """The kitchen with every joint at its start position, in which its parts were fitted together."""
-
-    def __init__(self, model: Model, shapes: Sequence[BodyShape]) -> None:
-        q = np.array([_start(joint.limits) for joint in model.part.joints])
-        pin.forwardKinematics(model.model, model.data, model.coupling.positions(q))
-        self._placed = {id(each): _placed(model.data.oMi[each.joint] * each.pose) for each in shapes}
-        self._bodies: dict[Iri, list[BodyShape]] = {}
-        for each in shapes:
-            self._bodies.setdefault(each.body, []).append(each)
-        self._known: dict[tuple[Iri, Iri], bool] = {}
-
-    def depth(self, one: BodyShape, other: BodyShape) -> float:
-        """[m] How deep the shapes are in each other, 0 where they are apart."""
-        return max(0.0, -_gap(one, self._placed[id(one)], other, self._placed[id(other)]))
-
-    def touch(self, one: BodyShape, other: BodyShape) -> bool:
-        """Whether the shapes touch."""
-        return _gap(one, self._placed[id(one)], other, self._placed[id(other)]) <= 0
-
-    def bears(self, one: BodyShape, other: BodyShape) -> bool:
-        """One moves in or on the other: its joint's parent, or what is fixed to that and encloses it."""
-        key = (one.body, other.body)
-        if key not in self._known:
-            mounted = other.body in one.mount or one.body in other.mount
-            self._known[key] = one.parent == other.body or (mounted and self._overlap(*key))
-        return self._known[key]
-
-    def _overlap(self, one: Iri, other: Iri) -> bool:
-        return any(self.depth(a, b) > 0 for a in self._bodies[one] for b in self._bodies[other])
-
-
 class _Path:
     """One actuated joint on its way, all others resting."""
 
-    def __init__(self, model: Model, rest: "_Rest", state: State, active: Iri, end: float) -> None:
+    def __init__(self, model: Model, rest: Rest, state: State, active: Iri, end: float) -> None:
         self._rest = rest
         self._model, self._k = model, model.coordinate[active]
         self._speeds: dict[int, float] = {}
@@ -241,7 +205,7 @@ class _Path:
 
     def _placed(self, one: BodyShape, position: float) -> coal.Transform3s:
         """Where a shape is with the actuated joint at a position."""
-        return _placed(self._frames(position)[one.joint] * one.pose)
+        return placed(self._frames(position)[one.joint] * one.pose)
 
     def followed(self, one: BodyShape, other: BodyShape, end: float, until: float) -> Block | None:
         """The first position up to `end` at which the two are too deep in each other; none after `until`.
@@ -257,7 +221,7 @@ class _Path:
         position, allowed, free = self._begin, least, 0.0
         while speed > 0:
             against = self._placed(other, position) if moves else against
-            gap = _gap(one, self._placed(one, position), other, against)
+            gap = gap_between(one, self._placed(one, position), other, against)
             if position == self._begin:
                 allowed += REST_FACTOR * self._rest.depth(one, other)
                 free = 2 * LEAST_STEP if least == TOUCH and gap < -TOUCH else 0.0
@@ -271,22 +235,7 @@ class _Path:
         return None
 
 
-def _gap(one: BodyShape, one_at: coal.Transform3s, other: BodyShape, other_at: coal.Transform3s) -> float:
-    """Distance of two shapes [m], negative where they penetrate."""
-    # Request and result of its own for each call: a cached guess gives wrong answers.
-    request, result = coal.DistanceRequest(), coal.DistanceResult()
-    return float(coal.distance(one.piece.shape, one_at, other.piece.shape, other_at, request, result))
-
-
 def _least(one: BodyShape, other: BodyShape) -> float:
     """[m] How deep the shapes may be in each other, wherever they are."""
     solid = [each.thickness for each in (one, other) if not isinstance(each.piece.shape, coal.BVHModelBase)]
     return min(ALLOWANCE, THIN_SHARE * sum(solid)) if solid else TOUCH
-
-
-def _start(limits: Limits) -> float:
-    return 0.0 if limits.lower <= 0 <= limits.upper else limits.lower
-
-
-def _placed(pose: pin.SE3) -> coal.Transform3s:
-    return coal.Transform3s(pose.rotation, pose.translation)

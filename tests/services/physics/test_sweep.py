@@ -205,3 +205,52 @@ def test_two_leaves_of_which_one_follows_the_other_do_not_go_through_each_other(
         assert answer.diagnoses[0].evidence is not None
         assert answer.diagnoses[0].evidence.links is not None
         assert "leaf" in "".join(answer.diagnoses[0].evidence.links)
+
+
+ROOM = """<robot name="post"><link name="room">{panels}{obstacle}</link>
+<link name="drawer"><collision><geometry><box size="0.4 0.58 0.2"/></geometry></collision></link>
+<link name="drawer_handle"><collision><geometry><box size="0.01 0.2 0.01"/></geometry></collision></link>
+<joint name="drawer_joint" type="prismatic"><parent link="room"/><child link="drawer"/><axis xyz="1 0 0"/>
+<limit lower="0" upper="0.4" velocity="1" effort="1"/></joint>
+<joint name="handle_joint" type="fixed"><parent link="drawer"/><child link="drawer_handle"/>
+<origin xyz="0.25 0 {high}"/></joint></robot>"""
+
+
+def shape(size: str, at: str) -> str:
+    return f'<collision><origin xyz="{at}"/><geometry><box size="{size}"/></geometry></collision>'
+
+
+PANELS = (
+    shape("0.5 0.02 0.3", "0 0.31 0")
+    + shape("0.02 0.64 0.3", "-0.25 0 0")
+    + shape("0.4 0.04 0.02", "0 0.28 0")
+)
+
+
+@pytest.mark.parametrize(
+    ("obstacle", "free"),
+    [
+        ("", True),
+        (shape("0.1 2 0.1", "0.6 0 0"), False),  # a wall beyond
+        (shape("0.1 2 0.1", "0.25 0 0"), False),  # a board that touches the front
+        (shape("0.1 2 0.1", "0.75 0 0"), True),
+        (shape("0.4 0.02 0.02", "0.05 -0.28 0"), True),  # a rail inside
+    ],
+    ids=["nothing", "wall", "board", "far", "rail"],
+)
+def test_a_drawer_of_a_room_that_is_one_body_does_not_pass_its_walls(
+    tmp_path: Path, obstacle: str, free: bool
+) -> None:
+    (tmp_path / "post.urdf").write_text(ROOM.format(panels=PANELS, obstacle=obstacle, high=0.13))
+    assert asked(load_twin(tmp_path / "post.urdf"), "drawer").holds is free
+
+
+@pytest.mark.parametrize("deep", [-0.002, 0.002])
+def test_a_crate_that_leans_on_a_front_stops_it_though_both_hang_on_the_same_body(
+    tmp_path: Path, deep: float
+) -> None:
+    urdf = ROOM.format(panels="", obstacle="", high=0.13)
+    crate = f'<link name="crate">{shape("0.4 0.3 0.3", f"{0.4 - deep} 0 0")}</link>'
+    crate += '<joint name="crate_joint" type="fixed"><parent link="room"/><child link="crate"/></joint>'
+    (tmp_path / "post.urdf").write_text(urdf.replace("</robot>", f"{crate}</robot>"))
+    assert not asked(load_twin(tmp_path / "post.urdf"), "drawer").holds

@@ -1,0 +1,109 @@
+"""How a kitchen's parts were fitted together: what moves in what, how deep they are in each other at rest."""
+
+from collections.abc import Sequence
+
+import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
+import numpy as np
+import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
+
+from sdt_kg.iri import Iri
+from sdt_kg.mechanism import JointType, Limits
+from services.physics.geometry.bodies import BodyShape
+from services.physics.tree import Array, Model
+
+ALLOWANCE = 0.01
+"""[m] How deep a moved shape may be in another, more than the model's rest allows it: the doors of
+the bundled kitchens and of their sources turn up to 9 mm into the edges of their neighbours. A state in
+which it is deeper is no beginning: from one to the next a body would pass through another step by step."""
+
+ROUNDED = 0.001
+"""[m] How far a shape that stands before a front may reach into it, as drawn."""
+
+ENCLOSED = 0.5
+"""[1] Share of a body that has to lie in what bears it and is not its joint's parent: the drawer below the
+fridge of kitchen `b` has 0.53."""
+
+
+class Rest:
+    """The kitchen with every joint at its start position, in which its parts were fitted together."""
+
+    def __init__(self, model: Model, shapes: Sequence[BodyShape]) -> None:
+        q = np.array([_start(joint.limits) for joint in model.part.joints])
+        pin.forwardKinematics(model.model, model.data, model.coupling.positions(q))
+        self._joints = model.part.joints
+        self._frames = [frame.copy() for frame in model.data.oMi]
+        self._placed = {id(each): placed(self._frames[each.joint] * each.pose) for each in shapes}
+        self._bodies: dict[Iri, list[BodyShape]] = {}
+        for each in shapes:
+            self._bodies.setdefault(each.body, []).append(each)
+        self._known: dict[tuple[Iri, int], bool] = {}
+
+    def depth(self, one: BodyShape, other: BodyShape) -> float:
+        """[m] How deep the shapes are in each other, 0 where they are apart."""
+        return max(0.0, -gap_between(one, self._placed[id(one)], other, self._placed[id(other)]))
+
+    def touch(self, one: BodyShape, other: BodyShape) -> bool:
+        """Whether the shapes touch."""
+        return gap_between(one, self._placed[id(one)], other, self._placed[id(other)]) <= 0
+
+    def bears(self, one: BodyShape, other: BodyShape) -> bool:
+        """One moves in or on the other: a shape beside its body at rest, of its joint's parent or mount.
+
+        Of a parent that is much more than a cabinet, a whole room, the rest stops it. What is fixed to the
+        parent bears it only where it has most of it inside: a box that stands before a drawer does not.
+        """
+        key = (one.body, id(other))
+        if key not in self._known:
+            bearing = one.parent == other.body or (
+                other.body in one.mount and self._encloses(self._bodies[other.body], one)
+            )
+            self._known[key] = bearing and self._beside(other, one)
+        return self._known[key]
+
+    def _beside(self, other: BodyShape, one: BodyShape) -> bool:
+        """Whether boxes about one's body and a shape nearly touch, and the shape is not in front of it."""
+        (low, high), (below, above) = self._box(self._bodies[one.body], one), self._box([other], one)
+        if np.linalg.norm(np.maximum(np.maximum(low - above, below - high), 0.0)) > ALLOWANCE:
+            return False
+        joint = self._joints[one.joint - 1]
+        way = np.array(joint.axis)
+        if joint.type is not JointType.PRISMATIC:
+            way = np.cross(way, (low + high) / 2)
+        k = int(np.argmax(np.abs(way)))
+        forth, back = below[k] >= high[k] - ROUNDED, above[k] <= low[k] + ROUNDED
+        if way[k] < 0:
+            forth, back = back, forth
+        start = _start(joint.limits)
+        return not ((forth and joint.limits.upper > start) or (back and joint.limits.lower < start))
+
+    def _encloses(self, others: Sequence[BodyShape], one: BodyShape) -> bool:
+        """Whether a box about some shapes has most of that about one's body in it."""
+        (low, high), (below, above) = self._box(self._bodies[one.body], one), self._box(others, one)
+        shared = np.clip(np.minimum(high, above) - np.maximum(low, below), 0.0, None)
+        return bool(np.prod(shared) > ENCLOSED * np.prod(high - low))
+
+    def _box(self, shapes: Sequence[BodyShape], one: BodyShape) -> tuple[Array, Array]:
+        """Corners of the box about some shapes along the axes of one's joint, shape (3,) [m]."""
+        seen = [self._frames[one.joint].actInv(self._frames[each.joint]) for each in shapes]
+        middle = np.array([at.act(each.centre) for at, each in zip(seen, shapes, strict=True)])
+        turned = (at.rotation @ each.rotation for at, each in zip(seen, shapes, strict=True))
+        half = np.array([np.abs(turn) @ each.half for turn, each in zip(turned, shapes, strict=True)])
+        return (middle - half).min(axis=0), (middle + half).max(axis=0)
+
+
+def gap_between(
+    one: BodyShape, one_at: coal.Transform3s, other: BodyShape, other_at: coal.Transform3s
+) -> float:
+    """Distance of two shapes [m], negative where they penetrate."""
+    # Request and result of its own for each call: a cached guess gives wrong answers.
+    request, result = coal.DistanceRequest(), coal.DistanceResult()
+    return float(coal.distance(one.piece.shape, one_at, other.piece.shape, other_at, request, result))
+
+
+def _start(limits: Limits) -> float:
+    return 0.0 if limits.lower <= 0 <= limits.upper else limits.lower
+
+
+def placed(pose: pin.SE3) -> coal.Transform3s:
+    """The pose as coal takes it."""
+    return coal.Transform3s(pose.rotation, pose.translation)
