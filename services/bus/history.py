@@ -24,8 +24,8 @@ from services.judging.codec import JSON, encode
 from services.judging.jobs import Done, Kept
 from services.judging.messages import HistoryRequest
 from services.judging.replies import EventTold, HistoryReply
-from services.store.files import graph_of
 from services.store.quads import QuadStore
+from services.store.records import graph_of
 
 KEPT: Final = 10_000
 """Events of a kind that can be told again; older ones are a gap."""

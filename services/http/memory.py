@@ -12,7 +12,7 @@ import pyoxigraph as ox
 from predicates.record import Record
 from services.http.world import World, lines
 from services.judging.jobs import Kept
-from services.store.files import graph_of
+from services.store.records import graph_of
 from services.store.workers import Answered, Asked
 
 T = TypeVar("T")

@@ -8,17 +8,16 @@ from typing import Final
 import pyoxigraph as ox
 
 import ontology
-from predicates.record import Record, gives_way
-from predicates.specification.record import gives_way as task_gives_way
+from predicates.record import Record
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import Branch, Edit, Trajectory, moved
 from sdt_kg.history.records import record_graph
-from sdt_kg.iri import ID, Iri, task_result_iri
+from sdt_kg.iri import ID, Iri
 from sdt_kg.twin import Twin
 from services.http.kitchens import Kitchen, Recording
 from services.requests import parse_state
-from services.store.files import graph_of
 from services.store.quads import QuadStore
+from services.store.records import graph_of, is_kept, is_result, keep
 from services.store.workers import Asked, Delta, Workers, bulk, hide, put, show
 
 VOCABULARIES: Final = {
@@ -167,10 +166,15 @@ class World:
         async with self._lock:
             fresh = list(record.quads())
             stored = list(ox.parse(await self.recall(record.verdict), format=ox.RdfFormat.N_QUADS))
-            if stored and not _gives_way(stored, fresh, record.verdict):
+            if not is_kept(stored, fresh, record.verdict):
                 return False
-            await self._keep(record.graph, [quad.triple for quad in fresh])
-        if _is_task(record.verdict):
+            is_new = self.archive is None or await asyncio.to_thread(keep, self.archive, record)
+            if self.archive is not None and not is_new:  # somebody else's, who shares the store, is better
+                fresh = await asyncio.to_thread(self.archive.graph, record.graph)
+            await self._serve(record.graph, [quad.triple for quad in fresh])
+        if not is_new:
+            return False
+        if is_result(record.verdict):
             return True
         for listener in self.listeners:
             listener(record)
@@ -182,6 +186,10 @@ class World:
             node = ox.NamedNode(graph)
             quads = [ox.Quad(each.subject, each.predicate, each.object, node) for each in triples]
             await asyncio.to_thread(self.archive.replace, graph, quads)
+        await self._serve(graph, triples, shown=shown)
+
+    async def _serve(self, graph: Iri, triples: list[ox.Triple], *, shown: bool = True) -> None:
+        """Queries see it."""
         body = lines(triples)
         await self.workers.apply(put(graph, body, shown=shown, instead=True))
         self.version += 1
@@ -208,15 +216,6 @@ class World:
 def lines(statements: Iterable[ox.Triple] | Iterable[ox.Quad]) -> bytes:
     """N-Triples or N-Quads."""
     return b"".join(f"{each} .\n".encode() for each in statements)
-
-
-def _is_task(iri: Iri) -> bool:
-    """Whether a record is the result of a task specification."""
-    return iri.startswith(task_result_iri(""))
-
-
-def _gives_way(stored: list[ox.Quad], fresh: list[ox.Quad], iri: Iri) -> bool:
-    return task_gives_way(stored, fresh, iri) if _is_task(iri) else gives_way(stored, fresh)
 
 
 def _is_shown(graph: Iri) -> bool:

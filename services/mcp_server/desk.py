@@ -22,7 +22,7 @@ from services.judging.jobs import Kept, Task
 from services.judging.loaded import models_of
 from services.judging.pool import Pool
 from services.mcp_server.judge import Head, JudgeSetup
-from services.store.files import graph_of
+from services.store.records import graph_of
 from services.store.workers import Asked, Delta, Limits, NotAcceptableError, Workers, bulk, drop, put
 
 ROWS: Final = 10_000

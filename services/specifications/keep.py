@@ -1,6 +1,6 @@
 """Results of task specifications, kept where verdicts are."""
 
-from predicates.specification.record import gives_way, task_record
+from predicates.specification.record import task_record
 from predicates.specification.result import TaskResult
 from services.store.files import SavedVerdicts
 
@@ -13,9 +13,4 @@ def keep(saved: SavedVerdicts, result: TaskResult) -> bool:
     saved.add_twin(result.case.twin)
     for step in result.steps:
         saved.add(step.verdict)
-    record = task_record(result)
-    stored, fresh = saved.store.graph(record.graph), list(record.quads())
-    if stored and not gives_way(stored, fresh, result.iri):
-        return False
-    saved.store.replace(record.graph, fresh)
-    return True
+    return saved.add_record(task_record(result))

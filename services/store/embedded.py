@@ -1,8 +1,8 @@
 """Quads in this process: pyoxigraph, in memory or over a directory."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from itertools import islice
-from typing import ClassVar
 
 import pyoxigraph as ox
 
@@ -24,8 +24,6 @@ class EmbeddedStore:
         finish: Called once, on closing; by default what is in memory is gone then.
     """
 
-    is_shared: ClassVar[bool] = False
-
     def __init__(self, store: ox.Store, finish: Callable[[ox.Store], None] = lambda store: None) -> None:
         self._store = store
         self._finish = finish
@@ -45,6 +43,10 @@ class EmbeddedStore:
     def drop(self, graph: Iri) -> None:
         """Remove a named graph, if it is there."""
         self._store.remove_graph(ox.NamedNode(graph))
+
+    def alone(self, graph: Iri) -> AbstractContextManager[None]:
+        """Nobody else writes the graph meanwhile: one process has the store."""
+        return nullcontext()
 
     def __contains__(self, graph: Iri) -> bool:
         """Whether a named graph is there."""

@@ -7,14 +7,15 @@ from typing import Self
 import pyoxigraph as ox
 
 from predicates.case import Verdict
-from predicates.record import Record, StoredVerdict, gives_way, read_verdict, to_record
+from predicates.record import Record, StoredVerdict, read_verdict, to_record
 from sdt_kg.errors import InputError
-from sdt_kg.iri import Iri, graph_iri, local_name, task_result_iri
+from sdt_kg.iri import Iri
 from sdt_kg.store import Row, checked_query, rows_of
 from sdt_kg.twin import Twin
 from services.store.embedded import EmbeddedStore
 from services.store.on_disk import FORMATS, in_file, in_folder, is_store_folder, read_file
 from services.store.quads import QuadStore
+from services.store.records import graph_of, keep
 from services.store.remote import Addresses, RemoteStore, is_url
 
 __all__ = ["FORMATS", "SavedVerdicts", "is_saved_graph", "opened", "query_saved", "readable"]
@@ -85,7 +86,8 @@ class SavedVerdicts:
         for graph in twin.graphs():
             fresh = list(dumped.quads_for_pattern(None, None, None, ox.NamedNode(graph)))
             if set(self.store.graph(graph)) != set(fresh):
-                self.store.replace(graph, fresh)
+                with self.store.alone(graph):
+                    self.store.replace(graph, fresh)
 
     def add(self, verdict: Verdict) -> None:
         """Add the verdict's triples to its own named graph."""
@@ -93,20 +95,7 @@ class SavedVerdicts:
 
     def add_record(self, record: Record) -> bool:
         """Whether the store has changed; the record may come from a worker process."""
-        stored, fresh = self.store.graph(record.graph), list(record.quads())
-        if stored and not gives_way(stored, fresh):
-            return False
-        if stored or self.store.is_shared:  # two records of one verdict must not become one
-            self.store.replace(record.graph, fresh)
-        else:
-            self.store.add(fresh)
-        return True
-
-
-def graph_of(verdict: Iri) -> Iri:
-    """Named graph of a verdict, or of the result of a task specification."""
-    kind = "task_result" if verdict.startswith(task_result_iri("")) else "verdict"
-    return graph_iri(kind, local_name(verdict))
+        return keep(self.store, record)
 
 
 def query_saved(place: str | Path, sparql: str) -> tuple[list[str], list[Row]]:

@@ -2,9 +2,9 @@
 
 import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from itertools import chain, islice
-from typing import ClassVar, Final
+from typing import Final
 
 import pyoxigraph as ox
 
@@ -36,8 +36,6 @@ class FolderStore:
         StoreRejectedError: The journal is damaged, or what it has cannot be put into the tables.
     """
 
-    is_shared: ClassVar[bool] = False
-
     def __init__(self, tables: ox.Store, journal: Journal) -> None:
         self._tables, self._journal = tables, journal
         self._reader = EmbeddedStore(tables)
@@ -64,6 +62,10 @@ class FolderStore:
     def drop(self, graph: Iri) -> None:
         """Remove a named graph, if it is there."""
         self._write(Entry(ox.NamedNode(graph), []))
+
+    def alone(self, graph: Iri) -> AbstractContextManager[None]:
+        """Nobody else writes the graph meanwhile: one process has the directory."""
+        return nullcontext()
 
     def __contains__(self, graph: Iri) -> bool:
         """Whether a named graph is there."""

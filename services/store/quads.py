@@ -1,8 +1,9 @@
 """What a store of quads does, and quads as text that any SPARQL server takes."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from itertools import groupby
-from typing import ClassVar, Protocol
+from typing import Protocol
 
 import pyoxigraph as ox
 
@@ -16,12 +17,7 @@ class QuadStore(Protocol):
 
     A directory or a server keeps what a method has written as soon as it returns, whatever happens to
     this process then; a file keeps it from `close` on.
-
-    Attributes:
-        is_shared: Whether others may write to it meanwhile: what was read may be no longer so.
     """
-
-    is_shared: ClassVar[bool]
 
     def add(self, quads: Iterable[ox.Quad]) -> None:
         """Put quads into their named graphs; one that is there already changes nothing.
@@ -38,6 +34,10 @@ class QuadStore(Protocol):
 
     def drop(self, graph: Iri) -> None:
         """Remove a named graph, if it is there."""
+        ...
+
+    def alone(self, graph: Iri) -> AbstractContextManager[None]:
+        """Nobody else writes the graph meanwhile: what was read is still so when it is replaced."""
         ...
 
     def __contains__(self, graph: Iri) -> bool:

@@ -3,9 +3,10 @@
 import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from itertools import islice
-from typing import ClassVar, Final, Self
+from typing import Final, Self
 from urllib.parse import urlsplit
 
 import pyoxigraph as ox
@@ -15,6 +16,7 @@ from sdt_kg.iri import PREFIXES, Iri
 from sdt_kg.store import Solutions, Term, value_of
 from services.store.known import restricted
 from services.store.quads import checked, content
+from services.store.turns import turn
 from services.store.wire import Form, Wire, shown
 
 BATCH: Final = 5_000
@@ -91,8 +93,6 @@ class RemoteStore:
     is one transaction on the servers that have transactions; a long `add` takes several.
     """
 
-    is_shared: ClassVar[bool] = True
-
     def __init__(self, addresses: Addresses, wire: Wire | None = None) -> None:
         self._addresses = addresses
         self._wire = wire or Wire()
@@ -118,6 +118,18 @@ class RemoteStore:
         """Remove a named graph, if it is there."""
         self._update(f"DROP SILENT GRAPH {ox.NamedNode(graph)}")
 
+    def insert(self, quad: ox.Quad) -> None:
+        """Put a quad into its named graph."""
+        self._update(f"INSERT DATA {{ {content([quad])} }}")
+
+    def remove(self, quad: ox.Quad) -> None:
+        """Remove a quad, if it is there."""
+        self._update(f"DELETE DATA {{ {content([quad])} }}")
+
+    def alone(self, graph: Iri) -> AbstractContextManager[None]:
+        """Nobody else of us writes the graph meanwhile; whoever does otherwise waits."""
+        return turn(self, graph, shown(self._addresses.query))
+
     def __contains__(self, graph: Iri) -> bool:
         """Whether a named graph is there."""
         found = self._asked(f"ASK {{ GRAPH {ox.NamedNode(graph)} {{ ?s ?p ?o }} }}")
@@ -126,6 +138,12 @@ class RemoteStore:
     def graph(self, graph: Iri) -> list[ox.Quad]:
         """All quads of a named graph; none where it is not there."""
         return self._quads([graph])
+
+    def about(self, subject: ox.NamedNode, graph: Iri) -> list[ox.Quad]:
+        """What a named graph says of a subject."""
+        name = ox.NamedNode(graph)
+        rows = _select(self._asked(f"SELECT ?p ?o {{ GRAPH {name} {{ {subject} ?p ?o }} }}"))
+        return [ox.Quad(subject, row["p"], row["o"], name) for row in rows]
 
     def query(
         self, sparql: str, graphs: Sequence[Iri] | None = None, known: Mapping[str, Term] | None = None

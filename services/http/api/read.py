@@ -16,7 +16,7 @@ from services.http.kitchens import Kitchen
 from services.http.protocol.exchange import check_parameters
 from services.http.protocol.graphs import graph_quads
 from services.http.world import World
-from services.store.files import graph_of
+from services.store.records import graph_of
 from services.store.workers import Asked
 from services.why import why
 

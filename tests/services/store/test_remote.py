@@ -4,7 +4,8 @@ import json
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -12,14 +13,17 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 import pyoxigraph as ox
 import pytest
 
-from predicates.case import Outcome
-from predicates.record import to_record
+from predicates.case import Diagnosis, Kind, Outcome, Search
+from predicates.record import Record, to_record
 from sdt_kg.errors import InputError, QueryError, StoreRejectedError, StoreUnavailableError
-from sdt_kg.iri import Iri
+from sdt_kg.iri import LAW
 from sdt_kg.store import rows_of
 from services import cli
+from services.store import turns
 from services.store.files import SavedVerdicts, opened
+from services.store.records import keep
 from services.store.remote import BATCH, Addresses, RemoteStore
+from services.store.turns import WRITERS
 from services.store.wire import RETRY_WAITS, Wire
 from tests.services.store.conftest import OXIGRAPH, Server, free_port
 from tests.services.store.test_every_store import Judged
@@ -109,27 +113,68 @@ def test_a_server_that_is_killed_is_named_and_what_it_acknowledged_is_there_late
     store.close()
 
 
-class Slow(RemoteStore):
-    """Between its question and its answer somebody else writes."""
+def test_writers_of_one_record_at_once_leave_one_and_the_certified(server: Server, judged: Judged) -> None:
+    certified = next(each for each in judged[1] if each.outcome is Outcome.CERTIFIED)
+    searched = Diagnosis(Kind.EMBODIMENT, "none found", search=Search(1, 1, 1, 1.0))
+    others = [
+        replace(
+            certified,
+            outcome=Outcome.NOT_CERTIFIED,
+            diagnoses=(replace(searched, reason=f"none found by {n}"),),
+        )
+        for n in range(3)
+    ]
+    for turn in range(12):
+        records = [to_record(replace(each, iri=f"{each.iri}{turn}")) for each in (*others, certified)]
+        start = threading.Barrier(len(records))
 
-    def __init__(self, address: str, meanwhile: Callable[[], object]) -> None:
-        super().__init__(Addresses.of(address))
-        self.meanwhile = meanwhile
+        def write(record: Record, start: threading.Barrier = start) -> None:
+            with SavedVerdicts(remote(server.address)) as saved:
+                start.wait()
+                saved.add_record(record)
 
-    def graph(self, graph: Iri) -> list[ox.Quad]:
-        found = super().graph(graph)
-        self.meanwhile()
-        return found
+        with ThreadPoolExecutor(len(records)) as pool:
+            list(pool.map(write, records))
+        store = remote(server.address)
+        assert set(store.graph(records[-1].graph)) == set(records[-1].quads())
+        assert not store.graph(WRITERS)
+        store.close()
 
 
-def test_two_records_of_a_verdict_at_once_do_not_become_one(server: Server, judged: Judged) -> None:
-    made = judged[1][0]
-    refused = replace(made, outcome=Outcome.NOT_CERTIFIED, seconds=1.0)
-    other = SavedVerdicts(remote(server.address))
-    with SavedVerdicts(Slow(server.address, lambda: other.add(refused))) as saved:
-        assert saved.add_record(to_record(made))
-        assert set(saved.store.graph(to_record(made).graph)) == set(to_record(made).quads())
-    other.store.close()
+def test_a_writer_that_died_is_waited_for_and_then_forgotten(
+    server: Server, judged: Judged, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    record = to_record(judged[1][0])
+    monkeypatch.setattr(turns, "LEASE", 0.3)
+    with SavedVerdicts(remote(server.address)) as saved:
+        store = remote(server.address)
+        store.insert(
+            ox.Quad(
+                ox.NamedNode(record.graph),
+                ox.NamedNode(LAW + "writer"),
+                ox.Literal("dead"),
+                ox.NamedNode(WRITERS),
+            )
+        )
+        began = time.monotonic()
+        assert saved.add_record(record)
+        assert time.monotonic() - began >= 0.3
+        assert not store.graph(WRITERS)
+        store.close()
+
+
+def test_a_writer_that_does_not_end_is_told(
+    server: Server, judged: Judged, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    record = to_record(judged[1][0])
+    monkeypatch.setattr(turns, "PATIENCE", 0.2)
+    one, other = remote(server.address), remote(server.address)
+    with one.alone(record.graph), pytest.raises(StoreUnavailableError, match="all the time; try again"):
+        keep(other, record)
+    assert not one.graph(record.graph)
+    assert not one.graph(WRITERS)
+    one.close()
+    other.close()
 
 
 def test_a_restart_is_survived(server: Server) -> None:
