@@ -111,10 +111,11 @@ def run(
         kept: What is known of the worlds as they are and is not judged again.
 
     Raises:
-        InputError: A kitchen, robot, state or container that is not there.
+        InputError: A kitchen, robot, state or container that is not there, or an edit that can be made nowhere.
     """
     began, cpu_began = time.perf_counter(), cpu_seconds()
     names = _containers(asked)
+    _check_edits(asked)
     first = [
         Job(kitchen, robot, (container,), ())
         for kitchen in asked.kitchens
@@ -156,6 +157,30 @@ def _containers(asked: Asked) -> dict[str, tuple[str, ...]]:
         if len({model_name(each) for each in models}) < len(models):
             raise InputError(f"two models share a name: {', '.join(models)}", allowed="each model once")
     return found
+
+
+def _check_edits(asked: Asked) -> None:
+    """Each edit can be made somewhere: alone, or where another was made before."""
+    for text in dict.fromkeys(text for edits in asked.worlds for text in edits):
+        worlds = [(text,), *(edits for edits in asked.worlds if text in edits)]
+        errors = (_no_world(asked, edits) for edits in worlds)
+        first = next(errors)
+        if first is not None and all(errors):
+            raise first
+
+
+def _no_world(asked: Asked, edits: tuple[str, ...]) -> InputError | None:
+    """Why the edits can be made in no kitchen, with no robot; None where they can."""
+    robots = asked.robots if any(depends_on_robot(each) for each in edits) else asked.robots[:1]
+    error = None
+    for kitchen, robot in product(asked.kitchens, robots):
+        try:
+            _made(asked, kitchen, edits, robot)
+        except InputError as found:
+            error = error or found
+        else:
+            return None
+    return error
 
 
 def results(
