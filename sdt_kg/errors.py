@@ -21,6 +21,15 @@ SdtError
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from typing import Final
+
+ALIKE: Final = 0.75
+"""[1] From which likeness on, of 0 to 1, an unknown name is taken for a known one misspelled."""
+
+
+def meant(name: str, known: Iterable[str]) -> str | None:
+    """The known name of which this one is a misspelling, if there is one; a known name means itself."""
+    return next(iter(get_close_matches(name, list(known), n=1, cutoff=ALIKE)), None)
 
 
 class SdtError(Exception):

@@ -111,7 +111,7 @@ def run(
         kept: What is known of the worlds as they are and is not judged again.
 
     Raises:
-        InputError: A kitchen, robot, state or container that is not there, or an edit that can be made nowhere.
+        InputError: A kitchen, robot, state or container that is not there; an edit that can be made nowhere.
     """
     began, cpu_began = time.perf_counter(), cpu_seconds()
     names = _containers(asked)

@@ -10,13 +10,14 @@ from services.commands.output import write_file
 from services.commands.show import print_json, print_rows
 from services.configuration.read import LOCAL, Settings, places
 from services.configuration.schema import schema
-from services.configuration.settle import Settled, Source, settled, variable
+from services.configuration.settle import Settled, Source, misspelled, settled
 from services.configuration.shared import SHARED
 
 COLUMNS = ("command", "setting", "value", "from")
 ORDER = (
     "Flags win over the environment, the environment over the file, the file over defaults.\n"
-    "Variables are SDT_SETTING for the settings that commands share, SDT_COMMAND_OPTION for one command.\n"
+    "Variables are SDT_SETTING for the settings that commands share, SDT_COMMAND_OPTION for one command;\n"
+    "one that is misspelled is refused.\n"
     "The file is that of --config, else of SDT_CONFIG, else ./sdt.toml, else config.toml in sdt/ of\n"
     "XDG_CONFIG_HOME (~/.config); one file is read. Paths in it are meant from where sdt runs.\n"
     "SDT_CONFIG=/dev/null: no settings."
@@ -55,8 +56,7 @@ def show(context: click.Context, command: str | None, *, as_json: bool) -> None:
         if command or each.source is not Source.DEFAULT
     ]
     print_rows(rows, COLUMNS, as_json=as_json)
-    unknown = _unknown(said, commands)
-    for name in unknown:
+    for name in misspelled(commands, said):
         click.echo(f"note: {name} is no variable of a setting", err=True)
     if not rows:
         click.echo("nothing is set; sdt config init writes an example", err=True)
@@ -65,18 +65,6 @@ def show(context: click.Context, command: str | None, *, as_json: bool) -> None:
 def _row(command: str, each: Settled) -> dict[str, object]:
     value = ", ".join(map(str, each.value)) if isinstance(each.value, list) else each.value
     return {"command": command, "setting": each.option, "value": value, "from": each.where}
-
-
-def _unknown(said: Settings, commands: dict[str, click.Command]) -> list[str]:
-    """Variables that look like settings of a command, and are of no option."""
-    options = {
-        variable(name, option.removeprefix("--"))
-        for name, command in commands.items()
-        for parameter in command.params
-        for option in parameter.opts
-    }
-    own = tuple(variable(name) + "_" for name in commands)
-    return sorted(name for name in said.environment if name.startswith(own) and name not in options)
 
 
 @config.command("schema")

@@ -26,12 +26,14 @@ class Settings:
         shared: Its keys at the top.
         tables: Its tables, by command.
         environment: Variables of the process.
+        commands: Names that a table, and variables, may have.
     """
 
     path: Path | None = None
     shared: Table = field(default_factory=dict)
     tables: Mapping[str, Table] = field(default_factory=dict)
     environment: Mapping[str, str] = field(default_factory=dict)
+    commands: tuple[str, ...] = ()
 
 
 def places(given: Path | None, environment: Mapping[str, str]) -> list[Path]:
@@ -50,7 +52,7 @@ def settings(
     """The settings of this process.
 
     Args:
-        commands: Names that a table may have.
+        commands: Names that a table, and variables, may have.
         given: The file of `--config`.
         environment: Variables; by default those of the process.
 
@@ -64,7 +66,7 @@ def settings(
     for path in found:
         if named or path.is_file():
             return _parsed(path, commands, environment)
-    return Settings(environment=environment)
+    return Settings(environment=environment, commands=commands)
 
 
 def _parsed(path: Path, commands: tuple[str, ...], environment: Mapping[str, str]) -> Settings:
@@ -84,4 +86,4 @@ def _parsed(path: Path, commands: tuple[str, ...], environment: Mapping[str, str
     for name in tables:
         if name not in commands:
             raise UnknownEntityError("command", name, commands, f"in {path}, as [{name}]; sdt config schema")
-    return Settings(path, shared, tables, environment)
+    return Settings(path, shared, tables, environment, commands)

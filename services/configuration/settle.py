@@ -1,16 +1,18 @@
 """What a command's options are without flags, and who says so."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
 import click
 
-from sdt_kg.errors import InputError, UnknownEntityError
-from services.configuration.read import Settings, Value
+from sdt_kg.errors import InputError, UnknownEntityError, meant
+from services.configuration.read import VARIABLE, Settings, Value
 from services.configuration.shared import SHARED
 
 PREFIX = "SDT_"
+OF_ALL = frozenset({VARIABLE, "SDT_TOKEN", "SDT_REFERENCE"})
+"""Variables that are of no option: which file holds the settings, a secret, where test input lies."""
 
 
 class Source(Enum):
@@ -79,15 +81,47 @@ def settled(name: str, command: click.Command, said: Settings) -> list[Settled]:
 
 
 def default_map(name: str, command: click.Command, said: Settings) -> dict[str, object]:
-    """What click takes where there is no flag."""
+    """What click takes where there is no flag.
+
+    Raises:
+        UnknownEntityError: A variable is of no option of the command, or nearly that of one.
+        InputError: As `settled`.
+    """
     if isinstance(command, click.Group) or not (said.path or _any(said)):
         return {}
+    for each in misspelled({name: command}, said):
+        known = _variables({name: command})
+        raise UnknownEntityError("variable of a setting", each, known, f"sdt {name} --help")
     many = {parameter.name for _, parameter in options(command) if parameter.multiple}
     return {
         each.parameter: _listed(each.value) if each.parameter in many else each.value
         for each in settled(name, command, said)
         if each.source is not Source.DEFAULT
     }
+
+
+def misspelled(asked: Mapping[str, click.Command], said: Settings) -> list[str]:
+    """Variables that were meant for these commands and are of no option of theirs.
+
+    They begin as those of such a command, or are nearly one; without them something else would be asked.
+    Those of other commands are theirs, and those that are like none belong to other programs.
+    """
+    known = _variables(asked)
+    own = tuple(f"{variable(name)}_" for name in asked)
+    others = tuple(f"{variable(name)}_" for name in said.commands if name not in asked)
+    bare = [each.removeprefix(PREFIX) for each in known]
+    return sorted(
+        name
+        for name, value in said.environment.items()
+        if name.startswith(PREFIX) and value and name not in known and not name.startswith(others)
+        if name.startswith(own) or meant(name.removeprefix(PREFIX), bare)
+    )
+
+
+def _variables(commands: Mapping[str, click.Command]) -> set[str]:
+    """Every variable that these commands read, and those that all may have."""
+    own = {variable(name, option) for name, each in commands.items() for option, _ in options(each)}
+    return own | {variable(name) for name in SHARED} | OF_ALL
 
 
 def variable(*words: str) -> str:

@@ -4,17 +4,15 @@ Unknown fields are tolerated unless they look like a known one misspelled; an un
 schema is refused.
 """
 
-from difflib import get_close_matches
 from enum import Enum
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from sdt_kg.errors import meant
 from services.relative import Relative, TeeName
 
 SCHEMA = "1.0"
-ALIKE = 0.75
-"""[1] A field that is so like one of these, which is missing, is that one misspelled. Ours: `motoin` is."""
 DriveName = Literal["omni", "differential", "fixed"]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
@@ -71,9 +69,8 @@ class Request(Message):
         fields = said if isinstance(said, dict) else {}
         missing = [name for name in cls.model_fields if name not in fields]
         for name in (str(each) for each in fields if each not in cls.model_fields):
-            near = get_close_matches(name.lower(), missing, n=1, cutoff=ALIKE)
-            if near:
-                raise ValueError(f"no field '{name[:80]}'; did you mean '{near[0]}'?")
+            if near := meant(name.lower(), missing):
+                raise ValueError(f"no field '{name[:80]}'; did you mean '{near}'?")
         return said
 
 

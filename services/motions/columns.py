@@ -4,14 +4,13 @@ import csv
 import io
 import re
 from collections.abc import Iterator, Sequence
-from difflib import get_close_matches
 from itertools import chain
 from pathlib import Path
 
 import numpy as np
 
-from sdt_kg.errors import MotionError
-from services.motions.given import ALIKE, Given
+from sdt_kg.errors import MotionError, meant
+from services.motions.given import Given
 
 BASE = ("base_x", "base_y", "base_yaw")
 POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
@@ -71,10 +70,10 @@ def _head(line: str, number: int) -> tuple[str, str]:
     name, sign, value = parts if len(parts) > 1 else ("", "", "")
     # A file that tells its time, or its unit, tells nothing of whether times are to be kept.
     is_time = name.lower() in {"time", "times"} and value.lower() not in TRUTHS
-    near = [] if is_time else get_close_matches(name.lower(), HEADS, n=1, cutoff=ALIKE)
+    near = None if is_time else meant(name.lower(), HEADS)
     if near and (name not in HEADS or sign != ":"):
         said = f"line {number} begins with '# {name[:40]}{sign}', which means nothing"
-        raise MotionError(said, allowed=f"did you mean '# {near[0]}:'?", remedy="rename it, or leave it out")
+        raise MotionError(said, allowed=f"did you mean '# {near}:'?", remedy="rename it, or leave it out")
     return name, value
 
 

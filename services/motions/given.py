@@ -2,11 +2,10 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 import numpy as np
 
-from sdt_kg.errors import MotionError
+from sdt_kg.errors import MotionError, meant
 from sdt_kg.motion import LARGEST, SHORTEST, Array
 
 ALLOWED = (
@@ -20,9 +19,6 @@ KNOWN = (
     *("phase_names", "phase_starts", "joint", "values", "velocities", "frame", "poses", "timed"),
 )
 """Names of arrays that mean something; a file may have others, of its own."""
-
-ALIKE = 0.75
-"""[1] A name that is so like one of these, which is missing, is that one misspelled. Ours: `velocity` is."""
 
 Arrays = Mapping[str, np.ndarray]
 
@@ -58,11 +54,11 @@ class Given:
         """
         missing = [name for name in KNOWN if name not in self.arrays]
         for name in self.arrays:
-            near = [] if name in KNOWN else get_close_matches(name, missing, n=1, cutoff=ALIKE)
+            near = None if name in KNOWN else meant(name, missing)
             if near:
                 raise MotionError(
                     f"there is an array '{name}', which means nothing",
-                    allowed=f"did you mean '{near[0]}'?",
+                    allowed=f"did you mean '{near}'?",
                     remedy="rename it, or leave it out",
                 )
 

@@ -1,7 +1,6 @@
 """Reading requests strictly and answering them: shared by the two protocols."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from difflib import get_close_matches
 from typing import get_origin
 from urllib.parse import parse_qsl
 
@@ -9,9 +8,9 @@ import pyoxigraph as ox
 from starlette.requests import Request
 from starlette.responses import Response
 
+from sdt_kg.errors import meant
 from services.http.problems import RefusedError
 from services.http.protocol.negotiate import accepted, called
-from services.judging.messages import ALIKE
 from services.store.workers import Answered
 from services.store.workers.evaluate import GRAPHS
 
@@ -51,7 +50,7 @@ def check_spelling(parameters: Iterable[tuple[str, str]], known: Sequence[str]) 
         RefusedError: One looks like one of these.
     """
     for name in {name for name, _ in parameters}.difference(known):
-        for near in get_close_matches(name, known, n=1, cutoff=ALIKE):
+        if near := meant(name, known):
             raise RefusedError(
                 400, f"there is no parameter '{name[:100]}'", allowed=f"did you mean '{near}'?"
             )

@@ -53,6 +53,19 @@ def test_a_flag_wins_over_all(file: Path) -> None:
     assert seen == [7, 9]
 
 
+@pytest.mark.parametrize("name", ["SDT_SED", "SDT_TABLE_SED", "SDT_DRIV", "SDT_TABLE_ROBOT"])
+def test_a_variable_that_is_misspelled_is_told(name: str) -> None:
+    said = settings(COMMANDS, Path("/dev/null"), {name: "7"})
+    with pytest.raises(UnknownEntityError, match=f"no variable of a setting named '{name}'; allowed: did"):
+        default_map("table", table, said)
+
+
+@pytest.mark.parametrize("name", ["SDT_SERVE_STATE", "SDT_KITCHEN", "SDT_HOME", "SDT_TOKEN", "SEED"])
+def test_a_variable_of_another_command_or_program_is_passed_over(name: str) -> None:
+    said = settings(COMMANDS, Path("/dev/null"), {name: "7", "SDT_SEED": "8", "SDT_SED": ""})
+    assert default_map("table", table, said) == {"seed": "8"}
+
+
 BAD = {
     "unknown setting": ("bugdet = 1", UnknownEntityError, "budget"),
     "unknown command": ("[tabel]\nseed = 1", UnknownEntityError, "table"),
