@@ -124,71 +124,83 @@ class Callers:
         raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, said))
 
 
-@dataclass(frozen=True)
-class RemotePhysics:
-    """Φ on the bus: of the version that was told last, which is what verdicts name."""
+@dataclass(slots=True, eq=False)
+class Pinned:
+    """Calls to oracles of the version that was told last, which is what verdicts name.
+
+    Attributes:
+        policy: What goes with every call, beside the version.
+        told: That version; empty before any was.
+    """
 
     callers: Callers
-    _told: list[str] = field(default_factory=list[str])
+    policy: Plain = field(default_factory=dict[str, Any])
+    told: str = ""
+
+    def version(self) -> str:
+        """The oracle's own, as it is now."""
+        self.told = str(self.callers.call("version", None, **self.policy))
+        return self.told
+
+    def call(self, verb: str, twin: Twin, seconds: float = QUICK, **given: Any) -> Any:  # noqa: ANN401 - what CBOR carries
+        """The answer of an oracle of that version; raises as `Callers.call`."""
+        version = self.told or self.version()
+        return self.callers.call(verb, twin, seconds, version=version, **self.policy, **given)
+
+
+@dataclass(frozen=True)
+class RemotePhysics:
+    """Φ on the bus."""
+
+    pinned: Pinned
 
     @property
     def tee_class(self) -> TeeClass:
         """D."""
-        return D_ARTIC if self.callers.tee == "d_artic" else D_ARTIC_DYN
+        return D_ARTIC if self.pinned.callers.tee == "d_artic" else D_ARTIC_DYN
 
     @property
     def version(self) -> str:
         """The oracle's own, as it is now."""
-        self._told[:] = [str(self.callers.call("version", None))]
-        return self._told[0]
+        return self.pinned.version()
 
     def replay(self, twin: Twin, motion: Motion) -> Replayed:
         """Final state under the motion."""
-        return replayed_value(self._asked("replay", twin, motion=motion_plain(motion)))
+        return replayed_value(self.pinned.call("replay", twin, motion=motion_plain(motion)))
 
     def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:
         """Motions into the region, best first."""
-        for each in self._asked("generate", twin, goal=region_plain(goal)):
+        for each in self.pinned.call("generate", twin, goal=region_plain(goal)):
             yield motion_value(Motion, each)
 
     def carried(self, twin: Twin, body_motion: BodyMotion, container: Container) -> Motion:
         """τ under a body motion."""
         plain = motion_plain(body_motion)
-        said = self._asked("carried", twin, body_motion=plain, container=container.iri)
+        said = self.pinned.call("carried", twin, body_motion=plain, container=container.iri)
         return motion_value(Motion, said)
-
-    def _asked(self, verb: str, twin: Twin, **given: Any) -> Any:  # noqa: ANN401 - what CBOR carries
-        return self.callers.call(verb, twin, version=self._told[0] if self._told else self.version, **given)
 
 
 @dataclass(frozen=True)
 class RemoteEmbodiment:
-    """CanPerform on the bus, under a policy; of the version that was told last, as Φ."""
+    """CanPerform on the bus, under a policy."""
 
-    callers: Callers
-    policy: Policy
-    _told: list[str] = field(default_factory=list[str])
+    pinned: Pinned
+    budget: float
 
     @property
     def version(self) -> str:
         """The oracle's own, as it is now."""
-        self._told[:] = [str(self.callers.call("version", None, policy=policy_plain(self.policy)))]
-        return self._told[0]
+        return self.pinned.version()
 
     def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
         """What decides the answer beyond the case."""
-        said = self.callers.call("settings", twin, robot=robot, **self._pinned())
+        said = self.pinned.call("settings", twin, robot=robot)
         return tuple((str(name), str(value)) for name, value in said)
 
     def perform(self, case: Case) -> Answer:
         """Body motion that follows the case's motion, certified; or the verification of its own."""
-        seconds = self.policy.budget + MARGIN
-        said = self.callers.call("perform", case.twin, seconds, case=case_plain(case), **self._pinned())
+        said = self.pinned.call("perform", case.twin, self.budget + MARGIN, case=case_plain(case))
         return answer_value(case.twin, said)
-
-    def _pinned(self) -> Plain:
-        version = self._told[0] if self._told else self.version
-        return {"policy": policy_plain(self.policy), "version": version}
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,11 +233,12 @@ class BusOracles:
 
     def physics(self) -> RemotePhysics:
         """Φ."""
-        return RemotePhysics(self.causes)
+        return RemotePhysics(Pinned(self.causes))
 
     def embodiment(self, policy: Policy) -> RemoteEmbodiment:
         """R under a policy."""
-        return RemoteEmbodiment(self.canperform, policy)
+        pinned = Pinned(self.canperform, {"policy": policy_plain(policy)})
+        return RemoteEmbodiment(pinned, policy.budget)
 
 
 def _twin_plain(twin: Twin, *, whole: bool = False) -> Plain:

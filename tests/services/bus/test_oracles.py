@@ -128,7 +128,7 @@ def test_who_has_another_version_than_the_verdict_would_name_does_not_judge(
         (physics, lambda: list(physics.generate(here.twin, demanded(container, Verb.OPEN)))),
         (body, lambda: body.settings(here.twin, here.twin.robots[0])),
     ):
-        there._told[:] = ["one before"]
+        there.pinned.told = "one before"
         with pytest.raises(OracleUnavailableError, match="and 'one before' is asked"):
             asked()
         assert there.version != "one before"
