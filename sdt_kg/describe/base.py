@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
 
-import numpy as np
-
 from sdt_kg.annotation import BaseLimits, Drive
-from sdt_kg.describe.tree import Matrix, Tree, listed
+from sdt_kg.describe.tree import Tree, listed
+from sdt_kg.describe.wheels import ALONG, Wheel, axle_ahead, on_one_line, rolls_sideways, wheels
 from sdt_kg.mechanism import Joint, JointType
 
 BASE_SPEED: Final = 0.2
@@ -18,22 +17,8 @@ BASE_SPEED: Final = 0.2
 RISE_TIME: Final = 0.5
 """[s] A joint or base is assumed to reach its highest speed in this time."""
 
-ALONG: Final = 0.95
-"""[1] Least cosine between directions that count as the same: 18°."""
-
-ONE_LINE: Final = 0.01
-"""[m] Wheels whose axes are less apart turn about one line."""
-
-NEAR_FLOOR: Final = 0.05
-"""[m] A wheel's lowest point is at most so much above that of the lowest: some hang on springs."""
-
 LEVEL: Final = 0.002
 """[m] A root frame that is less above the floor or below it counts as on it."""
-
-TURNING: Final = (JointType.REVOLUTE, JointType.CONTINUOUS)
-
-SIDEWAYS: Final = ("mecanum", "omni", "swedish")
-"""In the names of wheels that also roll sideways."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,46 +26,42 @@ class Base:
     """How the base moves.
 
     Attributes:
+        body: What stands for the base: the root, or what is rigidly attached to it amid the wheels.
         planar: Joints of the model that stand for the drive: the annotation's base replaces them.
-        height: Of the root frame above the floor [m].
+        height: Of that body's frame above the floor [m].
         limits: Its speeds.
         notes: What was guessed, and from what.
     """
 
     drive: Drive
+    body: str
     planar: tuple[str, ...]
     height: float
     limits: BaseLimits
     notes: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class _Wheel:
-    """A wheel with all joints at 0: a point of its axis and the axis, in the root frame."""
-
-    name: str
-    centre: Matrix
-    axis: Matrix
-    lowest: float
-    steering: Joint | None
-
-
 def guessed_base(tree: Tree, arms: frozenset[str]) -> Base:
     """The base of a robot whose joints `arms` carry grippers."""
     planar = _planar(tree)
-    wheels = [] if planar else _wheels(tree, arms)
-    drive, why = (Drive.OMNI, listed(planar)) if planar else _drive(wheels)
-    height = _height(tree, arms - set(planar))
+    found = [] if planar else wheels(tree, arms)
+    drive, why = (Drive.OMNI, listed(planar)) if planar else _drive(found)
+    body = tree.mechanism.root
+    if drive is Drive.DIFFERENTIAL:
+        drive, why, body = _about_axle(tree, found, why)
+    root_T_body = tree.frame(body, tree.mechanism.root, {})
+    height = round(_height(tree, arms - set(planar)) + float(root_T_body[2, 3]), 4)
     linear, angular = _speeds(tree, planar)
     limits = BaseLimits(linear, angular, linear / RISE_TIME, angular / RISE_TIME)
     reason = f"joints {why} stand for the drive and are held" if planar else why
     kind = f"sdt:{drive.value.capitalize()}"
+    where = "its root frame" if body == tree.mechanism.root else f"'{body}' (sdt:baseBody)"
     notes = (
         f"check: the base is taken to be {kind}: {reason} (sdt:Omni, sdt:Differential or sdt:Fixed)",
         f"check: base speed {linear:g} m/s and {angular:g} rad/s, reached in {RISE_TIME} s",
-        f"check: its root frame is {height:.3f} m above the floor, its lowest point on it (sdt:baseHeight)",
+        f"check: {where} is {height:.3f} m above the floor, its lowest point on it (sdt:baseHeight)",
     )
-    return Base(drive, planar, height, limits, notes)
+    return Base(drive, body, planar, height, limits, notes)
 
 
 def _planar(tree: Tree) -> tuple[str, ...]:
@@ -102,35 +83,12 @@ def _planar(tree: Tree) -> tuple[str, ...]:
     return tuple(joint.name for joint in found) if across and len(found) == 3 else ()
 
 
-def _wheels(tree: Tree, arms: frozenset[str]) -> list[_Wheel]:
-    """Bodies that turn without end about a level axis, near the floor."""
-    found = [
-        _wheel(tree, joint)
-        for joint in tree.mechanism.joints
-        if joint.type is JointType.CONTINUOUS
-        and joint.name not in arms
-        and abs(tree.axis(joint)[2]) < 1 - ALONG
-        and ("wheel" in joint.child.lower() or len(tree.points(tree.below(joint.child), joint.child, {})))
-    ]
-    lowest = min((wheel.lowest for wheel in found), default=0.0)
-    return [wheel for wheel in found if wheel.lowest <= lowest + NEAR_FLOOR]
-
-
-def _wheel(tree: Tree, joint: Joint) -> _Wheel:
-    root = tree.mechanism.root
-    turning = [each for each in tree.ancestors(joint.parent) if each.type in TURNING]
-    steering = next((each for each in turning if abs(tree.axis(each)[2]) > ALONG), None)
-    centre = tree.frame(joint.child, root, {})[:3, 3]
-    lowest = min(tree.lowest(tree.below(joint.child)), float(centre[2]))
-    return _Wheel(joint.child, centre, tree.axis(joint), lowest, steering)
-
-
-def _drive(wheels: list[_Wheel]) -> tuple[Drive, str]:
+def _drive(found: list[Wheel]) -> tuple[Drive, str]:
     """The drive and why, in words."""
-    rigid = [wheel for wheel in wheels if wheel.steering is None]
-    steered = {wheel.steering.name: wheel.steering for wheel in wheels if wheel.steering is not None}
+    rigid = [wheel for wheel in found if wheel.steering is None]
+    steered = {wheel.steering.name: wheel.steering for wheel in found if wheel.steering is not None}
     limited = [name for name, joint in steered.items() if joint.type is not JointType.CONTINUOUS]
-    if not wheels:
+    if not found:
         return (
             Drive.FIXED,
             "no wheel was found, a body that turns without end about a level axis near the floor",
@@ -140,27 +98,44 @@ def _drive(wheels: list[_Wheel]) -> tuple[Drive, str]:
     return _of_rigid(rigid) if rigid else (Drive.OMNI, f"all wheels steer without end ({listed([*steered])})")
 
 
-def _of_rigid(wheels: list[_Wheel]) -> tuple[Drive, str]:
+def _of_rigid(found: list[Wheel]) -> tuple[Drive, str]:
     """The drive of wheels that do not steer."""
-    pairs = list(combinations(wheels, 2))
-    names = listed([wheel.name for wheel in wheels])
-    if any(word in wheel.name.lower() for wheel in wheels for word in SIDEWAYS):
+    pairs = list(combinations(found, 2))
+    names = listed([wheel.name for wheel in found])
+    if rolls_sideways(found):
         return Drive.OMNI, f"wheels {names} are named as ones that roll sideways too"
     if any(abs(one.axis @ other.axis) < ALONG for one, other in pairs):
         return Drive.OMNI, f"wheels {names} roll in several directions"
-    if abs(wheels[0].axis[1]) < ALONG:
+    if abs(found[0].axis[1]) < ALONG:
         return Drive.FIXED, (
             f"wheels {names} roll across x of the root frame, and sdt:Differential goes along x: "
             "give a body that is turned that way as sdt:baseBody"
         )
-    if len(wheels) > 1 and all(_one_line(one, other) for one, other in pairs):
+    if on_one_line(found):
         return Drive.DIFFERENTIAL, f"wheels {names} turn about one line"
     return Drive.DIFFERENTIAL, f"wheels {names} do not steer; if they roll sideways too, it is sdt:Omni"
 
 
-def _one_line(one: _Wheel, other: _Wheel) -> bool:
-    apart = other.centre - one.centre
-    return float(np.linalg.norm((apart - (apart @ one.axis) * one.axis)[:2])) < ONE_LINE
+def _about_axle(tree: Tree, found: list[Wheel], why: str) -> tuple[Drive, str, str]:
+    """The drive, why, and the body on the wheels' line: a differential base turns about a point of it."""
+    root = tree.mechanism.root
+    ahead = axle_ahead(tree, root, found)
+    if ahead is None or abs(ahead) < LEVEL:
+        return Drive.DIFFERENTIAL, why, root
+    for body in tree.mechanism.bodies:
+        if tree.rigid_root(body.name) != root or tree.frame(body.name, root, {})[0, 0] < ALONG:
+            continue
+        own = axle_ahead(tree, body.name, found)
+        if own is not None and abs(own) < LEVEL and abs(tree.frame(body.name, root, {})[1, 3]) < LEVEL:
+            return Drive.DIFFERENTIAL, f"{why}, on which '{body.name}' lies (sdt:baseBody)", body.name
+    return (
+        Drive.FIXED,
+        (
+            f"{why}, {ahead:.3f} m before the root frame, and sdt:Differential turns about sdt:baseBody: "
+            "give a link amid the wheels, with x ahead, and describe the robot again"
+        ),
+        root,
+    )
 
 
 def _height(tree: Tree, arms: frozenset[str]) -> float:

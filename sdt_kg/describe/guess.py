@@ -7,9 +7,10 @@ from itertools import combinations
 import numpy as np
 
 from sdt_kg.annotation import Gripper, RobotAnnotation
-from sdt_kg.describe.base import ALONG, RISE_TIME, guessed_base
+from sdt_kg.describe.base import RISE_TIME, guessed_base
 from sdt_kg.describe.grippers import ARM, FINGER_WORDS, guessed_grippers, lonely_fingers
 from sdt_kg.describe.tree import Tree, listed
+from sdt_kg.describe.wheels import ALONG
 from sdt_kg.mechanism import Joint, JointType, Mechanism
 
 SPAN = 0.05
@@ -38,7 +39,7 @@ def guessed(mechanism: Mechanism) -> RobotAnnotation:
     return RobotAnnotation(
         robot=mechanism.name,
         drive=base.drive,
-        base_body=mechanism.root,
+        base_body=base.body,
         base_height=base.height,
         base_limits=base.limits,
         grippers=grippers,

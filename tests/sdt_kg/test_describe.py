@@ -179,6 +179,22 @@ def test_a_base_frame_at_the_axles_stands_a_wheel_above_the_floor(write: Write) 
     assert guess(write(BODY, *BESIDE)).base_height == pytest.approx(0.1, abs=1e-4)
 
 
+AHEAD = wheel("left", 0.1, 0.25), wheel("right", 0.1, -0.25)
+
+
+def test_a_base_whose_root_is_not_amid_its_wheels_is_that_of_a_link_there(write: Write) -> None:
+    at = '<origin xyz="0.1 0 0.05"/>'
+    robot = guess(write(BODY, *AHEAD, link("axle"), joint("axle_joint", "fixed", "base", "axle", at)))
+    assert (robot.drive, robot.base_body) == (Drive.DIFFERENTIAL, "axle")
+    assert robot.base_height == pytest.approx(0.15, abs=1e-4)  # a wheel's radius, and its own height
+
+
+def test_a_base_with_no_link_amid_its_wheels_is_asked_for_one(write: Write) -> None:
+    robot = guess(write(BODY, *AHEAD))
+    assert (robot.drive, robot.base_body) == (Drive.FIXED, "base")
+    assert any("0.100 m before the root frame" in note for note in robot.notes)
+
+
 def test_joints_that_stand_for_the_drive_give_its_speed_and_are_held(write: Write) -> None:
     planar = ""
     for name, kind, parent, child, axis in (

@@ -1,6 +1,7 @@
 """Limits of position, velocity and acceleration, and what the drive can do; exact between samples."""
 
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -198,6 +199,14 @@ def drive_limits(scene: Scene, pieces: Pieces, drive: Drive, tolerances: Toleran
     return _stands(scene, base) if drive is Drive.FIXED else _rolls(scene, base, tolerances)
 
 
+@lru_cache(maxsize=8)
+def _axle(scene: Scene) -> float:
+    """How far before the base's origin its wheels turn about one line [m]."""
+    from sdt_kg.describe.wheels import axle_of  # noqa: PLC0415 - only what rolls asks for it
+
+    return axle_of(scene.robot.mechanism, scene.annotation)
+
+
 def _stands(scene: Scene, base: Pieces) -> Findings:
     findings, (values, s) = Findings(), positions(base)
     moved = np.abs(values - base.c[0, 0])
@@ -214,19 +223,25 @@ STILL = 1e-6  # [rad or m] rounding of what does not move
 
 
 def _rolls(scene: Scene, base: Pieces, tolerances: Tolerances) -> Findings:
-    r"""|−sin θ ẋ + cos θ ẏ| and its integral stay small; its rate is at most |a| + |θ̇| |v|."""
+    r"""|−sin θ ẋ + cos θ ẏ + r θ̇| and its integral stay small; its rate is at most |a| + |θ̇| |v| + r |θ̈|.
+
+    Wheels roll ahead: what counts is the point on their line, r before the base's origin.
+    """
     speed, at_v = velocities(base)
     del at_v
-    rate, _ = accelerations(base)
-    v, turn, a = (np.abs(x).max(axis=0) for x in (speed[:, :, :2], speed[:, :, 2], rate[:, :, :2]))
-    steepest = np.linalg.norm(a, axis=1) + turn * np.linalg.norm(v, axis=1)
+    (rate, _), axle = accelerations(base), _axle(scene)
+    v, turn, a, bend = (
+        np.abs(x).max(axis=0) for x in (speed[:, :, :2], speed[:, :, 2], rate[:, :, :2], rate[:, :, 2])
+    )
+    steepest = np.linalg.norm(a, axis=1) + turn * np.linalg.norm(v, axis=1) + abs(axle) * bend
     slack = tolerances.sideways / FINER
     count = np.clip(np.ceil(base.duration * steepest / (2 * slack)), 1, MOST_SUBSAMPLES).astype(int)
     piece = np.repeat(np.arange(len(count)), count)
     part = np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count) + 0.5
     width = (base.duration / count)[piece]
     q, velocity, _ = base.at(piece, part * width)
-    sideways = np.abs(-np.sin(q[:, 2]) * velocity[:, 0] + np.cos(q[:, 2]) * velocity[:, 1])
+    across = -np.sin(q[:, 2]) * velocity[:, 0] + np.cos(q[:, 2]) * velocity[:, 1]
+    sideways = np.abs(across + axle * velocity[:, 2])
     most = sideways + steepest[piece] * width / 2
     # From the middle of an interval to its ends the speed gains steepest · width / 4 on average at most.
     drift = float(((sideways + steepest[piece] * width / 4) * width).sum())
@@ -234,6 +249,8 @@ def _rolls(scene: Scene, base: Pieces, tolerances: Tolerances) -> Findings:
         figures={"sideways velocity": (float(most.max()), "m/s"), "sideways path": (drift, "m")}
     )
     entity = scene.names[scene.base[0]]
+    side = "before" if axle > 0 else "behind"
+    where = "" if axle == 0 else f": its wheels turn about a line {abs(axle):.3f} m {side} sdt:baseBody"
     times = base.start[piece] + part * width
     for n in {int(np.argmax(most > tolerances.sideways)), int(np.argmax(most))}:
         if most[n] > tolerances.sideways:
@@ -245,10 +262,10 @@ def _rolls(scene: Scene, base: Pieces, tolerances: Tolerances) -> Findings:
                 entity,
                 time=float(times[n]),
             )
-            reason = f"the base moves sideways at {most[n]:.4g} m/s, and its drive is differential"
+            reason = f"the base moves sideways at {most[n]:.4g} m/s, and its drive is differential{where}"
             findings.violations.append(Violation("sideways motion", reason, evidence, float(most[n])))
     if drift > tolerances.drift:
         evidence = Evidence(Quantity.POSITION, drift, tolerances.drift, "m", entity)
-        reason = f"the base drifts up to {drift:.4g} m sideways in all, and its drive is differential"
+        reason = f"the base drifts up to {drift:.4g} m sideways in all, and its drive is differential{where}"
         findings.violations.append(Violation("sideways drift", reason, evidence, drift))
     return findings

@@ -1,0 +1,99 @@
+"""A robot's wheels, and the line about which those turn that do not steer."""
+
+from collections.abc import Iterable, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Final
+
+import numpy as np
+
+from sdt_kg.annotation import RobotAnnotation
+from sdt_kg.describe.tree import Matrix, Tree
+from sdt_kg.mechanism import Joint, JointType, Mechanism
+
+ONE_LINE: Final = 0.01
+"""[m] Wheels whose axes are less apart turn about one line."""
+
+NEAR_FLOOR: Final = 0.05
+"""[m] A wheel's lowest point is at most so much above that of the lowest: some hang on springs."""
+
+TURNING: Final = (JointType.REVOLUTE, JointType.CONTINUOUS)
+
+SIDEWAYS: Final = ("mecanum", "omni", "swedish")
+"""In the names of wheels that also roll sideways."""
+
+ALONG: Final = 0.95
+"""[1] Least cosine between directions that count as the same: 18°."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wheel:
+    """A wheel with all joints at 0: a point of its axis and the axis, in the root frame."""
+
+    name: str
+    centre: Matrix
+    axis: Matrix
+    steering: Joint | None
+
+
+def wheels(tree: Tree, arms: AbstractSet[str]) -> list[Wheel]:
+    """Bodies that turn without end about a level axis, near the floor."""
+    found = [
+        _wheel(tree, joint)
+        for joint in tree.mechanism.joints
+        if joint.type is JointType.CONTINUOUS
+        and joint.name not in arms
+        and abs(tree.axis(joint)[2]) < 1 - ALONG
+        and ("wheel" in joint.child.lower() or len(tree.points(tree.below(joint.child), joint.child, {})))
+    ]
+    if on_one_line(found):  # none is higher; shapes may be meshes, which take long to read
+        return found
+    lowest = {wheel.name: min(tree.lowest(tree.below(wheel.name)), float(wheel.centre[2])) for wheel in found}
+    return [wheel for wheel in found if lowest[wheel.name] <= min(lowest.values()) + NEAR_FLOOR]
+
+
+def _wheel(tree: Tree, joint: Joint) -> Wheel:
+    root = tree.mechanism.root
+    turning = [each for each in tree.ancestors(joint.parent) if each.type in TURNING]
+    steering = next((each for each in turning if abs(tree.axis(each)[2]) > ALONG), None)
+    return Wheel(joint.child, tree.frame(joint.child, root, {})[:3, 3], tree.axis(joint), steering)
+
+
+def on_one_line(found: Sequence[Wheel]) -> bool:
+    """Whether there are several wheels, and all turn about one line, as seen from above."""
+    return len(found) > 1 and all(_on_one_line(one, other) for one, other in combinations(found, 2))
+
+
+def _on_one_line(one: Wheel, other: Wheel) -> bool:
+    apart = other.centre - one.centre
+    return float(np.linalg.norm((apart - (apart @ one.axis) * one.axis)[:2])) < ONE_LINE
+
+
+def rolls_sideways(found: Iterable[Wheel]) -> bool:
+    """Whether a wheel is named as one that rolls sideways too."""
+    return any(word in wheel.name.lower() for wheel in found for word in SIDEWAYS)
+
+
+def axle_ahead(tree: Tree, body: str, found: Sequence[Wheel]) -> float | None:
+    """How far before a body's origin the line lies about which all wheels turn that do not steer [m].
+
+    None where there is no such line across the body's x axis. The body is rigidly attached to the root.
+    """
+    rigid = [wheel for wheel in found if wheel.steering is None]
+    if not on_one_line(rigid) or rolls_sideways(rigid):
+        return None
+    root_T_body = tree.frame(body, tree.mechanism.root, {})
+    ahead, across = root_T_body[:3, 0], root_T_body[:3, 1]
+    if abs(float(rigid[0].axis @ across)) < ALONG:
+        return None
+    return float(np.mean([ahead @ (wheel.centre - root_T_body[:3, 3]) for wheel in rigid]))
+
+
+def axle_of(mechanism: Mechanism, annotation: RobotAnnotation) -> float:
+    """The same of an annotated robot's base body; 0 where there is no such line: nothing says otherwise."""
+    tree = Tree(mechanism)
+    tools = (joint for gripper in annotation.grippers for joint in tree.ancestors(gripper.tool_body))
+    fingers = (finger.joint for gripper in annotation.grippers for finger in gripper.finger_joints)
+    arms = {*(joint.name for joint in tools), *fingers}
+    return axle_ahead(tree, annotation.base_body, wheels(tree, arms)) or 0.0

@@ -1,0 +1,60 @@
+"""A differential base turns about a point amid its wheels, wherever its annotation has the base."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from predicates.case import Quantity
+from sdt_kg.annotation import Drive
+from sdt_kg.load import load_twin
+from sdt_kg.twin import Twin
+from services.embodiment.certify import Certified
+from tests.services.embodiment.gantry import FOLDER, RESTS, gantry_twin, opening
+from tests.services.embodiment.judging import judge, refusal
+
+pytestmark = pytest.mark.oracle
+
+WHEEL = """<link name="wheel_{y}"><collision><origin rpy="1.5708 0 0"/>
+<geometry><cylinder radius="0.05" length="0.02"/></geometry></collision></link>
+<joint name="wheel_{y}_joint" type="continuous"><parent link="base"/><child link="wheel_{y}"/>
+<origin xyz="{x} {y} 0.05"/><axis xyz="0 1 0"/><limit velocity="9" effort="9"/></joint>"""
+HELD = "<https://example.org/id/gantry/joint/wheel_{y}_joint> <https://example.org/sdt#held> true .\n"
+ASIDE = ("0.22", "-0.22")
+
+
+def on_wheels(folder: Path, x: float) -> Twin:
+    """The gantry with two wheels so far before its base's origin."""
+    gantry_twin(folder)
+    wheels = "".join(WHEEL.format(x=x, y=y) for y in ASIDE)
+    urdf = (FOLDER / "gantry.urdf").read_text().replace("</robot>", f"{wheels}</robot>")
+    (folder / "gantry.urdf").write_text(urdf)
+    held = "".join(HELD.format(y=y) for y in ASIDE)
+    (folder / "gantry.ttl").write_text((FOLDER / "gantry.ttl").read_text() + held)
+    return load_twin(folder / "cell.urdf", [folder / "gantry.urdf"])
+
+
+def turning_first() -> np.ndarray:
+    """The base turns on the spot and back, then opens the drawer."""
+    turns = np.repeat(RESTS[:1], 2, axis=0)
+    turns[1, [0, 3]] = 2.0, 0.1
+    later = RESTS.copy()
+    later[:, 0] += 4.0
+    return np.vstack((turns, later))
+
+
+def test_turning_about_a_point_amid_the_wheels_is_no_sideways_motion(tmp_path: Path) -> None:
+    verdict = judge(on_wheels(tmp_path, 0.0), opening(rests=turning_first()), Drive.DIFFERENTIAL)
+    assert isinstance(verdict, Certified), verdict.diagnoses
+
+
+@pytest.mark.parametrize("x", [0.1, -0.1])
+def test_turning_about_a_point_before_or_behind_the_wheels_is_sideways_motion(
+    tmp_path: Path, x: float
+) -> None:
+    twin, motion = on_wheels(tmp_path, x), opening(rests=turning_first())
+    found = refusal(twin, motion, Quantity.SIDEWAYS_VELOCITY, Drive.DIFFERENTIAL)
+    side = "before" if x > 0 else "behind"
+    assert f"0.100 m {side} sdt:baseBody" in found[0].reason
+    fastest = 1.5 * 0.1 / 2.0 * 0.1  # [m/s] of the wheels' line
+    assert fastest <= max(one.evidence.value for one in found if one.evidence) <= fastest * 1.05
