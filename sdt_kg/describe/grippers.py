@@ -104,8 +104,7 @@ def _like_finger(tree: Tree, joint: Joint) -> bool:
         if other.type is not JointType.FIXED and tree.rigid_root(other.parent) == palm
     ]
     short = all(tree.movable_below(other.child) <= MAX_JOINTS_BELOW for other in beside)
-    carried = sum(each.type is not JointType.FIXED for each in tree.ancestors(palm))
-    return len(beside) > 1 and short and carried >= ARM
+    return len(beside) > 1 and short and tree.movable_above(palm) >= ARM
 
 
 def _named(*names: str) -> bool:

@@ -124,10 +124,7 @@ def _of_grippers(tree: Tree, grippers: tuple[Gripper, ...]) -> Iterator[str]:
 
 def _end(tree: Tree) -> str:
     """The body that most joints move."""
-    return max(
-        (body.name for body in tree.mechanism.bodies),
-        key=lambda body: sum(joint.type is not JointType.FIXED for joint in tree.ancestors(body)),
-    )
+    return max((body.name for body in tree.mechanism.bodies), key=tree.movable_above)
 
 
 def _of_still(joints: list[str]) -> Iterator[str]:

@@ -53,6 +53,10 @@ class Tree:
             joint.type is not JointType.FIXED for each in self.below(body) for joint in self.children[each]
         )
 
+    def movable_above(self, body: str) -> int:
+        """How many joints move the body."""
+        return sum(joint.type is not JointType.FIXED for joint in self.ancestors(body))
+
     def ancestors(self, body: str) -> Iterator[Joint]:
         """The joints from the body up to the root."""
         joint = self.by_child.get(body)
