@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from sdt_kg.annotation import Gripper
 from sdt_kg.errors import UnknownEntityError
-from sdt_kg.iri import Iri, local_name
+from sdt_kg.iri import Iri, body_iri, local_name
+from sdt_kg.mechanism import JointType
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container, Twin
 from services.physics.chain import Chain, chain
@@ -29,7 +30,7 @@ LIMIT_PLAY = 0.002
 """[rad or m] How far beyond a stop a dragged joint may seem to be: the tool's tolerance on the handle."""
 
 FINGER_PLAY = 0.01
-"""[rad or m] A finger joint that moves farther lets go. Ours: more than a grip gives, less than it opens."""
+"""[m] A finger whose tip moves farther lets go. Ours: more than a grip gives, less than it opens."""
 
 STOP_STEP = 1e-5
 """[rad or m] Differences beyond a stop which count when the moment of the grasp is looked for."""
@@ -99,7 +100,7 @@ def _dragged(
     most = 0.0
     for gripper in _grippers(scene, body_motion):
         tools = _tool_poses(scene, body_motion, gripper, 0.0)
-        fingers = _fingers(body_motion, gripper)
+        fingers = _fingertips(scene, body_motion, gripper)
         hold = _longest_hold(scene, handle, bounds, twin, tools, fingers, gripper, container)
         if hold is None or np.ptp(hold.values) <= most:
             continue
@@ -135,10 +136,28 @@ def _tool_poses(scene: Scene, motion: BodyMotion, gripper: Gripper, dt: float) -
     return np.array(poses)
 
 
-def _fingers(motion: BodyMotion, gripper: Gripper) -> Array:
-    """Positions of the joints that open and close a gripper, those that the motion names, shape (T, n)."""
+def _fingertips(scene: Scene, motion: BodyMotion, gripper: Gripper) -> Array:
+    """Ways of fingertips by joints that open a gripper, those that the motion names, shape (T, n) [m]."""
     names = {each.joint for each in gripper.finger_joints}
-    return motion.q[:, [k for k, name in enumerate(motion.joints) if name in names]]
+    chosen = [k for k, name in enumerate(motion.joints) if name in names]
+    levers = [_lever(scene, motion.joints[k], gripper) for k in chosen]
+    return motion.q[:, chosen] * np.array(levers)
+
+
+def _lever(scene: Scene, joint: str, gripper: Gripper) -> float:
+    """How far a fingertip moves for a unit of a joint at most: its distance from a hinge, 1 by a slide."""
+    k = next(k for k, each in enumerate(scene.robot.joints, scene.robot.first) if each.name == joint)
+    own = scene.robot.joints[k - scene.robot.first]
+    if own.type is JointType.PRISMATIC:
+        return 1.0
+    bodies = {body_iri(scene.robot.mechanism.name, each) for each in gripper.fingers}
+    scene.placement(scene.q(np.zeros(3), {}), scene.tool_frame(gripper.name))
+    hinge, far = scene.data.oMi[k + 1], 0.0
+    for one in scene.solids:
+        if one.body in bodies and k + 1 in scene.model.supports[one.joint]:
+            away = hinge.actInv(scene.data.oMi[one.joint].act(one.centre))
+            far = max(far, float(np.linalg.norm(np.cross(away, own.axis))) + one.radius)
+    return far or 1.0
 
 
 def _longest_hold(  # noqa: PLR0913, PLR0917 - two paths, what joins them, and where the search may begin

@@ -23,14 +23,12 @@ from sdt_kg.twin import Twin
 from services.physics.chain import Chain, Follower, chain, follower
 from services.physics.spline import Excess, Hermite, at_rest_velocities, excesses
 from services.physics.tree import Model
+from services.policy import BEYOND_STOPS
 
 Array = NDArray[np.float64]
 
 START_TOLERANCE = {"m": 0.002, "rad": math.radians(1)}
 """How far from the kitchen's state τ may begin: the tolerance of the tool on the handle."""
-
-POSITION_SLACK = 1e-4
-"""[rad or m] How far beyond a stop a spline may swing: a rounded sample makes it do that much."""
 
 RATE_SLACK = 1e-6
 """[1] Share by which velocity and acceleration may exceed their limits: rounding, nothing else."""
@@ -251,7 +249,7 @@ def _limits(motion: Motion, bounds: Bounds) -> Iterator[Diagnosis]:
     spline = spline_of(motion)
     unit, v, a = bounds.unit, bounds.velocity, bounds.acceleration
     for quantity, of_unit, samples, lower, upper, slack in (
-        (Quantity.POSITION, unit, spline.position(), bounds.lower, bounds.upper, POSITION_SLACK),
+        (Quantity.POSITION, unit, spline.position(), bounds.lower, bounds.upper, BEYOND_STOPS),
         (Quantity.VELOCITY, f"{unit}/s", spline.velocity(), -v, v, v * RATE_SLACK),
         (Quantity.ACCELERATION, f"{unit}/s2", spline.acceleration(), -a, a, a * RATE_SLACK),
     ):

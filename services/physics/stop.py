@@ -9,9 +9,10 @@ from predicates.oracle import Replayed
 from sdt_kg.iri import local_name
 from sdt_kg.twin import Twin
 from services.physics.chain import follower
-from services.physics.replay import POSITION_SLACK, effective_bounds, spline_of, state_with
+from services.physics.replay import effective_bounds, spline_of, state_with
 from services.physics.sweep import Block, Sweep
 from services.physics.tree import Model
+from services.policy import BEYOND_STOPS
 
 
 def stopped(sweep: Sweep, model: Model, twin: Twin, replayed: Replayed) -> Replayed:
@@ -30,7 +31,7 @@ def stopped(sweep: Sweep, model: Model, twin: Twin, replayed: Replayed) -> Repla
         toward = (limit - followed.offset) / followed.multiplier
         sign = np.sign(toward - began)
         past = (active - began) * sign
-        if past.max() <= POSITION_SLACK:
+        if past.max() <= BEYOND_STOPS:
             continue
         end = toward if math.isfinite(toward) else float(active[np.argmax(past)])
         block = sweep.first_block(twin.state, followed.active, end)

@@ -17,7 +17,7 @@ from services.embodiment.certify.sweep.kinematics import unit_of
 from services.embodiment.certify.sweep.pieces import Pieces, hermite, positions
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
-from services.physics.replay import POSITION_SLACK, START_TOLERANCE, check_samples, spline_of, velocities_of
+from services.physics.replay import START_TOLERANCE, check_samples, spline_of, velocities_of
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,6 @@ OFF = "off the motion asked for"
 AS_PHYSICS = {
     "start_position": START_TOLERANCE["m"],
     "start_angle": START_TOLERANCE["rad"],
-    "position": POSITION_SLACK,
 }
 HALVINGS = 60  # until a time is known to the last bit
 

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, fields
 
 from sdt_kg.errors import InputError
-from services.policy import USUAL_CONTACT
+from services.policy import BEYOND_STOPS, USUAL_CONTACT
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class Tolerances:
     facing: float = math.radians(30.0)
     tool_position: float = 0.002
     tool_angle: float = math.radians(1.0)
-    position: float = 1e-5
+    position: float = BEYOND_STOPS
     rate: float = 1e-3
     start_position: float = 1e-3
     start_angle: float = 1e-3

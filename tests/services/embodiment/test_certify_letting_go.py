@@ -9,6 +9,7 @@ import pytest
 from predicates.case import Case, Outcome, Quantity
 from predicates.law import law
 from sdt_kg.annotation import Drive
+from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
@@ -17,7 +18,7 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.oracle import WholeBody
 from services.physics import carry
 from services.physics.oracle import Kinematics
-from tests.services.embodiment.gantry import LETTING_GO, RESTS, START, gantry_twin, opening
+from tests.services.embodiment.gantry import FOLDER, LETTING_GO, RESTS, START, gantry_twin, opening
 from tests.services.embodiment.judging import judge, refusal
 
 pytestmark = pytest.mark.oracle
@@ -126,6 +127,27 @@ def test_a_container_goes_where_the_gripper_drags_it_until_the_fingers_open(
         WholeBody(start=START),
     )
     assert verdict.outcome is Outcome.CERTIFIED, verdict.diagnoses
+
+
+@pytest.mark.parametrize(("angle", "holds"), [(0.05, True), (0.3, False)])
+def test_a_finger_on_a_hinge_lets_go_by_the_way_of_its_tip(tmp_path: Path, angle: float, holds: bool) -> None:
+    gantry_twin(tmp_path)  # 72 mm from a hinge to its tip
+    urdf = (FOLDER / "gantry.urdf").read_text()
+    for name, axis in (("up", "0 0 1"), ("down", "0 0 -1")):
+        slide = f'name="{name}_joint" type="prismatic"'
+        urdf = urdf.replace(slide, slide.replace("prismatic", "revolute"))
+        urdf = urdf.replace(
+            f'<axis xyz="{axis}"/>\n <limit lower="0" upper="0.04"',
+            '<axis xyz="0 1 0"/><limit lower="0" upper="1"',
+        )
+    (tmp_path / "gantry.urdf").write_text(urdf)
+    (tmp_path / "gantry.ttl").write_bytes((FOLDER / "gantry.ttl").read_bytes())
+    twin, rests = load_twin(tmp_path / "cell.urdf", [tmp_path / "gantry.urdf"]), RESTS.copy()
+    rests[4, 7] += angle  # on the way
+    motion = opening(rests=rests)
+    bare = replace(motion, kitchen_joints=(), kitchen_q=np.zeros((0, 0)), kitchen_v=np.zeros((0, 0)))
+    carried = Kinematics().carried(twin, bare, twin.container("drawer_main"))
+    assert (abs(float(carried.values[-1, 0]) - 0.46) < 1e-6) is holds
 
 
 @pytest.mark.parametrize("told", [True, False])

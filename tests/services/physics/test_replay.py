@@ -132,6 +132,14 @@ def test_a_motion_past_the_stop_ends_at_the_stop() -> None:
     assert quantities(replayed) == {Quantity.POSITION}
 
 
+@pytest.mark.parametrize(("beyond", "kept"), [(5e-6, True), (2e-5, False)])
+def test_a_stop_is_as_hard_for_physics_as_for_the_certifier(beyond: float, kept: bool) -> None:
+    drawer = TWIN.container("low_drawer")
+    values = np.array([[drawer.lower], [drawer.upper + beyond]])
+    replayed = PHYSICS.replay(TWIN, Motion(drawer.joint, np.array([0.0, 9.0]), values))
+    assert (Quantity.POSITION not in quantities(replayed)) is kept
+
+
 def test_a_stop_is_not_passed_between_samples_either() -> None:
     drawer = TWIN.container("low_drawer")
     values = np.array([[0.0], [0.49], [0.49], [0.0]])  # the spline swings past 0.5 in the middle
