@@ -16,9 +16,6 @@ SEEDS: Final = 2**63
 USUAL_CONTACT: Final = 0.002
 """[m] How far a finger may be from the handle that it holds, unless somebody asks for something else."""
 
-BEYOND_STOPS: Final = 1e-5
-"""[rad or m] How far beyond its limits a joint may swing, a container's or a robot's: rounding, no more."""
-
 MOST_CONTACT: Final = 0.1
 """[m] More than anybody may ask for: farther from a handle than that nothing is held."""
 

@@ -23,12 +23,14 @@ from sdt_kg.twin import Twin
 from services.physics.chain import Chain, Follower, chain, follower
 from services.physics.spline import Excess, Hermite, at_rest_velocities, excesses
 from services.physics.tree import Model
-from services.policy import BEYOND_STOPS
 
 Array = NDArray[np.float64]
 
 START_TOLERANCE = {"m": 0.002, "rad": math.radians(1)}
 """How far from the kitchen's state τ may begin: the tolerance of the tool on the handle."""
+
+BEYOND_STOPS = 1e-5
+"""[rad or m] How far beyond its limits a joint may swing, a container's or a robot's: rounding, no more."""
 
 RATE_SLACK = 1e-6
 """[1] Share by which velocity and acceleration may exceed their limits: rounding, nothing else."""

@@ -9,10 +9,9 @@ from predicates.oracle import Replayed
 from sdt_kg.iri import local_name
 from sdt_kg.twin import Twin
 from services.physics.chain import follower
-from services.physics.replay import effective_bounds, spline_of, state_with
+from services.physics.replay import BEYOND_STOPS, effective_bounds, spline_of, state_with
 from services.physics.sweep import Block, Sweep
 from services.physics.tree import Model
-from services.policy import BEYOND_STOPS
 
 
 def stopped(sweep: Sweep, model: Model, twin: Twin, replayed: Replayed) -> Replayed:

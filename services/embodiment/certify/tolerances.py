@@ -4,7 +4,8 @@ import math
 from dataclasses import dataclass, fields
 
 from sdt_kg.errors import InputError
-from services.policy import BEYOND_STOPS, USUAL_CONTACT
+from services.physics.replay import BEYOND_STOPS
+from services.policy import USUAL_CONTACT
 
 
 @dataclass(frozen=True, slots=True)
