@@ -237,5 +237,6 @@ class _Path:
 
 def _least(one: BodyShape, other: BodyShape) -> float:
     """[m] How deep the shapes may be in each other, wherever they are."""
-    solid = [each.thickness for each in (one, other) if not isinstance(each.piece.shape, coal.BVHModelBase)]
+    pieces = [each.piece for each in (one, other)]
+    solid = [each.thickness for each in pieces if not isinstance(each.shape, coal.BVHModelBase)]
     return min(ALLOWANCE, THIN_SHARE * sum(solid)) if solid else TOUCH

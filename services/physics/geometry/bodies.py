@@ -24,7 +24,6 @@ class BodyShape:
         rotation: Of that.
         centre, half: Middle of its own box in the joint's frame, half extents in its own, shape (3,) [m].
         radius: Of the sphere about `centre` that contains it [m].
-        thickness: Least extent of its box [m].
     """
 
     body: Iri
@@ -37,7 +36,6 @@ class BodyShape:
     centre: Array
     half: Array
     radius: float
-    thickness: float
 
 
 def shapes_of(model: Model) -> Iterator[BodyShape]:
@@ -62,7 +60,6 @@ def shapes_of(model: Model) -> Iterator[BodyShape]:
                     half=size / 2,
                     centre=pose.act((piece.low + piece.high) / 2),
                     radius=float(np.linalg.norm(size)) / 2,
-                    thickness=float(size.min()),
                 )
 
 

@@ -40,6 +40,18 @@ class Piece:
         """Itself."""
         return self.make()
 
+    @cached_property
+    def thickness(self) -> float:
+        """Least extent [m]: of a hull between a face and what is farthest from it, else that of its box.
+
+        A plate may lie anyhow in the file of its mesh, so that a box about it there is no measure of it.
+        """
+        shape = self.shape
+        if not isinstance(shape, coal.Convex):
+            return float((self.high - self.low).min())
+        along = np.array(shape.points()) @ np.array(shape.normals()).T
+        return float(np.ptp(along, axis=0).min())
+
 
 def pieces(geometry: Geometry) -> tuple[Piece, ...]:
     """A primitive as it is; of a mesh each convex component as its hull, the others as triangles.

@@ -207,6 +207,27 @@ def test_two_leaves_of_which_one_follows_the_other_do_not_go_through_each_other(
         assert "leaf" in "".join(answer.diagnoses[0].evidence.links)
 
 
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_a_thin_drawer_does_not_pass_a_pane_however_both_lie_in_their_files(
+    tmp_path: Path, turn: float
+) -> None:
+    turned = trimesh.transformations.euler_matrix(turn / 2, turn, turn, "sxyz")
+    urdf, thin = DRAWER.format(at=0.0, thickness=1), 0.004
+    pane = '<box size="1 1 1"/>', (thin, 1.0, 1.0), (0.3, 0.7, 0.0)  # beside the bar
+    front = '<box size="0.018 0.5 0.2"/>', (thin, 0.5, 0.2), (0.0, 0.0, 0.0)
+    bar = '<box size="0.01 0.2 0.01"/>', (0.01, 0.2, 0.01), (0.0, 0.0, 0.0)
+    for k, (box, size, at) in enumerate((pane, front, bar)):
+        mesh = trimesh.creation.box(size)
+        mesh.apply_translation(at)
+        mesh.apply_transform(turned)
+        mesh.export(tmp_path / f"{k}.stl")
+        urdf = urdf.replace(box, f'<mesh filename="{k}.stl"/>')
+    x, y, z = turned[:3, 0]
+    urdf = urdf.replace("0.0 0.2 0", "0 0 0").replace('axis xyz="1 0 0"', f'axis xyz="{x} {y} {z}"')
+    (tmp_path / "post.urdf").write_text(urdf)
+    assert not asked(load_twin(tmp_path / "post.urdf"), "drawer").holds
+
+
 ROOM = """<robot name="post"><link name="room">{panels}{obstacle}</link>
 <link name="drawer"><collision><geometry><box size="0.4 0.58 0.2"/></geometry></collision></link>
 <link name="drawer_handle"><collision><geometry><box size="0.01 0.2 0.01"/></geometry></collision></link>
