@@ -26,6 +26,10 @@ COMPLETE = "_SDT_COMPLETE"
 MADE = 10_000
 """[1] Objects after which garbage is looked for; with Python's 700 it takes a twentieth of a table."""
 
+SELDOM = 100
+"""[1] Times that garbage is looked for among what is new before it is looked for among what was left, once:
+of what a command loads nothing becomes garbage."""
+
 HERE = "services.commands"
 SECTIONS = {
     "Kitchens and robots": {
@@ -109,7 +113,7 @@ def sdt(context: click.Context, config: Path | None) -> None:
 
 def main() -> None:
     """Run `sdt` as a program."""
-    gc.set_threshold(MADE)
+    gc.set_threshold(MADE, SELDOM)
     # What is left goes with the process: to look for garbage in it takes half a second.
     atexit.register(gc.freeze)
     for stream in (sys.stdout, sys.stderr):

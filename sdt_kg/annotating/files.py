@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import pyoxigraph as ox
 
@@ -20,7 +21,6 @@ from sdt_kg.triples.annotation import missing_of
 from sdt_kg.triples.facts import TYPE
 from sdt_kg.triples.from_mechanism import pose_triples
 from sdt_kg.triples.vocabulary import DRIVES, NUMBERS, fits, properties
-from sdt_kg.urdf import parse_xml
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,8 +38,9 @@ def with_annotation(triples: Iterable[Triple], chosen: Chosen) -> list[Triple]:
         AnnotationError: Two values of one number: which of them counted would be chance.
     """
     both, said = [*triples, *chosen.triples], dict[tuple[Iri, Iri], Value]()
+    annotated = {subject for subject, _, _ in chosen.triples}
     for subject, predicate, term in both:
-        if predicate.startswith(SDT) and properties().get(local_name(predicate)) in NUMBERS:
+        if subject in annotated and properties().get(predicate.removeprefix(SDT)) in NUMBERS:
             value = value_of(term)
             if said.setdefault((subject, predicate), value) != value:
                 first = said[subject, predicate]
@@ -135,8 +136,8 @@ def _bundled(file: Path, chosen: Chosen, mechanism: Mechanism) -> Chosen:
 @cache
 def _movable_joints(urdf: Path) -> set[str]:
     """Of a bundled kitchen: its file does not change."""
-    root = parse_xml(urdf.read_bytes(), urdf)
-    return {joint.get("name", "") for joint in root.findall("joint") if joint.get("type") != "fixed"}
+    joints = ET.parse(urdf).iterfind("joint")  # noqa: S314 - our own
+    return {joint.get("name", "") for joint in joints if joint.get("type") != "fixed"}
 
 
 def _without_annotation(mechanism: Mechanism) -> Chosen:

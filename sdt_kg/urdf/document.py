@@ -175,29 +175,27 @@ def _check_numbers(owner: ET.Element, source: Path) -> None:
         for attribute, count in NUMBERS.get(element.tag, {}).items():
             text = element.get(attribute)
             if text is not None:
-                _check_number(f"{where}: {element.tag} {attribute}", text, count)
-                if element.tag in BOUNDED and any(abs(float(word)) > LARGEST for word in text.split()):
-                    raise UrdfError(
-                        f"{where}: {element.tag} {attribute}='{text}'", allowed=f"up to {LARGEST:g}"
-                    )
-                if (element.tag, attribute) in POSITIVE and any(float(word) <= 0 for word in text.split()):
-                    raise UrdfError(f"{where}: {element.tag} {attribute}='{text}'", allowed="above 0 m")
+                _check_number(
+                    f"{where}: {element.tag} {attribute}='{text}'", element.tag, attribute, text, count
+                )
     _check_geometry(owner, where)
 
 
-def _check_number(where: str, text: str, count: int) -> None:
+def _check_number(where: str, tag: str, attribute: str, text: str, count: int) -> None:
     try:
         values = [float(word) for word in text.split()]
     except ValueError:
-        raise UrdfError(f"{where}='{text}' is not {count} number(s)") from None
+        raise UrdfError(f"{where} is not {count} number(s)") from None
     if len(values) != count:
-        raise UrdfError(f"{where}='{text}' holds {len(values)} number(s)", allowed=f"{count}")
+        raise UrdfError(f"{where} holds {len(values)} number(s)", allowed=f"{count}")
     if not all(map(math.isfinite, values)):
         raise UrdfError(
-            f"{where}='{text}' is not finite",
-            allowed="finite numbers",
-            remedy="write the value, or leave it out",
+            f"{where} is not finite", allowed="finite numbers", remedy="write the value, or leave it out"
         )
+    if tag in BOUNDED and max(map(abs, values)) > LARGEST:
+        raise UrdfError(where, allowed=f"up to {LARGEST:g}")
+    if (tag, attribute) in POSITIVE and min(values) <= 0:
+        raise UrdfError(where, allowed="above 0 m")
 
 
 def _check_geometry(link: ET.Element, where: str) -> None:
