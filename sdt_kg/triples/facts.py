@@ -113,6 +113,22 @@ class Facts:
             )
         return Pose((x, y, z), (qx, qy, qz, qw))
 
+    def axis(self, subject: Iri) -> tuple[float, float, float]:
+        """The joint's axis, of length 1.
+
+        Raises:
+            GraphError: It is longer or shorter: a slide would go farther than its position says.
+        """
+        x, y, z = (self.number(subject, name) for name in ("axisX", "axisY", "axisZ"))
+        length = math.hypot(x, y, z)
+        if abs(length - 1) > UNIT_NORM:
+            raise GraphError(
+                f"the axis of '{subject}' has the length {length:.6g}",
+                allowed="1",
+                remedy="divide sdt:axisX, sdt:axisY and sdt:axisZ by it",
+            )
+        return x, y, z
+
 
 def _both(one: dict[Iri, list[Term]], other: dict[Iri, list[Term]]) -> dict[Iri, list[Term]]:
     return {name: one.get(name, []) + other.get(name, []) for name in (*one, *other)}

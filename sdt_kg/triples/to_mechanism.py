@@ -90,14 +90,13 @@ def _joint(facts: Facts, iri: Iri) -> Joint:
         attribute: facts.number(iri, name, -math.inf if attribute == "lower" else math.inf)
         for attribute, name in LIMITS.items()
     }
-    axis = (facts.number(iri, "axisX"), facts.number(iri, "axisY"), facts.number(iri, "axisZ"))
     return Joint(
         name=local_name(iri),
         type=kind,
         parent=local_name(str(facts.one(iri, "parent"))),
         child=local_name(str(facts.one(iri, "child"))),
         origin=facts.pose(str(facts.one(iri, "hasOrigin"))),
-        axis=axis,
+        axis=facts.axis(iri),
         limits=Limits(**bounds),
         mimic=_mimic(facts, iri),
         notes=notes_of(facts, iri),

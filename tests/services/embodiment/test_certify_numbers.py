@@ -66,6 +66,13 @@ def test_a_tool_frame_that_would_scale_distances_is_refused(twin: Twin, scale: f
         judge(twin.with_edit(f"{twin.robots[0]}/tool", qx=part, qw=part), opening())
 
 
+@pytest.mark.parametrize("joint", [joint_iri("gantry", "arm_joint"), joint_iri("cell", "drawer_main_joint")])
+def test_an_axis_that_would_scale_positions_is_refused(twin: Twin, joint: str) -> None:
+    # A slide would go farther than its position says, and a hinge's turn would be none.
+    with pytest.raises(GraphError, match=r"_joint' has the length \S+; allowed: 1"):
+        judge(twin.with_edit(joint, axisX=3.0), opening())
+
+
 def test_a_gripper_without_a_shape_holds_nothing_and_says_so(tmp_path: Path) -> None:
     bare = re.sub("<collision>.*?</collision>", "", (FOLDER / "gantry.urdf").read_text(), flags=re.DOTALL)
     (tmp_path / "gantry.urdf").write_text(bare)
