@@ -1,7 +1,7 @@
 """A record's hash: whether a stored verdict is, triple by triple, as it was written."""
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import pyoxigraph as ox
 
@@ -12,6 +12,10 @@ from sdt_kg.store import Triple, value_of
 RECORD_HASH = LAW + "recordHash"
 SECONDS = frozenset({LAW + "seconds", LAW + "searchedSeconds"})
 """What differs from one judging to the next is no claim, and is not sealed."""
+
+
+Read = tuple[str, str, object]
+"""Subject, predicate, object."""
 
 
 def sealed(verdict: Iri, triples: Iterable[Triple]) -> tuple[Triple, ...]:
@@ -26,24 +30,42 @@ def check_seal(verdict: Iri, quads: Iterable[ox.Quad]) -> None:
     Raises:
         InputError: A triple was added, changed or removed since.
     """
-    triples = [(_text(quad.subject), quad.predicate.value, quad.object) for quad in quads]
-    stated = [_text(value) for _, predicate, value in triples if predicate == RECORD_HASH]
-    if not stated:
+    triples = read_triples(quads)
+    if not _stated(triples):
         raise InputError(
             f"the record of {local_name(verdict)} has no hash",
             allowed="a record as it was written",
             remedy="it was changed, or an earlier version wrote it: judge the case again",
         )
-    found = _hash_of(triples)
-    if stated != [found]:
+    check_unbroken(verdict, triples)
+
+
+def check_unbroken(verdict: Iri, triples: Sequence[Read]) -> None:
+    """The record says what it said when it was written, as far as it has a hash: early ones have none.
+
+    Raises:
+        InputError: A triple was added, changed or removed since.
+    """
+    stated, found = _stated(triples), _hash_of(triples)
+    if stated and stated != [found]:
         raise InputError(
             f"the record of {local_name(verdict)} was changed after it was written: its triples have the "
             f"hash {found[:16]}…, it says {', '.join(each[:16] for each in stated)}…",
             allowed="a record as it was written",
+            remedy="sdt recheck tells what of the store holds; judge the case again into another store",
         )
 
 
-def _hash_of(triples: Iterable[tuple[str, str, object]]) -> str:
+def read_triples(quads: Iterable[ox.Quad]) -> list[Read]:
+    """The triples of a record as its hash is made of them."""
+    return [(_text(quad.subject), quad.predicate.value, quad.object) for quad in quads]
+
+
+def _stated(triples: Iterable[Read]) -> list[str]:
+    return [_text(value) for _, predicate, value in triples if predicate == RECORD_HASH]
+
+
+def _hash_of(triples: Iterable[Read]) -> str:
     """SHA-256 of all but hash and seconds; numbers count by value, for stores spell them as they like."""
     told = {
         "\t".join((subject, predicate, type(value).__name__, repr(value_of(value))))

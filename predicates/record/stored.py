@@ -8,6 +8,7 @@ import pyoxigraph as ox
 from predicates.case import Artefact, Diagnosis, Evidence, Kind, Outcome, Quantity, Search
 from predicates.record.artefacts import read_artefact
 from predicates.record.facts import Facts, term
+from predicates.record.seal import check_unbroken, read_triples
 from sdt_kg.iri import LAW, PROV, RDF, SH, Iri
 from sdt_kg.scope import Violation
 from sdt_kg.task import Verb
@@ -76,11 +77,13 @@ def read_verdict(quads: Iterable[ox.Quad], iri: Iri) -> StoredVerdict:
     """The verdict of this IRI, whose graph these quads are.
 
     Raises:
-        InputError: The record is damaged.
+        InputError: The record is damaged, or was changed after it was written.
     """
-    store = ox.Store()
-    store.extend(quads)
-    return replace(_verdict(Facts(store), iri), artefact=read_artefact(store, iri))
+    store, written = ox.Store(), list(quads)
+    store.extend(written)
+    stored = replace(_verdict(Facts(store), iri), artefact=read_artefact(store, iri))
+    check_unbroken(iri, read_triples(written))
+    return stored
 
 
 def _verdict(facts: Facts, iri: Iri) -> StoredVerdict:

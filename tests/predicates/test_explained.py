@@ -88,6 +88,20 @@ def test_joints_elsewhere_than_at_the_start_are_recorded() -> None:
     assert rows(verdict("low_drawer"), "?v law:jointPosition ?p") == []
 
 
+@pytest.mark.parametrize("term", ["reason", "proof", "outcome"])
+def test_a_record_that_says_something_else_than_when_it_was_written_is_refused(term: str) -> None:
+    store = ox.Store()
+    record = to_record(verdict("high_drawer", 1))
+    write(store, record)
+    (quad,) = store.quads_for_pattern(None, ox.NamedNode(LAW + term), None, None)
+    store.remove(quad)
+    other = {"proof": ox.Literal(False), "outcome": ox.NamedNode(LAW + "Abstained")}
+    changed = other.get(term, ox.Literal("something else"))
+    store.add(ox.Quad(quad.subject, quad.predicate, changed, quad.graph_name))
+    with pytest.raises(InputError, match="was changed after it was written"):
+        list(read_verdicts(store))
+
+
 @pytest.mark.parametrize("lost", ["outcome", "environment", "reason", "bound"])
 def test_a_damaged_record_is_refused_with_what_is_missing(lost: str) -> None:
     store = ox.Store()
