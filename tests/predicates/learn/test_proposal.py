@@ -91,7 +91,7 @@ def test_half_a_way_is_replayed_but_is_no_known_task() -> None:
 
 
 def test_a_drawer_that_is_a_door_becomes_one_and_then_replays() -> None:
-    track = turned("low_drawer", (1.95, -1.4), -1.2)  # hinge 0.4 m beside the handle
+    track = turned("low_drawer", (1.95, -1.4), 1.2)  # hinge 0.4 m beside the handle, away from the wall
     proposal = proposed("low_drawer", track)
     assert proposal.after.type is JointType.REVOLUTE
     assert proposal.learned.radius == pytest.approx(0.4, abs=0.005)
