@@ -39,6 +39,9 @@ parts = st.floats(-1, 1)
 turns = st.tuples(parts, parts, parts, parts.filter(lambda part: abs(part) > 0.1)).map(
     lambda four: tuple(part / math.hypot(*four) for part in four)
 )
+axes = st.tuples(parts, parts, parts.filter(lambda part: abs(part) > 0.1)).map(
+    lambda three: tuple(part / math.hypot(*three) for part in three)
+)
 poses = st.builds(Pose, tuples(3), turns)
 
 
@@ -74,7 +77,7 @@ def mechanisms(draw: st.DrawFn) -> Mechanism:
                 parent=bodies[draw(st.integers(0, number - 1))],
                 child=child,
                 origin=draw(poses),
-                axis=draw(tuples(3)),  # type: ignore[arg-type]
+                axis=draw(axes),  # type: ignore[arg-type]
                 limits=draw(limits),
                 mimic=mimic if number > 1 else None,
                 notes=draw(st.lists(names, max_size=2).map(tuple)),
