@@ -276,15 +276,15 @@ def _check_speeds(facts: Facts, mechanism: Mechanism, file: Path) -> None:
         planned = (
             joint.type is not JointType.FIXED and joint.mimic is None and facts.one(iri, "held") is not True
         )
-        if planned and facts.one(iri, "accelerationLimit") is None:
+        if planned and not facts.number(iri, "accelerationLimit", 0.0):
             raise AnnotationError(
                 f"{file} has no sdt:accelerationLimit for joint '{joint.name}'",
-                allowed="one for each joint that is not held",
+                allowed="one above 0 for each joint that is not held",
                 remedy="give it, or 'sdt:held true' if planning shall never move the joint",
             )
-        if planned and not math.isfinite(joint.limits.velocity):
+        if planned and not 0 < joint.limits.velocity < math.inf:
             raise AnnotationError(
                 f"joint '{joint.name}' of '{mechanism.name}' has no velocity limit",
-                allowed="one for each joint that is not held",
+                allowed="one above 0 for each joint that is not held",
                 remedy="add it to the URDF, or 'sdt:held true' to the annotation",
             )

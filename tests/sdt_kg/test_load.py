@@ -179,6 +179,11 @@ WRONG: dict[str, tuple[str, str, str]] = {
         'joint_lift> rdfs:comment "x" .',
         "has no sdt:accelerationLimit for joint 'joint_lift'",
     ),
+    "acceleration 0": (
+        r"joint_lift> sdt:accelerationLimit [\d.]+",
+        "joint_lift> sdt:accelerationLimit 0.0",
+        "has no sdt:accelerationLimit for joint 'joint_lift'; allowed: one above 0",
+    ),
     "no robot": (r"a sdt:Robot", "a sdt:Toaster", "describes no sdt:Robot"),
     "blank node": (r"sdt:hasGripper <", "sdt:hasGripper _:b , <", "blank node"),
     "syntax": (r"a sdt:Robot ;", "a sdt:Robot", "is not Turtle"),
@@ -199,6 +204,21 @@ def test_a_wrong_annotation_is_refused_with_its_reason(tmp_path: Path, case: str
     with pytest.raises(AnnotationError) as caught:
         load_twin("b", [path])
     assert reason in str(caught.value)
+
+
+def test_a_joint_whose_velocity_limit_is_0_is_asked_for_one(tmp_path: Path) -> None:
+    path = copied("stretch", tmp_path, "stretch")
+    (tmp_path / path.with_suffix(".ttl").name).write_bytes(
+        bundled("robot", "stretch").with_suffix(".ttl").read_bytes()
+    )
+    lift = r'(<joint name="joint_lift".*?velocity=")[^"]*'
+    path.write_text(
+        re.sub(lift, r"\g<1>0", path.read_text(encoding="utf-8"), flags=re.DOTALL), encoding="utf-8"
+    )
+    with pytest.raises(
+        AnnotationError, match=r"joint 'joint_lift' of .* has no velocity limit; allowed: one above 0"
+    ):
+        load_twin("b", [path])
 
 
 def test_an_annotation_of_something_else_is_refused(drawer: Path, tmp_path: Path) -> None:

@@ -132,10 +132,10 @@ def _expansion(scene: Scene, gripper: Gripper, support: list[int]) -> tuple[NDAr
             continue
         members = groups.get(iri, [k])
         taken.update(members)
-        unit = np.zeros(scene.model.nq)
-        unit[members] = 1.0
-        variables.append(k)
-        columns.append(scene.coupling.rates(unit))
+        column = scene.coupling.rates(np.isin(np.arange(scene.model.nq), members).astype(np.float64))
+        if min(float(most[0]) for most in _rates(scene, column[:, None])) > 0:  # else it may not move
+            variables.append(k)
+            columns.append(column)
     return np.array(variables, dtype=np.intp), np.stack(columns, axis=1)
 
 

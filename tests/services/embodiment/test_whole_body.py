@@ -98,6 +98,15 @@ def test_an_open_drawer_is_closed() -> None:
     assert performed(answer).kitchen_q[-1, 0] <= container.closed_to
 
 
+@pytest.mark.parametrize("name", ["velocityLimit", "accelerationLimit"])
+def test_a_joint_that_may_not_move_stands_and_the_others_do_it(name: str) -> None:
+    twin = load_twin("b", ["pr2"])
+    for side in "lr":
+        twin = twin.with_edit(f"{twin.robots[0]}/joint/{side}_elbow_flex_joint", **{name: 0.0})
+    body = performed(ask(WholeBody(), twin, DRAWER))
+    assert not {"l_elbow_flex_joint", "r_elbow_flex_joint"} & {*body.joints}
+
+
 def test_a_differential_base_never_moves_sideways() -> None:
     twin = load_twin("b", ["tiago_dual"])
     answer = ask(WholeBody(drive=Drive.DIFFERENTIAL), twin, DRAWER)
