@@ -9,6 +9,7 @@ from bisect import bisect_right
 from collections import deque
 from collections.abc import Callable, Iterable
 from typing import Final
+from urllib.parse import quote
 
 import pyoxigraph as ox
 import zenoh
@@ -44,7 +45,7 @@ class Log:
     """
 
     def __init__(self, twin: str, kind: str, archive: QuadStore | None) -> None:
-        self._stem = f"{ID}announced/{twin}/{kind}"
+        self._stem = f"{ID}announced/{quote(twin, safe='')}/{kind}"
         self._graph, self._archive = ox.NamedNode(graph_iri("announced", f"{twin}/{kind}")), archive
         self._events: deque[tuple[int, Iri]] = deque(maxlen=KEPT)
         self.epoch = ""

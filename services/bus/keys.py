@@ -11,11 +11,13 @@ sdt/v1/@oracle/{kind}/rpc/{instance}   a question to one oracle: causes (Φ) or 
 sdt/v1/@oracle/{kind}/@live/{instance} liveliness token of an oracle
 ```
 
+{twin} is the kitchen's name, percent-encoded as in IRIs: `my%20kitchen`.
 `sdt/**` does not match chunks that begin with `@`, so listening to everything does not list servers.
 """
 
 import re
 from enum import Enum
+from urllib.parse import quote
 
 from sdt_kg.errors import InputError
 from services.judging.messages import Verb
@@ -62,9 +64,20 @@ def chunk(text: str) -> str:
     return text
 
 
+def of_twin(twin: str) -> str:
+    """What all keys about the twin begin with, whatever its name is.
+
+    Raises:
+        InputError: It has none.
+    """
+    if not twin:
+        raise InputError("a twin that has no name", allowed="the name of the server's kitchen")
+    return f"{ROOT}/{quote(twin, safe='')}"
+
+
 def rpc(twin: str, verb: Verb, instance: str = "") -> str:
     """Key of a question, to any server or to one."""
-    key = f"{ROOT}/{chunk(twin)}/rpc/{verb.value}"
+    key = f"{of_twin(twin)}/rpc/{verb.value}"
     return f"{key}/{chunk(instance)}" if instance else key
 
 
@@ -80,27 +93,27 @@ def server_of(job: str) -> str:
 
 def job(twin: str, job_id: str, part: Part) -> str:
     """Key of a part of a job."""
-    return f"{ROOT}/{chunk(twin)}/jobs/{chunk(job_id)}/{part.value}"
+    return f"{of_twin(twin)}/jobs/{chunk(job_id)}/{part.value}"
 
 
 def event(twin: str, kind: str, sequence: int) -> str:
     """Key under which an event is published; sequences sort as text."""
-    return f"{ROOT}/{chunk(twin)}/events/{chunk(kind)}/{sequence:012d}"
+    return f"{of_twin(twin)}/events/{chunk(kind)}/{sequence:012d}"
 
 
 def meta(twin: str, part: Meta) -> str:
     """Key of what a server says of itself."""
-    return f"{ROOT}/{chunk(twin)}/@meta/{part.value}"
+    return f"{of_twin(twin)}/@meta/{part.value}"
 
 
 def live(twin: str, instance: str) -> str:
     """Key of a server's liveliness token."""
-    return f"{ROOT}/{chunk(twin)}/@live/{chunk(instance)}"
+    return f"{of_twin(twin)}/@live/{chunk(instance)}"
 
 
 def any_live(twin: str) -> str:
     """Key expression of all servers of a twin."""
-    return f"{ROOT}/{chunk(twin)}/@live/*"
+    return f"{of_twin(twin)}/@live/*"
 
 
 def oracle(kind: Oracle, instance: str) -> str:

@@ -38,7 +38,7 @@ _REFERENCE = "#/components/schemas/{model}"
 _SPARQL = {"type": "string", "description": "SPARQL 1.1 results as JSON, or N-Triples"}
 _QUERYABLE: Object = {"kind": "queryable", "complete": True, "error": "problem"}
 _PARAMETERS = {
-    "twin": "Name of the kitchen",
+    "twin": "Name of the kitchen, percent-encoded",
     "instance": "Of the server, as replies and liveliness tokens name it",
     "id": "Of the job, as rpc/sweep gave it",
     "kind": "verdict or state",

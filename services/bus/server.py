@@ -68,11 +68,11 @@ class Server:
         self._herald = Herald(self._session, self.instance, self._memory, self._twins)
         for twin in self._twins:
             for tail in ("*", f"*/{self.instance}"):
-                key = f"{keys.ROOT}/{twin}/rpc/{tail}"
+                key = f"{keys.of_twin(twin)}/rpc/{tail}"
                 # Called by Zenoh's own thread: handing over to one of Python's takes as long as the callback.
                 asked = zenoh.handlers.Callback(partial(self._asked, twin), indirect=False)
                 self._declared.append(self._session.declare_queryable(key, asked, complete=True))
-            jobs = f"{keys.ROOT}/{twin}/jobs/*/*"
+            jobs = f"{keys.of_twin(twin)}/jobs/*/*"
             self._declared.append(self._session.declare_queryable(jobs, partial(self._asked_job, twin)))
             for part in Meta:
                 key = keys.meta(twin, part)

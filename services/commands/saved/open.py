@@ -96,7 +96,9 @@ def _following(store: str, rows: Sequence[Row]) -> list[str]:
     if not rows:
         return []
     place, last = shlex.quote(store), rows[-1]
-    kitchens, robots = (",".join(dict.fromkeys(str(row[name]) for row in rows)) for name in COLUMNS[:2])
+    kitchens, robots = (
+        shlex.quote(",".join(dict.fromkeys(str(row[name]) for row in rows))) for name in COLUMNS[:2]
+    )
     of = {str(row["task"]) for row in rows} - {""}
     tables = [
         f"sdt table --kitchens {kitchens} --robots {robots} --task {verb} --save {place}"

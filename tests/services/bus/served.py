@@ -1,7 +1,8 @@
-"""A server over the small kitchen A, cheap enough to have several of."""
+"""A server over a small kitchen, cheap enough to have several of."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import zenoh
 
@@ -12,6 +13,7 @@ from services.http.kitchens import open_kitchens
 from services.http.memory import Memory, running
 from services.http.world import World
 from services.judging.pool import Pool
+from services.store.quads import QuadStore
 from services.store.workers import Workers
 from services.telemetry.told import Telemetry
 from tests.small import FOLDER
@@ -19,10 +21,14 @@ from tests.small import FOLDER
 
 @contextmanager
 def small(
-    session: zenoh.Session, telemetry: Telemetry | None = None, robots: tuple[str, ...] = ()
+    session: zenoh.Session,
+    telemetry: Telemetry | None = None,
+    robots: tuple[str, ...] = (),
+    kitchen: Path = FOLDER / "a.urdf",
+    archive: QuadStore | None = None,
 ) -> Iterator[tuple[Memory, Server]]:
     """What it keeps, and the server; a process that judges is started when somebody asks for it."""
-    world = World(open_kitchens((str(FOLDER / "a.urdf"),), robots), Workers(1))
+    world = World(open_kitchens((str(kitchen),), robots), Workers(1), archive)
     with running(world) as memory:
         pool = Pool(setup_of(world), 1, memory, telemetry=telemetry)
         try:

@@ -2,6 +2,7 @@
 
 import asyncio
 import queue
+import shutil
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -35,7 +36,7 @@ def served() -> Iterator[tuple[Memory, Connection]]:
 
 
 def move(memory: Memory, *state: str) -> None:
-    asyncio.run_coroutine_threadsafe(memory.world.move("a", state), memory.loop).result()
+    asyncio.run_coroutine_threadsafe(memory.world.move(None, state), memory.loop).result()
 
 
 def test_a_change_of_state_is_published_and_told_again(served: tuple[Memory, Connection]) -> None:
@@ -101,6 +102,20 @@ def test_numbers_go_on_where_a_server_with_a_store_has_ended(tmp_path: Path) -> 
     assert told == [(11, graphs[10]), (12, graphs[11]), (13, graphs[0])]
     assert not reply.restarted
     store.close()
+
+
+def test_a_kitchen_of_any_name_is_asked_and_its_events_are_kept(tmp_path: Path) -> None:
+    kitchen, endpoint = tmp_path / "Küche 2 $*#?.urdf", free_endpoint()
+    shutil.copy(FOLDER / "b.urdf", kitchen)
+    with open_session(listen=endpoint) as session, open_session(connect=endpoint, mode="client") as client:
+        for number, where in enumerate(("all=open", "all=closed"), 1):
+            store = opened(tmp_path / "store")
+            with small(session, kitchen=kitchen, archive=store) as (memory, _):
+                to = Connection(client, kitchen.stem, 30.0)
+                assert len(to.select("SELECT ?c { ?c a sdt:Container }")[1]) == 2
+                move(memory, where)
+                assert to.history("state").last == number
+            store.close()
 
 
 def test_what_is_not_kept_any_more_is_a_gap(monkeypatch: pytest.MonkeyPatch) -> None:

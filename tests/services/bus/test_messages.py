@@ -1,6 +1,7 @@
 """Bytes ↔ values: arrays come back exactly, unknown fields pass, unknown major versions do not."""
 
 import json
+import re
 from typing import Any
 
 import cbor2
@@ -98,9 +99,15 @@ def test_keys_name_their_parts() -> None:
     assert keys.asked(keys.rpc("b", Verb.SELECT)) is Verb.SELECT
     assert keys.asked(keys.rpc("b", Verb.SELECT, "instance1")) is Verb.SELECT
     assert keys.asked("sdt/v1/b/rpc/dance") is None
-    for wrong in ("a/b", "*", "", "a b", "$*", "ä"):
+    for name in ("a/b", "*", "a b", "$*", "ä", "@oracle", "a?b#c"):
+        key = keys.rpc(name, Verb.SELECT)
+        assert keys.asked(key) is Verb.SELECT
+        assert re.fullmatch(r"sdt/v1/[\w.%-]+/rpc/select", key, re.ASCII)
+    with pytest.raises(InputError, match="no name"):
+        keys.rpc("", Verb.SELECT)
+    for wrong in ("a/b", "*", "", "$*"):
         with pytest.raises(InputError):
-            keys.rpc(wrong, Verb.SELECT)
+            keys.job("b", wrong, Part.CANCEL)
 
 
 def test_a_header_has_bounds() -> None:
