@@ -1,10 +1,12 @@
 """URDF or xacro file → Mechanism."""
 
+import io
+import logging
 import math
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -25,15 +27,16 @@ from sdt_kg.mechanism import (
 )
 from sdt_kg.urdf.document import parse_xml
 from sdt_kg.urdf.joints import checked, resolved, turned, with_fixed
+from sdt_kg.urdf.loader import yourdfpy
 from sdt_kg.urdf.meshes import mesh_hash, mesh_path
 from sdt_kg.urdf.xacro import expanded
 
 XACRO: Final = ".xacro"
 
-Three = tuple[float, float, float]
+# yourdfpy has no types of its own: what it returns enters here and leaves as Mechanism.
+Parsed = Any
 
-USUAL_MOMENTS: Final = {"ixx": 1.0, "ixy": 0.0, "ixz": 0.0, "iyy": 1.0, "iyz": 0.0, "izz": 1.0}
-"""[kg m²] Of a URDF that does not write them."""
+logging.getLogger("yourdfpy").setLevel(logging.ERROR)
 
 
 def read_mechanism(path: str | Path, *, name: str | None = None, turn_axes: bool = False) -> Mechanism:
@@ -51,12 +54,13 @@ def read_mechanism(path: str | Path, *, name: str | None = None, turn_axes: bool
     source = Path(path)
     text = _text(source)
     root = parse_xml(text, source)
-    joints = [checked(_joint(joint), source) for joint in root.findall("joint")]
+    robot = _parsed(root, source)
+    joints = [checked(_joint(joint), source) for joint in robot.joints]
     joints = with_fixed(resolved(joints, source))
     if turn_axes:
         joints = turned(joints)
     children = {joint.child for joint in joints}
-    bodies = tuple(_body(link, source) for link in root.findall("link"))
+    bodies = tuple(_body(link, source) for link in robot.links)
     return Mechanism(
         name=name or model_stem(source),
         root=next(body.name for body in bodies if body.name not in children),
@@ -87,125 +91,108 @@ def _text(path: Path) -> bytes:
     return expanded(path) if path.suffix == XACRO else path.read_bytes()
 
 
-def _joint(joint: ET.Element) -> Joint:
-    kind = JointType(joint.get("type"))
+def _parsed(root: ET.Element, source: Path) -> Parsed:
+    """What yourdfpy reads; it gets links and joints only, without visuals and materials."""
+    bare = ET.Element("robot", {"name": root.get("name", source.stem)})
+    for element in (*root.findall("link"), *root.findall("joint")):
+        kept = ET.SubElement(bare, element.tag, element.attrib)
+        kept.extend(part for part in element if part.tag != "visual")
+    try:
+        model = yourdfpy().URDF.load(
+            io.BytesIO(ET.tostring(bare)),
+            build_scene_graph=False,
+            build_collision_scene_graph=False,
+            load_meshes=False,
+            load_collision_meshes=False,
+        )
+    except (ValueError, KeyError, AttributeError, IndexError, TypeError, RecursionError) as error:
+        raise UrdfError(f"{source}: yourdfpy cannot read it: {error}") from None
+    return model.robot
+
+
+def _joint(joint: Parsed) -> Joint:
+    kind = JointType(joint.type)
+    x, y, z = (float(part) for part in joint.axis)
     movable = kind is not JointType.FIXED
     return Joint(
-        name=joint.get("name", ""),
+        name=str(joint.name),
         type=kind,
-        parent=_link(joint, "parent"),
-        child=_link(joint, "child"),
-        origin=_pose(joint.find("origin")),
-        axis=_three(joint.find("axis"), "xyz", (1.0, 0.0, 0.0)) if movable else (1.0, 0.0, 0.0),
-        limits=_limits(kind, joint.find("limit")) if movable else Limits(),
-        mimic=_mimic(joint.find("mimic")),
+        parent=str(joint.parent),
+        child=str(joint.child),
+        origin=_pose(joint.origin),
+        axis=(x, y, z) if movable else (1.0, 0.0, 0.0),
+        limits=_limits(kind, joint.limit) if movable else Limits(),
+        mimic=_mimic(joint.mimic),
     )
 
 
-def _link(joint: ET.Element, tag: str) -> str:
-    end = joint.find(tag)
-    assert end is not None, "parse_xml looked for it"
-    return end.get("link", "")
-
-
-def _limits(kind: JointType, limit: ET.Element | None) -> Limits:
+def _limits(kind: JointType, limit: Parsed) -> Limits:
     """URDF's defaults: positions 0 where not written; speed and effort without bound."""
     if limit is None:
         return Limits()
-    lower, upper = (float(limit.get(bound, 0.0)) for bound in ("lower", "upper"))
-    velocity, effort = (float(limit.get(bound, math.inf)) for bound in ("velocity", "effort"))
+    lower, upper = (0.0 if bound is None else float(bound) for bound in (limit.lower, limit.upper))
+    velocity, effort = (
+        math.inf if bound is None else float(bound) for bound in (limit.velocity, limit.effort)
+    )
     if kind is JointType.CONTINUOUS:
         return Limits(velocity=velocity, effort=effort)
     return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)
 
 
-def _mimic(mimic: ET.Element | None) -> Mimic | None:
+def _mimic(mimic: Parsed) -> Mimic | None:
     if mimic is None:
         return None
-    return Mimic(mimic.get("joint", ""), float(mimic.get("multiplier", 1.0)), float(mimic.get("offset", 0.0)))
+    return Mimic(str(mimic.joint), float(mimic.multiplier), float(mimic.offset))
 
 
-def _body(link: ET.Element, source: Path) -> Body:
-    name = link.get("name", "")
-    where = f"{source}: link '{name}'"
+def _body(link: Parsed, source: Path) -> Body:
+    where = f"{source}: link '{link.name}'"
     return Body(
-        name=name,
-        inertia=_inertia(link.find("inertial")),
-        collision=tuple(_geometry(each, source, where) for each in link.findall("collision")),
+        name=str(link.name),
+        inertia=_inertia(link.inertial),
+        collision=tuple(_geometry(collision, source, where) for collision in link.collisions),
     )
 
 
-def _inertia(inertial: ET.Element | None) -> Inertia | None:
-    mass = None if inertial is None else inertial.find("mass")
-    if inertial is None or mass is None:
+def _inertia(inertial: Parsed) -> Inertia | None:
+    if inertial is None or inertial.mass is None:
         return None
-    moments = inertial.find("inertia")
-    if moments is None:
-        six = (0.0,) * 6
-    else:
-        six = tuple(float(moments.get(name, usual)) for name, usual in USUAL_MOMENTS.items())
-    ixx, ixy, ixz, iyy, iyz, izz = six
-    pose = _pose(inertial.find("origin"))
-    return Inertia(float(mass.get("value", 0.0)), pose, (ixx, ixy, ixz, iyy, iyz, izz))
-
-
-def _geometry(collision: ET.Element, source: Path, where: str) -> Geometry:
-    pose, geometry = _pose(collision.find("origin")), collision.find("geometry")
-    assert geometry is not None, "parse_xml looked for it"
-    (shape,) = geometry
-    if shape.tag == "box":
-        return Geometry(ShapeType.BOX, pose, _three(shape, "size", (0.0, 0.0, 0.0)))
-    if shape.tag == "cylinder":
-        return Geometry(ShapeType.CYLINDER, pose, (_number(shape, "radius"), _number(shape, "length")))
-    if shape.tag == "sphere":
-        return Geometry(ShapeType.SPHERE, pose, (_number(shape, "radius"),))
-    path = mesh_path(shape.get("filename", ""), source, where)
-    scale = _three(shape, "scale", (1.0, 1.0, 1.0))
-    return Geometry(ShapeType.MESH, pose, scale, str(path), mesh_hash(path))
-
-
-def _number(element: ET.Element, name: str) -> float:
-    return float(element.get(name, ""))  # parse_xml looked whether it is there, and a number
-
-
-def _three(element: ET.Element | None, name: str, usual: Three) -> Three:
-    """Three numbers, the usual ones where nothing is written."""
-    text = None if element is None else element.get(name)
-    if text is None:
-        return usual
-    x, y, z = map(float, text.split())
-    return x, y, z
-
-
-def _pose(origin: ET.Element | None) -> Pose:
-    if origin is None:
-        return Pose()
-    none = (0.0, 0.0, 0.0)
-    x, y, z = _three(origin, "xyz", none)
-    return Pose((x + 0.0, y + 0.0, z + 0.0), _turned(*_three(origin, "rpy", none)))  # -0 is written as 0
-
-
-def _turned(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:
-    """Unit quaternion xyzw of turns about the parent's own x, then y, then z."""
-    if roll == pitch == yaw == 0:
-        return (0.0, 0.0, 0.0, 1.0)
-    angles = np.array((roll, pitch, yaw))
-    si, sj, sk = np.sin(angles).tolist()
-    ci, cj, ck = np.cos(angles).tolist()
-    cc, cs, sc, ss = ci * ck, ci * sk, si * ck, si * sk
-    return _quaternion(
-        (cj * ck, sj * sc - cs, sj * cc + ss), (cj * sk, sj * ss + cc, sj * cs - sc), (-sj, cj * si, cj * ci)
+    moments = np.zeros((3, 3)) if inertial.inertia is None else inertial.inertia
+    ixx, ixy, ixz, iyy, iyz, izz = (
+        float(moments[row, column]) for row, column in zip(*np.triu_indices(3), strict=True)
     )
+    return Inertia(float(inertial.mass), _pose(inertial.origin), (ixx, ixy, ixz, iyy, iyz, izz))
+
+
+def _geometry(collision: Parsed, source: Path, where: str) -> Geometry:
+    pose, shape = _pose(collision.origin), collision.geometry
+    if shape.box is not None:
+        return Geometry(ShapeType.BOX, pose, tuple(float(length) for length in shape.box.size))
+    if shape.cylinder is not None:
+        size = (float(shape.cylinder.radius), float(shape.cylinder.length))
+        return Geometry(ShapeType.CYLINDER, pose, size)
+    if shape.sphere is not None:
+        return Geometry(ShapeType.SPHERE, pose, (float(shape.sphere.radius),))
+    path = mesh_path(str(shape.mesh.filename), source, where)
+    return Geometry(ShapeType.MESH, pose, _scale(shape.mesh.scale), str(path), mesh_hash(path))
+
+
+def _scale(scale: Parsed) -> tuple[float, ...]:
+    if scale is None:
+        return (1.0, 1.0, 1.0)
+    return tuple(float(part) for part in scale)
+
+
+def _pose(parent_T_child: NDArray[np.float64] | None) -> Pose:
+    if parent_T_child is None:
+        return Pose()
+    x, y, z = (float(part) for part in parent_T_child[:3, 3])
+    return Pose((x, y, z), quaternion(parent_T_child[:3, :3]))
 
 
 def quaternion(rotation: NDArray[np.float64]) -> tuple[float, float, float, float]:
-    """Unit quaternion xyzw, w ≥ 0, of a rotation matrix, shape (3, 3)."""
-    return _quaternion(*rotation.tolist())
-
-
-def _quaternion(first: Three, second: Three, third: Three) -> tuple[float, float, float, float]:
-    """The same of its rows: Shepperd's method."""
-    (a, b, c), (d, e, f), (g, h, i) = first, second, third
+    """Unit quaternion xyzw, w ≥ 0, of a rotation matrix, shape (3, 3): Shepperd's method."""
+    (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
     squares = (1 + a - e - i, 1 - a + e - i, 1 - a - e + i, 1 + a + e + i)
     largest = max(range(4), key=squares.__getitem__)
     rows = (
