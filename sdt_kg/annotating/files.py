@@ -271,18 +271,19 @@ def _check_positions(facts: Facts, mechanism: Mechanism, file: Path) -> None:
 
 def _check_speeds(facts: Facts, mechanism: Mechanism, file: Path) -> None:
     """Every joint that planning may move has limits of velocity and acceleration: a check needs both."""
-    for joint in mechanism.joints:
+    movable = {joint.name: joint for joint in mechanism.joints if joint.type is not JointType.FIXED}
+    for joint in movable.values():
         iri = joint_iri(mechanism.name, joint.name)
-        planned = (
-            joint.type is not JointType.FIXED and joint.mimic is None and facts.one(iri, "held") is not True
-        )
+        source = joint if joint.mimic is None else movable.get(joint.mimic.joint, joint)
+        moves = facts.one(joint_iri(mechanism.name, source.name), "held") is not True
+        planned = moves and joint.mimic is None
         if planned and not facts.number(iri, "accelerationLimit", 0.0):
             raise AnnotationError(
                 f"{file} has no sdt:accelerationLimit for joint '{joint.name}'",
                 allowed="one above 0 for each joint that is not held",
                 remedy="give it, or 'sdt:held true' if planning shall never move the joint",
             )
-        if planned and not 0 < joint.limits.velocity < math.inf:
+        if moves and joint.limits.velocity in ((0.0, math.inf) if planned else (0.0,)):
             raise AnnotationError(
                 f"joint '{joint.name}' of '{mechanism.name}' has no velocity limit",
                 allowed="one above 0 for each joint that is not held",

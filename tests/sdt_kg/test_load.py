@@ -221,6 +221,17 @@ def test_a_joint_whose_velocity_limit_is_0_is_asked_for_one(tmp_path: Path) -> N
         load_twin("b", [path])
 
 
+def test_a_finger_that_follows_another_needs_a_velocity_above_0_too(tmp_path: Path) -> None:
+    path = copied("pr2", tmp_path, "pr2")
+    path.with_suffix(".ttl").write_bytes(bundled("robot", "pr2").with_suffix(".ttl").read_bytes())
+    finger = r'(<joint name="l_gripper_r_finger_joint".*?velocity=")[^"]*'
+    text, count = re.subn(finger, r"\g<1>0", path.read_text(encoding="utf-8"), flags=re.DOTALL)
+    assert count == 1
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(AnnotationError, match="'l_gripper_r_finger_joint' of 'pr2' has no velocity limit"):
+        load_twin("b", [path])
+
+
 def test_an_annotation_of_something_else_is_refused(drawer: Path, tmp_path: Path) -> None:
     file = tmp_path / "x.ttl"
     file.write_text(PREFIX, encoding="utf-8")
