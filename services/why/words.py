@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from urllib.parse import unquote
 
 from predicates.case import Diagnosis, Evidence, Outcome, Quantity
 from predicates.record.facts import Facts
@@ -96,7 +97,7 @@ def used(inputs: Iterable[tuple[str, str]]) -> Iterator[tuple[str, str]]:
     """The same as pairs of name and value, those of the embodiment without its prefix."""
     for name, value in inputs:
         if value != UNKNOWN_INPUT:
-            said = SETTINGS.sub(_settings, value).replace(ID, "")
+            said = unquote(value.replace(ID, "")) if ID in value else SETTINGS.sub(_settings, value)
             yield name.replace("_", " ").replace("embodiment.", ""), said
 
 

@@ -1,8 +1,9 @@
 """What a page about a kitchen is asked: its state, the task, the drive."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Final, TypeVar
 
 from starlette.requests import Request
 
@@ -18,6 +19,9 @@ from services.http.protocol.exchange import check_spelling
 from services.http.world import World
 
 T = TypeVar("T")
+
+STATE: Final = re.compile(r"[^=]+(?:=\s*\S*)?")
+"""A name, which may have blanks in it, and a value, which has none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +72,7 @@ def asked_about(kitchen: Kitchen, fields: Sequence[tuple[str, str]]) -> Asked:
     """What the fields of a URL or form ask: task, drive, class, state."""
     check_spelling(fields, ("task", "drive", "class", "state"))
     wanted = dict(fields)
-    states = tuple(each for name, text in fields if name == "state" for each in text.split())
+    states = tuple(each for name, text in fields if name == "state" for each in _split(text))
     verbs, drives = {each.value: each for each in Verb}, {each.value: each for each in Drive}
     classes = {each.name: each for each in TEE_CLASSES}
     return Asked(
@@ -79,6 +83,11 @@ def asked_about(kitchen: Kitchen, fields: Sequence[tuple[str, str]]) -> Asked:
         _one(drives, "drive", wanted.get("drive")),
         _one(classes, "class", wanted.get("class")) or D_ARTIC,
     )
+
+
+def _split(text: str) -> list[str]:
+    """`JOINT=VALUE` texts that blanks part; there may be blanks in the name of a joint, too."""
+    return [each.strip() for each in STATE.findall(text) if each.strip()]
 
 
 def _one(known: Mapping[str, T], what: str, name: str | None) -> T | None:

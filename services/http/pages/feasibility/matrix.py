@@ -60,6 +60,7 @@ async def matrix(request: Request) -> View:
         "total": len(asked.twin.containers()),
         "askable": [local_name(robot) for robot in asked.twin.robots] if asked.tee == D_ARTIC else [],
         "classes": [each.name for each in TEE_CLASSES],
+        "example": next((f"; or {each.name}=open" for each in asked.twin.containers()), ""),
     }
     return View("matrix", data, cells, COLUMNS, more | _elsewhere(request, asked, kept), script=True)
 
