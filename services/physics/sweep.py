@@ -1,8 +1,8 @@
 """Where a moving part of the kitchen meets the rest of it.
 
 The container stops where it meets another body, or where two bodies meet that move each in its own way.
-Each pair of shapes is followed from the present state outwards: while apart, by steps no longer than their
-distance allows, so that nothing is jumped over; while touching, by steps shorter than the allowance.
+Each pair of shapes is followed from the present state outwards, by steps no longer than they may come nearer,
+so that nothing is jumped over; where they are nearly too deep, by steps shorter than the allowance.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,7 +19,7 @@ from sdt_kg.state import State
 from services.physics.geometry.bodies import BodyShape, shapes_of
 from services.physics.geometry.passing import Boxes, Way, may_meet
 from services.physics.geometry.rest import ALLOWANCE, Rest, gap_between, placed
-from services.physics.tree import Array, Model
+from services.physics.tree import Array, Indices, Model
 
 THIN_SHARE = 0.25
 """[1] Share of the two shapes' summed thickness that the allowance never exceeds: half of it is all the
@@ -65,8 +65,8 @@ class Sweep:
 
     def __init__(self, model: Model) -> None:
         self._model = model
-        self._shapes = tuple(shapes_of(model))
-        self._rest = Rest(model, self._shapes)
+        self._shapes = Shapes(tuple(shapes_of(model)))
+        self._rest = Rest(model, self._shapes.all)
         self._known: dict[tuple[State, Iri, float], Block | None] = {}
 
     def first_block(self, state: State, active: Iri, end: float) -> Block | None:
@@ -93,6 +93,22 @@ class Sweep:
         return found
 
 
+class Shapes:
+    """A kitchen's shapes, and where their boxes are in their joints' frames as arrays.
+
+    Attributes:
+        joint: Shape (S,).
+        rotation, centre, half: Shape (S, 3, 3), (S, 3), (S, 3); see `BodyShape`.
+    """
+
+    def __init__(self, every: Sequence[BodyShape]) -> None:
+        self.all = every
+        self.joint = np.array([each.joint for each in every], np.intp)
+        self.rotation = np.array([each.rotation for each in every]).reshape(-1, 3, 3)
+        self.centre = np.array([each.centre for each in every]).reshape(-1, 3)
+        self.half = np.array([each.half for each in every]).reshape(-1, 3)
+
+
 class _Path:
     """One actuated joint on its way, all others resting."""
 
@@ -116,17 +132,17 @@ class _Path:
         pin.forwardKinematics(self._model.model, self._model.data, self._model.coupling.positions(q))
         return self._model.data.oMi
 
-    def near(self, shapes: Sequence[BodyShape]) -> Iterator[tuple[BodyShape, BodyShape, float]]:
+    def near(self, shapes: "Shapes") -> Iterator[tuple[BodyShape, BodyShape, float]]:
         """Pairs of a moved and a resting shape whose boxes may meet on the way, and until where they may."""
-        moved = [each for each in shapes if each.joint in self._moving]
-        resting = [each for each in shapes if each.joint not in self._moving]
-        if not moved or not resting:
+        moves = np.isin(shapes.joint, list(self._moving))
+        moved, resting = np.flatnonzero(moves), np.flatnonzero(~moves)
+        if not len(moved) or not len(resting):
             return
         step = (self._end - self._begin) / PARTS
         middles = np.linspace(self._begin + step / 2, self._end - step / 2, PARTS)
-        boxes, still = self._boxes(moved, middles), self._boxes(resting, middles[:1])
+        boxes, still = self._boxes(shapes, moved, middles), self._boxes(shapes, resting, middles[:1])
         (below, above), (low, high) = boxes.corners(), still.corners()
-        pad = np.array([self._speed(each) for each in moved])[:, None] * abs(step) / 2
+        pad = np.array([self._speed(shapes.all[k]) for k in moved])[:, None] * abs(step) / 2
         reach = ((below.min(axis=0) - pad)[:, None] <= high).all(2)
         reach &= ((above.max(axis=0) + pad)[:, None] >= low).all(2)
         one, other = np.nonzero(reach)
@@ -135,18 +151,18 @@ class _Path:
         if len(self._follows) == 1:
             meet = may_meet(self._way(abs(step) / 2), boxes.where(one), still.where(other), least)
         for n in np.flatnonzero(meet.any(axis=0)):
-            if not self._rest.bears(moved[one[n]], resting[other[n]]):
+            pair = shapes.all[moved[one[n]]], shapes.all[resting[other[n]]]
+            if not self._rest.bears(*pair):
                 last = int(np.flatnonzero(meet[:, n])[-1]) + 1
-                until = self._end if last == PARTS else self._begin + step * last
-                yield moved[one[n]], resting[other[n]], until
+                yield *pair, self._end if last == PARTS else self._begin + step * last
 
-    def together(self, shapes: Sequence[BodyShape]) -> Iterator[tuple[BodyShape, BodyShape]]:
+    def together(self, shapes: "Shapes") -> Iterator[tuple[BodyShape, BodyShape]]:
         """Pairs of shapes that move, each in its own way, as two leaves do of which one follows the other."""
         if len(self._follows) == 1:
             return
         supports = self._model.model.supports
-        ways = [frozenset(self._follows.intersection(supports[each.joint].tolist())) for each in shapes]
-        moved = [(each, way) for each, way in zip(shapes, ways, strict=True) if way]
+        ways = [frozenset(self._follows.intersection(supports[each.joint].tolist())) for each in shapes.all]
+        moved = [(each, way) for each, way in zip(shapes.all, ways, strict=True) if way]
         for (one, way), (other, another) in combinations(moved, 2):
             if way != another and not (self._rest.bears(one, other) or self._rest.bears(other, one)):
                 yield one, other
@@ -163,19 +179,17 @@ class _Path:
             half * abs(float(self._model.coupling.multiplier[self._model.model.idx_qs[joint]])),
         )
 
-    def _boxes(self, shapes: Sequence[BodyShape], positions: Array) -> Boxes:
-        """Those about the shapes with the actuated joint at each position, shape (N, S)."""
-        joints, index = np.unique([each.joint for each in shapes], return_inverse=True)
+    def _boxes(self, shapes: "Shapes", some: Indices, positions: Array) -> Boxes:
+        """Those about some shapes with the actuated joint at each position, shape (N, S)."""
+        joints, index = np.unique(shapes.joint[some], return_inverse=True)
         turns, at = np.empty((len(positions), len(joints), 3, 3)), np.empty((len(positions), len(joints), 3))
         for n, position in enumerate(positions):
             frames = self._frames(float(position))
             for k, joint in enumerate(joints.tolist()):
                 turns[n, k], at[n, k] = frames[joint].rotation, frames[joint].translation
-        turn, centre = turns[:, index], np.array([each.centre for each in shapes])
-        half = np.array([each.half for each in shapes])
-        middle = (turn @ centre[:, :, None])[..., 0] + at[:, index]
-        rotation = turn @ np.array([each.rotation for each in shapes])
-        return Boxes(rotation, middle, np.broadcast_to(half, middle.shape))
+        turn = turns[:, index]
+        middle = (turn @ shapes.centre[some][:, :, None])[..., 0] + at[:, index]
+        return Boxes(turn @ shapes.rotation[some], middle, np.broadcast_to(shapes.half[some], middle.shape))
 
     def _speed(self, one: BodyShape) -> float:
         """Bound of the speed of the shape's points [m per unit of the actuated joint], kept."""
@@ -229,7 +243,8 @@ class _Path:
                 return Block(position, -gap, max(allowed, 0.0), one.body, other.body)
             if position == end or (until - position) * direction <= 0:
                 return None
-            step = max(gap, least / 2, LEAST_STEP, free) / speed
+            # On a way of this length they do not come to be too deep, however fast they come nearer.
+            step = max(gap + max(allowed, 0.0), least / 2, LEAST_STEP, free) / speed
             ahead = position + direction * step
             position, free = end if (end - ahead) * direction <= 0 else float(ahead), 0.0
         return None
