@@ -161,6 +161,12 @@ def checked_query(sparql: str) -> str:
         ox.Store().query(sparql, prefixes=PREFIXES)
     except SyntaxError as error:
         where, _, expected = str(error).partition(" expected ")
+        if "Prefix not found" in expected:
+            raise QueryError(
+                f"the query has a prefix that is not declared: {where}",
+                allowed=f"{', '.join(PREFIXES)}, and what the query declares",
+                remedy="put PREFIX NAME: <IRI> at its beginning",
+            ) from None
         what = shorten(" ".join(expected.split()), SHOWN_EXPECTATION, placeholder=" …")
         raise QueryError(
             f"the query is not SPARQL that reads: {where} expected {what}",

@@ -1,6 +1,7 @@
 """Annotation files: which `.ttl` belongs to a model, read and checked against it."""
 
 import math
+import shlex
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -67,7 +68,7 @@ def chosen_robot(mechanism: Mechanism, urdf: Path, explicit: Path | None) -> Cho
     raise AnnotationError(
         f"robot '{mechanism.name}' has no annotation",
         allowed=f"{urdf.with_name(mechanism.name + '.ttl')}, or --annotation FILE.ttl",
-        remedy=f"sdt robot describe {urdf} writes a first one",
+        remedy=f"sdt robot describe {shlex.quote(str(urdf))} writes a first one",
     )
 
 

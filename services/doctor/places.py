@@ -1,5 +1,6 @@
 """Models, settings, stores, and who answers on the bus."""
 
+import shlex
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -50,7 +51,10 @@ def _robot(name: str) -> Finding:
         twin = load_twin("b", [name])
     except SdtError as error:
         return Finding(
-            about, Standing.TO_DO, str(error), f"sdt robot describe {name} writes a first annotation"
+            about,
+            Standing.TO_DO,
+            str(error),
+            f"sdt robot describe {shlex.quote(name)} writes a first annotation",
         )
     grippers = len(twin.robot(twin.robots[0]).grippers)
     return well(about, f"annotated, {grippers} gripper{'s' if grippers > 1 else ''}")

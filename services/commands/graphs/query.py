@@ -13,6 +13,7 @@ from sdt_kg.errors import InputError
 from sdt_kg.iri import PREFIXES
 from services.app import load
 from services.commands.graphs.computing import Asked, compute_options, print_computed, refuse_without_compute
+from services.commands.graphs.spelling import unknown_terms
 from services.commands.options import csv_flag, json_flag
 from services.commands.show import print_rows
 from services.store.files import is_saved_graph, query_saved
@@ -58,11 +59,18 @@ def query(
     text = restricted(query_file.read_text() if query_file else str(sparql), dict(map(_known, known)))
     if computes:
         print_computed(source, text, Asked(**options), as_json=as_json)
+        _tell_unknown(text)
         return
     refuse_without_compute(Asked(**options))
     with _stopped_at_once():
         columns, rows = query_saved(source, text) if is_saved_graph(source) else load(source).query(text)
     print_rows(rows, columns, as_json=as_json)
+    _tell_unknown(text)
+
+
+def _tell_unknown(text: str) -> None:
+    for each in unknown_terms(text):
+        click.echo(f"note: {each}", err=True)
 
 
 @contextmanager
