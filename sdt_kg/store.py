@@ -72,8 +72,8 @@ class Store(Protocol):
         """
         ...
 
-    def dump(self, graphs: Sequence[Iri]) -> "ox.Store":
-        """A copy of these named graphs, for serialisation."""
+    def dump(self, graphs: Sequence[Iri], into: "ox.Store | None" = None) -> "ox.Store":
+        """A copy of these named graphs, by itself or added to a store."""
         ...
 
 
@@ -127,9 +127,9 @@ class MemoryStore:
         except (SyntaxError, ValueError, RuntimeError) as error:
             raise QueryError(f"the query is not SPARQL: {error}", allowed="SELECT, ASK, CONSTRUCT") from None
 
-    def dump(self, graphs: Sequence[Iri]) -> ox.Store:
-        """A copy of these named graphs, for serialisation."""
-        copy = ox.Store()
+    def dump(self, graphs: Sequence[Iri], into: ox.Store | None = None) -> ox.Store:
+        """A copy of these named graphs, by itself or added to a store."""
+        copy = ox.Store() if into is None else into
         for graph in graphs:
             copy.extend(self._store.quads_for_pattern(None, None, None, ox.NamedNode(graph)))
         return copy

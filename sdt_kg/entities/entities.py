@@ -140,8 +140,7 @@ class Entities:
         if model not in self._hashes:
             lines = {
                 f"<{subject}> <{predicate}> {value}"
-                for graph in self.graphs_of(model)
-                for subject, predicate, value in self.store.triples(graph)
+                for subject, predicate, value in self._facts_of(model).triples()
                 if predicate not in _PLACE_ONLY
             }
             self._hashes[model] = hashlib.sha256("\n".join(sorted(lines)).encode()).hexdigest()
@@ -238,7 +237,7 @@ class Entities:
             name = local_name(model)
             raise InputError(f"there is a model named '{name}' already", allowed="each name once")
         store, robots = self.store.dump(self.graphs), (*self.robots, model)
-        store.extend(robot.store.dump(robot.graphs_of(model)))
+        robot.store.dump(robot.graphs_of(model), store)
         asserted, inferred = {**self.asserted, **robot.asserted}, {**self.inferred, **robot.inferred}
         said = (*self.notes, *robot.notes)
         made = self._kept_by(Entities(MemoryStore(store), self.environment, robots, asserted, inferred, said))

@@ -87,6 +87,15 @@ class Facts:
         """All subjects."""
         return self._values.keys()
 
+    def triples(self) -> Iterable[Triple]:
+        """All of them."""
+        return (
+            (subject, name, term)
+            for subject, values in self._values.items()
+            for name, terms in values.items()
+            for term in terms
+        )
+
     def properties(self, subject: Iri) -> set[Iri]:
         """Properties that the subject has."""
         return set(self._values.get(subject, ()))

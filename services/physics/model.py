@@ -19,6 +19,9 @@ from services.physics.geometry.packed import pack
 from services.physics.geometry.shapes import solids, surface
 from services.physics.tree import UNIVERSE, Array, Bounds, Indices, Part, add, coupling, exempt_pairs, se3
 
+NEAR = 1e-6
+"""[m] Spheres about shapes that are farther apart than that are apart, however they are rounded."""
+
 BASE_COORDINATES = ("base_x", "base_y", "base_yaw")
 
 
@@ -150,8 +153,12 @@ class Scene:
         pin.forwardKinematics(self.model, self.data, self.q((0.0, 0.0, 0.0), {}))
         frames = [self.data.oMi[one.joint] * one.joint_T_shape for one in self.solids]
         placed = [coal.Transform3s(frame.rotation, frame.translation) for frame in frames]
+        middle = np.array([self.data.oMi[one.joint].act(one.centre) for one in self.solids])
+        radius = np.array([one.radius for one in self.solids])
+        i, j = self.self_pairs.T
+        near = np.linalg.norm(middle[i] - middle[j], axis=1) <= radius[i] + radius[j] + NEAR
         touching: set[Iri] = set()
-        for i, j in self.self_pairs.tolist():
+        for i, j in self.self_pairs[near].tolist():
             request, result = coal.CollisionRequest(), coal.CollisionResult()
             if coal.collide(
                 self.solids[i].shape, placed[i], self.solids[j].shape, placed[j], request, result
