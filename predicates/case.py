@@ -1,5 +1,6 @@
 """Case, Answer, Diagnosis and Verdict: what the three relations are about and what they say."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -191,27 +192,38 @@ class Verdict:
     seconds: float
     stored: bool = False
 
+    def __str__(self) -> str:
+        """The outcome, the question and every reason, for people."""
+        said = f"{self.outcome.value.replace('_', ' ')}: {self._question()}"
+        return "\n".join((said, *(f"  {name}: {reason}" for name, reason in self._reasons())))
+
     def _repr_html_(self) -> str:
         """The question, the outcome, each predicate's answer and every reason, for Jupyter."""
-        task, robot = self.case.task, self.case.robot
-        about = [local_name(robot)] if isinstance(robot, str) else []
-        if isinstance(task, Task):
-            name = local_name(task.container) if isinstance(task.container, str) else ""
-            about.append(f"{task.verb.value}:{name}" if name else task.verb.value)
         answers = (self.satisfies_request, self.causes, self.can_perform)
         rows = [
             (name, "not asked" if each is None else "yes" if each.holds else "no")
             for name, each in zip(("SatisfiesRequest", "Causes", "CanPerform"), answers, strict=True)
         ]
-        for each in self.diagnoses:
-            sure = " (proved)" if each.proof else " (not proved: a search gave up)" if each.search else ""
-            rows.append((each.kind.value.replace("_", " "), each.reason + sure))
-        rows.append(("IRI", self.iri))
+        rows += [*self._reasons(), ("IRI", self.iri)]
         badge = _BADGES[self.outcome]
         if any(each.proof for each in self.diagnoses):
             badge = Badge.BAD
-        title = f"{', '.join(about) or 'a motion'} in kitchen {local_name(self.case.twin.environment)}"
-        return card(title, rows, (self.outcome.value.replace("_", " "), badge))
+        return card(self._question(), rows, (self.outcome.value.replace("_", " "), badge))
+
+    def _question(self) -> str:
+        """Who, what, where."""
+        task, robot = self.case.task, self.case.robot
+        about = [local_name(robot)] if isinstance(robot, str) else []
+        if isinstance(task, Task):
+            name = local_name(task.container) if isinstance(task.container, str) else ""
+            about.append(f"{task.verb.value}:{name}" if name else task.verb.value)
+        return f"{', '.join(about) or 'a motion'} in kitchen {local_name(self.case.twin.environment)}"
+
+    def _reasons(self) -> Iterator[tuple[str, str]]:
+        """Kind and reason of each diagnosis, and how sure it is."""
+        for each in self.diagnoses:
+            sure = " (proved)" if each.proof else " (not proved: a search gave up)" if each.search else ""
+            yield each.kind.value.replace("_", " "), each.reason + sure
 
 
 _BADGES = {

@@ -35,6 +35,10 @@ class Twin:
         self.entities = entities
         self.state = entities.coupling.start() if state is None else state
 
+    def __repr__(self) -> str:
+        robots = ", ".join(map(self.name, self.robots))
+        return f"<Twin of kitchen {self.name(self.environment)}{f' with {robots}' if robots else ''}>"
+
     @staticmethod
     def from_quads(
         quads: Quads,

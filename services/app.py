@@ -23,7 +23,7 @@ from sdt_kg.task import UNKNOWN, Task
 from sdt_kg.twin import Twin
 from services.certified import with_motion
 from services.policy import DEFAULT_BUDGET, Policy
-from services.requests import parse_state, parse_task
+from services.requests import named_motion, parse_state, parse_task
 
 __all__ = [
     "DEFAULT_BUDGET",
@@ -100,8 +100,8 @@ class Service:
 
     def causes(self, task: str | Task, motion: Motion | None = None) -> Iterator[Answer]:
         """Motions that would cause the task, or whether the given one does; no robot."""
-        case = Case(self.twin, task=self._task(task), motion=UNKNOWN if motion is None else motion)
-        return causes_request(case, self.physics)
+        given = UNKNOWN if motion is None else named_motion(self.twin, motion)
+        return causes_request(Case(self.twin, task=self._task(task), motion=given), self.physics)
 
     def achieve(
         self, task: str | Task, robot: str | Iri | None = None, motion: Motion | BodyMotion | None = None
@@ -113,7 +113,10 @@ class Service:
         Args:
             task: `open`, `open:CONTAINER`, `close` …
             robot: Name or IRI of a loaded robot; may be left out where only one is loaded.
-            motion: To be verified; generated where it is None.
+            motion: To be verified; generated where it is None. What it is of may be a name.
+
+        Raises:
+            InputError: The motion is none.
         """
         case = self.case(task, robot, motion)
         return map(with_motion, law(case, self.physics, self.embodiment, self.recall))
@@ -175,14 +178,15 @@ class Service:
         Raises:
             InputError: Any start is allowed, and there is no robot's motion: what is searched begins parked.
         """
-        if self.policy.any_start and not isinstance(motion, BodyMotion):
+        given = None if motion is None else named_motion(self.twin, motion)
+        if self.policy.any_start and not isinstance(given, BodyMotion):
             raise InputError(
                 "no robot's motion is given that may begin anywhere", remedy="leave any_start out"
             )
         case = Case(self.twin, robot=self.robot(robot), task=self._task(task))
-        if isinstance(motion, BodyMotion):
-            return replace(case, body_motion=motion)
-        return case if motion is None else replace(case, motion=motion)
+        if isinstance(given, BodyMotion):
+            return replace(case, body_motion=given)
+        return case if given is None else replace(case, motion=given)
 
     def _forced(self) -> Oracles:
         if self.oracles is None:
@@ -237,10 +241,14 @@ def load(
     """The Law over a kitchen, with robots, by bundled name or path of a URDF.
 
     Raises:
+        InputError: `robots` or `state` is a single text, where there may be several.
         UnknownEntityError: No bundled kitchen or robot of that name, and no such file.
         UrdfError: A file that is not a valid URDF tree.
         AnnotationError: A robot's annotation is missing or contradicts its URDF.
     """
+    for name, given in (("robots", robots), ("state", state)):
+        if isinstance(given, str | Path):
+            raise InputError(f"{name} is '{given}'", allowed="a list", remedy=f"{name}=['{given}']")
     twin = load_twin(kitchen, robots, annotation=annotation)
     service = Service(twin, policy or Policy())
     if isinstance(state, Mapping):

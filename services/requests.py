@@ -3,13 +3,19 @@
 import math
 import random
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import TypeVar
 
 from sdt_kg.errors import InputError, StateError, UnknownEntityError
-from sdt_kg.iri import Iri, local_name
+from sdt_kg.iri import Iri, body_iri, joint_iri, local_name
+from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.state import State
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container, Twin
 
+ARRAYS = ("times", "values", "velocities", "base", "q", "v", "base_v", "kitchen_q", "kitchen_v")
+"""Of motions."""
+AnyMotion = TypeVar("AnyMotion", bound=Motion | BodyMotion)
 HALF_OPEN_MARGIN = 0.1
 """[1] Half-open positions keep this share of the way between closed and open from either end."""
 
@@ -21,6 +27,7 @@ def parse_task(twin: Twin, text: str) -> Task:
         InputError: The verb is not one of D_artic's, or no name follows the colon.
         UnknownEntityError: The kitchen has no such container; the nearest names are told.
     """
+    _check_text(text, "a task", "open, open:CONTAINER, close, close:CONTAINER, or a Task")
     verb_text, colon, container = text.partition(":")
     try:
         verb = Verb(verb_text.strip().lower())
@@ -44,6 +51,7 @@ def parse_state(twin: Twin, texts: Iterable[str]) -> State:
     """
     positions = dict(twin.state)
     for text in texts:
+        _check_text(text, "a state", "texts: JOINT=VALUE, CONTAINER=open|closed")
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals or not name or not value:
             raise InputError(
@@ -52,6 +60,27 @@ def parse_state(twin: Twin, texts: Iterable[str]) -> State:
             )
         positions.update(_positions(twin, name, value))
     return twin.at(positions).state
+
+
+def named_motion(twin: Twin, motion: AnyMotion) -> AnyMotion:
+    """The motion, of the joint or body that its name means where it is a name and no IRI.
+
+    Raises:
+        InputError: It is no motion, or has other values than arrays.
+    """
+    if not isinstance(motion, Motion | BodyMotion):
+        raise InputError(
+            f"a motion that is a {type(motion).__name__}",
+            allowed="sdt_kg.motion's Motion (of a container) or BodyMotion (of a robot)",
+            remedy="services.motions.read_motion(path, twin, robot) reads one from a file",
+        )
+    lists = [name for name in ARRAYS if isinstance(getattr(motion, name, None), list | tuple)]
+    if lists:
+        raise InputError(f"'{lists[0]}' of a motion is a list", allowed="arrays", remedy="numpy.array(…)")
+    if isinstance(motion, BodyMotion) or ":" in motion.of:
+        return motion
+    of = body_iri if motion.is_poses else joint_iri
+    return replace(motion, of=of(twin.name(twin.environment), motion.of))
 
 
 def state_joints(twin: Twin, texts: Sequence[str]) -> list[str]:
@@ -73,6 +102,12 @@ def parse_base(text: str | None) -> tuple[float, float, float] | None:
     if not all(math.isfinite(value) for value in (x, y, yaw)):
         raise InputError(f"'{text}' is not a base pose", allowed="finite numbers")
     return x, y, yaw
+
+
+def _check_text(text: object, what: str, allowed: str) -> None:
+    """What people type is text; from Python it may be anything."""
+    if not isinstance(text, str):
+        raise InputError(f"{what} that is a {type(text).__name__}", allowed=allowed)
 
 
 def _names(twin: Twin) -> dict[str, Iri]:

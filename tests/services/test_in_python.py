@@ -1,0 +1,67 @@
+"""What people give from Python, where no type checker looks, is told as what is typed on the shell."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from predicates.case import Outcome
+from sdt_kg.errors import InputError
+from sdt_kg.motion import Motion
+from services import load
+from services.app import Service
+from tests.small import FOLDER
+from tests.small.lift import Lifts
+
+TIMES = np.linspace(0.0, 6.0, 20)
+WAY = 0.45 * np.sin(np.linspace(0.0, np.pi / 2, 20))[:, None] ** 2
+
+
+def service(robot: str = "pr2") -> Service:
+    found = load(FOLDER / "a.urdf", robots=[FOLDER / f"{robot}.urdf"])
+    return Service(found.twin, oracles=Lifts())
+
+
+WRONG = {
+    "one robot that is no list": (lambda: load("b", robots="pr2"), r"robots=\['pr2'\]"),
+    "one path that is no list": (lambda: load("b", robots=Path("my.urdf")), "a list"),
+    "one state that is no list": (lambda: load("b", state="all=open"), r"state=\['all=open'\]"),
+    "a task that is none": (lambda: service().achieve({"open": "low_drawer"}), "a task that is a dict"),
+    "a state that is none": (lambda: service().at(0.5), "a state that is a float"),
+    "a motion's path": (lambda: service().achieve("open:low_drawer", motion="x.npz"), "read_motion"),
+    "lists in a motion": (
+        lambda: service().achieve("open:low_drawer", motion=Motion("low_drawer_joint", [0, 1], [[0], [1]])),
+        "'times' of a motion is a list",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_is_of_another_type_is_told(name: str) -> None:
+    ask, said = WRONG[name]
+    assert isinstance(ask, Callable)
+    with pytest.raises(InputError, match=said):
+        ask()
+
+
+def test_a_motion_may_name_its_joint() -> None:
+    asked = service()
+    joint = asked.twin.container("low_drawer").joint
+    by_name, by_iri = (
+        next(iter(asked.achieve("open:low_drawer", motion=Motion(of, TIMES, WAY))))
+        for of in ("low_drawer_joint", joint)
+    )
+    assert by_name.iri == by_iri.iri
+    assert by_name.outcome is Outcome.CERTIFIED
+    (answer,) = asked.causes("open:low_drawer", Motion("low_drawer_joint", TIMES, WAY))
+    assert answer.holds
+
+
+def test_a_verdict_is_printed_in_a_line_and_its_reasons() -> None:
+    asked = service("stretch")
+    (verdict,) = asked.achieve("open:high_drawer")
+    first, *reasons = str(verdict).splitlines()
+    assert first == "not certified: stretch, open:high_drawer in kitchen a"
+    assert reasons
+    assert repr(asked.twin) == "<Twin of kitchen a with stretch>"
