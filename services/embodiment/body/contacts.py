@@ -44,39 +44,41 @@ def clear(shapes, a, r, c, middle, reach):
 
 
 @subkernel(makes=True)
-def track(qs, moving, tree, boxes, radius, base, first):
-    """(poses of the moving shapes along qs, the way that each has come [m], row of each shape in them or −1).
-
-    `moving`, `tree` and `boxes` are what `carried` gives, `base` is what carries the base, `first` are the
-    frames at qs[0], which are written to. The way is that of the point which moves farthest, in the world
-    and, for the robot's own pairs, as seen from the base.
-    """
-    row, count = np.full(boxes[0].shape[0], -1, np.int64), 0
-    for s in range(row.shape[0]):
-        if boxes[0][s] > 0:
-            row[s] = count
+def _way(size, moving, boxes, joints):
+    """What `_tracked` writes to along so many configurations: what moves has a row in it, or −1."""
+    carrier, count = boxes[0], 0
+    rows = np.full(joints, -1, np.int64), np.full(carrier.shape[0], -1, np.int64)
+    for n in range(moving.shape[0]):
+        rows[0][moving[n]] = n
+    for s in range(carrier.shape[0]):
+        if carrier[s] > 0:
+            rows[1][s] = count
             count += 1
-    size, joints = qs.shape[0], first[0].shape[0]
-    along = np.empty((size, count, 3, 3)), np.empty((size, count, 3))
-    ways = np.zeros((size, count)), np.zeros((size, count))
-    last = first[0].copy(), np.zeros((joints, 3, 3)), np.empty((count, 3))
+    along = np.empty((size, moving.shape[0], 3, 3)), np.empty((size, count, 3))
+    last = np.empty((joints, 3, 3)), np.empty((joints, 3, 3)), np.empty((count, 3))
     spare = np.empty((3, 3)), np.empty((3, 3)), np.empty(3), np.zeros(joints), np.zeros(joints)
-    _tracked(qs, moving, tree, boxes, radius, base, row, first, last, spare, along, ways)
-    return along, ways, row
+    return rows, along, (np.zeros((size, count)), np.zeros((size, count))), last, spare
 
 
 @subkernel
-def _tracked(qs, moving, tree, boxes, radius, base, row, frames, last, spare, along, ways):
-    """What `track` says is in `along` and `ways`; the joints' frames, `last` and `spare` are written to."""
-    joint, local_r, local_c = boxes
-    (r, p), (at_r, at_c), (way, own) = frames, along, ways
+def _tracked(qs, stride, moving, tree, boxes, radius, base, frames, corners, way):
+    """How many of qs were looked at, and in `way` and `corners` how everything moves along these.
+
+    `moving`, `tree` and `boxes` are what `carried` gives, `base` is what carries the base. Along qs are the
+    frames of joints that move, and centres of shapes that do; then the way that each shape has come [m]: that
+    of its point which moves farthest, in the world and, for the robot's own pairs, as seen from the base.
+    """
+    joint, _, local_c = boxes
+    (r, p), (low, high, _), (rows, (at_r, at_c), (far, own), last, spare) = frames, corners, way
     turn, now_r, now, turned, own_turned = spare
-    for k in range(qs.shape[0]):
-        for j in moving:
-            if k > 0:
-                joint_pose(j, qs[k], tree, turn, now_r, r, p)
-                turned[j] = _chord(last[0][j], r[j])
-                copied(r[j], last[0][j])
+    row, size = rows[1], (qs.shape[0] + stride - 1) // stride
+    for k in range(size):
+        for n in range(moving.shape[0]):
+            j = moving[n]
+            joint_pose(j, qs[k * stride], tree, turn, now_r, r, p)
+            turned[j] = _chord(last[0][j], r[j])
+            copied(r[j], last[0][j])
+            copied(r[j], at_r[k, n])
         for j in moving:
             if base > 0 and j != base:
                 seen_from(r[base], p[base], r[j], p[j], now_r, now)
@@ -86,12 +88,15 @@ def _tracked(qs, moving, tree, boxes, radius, base, row, frames, last, spare, al
             m, j = row[s], joint[s]
             if m < 0:
                 continue
-            matmul(r[j], local_r[s], at_r[k, m])
             moved(r[j], p[j], local_c[s], at_c[k, m])
+            for i in range(3):
+                at = at_c[k, m, i]
+                low[s, i] = at - radius[s] if k == 0 else min(low[s, i], at - radius[s])
+                high[s, i] = at + radius[s] if k == 0 else max(high[s, i], at + radius[s])
             if k > 0:
-                way[k, m] = way[k - 1, m] + _shift(at_c[k - 1, m], at_c[k, m]) + radius[s] * turned[j]
+                far[k, m] = far[k - 1, m] + _shift(at_c[k - 1, m], at_c[k, m]) + radius[s] * turned[j]
             if base == 0:
-                own[k, m] = way[k, m]
+                own[k, m] = far[k, m]
             elif j != base:
                 x, y, z = at_c[k, m, 0] - p[base, 0], at_c[k, m, 1] - p[base, 1], at_c[k, m, 2] - p[base, 2]
                 for i in range(3):  # baseᵀ · centre
@@ -100,6 +105,7 @@ def _tracked(qs, moving, tree, boxes, radius, base, row, frames, last, spare, al
                     own[k, m] = own[k - 1, m] + _shift(last[2][m], now) + radius[s] * own_turned[j]
                 for i in range(3):
                     last[2][m, i] = now[i]
+    return size
 
 
 @subkernel
@@ -119,16 +125,14 @@ def _chord(r, s):
 
 
 @subkernel(inline=True)
-def walk(a, b, margin, shapes, radius, row, still, along, way, work):
-    """First configuration at which the pair is too near, or −1.
+def walk(a, b, margin, size, shapes, radius, boxes, still, way, far, work):
+    """First of so many configurations at which the pair is too near, or −1.
 
     From a configuration at which the pair is farther apart than the margin, those are left out in
-    which the two cannot have come near enough.
+    which the two cannot have come near enough. Shapes are turned only where their balls meet.
     """
-    at_r, at_c = along
-    size, i, j = at_r.shape[0], row[a], row[b]
-    near = radius[a] + radius[b]
-    k = 0
+    rows, (at_r, at_c), spare = way[0], way[1], way[4]
+    i, j, near, k = rows[1][a], rows[1][b], radius[a] + radius[b], 0
     while k < size:
         x, y, z = still[1][a, 0], still[1][a, 1], still[1][a, 2]
         if i >= 0:
@@ -139,36 +143,37 @@ def walk(a, b, margin, shapes, radius, row, still, along, way, work):
             x, y, z = x - still[1][b, 0], y - still[1][b, 1], z - still[1][b, 2]
         apart = math.sqrt(x * x + y * y + z * z) - near
         if apart <= margin:
-            ra, ca = (at_r[k, i], at_c[k, i]) if i >= 0 else (still[0][a], still[1][a])
-            rb, cb = (at_r[k, j], at_c[k, j]) if j >= 0 else (still[0][b], still[1][b])
+            ra, ca, rb, cb = still[0][a], still[1][a], still[0][b], still[1][b]
+            if i >= 0:
+                ra, ca = spare[0], at_c[k, i]
+                matmul(at_r[k, rows[0][boxes[0][a]]], boxes[1][a], ra)
+            if j >= 0:
+                rb, cb = spare[1], at_c[k, j]
+                matmul(at_r[k, rows[0][boxes[0][b]]], boxes[1][b], rb)
             apart = parting(shapes, a, b, ra, ca, rb, cb, margin, work)
             if apart <= margin:
                 return k
-        here = (way[k, i] if i >= 0 else 0.0) + (way[k, j] if j >= 0 else 0.0)
+        here = (far[k, i] if i >= 0 else 0.0) + (far[k, j] if j >= 0 else 0.0)
         k += 1
         while k < size and (
-            (way[k, i] if i >= 0 else 0.0) + (way[k, j] if j >= 0 else 0.0) - here < apart - margin
+            (far[k, i] if i >= 0 else 0.0) + (far[k, j] if j >= 0 else 0.0) - here < apart - margin
         ):
             k += 1
     return -1
 
 
 @subkernel
-def boxed(shapes, row, still, along, low, high):
-    """Corners of boxes along the world's axes that hold each shape at all configurations."""
+def boxed(shapes, carrier, still, low, high):
+    """Corners of boxes along the world's axes that hold each shape that stands still."""
     size = shapes[1]
-    for s in range(row.shape[0]):
-        count = along[0].shape[0] if row[s] >= 0 else 1
-        for k in range(count):
-            r, c = (along[0][k, row[s]], along[1][k, row[s]]) if row[s] >= 0 else (still[0][s], still[1][s])
-            for i in range(3):
+    for s in range(carrier.shape[0]):
+        r, c = still[0][s], still[1][s]
+        for i in range(3):
+            if carrier[s] == 0:
                 reach = (
                     abs(r[i, 0]) * size[s, 0] + abs(r[i, 1]) * size[s, 1] + abs(r[i, 2]) * size[s, 2]
                 ) + shapes[2][s]
-                if k == 0 or c[i] - reach < low[s, i]:
-                    low[s, i] = c[i] - reach
-                if k == 0 or c[i] + reach > high[s, i]:
-                    high[s, i] = c[i] + reach
+                low[s, i], high[s, i] = c[i] - reach, c[i] + reach
 
 
 @subkernel
@@ -179,49 +184,44 @@ def beside(low, high, s, e, margin):
     return apart or low[s, 2] > high[e, 2] + margin or high[s, 2] < low[e, 2] - margin
 
 
-@subkernel(makes=True)
-def _first(row, still, along, way):
-    """Each shape's centre at the first configuration, and the way that it comes in all [m]."""
-    count, last = row.shape[0], way.shape[0] - 1
-    centre, ways = still[1].copy(), np.zeros(count)
-    for s in range(count):
-        if row[s] >= 0:
-            ways[s] = way[last, row[s]]
-            for i in range(3):
-                centre[s, i] = along[1][0, row[s], i]
-    return centre, ways
-
-
 @kernel
-def contacts(qs, tree, boxes, split, radius, shapes, base, own, margins, largest):
+def contacts(qs, strides, tree, boxes, split, radius, shapes, base, own, margins, largest):
     """(configuration of a contact or −1, the two shapes) along qs (K, nq).
 
     Shapes before `split` are the kitchen's. margins[robot shape, kitchen shape] is the distance
     demanded, negative where the pair may touch, and `largest` the largest of them; `own` is (the robot's
-    own pairs, their margins).
+    own pairs, their margins). Of many configurations those of each of `strides` are looked at first.
     """
-    count = boxes[0].shape[0]
-    r, p = np.empty((tree[0].shape[0], 3, 3)), np.empty((tree[0].shape[0], 3))
+    count, joints = boxes[0].shape[0], tree[0].shape[0]
+    r, p = np.empty((joints, 3, 3)), np.empty((joints, 3))
     still = (np.empty((count, 3, 3)), np.empty((count, 3)))
     forward(qs[0], tree, r, p)
     place_boxes(r, p, boxes, still[0], still[1])
     carrier, many, moving, tree, boxes = carried(qs, tree, boxes, r, p, still)
-    along, ways, row = track(qs, moving[:many], tree, boxes, radius, carrier[base], (r, p))
     corners, work = (np.empty((count, 3)), np.empty((count, 3)), np.empty((2, 3))), np.zeros(ROOM)
-    centres = _first(row, still, along, ways[1])
-    rest = shapes, radius, row, still, along
-    found = _met(split, margins, largest, ways[0], corners, work, *rest)
-    return found if found[0] >= 0 else _met_itself(own, centres, ways[1], work, *rest)
+    boxed(shapes, boxes[0], still, corners[0], corners[1])
+    way = _way(qs.shape[0], moving[:many], boxes, joints)
+    for stride in strides:
+        if stride > 1 and stride >= qs.shape[0]:
+            continue
+        along = moving[:many], tree, boxes, radius, carrier[base], (r, p)
+        size = _tracked(qs, stride, *along, corners, way)
+        rest = size, shapes, radius, boxes, still, way
+        k, one, other = _met(split, margins, largest, corners, work, *rest)
+        if k < 0:
+            k, one, other = _met_itself(own, work, *rest)
+        if k >= 0:
+            return k * stride, one, other
+    return -1, -1, -1
 
 
 @subkernel
-def _met(split, margins, largest, way, corners, work, shapes, radius, row, still, along):
+def _met(split, margins, largest, corners, work, size, shapes, radius, boxes, still, way):
     """The first configuration found at which robot and kitchen are too near, and the two shapes; or −1."""
     low, high, (bottom, top) = corners[0], corners[1], (corners[2][0], corners[2][1])
-    boxed(shapes, row, still, along, low, high)
     for i in range(3):
         bottom[i], top[i] = math.inf, -math.inf
-    count = row.shape[0]
+    count = low.shape[0]
     for s in range(split, count):
         for i in range(3):
             bottom[i], top[i] = min(bottom[i], low[s, i]), max(top[i], high[s, i])
@@ -235,23 +235,26 @@ def _met(split, margins, largest, way, corners, work, shapes, radius, row, still
             margin = margins[s - split, e]
             if margin < 0.0 or beside(low, high, s, e, margin):
                 continue
-            k = walk(s, e, margin, shapes, radius, row, still, along, way, work)
+            k = walk(s, e, margin, size, shapes, radius, boxes, still, way, way[2][0], work)
             if k >= 0:
                 return k, s, e
     return -1, -1, -1
 
 
 @subkernel
-def _met_itself(own, centres, way, work, shapes, radius, row, still, along):
+def _met_itself(own, work, size, shapes, radius, boxes, still, way):
     """The same of the robot's own pairs."""
-    centre, ways = centres
+    row, centre, ways = way[0][1], still[1], way[2][1]
     for n in range(own[0].shape[0]):
         a, b = own[0][n, 0], own[0][n, 1]
         x, y, z = centre[a, 0] - centre[b, 0], centre[a, 1] - centre[b, 1], centre[a, 2] - centre[b, 2]
-        near = radius[a] + radius[b] + own[1][n] + ways[a] + ways[b]
+        near = radius[a] + radius[b] + own[1][n]
+        near += (ways[size - 1, row[a]] if row[a] >= 0 else 0.0) + (
+            ways[size - 1, row[b]] if row[b] >= 0 else 0.0
+        )
         if x * x + y * y + z * z > near * near:
             continue
-        k = walk(a, b, own[1][n], shapes, radius, row, still, along, way, work)
+        k = walk(a, b, own[1][n], size, shapes, radius, boxes, still, way, ways, work)
         if k >= 0:
             return k, a, b
     return -1, -1, -1

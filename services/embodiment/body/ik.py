@@ -37,17 +37,17 @@ def _tool_pose(x, chain, r, p, z, o, turn, tmp):
             r[i, j] = 1.0 if i == j else 0.0
     for c in range(kind.shape[0] + 1):
         last = c == kind.shape[0]
+        u, v, w = (end_p[0], end_p[1], end_p[2]) if last else (place_p[c, 0], place_p[c, 1], place_p[c, 2])
         for i in range(3):
-            for j in range(3):
-                p[i] += r[i, j] * (end_p[j] if last else place_p[c, j])
+            p[i] = p[i] + r[i, 0] * u + r[i, 1] * v + r[i, 2] * w
         matmul(r, end_r if last else place_r[c], tmp)
         if last:
             copied(tmp, r)
             return
         angle = offset[c] + (mult[c] * x[var[c]] if var[c] >= 0 else 0.0)
+        u, v, w = axis[c, 0], axis[c, 1], axis[c, 2]
         for i in range(3):
-            z[c, i] = tmp[i, 0] * axis[c, 0] + tmp[i, 1] * axis[c, 1] + tmp[i, 2] * axis[c, 2]
-            o[c, i] = p[i]
+            z[c, i], o[c, i] = tmp[i, 0] * u + tmp[i, 1] * v + tmp[i, 2] * w, p[i]
         if kind[c] == REVOLUTE:
             rotation(axis[c], angle, turn)
             matmul(tmp, turn, r)
@@ -68,16 +68,15 @@ def jacobian(chain, p, z, o, out):
         k, m = var[c], mult[c]
         if k < 0:
             continue
+        u, v, w = z[c, 0], z[c, 1], z[c, 2]
         if kind[c] == REVOLUTE:
             a, b, d = p[0] - o[c, 0], p[1] - o[c, 1], p[2] - o[c, 2]
-            out[0, k] += m * (z[c, 1] * d - z[c, 2] * b)
-            out[1, k] += m * (z[c, 2] * a - z[c, 0] * d)
-            out[2, k] += m * (z[c, 0] * b - z[c, 1] * a)
-            for i in range(3):
-                out[3 + i, k] += m * z[c, i]
+            out[0, k] += m * (v * d - w * b)
+            out[1, k] += m * (w * a - u * d)
+            out[2, k] += m * (u * b - v * a)
+            out[3, k], out[4, k], out[5, k] = out[3, k] + m * u, out[4, k] + m * v, out[5, k] + m * w
         else:
-            for i in range(3):
-                out[i, k] += m * z[c, i]
+            out[0, k], out[1, k], out[2, k] = out[0, k] + m * u, out[1, k] + m * v, out[2, k] + m * w
 
 
 @kernel(makes=False)
@@ -111,13 +110,15 @@ def solve6(a, b):
                 s -= a[i, k] * a[j, k]
             a[i, j] = math.sqrt(max(s, 1e-30)) if i == j else s / a[j, j]
     for i in range(6):
+        s = b[i]
         for k in range(i):
-            b[i] -= a[i, k] * b[k]
-        b[i] /= a[i, i]
+            s -= a[i, k] * b[k]
+        b[i] = s / a[i, i]
     for i in range(5, -1, -1):
+        s = b[i]
         for k in range(i + 1, 6):
-            b[i] -= a[k, i] * b[k]
-        b[i] /= a[i, i]
+            s -= a[k, i] * b[k]
+        b[i] = s / a[i, i]
 
 
 @subkernel
@@ -131,11 +132,14 @@ def step(x, jac, e, error, weight, lower, upper, room):
         for i in range(6):
             y[i] = e[i]
             for j in range(i + 1):
-                s = 0.0
-                for k in range(n):
-                    if free[k]:
-                        s += jac[i, k] * weight[k] * jac[j, k]
-                a[i, j] = s
+                a[i, j] = 0.0
+        for k in range(n):
+            if free[k]:
+                for i in range(6):
+                    s = jac[i, k] * weight[k]
+                    for j in range(i + 1):
+                        a[i, j] += s * jac[j, k]
+        for i in range(6):
             a[i, i] += DAMPING * error + FLOOR
         solve6(a, y)
         stuck = False
@@ -144,8 +148,10 @@ def step(x, jac, e, error, weight, lower, upper, room):
             dx[k] = 0.0
             if not free[k]:
                 continue
+            s = 0.0
             for i in range(6):
-                dx[k] += weight[k] * jac[i, k] * y[i]
+                s += weight[k] * jac[i, k] * y[i]
+            dx[k] = s
             if (x[k] <= lower[k] and dx[k] < 0.0) or (x[k] >= upper[k] and dx[k] > 0.0):
                 free[k], stuck = False, True
             largest = max(largest, abs(dx[k]))

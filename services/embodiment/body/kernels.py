@@ -26,10 +26,18 @@ def rotation(axis, angle, out):
 
 @subkernel
 def matmul(a, b, out):
-    """Product of two (3, 3) matrices is in `out`, which is neither of them."""
+    """Product of two (3, 3) matrices is in `out`, which is neither of them.
+
+    What is read is read once: LLVM cannot know that `out` is another.
+    """
+    b00, b01, b02 = b[0, 0], b[0, 1], b[0, 2]
+    b10, b11, b12 = b[1, 0], b[1, 1], b[1, 2]
+    b20, b21, b22 = b[2, 0], b[2, 1], b[2, 2]
     for i in range(3):
-        for j in range(3):
-            out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
+        x, y, z = a[i, 0], a[i, 1], a[i, 2]
+        out[i, 0] = x * b00 + y * b10 + z * b20
+        out[i, 1] = x * b01 + y * b11 + z * b21
+        out[i, 2] = x * b02 + y * b12 + z * b22
 
 
 @subkernel
@@ -43,8 +51,9 @@ def copied(a, out):
 @subkernel
 def moved(r, p, local, out):
     """A point (3,) of the frame (r, p) is in `out`, in the world."""
+    x, y, z = local[0], local[1], local[2]
     for i in range(3):
-        out[i] = r[i, 0] * local[0] + r[i, 1] * local[1] + r[i, 2] * local[2] + p[i]
+        out[i] = r[i, 0] * x + r[i, 1] * y + r[i, 2] * z + p[i]
 
 
 @subkernel
@@ -58,11 +67,11 @@ def joint_pose(j, q, tree, turn, carried, r, p):
         rotation(axis[j], q[j - 1], turn)
         matmul(carried, turn, r[j])
         return
+    x, y, z, way = axis[j, 0], axis[j, 1], axis[j, 2], q[j - 1]
     for i in range(3):
-        along = carried[i, 0] * axis[j, 0] + carried[i, 1] * axis[j, 1] + carried[i, 2] * axis[j, 2]
-        p[j, i] += along * q[j - 1]
-        for k in range(3):
-            r[j, i, k] = carried[i, k]
+        a, b, c = carried[i, 0], carried[i, 1], carried[i, 2]
+        p[j, i] += (a * x + b * y + c * z) * way
+        r[j, i, 0], r[j, i, 1], r[j, i, 2] = a, b, c
 
 
 @kernel
@@ -104,11 +113,16 @@ def poses(qs, tree, joint, to_r, to_p):
 @subkernel
 def seen_from(r, p, frame, centre, seen_r, seen_p):
     """A pose (frame, centre) as it is seen from another, (r, p), is in `seen_r`, `seen_p`."""
+    f00, f01, f02 = frame[0, 0], frame[0, 1], frame[0, 2]
+    f10, f11, f12 = frame[1, 0], frame[1, 1], frame[1, 2]
+    f20, f21, f22 = frame[2, 0], frame[2, 1], frame[2, 2]
     x, y, z = centre[0] - p[0], centre[1] - p[1], centre[2] - p[2]
     for i in range(3):
-        seen_p[i] = r[0, i] * x + r[1, i] * y + r[2, i] * z
-        for k in range(3):
-            seen_r[i, k] = r[0, i] * frame[0, k] + r[1, i] * frame[1, k] + r[2, i] * frame[2, k]
+        a, b, c = r[0, i], r[1, i], r[2, i]
+        seen_p[i] = a * x + b * y + c * z
+        seen_r[i, 0] = a * f00 + b * f10 + c * f20
+        seen_r[i, 1] = a * f01 + b * f11 + c * f21
+        seen_r[i, 2] = a * f02 + b * f12 + c * f22
 
 
 @subkernel(makes=True)

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from services.embodiment.body import kernels
 from services.embodiment.body.standing import driving, extents, standing, turned
-from services.embodiment.body.world import COARSE, Rules, World
+from services.embodiment.body.world import STRIDES, Rules, World
 
 Array = NDArray[np.float64]
 
@@ -70,6 +70,6 @@ class Parked:
 
     def drives(self, poses: Array) -> bool:
         """Whether the robot is free at all base poses, shape (K, 3); a few are looked at first."""
-        few, poses = self.stands(poses[:: COARSE[0]]), np.ascontiguousarray(poses)
+        few, poses = self.stands(poses[:: STRIDES[0]]), np.ascontiguousarray(poses)
         along = self._own, self._way, *self._scene, self._reach, CLEAR
         return bool(few.all()) and driving(poses, *along)

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 Pair = tuple[int, int]
 
 MAY_TOUCH = -1.0  # as a margin: the pair is not looked at
-COARSE = (64, 8)  # every how many of many configurations are looked at first, and then
+STRIDES = (64, 8, 1)  # every how many configurations are looked at, of many first these
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,15 +105,8 @@ class World:
 
         Not always that of the first such configuration: a few are looked at before the others.
         """
-        for stride in (*(each for each in COARSE if each < len(configurations)), 1):
-            some = configurations[::stride]
-            contact = self._contact(np.ascontiguousarray(some), rules)  # one memory layout, one compilation
-            if contact is not None:
-                return Contact(contact.index * stride, contact.shapes)
-        return None
-
-    def _contact(self, configurations: Array, rules: Rules) -> Contact | None:
-        at, one, other = contacts.contacts(configurations, *self._scene(rules))
+        qs = np.ascontiguousarray(configurations)  # one memory layout, one compilation
+        at, one, other = contacts.contacts(qs, STRIDES, *self._scene(rules))
         return Contact(at, (one, other)) if at >= 0 else None
 
     def _scene(self, rules: Rules) -> tuple:

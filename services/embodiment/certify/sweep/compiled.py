@@ -21,44 +21,74 @@ def _turned(axis, angle, out):
 
 @subkernel
 def _product(a, b, out):
+    """What is read is read once: LLVM cannot know that `out` is another."""
+    b00, b01, b02 = b[0, 0], b[0, 1], b[0, 2]
+    b10, b11, b12 = b[1, 0], b[1, 1], b[1, 2]
+    b20, b21, b22 = b[2, 0], b[2, 1], b[2, 2]
     for i in range(3):
-        for j in range(3):
-            out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
+        x, y, z = a[i, 0], a[i, 1], a[i, 2]
+        out[i, 0] = x * b00 + y * b10 + z * b20
+        out[i, 1] = x * b01 + y * b11 + z * b21
+        out[i, 2] = x * b02 + y * b12 + z * b22
 
 
 @kernel
 def place(q, v, parents, offsets, axes, revolute, rotation, origin, axis, omega, linear):
     """Carriers at U configurations are in the last five; what they hold is said by `Placed`."""
-    frame, turn = np.empty((3, 3)), np.empty((3, 3))
+    spare = np.empty((3, 3)), np.empty((3, 3))
     for u in range(q.shape[0]):
         for k in range(3):
             origin[u, 0, k] = axis[u, 0, k] = omega[u, 0, k] = linear[u, 0, k] = 0.0
             for n in range(3):
                 rotation[u, 0, k, n] = 1.0 if k == n else 0.0
-        for i in range(1, parents.shape[0]):
-            parent, rate = parents[i], v[u, i - 1]
-            _product(rotation[u, parent], offsets[i, :3, :3], frame)
-            for k in range(3):
-                origin[u, i, k] = origin[u, parent, k]
-                axis[u, i, k] = 0.0
-                for n in range(3):
-                    origin[u, i, k] += rotation[u, parent, k, n] * offsets[i, n, 3]
-                    axis[u, i, k] += frame[k, n] * axes[i, n]
-            a, o = axis[u, i], origin[u, i]
-            if revolute[i]:
-                _turned(axes[i], q[u, i - 1], turn)
-                _product(frame, turn, rotation[u, i])
-                moment = o[1] * a[2] - o[2] * a[1], o[2] * a[0] - o[0] * a[2], o[0] * a[1] - o[1] * a[0]
-                for k in range(3):
-                    omega[u, i, k] = omega[u, parent, k] + rate * a[k]
-                    linear[u, i, k] = linear[u, parent, k] + rate * moment[k]
-            else:
-                for k in range(3):
-                    origin[u, i, k] += q[u, i - 1] * a[k]
-                    omega[u, i, k] = omega[u, parent, k]
-                    linear[u, i, k] = linear[u, parent, k] + rate * a[k]
-                    for n in range(3):
-                        rotation[u, i, k, n] = frame[k, n]
+        _placed(u, q, v, parents, offsets, axes, revolute, spare, rotation, origin, axis, omega, linear)
+
+
+@subkernel
+def _placed(u, q, v, parents, offsets, axes, revolute, spare, rotation, origin, axis, omega, linear):
+    """The same of all carriers but the world at configuration u."""
+    frame, turn = spare
+    for i in range(1, parents.shape[0]):
+        parent, way, rate = parents[i], q[u, i - 1], v[u, i - 1]
+        _product(rotation[u, parent], offsets[i], frame)
+        x, y, z, a, b, c = (
+            offsets[i, 0, 3],
+            offsets[i, 1, 3],
+            offsets[i, 2, 3],
+            axes[i, 0],
+            axes[i, 1],
+            axes[i, 2],
+        )
+        for k in range(3):
+            r = rotation[u, parent]
+            origin[u, i, k] = origin[u, parent, k] + r[k, 0] * x + r[k, 1] * y + r[k, 2] * z
+            axis[u, i, k] = frame[k, 0] * a + frame[k, 1] * b + frame[k, 2] * c
+        x, y, z, a, b, c = (
+            origin[u, i, 0],
+            origin[u, i, 1],
+            origin[u, i, 2],
+            axis[u, i, 0],
+            axis[u, i, 1],
+            axis[u, i, 2],
+        )
+        if revolute[i]:
+            _turned(axes[i], way, turn)
+            _product(frame, turn, rotation[u, i])
+            omega[u, i, 0] = omega[u, parent, 0] + rate * a
+            omega[u, i, 1] = omega[u, parent, 1] + rate * b
+            omega[u, i, 2] = omega[u, parent, 2] + rate * c
+            linear[u, i, 0] = linear[u, parent, 0] + rate * (y * c - z * b)
+            linear[u, i, 1] = linear[u, parent, 1] + rate * (z * a - x * c)
+            linear[u, i, 2] = linear[u, parent, 2] + rate * (x * b - y * a)
+            continue
+        origin[u, i, 0], origin[u, i, 1], origin[u, i, 2] = x + way * a, y + way * b, z + way * c
+        linear[u, i, 0] = linear[u, parent, 0] + rate * a
+        linear[u, i, 1] = linear[u, parent, 1] + rate * b
+        linear[u, i, 2] = linear[u, parent, 2] + rate * c
+        for k in range(3):
+            omega[u, i, k] = omega[u, parent, k]
+            for n in range(3):
+                rotation[u, i, k, n] = frame[k, n]
 
 
 @kernel(makes=False)
