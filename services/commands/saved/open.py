@@ -2,12 +2,14 @@
 
 import shlex
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import Final
 
 import click
 
 from predicates.case import ArtefactKind
 from predicates.record import read_verdicts
+from predicates.record.inputs import UNKNOWN_INPUT
 from predicates.record.stored import StoredVerdict
 from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
@@ -26,6 +28,11 @@ COLUMNS = (
     "certificates",
     "proofs",
 )
+MODELS: Final = frozenset({"environment", "robot"})
+JUDGES: Final = frozenset({"physics", "embodiment"})
+"""Inputs that say which model, of which content, and which version of what judged."""
+SHOWN_HASH: Final = 12
+"""[characters] Of a model's content hash."""
 QUERY = "SELECT ?container {{ ?v law:outcome law:{} ; law:container ?container }}"
 
 Row = dict[str, object]
@@ -53,12 +60,15 @@ def open_command(context: click.Context, *, store: str, pages: bool, as_json: bo
             remedy="sdt achieve … --save FILE keeps a verdict",
         )
     verdicts = list(read_verdicts(without_twins(store)))
-    rows = _rows(verdicts)
+    rows, mixed = _rows(verdicts), list(_mixed(verdicts))
     following = _following(store, rows)
     if as_json:
-        print_json({"store": store, "verdicts": len(verdicts), "cases": rows, "next": following})
+        found = {"store": store, "verdicts": len(verdicts), "cases": rows, "mixed": mixed, "next": following}
+        print_json(found)
     else:
         print_rows(rows, COLUMNS)
+        for line in mixed:
+            click.echo(f"note: {line}", err=True)
         if not csv_is_asked():
             _say(verdicts, following)
     if pages:
@@ -79,6 +89,22 @@ def _rows(verdicts: Sequence[StoredVerdict]) -> list[Row]:
         dict(zip(COLUMNS, (*case, *(count[name] for name in names)), strict=True))
         for case, count in sorted(counts.items())
     ]
+
+
+def _mixed(verdicts: Sequence[StoredVerdict]) -> Iterator[str]:
+    """What differs between verdicts that rows, and queries by name, count together."""
+    counts: dict[str, Counter[str]] = {}
+    for name, value in (pair for each in verdicts for pair in each.inputs):
+        if name in MODELS and value != UNKNOWN_INPUT:
+            model, _, content = value.partition(" ")
+            about = f"'{local_name(model)}' is there as several models of that name"
+            counts.setdefault(about, Counter())[f"about {content[:SHOWN_HASH]}"] += 1
+        elif name in JUDGES:
+            counts.setdefault(f"judged by several versions of {name}", Counter())[f"by {value}"] += 1
+    for what, found in counts.items():
+        if len(found) > 1:
+            told = ", ".join(f"{count} {which}" for which, count in found.most_common())
+            yield f"{what}: {told}; sdt recheck tells which hold for what is kept"
 
 
 def _marks(verdict: StoredVerdict) -> list[str]:

@@ -1,0 +1,33 @@
+"""What `sdt open` says of a store whose verdicts are about different things of one name."""
+
+from pathlib import Path
+
+from services.app import Service
+from services.store.files import SavedVerdicts
+from tests.small import small_twin
+from tests.small.lift import Lifts
+
+
+def test_models_and_versions_that_are_counted_together_are_told(sdt, tmp_path: Path) -> None:
+    twin = small_twin("a", ["pr2"])
+    wider = twin.with_edit(twin.container("low_drawer").joint, upperLimit=0.6)
+    place = tmp_path / "my verdicts.trig"
+    with SavedVerdicts(place) as saved:
+        for each in (twin, wider):
+            for verdict in Service(each, oracles=Lifts()).achieve("open:low_drawer"):
+                saved.add(verdict)
+    found = sdt("open", str(place), "--json").json
+    assert found["verdicts"] == 2
+    (said,) = found["mixed"]
+    assert said.startswith("'a' is there as several models of that name: 1 about ")
+    assert twin.content_hash(twin.environment)[:12] in said
+    assert f"note: {said}" in sdt("open", str(place)).err
+
+
+def test_what_is_of_one_model_and_version_is_not_told_apart(sdt, tmp_path: Path) -> None:
+    twin = small_twin("a", ["pr2", "stretch"])
+    with SavedVerdicts(tmp_path / "kept.trig") as saved:
+        for robot in ("pr2", "stretch"):
+            for verdict in Service(twin, oracles=Lifts()).achieve("open", robot):
+                saved.add(verdict)
+    assert sdt("open", str(tmp_path / "kept.trig"), "--json").json["mixed"] == []
