@@ -9,7 +9,7 @@ from tests.small.lift import Lifts
 
 
 def test_models_and_versions_that_are_counted_together_are_told(sdt, tmp_path: Path) -> None:
-    twin = small_twin("a", ["pr2"])
+    twin = small_twin("a", ("pr2",))
     wider = twin.with_edit(twin.container("low_drawer").joint, upperLimit=0.6)
     place = tmp_path / "my verdicts.trig"
     with SavedVerdicts(place) as saved:
@@ -25,7 +25,7 @@ def test_models_and_versions_that_are_counted_together_are_told(sdt, tmp_path: P
 
 
 def test_what_is_of_one_model_and_version_is_not_told_apart(sdt, tmp_path: Path) -> None:
-    twin = small_twin("a", ["pr2", "stretch"])
+    twin = small_twin("a", ("pr2", "stretch"))
     with SavedVerdicts(tmp_path / "kept.trig") as saved:
         for robot in ("pr2", "stretch"):
             for verdict in Service(twin, oracles=Lifts()).achieve("open", robot):
