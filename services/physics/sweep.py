@@ -65,8 +65,9 @@ class Sweep:
 
     def __init__(self, model: Model) -> None:
         self._model = model
-        self._shapes = Shapes(tuple(shapes_of(model)))
-        self._rest = Rest(model, self._shapes.all)
+        *every, floor = shapes_of(model)
+        self._rest = Rest(model, [*every, floor])
+        self._shapes = Shapes([*every, floor] if self._rest.stands(every) else every)
         self._known: dict[tuple[State, Iri, float], Block | None] = {}
 
     def first_block(self, state: State, active: Iri, end: float) -> Block | None:
@@ -142,7 +143,7 @@ class _Path:
         middles = np.linspace(self._begin + step / 2, self._end - step / 2, PARTS)
         boxes, still = self._boxes(shapes, moved, middles), self._boxes(shapes, resting, middles[:1])
         (below, above), (low, high) = boxes.corners(), still.corners()
-        pad = np.array([self._speed(shapes.all[k]) for k in moved])[:, None] * abs(step) / 2
+        pad = np.array([self._speed(shapes.all[k]) for k in moved.tolist()])[:, None] * abs(step) / 2
         reach = ((below.min(axis=0) - pad)[:, None] <= high).all(2)
         reach &= ((above.max(axis=0) + pad)[:, None] >= low).all(2)
         one, other = np.nonzero(reach)
@@ -151,7 +152,7 @@ class _Path:
         if len(self._follows) == 1:
             meet = may_meet(self._way(abs(step) / 2), boxes.where(one), still.where(other), least)
         for n in np.flatnonzero(meet.any(axis=0)):
-            pair = shapes.all[moved[one[n]]], shapes.all[resting[other[n]]]
+            pair = shapes.all[int(moved[one[n]])], shapes.all[int(resting[other[n]])]
             if not self._rest.bears(*pair):
                 last = int(np.flatnonzero(meet[:, n])[-1]) + 1
                 yield *pair, self._end if last == PARTS else self._begin + step * last

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
-from sdt_kg.iri import Iri, body_iri
+from sdt_kg.iri import Iri, body_iri, model_iri
 from sdt_kg.mechanism import JointType, Mechanism
+from services.physics.geometry.floor import BELOW, SIZE, floor_box, floor_iri
 from services.physics.geometry.pieces import Piece, pieces
-from services.physics.tree import Array, Model, se3
+from services.physics.tree import UNIVERSE, Array, Model, se3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,7 +40,7 @@ class BodyShape:
 
 
 def shapes_of(model: Model) -> Iterator[BodyShape]:
-    """The pieces of all shapes of a mechanism's bodies."""
+    """The pieces of all shapes of a mechanism's bodies, and the floor that kitchens rarely model."""
     part = model.part
     name, carried, mounts = part.mechanism.name, _carriers(part.mechanism), _mounts(part.mechanism)
     for body in part.mechanism.bodies:
@@ -47,20 +48,31 @@ def shapes_of(model: Model) -> Iterator[BodyShape]:
         parent = carried[body.name]
         for geometry in body.collision:
             pose = joint_T_body * se3(geometry.pose)
+            of = (
+                body_iri(name, body.name),
+                body_iri(name, parent) if parent else None,
+                frozenset(body_iri(name, each) for each in mounts.get(parent, ())),
+            )
             for piece in pieces(geometry):
-                size = piece.high - piece.low
-                yield BodyShape(
-                    body=body_iri(name, body.name),
-                    parent=body_iri(name, parent) if parent else None,
-                    mount=frozenset(body_iri(name, each) for each in mounts.get(parent, ())),
-                    joint=index,
-                    pose=pose,
-                    piece=piece,
-                    rotation=pose.rotation.copy(),
-                    half=size / 2,
-                    centre=pose.act((piece.low + piece.high) / 2),
-                    radius=float(np.linalg.norm(size)) / 2,
-                )
+                yield _shape(of, index, pose, piece)
+    floor, half = floor_box(), np.array(SIZE) / 2
+    of = floor_iri(model_iri(name)), None, frozenset[Iri]()
+    yield _shape(of, UNIVERSE, se3(BELOW), Piece(-half, half, lambda: floor))
+
+
+def _shape(of: tuple[Iri, Iri | None, frozenset[Iri]], joint: int, pose: pin.SE3, piece: Piece) -> BodyShape:
+    """A piece at joint_T_piece, `of` a body with its parent and mount."""
+    size = piece.high - piece.low
+    return BodyShape(
+        *of,
+        joint=joint,
+        pose=pose,
+        piece=piece,
+        rotation=pose.rotation.copy(),
+        half=size / 2,
+        centre=pose.act((piece.low + piece.high) / 2),
+        radius=float(np.linalg.norm(size)) / 2,
+    )
 
 
 def _carriers(mechanism: Mechanism) -> dict[str, str]:

@@ -9,7 +9,7 @@ import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found throug
 from sdt_kg.iri import Iri
 from sdt_kg.mechanism import JointType, Limits
 from services.physics.geometry.bodies import BodyShape
-from services.physics.tree import Array, Model
+from services.physics.tree import UNIVERSE, Array, Model
 
 ALLOWANCE = 0.01
 """[m] How deep a moved shape may be in another, more than the model's rest allows it: the doors of
@@ -45,6 +45,12 @@ class Rest:
     def touch(self, one: BodyShape, other: BodyShape) -> bool:
         """Whether the shapes touch."""
         return gap_between(one, self._placed[id(one)], other, self._placed[id(other)]) <= 0
+
+    def stands(self, shapes: Sequence[BodyShape]) -> bool:
+        """Whether nothing that joints move reaches below the floor: else the kitchen's floor is elsewhere."""
+        moved = [(each, self._frames[each.joint]) for each in shapes if each.joint != UNIVERSE]
+        low = (at.act(one.centre)[2] - np.abs(at.rotation[2] @ one.rotation) @ one.half for one, at in moved)
+        return min(low, default=0.0) >= -ALLOWANCE
 
     def bears(self, one: BodyShape, other: BodyShape) -> bool:
         """One moves in or on the other: a shape beside its body at rest, of its joint's parent or mount.

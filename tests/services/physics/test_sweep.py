@@ -228,6 +228,23 @@ def test_a_thin_drawer_does_not_pass_a_pane_however_both_lie_in_their_files(
     assert not asked(load_twin(tmp_path / "post.urdf"), "drawer").holds
 
 
+FLAP = """<robot name="post"><link name="world"/><link name="door">{panel}</link>
+<link name="door_handle"><collision><origin xyz="0.04 0 0.5"/><geometry><box size="0.01 0.2 0.01"/></geometry>
+</collision></link><joint name="door_joint" type="revolute"><parent link="world"/><child link="door"/>
+<origin xyz="0 0 {high}"/><axis xyz="0 1 0"/><limit lower="0" upper="2.6" velocity="1" effort="1"/></joint>
+<joint name="handle_joint" type="fixed"><parent link="door"/><child link="door_handle"/></joint></robot>"""
+
+
+@pytest.mark.parametrize(("high", "free"), [(0.3, False), (0.6, True), (-0.5, True)])
+def test_a_flap_does_not_turn_through_the_floor(tmp_path: Path, high: float, free: bool) -> None:
+    # At 2.35 rad its edge is 0.39 m below its hinge; a kitchen whose floor is elsewhere is as it was drawn.
+    panel = '<collision><origin xyz="0 0 0.28"/><geometry><box size="0.02 0.6 0.55"/></geometry></collision>'
+    (tmp_path / "post.urdf").write_text(FLAP.format(panel=panel, high=high))
+    answer = asked(load_twin(tmp_path / "post.urdf"), "door")
+    assert answer.holds is free
+    assert free or any("runs into floor" in each.reason for each in answer.diagnoses)
+
+
 ROOM = """<robot name="post"><link name="room">{panels}{obstacle}</link>
 <link name="drawer"><collision><geometry><box size="0.4 0.58 0.2"/></geometry></collision></link>
 <link name="drawer_handle"><collision><geometry><box size="0.01 0.2 0.01"/></geometry></collision></link>
