@@ -16,6 +16,8 @@ from tests.services.pages.conftest import sdt_serve
 ROBOTS = ("pr2", "tiago_dual", "stretch")
 REPORTS = ("feasibility", "counterfactual", "codesign", "diagnosis", "learning")
 WITHOUT_STORE = ("learning",)
+SHOWN = {"diagnosis": ("-p", "edits=box:crate=0.3,0.3,0.4@0.6,-0.6,0.2")}
+"""What is asked for a picture with something to see."""
 WIDTH, HEIGHT = 1280, 720
 TALLEST = 6000
 """[px] Of a picture."""
@@ -77,7 +79,7 @@ def reports(browser: Browser, store: Path, folder: Path) -> None:
         html = folder / f"report_{name}.html"
         command = (sys.executable, "-m", "services.cli", "report", name, "-o", str(html))
         takes_store = () if name in WITHOUT_STORE else ("--store", str(store))
-        subprocess.run((*command, *takes_store), check=True)
+        subprocess.run((*command, *takes_store, *SHOWN.get(name, ())), check=True)
         taken(browser, html.absolute().as_uri(), html.with_suffix(".png"))
 
 

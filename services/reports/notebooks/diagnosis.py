@@ -9,7 +9,7 @@
 kitchen = "b"  # bundled (a, b) or a path
 robot = "pr2"  # bundled name or path
 task = "open:iai_fridge_door"  # open:NAME or close:NAME
-edits = "box:crate=0.3,0.3,0.4@0.6,-0.6,0.2"  # what has changed since, as sdt whatif has it, separated by ;
+edits = ""  # what has changed since, box:crate=0.3,0.3,0.4@0.6,-0.6,0.2 say (sdt whatif --edit help), by ;
 motion = ""  # file of a motion to judge: .npz, .json, .csv, .mcap
 state = ""  # joints elsewhere, as --state of sdt achieve takes them, comma-separated
 base = ""  # where the robot starts, X,Y,YAW; empty: as the kitchen says
