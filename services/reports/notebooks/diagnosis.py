@@ -25,7 +25,7 @@ found = diagnosis.diagnosed(kitchen, robot, task, **options, budget=budget, stor
 diagnosis.headline(found)
 
 # %% [markdown]
-# ## Where it fails
+# ## The motion, and where it fails
 #
 # Each moment at which a reason lies, the robot as a ghost; then the whole motion.
 
