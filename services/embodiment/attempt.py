@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.body.limb import Limb
-from services.embodiment.hold.bred import Breeder
+from services.embodiment.hold.bred import Breeder, anyhow
 from services.embodiment.hold.fit import Fitter, Opened
 from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.holding import Holding, Searcher
+from services.embodiment.hold.parts import around, parts
 from services.embodiment.hold.sampling import FULL, Effort, Sampler
 from services.embodiment.hold.spread import Spreader
 from services.embodiment.ways.approach import Approacher
@@ -70,16 +71,26 @@ class Attempt:
             self.wide = self.fitter.wide(late)
             self._count()
         if self.wide:
-            yield from self._spreader(self.wide, effort, late).holdings()
+            yield from self._spreader(self.fitter, self.wide, effort, late).holdings()
 
     def breed(self, late: Callable[[], bool]) -> Iterator[Holding]:
         """The same of grasps between these, which can be had at every value of the container."""
-        breeder = Breeder(self.searcher, self.fitter, self.rng, late)
+        yield from self._bred(Breeder(self.searcher, self.fitter, self.rng, late), late)
+
+    def breed_anyhow(self, late: Callable[[], bool]) -> Iterator[Holding]:
+        """The same of any part of the handle, held anyhow."""
+        one, problem = self.fitter, self.fitter.problem
+        every = parts(self.searcher.world, problem.mechanics.container.handle, one.bar)
+        fitter = Fitter(one.hand, problem, around(every), one.demands, one.unfit)
+        pool = anyhow(every, room=self.searcher.tally.grasps > 0)
+        yield from self._bred(Breeder(self.searcher, fitter, self.rng, late, pool), late)
+
+    def _bred(self, breeder: Breeder, late: Callable[[], bool]) -> Iterator[Holding]:
         for opened in breeder.litters():
             self.bred |= {one[0].index: one for one in breeder.looked_at}
             self._count()
             for pivot, xs in breeder.postures():
-                yield from self._spreader(opened, FULL, late).holdings_from(pivot, xs)
+                yield from self._spreader(breeder.fitter, opened, FULL, late).holdings_from(pivot, xs)
 
     def listed(self) -> Iterator[Grasp]:
         """Listed grasps that were searched; those of the wide set that no posture has as they were meant."""
@@ -89,8 +100,10 @@ class Attempt:
             closed = self.fitter.known(opened)
             yield opened[0] if closed is None else closed[0]
 
-    def _spreader(self, opened: list[Opened], effort: Effort, late: Callable[[], bool]) -> Spreader:
-        return Spreader(Sampler(self.searcher, self.fitter, opened, self.rng, late), effort)
+    def _spreader(
+        self, fitter: Fitter, opened: list[Opened], effort: Effort, late: Callable[[], bool]
+    ) -> Spreader:
+        return Spreader(Sampler(self.searcher, fitter, opened, self.rng, late), effort)
 
     def _count(self) -> None:
         every = self.grasps, self.steep, self.wide, self.bred

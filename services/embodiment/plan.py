@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import islice
+from itertools import islice, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -110,17 +110,20 @@ class Planner:
     def _spread(self, effort: Effort | None) -> Iterator[Planned]:
         """Plans from holdings of more grasps, listed or else bred, that many postures find together.
 
-        A base that found no way to one needs no others, but ways. Proofs about holds come before bred ones,
-        or after them where the base stands: there they take longer.
+        Bred ones hold the bar, then any part of the handle anyhow. A base that found no way to one needs no
+        others, but ways. Proofs about holds come before bred ones, or after them where the base stands:
+        there they take longer.
         """
         stands = self.setting.drive is Drive.FIXED
         if effort is None and not stands:
             self._prove_of_holds()
         shut = not stands and any(one.stage == "drive" for one in self.blocked)
-        for attempt in () if shut else self.attempts:
+        ways = (Attempt.breed, Attempt.breed_anyhow)
+        if effort is not None:
+            ways = (partial(Attempt.spread, effort=effort),)
+        for way, attempt in () if shut else product(ways, self.attempts):
             if not self.proofs.ended and not self.late():
-                found = attempt.breed(self.late) if effort is None else attempt.spread(self.late, effort)
-                yield from self._of(attempt, found)
+                yield from self._of(attempt, way(attempt, late=self.late))
         if effort is None and stands:
             self._prove_of_holds()
 

@@ -9,6 +9,7 @@ which its children's are looked for.
 
 import itertools
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,17 +17,15 @@ from numpy.typing import NDArray
 from services.embodiment.body import ik
 from services.embodiment.body.track import EXACT
 from services.embodiment.hold.fit import OPENINGS, Fitted, Fitter, Opened
-from services.embodiment.hold.grasp import FREE_MOST, free_grasp
+from services.embodiment.hold.grasp import ANY_MOST, FREE_MOST, free_grasp
+from services.embodiment.hold.handle import Bar
 from services.embodiment.hold.holding import SEEDS, STEPS, Searcher
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 LOOKED_AT = 5  # values of the container
-GRASPS = 96  # that are bred
-BLOCK = 96  # that are drawn together
-BLOCKS = 20  # at most, until so many fit
-EMPTY_BLOCKS = 4  # at most, of which none fits
+BLOCK = 96  # grasps that are drawn together
 FIRST = 4  # seeds of each for each value
 GENERATIONS = 120
 ENOUGH = (8, 24)  # that can be had at all values: tried when there are so many, and then
@@ -43,6 +42,41 @@ FEW = 6  # such grasps of which a free posture is then found
 CHANGE = np.array([0.25, 0.25, 0.1, 0.3, 0.006])  # [rad, rad, rad, 1, m] standard deviations of a child
 SCALES = (0.03, 0.1, 0.3, 1.0)  # [1] of these, drawn anew for each generation
 FIRST_BRED = 20_000  # number of the first grasp
+FIRST_ANY = 1_000_000  # the same, where any part is held anyhow
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pool:
+    """What grasps are drawn from.
+
+    Attributes:
+        bars: Parts of the handle that may be held.
+        most: How far a grasp of one is turned and moved at most, see `free_grasp`.
+        grasps: So many are bred.
+        blocks: Drawn for that, at most.
+        empty: The same, while none fits.
+        fresh: Of these blocks, those of random ones; later ones are like those that were found to fit.
+        first: Number of the first grasp.
+    """
+
+    bars: tuple[Bar, ...]
+    most: Array = field(default_factory=FREE_MOST.copy)
+    grasps: int = 96
+    blocks: int = 20
+    empty: int = 4
+    fresh: int = 20
+    first: int = FIRST_BRED
+
+
+def anyhow(bars: tuple[Bar, ...], room: bool = True) -> Pool:
+    """Any of these bars, held anyhow: of such random grasps fewer fit, and more are needed.
+
+    Args:
+        bars: Parts of a handle.
+        room: Whether a hand is known to find room at the handle: else few are drawn until one fits.
+    """
+    empty = 160 if room else 4
+    return Pool(bars, ANY_MOST, grasps=192, blocks=160, empty=empty, fresh=80, first=FIRST_ANY)
 
 
 class Breeder:
@@ -51,14 +85,21 @@ class Breeder:
     Args:
         searcher: What is held, by what, and at which distances.
         fitter: Tells whether the kitchen leaves room for a hand.
+        pool: What grasps are drawn from; None for grasps of the fitter's bar.
     """
 
     def __init__(
-        self, searcher: Searcher, fitter: Fitter, rng: np.random.Generator, late: Callable[[], bool]
+        self,
+        searcher: Searcher,
+        fitter: Fitter,
+        rng: np.random.Generator,
+        late: Callable[[], bool],
+        pool: Pool | None = None,
     ) -> None:
         self.searcher, self.fitter, self._rng, self._late = searcher, fitter, rng, late
+        self._pool = pool or Pool((fitter.bar,))
         self._at = np.linspace(0, len(searcher.problem.values) - 1, LOOKED_AT).astype(int).tolist()
-        self._numbers = itertools.count(FIRST_BRED)
+        self._numbers = itertools.count(self._pool.first)
 
     def litters(self) -> Iterator[list[Opened]]:
         """Grasps with a free posture known at each value that was looked at, one litter after the other.
@@ -84,8 +125,9 @@ class Breeder:
 
     def _litter(self) -> Iterator[float]:
         """What the cheapest of a new litter costs [m], each time that enough are free and at its end."""
-        self._fitted, self._shares, self._flips = [], [], np.empty(0, np.int64)
-        self._genes, self._costs = np.empty((0, len(FREE_MOST))), np.empty((0, LOOKED_AT))
+        self._fitted, self._shares = [], []
+        self._flips, self._held = np.empty(0, np.int64), np.empty(0, np.int64)
+        self._genes, self._costs = np.empty((0, len(self._pool.most))), np.empty((0, LOOKED_AT))
         self._draw()
         if not self._fitted:
             yield np.inf
@@ -138,27 +180,47 @@ class Breeder:
 
     def _draw(self) -> None:
         """Random grasps that fit."""
-        for block in range(BLOCKS):
-            left = GRASPS - len(self._fitted)
-            if not left or self._late() or (block >= EMPTY_BLOCKS and not self._fitted):
+        for block in range(self._pool.blocks):
+            left = self._pool.grasps - len(self._fitted)
+            if not left or self._late() or (block >= self._pool.empty and not self._fitted):
                 return
-            genes = self._rng.uniform(-FREE_MOST, FREE_MOST, (BLOCK, len(FREE_MOST)))
-            flips = self._rng.choice((1, -1), BLOCK)
-            found = self._fit(genes, flips)
-            held = (k for k, one in enumerate(found) if one is not None and self.fitter.engaged(one[0]))
-            fit = list(itertools.islice(held, left))
+            genes, flips, held = (
+                self._drawn() if block < self._pool.fresh or not self._fitted else self._like()
+            )
+            found = self._fit(genes, flips, held)
+            engaged = (k for k, one in enumerate(found) if one is not None and self.fitter.engaged(one[0]))
+            fit = list(itertools.islice(engaged, left))
             self._fitted += [one[0] for k in fit if (one := found[k])]
             self._shares += [one[1] for k in fit if (one := found[k])]
             self._genes = np.concatenate((self._genes, genes[fit]))
             self._flips = np.concatenate((self._flips, flips[fit]))
+            self._held = np.concatenate((self._held, held[fit]))
 
-    def _fit(self, genes: Array, flips: NDArray[np.int64]) -> list[tuple[Fitted, float] | None]:
-        """The grasps (N, 5) that the hand alone can take, no narrower than needed.
+    def _drawn(self) -> tuple[Array, NDArray[np.int64], Indices]:
+        """Numbers of random grasps, which way each is turned, and the part that it holds."""
+        genes = self._rng.uniform(-self._pool.most, self._pool.most, (BLOCK, len(self._pool.most)))
+        flips = self._rng.choice((1, -1), BLOCK)
+        return genes, flips, self._rng.integers(len(self._pool.bars), size=BLOCK)
+
+    def _like(self) -> tuple[Array, NDArray[np.int64], Indices]:
+        """The same of grasps that are like those that were found to fit."""
+        some = self._rng.integers(len(self._fitted), size=BLOCK)
+        return self._changed(some), self._flips[some], self._held[some]
+
+    def _changed(self, grasps: Indices) -> Array:
+        """The numbers of these grasps, changed a little."""
+        change = self._rng.normal(size=(len(grasps), len(CHANGE))) * CHANGE * self._rng.choice(SCALES)
+        return np.clip(self._genes[grasps] + change, -self._pool.most, self._pool.most)
+
+    def _fit(
+        self, genes: Array, flips: NDArray[np.int64], held: Indices
+    ) -> list[tuple[Fitted, float] | None]:
+        """The grasps (N, 5) of these parts that the hand alone can take, no narrower than needed.
 
         Whether fingers reach over the bar is asked of those that are kept: it takes as long as closing them.
         """
-        turned = zip(genes, flips.tolist(), strict=True)
-        grasps = [free_grasp(self.fitter.bar, one, flip, next(self._numbers)) for one, flip in turned]
+        turned = zip(held.tolist(), genes, flips.tolist(), strict=True)
+        grasps = [free_grasp(self._pool.bars[k], one, flip, next(self._numbers)) for k, one, flip in turned]
         found: dict[int, tuple[Fitted, float]] = {}
         for share in OPENINGS:
             left = (one for one in grasps if one.index not in found)
@@ -222,9 +284,8 @@ class Breeder:
         order = np.argsort(total, kind="stable")
         half = len(order) // 2
         parents = np.concatenate((order[:half], order[:half])) if among_best and half else order
-        change = self._rng.normal(size=(len(parents), len(CHANGE))) * CHANGE * self._rng.choice(SCALES)
-        genes = np.clip(self._genes[parents] + change, -FREE_MOST, FREE_MOST)
-        found = self._fit(genes, self._flips[parents])
+        genes = self._changed(parents)
+        found = self._fit(genes, self._flips[parents], self._held[parents])
         fit = np.array([k for k, one in enumerate(found) if one is not None], np.intp)
         if not len(fit):
             return
@@ -237,6 +298,7 @@ class Breeder:
             other = dearest.pop(0) if dearest else parent
             if cost < min(total[parent], total[other]) and self.fitter.engaged(children[k][0]):
                 self._genes[other], self._flips[other] = genes[fit[k]], self._flips[parent]
+                self._held[other] = self._held[parent]
                 self._fitted[other], self._shares[other] = children[k]
                 self._xs[other], self._costs[other] = xs[k], costs[k]
                 total[other] = cost

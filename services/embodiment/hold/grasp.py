@@ -33,6 +33,8 @@ WIDE_DEPTHS = (0.0, -0.012, 0.012)  # [m]
 """The same of a set that is more than single paths have the time for."""
 FREE_MOST = np.array([1.75, 1.57, 0.6, 1.0, 0.026])
 """[rad, rad, rad, 1, m] Pitch, tilt, roll about the approach, place and offset of any grasp, at most."""
+ANY_MOST = np.array([np.pi, np.pi / 2, np.pi / 2, 1.0, 0.04])
+"""The same of grasps of any part of a handle, turned anyhow."""
 BEYOND = 0.02  # [m] that its tool may be beyond the end of the bar: half a finger's width, and more
 FIRST_WIDE = 10_000  # number of the first grasp of that set
 FINGER_HALF = 0.015  # [m] kept from the ends of a bar, half a finger's width
@@ -69,7 +71,14 @@ def _turned(axis: Array, angle: float, vector: Array) -> Array:
 
 def grasp_settings() -> str:
     """What the grasp set depends on, as text."""
-    wide = WIDE_PITCHES.tolist(), WIDE_TILTS.tolist(), WIDE_DEPTHS, FREE_MOST.tolist(), BEYOND
+    wide = (
+        WIDE_PITCHES.tolist(),
+        WIDE_TILTS.tolist(),
+        WIDE_DEPTHS,
+        FREE_MOST.tolist(),
+        ANY_MOST.tolist(),
+        BEYOND,
+    )
     return repr((PITCHES.tolist(), TILTS.tolist(), PLACES, DEPTHS, wide, FINGER_HALF, TOUCH))
 
 

@@ -10,11 +10,22 @@ from sdt_kg.annotation import Drive
 from services.app import Policy, load
 from services.embodiment.body import ik
 from services.embodiment.body.track import EXACT
-from services.embodiment.hold.bred import ENOUGH, FIRST_BRED, LOOKED_AT, Breeder
-from services.embodiment.hold.grasp import BEYOND, FREE_MOST, Grasp, free_grasp, grasp_set, grasp_settings
+from services.embodiment.hold.bred import ENOUGH, FIRST_BRED, LOOKED_AT, Breeder, anyhow
+from services.embodiment.hold.grasp import (
+    ANY_MOST,
+    BEYOND,
+    FREE_MOST,
+    Grasp,
+    free_grasp,
+    grasp_set,
+    grasp_settings,
+)
 from services.embodiment.hold.handle import Bar
 from services.embodiment.hold.holding import STEPS, Searcher
+from services.embodiment.hold.parts import around, parts
 from tests.services.embodiment.front import front
+from tests.soak.doors import BAR as BAR_WIDTH
+from tests.soak.doors import STAND_OFF
 from tests.soak.judge import Result, result
 
 pytestmark = pytest.mark.oracle
@@ -24,6 +35,8 @@ FRONT, OPEN = 16, 1.45
 QUICK = 5  # another such door
 HIGH = 311  # a door with an upright bar, 1.305 to 1.417 m above the floor; the tool of Stretch comes to 1.362
 LOW = 490  # a door that tips over; its bar is then 0.1 m above the floor
+UNDER = 140  # a door that tips over; its bar is then 0.1 m above the floor, under the door
+BESIDE = 35  # a door with an upright bar, 1.8 m above the floor and 0.52 m beside the robot
 RIGHT = 1  # of the grippers
 BAR = Bar(1, np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([-1.0, 0.0, 0.0]), 0.2, 0.012, 0.012)
 
@@ -100,6 +113,40 @@ def test_a_free_grasp_with_the_numbers_of_a_listed_one_is_that_one() -> None:
     np.testing.assert_allclose(free.rotation, listed.rotation, atol=1e-12)
     np.testing.assert_allclose(free.translation, listed.translation, atol=1e-12)
     assert repr(FREE_MOST.tolist()) in grasp_settings()
+    assert repr(ANY_MOST.tolist()) in grasp_settings()
+
+
+def test_the_parts_of_a_handle_are_its_bar_and_the_posts_that_carry_it(tmp_path: Path) -> None:
+    one = front(tmp_path, UNDER, "pr2", 5)
+    bar, *posts = parts(one.world, one.problem.mechanics.container.handle, one.fitter.bar)
+    assert bar is one.fitter.bar
+    assert len(posts) == 2
+    for post in posts:
+        assert abs(post.along @ bar.outward) == pytest.approx(1.0)
+        assert (post.length, post.depth, post.width) == pytest.approx(
+            (STAND_OFF - BAR_WIDTH / 2, *2 * [BAR_WIDTH])
+        )
+        assert abs((post.centre - bar.centre) @ bar.along) == pytest.approx(bar.length / 2 - BAR_WIDTH / 2)
+    whole = around((bar, *posts))
+    assert whole.centre is bar.centre
+    assert whole.length > bar.length
+
+
+def test_a_handle_of_one_shape_has_no_part_but_its_bar() -> None:
+    assert around((BAR,)).length == pytest.approx(BAR.length)
+
+
+def test_any_part_of_a_handle_may_be_bred_from_and_is_held_as_certification_demands(tmp_path: Path) -> None:
+    one = front(tmp_path, UNDER, "pr2", 5)
+    every = parts(one.world, one.problem.mechanics.container.handle, one.fitter.bar)
+    free = one.searcher((0.0, 0.0, 0.0))
+    bred = Breeder(free, one.fitter, np.random.default_rng(0), lambda: False, anyhow(every))
+    next(bred.litters())
+    assert len(bred.looked_at) == anyhow(every).grasps
+    away = {
+        np.argmin([np.linalg.norm(g.translation - part.centre) for part in every]) for g, _ in bred.looked_at
+    }
+    assert {1, 2} <= away
 
 
 def test_a_door_that_no_listed_grasp_opens_is_opened_with_a_bred_one_and_not_refuted(tmp_path: Path) -> None:
@@ -112,6 +159,14 @@ def test_a_bar_of_which_only_the_lower_end_is_in_reach_is_held_there(tmp_path: P
 
 def test_a_door_at_whose_end_one_of_thousands_of_postures_is_free_is_opened(tmp_path: Path) -> None:
     assert result(tmp_path, LOW, "pr2", Drive.OMNI, 20.0) is Result.CERTIFIED
+
+
+def test_a_bar_under_its_door_is_held_by_a_post(tmp_path: Path) -> None:
+    assert result(tmp_path, UNDER, "pr2", Drive.OMNI, 20.0) is Result.CERTIFIED
+
+
+def test_a_door_of_which_only_a_post_can_be_held_all_along_is_opened(tmp_path: Path) -> None:
+    assert result(tmp_path, BESIDE, "pr2", Drive.FIXED, 30.0) is Result.CERTIFIED
 
 
 def test_stretch_opens_the_oven_with_a_bred_grasp() -> None:
