@@ -1,6 +1,6 @@
 """`sdt recheck`: are stored verdicts what their certificates and proofs show?"""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -19,15 +19,17 @@ from services.commands.options import csv_flag, json_flag
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.embodiment.recheck import Rechecked, Saved, recheck_artefact, recheck_verdict
 from services.embodiment.recheck.check import TwinOf
-from services.embodiment.recheck.saved import FORMATS, Entry, by_name
+from services.embodiment.recheck.saved import by_name
+from services.store.files import is_saved_graph
 
 
 @click.command()
-@click.argument("source", metavar="IRI|FILE")
+@click.argument("source", metavar="IRI|FILE|STORE")
 @click.option(
     "--store",
-    type=click.Path(exists=True, path_type=Path),
-    help="Where the verdict of that IRI is saved: a .trig or .nq file, or a store directory.",
+    metavar="FILE|STORE",
+    help="Where the verdict of that IRI is saved: a .trig or .nq file, a store directory, the address of a "
+    "SPARQL server.",
 )
 @click.option(
     "--kitchen", help="Take the kitchen from here, not from the saved graphs; its content must agree."
@@ -39,7 +41,7 @@ from services.embodiment.recheck.saved import FORMATS, Entry, by_name
 def recheck(
     *,
     source: str,
-    store: Path | None,
+    store: str | None,
     kitchen: str | None,
     robot: str | None,
     annotation: str | None,
@@ -47,9 +49,9 @@ def recheck(
 ) -> None:
     """Re-verify stored verdicts without the code that planned or proved them.
 
-    IRI is a verdict in --store; FILE is a .trig or .nq file or a store directory, all of whose verdicts
-    are meant, or a certificate that `sdt achieve --certificate` wrote. A verdict without certificate or
-    proof shows nothing and is only counted.
+    IRI is a verdict in --store; FILE is a .trig or .nq file, and STORE a store directory or the address of
+    a SPARQL server, all of whose verdicts are meant; or FILE is a certificate that `sdt achieve
+    --certificate` wrote. A verdict without certificate or proof shows nothing and is only counted.
 
     Exit 0 everything holds, 1 something does not, 2 bad input.
     """
@@ -86,22 +88,20 @@ def _given(kitchen: str | None, robot: str | None, annotation: str | None) -> Tw
     return twin_of
 
 
-def _results(source: str, store: Path | None, given: TwinOf | None) -> tuple[list[Rechecked], int]:
+def _results(source: str, store: str | None, given: TwinOf | None) -> tuple[list[Rechecked], int]:
     """What each recheck found, and how many verdicts have nothing to check."""
     path = Path(source)
-    if store is not None:
-        saved = Saved(store)
-        entries: Iterator[Entry] = iter([saved.entry(source)])
-    elif path.is_dir() or path.suffix in FORMATS:
-        saved = Saved(path)
-        entries = saved.entries()
-    elif path.is_file():
-        return [recheck_artefact(path.name, path.read_bytes(), given or by_name)], 0
-    else:
+    if store is None and not is_saved_graph(source) and not path.is_dir():
+        if path.is_file():
+            return [recheck_artefact(path.name, path.read_bytes(), given or by_name)], 0
         raise InputError(
-            f"no file at {source}",
-            allowed="a file, or the IRI of a verdict with --store FILE|DIRECTORY",
+            f"no file or store at {source}",
+            allowed="a file, a store, or the IRI of a verdict with --store FILE|STORE",
         )
+    saved = Saved(store or source)
+    if saved.left_out:
+        click.echo(f"note: {saved.left_out}", err=True)
+    entries = saved.entries() if store is None else iter([saved.entry(source)])
     results, without = [], 0
     for entry in entries:
         if entry.stored is None:

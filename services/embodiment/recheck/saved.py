@@ -10,11 +10,14 @@ from predicates.case import Artefact
 from predicates.record import StoredVerdict, read_artefact, read_verdict
 from predicates.record.seal import check_seal
 from sdt_kg.entities import state_iri
-from sdt_kg.errors import InputError
+from sdt_kg.errors import InputError, StoreUnavailableError
 from sdt_kg.iri import LAW, RDF, Iri, graph_iri, local_name, verdict_iri
 from sdt_kg.load import load_twin
 from sdt_kg.state import State
 from sdt_kg.twin import Twin
+from services.store.files import readable
+from services.store.on_disk import JOURNAL, in_folder
+from services.store.remote import is_url
 
 FORMATS = {".trig": ox.RdfFormat.TRIG, ".nq": ox.RdfFormat.N_QUADS}
 
@@ -39,14 +42,20 @@ class Saved:
     """A store of verdicts, with the twins that they are about where those were saved too.
 
     Args:
-        path: A .trig or .nq file, or a store directory.
+        place: A .trig or .nq file, a store directory, or the address of a SPARQL server.
+
+    Attributes:
+        left_out: What of the place is not looked at, and why; empty where all of it is.
 
     Raises:
         InputError: It is none of these, or no RDF.
+        StoreError: The server does not answer.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.store = _opened(path)
+    def __init__(self, place: Path | str) -> None:
+        path = Path(place)
+        self.left_out = "" if is_place_of_server(place) else _settled(path)
+        self.store = _fetched(str(place)) if is_place_of_server(place) else _opened(path)
 
     def entries(self) -> Iterator[Entry]:
         """Every verdict, with its artefact; by IRI."""
@@ -107,6 +116,32 @@ def by_name(environment: Iri, robot: Iri, state: State) -> tuple[Twin, str]:
     """The twin of the bundled models of these names."""
     kitchen, machine = local_name(environment), local_name(robot)
     return load_twin(kitchen, [machine]).at(dict(state)), "models loaded by name: only names were saved"
+
+
+def is_place_of_server(place: Path | str) -> bool:
+    """Whether the place is the address of a server."""
+    return isinstance(place, str) and is_url(place)
+
+
+def _fetched(address: str) -> ox.Store:
+    """All that a server has."""
+    server = readable(address)
+    try:
+        return server.dump()
+    finally:
+        server.close()
+
+
+def _settled(path: Path) -> str:
+    """What a killed process left in a directory's journal is put where it is read; else why it is not."""
+    journal = path / JOURNAL
+    if not journal.is_file() or not journal.stat().st_size:
+        return ""
+    try:
+        in_folder(path).close()
+    except (InputError, StoreUnavailableError) as error:
+        return f"what is in {journal} is not looked at: {error}"
+    return ""
 
 
 def _opened(path: Path) -> ox.Store:
