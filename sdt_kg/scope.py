@@ -99,7 +99,8 @@ class TeeClass:
     @cached_property
     def shapes(self) -> rdflib.Graph:
         """The shapes file, without those of a class that it refines."""
-        return rdflib.Graph().parse(data=self._shapes_text(), format="turtle")
+        # Without the prefixes that rdflib knows: each report would bind them all.
+        return rdflib.Graph(bind_namespaces="none").parse(data=self._shapes_text(), format="turtle")
 
     @cached_property
     def mentioned(self) -> frozenset[Iri]:

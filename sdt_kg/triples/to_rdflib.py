@@ -17,7 +17,7 @@ KEPT: Final = 4096
 
 def rdflib_graph(triples: Iterable[Triple]) -> rdflib.Graph:
     """A graph of its own with these triples."""
-    graph = rdflib.Graph()
+    graph = rdflib.Graph(bind_namespaces="none")  # of use to who prints it
     for subject, name, term in triples:
         graph.add((_iri(subject), _iri(name), _node(term)))
     return graph
