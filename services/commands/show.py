@@ -7,46 +7,17 @@ import math
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 import click
-from rich.cells import cell_len
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    SpinnerColumn,
-    Task,
-    TextColumn,
-    TimeRemainingColumn,
-)
-from rich.table import Table
-from rich.text import Text
 
-PIPE_WIDTH = 400
-"""[characters] Wide enough that nothing is cut on a pipe, where no terminal tells its width."""
-
-BETWEEN = 2
-"""[characters] Between columns of a table."""
+if TYPE_CHECKING:
+    from rich.progress import Progress
 
 CSV = "sdt.csv"
 """Key in click's context: the reader asked for CSV (`csv_flag`)."""
 
 Row = Mapping[str, object]
-
-
-class _Console(Console):
-    def on_broken_pipe(self) -> None:
-        """Rich would end with 1 where nobody reads on, which says "no" here."""
-        self.quiet = True
-        raise BrokenPipeError
-
-
-def console() -> Console:
-    """Where people read: full width and no colour on a pipe."""
-    return _Console() if sys.stdout.isatty() else _Console(width=PIPE_WIDTH, no_color=True)
 
 
 def csv_is_asked() -> bool:
@@ -85,10 +56,9 @@ def print_rows(rows: Sequence[Row], columns: Sequence[str], *, as_json: bool = F
     elif csv_is_asked():
         click.echo(csv_text(rows, columns), nl=False)
     else:
-        out = console()
-        widths = _widths(rows, columns, out.width)
-        narrow = columns and not widths
-        out.print(_one_below_the_other(rows, columns) if narrow else _table(rows, columns, widths))
+        from services.commands.terminal import print_table  # noqa: PLC0415 - slow to import
+
+        print_table(columns, [[_cell(row.get(column)) for column in columns] for row in rows])
 
 
 def csv_text(rows: Sequence[Row], columns: Sequence[str]) -> str:
@@ -100,46 +70,6 @@ def csv_text(rows: Sequence[Row], columns: Sequence[str]) -> str:
     return out.getvalue()
 
 
-def _table(rows: Sequence[Row], columns: Sequence[str], widths: Sequence[int]) -> Table:
-    table = Table(box=None, pad_edge=False)
-    for column, width in zip(columns, widths, strict=True):
-        table.add_column(column, overflow="fold", width=width)
-    for row in rows:
-        # As Text, since a name or reason may hold what rich takes for markup.
-        table.add_row(*(Text(_cell(row.get(column))) for column in columns))
-    return table
-
-
-def _widths(rows: Sequence[Row], columns: Sequence[str], room: int) -> list[int]:
-    """Of each column, in characters: as wide as it wants, or fairly less; none if a word would break."""
-    texts = [[column, *(_cell(row.get(column)) for row in rows)] for column in columns]
-    wanted = [max(map(cell_len, column)) for column in texts]
-    least = [max(cell_len(word) for text in column for word in (text.split() or [""])) for column in texts]
-    left = room - sum(least) - BETWEEN * (len(columns) - 1)
-    if left < 0:
-        return []
-    widths = least.copy()
-    order = sorted(range(len(columns)), key=lambda k: wanted[k] - least[k])
-    for n, k in enumerate(order):
-        more = min(wanted[k] - least[k], left // (len(columns) - n))
-        widths[k], left = widths[k] + more, left - more
-    return widths
-
-
-def _one_below_the_other(rows: Sequence[Row], columns: Sequence[str]) -> Table:
-    """For each row the value of its first column, and below it a line for each other that has one."""
-    lines = Table.grid(padding=(0, 2))
-    lines.add_column(no_wrap=True)
-    lines.add_column(overflow="fold")
-    for row in rows:
-        lines.add_row(Text(columns[0], style="bold"), Text(_cell(row.get(columns[0])), style="bold"))
-        for column in columns[1:]:
-            if cell := _cell(row.get(column)):
-                lines.add_row(Text(column), Text(cell))
-        lines.add_row()
-    return lines
-
-
 def _cell(value: object) -> str:
     if value is None:
         return ""
@@ -147,20 +77,14 @@ def _cell(value: object) -> str:
 
 
 @contextmanager
-def progress(label: str, total: int) -> Iterator[Progress | None]:
+def progress(label: str, total: int) -> Iterator["Progress | None"]:
     """A progress bar on a terminal, nothing on a pipe."""
     if not sys.stderr.isatty():
         yield None
         return
-    columns = (
-        TextColumn(label),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-        TextColumn("{task.fields[now]}"),
-    )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        bar.add_task(label, total=total, now="")
+    from services.commands.terminal import bar_of  # noqa: PLC0415 - slow to import, and only people look at it
+
+    with bar_of(label, total) as bar:
         yield bar
 
 
@@ -170,19 +94,7 @@ def countdown(label: str, budget: float) -> Iterator[None]:
     if not sys.stderr.isatty():
         yield
         return
-    columns = (SpinnerColumn(), TextColumn(label), _Left(budget))
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        bar.add_task(label)
+    from services.commands.terminal import left_of  # noqa: PLC0415 - likewise
+
+    with left_of(label, budget):
         yield
-
-
-class _Left(ProgressColumn):
-    """What is left of a budget [s]."""
-
-    def __init__(self, budget: float) -> None:
-        super().__init__()
-        self._budget = budget
-
-    def render(self, task: Task) -> Text:
-        spent = task.elapsed or 0.0
-        return Text(f"{spent:.0f} s, at most {max(self._budget - spent, 0.0):.0f} s more")

@@ -8,7 +8,8 @@ import click
 
 from services.commands.exits import Exit
 from services.commands.options import KITCHEN_HELP, ROBOT_HELP, csv_flag, json_flag
-from services.commands.show import console, csv_is_asked, print_json, print_rows
+from services.commands.show import csv_is_asked, print_json, print_rows
+from services.commands.terminal import console
 from services.configuration.read import Settings
 from services.doctor.finding import Finding, Standing, well
 from services.doctor.machine import machine

@@ -24,7 +24,8 @@ from services.commands.options import (
     tee_option,
 )
 from services.commands.output import write_file
-from services.commands.show import console, csv_is_asked, print_json, print_rows
+from services.commands.show import csv_is_asked, print_json, print_rows
+from services.commands.terminal import console
 from services.relative import in_class
 from services.scoping import report_turtle
 

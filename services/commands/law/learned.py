@@ -11,7 +11,8 @@ from predicates.learn.proposal import Proposal
 from sdt_kg.iri import local_name
 from sdt_kg.mechanism import Joint, JointType
 from sdt_kg.task import Task
-from services.commands.show import console, print_rows
+from services.commands.show import print_rows
+from services.commands.terminal import console
 from services.commands.verdicts import Json
 from services.learning import Seen, SeenTogether
 

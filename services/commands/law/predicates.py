@@ -21,7 +21,8 @@ from services.commands.options import (
     states_option,
     tee_option,
 )
-from services.commands.show import console, csv_is_asked, print_json, print_rows
+from services.commands.show import csv_is_asked, print_json, print_rows
+from services.commands.terminal import console
 from services.commands.verdicts import Json
 from services.motions import read_motion, write_motion
 from services.relative import in_class

@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 from sdt_kg.errors import InputError
-from services.commands import show
+from services.commands import terminal
 from services.commands.output import write_file
 from services.commands.show import print_rows
 
@@ -79,7 +79,7 @@ def test_a_terminal_without_a_letter_gets_the_answer_all_the_same(tmp_path: Path
 def test_a_table_whose_words_do_not_fit_is_told_one_below_the_other(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], width: int, below: bool
 ) -> None:
-    monkeypatch.setattr(show, "console", lambda: Console(width=width))
+    monkeypatch.setattr(terminal, "console", lambda: Console(width=width))
     rows = [{"name": "fridge_door", "why": "too far away", "at": 1.5}, {"name": "sink_area_left_drawer"}]
     print_rows(rows, ("name", "why", "at"))
     lines = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
