@@ -13,7 +13,7 @@ from sdt_kg.mechanism import JointType
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.sweep.kinematics import joint_axes, unit_of
-from services.embodiment.certify.sweep.pieces import Pieces, accelerations, positions, velocities
+from services.embodiment.certify.sweep.pieces import Pieces, accelerations, positions, sideways, velocities
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
 from services.physics.tree import Bounds
@@ -22,7 +22,6 @@ Array = NDArray[np.float64]
 
 SUBSAMPLES = 32  # of the base's speed on each piece; what lies between is bounded
 FINER = 32  # the sideways velocity changes by less than this part of what is allowed around a subsample
-MOST_SUBSAMPLES = 20_000  # of the sideways velocity on one piece
 
 
 def joint_limits(scene: Scene, pieces: Pieces, container: Container, tolerances: Tolerances) -> Findings:
@@ -223,47 +222,23 @@ STILL = 1e-6  # [rad or m] rounding of what does not move
 
 
 def _rolls(scene: Scene, base: Pieces, tolerances: Tolerances) -> Findings:
-    r"""|−sin θ ẋ + cos θ ẏ + r θ̇| and its integral stay small; its rate is at most |a| + |θ̇| |v| + r |θ̈|.
-
-    Wheels roll ahead: what counts is the point on their line, r before the base's origin.
-    """
-    speed, at_v = velocities(base)
-    del at_v
-    (rate, _), axle = accelerations(base), _axle(scene)
-    v, turn, a, bend = (
-        np.abs(x).max(axis=0) for x in (speed[:, :, :2], speed[:, :, 2], rate[:, :, :2], rate[:, :, 2])
-    )
-    steepest = np.linalg.norm(a, axis=1) + turn * np.linalg.norm(v, axis=1) + abs(axle) * bend
-    slack = tolerances.sideways / FINER
-    count = np.clip(np.ceil(base.duration * steepest / (2 * slack)), 1, MOST_SUBSAMPLES).astype(int)
-    piece = np.repeat(np.arange(len(count)), count)
-    part = np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count) + 0.5
-    width = (base.duration / count)[piece]
-    q, velocity, _ = base.at(piece, part * width)
-    across = -np.sin(q[:, 2]) * velocity[:, 0] + np.cos(q[:, 2]) * velocity[:, 1]
-    sideways = np.abs(across + axle * velocity[:, 2])
-    most = sideways + steepest[piece] * width / 2
-    # From the middle of an interval to its ends the speed gains steepest · width / 4 on average at most.
-    drift = float(((sideways + steepest[piece] * width / 4) * width).sum())
+    """Its wheels roll ahead: the point amid them hardly moves sideways, neither at once nor in all."""
+    axle = _axle(scene)
+    most, times, drift = sideways(base, axle, tolerances.sideways / FINER)
     findings = Findings(
         figures={"sideways velocity": (float(most.max()), "m/s"), "sideways path": (drift, "m")}
     )
     entity = scene.names[scene.base[0]]
     side = "before" if axle > 0 else "behind"
     where = "" if axle == 0 else f": its wheels turn about a line {abs(axle):.3f} m {side} sdt:baseBody"
-    times = base.start[piece] + part * width
     for n in {int(np.argmax(most > tolerances.sideways)), int(np.argmax(most))}:
         if most[n] > tolerances.sideways:
+            value, time = float(most[n]), float(times[n])
             evidence = Evidence(
-                Quantity.SIDEWAYS_VELOCITY,
-                float(most[n]),
-                tolerances.sideways,
-                "m/s",
-                entity,
-                time=float(times[n]),
+                Quantity.SIDEWAYS_VELOCITY, value, tolerances.sideways, "m/s", entity, time=time
             )
-            reason = f"the base moves sideways at {most[n]:.4g} m/s, and its drive is differential{where}"
-            findings.violations.append(Violation("sideways motion", reason, evidence, float(most[n])))
+            reason = f"the base moves sideways at {value:.4g} m/s, and its drive is differential{where}"
+            findings.violations.append(Violation("sideways motion", reason, evidence, value))
     if drift > tolerances.drift:
         evidence = Evidence(Quantity.POSITION, drift, tolerances.drift, "m", entity)
         reason = f"the base drifts up to {drift:.4g} m sideways in all, and its drive is differential{where}"

@@ -1,5 +1,7 @@
 """A differential base turns about a point amid its wheels, wherever its annotation has the base."""
 
+import tracemalloc
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +11,8 @@ from predicates.case import Quantity
 from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
-from services.embodiment.certify import Certified
+from services.embodiment.certify import Certified, Refused
+from services.embodiment.certify.sweep import pieces
 from tests.services.embodiment.gantry import FOLDER, RESTS, gantry_twin, opening
 from tests.services.embodiment.judging import judge, refusal
 
@@ -58,3 +61,35 @@ def test_turning_about_a_point_before_or_behind_the_wheels_is_sideways_motion(
     assert f"0.100 m {side} sdt:baseBody" in found[0].reason
     fastest = 1.5 * 0.1 / 2.0 * 0.1  # [m/s] of the wheels' line
     assert fastest <= max(one.evidence.value for one in found if one.evidence) <= fastest * 1.05
+
+
+@pytest.mark.parametrize("looks", [pieces.LOOKS, 7])
+def test_bounds_of_the_sideways_velocity_hold_however_few_looks_there_is_room_for(
+    monkeypatch: pytest.MonkeyPatch, looks: int
+) -> None:
+    monkeypatch.setattr(pieces, "LOOKS", looks)
+    rng = np.random.default_rng(0)
+    times, q = np.cumsum(rng.uniform(0.05, 1.0, 30)), np.cumsum(rng.normal(0, 0.1, (30, 3)), axis=0)
+    base, ahead = pieces.hermite(times, q, rng.normal(0, 0.1, (30, 3))), 0.15
+    most, _, path = pieces.sideways(base, ahead, 1e-4)
+    dense, total = np.zeros(29), 0.0
+    for n in range(29):
+        s = np.linspace(0, base.duration[n], 2001)
+        at, rate, _ = base.at(np.full(len(s), n), s)
+        across = -np.sin(at[:, 2]) * rate[:, 0] + np.cos(at[:, 2]) * rate[:, 1] + ahead * rate[:, 2]
+        dense[n], total = np.abs(across).max(), total + np.trapezoid(np.abs(across), s)
+    assert (most >= dense).all()
+    assert path >= total - 1e-9
+    if looks > 7:
+        assert (most - dense).max() < 3e-4
+
+
+def test_a_recorded_base_that_shakes_is_refused_in_little_memory(tmp_path: Path) -> None:
+    motion, rng = opening(0.0005), np.random.default_rng(0)  # some 100 million looks would be demanded
+    shaken = motion.base_v + rng.normal(0, 0.05, motion.base_v.shape)
+    tracemalloc.start()
+    verdict = judge(gantry_twin(tmp_path), replace(motion, base_v=shaken), Drive.DIFFERENTIAL)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert isinstance(verdict, Refused)
+    assert peak < 1e9

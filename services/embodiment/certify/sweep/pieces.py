@@ -11,6 +11,9 @@ from services.embodiment.certify.sweep import compiled
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
+LOOKS = 500_000  # at the sideways velocity that are kept at once, for memory
+MOST_LOOKS = 20_000_000  # in all, some 20 s: a motion within its limits has as many in an hour
+
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
@@ -104,6 +107,49 @@ def accelerations(pieces: Pieces) -> tuple[Array, Array]:
     h = np.broadcast_to(pieces.duration[:, None], c1.shape)
     s = np.stack((np.zeros_like(c1), h))
     return 2 * c2 + 6 * s * c3, s
+
+
+def sideways(base: Pieces, ahead: float, slack: float) -> tuple[Array, Array, float]:
+    r"""How fast a point before the base's origin moves across its heading.
+
+    That is :math:`|-\sin\theta\,\dot x + \cos\theta\,\dot y + r\dot\theta|`, and changes by at most
+    :math:`|a| + |\dot\theta||v| + r|\ddot\theta|` a second. It is looked at so often that it changes by less
+    than `slack` around each look, as far as there is room; the bounds hold however often that is.
+
+    Args:
+        base: x, y [m], yaw [rad].
+        ahead: r [m].
+        slack: [m/s].
+
+    Returns:
+        The largest on each piece [m/s], and about when [s], shape (N,) each; and its integral [m].
+    """
+    v, a = (np.abs(rates(base)[0]).max(axis=0) for rates in (velocities, accelerations))
+    linear = np.hypot(a[:, 0], a[:, 1]) + v[:, 2] * np.hypot(v[:, 0], v[:, 1])
+    steepest = linear + abs(ahead) * a[:, 2]
+    count = np.clip(np.ceil(base.duration * steepest / (2 * slack)), 1, LOOKS)
+    count = np.maximum(count * min(1.0, MOST_LOOKS / count.sum()), 1).astype(np.intp)
+    most, times, path = np.empty(len(count)), np.empty(len(count)), 0.0
+    ends, first = np.cumsum(count), 0
+    while first < len(count):
+        before = ends[first] - count[first]
+        last = max(int(np.searchsorted(ends, before + LOOKS, side="right")), first + 1)
+        own = np.arange(first, last)
+        piece = np.repeat(own, count[own])
+        part = np.arange(len(piece)) - np.repeat(ends[own] - count[own] - before, count[own]) + 0.5
+        width = (base.duration / count)[piece]
+        q, rate, _ = base.at(piece, part * width)
+        across = -np.sin(q[:, 2]) * rate[:, 0] + np.cos(q[:, 2]) * rate[:, 1]
+        speed = np.abs(across + ahead * rate[:, 2])
+        bound = speed + steepest[piece] * width / 2
+        begins = ends[own] - count[own] - before
+        most[own] = np.maximum.reduceat(bound, begins)
+        at = np.flatnonzero(bound == most[piece])[::-1]
+        times[piece[at]] = base.start[piece[at]] + part[at] * width[at]
+        # From the middle of an interval to its ends the speed gains steepest · width / 4 on average at most.
+        path += float(((speed + steepest[piece] * width / 4) * width).sum())
+        first = last
+    return most, times, path
 
 
 @dataclass(frozen=True, slots=True, eq=False)
