@@ -91,25 +91,25 @@ class Mechanics:
         return self.world.poses(self.put(q, values), joint)
 
 
-def find_bar(world: World, mechanics: Mechanics, q: Array, seed: int = 0) -> Bar | None:
+def find_bar(world: World, mechanics: Mechanics, q: Array) -> Bar | None:
     """The bar of the container's handle at scene configuration q; None if the handle has no geometry."""
     shapes = world.shapes_of((mechanics.container.handle,))
     if not len(shapes):
         return None
-    corners = _corners(world, shapes)
-    points = _surface(corners, seed)
+    solids, placed = world.scene.solids, tuple(world.joint_T_shape[k] for k in shapes)
+    places = np.array([np.column_stack((one.rotation, one.translation)) for one in placed])
+    covariance, points = _surface(tuple(solids[k].shape for k in shapes), places.tobytes())
     joint = int(world.boxes[0][shapes[0]])
-    outward = _opening_direction(mechanics, q, joint, points.mean(axis=0))
-    along, outward = _axes(_covariance(corners), outward)
+    outward = _opening_direction(mechanics, q, joint, points.mean(axis=1))
+    along, outward = _axes(covariance, outward)
     across = np.cross(outward, along)
-    local = points @ np.stack([along, outward, across], axis=1)
-    low, high = local.min(axis=0), local.max(axis=0)
+    local = np.stack([along, outward, across]) @ points
+    low, high = local.min(axis=1), local.max(axis=1)
     middle, length = (low[0] + high[0]) / 2, high[0] - low[0]
-    core = local[np.abs(local[:, 0] - middle) < MIDDLE * length / 2]
-    core = core if len(core) else local
-    top = core[:, 1].max()
-    core = core[core[:, 1] > top - BAR_DEPTH]
-    c_low, c_high = core.min(axis=0), core.max(axis=0)
+    core = local[:, np.abs(local[0] - middle) < MIDDLE * length / 2]
+    core = core if core.size else local
+    core = core[:, core[1] > core[1].max() - BAR_DEPTH]
+    c_low, c_high = core.min(axis=1), core.max(axis=1)
     centre = middle * along + (c_low[1] + c_high[1]) / 2 * outward + (c_low[2] + c_high[2]) / 2 * across
     return Bar(joint, centre, along, outward, length, c_high[1] - c_low[1], c_high[2] - c_low[2])
 
@@ -145,29 +145,33 @@ def _axes(covariance: Array, outward: Array) -> tuple[Array, Array]:
     return along, outward
 
 
-def _corners(world: World, shapes: NDArray[np.int64]) -> Array:
-    """Triangles of the surface of shapes, in the frame of their joint, shape (N, 3, 3)."""
-    triangles = []
-    for k in shapes:
-        place = world.joint_T_shape[k]
-        corners = _triangles(world.scene.solids[k].shape)
-        triangles.append(corners @ place.rotation.T + place.translation)
-    return np.concatenate(triangles)
+@lru_cache(maxsize=64)
+def _surface(shapes: tuple[coal.CollisionGeometry, ...], places: bytes) -> tuple[Array, Array]:
+    """Covariance of the surface of shapes, and points on it, shape (3, SAMPLES), in the frame of their joint.
 
+    Kept, so not to be changed: it is the same for all robots.
 
-def _surface(corners: Array, seed: int) -> Array:
-    """Points on triangles, shape (SAMPLES, 3)."""
+    Args:
+        shapes: They must not be changed afterwards.
+        places: The pose of each in that frame, shape (N, 3, 4), as bytes.
+    """
+    at = np.frombuffer(places).reshape(-1, 3, 4)
+    triangles = (
+        _triangles(one) @ place[:, :3].T + place[:, 3] for one, place in zip(shapes, at, strict=True)
+    )
+    corners = np.concatenate([*triangles])
     edge_1, edge_2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     part = np.cumsum(np.linalg.norm(np.cross(edge_1, edge_2), axis=1))
-    share, u, v = _shares(seed)
+    share, u, v = _shares()
     chosen = np.searchsorted(part / part[-1], share, side="right")
-    return corners[chosen, 0] + u[:, None] * edge_1[chosen] + (v - u)[:, None] * edge_2[chosen]
+    points = corners[chosen, 0] + u[:, None] * edge_1[chosen] + (v - u)[:, None] * edge_2[chosen]
+    return _covariance(corners), np.ascontiguousarray(points.T)
 
 
-@lru_cache(maxsize=4)
-def _shares(seed: int) -> tuple[Array, Array, Array]:
+@lru_cache(maxsize=1)
+def _shares() -> tuple[Array, Array, Array]:
     """Random shares that choose triangles, and places on them; kept, so not to be changed."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     share = rng.random(SAMPLES)
     u, v = np.sort(rng.random((2, SAMPLES)), axis=0)
     return share, u, v

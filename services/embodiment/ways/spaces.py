@@ -1,6 +1,7 @@
 """Spaces for `paths`: an arm over a standing base, and a parked robot that drives."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -22,8 +23,12 @@ DRIVE_STEP = 0.03  # [m] between two checks of a driving robot
 TURN_REACH = 0.6  # [m] what one radian of base rotation counts as
 
 
+@lru_cache(maxsize=16)
 def reaches(limb: Limb) -> Array:
-    """How far a point of the limb moves for a unit of each arm variable [m/rad or m/m], shape (n,)."""
+    """How far a point of the limb moves for a unit of each arm variable [m/rad or m/m], shape (n,).
+
+    Kept, so not to be changed.
+    """
     lengths = np.linalg.norm(limb.chain[1], axis=1)
     kind, variable = limb.chain[3], limb.chain[4]
     beyond = np.cumsum(lengths[::-1])[::-1] - lengths + np.linalg.norm(limb.chain[8]) + FINGER_REACH
