@@ -117,20 +117,21 @@ class _Path:
         self._rest = rest
         self._model, self._k = model, model.coordinate[active]
         self._speeds: dict[int, float] = {}
-        self._q = np.zeros(model.model.nq)
+        q = np.zeros(model.model.nq)
         for joint, value in state.positions:
             if joint in model.coordinate:
-                self._q[model.coordinate[joint]] = value
-        self._begin, self._end = float(self._q[self._k]), end
+                q[model.coordinate[joint]] = value
+        self._begin, self._end = float(q[self._k]), end
+        q[self._k] = 0.0
+        self._still = model.coupling.positions(q)
+        self._rate = model.coupling.rates(np.eye(model.model.nq)[self._k])
         joints, sources = range(1, model.model.njoints), model.coupling.source.tolist()
         self._follows = {i for i in joints if sources[model.model.idx_qs[i]] == self._k}
         self._moving = {i for i in joints if not self._follows.isdisjoint(model.model.supports[i].tolist())}
 
     def _frames(self, position: float) -> list[pin.SE3]:
         """world_T_joint of every joint: Pinocchio's own list, valid until the next call."""
-        q = self._q.copy()
-        q[self._k] = position
-        pin.forwardKinematics(self._model.model, self._model.data, self._model.coupling.positions(q))
+        pin.forwardKinematics(self._model.model, self._model.data, self._still + position * self._rate)
         return self._model.data.oMi
 
     def near(self, shapes: "Shapes") -> Iterator[tuple[BodyShape, BodyShape, float]]:
