@@ -1,7 +1,7 @@
 """`sdt achieve`: CanAchieve for one task."""
 
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,9 +12,9 @@ from predicates.case import Outcome, Verdict
 from predicates.record import to_json
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
-from sdt_kg.motion import BodyMotion
+from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import UNKNOWN
-from services.app import Policy, load
+from services.app import Policy, Service, load
 from services.commands.completion.types import KITCHEN, ROBOT, TASK
 from services.commands.options import (
     KITCHEN_HELP,
@@ -124,29 +124,41 @@ def achieve(
     service = load(kitchen, [robot], annotation=annotation, state=states, policy=policy)
     service = in_class(service, tee, forces)
     given = read_motion(motion, service.twin, service.robot(None)) if motion else None
-    verdicts: list[Verdict] = []
-    with ExitStack() as stack:
-        saved = stack.enter_context(_saved(save)) if save else None
+    of_all = parse_task(service.twin, task).container is UNKNOWN and given is None
+    count = len(service.twin.containers()) if of_all else 1
+    if count > 1:
+        _refuse_one_file({"--motion-out": motion_out, "--certificate": certificate})
+    # Verdicts are told before the store is closed: a file is written then, and may not fit.
+    with _saved(save) if save else nullcontext() as saved:
         if saved:
             saved.add_twin(service.twin)
             service = replace(service, recall=saved.stored)
-        of_all = parse_task(service.twin, task).container is UNKNOWN
-        count = len(service.twin.containers()) if of_all and given is None else 1
-        if count > 1:
-            _refuse_one_file({"--motion-out": motion_out, "--certificate": certificate})
-        bar = stack.enter_context(progress(task, count)) if count > 1 else None
+        verdicts = _judged(service, task, given, saved, count)
+        if motion_out:
+            _write_motion(verdicts, motion_out)
+        if certificate:
+            _write_certificate(verdicts, certificate)
+        code = told([to_json(verdict) for verdict in verdicts], as_json=as_json)
+    raise SystemExit(code)
+
+
+def _judged(
+    service: Service,
+    task: str,
+    given: Motion | BodyMotion | None,
+    saved: "SavedVerdicts | None",
+    count: int,
+) -> list[Verdict]:
+    """All verdicts, each kept as soon as it is there; with a bar where there are several."""
+    verdicts: list[Verdict] = []
+    with progress(task, count) if count > 1 else nullcontext() as bar:
         for verdict in service.achieve(task, motion=given):
             verdicts.append(verdict)
             if bar:
                 bar.update(bar.task_ids[0], advance=1, now=verdict.outcome.value)
             if saved and not verdict.stored:
                 saved.add(verdict)
-    objects = [to_json(verdict) for verdict in verdicts]
-    if motion_out:
-        _write_motion(verdicts, motion_out)
-    if certificate:
-        _write_certificate(verdicts, certificate)
-    raise SystemExit(told(objects, as_json=as_json))
+    return verdicts
 
 
 def _saved(place: str) -> "SavedVerdicts":

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import nullcontext
 from pathlib import Path
 
 import click
@@ -88,11 +88,22 @@ def table(
         raise click.UsageError("--json and --csv -: one of them")
     policy = Policy(Drive(drive) if drive else None, None, budget, seed)
     cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)
-    with ExitStack() as stack:
-        saved = stack.enter_context(SavedVerdicts(save)) if save else None
+    # The table is told before the store is closed: a file is written then, and may not fit.
+    with SavedVerdicts(save) if save else nullcontext() as saved:
         if saved:
             _add_twins(saved, kitchens.split(","), robots.split(","), states)
-        bar = stack.enter_context(progress(f"{verb}()", len(cases)))
+        result = _judged(cases, jobs, motions, saved, f"{verb}()")
+        _say(result, [each.verdict for each in result.results], csv_file, as_json=as_json)
+    if save and not as_json and csv_file != STDOUT:
+        click.echo(f"verdicts as triples: {save}")
+    raise SystemExit(Exit.NO_ORACLE if result.unjudged else Exit.DONE)
+
+
+def _judged(
+    cases: Sequence[Cell], jobs: int, motions: Path | None, saved: SavedVerdicts | None, title: str
+) -> TableResult:
+    """All cases, each kept as soon as it is there, with a bar on the way."""
+    with progress(title, len(cases)) as bar:
 
         def advance(cell: Cell) -> None:
             if bar:
@@ -106,15 +117,10 @@ def table(
         def lost(case: Unjudged) -> None:
             advance(case.cell)
 
-        result = run(cases, jobs, report, motions, saved.stored if saved else nothing_stored, lost)
-    objects = [each.verdict for each in result.results]
-    _say(result, objects, csv_file, save, as_json=as_json)
-    raise SystemExit(Exit.NO_ORACLE if result.unjudged else Exit.DONE)
+        return run(cases, jobs, report, motions, saved.stored if saved else nothing_stored, lost)
 
 
-def _say(
-    result: TableResult, objects: Sequence[Json], csv_file: Path | None, save: str | None, *, as_json: bool
-) -> None:
+def _say(result: TableResult, objects: Sequence[Json], csv_file: Path | None, *, as_json: bool) -> None:
     """The table, as JSON, as CSV or for people."""
     if csv_file:
         _write_csv(csv_file, objects)
@@ -122,8 +128,6 @@ def _say(
         print_json(result.to_json())
     elif csv_file != STDOUT:
         _print_table(result, objects)
-        if save:
-            click.echo(f"verdicts as triples: {save}")
     else:
         for each in result.unjudged:
             click.echo(f"no verdict: {each.cell}: {each.reason}", err=True)

@@ -101,15 +101,18 @@ def task_command(
         result = _judged(service, specification)
         if saved is not None:
             keep(saved, result)
-    said = result_json(result)
+        _say(result_json(result), as_json=as_json)  # before the store is closed, which may not fit
+    exits = {Outcome.CERTIFIED: 0, Outcome.ABSTAINED: Exit.ABSTAINED}
+    raise SystemExit(exits.get(result.outcome, Exit.NO))
+
+
+def _say(said: Json, *, as_json: bool) -> None:
     if as_json:
         print_json(said)
     elif csv_is_asked():
         print_rows(_rows(said), COLUMNS)
     else:
         _print(said)
-    exits = {Outcome.CERTIFIED: 0, Outcome.ABSTAINED: Exit.ABSTAINED}
-    raise SystemExit(exits.get(result.outcome, Exit.NO))
 
 
 def _judged(service: Service, specification: Specification) -> TaskResult:

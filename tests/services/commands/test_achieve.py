@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.services.store.test_folder import files_of_at_most
 from tests.small import FOLDER
 
 pytestmark = pytest.mark.oracle
@@ -17,6 +18,20 @@ KEYS = {
 
 def achieve(sdt, *arguments: str, robot: str = "pr2", task: str = f"open:{DRAWER}"):
     return sdt("achieve", "--kitchen", "b", "--robot", robot, "--task", task, "--drive", "omni", *arguments)
+
+
+def test_verdicts_that_cannot_be_kept_are_told_all_the_same(sdt, tmp_path: Path) -> None:
+    store = str(tmp_path / "verdicts.trig")
+    with files_of_at_most(100_000):
+        one = achieve(sdt, "--save", store)
+        words = ("--kitchens", str(FOLDER / "b.urdf"), "--robots", "pr2", "--budget", "1", "--save", store)
+        table = sdt("table", *words)
+    assert one.out.startswith(f"certified  open({DRAWER})")
+    assert " / 2" in table.out
+    for done in (one, table):
+        assert done.code == 4
+        assert "cannot be written: File too large; it is as it was before" in done.err
+    assert "verdicts as triples" not in table.out
 
 
 def test_a_drawer_is_certified_kept_and_verified(sdt, tmp_path: Path) -> None:
