@@ -16,7 +16,7 @@ from services.store.embedded import EmbeddedStore
 from services.store.on_disk import FORMATS, in_file, in_folder, is_store_folder, read_file
 from services.store.quads import QuadStore
 from services.store.records import graph_of, keep
-from services.store.remote import Addresses, RemoteStore, is_url
+from services.store.server.remote import Addresses, RemoteStore, is_url
 
 __all__ = ["FORMATS", "SavedVerdicts", "is_saved_graph", "opened", "query_saved", "readable"]
 

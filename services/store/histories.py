@@ -11,7 +11,7 @@ from sdt_kg.history import History, Trajectory, has_history, reopened
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.store import MemoryStore
 from services.store.files import opened, readable
-from services.store.remote import is_url
+from services.store.server.remote import is_url
 
 SHORT_KEY: Final = 12
 """[characters] Of a trajectory's hash, in the name of the file with its samples."""

@@ -35,8 +35,8 @@ from services.store.files import SavedVerdicts
 from services.store.known import restricted
 from services.store.on_disk import in_folder, read_file
 from services.store.quads import QuadStore, content
-from services.store.remote import Addresses, RemoteStore
-from services.store.wire import Wire
+from services.store.server.remote import Addresses, RemoteStore
+from services.store.server.wire import Wire
 from tests.services.store.conftest import Server, free_port
 from tests.services.store.multiplied import multiplied
 from tests.small import small_twin

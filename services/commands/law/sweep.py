@@ -25,7 +25,7 @@ from services.commands.show import print_json, print_rows, progress
 from services.relative import CLASSES
 from services.requests import parse_base
 from services.store.files import FORMATS, SavedVerdicts
-from services.store.remote import is_url
+from services.store.server.remote import is_url
 from services.sweep.engines import Engine, dask, processes
 from services.sweep.parquet import Rows, parquet
 from services.sweep.plan import Axes, Plan, classes, grid, policies

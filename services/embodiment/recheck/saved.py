@@ -17,7 +17,7 @@ from sdt_kg.state import State
 from sdt_kg.twin import Twin
 from services.store.files import readable
 from services.store.on_disk import JOURNAL, in_folder
-from services.store.remote import is_url
+from services.store.server.remote import is_url
 
 FORMATS = {".trig": ox.RdfFormat.TRIG, ".nq": ox.RdfFormat.N_QUADS}
 

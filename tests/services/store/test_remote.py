@@ -19,12 +19,12 @@ from sdt_kg.errors import InputError, QueryError, StoreRejectedError, StoreUnava
 from sdt_kg.iri import LAW
 from sdt_kg.store import rows_of
 from services import cli
-from services.store import turns
 from services.store.files import SavedVerdicts, opened
 from services.store.records import keep
-from services.store.remote import BATCH, Addresses, RemoteStore
-from services.store.turns import WRITERS
-from services.store.wire import RETRY_WAITS, Wire
+from services.store.server import turns
+from services.store.server.remote import BATCH, Addresses, RemoteStore
+from services.store.server.turns import WRITERS
+from services.store.server.wire import RETRY_WAITS, Wire
 from tests.services.store.conftest import OXIGRAPH, Server, free_port
 from tests.services.store.test_every_store import Judged
 
@@ -65,7 +65,7 @@ def test_many_quads_take_several_requests(server: Server) -> None:
 @pytest.fixture
 def file_size(monkeypatch: pytest.MonkeyPatch) -> int:
     """Quads of which one file is made: the fewest of which files are made at all."""
-    monkeypatch.setattr("services.store.remote.BULK", BATCH + 1)
+    monkeypatch.setattr("services.store.server.remote.BULK", BATCH + 1)
     return BATCH + 1
 
 

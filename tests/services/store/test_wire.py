@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from sdt_kg.errors import StoreRejectedError
-from services.store.wire import Wire, shown
+from services.store.server.wire import Wire, shown
 
 JSON = "application/sparql-results+json"
 TRUE = b'{"head":{},"boolean":true}'

@@ -16,8 +16,8 @@ from sdt_kg.iri import PREFIXES, Iri
 from sdt_kg.store import Solutions, Term, value_of
 from services.store.known import restricted
 from services.store.quads import checked, content
-from services.store.turns import turn
-from services.store.wire import Form, Wire, shown
+from services.store.server.turns import turn
+from services.store.server.wire import Form, Wire, shown
 
 BATCH: Final = 5_000
 """[quads] In one INSERT DATA: a megabyte or less, which servers take as one request."""

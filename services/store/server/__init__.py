@@ -1,0 +1,1 @@
+"""A SPARQL 1.1 server, which others may write to."""
