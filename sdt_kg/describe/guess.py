@@ -105,8 +105,8 @@ def _of_grippers(tree: Tree, grippers: tuple[Gripper, ...]) -> Iterator[str]:
         )
         if still:
             yield (
-                f"check: {listed(still)} of gripper '{gripper.name}' stands still: the search closes both "
-                "sides of a hand on a bar in its middle, and finds no grasp; your own --motion is judged"
+                f"check: {listed(still)} of gripper '{gripper.name}' stands still: the hand brings it to a "
+                "bar, from beside it, before the others close"
             )
     for joint in lonely_fingers(tree):
         yield (

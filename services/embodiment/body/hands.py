@@ -172,20 +172,52 @@ def _closing(k, shares, sides, hand, closing, handle, shapes, touch, rounds, roo
     return True
 
 
+@subkernel
+def _stands(sides, hand):
+    """The side of `sides` (2, fingers) of whose fingers none moves; −1 if there is none, or none moves."""
+    still = -1
+    for side in range(2):
+        moves = False
+        for n in range(sides.shape[1]):
+            if sides[side, n]:
+                on = hand[4][0][hand[0][hand[1] + n]]
+                for joint in hand[2]:
+                    moves = moves or joint == on
+        if not moves:
+            still = side if still < 0 else 2
+    return still if still < 2 else -1
+
+
 @kernel
 def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, room, guess, near):
     """Whether a hand at a tool pose can be centred across a handle and closed on it.
 
-    `tool` (rotation, translation) is then where it is centred; `shares` (F,) are how far its finger joints
-    are closed. `sides` (F, 2, fingers) are those that each closes; `handle` is in the world. What closing
+    Where the fingers of one side stand still, the tool brings these to the bar, and the others close on it.
+    `tool` (rotation, translation) is then where that is; `shares` (F,) are how far its finger joints are
+    closed. `sides` (F, 2, fingers) are those that each closes; `handle` is in the world. What closing
     each joint found before is in `guess` (F, 2) and `near` (F, 2): it saves looks, at first all are 0.
     """
     seen = np.empty_like(handle[1]), np.empty_like(handle[2])
     count, found = shares.shape[0], np.empty_like(shares)
+    still = _stands(sides[0], hand) if count == 1 else -1
+    closes = np.empty_like(sides[0])
+    for side in range(2):
+        closes[side] = sides[0, 1 - still if still >= 0 else side]
     for _ in range(CENTRED):
         for m in range(handle[0].shape[0]):
             seen_from(tool[0], tool[1], handle[1][m], handle[2][m], seen[0][m], seen[1][m])
         there = handle[0], seen[0], seen[1]
+        if still >= 0:  # the tool brings this finger to the bar, the joint the other
+            _gaps(shares, sides[0], hand, closing, there, shapes, room, near[0], math.inf)
+            away = room[1][still] - touch / 2
+            if not math.isfinite(away):
+                return False
+            if abs(away) > touch / 2:
+                for i in range(3):
+                    tool[1][i] += (away if still == 1 else -away) * tool[0][i, 1]
+                continue
+            rest = hand, closing, there, shapes, touch, rounds, room, guess[0], near[0]
+            return _closing(0, shares, closes, *rest)
         for k in range(count):
             rest = hand, closing, there, shapes, touch, rounds, room, guess[k], near[k]
             if not _closing(k, shares, sides[k], *rest):

@@ -156,7 +156,7 @@ class Fitter:
         r, p = self.problem.handle_r[0], self.problem.handle_p[0]
         tools = (
             r @ np.stack([one.rotation for one in grasps]),
-            np.stack([one.translation for one in grasps]) @ r.T + p,
+            np.stack([self._beside(one) for one in grasps]) @ r.T + p,
         )
         found = np.empty((len(grasps), 2), np.int64)
         seen, margins = self.hand.shapes_seen(share), self._margins[1]
@@ -197,7 +197,8 @@ class Fitter:
         None if they cannot be closed, or if the hand could not stay there as the container moves.
         """
         hand, scene = self.hand, (self._rest[2], TOUCH, ROUNDS)
-        tool = grasp.tool(self.problem.handle_r[0], self.problem.handle_p[0])
+        r, p = self.problem.handle_r[0], self.problem.handle_p[0]
+        tool = r @ grasp.rotation, r @ self._beside(grasp) + p
         shares = np.zeros(len(hand.closing[1]))
         bar = self.room.handle
         if not hands.closed(
@@ -214,6 +215,12 @@ class Fitter:
             return None
         return tool[1], shares
 
+    def _beside(self, grasp: Grasp) -> Array:
+        """Where the tool of the open hand is, in the handle's frame: the bar has room between its fingers."""
+        return (
+            grasp.translation - self.hand.amid * grasp.rotation[:, 1] if self.hand.amid else grasp.translation
+        )
+
     def _swung(self, grasp: Grasp, share: float) -> Fitted | None:
         """The closed grasp, if the fingers can swing there from where they are closed by a share."""
         closed, hand = self._closed[grasp.index], self.hand
@@ -221,14 +228,17 @@ class Fitter:
             return None
         handle_r, handle_p = self.problem.handle_r[0], self.problem.handle_p[0]
         (place, shares), start = closed, np.full(len(closed[1]), share)
-        held = hand.parts, hand.closing, self.room.near, self._rest, self._margins, self._work
+        margins = self._margins if not hand.amid else (self._margins[0],) * 2
+        held = hand.parts, hand.closing, self.room.near, self._rest, margins, self._work
         pair = hands.swings((handle_r @ grasp.rotation, place), shares, start, SWING, *held)
         if pair[0] >= 0:
             self.unfit[pair] += 1
             return None
+        there = handle_r.T @ (place - handle_p)
         centred = replace(
             grasp,
-            translation=handle_r.T @ (place - handle_p),
+            translation=there,
+            aside=self._beside(grasp) - there if hand.amid else None,
             fingers=hand.positions(shares),
             opened=hand.opening(share),
         )

@@ -50,6 +50,7 @@ class Grasp:
         fingers: Positions of the gripper's finger joints when closed on the bar, by joint name.
         opened: Their positions while the hand comes near.
         index: Its number in the grasp set, for reports.
+        aside: From there the open hand comes with a finger that stands still, in the same frame [m].
     """
 
     rotation: Array
@@ -57,6 +58,7 @@ class Grasp:
     index: int
     fingers: tuple[tuple[str, float], ...] = ()
     opened: tuple[tuple[str, float], ...] = ()
+    aside: Array | None = None
 
     def tool(self, handle_r: Array, handle_p: Array) -> tuple[Array, Array]:
         """World tool poses for handle poses (T, 3, 3), (T, 3)."""
@@ -166,6 +168,8 @@ class Hand:
         fingers: Indices of those of its fingers.
         still: Indices of those that closing does not move.
         reach: Of any of them from the tool frame [m].
+        amid: Where the middle between its open fingers is along y of the tool, if those of one side stand
+            still: a bar has room there [m].
     """
 
     def __init__(self, world: World, limb: Limb) -> None:
@@ -183,11 +187,12 @@ class Hand:
         frames = world.frames(self.closing[0])
         self.parts = (self.shapes, len(palm), joints, world.tree, world.boxes, self._tool, frames)
         self.still = frozenset(self.shapes[~np.isin(world.boxes[0][self.shapes], joints)].tolist())
-        self.sides, self.pads = self._sides(), self._pads()
         self._seen: dict[float, tuple[Array, Array]] = {}
+        self.sides, self.pads = self._sides(), self._pads()
         open_at, closed_at = (self.shapes_seen(share)[1] for share in (0.0, 1.0))
         away = np.maximum(np.linalg.norm(open_at, axis=1), np.linalg.norm(closed_at, axis=1))
         self.reach = float((away + world.radius[self.shapes]).max())
+        self.amid = self._amid()
 
     def _sides(self) -> NDArray[np.bool_]:
         """Finger shapes that each finger joint brings to a bar from two sides, shape (F, 2, fingers).
@@ -206,12 +211,28 @@ class Hand:
         own = np.array([[one == body for one in bodies] for body in dict.fromkeys(bodies)])
         return own, np.where((own & left).any(axis=1), 1.0, -1.0)
 
+    def _amid(self) -> float:
+        """The middle between the open fingers along y of the tool [m]; 0 where those of both sides move."""
+        left, moves = self._left_side(), self._moving()
+        if len(self.limb.gripper.finger_joints) > 1 or moves.all() or not moves.any():
+            return 0.0
+        turns, middles = (part[-len(self.fingers) :] for part in self.shapes_seen(0.0))
+        reach = (np.abs(turns[:, 1]) * self.world.half[self.fingers]).sum(axis=1)
+        return float((middles[left, 1] - reach[left]).min() + (middles[~left, 1] + reach[~left]).max()) / 2
+
+    def _moving(self) -> NDArray[np.bool_]:
+        """Which finger shapes closing moves."""
+        return np.isin(self.world.boxes[0][self.fingers], self.parts[2])
+
     def _left_side(self) -> NDArray[np.bool_]:
-        """Which finger shapes lie on the +y side of the tool frame when open."""
-        r, p = self.world.frames(self.configuration(0.0))
-        joint, _, centre = self.world.boxes
-        at = [r[joint[f]] @ centre[f] + p[joint[f]] - self._tool[1] for f in self.fingers]
-        return np.array([self._tool[0][:, 1] @ one > 0 for one in at], dtype=np.bool_)
+        """Which finger shapes lie on the +y side of the tool frame when open.
+
+        Of fingers of which some stand still, these lie on one side and those that close on the other.
+        """
+        at, moves = self.shapes_seen(0.0)[1][-len(self.fingers) :, 1], self._moving()
+        if len(self.limb.gripper.finger_joints) == 1 and moves.any() and not moves.all():
+            return moves if at[moves].mean() > at[~moves].mean() else ~moves
+        return at > 0
 
     def _closings(self) -> tuple[Array, Array]:
         """The open configuration (nq,), and what closing each finger joint adds (F, nq)."""

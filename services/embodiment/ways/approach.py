@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
-from services.embodiment.body.limb import BASE
+from services.embodiment.body.limb import BASE, touching
 from services.embodiment.body.track import bases, track
-from services.embodiment.body.world import Contact
+from services.embodiment.body.world import Contact, Rules
 from services.embodiment.hold.holding import Holding, Problem, inside
 from services.embodiment.hold.kit import Kit
 from services.embodiment.ways.paths import between, connect
@@ -126,14 +126,34 @@ class Approacher:
     def _leave(self, holding: Holding, problem: Problem) -> Array | Blocked:
         """Waypoints from the grasp backwards, shape (PULLS + 1, n)."""
         r, p = holding.grasp.tool(problem.handle_r[0], problem.handle_p[0])
-        contact = None
+        aside = self._aside(holding, problem, r, p)
+        if isinstance(aside, Blocked):
+            return aside
+        p, contact = p if len(aside) == 1 else self.limb.tool(aside[-1])[1], None
         for angle in ASLANT.tolist():
             away = np.sin(angle) * r[:, 2] - np.cos(angle) * r[:, 0]
-            for xs in self._leaves(holding.xs[0], r, p, away):
+            for xs in self._leaves(aside[-1], r, p, away):
                 last = self._contact(xs)
                 if last is None:
-                    return xs
+                    return np.concatenate([aside[:-1], xs])
                 contact = contact or last
+        return Blocked("leave", contact)
+
+    def _aside(self, holding: Holding, problem: Problem, r: Array, p: Array) -> Array | Blocked:
+        """Waypoints from the grasp until a finger that stands still is off the bar, shape (1 + K, n)."""
+        here, way = holding.xs[:1], holding.grasp.aside
+        if way is None:
+            return here
+        steps = np.arange(1, PULLS + 1)[:, None] / PULLS
+        target = np.repeat(r[None], PULLS, axis=0), p + steps * (problem.handle_r[0] @ way)
+        rules = touching(self.world, self.limb, self.rules, (problem.mechanics.container.handle,))
+        contact = None
+        for base in bases(self.drive, turning=False):
+            path = track(self.limb, here[0], target, base, inside(self.limb))
+            if path is not None:
+                contact = self._contact(path, rules)
+                if contact is None:
+                    return np.concatenate([here, path])
         return Blocked("leave", contact)
 
     def _leaves(self, x0: Array, r: Array, p: Array, away: Array):  # noqa: ANN202 - iterator of arrays
@@ -227,13 +247,13 @@ class Approacher:
             self._tucked = (connect(space, ends, rng, ARM_ITERATIONS, self.late),)
         return None if self._tucked[0] is None else self._tucked[0][:-1]
 
-    def _contact(self, xs: Array) -> Contact | None:
-        """A contact along straight segments through xs."""
+    def _contact(self, xs: Array, rules: Rules | None = None) -> Contact | None:
+        """A contact along straight segments through xs, at the distances of the open hand or at these."""
         parts = [xs[:1]]
         for one, other in pairwise(xs):
             pieces = int(np.ceil(float(np.abs(other - one) @ self.weight) / FINE_STEP)) + 1
             parts.append(between(one, other, pieces))
-        return self.world.contact(self.limb.q(np.concatenate(parts), self.rest), self.rules)
+        return self.world.contact(self.limb.q(np.concatenate(parts), self.rest), rules or self.rules)
 
     def road(self, roads: Roads, goal: Array, growths: int) -> Array | None:
         """Corners of the drive from the start to a base pose (its yaw up to whole turns), shape (K, 3)."""
