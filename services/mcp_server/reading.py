@@ -16,6 +16,7 @@ from sdt_kg.twin import Container, Twin
 from services.mcp_server import arguments
 from services.mcp_server.desk import ROWS, VOCABULARIES, Desk
 from services.mcp_server.report import Json, Report
+from services.ontology_page.spelling import unknown_terms
 
 CELL: Final = 160
 """[characters] Of one value in a table; longer ones are cut, with a mark."""
@@ -170,15 +171,18 @@ def _meaning(name: str, term: Json) -> list[str]:
 async def select(desk: Desk, asked: arguments.Select) -> Report:
     """Rows of a query over twins, present states, vocabularies and the verdicts of this session."""
     found = await desk.query(asked.query)
+    notes = list(unknown_terms(asked.query))
+    told: Json = {"notes": notes} if notes else {}
     if isinstance(found, ox.QueryBoolean):
-        return Report(("yes" if found else "no",), {"answer": bool(found)})
+        return Report(("yes" if found else "no", *notes), {"answer": bool(found)} | told)
     columns = [each.value for each in found.variables]
     rows = [[_cell(solution[name]) for name in columns] for solution in found]
     shown = rows[: asked.rows]
     head = f"{len(rows)} rows" + (f", the first {len(shown)} of them here" if len(shown) < len(rows) else "")
-    lines = (head, " | ".join(columns), *(" | ".join(row) for row in shown))
+    lines = (head, *notes, " | ".join(columns), *(" | ".join(row) for row in shown))
     more = f"ask for more 'rows' (up to 200) or with LIMIT and OFFSET; {ROWS} rows are the most of any query"
-    return Report(lines, {"columns": columns, "count": len(rows), "rows": shown}, "rows", more)
+    data: Json = {"columns": columns, "count": len(rows), "rows": shown}
+    return Report(lines, data | told, "rows", more)
 
 
 def _cell(node: object) -> str:

@@ -13,7 +13,7 @@ from sdt_kg.load import load_twin
 from sdt_kg.scope import D_ARTIC, check, request_graph
 from sdt_kg.task import Task, Verb
 from services.compute import verdict_patterns
-from services.ontology_page import page
+from services.ontology_page.page import page
 from services.physics.oracle import Kinematics
 from services.why import why
 from tests.shapes.engines import ENGINES

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from services.commands.output import write_file
-from services.ontology_page import page
+from services.ontology_page.page import page
 
 
 @click.command(name="ontology")

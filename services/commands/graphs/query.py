@@ -13,9 +13,9 @@ from sdt_kg.errors import InputError
 from sdt_kg.iri import PREFIXES
 from services.app import load
 from services.commands.graphs.computing import Asked, compute_options, print_computed, refuse_without_compute
-from services.commands.graphs.spelling import unknown_terms
 from services.commands.options import csv_flag, json_flag
 from services.commands.show import print_rows
+from services.ontology_page.spelling import unknown_terms
 from services.store.files import is_saved_graph, query_saved
 from services.store.known import restricted
 

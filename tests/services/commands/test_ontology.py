@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from services.ontology_page import page
+from services.ontology_page.page import page
 from tests.services.conftest import Done
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import ontology
-from services.commands.graphs.spelling import unknown_terms
+from services.ontology_page.spelling import unknown_terms
 
 QUERIES = sorted(Path(str(ontology.path("queries"))).glob("*.rq"))
 

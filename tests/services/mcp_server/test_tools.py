@@ -74,6 +74,9 @@ def test_every_example_works_on_what_is_loaded(agent: Agent) -> None:
     assert (again["iri"], again["stored"]) == (iri, True)
     rows = data(agent("select", query="SELECT ?v WHERE { ?v a law:Verdict ; law:outcome law:Certified }"))
     assert [f"<{iri}>"] in rows["rows"]
+    assert "notes" not in rows
+    (note,) = data(agent("select", query="SELECT ?d { ?d sdt:hasHandel ?h }"))["notes"]
+    assert "did you mean sdt:hasHandle?" in note
     assert text(agent("diagnose", verdict=iri[-64:-50])).startswith(
         f"Can pr2 open {DRAWER} in kitchen b? CERTIFIED"
     )

@@ -8,7 +8,7 @@ import rdflib
 from rdflib.namespace import RDFS, SH
 
 import ontology
-from services.ontology_page import page
+from services.ontology_page.page import page
 
 
 class Read(HTMLParser):
