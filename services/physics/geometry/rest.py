@@ -37,6 +37,7 @@ class Rest:
         for each in shapes:
             self._bodies.setdefault(each.body, []).append(each)
         self._known: dict[tuple[Iri, int], bool] = {}
+        self._housed: dict[tuple[Iri, Iri], bool] = {}
 
     def depth(self, one: BodyShape, other: BodyShape) -> float:
         """[m] How deep the shapes are in each other, 0 where they are apart."""
@@ -56,13 +57,11 @@ class Rest:
         """One moves in or on the other: a shape beside its body at rest, of its joint's parent or mount.
 
         Of a parent that is much more than a cabinet, a whole room, the rest stops it. What is fixed to the
-        parent bears it only where it has most of it inside: a box that stands before a drawer does not.
+        parent bears it only where it houses it: a box that stands before a drawer does not.
         """
         key = (one.body, id(other))
         if key not in self._known:
-            bearing = one.parent == other.body or (
-                other.body in one.mount and self._encloses(self._bodies[other.body], one)
-            )
+            bearing = one.parent == other.body or (other.body in one.mount and self._houses(other.body, one))
             self._known[key] = bearing and self._beside(other, one)
         return self._known[key]
 
@@ -82,11 +81,15 @@ class Rest:
         start = _start(joint.limits)
         return not ((forth and joint.limits.upper > start) or (back and joint.limits.lower < start))
 
-    def _encloses(self, others: Sequence[BodyShape], one: BodyShape) -> bool:
-        """Whether a box about some shapes has most of that about one's body in it."""
-        (low, high), (below, above) = self._box(self._bodies[one.body], one), self._box(others, one)
-        shared = np.clip(np.minimum(high, above) - np.maximum(low, below), 0.0, None)
-        return bool(np.prod(shared) > ENCLOSED * np.prod(high - low))
+    def _houses(self, body: Iri, one: BodyShape) -> bool:
+        """Whether a body overlaps one's, and a box about it has most of that about one's in it."""
+        own, others, key = self._bodies[one.body], self._bodies[body], (one.body, body)
+        if key not in self._housed:
+            (low, high), (below, above) = self._box(own, one), self._box(others, one)
+            shared = np.clip(np.minimum(high, above) - np.maximum(low, below), 0.0, None)
+            most = bool(np.prod(shared) > ENCLOSED * np.prod(high - low))
+            self._housed[key] = most and any(self.depth(a, b) > 0 for a in own for b in others)
+        return self._housed[key]
 
     def _box(self, shapes: Sequence[BodyShape], one: BodyShape) -> tuple[Array, Array]:
         """Corners of the box about some shapes along the axes of one's joint, shape (3,) [m]."""
