@@ -87,7 +87,7 @@ def test_a_crate_that_leans_on_a_front_stops_it_though_both_hang_on_the_same_bod
 def test_a_wall_beside_a_door_stops_it_though_a_room_that_bears_its_cabinet_has_both_inside(
     tmp_path: Path,
 ) -> None:
-    walls = shape("1.0 0.1 1.0", "0.5 -0.305 0") + shape("0.1 4 4", "-2 0 0") + shape("0.1 4 4", "2 0 0")
+    walls = shape("0.1 0.1 1.0", "0.05 -0.305 0") + shape("0.1 4 4", "-2 0 0") + shape("0.1 4 4", "2 0 0")
     door = FLAP.format(panel=shape("0.02 0.5 0.5", "0 0.25 0"), high=0.0)
     door = door.replace('xyz="0 0 0.0"', 'xyz="0 -0.25 0"').replace('xyz="0 1 0"', 'xyz="0 0 -1"')
     door = door.replace('<parent link="world"/>', '<parent link="cabinet"/>').replace(
