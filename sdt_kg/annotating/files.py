@@ -2,6 +2,7 @@
 
 import math
 import shlex
+from codecs import BOM_UTF8
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -172,7 +173,7 @@ def _quads(file: Path) -> list[ox.Quad]:
     if not file.is_file():
         raise AnnotationError(f"no annotation file at {file}", allowed="a Turtle file")
     try:
-        return list(ox.parse(file.read_bytes(), format=ox.RdfFormat.TURTLE))
+        return list(ox.parse(file.read_bytes().removeprefix(BOM_UTF8), format=ox.RdfFormat.TURTLE))
     except SyntaxError as error:
         raise AnnotationError(f"{file} is not Turtle: {error}") from None
 

@@ -6,11 +6,24 @@ from pathlib import Path
 
 import click
 
+from sdt_kg.errors import InputError
 from services.commands.completion.types import KITCHEN, STATE
 from services.commands.show import CSV
 
 KITCHEN_HELP = "Bundled kitchen (a, b) or path of a URDF, xacro, MJCF, SDF or saved twin (.nq, .trig)."
 ROBOT_HELP = "Bundled robot (pr2, tiago_dual, stretch) or path of a URDF or xacro."
+
+
+def query_text(file: Path) -> str:
+    """The query in a file, with or without the mark that Windows begins a text with.
+
+    Raises:
+        InputError: It is no UTF-8, or not there.
+    """
+    try:
+        return file.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{file} cannot be read: {error}", allowed="SPARQL in UTF-8") from None
 
 
 class FiniteRange(click.FloatRange):

@@ -71,7 +71,7 @@ def settings(
 
 def _parsed(path: Path, commands: tuple[str, ...], environment: Mapping[str, str]) -> Settings:
     try:
-        said = tomllib.loads(path.read_text(encoding="utf-8"))
+        said = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise InputError(
             f"cannot read the settings in {path}: {error.strerror}", allowed="a TOML file"

@@ -5,6 +5,7 @@ their IRIs whatever is measured later.
 """
 
 import math
+from codecs import BOM_UTF8
 from pathlib import Path
 
 import pyoxigraph as ox
@@ -102,7 +103,7 @@ def _has_forces(twin: Twin) -> bool:
 def _triples(file: Path) -> list[Triple]:
     found: list[Triple] = []
     try:
-        for quad in ox.parse(file.read_bytes(), format=ox.RdfFormat.TURTLE):
+        for quad in ox.parse(file.read_bytes().removeprefix(BOM_UTF8), format=ox.RdfFormat.TURTLE):
             subject, value = quad.subject, quad.object
             if not isinstance(subject, ox.NamedNode) or not isinstance(value, ox.NamedNode | ox.Literal):
                 raise AnnotationError(

@@ -113,7 +113,9 @@ def token_for(address: Address, file: Path | None = None) -> str | None:
 
 
 def _token(file: Path | None) -> str | None:
-    text = file.read_text().strip() if file else os.environ.get(TOKEN_VARIABLE, "").strip()
+    text = (
+        file.read_text(encoding="utf-8-sig").strip() if file else os.environ.get(TOKEN_VARIABLE, "").strip()
+    )
     if not text and file is None:
         return None
     if len(text) < SHORTEST_TOKEN:

@@ -107,7 +107,7 @@ def _write_npz(path: Path, arrays: dict[str, np.ndarray]) -> None:
 
 def _read_json(path: Path) -> Given:
     try:
-        said = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_once_each)
+        said = json.loads(path.read_text(encoding="utf-8-sig"), object_pairs_hook=_once_each)
     except (UnicodeDecodeError, ValueError, RecursionError) as error:
         raise MotionError(f"it is no JSON: {error}", allowed=ALLOWED) from None
     if not isinstance(said, dict):

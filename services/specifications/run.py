@@ -51,7 +51,7 @@ def specification_of(twin: Twin, source: str) -> Specification:
     if not path.is_file():
         raise UnknownEntityError("task", source, ready(), "or give the path of a .ttl file")
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{source} cannot be read: {error}") from None
     return read_specification(twin, text, path.name)

@@ -187,7 +187,7 @@ def patch(patch_file: Path, source: str, output: Path, reverse: bool) -> None:
     """Apply an RDF Patch that sdt diff wrote to A, a saved graph or kitchen, and write what that makes."""
     checked_format(output)
     try:
-        made = read_patch(patch_file.read_text(encoding="utf-8"))
+        made = read_patch(patch_file.read_text(encoding="utf-8-sig"))
     except UnicodeDecodeError as error:
         raise InputError(f"{patch_file} is not text: {error}", allowed="RDF Patch in UTF-8") from None
     store = ox.Store()

@@ -13,7 +13,7 @@ from sdt_kg.errors import InputError
 from sdt_kg.iri import PREFIXES
 from services.app import load
 from services.commands.graphs.computing import Asked, compute_options, print_computed, refuse_without_compute
-from services.commands.options import csv_flag, json_flag
+from services.commands.options import csv_flag, json_flag, query_text
 from services.commands.show import print_rows
 from services.ontology_page.spelling import unknown_terms
 from services.store.files import is_saved_graph, query_saved
@@ -56,7 +56,7 @@ def query(
     """
     if (sparql is None) == (query_file is None):
         raise InputError("there is no query, or there are two", allowed="'SPARQL' or -f FILE.rq")
-    text = restricted(query_file.read_text() if query_file else str(sparql), dict(map(_known, known)))
+    text = restricted(query_text(query_file) if query_file else str(sparql), dict(map(_known, known)))
     if computes:
         print_computed(source, text, Asked(**options), as_json=as_json)
         _tell_unknown(text)

@@ -19,6 +19,7 @@ from services.commands.options import (
     jobs_option,
     json_flag,
     kitchens_option,
+    query_text,
     robots_option,
 )
 from services.commands.show import print_json, print_rows, progress
@@ -198,7 +199,7 @@ def _planned(
     if file is not None:
         return listed.plan(csv_rows(file))
     if query is not None:
-        text = Path(query).read_text() if query.endswith(".rq") else query
+        text = query_text(Path(query)) if query.endswith(".rq") else query
         return listed.plan(query_rows(text, *models, of))
     plan = grid(*models, axes)
     for kitchen, robot in product(*models):
