@@ -26,6 +26,7 @@ Mask = NDArray[np.bool_]
 
 TOGETHER = 32  # configurations that are looked at together, for memory
 MOST_PAIRS = 40  # pairs of shapes whose deepest point is looked for, those that are hardest to part first
+MOST_TIMES = 4_000  # that are looked at: in some 4 s with a usual robot and kitchen
 PLACES = 8  # times of a collision at which that is done at first
 FINER = 9  # times around the deepest of these
 
@@ -66,10 +67,11 @@ def survey(
 
 
 def _times(checked: Subject) -> Array:
-    """Every sample, and halfway to the next."""
+    """Every sample, and halfway to the next; of a log with very many, some."""
     pieces = checked.pieces
     middle = pieces.start + pieces.duration / 2
-    return np.sort(np.concatenate((pieces.start, middle, [checked.timeline.end])))
+    times = np.sort(np.concatenate((pieces.start, middle, [checked.timeline.end])))
+    return times[np.linspace(0, len(times) - 1, min(len(times), MOST_TIMES)).astype(np.intp)]
 
 
 def _placed(checked: Subject, times: Array) -> Placed:

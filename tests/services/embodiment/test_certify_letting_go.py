@@ -13,7 +13,7 @@ from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
-from services.embodiment.certify import Certified, Refused, certify
+from services.embodiment.certify import Certified, Refused, certify, survey
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.oracle import WholeBody
 from services.physics import carry
@@ -201,3 +201,15 @@ def test_every_kind_of_violation_is_told_of_a_hand_that_lets_go_wrongly(twin: Tw
     said = " ".join(one.reason for one in verdict.diagnoses)
     assert "contact with drawer_handle is lost" not in said
     assert "drawer_handle are" in said
+
+
+def test_a_refusal_in_full_of_a_long_log_looks_at_some_of_its_times(
+    twin: Twin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(survey, "MOST_TIMES", 50)
+    rests = RESTS.copy()
+    rests[2:, 5] += 0.2  # into the front of the drawer, and on
+    about = opening(0.01, rests), twin.container("drawer_main"), Tolerances()
+    found = certify(twin, twin.robots[0], *about, drive=Drive.OMNI, start=START, in_full=True)
+    assert isinstance(found, Refused)
+    assert any("mm in each other" in one.reason for one in found.diagnoses)
