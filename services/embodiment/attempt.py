@@ -7,12 +7,14 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
+from sdt_kg.annotation import Drive
 from services.embodiment.body.limb import Limb
-from services.embodiment.hold.bred import Breeder, anyhow
+from services.embodiment.hold.bred import Breeder
 from services.embodiment.hold.fit import Fitter, Opened
 from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.holding import Holding, Searcher
 from services.embodiment.hold.parts import around, parts
+from services.embodiment.hold.pool import anyhow
 from services.embodiment.hold.sampling import FULL, Effort, Sampler
 from services.embodiment.hold.spread import Spreader
 from services.embodiment.ways.approach import Approacher
@@ -78,11 +80,15 @@ class Attempt:
         yield from self._bred(Breeder(self.searcher, self.fitter, self.rng, late), late)
 
     def breed_anyhow(self, late: Callable[[], bool]) -> Iterator[Holding]:
-        """The same of any part of the handle, held anyhow."""
+        """The same of any part of the handle, held anyhow.
+
+        With a free base nothing is looked for after that, where it stands proofs are.
+        """
         one, problem = self.fitter, self.fitter.problem
         every = parts(self.searcher.world, problem.mechanics.container.handle, one.bar)
         fitter = Fitter(one.hand, problem, around(every), one.demands, one.unfit)
-        pool = anyhow(every, room=self.searcher.tally.grasps > 0)
+        more = 1 if self.searcher.drive is Drive.FIXED else 2
+        pool = anyhow(every, self.searcher.tally.grasps > 0, more)
         yield from self._bred(Breeder(self.searcher, fitter, self.rng, late, pool), late)
 
     def _bred(self, breeder: Breeder, late: Callable[[], bool]) -> Iterator[Holding]:

@@ -9,7 +9,7 @@ import pytest
 from sdt_kg.annotation import Drive
 from services.app import Policy
 from services.embodiment import attempt, plan
-from services.embodiment.hold import bred, sampling, spread
+from services.embodiment.hold import pool, sampling, spread
 from services.sweep.cell import CellResult
 from services.table import TableResult, cells, run
 
@@ -33,10 +33,10 @@ SEARCHED = (
     (sampling, "HOPELESS"),
     (sampling, "TRIES"),
     (spread, "PATHS"),
-    (bred, "GRASPS"),
-    (bred, "BLOCKS"),
-    (bred, "EMPTY_BLOCKS"),
-    (bred, "LITTERS"),
+    (pool, "GRASPS"),
+    (pool, "BLOCKS"),
+    (pool, "EMPTY_BLOCKS"),
+    (pool, "LITTERS"),
 )
 """What ends a search: of these there are ten times as many."""
 

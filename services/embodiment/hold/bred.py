@@ -9,7 +9,6 @@ which its children's are looked for.
 
 import itertools
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +16,9 @@ from numpy.typing import NDArray
 from services.embodiment.body import ik
 from services.embodiment.body.track import EXACT
 from services.embodiment.hold.fit import OPENINGS, Fitted, Fitter, Opened
-from services.embodiment.hold.grasp import ANY_MOST, FREE_MOST, free_grasp
-from services.embodiment.hold.handle import Bar
+from services.embodiment.hold.grasp import free_grasp
 from services.embodiment.hold.holding import SEEDS, STEPS, Searcher
+from services.embodiment.hold.pool import Pool, straight
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -31,7 +30,6 @@ GENERATIONS = 120
 ENOUGH = (8, 24)  # that can be had at all values: tried when there are so many, and then
 STALLED = 20  # generations that bring neither a cheaper one than the cheapest nor one more that costs nothing
 CHEAPER = 0.95  # [1] of what the cheapest costs counts as cheaper
-LITTERS = 3  # that are bred, one after the other
 WORTH = 0.06  # [m] where none is cheaper, another is not bred
 BOUND = 0.3  # [m] more than this counts no more, at one value
 TOUCHES = 0.05  # [m] what a contact counts as, or that it is not known whether there is one
@@ -41,42 +39,6 @@ CROWDS = 32  # of them at one value, at most
 FEW = 6  # such grasps of which a free posture is then found
 CHANGE = np.array([0.25, 0.25, 0.1, 0.3, 0.006])  # [rad, rad, rad, 1, m] standard deviations of a child
 SCALES = (0.03, 0.1, 0.3, 1.0)  # [1] of these, drawn anew for each generation
-FIRST_BRED = 20_000  # number of the first grasp
-FIRST_ANY = 1_000_000  # the same, where any part is held anyhow
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Pool:
-    """What grasps are drawn from.
-
-    Attributes:
-        bars: Parts of the handle that may be held.
-        most: How far a grasp of one is turned and moved at most, see `free_grasp`.
-        grasps: So many are bred.
-        blocks: Drawn for that, at most.
-        empty: The same, while none fits.
-        fresh: Of these blocks, those of random ones; later ones are like those that were found to fit.
-        first: Number of the first grasp.
-    """
-
-    bars: tuple[Bar, ...]
-    most: Array = field(default_factory=FREE_MOST.copy)
-    grasps: int = 96
-    blocks: int = 20
-    empty: int = 4
-    fresh: int = 20
-    first: int = FIRST_BRED
-
-
-def anyhow(bars: tuple[Bar, ...], room: bool = True) -> Pool:
-    """Any of these bars, held anyhow: of such random grasps fewer fit, and more are needed.
-
-    Args:
-        bars: Parts of a handle.
-        room: Whether a hand is known to find room at the handle: else few are drawn until one fits.
-    """
-    empty = 160 if room else 4
-    return Pool(bars, ANY_MOST, grasps=192, blocks=160, empty=empty, fresh=80, first=FIRST_ANY)
 
 
 class Breeder:
@@ -97,7 +59,7 @@ class Breeder:
         pool: Pool | None = None,
     ) -> None:
         self.searcher, self.fitter, self._rng, self._late = searcher, fitter, rng, late
-        self._pool = pool or Pool((fitter.bar,))
+        self._pool = pool or straight(fitter.bar)
         self._at = np.linspace(0, len(searcher.problem.values) - 1, LOOKED_AT).astype(int).tolist()
         self._numbers = itertools.count(self._pool.first)
 
@@ -106,7 +68,7 @@ class Breeder:
 
         A litter may have none; where the cheapest is far from free there is no other.
         """
-        for _ in range(LITTERS):
+        for _ in range(self._pool.litters):
             cheapest = np.inf
             for least in self._litter():
                 cheapest = least and self._freed()

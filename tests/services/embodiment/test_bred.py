@@ -10,7 +10,7 @@ from sdt_kg.annotation import Drive
 from services.app import Policy, load
 from services.embodiment.body import ik
 from services.embodiment.body.track import EXACT
-from services.embodiment.hold.bred import ENOUGH, FIRST_BRED, LOOKED_AT, Breeder, anyhow
+from services.embodiment.hold.bred import ENOUGH, LOOKED_AT, Breeder
 from services.embodiment.hold.grasp import (
     ANY_MOST,
     BEYOND,
@@ -23,6 +23,7 @@ from services.embodiment.hold.grasp import (
 from services.embodiment.hold.handle import Bar
 from services.embodiment.hold.holding import STEPS, Searcher
 from services.embodiment.hold.parts import around, parts
+from services.embodiment.hold.pool import FIRST_BRED, anyhow
 from tests.services.embodiment.front import front
 from tests.soak.doors import BAR as BAR_WIDTH
 from tests.soak.doors import STAND_OFF
