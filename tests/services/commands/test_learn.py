@@ -42,7 +42,7 @@ def known(tmp_path: Path) -> str:
 def hinged(tmp_path: Path) -> str:
     """A drawer that is a door."""
     path = tmp_path / "hinged.csv"
-    track = turned("low_drawer", (1.95, -1.4), -1.2)
+    track = turned("low_drawer", (1.95, -1.4), 1.2)
     np.savetxt(path, np.column_stack([track.times, track.positions]), delimiter=",")
     return str(path)
 
@@ -92,6 +92,16 @@ def test_another_joint_is_proposed_and_not_accepted_silently(hinged: str, tmp_pa
     assert row["proposal"]["replayed"] is True
     assert row["accepted"] is None
     assert sorted(each.name for each in tmp_path.iterdir()) == ["hinged.csv"]
+
+
+def test_what_a_proposed_joint_runs_into_is_told_where_it_is_not_accepted(tmp_path: Path) -> None:
+    path, branch = tmp_path / "inward.csv", tmp_path / "branch.trig"
+    track = turned("low_drawer", (1.95, -1.4), -1.2)  # the wall is behind it
+    np.savetxt(path, np.column_stack([track.times, track.positions]), delimiter=",")
+    words = ["learn", str(path), "--kitchen", KITCHEN, "--accept", "-o", str(branch)]
+    with pytest.raises(InputError, match="does not replay the track either: low_drawer runs into wall"):
+        CliRunner().invoke(sdt, words, catch_exceptions=False)
+    assert not branch.exists()
 
 
 def test_after_acceptance_the_branch_replays_the_track(hinged: str, tmp_path: Path) -> None:
