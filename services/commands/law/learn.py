@@ -189,8 +189,8 @@ def _in_kitchen(
         proposal, after = proposal_for(twin, learned, seen, physics)
         branch, row["proposal"] = proposal.twin, proposal_row(proposal, after)
         tasks = list(row["proposal"]["tasks"])
-        why = "".join(f": {each}" for each in row["proposal"]["reasons"][:1])
-        refusal = "" if after.replayed else f"the proposed twin does not replay the track either{why}"
+        why = "; ".join(row["proposal"]["reasons"])
+        refusal = "" if after.replayed else f"the proposed twin does not replay the track either: {why}"
     elif held_by(learned) is None or isinstance(held_by(learned), Plain):
         refusal = f"the twin has the path of {seen.followed.container.name} already"
     if accept and refusal:
