@@ -99,7 +99,7 @@ def test_what_a_proposed_joint_runs_into_is_told_where_it_is_not_accepted(tmp_pa
     track = turned("low_drawer", (1.95, -1.4), -1.2)  # the wall is behind it
     np.savetxt(path, np.column_stack([track.times, track.positions]), delimiter=",")
     words = ["learn", str(path), "--kitchen", KITCHEN, "--accept", "-o", str(branch)]
-    with pytest.raises(InputError, match="does not replay the track either: .*low_drawer runs into wall"):
+    with pytest.raises(InputError, match=r"does not replay the track either: .*low_drawer runs into wall"):
         CliRunner().invoke(sdt, words, catch_exceptions=False)
     assert not branch.exists()
 
