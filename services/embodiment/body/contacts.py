@@ -124,6 +124,12 @@ def _chord(r, s):
     return math.sqrt(squared / 2)
 
 
+@subkernel
+def _turned(s, k, at_r, row, joint, local_r, out):
+    """Rotation of shape s at configuration k is in `out`."""
+    matmul(at_r[k, row[joint[s]]], local_r[s], out)
+
+
 @subkernel(inline=True)
 def walk(a, b, margin, size, shapes, radius, boxes, still, way, far, work):
     """First of so many configurations at which the pair is too near, or −1.
@@ -146,10 +152,10 @@ def walk(a, b, margin, size, shapes, radius, boxes, still, way, far, work):
             ra, ca, rb, cb = still[0][a], still[1][a], still[0][b], still[1][b]
             if i >= 0:
                 ra, ca = spare[0], at_c[k, i]
-                matmul(at_r[k, rows[0][boxes[0][a]]], boxes[1][a], ra)
+                _turned(a, k, at_r, rows[0], boxes[0], boxes[1], ra)
             if j >= 0:
                 rb, cb = spare[1], at_c[k, j]
-                matmul(at_r[k, rows[0][boxes[0][b]]], boxes[1][b], rb)
+                _turned(b, k, at_r, rows[0], boxes[0], boxes[1], rb)
             apart = parting(shapes, a, b, ra, ca, rb, cb, margin, work)
             if apart <= margin:
                 return k

@@ -202,7 +202,8 @@ def closed(tool, shares, sides, hand, closing, handle, shapes, touch, rounds, ro
     still = _stands(sides[0], hand) if count == 1 else -1
     closes = np.empty_like(sides[0])
     for side in range(2):
-        closes[side] = sides[0, 1 - still if still >= 0 else side]
+        for n in range(closes.shape[1]):
+            closes[side, n] = sides[0, 1 - still if still >= 0 else side, n]
     for _ in range(CENTRED):
         for m in range(handle[0].shape[0]):
             seen_from(tool[0], tool[1], handle[1][m], handle[2][m], seen[0][m], seen[1][m])
