@@ -6,7 +6,6 @@ since a typo in a target would otherwise let everything pass.
 """
 
 import hashlib
-import logging
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from decimal import Decimal
@@ -177,27 +176,12 @@ def _checked(tee: TeeClass, request: tuple[Triple, ...], expected: tuple[Iri, ..
 
 def pyshacl_report(data: rdflib.Graph, shapes: rdflib.Graph) -> rdflib.Graph:
     """The validation report of pySHACL, without inference: the engine of every verdict."""
-    # Slow to import, and most commands judge nothing.
-    from pyshacl import Validator  # noqa: PLC0415
-    from pyshacl.graph_abstraction import DataGraph  # noqa: PLC0415
-    from pyshacl.monkey import apply_patches  # noqa: PLC0415
+    import pyshacl  # noqa: PLC0415 - slow to import, and most commands judge nothing
 
-    # As `pyshacl.validate` does, but for the shapes, which that reads anew each time.
-    apply_patches()
-    options = {"inference": "none", "logger": logging.getLogger("pyshacl-validate")}
-    validator: Any = Validator(DataGraph.from_rdflib(data), shacl_graph=shapes, options=options)
-    validator.shacl_graph = _prepared(shapes)
-    report = validator.run()[1]
+    validator: Any = pyshacl  # its annotations are partial
+    report = validator.validate(data, shacl_graph=shapes, inference="none")[1]
     assert isinstance(report, rdflib.Graph), "pyshacl answers with a graph, or raises"
     return report
-
-
-@lru_cache(maxsize=len(TEE_CLASSES))
-def _prepared(shapes: rdflib.Graph) -> object:
-    """Shapes as pySHACL takes them."""
-    from pyshacl import ShapesGraph  # noqa: PLC0415 - likewise
-
-    return ShapesGraph(shapes)
 
 
 def check(
