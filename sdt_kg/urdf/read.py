@@ -1,5 +1,6 @@
 """URDF or xacro file → Mechanism."""
 
+import io
 import logging
 import math
 import os
@@ -97,9 +98,16 @@ def _parsed(root: ET.Element, source: Path) -> Parsed:
         kept = ET.SubElement(bare, element.tag, element.attrib)
         kept.extend(part for part in element if part.tag != "visual")
     try:
-        return yourdfpy().URDF._parse_robot(bare)  # as `load` does with the text, which would be read twice
+        model = yourdfpy().URDF.load(
+            io.BytesIO(ET.tostring(bare)),
+            build_scene_graph=False,
+            build_collision_scene_graph=False,
+            load_meshes=False,
+            load_collision_meshes=False,
+        )
     except (ValueError, KeyError, AttributeError, IndexError, TypeError, RecursionError) as error:
         raise UrdfError(f"{source}: yourdfpy cannot read it: {error}") from None
+    return model.robot
 
 
 def _joint(joint: Parsed) -> Joint:
