@@ -12,8 +12,9 @@ from sdt_kg.store import Term, Triple, Value, value_of
 
 TYPE: Final = RDF + "type"
 
-UNIT_NORM: Final = 1e-3
-"""[1] How far the norm of a quaternion may be from 1: what is farther would scale what it turns."""
+UNIT_NORM: Final = 1e-5
+"""[1] How far the norm of a quaternion or axis may be from 1: what is farther scales what it turns by more
+than 0.02 mm for each metre. People who write 0.7071 are within."""
 
 
 class Facts:

@@ -58,7 +58,7 @@ def test_no_robot_sticks_out_by_less_than_nothing_nor_drives_slower_than_not_at_
         twin.with_edit(twin.robots[0], **{name: -0.1})
 
 
-@pytest.mark.parametrize("scale", [0.1, 7.0])
+@pytest.mark.parametrize("scale", [0.1, 0.9998, 7.0])
 def test_a_tool_frame_that_would_scale_distances_is_refused(twin: Twin, scale: float) -> None:
     # The closing direction would be scaled too, and with it how far a finger may be from the handle.
     part = scale * np.sqrt(0.5)
