@@ -78,10 +78,10 @@ class Question:
             outcome = problem(ProblemType.TOO_LARGE, f"the answer has {len(outcome.payload)} bytes")
         if isinstance(outcome, Problem):
             outcome = outcome.model_copy(update={"report": self.header.id})
-        reply(self.query, self.reply_key, outcome)
         seconds = time.monotonic() - self.began
         end = outcome.kind.value if isinstance(outcome, Problem) else "answer"
-        self.telemetry.metrics.asked("bus", self.what, end, seconds)
+        self.telemetry.metrics.asked("bus", self.what, end, seconds)  # who has the answer finds it counted
+        reply(self.query, self.reply_key, outcome)
         self.span.end(end=end)
         if log.isEnabledFor(logging.INFO):
             fields = {"twin": self.twin, "verb": self.what, "end": end, "seconds": round(seconds, 6)}
