@@ -5,28 +5,19 @@ import socket
 import threading
 import time
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import replace
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import pyoxigraph as ox
 import pytest
 
-from predicates.case import Diagnosis, Kind, Outcome, Search
-from predicates.record import Record, to_record
 from sdt_kg.errors import InputError, QueryError, StoreRejectedError, StoreUnavailableError
-from sdt_kg.iri import LAW
 from sdt_kg.store import rows_of
 from services import cli
-from services.store.files import SavedVerdicts, opened
-from services.store.records import keep
-from services.store.server import turns
+from services.store.files import opened
 from services.store.server.remote import BATCH, Addresses, RemoteStore
-from services.store.server.turns import WRITERS
 from services.store.server.wire import RETRY_WAITS, Wire
 from tests.services.store.conftest import OXIGRAPH, Server, free_port
-from tests.services.store.test_every_store import Judged
 
 G = "https://example.org/g"
 COUNT = "SELECT (COUNT(*) AS ?n) { ?s ?p ?o }"
@@ -111,70 +102,6 @@ def test_a_server_that_is_killed_is_named_and_what_it_acknowledged_is_there_late
     server.wait()
     assert counted(store) == 60
     store.close()
-
-
-def test_writers_of_one_record_at_once_leave_one_and_the_certified(server: Server, judged: Judged) -> None:
-    certified = next(each for each in judged[1] if each.outcome is Outcome.CERTIFIED)
-    searched = Diagnosis(Kind.EMBODIMENT, "none found", search=Search(1, 1, 1, 1.0))
-    others = [
-        replace(
-            certified,
-            outcome=Outcome.NOT_CERTIFIED,
-            diagnoses=(replace(searched, reason=f"none found by {n}"),),
-        )
-        for n in range(3)
-    ]
-    for turn in range(12):
-        records = [to_record(replace(each, iri=f"{each.iri}{turn}")) for each in (*others, certified)]
-        start = threading.Barrier(len(records))
-
-        def write(record: Record, start: threading.Barrier = start) -> None:
-            with SavedVerdicts(remote(server.address)) as saved:
-                start.wait()
-                saved.add_record(record)
-
-        with ThreadPoolExecutor(len(records)) as pool:
-            list(pool.map(write, records))
-        store = remote(server.address)
-        assert set(store.graph(records[-1].graph)) == set(records[-1].quads())
-        assert not store.graph(WRITERS)
-        store.close()
-
-
-def test_a_writer_that_died_is_waited_for_and_then_forgotten(
-    server: Server, judged: Judged, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    record = to_record(judged[1][0])
-    monkeypatch.setattr(turns, "LEASE", 0.3)
-    with SavedVerdicts(remote(server.address)) as saved:
-        store = remote(server.address)
-        store.insert(
-            ox.Quad(
-                ox.NamedNode(record.graph),
-                ox.NamedNode(LAW + "writer"),
-                ox.Literal("dead"),
-                ox.NamedNode(WRITERS),
-            )
-        )
-        began = time.monotonic()
-        assert saved.add_record(record)
-        assert time.monotonic() - began >= 0.3
-        assert not store.graph(WRITERS)
-        store.close()
-
-
-def test_a_writer_that_does_not_end_is_told(
-    server: Server, judged: Judged, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    record = to_record(judged[1][0])
-    monkeypatch.setattr(turns, "PATIENCE", 0.2)
-    one, other = remote(server.address), remote(server.address)
-    with one.alone(record.graph), pytest.raises(StoreUnavailableError, match="all the time; try again"):
-        keep(other, record)
-    assert not one.graph(record.graph)
-    assert not one.graph(WRITERS)
-    one.close()
-    other.close()
 
 
 def test_a_restart_is_survived(server: Server) -> None:
