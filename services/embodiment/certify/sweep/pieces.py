@@ -135,14 +135,14 @@ def sideways(base: Pieces, ahead: float, slack: float) -> tuple[Array, Array, fl
         before = ends[first] - count[first]
         last = max(int(np.searchsorted(ends, before + LOOKS, side="right")), first + 1)
         own = np.arange(first, last)
+        begins = ends[own] - count[own] - before
         piece = np.repeat(own, count[own])
-        part = np.arange(len(piece)) - np.repeat(ends[own] - count[own] - before, count[own]) + 0.5
+        part = np.arange(len(piece)) - np.repeat(begins, count[own]) + 0.5
         width = (base.duration / count)[piece]
         q, rate, _ = base.at(piece, part * width)
         across = -np.sin(q[:, 2]) * rate[:, 0] + np.cos(q[:, 2]) * rate[:, 1]
         speed = np.abs(across + ahead * rate[:, 2])
         bound = speed + steepest[piece] * width / 2
-        begins = ends[own] - count[own] - before
         most[own] = np.maximum.reduceat(bound, begins)
         at = np.flatnonzero(bound == most[piece])[::-1]
         times[piece[at]] = base.start[piece[at]] + part[at] * width[at]
