@@ -8,7 +8,7 @@ from typing import Final
 
 from sdt_kg.annotation import BaseLimits, Drive
 from sdt_kg.describe.tree import Tree, listed
-from sdt_kg.describe.wheels import ALONG, Wheel, axle_ahead, on_one_line, rolls_sideways, wheels
+from sdt_kg.describe.wheels import ALONG, STRAIGHT, Wheel, axle_ahead, on_one_line, rolls_sideways, wheels
 from sdt_kg.mechanism import Joint, JointType
 
 BASE_SPEED: Final = 0.2
@@ -106,7 +106,7 @@ def _of_rigid(found: list[Wheel]) -> tuple[Drive, str]:
         return Drive.OMNI, f"wheels {names} are named as ones that roll sideways too"
     if any(abs(one.axis @ other.axis) < ALONG for one, other in pairs):
         return Drive.OMNI, f"wheels {names} roll in several directions"
-    if abs(found[0].axis[1]) < ALONG:
+    if abs(found[0].axis[1]) < STRAIGHT:
         return Drive.FIXED, (
             f"wheels {names} roll across x of the root frame, and sdt:Differential goes along x: "
             "give a body that is turned that way as sdt:baseBody"
@@ -123,7 +123,8 @@ def _about_axle(tree: Tree, found: list[Wheel], why: str) -> tuple[Drive, str, s
     if ahead is None or abs(ahead) < LEVEL:
         return Drive.DIFFERENTIAL, why, root
     for body in tree.mechanism.bodies:
-        if tree.rigid_root(body.name) != root or tree.frame(body.name, root, {})[0, 0] < ALONG:
+        ahead_and_up = tree.frame(body.name, root, {})[[0, 2], [0, 2]]
+        if tree.rigid_root(body.name) != root or ahead_and_up.min() < STRAIGHT:
             continue
         own = axle_ahead(tree, body.name, found)
         if own is not None and abs(own) < LEVEL and abs(tree.frame(body.name, root, {})[1, 3]) < LEVEL:

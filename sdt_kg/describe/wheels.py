@@ -1,5 +1,6 @@
 """A robot's wheels, and the line about which those turn that do not steer."""
 
+import math
 from collections.abc import Iterable, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
@@ -25,6 +26,9 @@ SIDEWAYS: Final = ("mecanum", "omni", "swedish")
 
 ALONG: Final = 0.95
 """[1] Least cosine between directions that count as the same: 18°."""
+
+STRAIGHT: Final = 0.99995
+"""[1] The same for directions in which a base goes and stands: 0.57°, so that 0.2 m/s has 2 mm/s across."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,15 +89,29 @@ def axle_ahead(tree: Tree, body: str, found: Sequence[Wheel]) -> float | None:
         return None
     root_T_body = tree.frame(body, tree.mechanism.root, {})
     ahead, across = root_T_body[:3, 0], root_T_body[:3, 1]
-    if abs(float(rigid[0].axis @ across)) < ALONG:
+    if abs(float(rigid[0].axis @ across)) < STRAIGHT:
         return None
     return float(np.mean([ahead @ (wheel.centre - root_T_body[:3, 3]) for wheel in rigid]))
 
 
-def axle_of(mechanism: Mechanism, annotation: RobotAnnotation) -> float:
-    """The same of an annotated robot's base body; 0 where there is no such line: nothing says otherwise."""
+def rolling_of(mechanism: Mechanism, annotation: RobotAnnotation) -> tuple[float, float]:
+    """Where an annotated robot's wheels roll, from x of its base body [rad], and how far ahead they turn [m].
+
+    Both are 0 where wheels that do not steer have no common direction, or none are known: nothing says
+    otherwise. So is the second, counted where they roll, where they turn about several lines.
+    """
     tree = Tree(mechanism)
     tools = (joint for gripper in annotation.grippers for joint in tree.ancestors(gripper.tool_body))
     fingers = (finger.joint for gripper in annotation.grippers for finger in gripper.finger_joints)
-    arms = {*(joint.name for joint in tools), *fingers}
-    return axle_ahead(tree, annotation.base_body, wheels(tree, arms)) or 0.0
+    found = wheels(tree, {*(joint.name for joint in tools), *fingers})
+    rigid = [wheel for wheel in found if wheel.steering is None]
+    parallel = all(abs(float(wheel.axis @ rigid[0].axis)) >= ALONG for wheel in rigid)
+    if len(rigid) < 2 or not parallel or rolls_sideways(rigid):
+        return 0.0, 0.0
+    root_T_body = tree.frame(annotation.base_body, mechanism.root, {})
+    x, y, _ = rigid[0].axis @ root_T_body[:3, :3]
+    heading = math.atan(-x / y) if y else math.pi / 2
+    ahead = root_T_body[:3, :3] @ (math.cos(heading), math.sin(heading), 0.0)
+    if not on_one_line(rigid):
+        return heading, 0.0
+    return heading, float(np.mean([ahead @ (wheel.centre - root_T_body[:3, 3]) for wheel in rigid]))

@@ -4,8 +4,11 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from predicates.case import Artefact, Diagnosis
+from predicates.case import Artefact, Diagnosis, Evidence, Kind, Quantity
+from sdt_kg.annotation import Drive
+from sdt_kg.iri import body_iri
 from services.embodiment.certify.asked import refused_at_once
+from services.embodiment.certify.limits import STRAIGHT, rolling, turned_wheels
 from services.embodiment.proving import Proofs
 from services.embodiment.setting import Setting
 
@@ -19,9 +22,21 @@ class Hopeless:
     note: str = "the motion that is asked for is certified with no robot: none was searched for"
 
 
+ASIDE = (
+    "no body motion was searched for: a differential base is driven along x of sdt:baseBody{}; give a link "
+    "that is turned that way as sdt:baseBody, or another drive"
+)
+
+
 def hopeless(setting: Setting, spent: Callable[[str, float], None]) -> Hopeless | None:
-    """Why no search would find anything, if the motion itself says so."""
+    """Why no search would find anything, if the motion itself or the base's wheels say so."""
     at, scene = time.perf_counter(), setting.world.scene
+    aside = rolling(scene)[0]
+    if setting.drive is Drive.DIFFERENTIAL and turned_wheels(aside):
+        entity = body_iri(scene.robot.mechanism.name, scene.annotation.base_body)
+        evidence = Evidence(Quantity.ORIENTATION_ERROR, abs(aside), STRAIGHT, "rad", entity)
+        said = ASIDE.format(turned_wheels(aside))
+        return Hopeless((Diagnosis(Kind.EMBODIMENT, said, evidence),), None, "none was searched for")
     findings = refused_at_once(scene, setting.container, setting.motion, setting.tolerances)
     spent("certify", at)
     if not findings.violations:

@@ -163,6 +163,11 @@ DRIVES = {
         Drive.FIXED,
         "sdt:baseBody",
     ),
+    "wheels aslant": (
+        (wheel("left", 0, 0.25, rpy="1.5708 0 0.1"), wheel("right", 0, -0.25, rpy="1.5708 0 0.1")),
+        Drive.FIXED,
+        "sdt:baseBody",
+    ),
     "none": ((), Drive.FIXED, "no wheel was found"),
 }
 
@@ -193,6 +198,14 @@ def test_a_base_with_no_link_amid_its_wheels_is_asked_for_one(write: Write) -> N
     robot = guess(write(BODY, *AHEAD))
     assert (robot.drive, robot.base_body) == (Drive.FIXED, "base")
     assert any("0.100 m before the root frame" in note for note in robot.notes)
+
+
+@pytest.mark.parametrize("rpy", ["3.14159265 0 0", "0.02 0 0", "0 0.02 0", "0 0 0.02"])
+def test_a_link_amid_the_wheels_that_lies_aslant_is_no_base(write: Write, rpy: str) -> None:
+    # An inertial sensor is mounted upside down, and the robot would be with it.
+    at = f'<origin xyz="0.1 0 0.05" rpy="{rpy}"/>'
+    robot = guess(write(BODY, *AHEAD, link("imu"), joint("imu_joint", "fixed", "base", "imu", at)))
+    assert (robot.drive, robot.base_body) == (Drive.FIXED, "base")
 
 
 def test_joints_that_stand_for_the_drive_give_its_speed_and_are_held(write: Write) -> None:

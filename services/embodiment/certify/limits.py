@@ -1,6 +1,7 @@
 """Limits of position, velocity and acceleration, and what the drive can do; exact between samples."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -199,11 +200,11 @@ def drive_limits(scene: Scene, pieces: Pieces, drive: Drive, tolerances: Toleran
 
 
 @lru_cache(maxsize=8)
-def _axle(scene: Scene) -> float:
-    """How far before the base's origin its wheels turn about one line [m]."""
-    from sdt_kg.describe.wheels import axle_of  # noqa: PLC0415 - only what rolls asks for it
+def rolling(scene: Scene) -> tuple[float, float]:
+    """Where its wheels roll, from x of the base [rad], and how far that way they turn about one line [m]."""
+    from sdt_kg.describe.wheels import rolling_of  # noqa: PLC0415 - only what rolls asks for it
 
-    return axle_of(scene.robot.mechanism, scene.annotation)
+    return rolling_of(scene.robot.mechanism, scene.annotation)
 
 
 def _stands(scene: Scene, base: Pieces) -> Findings:
@@ -219,18 +220,28 @@ def _stands(scene: Scene, base: Pieces) -> Findings:
 
 
 STILL = 1e-6  # [rad or m] rounding of what does not move
+STRAIGHT = 0.01  # [rad] wheels that roll so near to x of the base roll along it: see Tolerances.sideways
+
+
+def turned_wheels(heading: float) -> str:
+    """That wheels roll elsewhere than along x of the base body, in words; empty if they do."""
+    if abs(heading) < STRAIGHT:
+        return ""
+    return f", and its wheels roll at {abs(np.degrees(heading)):.3g}° to x of sdt:baseBody"
 
 
 def _rolls(scene: Scene, base: Pieces, tolerances: Tolerances) -> Findings:
     """Its wheels roll ahead: the point amid them hardly moves sideways, neither at once nor in all."""
-    axle = _axle(scene)
-    most, times, drift = sideways(base, axle, tolerances.sideways / FINER)
+    heading, axle = rolling(scene)
+    along = replace(base, c=base.c + np.array([0.0, 0.0, heading]) * (np.arange(4) == 0)[:, None, None])
+    most, times, drift = sideways(along, axle, tolerances.sideways / FINER)
     findings = Findings(
         figures={"sideways velocity": (float(most.max()), "m/s"), "sideways path": (drift, "m")}
     )
     entity = scene.names[scene.base[0]]
     side = "before" if axle > 0 else "behind"
     where = "" if axle == 0 else f": its wheels turn about a line {abs(axle):.3f} m {side} sdt:baseBody"
+    where = turned_wheels(heading) + where
     for n in {int(np.argmax(most > tolerances.sideways)), int(np.argmax(most))}:
         if most[n] > tolerances.sideways:
             value, time = float(most[n]), float(times[n])

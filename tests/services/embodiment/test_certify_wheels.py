@@ -7,12 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from predicates.case import Quantity
+from predicates.case import Case, Kind, Quantity
 from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
+from sdt_kg.state import Interval, Region
+from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused
 from services.embodiment.certify.sweep import pieces
+from services.embodiment.oracle import WholeBody
+from services.physics.oracle import Kinematics
 from tests.services.embodiment.gantry import FOLDER, RESTS, gantry_twin, opening
 from tests.services.embodiment.judging import judge, refusal
 
@@ -21,15 +25,15 @@ pytestmark = pytest.mark.oracle
 WHEEL = """<link name="wheel_{y}"><collision><origin rpy="1.5708 0 0"/>
 <geometry><cylinder radius="0.05" length="0.02"/></geometry></collision></link>
 <joint name="wheel_{y}_joint" type="continuous"><parent link="base"/><child link="wheel_{y}"/>
-<origin xyz="{x} {y} 0.05"/><axis xyz="0 1 0"/><limit velocity="9" effort="9"/></joint>"""
+<origin xyz="{x} {y} 0.05" rpy="0 0 {yaw}"/><axis xyz="0 1 0"/><limit velocity="9" effort="9"/></joint>"""
 HELD = "<https://example.org/id/gantry/joint/wheel_{y}_joint> <https://example.org/sdt#held> true .\n"
 ASIDE = ("0.22", "-0.22")
 
 
-def on_wheels(folder: Path, x: float) -> Twin:
-    """The gantry with two wheels so far before its base's origin."""
+def on_wheels(folder: Path, x: float, yaw: float = 0.0) -> Twin:
+    """The gantry with two wheels so far before its base's origin, both turned by a yaw."""
     gantry_twin(folder)
-    wheels = "".join(WHEEL.format(x=x, y=y) for y in ASIDE)
+    wheels = "".join(WHEEL.format(x=x, y=y, yaw=yaw) for y in ASIDE)
     urdf = (FOLDER / "gantry.urdf").read_text().replace("</robot>", f"{wheels}</robot>")
     (folder / "gantry.urdf").write_text(urdf)
     held = "".join(HELD.format(y=y) for y in ASIDE)
@@ -61,6 +65,28 @@ def test_turning_about_a_point_before_or_behind_the_wheels_is_sideways_motion(
     assert f"0.100 m {side} sdt:baseBody" in found[0].reason
     fastest = 1.5 * 0.1 / 2.0 * 0.1  # [m/s] of the wheels' line
     assert fastest <= max(one.evidence.value for one in found if one.evidence) <= fastest * 1.05
+
+
+@pytest.mark.parametrize("yaw", [np.pi / 2, -np.pi / 2, 0.2])
+def test_a_base_whose_wheels_roll_aside_does_not_go_ahead(tmp_path: Path, yaw: float) -> None:
+    twin, motion = on_wheels(tmp_path, 0.0, yaw), opening()
+    found = refusal(twin, motion, Quantity.SIDEWAYS_VELOCITY, Drive.DIFFERENTIAL)
+    assert f"roll at {np.degrees(abs(yaw)):.3g}° to x of sdt:baseBody" in found[0].reason
+    fastest = np.abs(motion.base_v[:, 0]).max() * np.sin(abs(yaw))
+    assert max(one.evidence.value for one in found if one.evidence) == pytest.approx(fastest, rel=0.05)
+
+
+def test_nothing_is_searched_for_a_base_whose_wheels_roll_aside(tmp_path: Path) -> None:
+    twin = on_wheels(tmp_path, 0.0, np.pi / 2)
+    (drawer,), (robot,) = twin.containers(), twin.robots
+    goal = Region(((drawer.joint, Interval(drawer.open_from, drawer.upper)),))
+    motion = next(Kinematics().generate(twin, goal))
+    case = Case(twin, robot, Task(Verb.OPEN, drawer.iri), motion)
+    answer = WholeBody(Drive.DIFFERENTIAL).perform(case)
+    (said,) = answer.diagnoses
+    assert (answer.holds, said.kind, said.proof) == (False, Kind.EMBODIMENT, False)
+    assert "roll at 90° to x of sdt:baseBody" in said.reason
+    assert "none was searched for" in answer.notes
 
 
 @pytest.mark.parametrize("looks", [pieces.LOOKS, 7])
