@@ -22,6 +22,7 @@ from services.embodiment.certify.check import Certified, Refused, certify
 from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
+from services.embodiment.floor import check_floor
 from services.embodiment.hold.grasp import grasp_settings
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hopeless import hopeless
@@ -265,6 +266,7 @@ class WholeBody:
             if known == key and all(one is other for one, other in zip(models, own, strict=True)):
                 return kept
         world = World(Scene(twin, robot))
+        check_floor(world.scene)
         made = world, Kits(world, self.margins), Known()
         self._worlds = [(key, own, made), *self._worlds[: SCENES_KEPT - 1]]
         return made

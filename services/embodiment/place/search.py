@@ -18,6 +18,7 @@ from sdt_kg.task import UNKNOWN, Task
 from sdt_kg.twin import Container, Twin
 from services.embodiment.body.limb import BASE, Margins, touching
 from services.embodiment.body.world import World
+from services.embodiment.floor import check_floor
 from services.embodiment.hold.fit import Fitter
 from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.handle import Mechanics, find_bar
@@ -178,6 +179,7 @@ class _Question:
         self.case, self.budget, self.seed = case, budget, seed
         self.oracle = WholeBody(drive=Drive.FIXED, start=(0.0, 0.0, 0.0), seed=seed)
         self.world = World(Scene(twin, robot))
+        check_floor(self.world.scene)
         self.kits = Kits(self.world, Margins())
         self.mechanics = Mechanics(self.world, container)
         self.began = worked()
