@@ -7,7 +7,7 @@ arm folds to the slimmest posture that is known, and is parked only at home.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 
 import numpy as np
@@ -30,8 +30,7 @@ ASLANT = np.radians([0, 30, -30, 60, -60])  # [rad] from its approach axis, betw
 PULLS = 11  # waypoints of that
 BACK_OFFS = (0.25, 0.5, 0.8, 1.2)  # [m] the base drives back before the arm folds
 ARM_ITERATIONS = 60
-PLACES = 4  # for which the roadmap grows
-GROWTHS = 1  # of the roadmap for one place; the next place finds it larger
+PLACES = 4  # from which a way around is looked for
 FINE_STEP = (
     0.015  # [m] between two checks of a path to be used; bounds the way of any point, two to three-fold
 )
@@ -110,17 +109,19 @@ class Approacher:
         self._contact_there, failed = None, Blocked("park")
         shut: list[Array] = []
         for back in self._places(left[-1], problem, roads.posture):
-            outcome = self._from(back, left, (roads, 0), rng)
+            outcome = self._straight(back, left, roads, rng)
             if isinstance(outcome, Approach) or self.late():
                 return outcome
             failed = outcome
             if outcome.stage == "drive":
                 shut.append(back)
+        blocked: list[Blocked] = []
         for back in shut[:PLACES]:
-            outcome = self._from(back, left, (roads, GROWTHS), rng)
+            outcome = self._around(back, left, roads, rng)
             if isinstance(outcome, Approach) or self.late():
                 return outcome
-            failed = outcome
+            blocked.append(outcome)
+        failed = min(blocked, key=lambda one: one.stage != "drive", default=failed)
         return failed if failed.stage != "park" else Blocked("park", self._contact_there)
 
     def _leave(self, holding: Holding, problem: Problem) -> Array | Blocked:
@@ -203,37 +204,39 @@ class Approacher:
         turns = out + np.radians([0, 45, -45, 90, -90, 135, -135, 180])
         return [-heading, *np.stack([np.cos(turns), np.sin(turns)], axis=1)]
 
-    def _from(
-        self, back: Array, left: Array, ways: tuple[Roads, int], rng: np.random.Generator
+    def _straight(
+        self, back: Array, left: Array, roads: Roads, rng: np.random.Generator
     ) -> Approach | Blocked:
-        """The rest of the way where the arm folds at `back`: roads, which may grow so often, lead there."""
-        roads, growths = ways
-        folded = roads.posture.copy()
-        folded[BASE] = back[BASE]
-        road = self.road(roads, back[BASE], growths)
+        """The rest of the way where the arm folds at `back`, if a straight drive leads there."""
+        road = self._road(back, roads.straight)
         if road is None:
             return Blocked("drive")
+        arm = self._arm(back, roads, rng)
+        return arm if isinstance(arm, Blocked) else _joined(road, arm, left, roads.posture)
+
+    def _around(self, back: Array, left: Array, roads: Roads, rng: np.random.Generator) -> Approach | Blocked:
+        """The same where none does. Its drive takes longest to find, so that is looked for last."""
+        shut = roads.lattice.shut_in(back[BASE])
+        arm = Blocked("drive") if shut else self._arm(back, roads, rng)
+        if isinstance(arm, Blocked):
+            return arm
+        road = self._road(back, partial(roads.around, late=self.late))
+        return Blocked("drive") if road is None else _joined(road, arm, left, roads.posture)
+
+    def _arm(self, back: Array, roads: Roads, rng: np.random.Generator) -> tuple[Array, Array] | Blocked:
+        """The arm's ways while the base stands: until carried, at the start, and from then, at `back`."""
         tucked = self._tuck(roads, rng)
         if tucked is None:
             return Blocked("fold")
-        turns = road[-1, 2] - back[2]
-        space = ArmSpace(self.world, self.limb, self.rules, self.rest, self.weight, back[BASE])
+        folded = roads.posture.copy()
+        folded[BASE] = back[BASE]
         straight = np.stack([folded, back])
         if self._contact(straight) is None:
-            corners = straight
-        else:
-            corners = connect(space, (folded, back), rng, ARM_ITERATIONS, self.late)
-            if corners is None:
-                return Blocked("fold")
-            contact = self._contact(corners)
-            if contact is not None:
-                return Blocked("fold", contact)
-        whole = [corners.copy(), np.stack([back, left[-1]]), left[::-1].copy()]
-        for part in whole:
-            part[:, 2] += turns
-        drive = np.repeat(roads.posture[None], len(road), axis=0)
-        drive[:, BASE] = road
-        return Approach(np.concatenate([tucked, drive]), *whole)
+            return tucked, straight
+        space = ArmSpace(self.world, self.limb, self.rules, self.rest, self.weight, back[BASE])
+        corners = connect(space, (folded, back), rng, ARM_ITERATIONS, self.late)
+        contact = None if corners is None else self._contact(corners)
+        return Blocked("fold", contact) if corners is None or contact is not None else (tucked, corners)
 
     def _tuck(self, roads: Roads, rng: np.random.Generator) -> Array | None:
         """The arm's way at the start pose from parked until it is carried, without its end, shape (K, n)."""
@@ -255,10 +258,20 @@ class Approacher:
             parts.append(between(one, other, pieces))
         return self.world.contact(self.limb.q(np.concatenate(parts), self.rest), rules or self.rules)
 
-    def road(self, roads: Roads, goal: Array, growths: int) -> Array | None:
-        """Corners of the drive from the start to a base pose (its yaw up to whole turns), shape (K, 3)."""
-        turned = goal.copy()
-        turned[2] += 2 * np.pi * np.round((self.start[2] - goal[2]) / (2 * np.pi))
-        if np.allclose(turned, self.start, atol=1e-9):
+    def _road(self, back: Array, drive: Callable[[Array, Array], Array | None]) -> Array | None:
+        """Corners of the drive from the start to where the arm folds (its yaw up to whole turns), (K, 3)."""
+        goal = back[BASE].copy()
+        goal[2] += 2 * np.pi * np.round((self.start[2] - goal[2]) / (2 * np.pi))
+        if np.allclose(goal, self.start, atol=1e-9):
             return np.stack([self.start, self.start])
-        return None if self.drive is Drive.FIXED else roads.road(self.start, turned, growths, self.late)
+        return None if self.drive is Drive.FIXED else drive(self.start, goal)
+
+
+def _joined(road: Array, arm: tuple[Array, Array], left: Array, carried: Array) -> Approach:
+    """The whole way; `left` leads from the grasp back to where the base comes near."""
+    (tucked, corners), drive = arm, np.repeat(carried[None], len(road), axis=0)
+    drive[:, BASE] = road
+    whole = [corners.copy(), np.stack([corners[-1], left[-1]]), left[::-1].copy()]
+    for part in whole:
+        part[:, 2] += road[-1, 2] - corners[-1, 2]
+    return Approach(np.concatenate([tucked, drive]), *whole)

@@ -1,4 +1,4 @@
-"""Drives over a lattice of base poses: complete at its resolution, where a random roadmap has gaps.
+"""Drives over a lattice of base poses: complete at its resolution.
 
 A* (Hart, Nilsson and Raphael 1968) from the goal, which is the end that tends to be shut in. Poses are
 checked when they are reached, and kept; the pieces between them are checked when a way is found, and
@@ -7,7 +7,6 @@ those that are not free are left out of the next one.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -150,14 +149,16 @@ class Lattice:
 
     def _clear(self, known: _Cells, nodes: list[Node]) -> bool:
         """Whether all pieces between the nodes are free; those that are not are barred."""
-        clear = True
-        for one, other in pairwise(nodes):
-            here, there = self._poses([one, other], _pose(one))
-            if not self.space.free(here, there):
-                for start, end in ((one, other), (other, one)):
-                    known.barred[known.number(start)] |= np.uint16(1 << _move(start, end))
-                clear = False
-        return clear
+        if self.space.free_along(np.array(self._poses(nodes, _pose(nodes[0])))):
+            return True
+        if len(nodes) > 2:
+            middle = len(nodes) // 2
+            for part in (nodes[: middle + 1], nodes[middle:]):
+                self._clear(known, part)
+        else:
+            for start, end in (nodes, nodes[::-1]):
+                known.barred[known.number(start)] |= np.uint16(1 << _move(start, end))
+        return False
 
     def _way(
         self,

@@ -28,11 +28,11 @@ def slim(world: World, limb: Limb, rules: Rules) -> Array:
     xs = rng.uniform(low, high, (SEEDS, len(low)))
     for _ in range(1 + GENERATIONS):
         xs[:, BASE] = 0.0
-        free = [pair is None for pair in world.contact_each(limb.q(xs), alone)]
-        xs = xs[np.array(free, np.bool_)]
         widths = _widths(world, limb, xs)
-        if len(xs) and widths.min() < least:
-            best, least = xs[widths.argmin()], float(widths.min())
+        slimmer = (k for k in np.argsort(widths, kind="stable").tolist() if widths[k] < least)
+        free = next((k for k in slimmer if world.free(limb.q(xs[k : k + 1])[0], alone)), None)
+        if free is not None:
+            best, least = xs[free], float(widths[free])
         change = rng.normal(scale=rng.choice(CHANGES), size=(CHILDREN, len(best)))
         xs = np.clip(best + change, low, high)
     return best
@@ -46,15 +46,31 @@ def _alone(world: World, rules: Rules) -> Rules:
 
 
 def _widths(world: World, limb: Limb, xs: Array) -> Array:
-    """Mean width of the robot's outline, seen from above, at each of xs (N, n) [m]."""
-    joint, local_r, local_c = world.boxes
-    joint, local_r, local_c = joint[world.split :], local_r[world.split :], local_c[world.split :]
+    """Mean width of the robot's outline, seen from above, at each of xs (N, n), the base at 0 [m]."""
+    moves = _moving(world, limb)
+    low, high = _outline(world, limb.q(xs), np.flatnonzero(moves))
+    still_low, still_high = _outline(world, limb.q(xs[:1]), np.flatnonzero(~moves))
+    return (np.maximum(high, still_high) - np.minimum(low, still_low)).mean(axis=1)
+
+
+def _moving(world: World, limb: Limb) -> NDArray[np.bool_]:
+    """Which shapes of the robot the arm's variables move."""
+    moves = np.append(False, limb.expansion[:, 3:].any(axis=1))
+    for joint, parent in enumerate(world.tree[0][1:], 1):
+        moves[joint] |= moves[parent]
+    return moves[world.boxes[0][world.split :]]
+
+
+def _outline(world: World, qs: Array, shapes: NDArray[np.intp]) -> tuple[Array, Array]:
+    """How far some of the robot's shapes reach to either side, seen from each angle, (K, angles) each [m]."""
+    (joint, local_r, local_c), shapes = world.boxes, shapes + world.split
     across = np.stack([np.cos(ANGLES), np.sin(ANGLES), np.zeros_like(ANGLES)])
-    out = np.empty(len(xs))
-    for k, q in enumerate(limb.q(xs)):
-        r, p = world.frames(q)
-        middle = ((r[joint] @ local_c[:, :, None])[:, :, 0] + p[joint]) @ across
-        turned = (r[joint] @ local_r).transpose(0, 2, 1) @ across
-        reach = (world.half[world.split :, None] @ np.abs(turned))[:, 0]
-        out[k] = ((middle + reach).max(axis=0) - (middle - reach).min(axis=0)).mean()
-    return out
+    frames = [world.frames(q) for q in qs]
+    r, p = (np.stack(part)[:, joint[shapes]] for part in zip(*frames, strict=True))
+    middle = ((r @ local_c[shapes, :, None])[..., 0] + p) @ across
+    turned = (r @ local_r[shapes]).transpose(0, 1, 3, 2) @ across
+    reach = (world.half[shapes, None] @ np.abs(turned))[:, :, 0]
+    return (
+        (middle - reach).min(axis=1, initial=np.inf),
+        (middle + reach).max(axis=1, initial=-np.inf),
+    )

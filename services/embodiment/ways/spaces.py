@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,12 +110,16 @@ class DriveSpace:
         return np.array([start, [*start[:2], heading], [*end[:2], heading], end])
 
     def free(self, start: Array, end: Array) -> bool:
-        corners = self.edge(start, end)
-        return all(self._straight(one, other) for one, other in pairwise(corners))
+        return self.free_along(self.edge(start, end))
 
-    def _straight(self, start: Array, end: Array) -> bool:
-        pieces = int(np.ceil(float(self.distance(start, end[None])[0]) / DRIVE_STEP)) + 1
-        return self.parked.drives(between(start, end, pieces))
+    def free_along(self, poses: Array) -> bool:
+        """Whether the straight pieces between base poses (K, 3), one after the other, touch nothing."""
+        away = np.diff(poses, axis=0)
+        far = np.linalg.norm(away[:, :2], axis=1) + TURN_REACH * np.abs(away[:, 2])
+        pieces = np.ceil(far / DRIVE_STEP).astype(int) + 1
+        piece = np.repeat(np.arange(len(away)), pieces)
+        share = (np.arange(1, len(piece) + 1) - (np.cumsum(pieces) - pieces)[piece]) / pieces[piece]
+        return self.parked.drives(poses[piece] + share[:, None] * away[piece])
 
 
 def _wrap(angle: float) -> float:

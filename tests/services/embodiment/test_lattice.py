@@ -1,4 +1,4 @@
-"""Drives over a roadmap and a lattice: found through a gap, refused where there is none."""
+"""Drives over a lattice: found through a gap, refused where there is none."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -43,6 +43,9 @@ class Yard:
         pieces = int(np.linalg.norm(end[:2] - start[:2]) / STEP) + 2
         return all(self.stands(pose) for pose in np.linspace(start, end, pieces))
 
+    def free_along(self, poses: np.ndarray) -> bool:
+        return all(self.free(one, other) for one, other in pairwise(poses))
+
 
 def lattice(drive: Drive, gap: tuple[float, float]) -> Lattice:
     return Lattice(cast(DriveSpace, Yard(drive, gap)))
@@ -85,20 +88,35 @@ def test_where_there_is_no_gap_the_goal_is_known_to_be_shut_in() -> None:
     assert not closed.shut_in(GOAL)
 
 
-@pytest.mark.parametrize("growths", [0, 1, 12])
-def test_a_drive_does_not_depend_on_what_was_asked_before(growths: int) -> None:
+def test_a_straight_drive_is_taken_only_where_it_is_free() -> None:
+    yard = cast(DriveSpace, Yard(Drive.OMNI, (0.62, 0.92)))
+    roads = Roads(yard, np.zeros(3), Lattice(yard))
+    np.testing.assert_array_equal(roads.straight(START, START + 0.1), np.stack([START, START + 0.1]))
+    assert roads.straight(START, GOAL) is None
+
+
+def test_a_drive_around_leads_to_the_goal_s_heading_and_has_no_corner_that_it_does_without() -> None:
+    yard = Yard(Drive.OMNI, (0.62, 0.92))
+    road = Roads(cast(DriveSpace, yard), np.zeros(3), lattice(yard.drive, yard.gap)).around(START, GOAL, late)
+    assert road is not None
+    assert all(yard.free(one, other) for one, other in pairwise(road))
+    np.testing.assert_array_equal(road[0], START)
+    np.testing.assert_allclose(road[-1], GOAL)
+    assert len(road) < 8
+
+
+def test_a_drive_does_not_depend_on_what_was_asked_before() -> None:
     yard = cast(DriveSpace, Yard(Drive.OMNI, (0.62, 0.92)))
     fresh, used = (Roads(yard, np.zeros(3), Lattice(yard)) for _ in range(2))
     for seed, goal in enumerate((GOAL - [0.3, 0.5, 0.0], np.array([9.0, 0.0, 0.0]), GOAL)):
         used.begin(seed)
-        used.road(START, goal, 4, late)
-    assert used.nodes
+        used.around(START, goal, late)
     for roads in (fresh, used):
         roads.begin(7)
-    one, other = (roads.road(START, GOAL, growths, late) for roads in (fresh, used))
-    assert (one is None) == (other is None) == (growths == 0)
-    if one is not None and other is not None:
-        np.testing.assert_array_equal(one, other)
+    one, other = (roads.around(START, GOAL, late) for roads in (fresh, used))
+    assert one is not None
+    assert other is not None
+    np.testing.assert_array_equal(one, other)
 
 
 def test_what_is_compiled_before_workers_begin_is_what_a_search_takes() -> None:
