@@ -17,7 +17,7 @@ from sdt_kg.motion import BodyMotion
 from services.app import Policy
 from services.motions import write_motion
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
-from services.sweep.engines import cpu_seconds
+from services.sweep.engines import Loading, cpu_seconds
 from services.sweep.handed import Lost, each_or_lost
 from services.sweep.plan import Axes, grid
 from services.sweep.worker import (
@@ -151,8 +151,8 @@ def run(  # noqa: PLR0913, PLR0917  # who is told of what; the rest has defaults
     firsts = list({case.loaded: case for case in reversed(missing)}.values())
     for case in firsts:
         service_of(case)  # what cannot be loaded is told before anything is judged
-    begun = missing if jobs == 1 else dear_first(missing)
-    judge, prepared = partial(_judge, keep=keep), partial(_prepare, shared(firsts, missing, jobs))
+    begun = missing if jobs == 1 else _small_first(dear_first(missing))
+    judge, prepared = partial(_judge, keep=keep), Loading(partial(_prepare, firsts), _kitchen)
     # One by one, however alike: an interrupt loses nothing but what the workers are at.
     for case, result in each_or_lost(begun, jobs, judge, prepared, _container, most=1):
         if isinstance(result, Lost):
@@ -172,20 +172,20 @@ def _container(cell: Cell) -> Hashable:
     return cell.kitchen, cell.states, cell.container
 
 
-def shared(firsts: Sequence[Cell], cases: Sequence[Cell], jobs: int) -> list[Cell]:
-    """Those of the first cases whose kitchen more than one worker will need.
-
-    It has more cases than one worker's share, or more than any other. The rest is loaded by the worker
-    that begins there, while the others are at work.
-    """
-    count = Counter(case.kitchen for case in cases)
-    share = min(len(cases) / jobs, max(count.values(), default=0) - 1)
-    return [case for case in firsts if count[case.kitchen] > share]
+def _kitchen(cell: Cell) -> Hashable:
+    """What is loaded once for all workers; they begin with a kitchen each, as far as there are some."""
+    return cell.kitchen
 
 
-def _prepare(firsts: Sequence[Cell], _: Cell) -> None:
-    """What the workers keep of what they load is loaded."""
-    for case in firsts[:SERVICES_KEPT]:
+def _small_first(cells: Sequence[Cell]) -> list[Cell]:
+    """Kitchens with few cases first: the smallest is loaded soonest, and worked on while others are."""
+    count = Counter(cell.kitchen for cell in cells)
+    return sorted(cells, key=lambda cell: count[cell.kitchen])
+
+
+def _prepare(firsts: Sequence[Cell], asked: Cell) -> None:
+    """What workers keep of what they load of a kitchen is loaded."""
+    for case in [each for each in firsts if each.kitchen == asked.kitchen][:SERVICES_KEPT]:
         prepare(case)
 
 

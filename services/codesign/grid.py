@@ -17,7 +17,7 @@ from services.codesign.entries import Entry, Found, Grid, lost, no_world
 from services.codesign.judge import Judge, judged_as_it_is
 from services.relative import Relative, in_class, tee_of
 from services.requests import state_joints
-from services.sweep.engines import cpu_seconds
+from services.sweep.engines import Loading, cpu_seconds
 from services.sweep.handed import Lost, each_or_lost
 from services.whatif import World, changed, depends_on_robot, parse_change
 
@@ -191,7 +191,7 @@ def results(
     A job that kills its process twice is begun again container by container: only the one that kills has
     no verdict.
     """
-    prepare, apart = partial(_prepare, asked), list[Job]()
+    prepare, apart = Loading(partial(_prepare, asked)), list[Job]()
     for job, found in each_or_lost(todo, jobs, work, prepare, lambda job: job.world):
         if isinstance(found, Lost) and len(job.containers) > 1:
             apart += [replace(job, containers=(each,)) for each in job.containers]

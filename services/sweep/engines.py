@@ -1,16 +1,19 @@
 """Who judges: processes of this machine, or a Dask cluster; each as an executor that can be opened anew."""
 
+import gc
 import os
 import re
 import resource
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar
 
 from sdt_kg.errors import InputError, OracleUnavailableError
 from services.sweep.process import OneProcess
+
+T = TypeVar("T")
 
 _ADDRESS = re.compile(r"(tcp|tls)://[^/\s]+:\d{1,5}")
 CONNECT = "10 s"
@@ -34,6 +37,75 @@ class Engine:
     end: Callable[[Executor], None]
     copies: bool = False
     lanes: int = 1
+
+
+@dataclass(slots=True, eq=False)
+class Lane:
+    """An executor that is opened when it gets its first piece, with how many it has.
+
+    Attributes:
+        last: What the last of them was alike in.
+        has: What was loaded when its workers began, or by them since.
+    """
+
+    engine: Engine
+    pieces: int = 0
+    last: Hashable = None
+    has: set[Hashable] = field(default_factory=set[Hashable])
+    _executor: Executor | None = None
+    _former: list[Executor] = field(default_factory=list[Executor])
+
+    @property
+    def is_open(self) -> bool:
+        """Whether its workers have begun."""
+        return self._executor is not None
+
+    @property
+    def executor(self) -> Executor:
+        """Its own."""
+        assert self._executor is not None, "a lane is opened before anything is submitted"
+        return self._executor
+
+    def open(self, loaded: set[Hashable]) -> None:
+        """Its workers begin, anew where there are some: those end with what they are at."""
+        if self._executor is not None:
+            self._executor.shutdown(wait=False)
+            self._former.append(self._executor)
+        self._executor, self.has = self.engine.open(), set(loaded)
+
+    def end(self, at_once: bool) -> None:
+        """It has no workers any more."""
+        for each in (*self._former, *([] if self._executor is None else [self._executor])):
+            if at_once:
+                self.engine.end(each)
+            else:
+                each.shutdown()
+
+
+@dataclass(frozen=True, slots=True)
+class Loading(Generic[T]):
+    """What is loaded once, before workers that begin as copies of this process, and so have it.
+
+    Attributes:
+        load: Called with an item, loads what it needs.
+        what: What that is; an item that needs what was loaded when its worker had begun gets a new one.
+    """
+
+    load: Callable[[T], None]
+    what: Callable[[T], Hashable] = lambda _: None
+
+
+@contextmanager
+def all_kept() -> Iterator[None]:
+    """No garbage is looked for in what is loaded; what compiling leaves, 300 MB, goes with the process."""
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.freeze()
+        if collects:
+            gc.enable()
 
 
 def processes(count: int) -> Engine:

@@ -5,15 +5,14 @@ import logging
 import time
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
-from contextlib import contextmanager
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
 from dataclasses import dataclass
 from functools import partial
 from types import TracebackType
 from typing import Final, Generic, TypeVar
 
 from sdt_kg.errors import InputError, OracleUnavailableError, SdtError
-from services.sweep.engines import Engine, processes
+from services.sweep.engines import Engine, Lane, Loading, all_kept, processes
 from services.sweep.waiting import MOST_TOGETHER, Waiting
 
 _log = logging.getLogger("sdt.sweep")
@@ -23,6 +22,8 @@ R = TypeVar("R")
 
 AHEAD: Final = 2
 """Pieces for each worker that are handed out at once: one is worked on, one waits."""
+MEANWHILE: Final = 8
+"""Likewise before something is loaded for those that have not begun: meanwhile nobody hands out."""
 TURN: Final = 10.0
 """[s] After which no further item of a piece is begun: what a killed process takes with it, and how seldom
 progress is told."""
@@ -45,15 +46,6 @@ class Lost:
         return InputError(self.reason) if self.is_input else OracleUnavailableError(f"{what}: {self.reason}")
 
 
-@dataclass(slots=True, eq=False)
-class _Lane:
-    """An executor, with how many pieces it is, and what the last of them was alike in."""
-
-    executor: Executor
-    pieces: int = 0
-    last: Hashable = None
-
-
 class Handed(Generic[T, R]):
     """Items that are with executors or wait for them; an executor that breaks is opened anew.
 
@@ -63,8 +55,7 @@ class Handed(Generic[T, R]):
         engine: Who works.
         work: What is done with an item; it and the items travel to the workers.
         alike: What items have in common that are to be done by one worker.
-        prepare: Called with the first item before the workers begin, where they begin as copies of this
-            process: what it loads they have.
+        prepare: What is loaded for workers that begin as copies of this process.
         most: Items that are handed out together at most: what came of them comes back together.
     """
 
@@ -73,14 +64,14 @@ class Handed(Generic[T, R]):
         engine: Engine,
         work: Callable[[T], R],
         alike: Callable[[T], Hashable],
-        prepare: Callable[[T], None] | None = None,
+        prepare: Loading[T] | None = None,
         most: int = MOST_TOGETHER,
     ) -> None:
         self._engine, self._work, self._alike = engine, partial(_each, work), alike
         self._prepare = prepare if engine.copies else None
-        self._lanes: list[_Lane] = []
+        self._lanes, self._loaded = [Lane(engine) for _ in range(engine.lanes)], set[Hashable]()
         self._waiting: Waiting[T] = Waiting(engine.workers, alike, most)
-        self._futures: dict[Future[list[R | Lost]], tuple[_Lane, list[T]]] = {}
+        self._futures: dict[Future[list[R | Lost]], tuple[Lane, list[T]]] = {}
         self._suspects: deque[T] = deque()
 
     def __enter__(self) -> "Handed[T, R]":
@@ -90,10 +81,7 @@ class Handed(Generic[T, R]):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         for lane in self._lanes:
-            if kind is None:
-                lane.executor.shutdown()
-            else:
-                self._engine.end(lane.executor)
+            lane.end(at_once=kind is not None)
         if self._engine.copies:
             gc.unfreeze()
 
@@ -101,41 +89,72 @@ class Handed(Generic[T, R]):
         """The item waits for a worker; what is done, until there is room for the next."""
         self._waiting.add(item)
         while self._waiting.is_full:
-            self._fill()
+            yield from self._filled()
             if self._waiting.is_full:
                 yield from self._done()
 
     def rest(self) -> Iterator[tuple[T, R | Lost]]:
         """What is done, until nothing is left."""
         while self._futures or len(self._waiting):
-            self._fill()
+            yield from self._filled()
             yield from self._done()
 
-    def _fill(self) -> None:
-        """Every worker has a piece, and one that waits, as far as there are any."""
-        if not self._lanes and len(self._waiting):
-            self._begin(self._waiting.first)
-        while len(self._waiting):
-            lane = min(self._lanes, key=lambda each: each.pieces)
-            if lane.pieces >= self._room():
-                return
-            self._submit(lane)
+    def _filled(self) -> Iterator[tuple[T, R | Lost]]:
+        """Every worker has a piece, and one that waits; before an error, what was done till then is told."""
+        try:
+            while (lane := self._next_lane()) is not None:
+                self._submit(lane)
+        except BaseException:
+            for future in [each for each in self._futures if each.done() and each.exception() is None]:
+                yield from self._result(future)
+            raise
 
-    def _room(self) -> int:
+    def _next_lane(self) -> Lane | None:
+        """Who gets the next piece: who has fewest, and last those for whom something has to be loaded."""
+        if not len(self._waiting):
+            return None
+        nexts = [(lane, self._need(self._waiting.next(*self._sides(lane)))) for lane in self._lanes]
+        free = [(lane, need) for lane, need in nexts if lane.pieces < self._room(lane, need)]
+
+        def order(each: tuple[Lane, Hashable]) -> tuple[bool, int]:
+            lane, need = each
+            return not lane.is_open and need not in self._loaded, lane.pieces
+
+        return min(free, key=order)[0] if free else None
+
+    def _room(self, lane: Lane, need: Hashable) -> int:
         """Pieces that an executor has at once: the last are kept for those who are free first."""
         each = self._engine.workers // self._engine.lanes
+        if need in self._loaded and need not in lane.has:
+            return 1  # its workers begin anew
+        if not all(other.is_open for other in self._lanes):
+            return MEANWHILE * each if need in self._loaded or not lane.is_open else 0
         last = self._engine.lanes > 1 and len(self._waiting) <= AHEAD * self._engine.workers
         return each if last else AHEAD * each
 
-    def _begin(self, first: T) -> None:
-        if self._prepare is not None:
-            with _all_kept():
-                self._prepare(first)
-        self._lanes = [_Lane(self._engine.open()) for _ in range(self._engine.lanes)]
+    def _sides(self, lane: Lane) -> tuple[Hashable, set[Hashable]]:
+        """What the lane did last, and what the others did."""
+        return lane.last, {each.last for each in self._lanes if each is not lane}
 
-    def _submit(self, lane: _Lane) -> None:
-        elsewhere = {each.last for each in self._lanes if each is not lane}
-        piece = self._waiting.piece(lane.last, elsewhere)
+    def _need(self, item: T) -> Hashable:
+        return None if self._prepare is None else self._prepare.what(item)
+
+    def _begin(self, lane: Lane, item: T) -> None:
+        """The lane's workers have what was loaded, and if they are its first also what the item needs."""
+        need = self._need(item)
+        if not lane.is_open and need not in self._loaded:
+            if self._prepare is not None:
+                with all_kept():
+                    self._prepare.load(item)
+            self._loaded.add(need)
+        if not lane.is_open or need in self._loaded - lane.has:
+            lane.open(self._loaded)
+        lane.has.add(need)
+
+    def _submit(self, lane: Lane) -> None:
+        sides = self._sides(lane)
+        self._begin(lane, self._waiting.next(*sides))
+        piece = self._waiting.piece(*sides)
         lane.last, lane.pieces = self._alike(piece[0]), lane.pieces + 1
         self._futures[lane.executor.submit(self._work, piece)] = lane, piece
 
@@ -163,11 +182,11 @@ class Handed(Generic[T, R]):
             self._waiting.back(piece[len(results) :])
             yield from zip(piece, results, strict=False)
 
-    def _alone(self, lane: _Lane) -> Iterator[tuple[T, R | Lost]]:
+    def _alone(self, lane: Lane) -> Iterator[tuple[T, R | Lost]]:
         """Those that a process had when it died, one at a time: it shows which of them kills."""
         for future in [each for each, (own, _) in self._futures.items() if own is lane]:
             yield from self._result(future)
-        self._reopen(lane)
+        lane.open(self._loaded)
         while self._suspects:
             item = self._suspects.popleft()
             try:
@@ -175,32 +194,15 @@ class Handed(Generic[T, R]):
             except BrokenExecutor:
                 _log.warning("the process died twice at %s", item)
                 result = Lost("the process that judged it died twice")
-                self._reopen(lane)
+                lane.open(self._loaded)
             yield item, result
-
-    def _reopen(self, lane: _Lane) -> None:
-        lane.executor.shutdown(wait=False)
-        lane.executor = self._engine.open()
-
-
-@contextmanager
-def _all_kept() -> Iterator[None]:
-    """No garbage is looked for in what is loaded; what compiling leaves, 300 MB, goes with the process."""
-    collects = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        gc.freeze()
-        if collects:
-            gc.enable()
 
 
 def each(
     items: Sequence[T],
     jobs: int,
     work: Callable[[T], R],
-    prepare: Callable[[T], None] | None = None,
+    prepare: Loading[T] | None = None,
     alike: Callable[[T], Hashable] = lambda item: item,
 ) -> Iterator[tuple[T, R]]:
     """Every item with what came of it, as soon as it is there, in no order; one job works in this process.
@@ -226,7 +228,7 @@ def each_or_lost(  # noqa: PLR0913, PLR0917  # the rest has defaults
     items: Sequence[T],
     jobs: int,
     work: Callable[[T], R],
-    prepare: Callable[[T], None] | None = None,
+    prepare: Loading[T] | None = None,
     alike: Callable[[T], Hashable] = lambda item: item,
     most: int = MOST_TOGETHER,
 ) -> Iterator[tuple[T, R | Lost]]:

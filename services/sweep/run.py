@@ -4,7 +4,7 @@ from collections.abc import Callable, Generator, Iterable
 
 from predicates.record.recall import Recall, nothing_stored
 from services.sweep.cell import Cell, Found, Unjudged
-from services.sweep.engines import Engine
+from services.sweep.engines import Engine, Loading
 from services.sweep.handed import Handed, Lost
 from services.sweep.worker import judge, prepare, stored
 
@@ -30,7 +30,7 @@ def run(
         judging: What a worker does with a case.
         prepare: Called with the first case before workers that are copies of this process begin.
     """
-    with Handed(engine, judging, lambda cell: cell.loaded, prepare) as handed:
+    with Handed(engine, judging, lambda cell: cell.loaded, Loading(prepare)) as handed:
         for cell in cells:
             known = None if recall is nothing_stored else stored(cell, recall)
             if known is not None:

@@ -48,10 +48,15 @@ class Waiting(Generic[T]):
             group.extendleft(reversed(items))
             self._groups = {key: group, **self._groups}
 
-    @property
-    def first(self) -> T:
-        """What has waited longest."""
-        return next(iter(self._groups.values()))[0]
+    def next(self, last: Hashable = None, elsewhere: Collection[Hashable] = ()) -> T:
+        """With what `piece` begins."""
+        return self._groups[self._key(last, elsewhere)][0]
+
+    def _key(self, last: Hashable, elsewhere: Collection[Hashable]) -> Hashable:
+        def nearness(key: Hashable) -> tuple[int, int]:
+            return _shared(key, last), -max((_shared(key, other) for other in elsewhere), default=0)
+
+        return last if last in self._groups else max(self._groups, key=nearness)
 
     def piece(self, last: Hashable = None, elsewhere: Collection[Hashable] = ()) -> list[T]:
         """What one worker does next: a whole group as long as there are more of them than workers.
@@ -61,11 +66,7 @@ class Waiting(Generic[T]):
             elsewhere: Likewise of the other workers: theirs comes last.
         """
         groups = self._groups
-
-        def nearness(key: Hashable) -> tuple[int, int]:
-            return _shared(key, last), -max((_shared(key, other) for other in elsewhere), default=0)
-
-        key = last if last in groups else max(groups, key=nearness)
+        key = self._key(last, elsewhere)
         group = groups[key]
         share = -(-len(self) // (PIECES * self._workers))
         count = len(group) if len(groups) > self._workers else share

@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,8 +21,8 @@ from sdt_kg.errors import AnnotationError, OracleUnavailableError
 from services.app import Policy
 from services.commands.exits import Exit
 from services.sweep.cell import Cell
-from services.sweep.worker import verdict_of
-from services.table import CellResult, cells, run, shared
+from services.sweep.worker import prepare, verdict_of
+from services.table import CellResult, cells, run
 from tests.small import FOLDER
 
 LINKS = '<link name="base"/><link name="arm"/>'
@@ -130,21 +131,22 @@ def test_who_needs_every_verdict_is_told_that_one_is_missing() -> None:
         run(cases, 2, lambda result: None)
 
 
-def test_a_kitchen_that_keeps_one_worker_busy_is_loaded_by_that_one() -> None:
-    def firsts(jobs: int, **count: int) -> list[str]:
-        cases = [
-            Cell(kitchen, "r", f"open:c{number}", (), Policy())
-            for kitchen, many in count.items()
-            for number in range(many)
-        ]
-        first = list({case.kitchen: case for case in reversed(cases)}.values())
-        return sorted(case.kitchen for case in shared(first, cases, jobs))
+def test_workers_begin_with_the_kitchen_of_fewest_cases_and_each_is_loaded_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    loaded: list[tuple[str, str]] = []
 
-    assert firsts(2, a=81, b=51) == ["a"]
-    assert firsts(4, a=81, b=51) == ["a", "b"]
-    assert firsts(2, a=40, b=30, c=20) == ["a"], "loops are compiled before workers begin"
-    assert firsts(2, a=9) == ["a"]
-    assert firsts(2) == []
+    def prepared(case: Cell) -> None:
+        loaded.append((case.kitchen, case.robot))
+        prepare(case)
+
+    monkeypatch.setattr("services.table.prepare", prepared)
+    small = [str(FOLDER / f"{name}.urdf") for name in ("a", "b")]
+    robot = str(FOLDER / "pr2.urdf")
+    cases = cells(small, [robot], "open", (), Policy(budget=0.01))
+    counts = Counter(case.kitchen for case in cases)
+    assert len(run(cases, 2, lambda result: None).results) == len(cases)
+    assert loaded == [(kitchen, robot) for kitchen in sorted(small, key=counts.__getitem__)]
 
 
 def test_what_judges_is_loaded_without_the_parts_of_scipy_which_take_long() -> None:

@@ -3,6 +3,7 @@
 import gc
 import os
 import signal
+import time
 from collections.abc import Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import replace
@@ -16,7 +17,7 @@ from sdt_kg.errors import InputError, OracleUnavailableError, UnknownEntityError
 from services.app import Policy
 from services.sweep import handed
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
-from services.sweep.engines import Engine, processes
+from services.sweep.engines import Engine, Loading, processes
 from services.sweep.handed import AHEAD, each, each_or_lost
 from services.sweep.run import run
 from services.sweep.waiting import MOST_TOGETHER, Waiting
@@ -130,11 +131,59 @@ def _having(loaded: list[str], asked: Cell) -> Found:
 
 def test_no_garbage_is_looked_for_in_what_workers_begin_with_and_after_them_as_before() -> None:
     looked_for: list[bool] = []
-    work = each([1, 2], 2, partial(pow, 2), prepare=lambda _: looked_for.append(gc.isenabled()))
+    work = each([1, 2], 2, partial(pow, 2), prepare=Loading(lambda _: looked_for.append(gc.isenabled())))
     assert next(work)[1] in {2, 4}
     assert (looked_for, gc.isenabled(), gc.get_freeze_count() > 0) == ([False], True, True)
     assert len(list(work)) == 1
     assert gc.get_freeze_count() == 0
+
+
+LOADED: list[str] = []
+"""What this process has loaded, or the one that it is a copy of."""
+
+
+def test_a_worker_begins_once_its_own_is_loaded_and_anew_for_what_was_loaded_since(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(f"{__name__}.LOADED", [])
+    items = [("a", number) for number in range(3)] + [("b", number) for number in range(8)]
+    prepare = Loading(lambda item: LOADED.append(item[0]), lambda item: item[0])
+    done = dict(each(items, 2, _loaded_by, prepare))
+    assert LOADED == ["a", "b"], "each once, in the process that begins the others"
+    of_a, of_b = ({done[item] for item in items if item[0] == which} for which in "ab")
+    assert [loaded for _, loaded in of_a] == [("a",)]
+    assert [loaded for _, loaded in of_b] == [("a", "b")] * 2, "the first has ended, and another begun"
+    assert {pid for pid, _ in of_a}.isdisjoint(pid for pid, _ in of_b)
+
+
+def _loaded_by(item: tuple[str, int]) -> tuple[int, tuple[str, ...]]:
+    """The process, and what it began with."""
+    time.sleep(0.1 if item[0] == "b" else 0.0)
+    return os.getpid(), tuple(LOADED)
+
+
+def test_what_was_done_while_something_was_loaded_is_told_before_an_interrupt(tmp_path: Path) -> None:
+    def interrupted(item: tuple[str, int]) -> None:
+        if item[0] == "b":
+            while len(list(tmp_path.iterdir())) < 2:
+                time.sleep(0.01)
+            time.sleep(0.5)
+            raise KeyboardInterrupt
+
+    def tells() -> None:
+        for item, _ in each(items, 2, work, prepare):
+            told.append(item)
+
+    told: list[tuple[str, int]] = []
+    items, prepare = [("a", 0), ("a", 1), ("b", 0)], Loading(interrupted, lambda item: item[0])
+    work = partial(_noted_in, tmp_path)
+    with pytest.raises(KeyboardInterrupt):
+        tells()
+    assert told == [("a", 0), ("a", 1)]
+
+
+def _noted_in(folder: Path, item: tuple[str, int]) -> None:
+    (folder / f"{item}").touch()
 
 
 def test_workers_that_are_no_copies_load_for_themselves() -> None:
@@ -164,7 +213,7 @@ def test_a_worker_goes_on_with_what_is_alike_and_takes_what_others_are_at_last()
     waiting: Waiting[str] = Waiting(2, lambda item: item[0], most=1)
     for item in ("a0", "a1", "b0", "b1", "c0"):
         waiting.add(item)
-    assert waiting.first == "a0"
+    assert waiting.next() == "a0"
     taken = [waiting.piece(), waiting.piece(None, "a"), waiting.piece("b", "a"), waiting.piece("b", "a")]
     assert taken == [["a0"], ["b0"], ["b1"], ["c0"]]
     assert waiting.piece("c", "a") == ["a1"]
