@@ -36,11 +36,20 @@ def answers_again(stored: StoredVerdict, inputs: Inputs) -> bool:
     """
     if _decisive(stored.inputs) != _decisive(inputs):
         raise InputError(f"the record of {stored.iri} has other inputs than its IRI", remedy=REMEDY)
+    check_coherent(stored)
+    searched = stored.outcome is Outcome.NOT_CERTIFIED and not any(each.proof for each in stored.diagnoses)
+    return not searched or budget_of(inputs) <= budget_of(stored.inputs)
+
+
+def check_coherent(stored: StoredVerdict) -> None:
+    """The outcome is what Eq. (4) makes of the rest.
+
+    Raises:
+        InputError: It is not: the record contradicts itself.
+    """
     if not _is_coherent(stored):
         what = f"says {stored.outcome.value}, and its answers and diagnoses do not"
         raise InputError(f"the record of {stored.iri} {what}", remedy=REMEDY)
-    searched = stored.outcome is Outcome.NOT_CERTIFIED and not any(each.proof for each in stored.diagnoses)
-    return not searched or budget_of(inputs) <= budget_of(stored.inputs)
 
 
 def _decisive(inputs: Inputs) -> dict[str, str]:

@@ -62,7 +62,13 @@ class StoredVerdict:
 
 
 def read_verdicts(store: ox.Store) -> Iterator[StoredVerdict]:
-    """Every verdict of a store, by IRI."""
+    """Every verdict of a store, by IRI; raises as `read_verdict`."""
+    for iri, quads in verdict_records(store):
+        yield read_verdict(quads, iri)
+
+
+def verdict_records(store: ox.Store) -> Iterator[tuple[Iri, Iterable[ox.Quad]]]:
+    """IRI and record of every verdict of a store, by IRI, as they stand there."""
     kind, verdict = ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + "Verdict")
     found = {
         quad.subject.value: quad.graph_name
@@ -70,7 +76,7 @@ def read_verdicts(store: ox.Store) -> Iterator[StoredVerdict]:
         if isinstance(quad.subject, ox.NamedNode)
     }
     for iri, graph in sorted(found.items()):
-        yield read_verdict(store.quads_for_pattern(None, None, None, graph), iri)
+        yield iri, store.quads_for_pattern(None, None, None, graph)
 
 
 def read_verdict(quads: Iterable[ox.Quad], iri: Iri) -> StoredVerdict:

@@ -1,6 +1,7 @@
 """What is served: kitchens in their present state, with their robots, verdicts and observations."""
 
 import asyncio
+import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final
@@ -17,7 +18,7 @@ from sdt_kg.twin import Twin
 from services.http.kitchens import Kitchen, Recording
 from services.requests import parse_state
 from services.store.quads import QuadStore
-from services.store.records import graph_of, is_kept, is_result, keep
+from services.store.records import changed_since, graph_of, is_kept, is_result, keep
 from services.store.workers import Asked, Delta, Workers, bulk, hide, put, show
 
 VOCABULARIES: Final = {
@@ -29,6 +30,7 @@ VOCABULARIES: Final = {
 
 SHOWN = frozenset({"asserted", "inferred", "verdict", "task_result", "observed", "branch", "present"})
 """Kinds of graphs, as their IRIs have them."""
+_log = logging.getLogger("sdt.http")
 
 
 @dataclass
@@ -194,6 +196,13 @@ class World:
         await self.workers.apply(put(graph, body, shown=shown, instead=True))
         self.version += 1
 
+    def _damaged(self, kept: ox.Store) -> set[Iri]:
+        """Graphs of records that are not as they were written: there by name, in no list and no count."""
+        found = dict(changed_since(kept))
+        for why in found.values():
+            _log.warning("%s; it is not listed, and judged anew when it is asked about", why)
+        return set(found)
+
     def _first(self) -> Iterator[Delta]:
         """What is served at the start."""
         if self._kept is not None:
@@ -203,8 +212,8 @@ class World:
             apart = {
                 str(quad.graph_name.value) for quad in quads if isinstance(quad.graph_name, ox.NamedNode)
             }
-            body = lines(quads)
-            yield bulk(body, (graph for graph in apart if not _is_shown(graph)))
+            hidden = {graph for graph in apart if not _is_shown(graph)} | self._damaged(self._kept)
+            yield bulk(lines(quads), hidden)
         for kitchen in self.kitchens.values():
             yield bulk(kitchen.twin.serialize("nquads"))
         for graph, file in VOCABULARIES.items():

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import pyoxigraph as ox
 
 from predicates.case import Verdict
-from predicates.record import Record, StoredVerdict, read_verdict, to_json, to_record
+from predicates.record import Record, StoredVerdict, to_json, to_record
 from predicates.record.report import times
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError, UnknownEntityError
@@ -39,6 +39,7 @@ from services.judging.messages import (
 from services.judging.problems import Problem, ProblemType, problem, problem_of
 from services.judging.replies import ComputeReply, PlaceReply, TaskReply, TextReply, VerdictsReply
 from services.requests import parse_task
+from services.store.records import recalled
 from services.telemetry.metrics import Judged
 from services.why import why
 
@@ -236,7 +237,7 @@ class Judge:
 
     def _stored(self, iri: Iri) -> StoredVerdict | None:
         quads = self._recall(iri)
-        return None if quads is None else read_verdict(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri)
+        return None if quads is None else recalled(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri)
 
 
 def _judged(verdicts: Iterable[Verdict]) -> tuple[Judged, ...]:

@@ -10,7 +10,7 @@ import pyoxigraph as ox
 
 from predicates.case import Verdict
 from predicates.counterfactual import Contrast
-from predicates.record import StoredVerdict, diagnosis_json, read_verdict, to_json, to_record
+from predicates.record import StoredVerdict, diagnosis_json, to_json, to_record
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri
@@ -21,6 +21,7 @@ from services.judging.codec import JSON
 from services.judging.jobs import Done, Handler, Kept, Quads, Task
 from services.judging.loaded import Models, check_same
 from services.judging.problems import Problem, ProblemType, problem, problem_of
+from services.store.records import recalled
 from services.whatif import World, changed, parse_change
 
 KEPT: Final = 4
@@ -114,7 +115,7 @@ class Judge:
         """What the server keeps under a verdict's IRI."""
         assert self._quads is not None, "asked within a question"
         quads = self._quads(iri)
-        return read_verdict(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri) if quads else None
+        return recalled(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri) if quads else None
 
     def _under(self, head: Head) -> Service:
         """The kitchen in this state under this policy; the last few keep their scenes."""

@@ -7,7 +7,7 @@ from typing import Self
 import pyoxigraph as ox
 
 from predicates.case import Verdict
-from predicates.record import Record, StoredVerdict, read_verdict, to_record
+from predicates.record import Record, StoredVerdict, to_record
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
 from sdt_kg.store import Row, checked_query, rows_of
@@ -15,7 +15,7 @@ from sdt_kg.twin import Twin
 from services.store.embedded import EmbeddedStore
 from services.store.on_disk import FORMATS, in_file, in_folder, is_store_folder, read_file
 from services.store.quads import QuadStore
-from services.store.records import graph_of, keep
+from services.store.records import graph_of, keep, recalled
 from services.store.server.remote import Addresses, RemoteStore, is_url
 
 __all__ = ["FORMATS", "SavedVerdicts", "is_saved_graph", "opened", "query_saved", "readable"]
@@ -69,13 +69,8 @@ class SavedVerdicts:
         return graph_of(verdict) in self.store
 
     def stored(self, verdict: Iri) -> StoredVerdict | None:
-        """What is kept of the verdict of this IRI.
-
-        Raises:
-            InputError: The record is damaged.
-        """
-        quads = self.store.graph(graph_of(verdict))
-        return read_verdict(quads, verdict) if quads else None
+        """What is kept of the verdict of this IRI; None where it is damaged, which is logged."""
+        return recalled(self.store.graph(graph_of(verdict)), verdict)
 
     def add_twin(self, twin: Twin) -> None:
         """Keep the twin's named graphs, so that verdicts can be asked together with what they are about.

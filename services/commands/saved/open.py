@@ -8,7 +8,6 @@ from typing import Final
 import click
 
 from predicates.case import ArtefactKind
-from predicates.record import read_verdicts
 from predicates.record.inputs import UNKNOWN_INPUT
 from predicates.record.stored import StoredVerdict
 from sdt_kg.errors import InputError
@@ -17,6 +16,7 @@ from services.commands.options import csv_flag, json_flag
 from services.commands.saved.why import without_twins
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.store.files import is_saved_graph
+from services.store.records import all_recalled
 
 COLUMNS = (
     "kitchen",
@@ -59,16 +59,20 @@ def open_command(context: click.Context, *, store: str, pages: bool, as_json: bo
             allowed="FILE.trig, FILE.nq, a store directory or the address of a server",
             remedy="sdt achieve … --save FILE keeps a verdict",
         )
-    verdicts = list(read_verdicts(without_twins(store)))
+    verdicts, damaged = all_recalled(without_twins(store))
     rows, mixed = _rows(verdicts), list(_mixed(verdicts))
     following = _following(store, rows)
     if as_json:
         found = {"store": store, "verdicts": len(verdicts), "cases": rows, "mixed": mixed, "next": following}
-        print_json(found)
+        print_json(found | {"damaged": damaged})
     else:
         print_rows(rows, COLUMNS)
         for line in mixed:
             click.echo(f"note: {line}", err=True)
+        for why in damaged.values():
+            click.echo(
+                f"note: not counted: {why}; asked again with --save {store}, it is judged anew", err=True
+            )
         if not csv_is_asked():
             _say(verdicts, following)
     if pages:

@@ -3,7 +3,6 @@
 import click
 import pyoxigraph as ox
 
-from predicates.record import read_verdicts
 from predicates.record.facts import Facts
 from sdt_kg.errors import InputError
 from sdt_kg.iri import LAW, local_name
@@ -11,6 +10,7 @@ from sdt_kg.store import rows_of
 from services.commands.options import csv_flag, json_flag
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.store.files import is_saved_graph, readable
+from services.store.records import all_recalled
 from services.why import SHORT_KEY, outcome, question, results_of, sections, task, verdicts_of, why
 from services.why.words import in_capitals
 
@@ -59,10 +59,9 @@ def _list(saved: ox.Store, as_json: bool) -> None:
         }
         for each in results_of(saved)
     ]
-    rows += [
-        {"verdict": each.iri, "question": question(each), "outcome": outcome(each)}
-        for each in read_verdicts(saved)
-    ]
+    verdicts, damaged = all_recalled(saved)
+    rows += [{"verdict": each.iri, "question": question(each), "outcome": outcome(each)} for each in verdicts]
+    rows += [{"verdict": iri, "question": why, "outcome": "DAMAGED"} for iri, why in damaged.items()]
     rows = [{**each, "verdict": local_name(each["verdict"])[:SHORT_KEY]} for each in rows]
     if not rows:
         raise InputError("there is no verdict in it", remedy="sdt achieve … --save FILE keeps one")

@@ -31,3 +31,20 @@ def test_what_is_of_one_model_and_version_is_not_told_apart(sdt, tmp_path: Path)
             for verdict in Service(twin, oracles=Lifts()).achieve("open", robot):
                 saved.add(verdict)
     assert sdt("open", str(tmp_path / "kept.trig"), "--json").json["mixed"] == []
+
+
+def test_a_changed_record_is_named_and_not_counted(sdt, tmp_path: Path) -> None:
+    place = tmp_path / "kept.nq"
+    with SavedVerdicts(place) as saved:
+        for verdict in Service(small_twin("a", ("pr2",)), oracles=Lifts()).achieve("open"):
+            saved.add(verdict)
+    told = sdt("open", str(place), "--json").json
+    before = place.read_text()
+    line = next(each for each in before.splitlines() if "law#satisfiesRequest" in each and '"true"' in each)
+    place.write_text(before.replace(line, line.replace('"true"', '"false"')))
+    found = sdt("open", str(place), "--json").json
+    (damaged,) = found["damaged"]
+    assert f"<{damaged}>" in line
+    assert (told["damaged"], found["verdicts"]) == ({}, told["verdicts"] - 1)
+    assert "note: not counted: the record of" in sdt("open", str(place)).err
+    assert {each["outcome"] for each in sdt("why", str(place), "--json").json} > {"DAMAGED"}
