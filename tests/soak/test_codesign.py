@@ -27,7 +27,7 @@ def test_the_drawer_behind_the_dishwasher_door_is_planned_by_opening_that_door(e
 
 def test_what_a_refusal_names_is_cleared_and_a_door_that_stands_open_is_closed() -> None:
     world = World(load("b", ["pr2"], policy=Policy(Drive.OMNI, budget=2)), "pr2")
-    edits = ("box:crate=1,1,1@0.2,-0.41,0.5", "move:iai_fridge_door=0.5")
+    edits = ("box:crate=1.2,1.2,1@0.3,-0.41,0.5", "move:iai_fridge_door=0.5")  # the drawer runs into it
     world = changed(world, tuple(map(parse_change, edits)))
     container = world.service.twin.container("sink_area_trash_drawer_main")
     verdict = one_of(world.service.achieve(f"open:{container.name}", world.robot_iri))
