@@ -78,6 +78,22 @@ def test_every_module_with_loops_that_are_kept_is_looked_at() -> None:
     assert f" of {len(keeping)} modules with loops " in loops.says
 
 
+@pytest.mark.parametrize(
+    ("missing", "standing"),
+    [
+        ("services.reports.scene.raster", Standing.WELL),
+        ("services.embodiment.prove.boxes", Standing.OPTIONAL),
+    ],
+)
+def test_only_loops_of_questions_and_proofs_are_missed(
+    missing: str, standing: Standing, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(machine, "_compiled", lambda module: module != missing)
+    (loops,) = (each for each in machine.machine() if each.about == "compiled loops")
+    assert loops.standing is standing
+    assert bool(loops.remedy) is (standing is Standing.OPTIONAL)
+
+
 def test_the_verdicts_of_a_store_are_counted(tmp_path: Path) -> None:
     path = tmp_path / "kept.nq"
     path.write_text(f"<a:a> <{RDF_TYPE}> <{LAW}Verdict> <a:g> .\n")
