@@ -154,9 +154,17 @@ class _Path:
             meet = may_meet(self._way(abs(step) / 2), boxes.where(one), still.where(other), least)
         for n in np.flatnonzero(meet.any(axis=0)):
             pair = shapes.all[int(moved[one[n]])], shapes.all[int(resting[other[n]])]
-            if not self._rest.bears(*pair):
-                last = int(np.flatnonzero(meet[:, n])[-1]) + 1
-                yield *pair, self._end if last == PARTS else self._begin + step * last
+            last = int(np.flatnonzero(meet[:, n])[-1]) + 1
+            until = self._end if last == PARTS else self._begin + step * last
+            yield from ((*each, until) for each in self._stopping(*pair))
+
+    def _stopping(self, one: BodyShape, other: BodyShape) -> Iterator[tuple[BodyShape, BodyShape]]:
+        """What of a moved and a resting shape may not meet."""
+        stopping = self._rest.stopping(one, other)
+        if stopping is not None:
+            yield one, stopping
+        if stopping is not other and (far := self._rest.swung(one)) is not None:
+            yield far, other
 
     def together(self, shapes: "Shapes") -> Iterator[tuple[BodyShape, BodyShape]]:
         """Pairs of shapes that move, each in its own way, as two leaves do of which one follows the other."""
@@ -166,8 +174,10 @@ class _Path:
         ways = [frozenset(self._follows.intersection(supports[each.joint].tolist())) for each in shapes.all]
         moved = [(each, way) for each, way in zip(shapes.all, ways, strict=True) if way]
         for (one, way), (other, another) in combinations(moved, 2):
-            if way != another and not (self._rest.bears(one, other) or self._rest.bears(other, one)):
-                yield one, other
+            if way != another:
+                pair = self._rest.stopping(other, one), self._rest.stopping(one, other)
+                if pair[0] is not None and pair[1] is not None:
+                    yield pair[0], pair[1]
 
     def _way(self, half: float) -> Way:
         """The way of the only joint that moves, whose axis rests."""
@@ -226,14 +236,16 @@ class _Path:
     def followed(self, one: BodyShape, other: BodyShape, end: float, until: float) -> Block | None:
         """The first position up to `end` at which the two are too deep in each other; none after `until`.
 
-        Two meshes of triangles that touch where they were fitted together do not tell how deep they are;
-        where they touch elsewhere at the beginning they have to come apart at once.
+        Two meshes of triangles that touch where they were fitted together do not tell how deep they are: of
+        the second what is farther away there is followed. Where they touch elsewhere at the beginning they
+        have to come apart at once.
         """
-        direction, speed = np.sign(end - self._begin), self._speed(one) + self._speed(other)
-        moves, against = other.joint in self._moving, self._placed(other, self._begin)
         least = _least(one, other)
         if least == TOUCH and self._rest.touch(one, other):
-            return None
+            away = self._rest.away(other, one)
+            return None if away is None else self.followed(one, away, end, until)
+        direction, speed = np.sign(end - self._begin), self._speed(one) + self._speed(other)
+        moves, against = other.joint in self._moving, self._placed(other, self._begin)
         position, allowed, free = self._begin, least, 0.0
         while speed > 0:
             against = self._placed(other, position) if moves else against

@@ -75,6 +75,11 @@ def _shape(of: tuple[Iri, Iri | None, frozenset[Iri]], joint: int, pose: pin.SE3
     )
 
 
+def with_piece(one: BodyShape, piece: Piece) -> BodyShape:
+    """The shape with another piece in its place, a part of it."""
+    return _shape((one.body, one.parent, one.mount), one.joint, one.pose, piece)
+
+
 def _carriers(mechanism: Mechanism) -> dict[str, str]:
     """Body → parent of the joint that moves it, empty where none does."""
     carriers = {mechanism.root: ""}

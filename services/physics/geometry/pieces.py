@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
+from itertools import product
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
@@ -109,6 +110,35 @@ def _join(links: Indices, label: Indices) -> None:
             label[max(one, other)] = min(one, other)
     for i in range(len(label)):
         label[i] = label[label[i]]
+
+
+def bent(triangles: Array) -> Piece:
+    """Triangles as such, shape (M, 3, 3) [m]."""
+    return Piece(triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1)), partial(_triangles, triangles))
+
+
+def beyond(piece: Piece, way: Array, least: float) -> Piece | None:
+    """The part of a piece that is farther along a direction than that [m]; None if there is none.
+
+    Of triangles those that are so as a whole; of what is round, all or nothing.
+    """
+    shape = piece.shape
+    if isinstance(shape, coal.BVHModelBase):
+        triangles = corners(shape)
+        triangles = triangles[(triangles @ way > least).all(axis=1)]
+        return bent(triangles) if len(triangles) else None
+    box = np.array(list(product(*np.stack((piece.low, piece.high), axis=1).tolist())))
+    points = np.array(shape.points()) if isinstance(shape, coal.ConvexBase) else box
+    along = points @ way - least
+    if (along > 0).all():
+        return piece
+    if not (along > 0).any() or not isinstance(shape, coal.Box | coal.ConvexBase):
+        return None
+    ends, begins = points[along > 0][:, None], points[along <= 0][None]
+    share = along[along > 0][:, None] / (along[along > 0][:, None] - along[along <= 0])
+    cut = (ends + share[:, :, None] * (begins - ends)).reshape(-1, 3)
+    kept = with_volume(np.vstack((points[along > 0], cut)))
+    return Piece(kept.min(axis=0), kept.max(axis=0), partial(hull_of_solid, kept))
 
 
 def _piece(triangles: Array) -> Piece:

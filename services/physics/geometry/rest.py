@@ -5,10 +5,13 @@ from collections.abc import Sequence
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
+from numpy.typing import NDArray
 
 from sdt_kg.iri import Iri
 from sdt_kg.mechanism import JointType, Limits
-from services.physics.geometry.bodies import BodyShape
+from services.physics.geometry.bodies import BodyShape, with_piece
+from services.physics.geometry.pieces import Piece, bent, beyond
+from services.physics.geometry.shapes import corners
 from services.physics.tree import UNIVERSE, Array, Model
 
 ALLOWANCE = 0.01
@@ -24,6 +27,15 @@ ENCLOSED = 0.5
 fridge of kitchen `b` has 0.53."""
 
 
+FRAME = 0.05
+"""[m] How far from a container at rest triangles of a bent mesh may be that still belong to its cabinet: the
+frame before a drawer. A whole room may be one mesh."""
+
+
+HINGE = 0.1
+"""[m] How far from its hinge a door may turn into what is beside it: doors are less thick."""
+
+
 class Rest:
     """The kitchen with every joint at its start position, in which its parts were fitted together."""
 
@@ -36,7 +48,9 @@ class Rest:
         self._bodies: dict[Iri, list[BodyShape]] = {}
         for each in shapes:
             self._bodies.setdefault(each.body, []).append(each)
-        self._known: dict[tuple[Iri, int], bool] = {}
+        self._known: dict[tuple[Iri, int], BodyShape | None] = {}
+        self._away: dict[tuple[Iri, int], BodyShape | None] = {}
+        self._swung: dict[int, BodyShape | None] = {}
         self._housed: dict[tuple[Iri, Iri], bool] = {}
 
     def depth(self, one: BodyShape, other: BodyShape) -> float:
@@ -53,33 +67,88 @@ class Rest:
         low = (at.act(one.centre)[2] - np.abs(at.rotation[2] @ one.rotation) @ one.half for one, at in moved)
         return min(low, default=0.0) >= -ALLOWANCE
 
-    def bears(self, one: BodyShape, other: BodyShape) -> bool:
-        """One moves in or on the other: a shape beside its body at rest, of its joint's parent or mount.
+    def stopping(self, one: BodyShape, other: BodyShape) -> BodyShape | None:
+        """What of another shape may stop a moved one; None where it moves in or on all of it.
 
-        Of a parent that is much more than a cabinet, a whole room, the rest stops it. What is fixed to the
-        parent bears it only where it houses it: a box that stands before a drawer does not.
+        It does on shapes beside its body at rest, of its joint's parent or mount. Of a parent that is much
+        more than a cabinet, a whole room, the rest stops it; so do triangles of a bent mesh that are farther
+        from it, for the mesh may be the whole room. What is fixed to the parent bears it only where it
+        houses it: a box that stands before a drawer does not.
         """
         key = (one.body, id(other))
         if key not in self._known:
             bearing = one.parent == other.body or (other.body in one.mount and self._houses(other.body, one))
-            self._known[key] = bearing and self._beside(other, one)
+            self._known[key] = self._not_beside(other, one) if bearing else other
         return self._known[key]
 
-    def _beside(self, other: BodyShape, one: BodyShape) -> bool:
-        """Whether boxes about one's body and a shape nearly touch, and the shape is not in front of it."""
-        (low, high), (below, above) = self._box(self._bodies[one.body], one), self._box([other], one)
-        if np.linalg.norm(np.maximum(np.maximum(low - above, below - high), 0.0)) > ALLOWANCE:
-            return False
+    def swung(self, one: BodyShape) -> BodyShape | None:
+        """What of a hinged shape is so far from its hinge that what is beside it does not bear it.
+
+        At its hinge a door turns into the edges of its cabinet. With its face it stops at a wall beside it.
+        """
+        if id(one) not in self._swung:
+            joint = self._joints[one.joint - 1]
+            piece = None if joint.type is JointType.PRISMATIC else self._far(one, np.array(joint.axis))
+            part = None if piece is None else with_piece(one, piece)
+            self._swung[id(one)] = self._placed_as(one, part)
+        return self._swung[id(one)]
+
+    def _far(self, one: BodyShape, axis: Array) -> Piece | None:
+        """The part of the shape that is farther than `HINGE` from the axis, on the side of its body."""
+        low, high = self._box(self._bodies[one.body], one)
+        out = (low + high) / 2
+        out -= (out @ axis) * axis
+        if not out.any():
+            return None
+        out /= np.linalg.norm(out)
+        rotation, origin = one.pose.rotation, one.pose.translation
+        return beyond(one.piece, rotation.T @ out, HINGE - float(origin @ out))
+
+    def _not_beside(self, other: BodyShape, one: BodyShape) -> BodyShape | None:
+        """The shape without what of it is beside one's body."""
+        below, above = self._box([other], one)
+        if not self._beside(below[None], above[None], one)[0]:
+            return other
+        return self.away(other, one) if isinstance(other.piece.shape, coal.BVHModelBase) else None
+
+    def away(self, mesh: BodyShape, one: BodyShape) -> BodyShape | None:
+        """What of a bent mesh is farther than `FRAME` from another shape's body; None if nothing is."""
+        key = (one.body, id(mesh))
+        if key not in self._away:
+            triangles = corners(mesh.piece.shape)
+            seen = self._frames[one.joint].actInv(self._frames[mesh.joint]) * mesh.pose
+            turned = triangles @ seen.rotation.T + seen.translation
+            apart = self._off(turned.min(axis=1), turned.max(axis=1), one) > FRAME
+            part = with_piece(mesh, bent(triangles[apart])) if apart.any() else None
+            self._away[key] = self._placed_as(mesh, part)
+        return self._away[key]
+
+    def _placed_as(self, whole: BodyShape, part: BodyShape | None) -> BodyShape | None:
+        """The part, known to be where the whole is."""
+        if part is not None:
+            self._placed[id(part)] = self._placed[id(whole)]
+        return part
+
+    def _beside(self, below: Array, above: Array, one: BodyShape) -> NDArray[np.bool_]:
+        """Which boxes along one's joint, corners of shape (N, 3), are beside its body: near, not in front."""
+        low, high = self._box(self._bodies[one.body], one)
         joint = self._joints[one.joint - 1]
         way = np.array(joint.axis)
         if joint.type is not JointType.PRISMATIC:
             way = np.cross(way, (low + high) / 2)
         k = int(np.argmax(np.abs(way)))
-        forth, back = below[k] >= high[k] - ROUNDED, above[k] <= low[k] + ROUNDED
+        forth, back = below[:, k] >= high[k] - ROUNDED, above[:, k] <= low[k] + ROUNDED
         if way[k] < 0:
             forth, back = back, forth
         start = _start(joint.limits)
-        return not ((forth and joint.limits.upper > start) or (back and joint.limits.lower < start))
+        before = (forth & (joint.limits.upper > start)) | (back & (joint.limits.lower < start))
+        return (self._off(below, above, one) <= ALLOWANCE) & ~before
+
+    def _off(self, below: Array, above: Array, one: BodyShape) -> Array:
+        """How far such boxes are from that about one's body, shape (N,) [m]."""
+        low, high = self._box(self._bodies[one.body], one)
+        off: Array = np.linalg.norm(np.maximum(np.maximum(low - above, below - high), 0.0), axis=1)
+        return off
 
     def _houses(self, body: Iri, one: BodyShape) -> bool:
         """Whether a body overlaps one's, and a box about it has most of that about one's in it."""

@@ -97,3 +97,63 @@ def test_a_wall_beside_a_door_stops_it_though_a_room_that_bears_its_cabinet_has_
     room += '<parent link="world"/><child link="cabinet"/></joint>'
     (tmp_path / "post.urdf").write_text(door.replace('<link name="world"/>', room))
     assert not asked(load_twin(tmp_path / "post.urdf"), "door").holds
+
+
+CAPS = ((0, 1, 4), (0, 4, 5), (1, 2, 3), (1, 3, 4))
+
+
+def angle(file: Path, ends: tuple[float, float, float], heights: tuple[float, float, float]) -> str:
+    """A mesh of a floor along x and a wall at its end, 1 m wide, as one surface; its collision element."""
+    (x0, x1, x2), (z0, z1, z2) = ends, heights
+    profile = (x0, z0), (x2, z0), (x2, z2), (x1, z2), (x1, z1), (x0, z1)
+    points = [(x, y, z) for y in (-0.5, 0.5) for x, z in profile]
+    faces = [(a, b, c) for a, b, c in CAPS] + [(c + 6, b + 6, a + 6) for a, b, c in CAPS]
+    for k in range(6):
+        n = (k + 1) % 6
+        faces += [(n, k, k + 6), (n, k + 6, n + 6)]
+    lines = [f"v {x} {y} {z}" for x, y, z in points] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
+    file.write_text("\n".join(lines) + "\n")
+    return f'<collision><geometry><mesh filename="{file.name}"/></geometry></collision>'
+
+
+@pytest.mark.parametrize(("wall", "free"), [(0.6, False), (0.7, True)])
+def test_a_drawer_of_a_room_that_is_one_mesh_does_not_pass_its_walls(
+    tmp_path: Path, wall: float, free: bool
+) -> None:
+    # A box about the mesh has the drawer inside: all of it counted as the drawer's own cabinet.
+    room = angle(tmp_path / "room.obj", (-0.5, wall, 0.8), (-0.4, -0.11, 0.5))
+    (tmp_path / "post.urdf").write_text(ROOM.format(panels=room, obstacle="", high=0.0))
+    assert asked(load_twin(tmp_path / "post.urdf"), "drawer").holds is free
+
+
+@pytest.mark.parametrize(("wall", "free"), [(0.5, False), (0.7, True)])
+def test_a_bent_drawer_that_lies_on_a_bent_shelf_stops_at_the_wall_behind_it(
+    tmp_path: Path, wall: float, free: bool
+) -> None:
+    # Where triangles touch at rest they do not tell how deep they are; of what is elsewhere they do.
+    shelf = angle(tmp_path / "shelf.obj", (-0.5, wall, 0.8), (-0.4, -0.11, 0.5))
+    drawer = angle(tmp_path / "drawer.obj", (-0.2, 0.18, 0.2), (-0.1101, -0.1, 0.1))
+    urdf = ROOM.format(panels="", obstacle="", high=0.0).replace("0.25 0 0.0", "0.1 0 0.0")
+    urdf = urdf.replace('<collision><geometry><box size="0.4 0.58 0.2"/></geometry></collision>', drawer)
+    links = f'<link name="between"/><link name="shelf">{shelf}</link>'
+    for parent, child in (("room", "between"), ("between", "shelf")):
+        links += (
+            f'<joint name="at_{child}" type="fixed"><parent link="{parent}"/><child link="{child}"/></joint>'
+        )
+    (tmp_path / "post.urdf").write_text(urdf.replace("</robot>", f"{links}</robot>"))
+    assert asked(load_twin(tmp_path / "post.urdf"), "drawer").holds is free
+
+
+@pytest.mark.parametrize(("wall", "free"), [(shape("0.3 0.05 1", "0.15 -0.28 0"), False), ("", True)])
+def test_a_wall_at_the_hinge_of_the_body_that_a_door_hangs_on_stops_it(
+    tmp_path: Path, wall: str, free: bool
+) -> None:
+    # 5 mm beside the door, it is its cabinet's panel as far as its edge goes; at 90° its face
+    # meets it, nearer than the bar.
+    door = FLAP.format(panel=shape("0.02 0.5 0.5", "0 0.25 0"), high=0.0)
+    door = door.replace('xyz="0 0 0.0"', 'xyz="0 -0.25 0"').replace('xyz="0 1 0"', 'xyz="0 0 -1"')
+    door = door.replace("0.04 0 0.5", "0 0.45 0.26").replace(
+        '<link name="world"/>', f'<link name="world">{wall}</link>'
+    )
+    (tmp_path / "post.urdf").write_text(door)
+    assert asked(load_twin(tmp_path / "post.urdf"), "door").holds is free
