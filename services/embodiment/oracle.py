@@ -23,8 +23,8 @@ from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
 from services.embodiment.floor import check_floor
-from services.embodiment.hold.grasp import grasp_settings
 from services.embodiment.hold.kit import Kits
+from services.embodiment.hold.sets import grasp_settings
 from services.embodiment.hopeless import hopeless
 from services.embodiment.plan import Planned, Planner
 from services.embodiment.prove import boxes

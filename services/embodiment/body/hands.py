@@ -29,10 +29,10 @@ def touching(hand, at, kitchen, split, radius, shapes, margins, work):
 
     `hand` are indices of shapes, `at` their poses; `kitchen` is (indices, rotations, centres).
     """
-    for n in range(kitchen[0].shape[0]):
-        e = kitchen[0][n]
-        for i in range(hand.shape[0]):
-            s = hand[i]
+    for i in range(hand.shape[0]):
+        s = hand[i]
+        for n in range(kitchen[0].shape[0]):
+            e = kitchen[0][n]
             margin = margins[s - split, e]
             if margin < 0.0 or clear(shapes, e, kitchen[1][n], kitchen[2][n], at[1][i], radius[s] + margin):
                 continue

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from services.embodiment.body import ik
 from services.embodiment.body.track import EXACT
 from services.embodiment.hold.fit import OPENINGS, Fitted, Fitter, Opened
-from services.embodiment.hold.grasp import free_grasp
 from services.embodiment.hold.holding import SEEDS, STEPS, Searcher
 from services.embodiment.hold.pool import Pool, straight
+from services.embodiment.hold.sets import free_grasps
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -181,16 +181,18 @@ class Breeder:
 
         Whether fingers reach over the bar is asked of those that are kept: it takes as long as closing them.
         """
-        turned = zip(held.tolist(), genes, flips.tolist(), strict=True)
-        grasps = [free_grasp(self._pool.bars[k], one, flip, next(self._numbers)) for k, one, flip in turned]
+        numbers = np.array(list(itertools.islice(self._numbers, len(genes))), np.int64)
+        grasps = free_grasps([self._pool.bars[k] for k in held.tolist()], genes, flips, numbers)
         found: dict[int, tuple[Fitted, float]] = {}
         for share in OPENINGS:
-            left = (one for one in grasps if one.index not in found)
-            for grasp in self.fitter.screened(left, share, self._late):
+            left = [k for k, number in enumerate(numbers.tolist()) if number not in found]
+            if not left or self._late():
+                break
+            for grasp in self.fitter.screened(grasps.some(left), share):
                 fitted = self.fitter.fitted((grasp, share))
                 if fitted is not None:
                     found[grasp.index] = fitted, share
-        return [found.get(one.index) for one in grasps]
+        return [found.get(number) for number in numbers.tolist()]
 
     def _seeds(self, index: int, count: int) -> Array:
         """So many seeds at a waypoint."""

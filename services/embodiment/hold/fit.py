@@ -2,8 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import replace
-from itertools import chain, islice, repeat
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +10,10 @@ from numpy.typing import NDArray
 from services.embodiment.body import hands
 from services.embodiment.body.world import Rules, World
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.hold.grasp import TOUCH, Grasp, Hand, grasp_set, steepness, wide_set
+from services.embodiment.hold.grasp import TOUCH, Grasp, Hand
 from services.embodiment.hold.handle import Bar
 from services.embodiment.hold.holding import Problem
+from services.embodiment.hold.sets import Grasps, grasp_set, steepness, wide_set
 
 Array = NDArray[np.float64]
 Pair = tuple[int, int]
@@ -22,7 +22,7 @@ Opened = tuple[Grasp, float]
 
 OPENINGS = (0.0, 0.55, 0.75)  # [1] shares by which the fingers are closed when the hand comes near
 SWING = 6  # steps at which closing fingers are checked
-BLOCKS = (10, 45)  # grasps that are looked at together: at first, and then
+BLOCKS = (10, 45)  # listed grasps that are looked at together: at first, and then
 ENOUGH = 6  # grasps with which no narrower opening is tried
 CHECKED = 7  # values of the container at which the hand alone is checked
 BESIDE = 0.05  # [m] that a grasp's tool may lie beside the bar
@@ -46,32 +46,28 @@ class Room:
         q = problem.mechanics.put(hand.configuration(0.0), problem.values[at])
         r, p = problem.handle_r, problem.handle_p
         middle, reach = r[0] @ bar.centre + p[0], hand.reach + bar.length / 2 + BESIDE
-        near = [
-            self._near(one, (r[k], p[k]), (r[0], p[0]), middle, reach) for one, k in zip(q, at, strict=True)
-        ]
-        self.near = near[0]
-        ends = np.cumsum([len(one[0]) for one in near])
-        self.always = (*(np.concatenate(parts) for parts in zip(*near, strict=True)), ends)
+        self.near, self.always = self._near(q, (r[at], p[at]), middle, reach)
         own = self.world.shapes_of((problem.mechanics.container.handle,))
         frames, (joint, local_r, local_c) = self.world.frames(hand.configuration(0.0)), self.world.boxes
         self.handle = own, frames[0][joint[own]] @ local_r[own], _moved(frames, joint[own], local_c[own])
 
-    def _near(
-        self, q: Array, now: tuple[Array, Array], first: tuple[Array, Array], middle: Array, reach: float
-    ) -> tuple[NDArray[np.int64], Array, Array]:
-        """Kitchen shapes near the handle at q; their poses as if it were not at `now` but at `first`."""
+    def _near(self, qs: Array, handle: tuple[Array, Array], middle: Array, reach: float) -> tuple:
+        """Kitchen shapes near the handle at the first of qs, and at all, as if it stayed at the first."""
         kitchen, (joint, local_r, local_c) = slice(self.world.split), self.world.boxes
         joint, local_r, local_c = joint[kitchen], local_r[kitchen], local_c[kitchen]
-        frames = self.world.frames(q)
-        turn = now[0] @ first[0].T
-        at_c = (_moved(frames, joint, local_c) - (now[1] - turn @ first[1])) @ turn
-        away = np.linalg.norm(middle - at_c, axis=1) - self.world.radius[kitchen]
-        near = np.flatnonzero(away < reach)
-        at_r = turn.T @ (frames[0][joint[near]] @ local_r[near])
-        beyond = np.abs(((middle - at_c[near])[:, None] @ at_r)[:, 0]) - self.world.half[near]
+        r, p = (np.stack(part)[:, joint] for part in zip(*map(self.world.frames, qs), strict=True))
+        turn = handle[0] @ handle[0][0].T
+        shift = handle[1] - turn @ handle[1][0]
+        at_c = ((r @ local_c[:, :, None])[..., 0] + p - shift[:, None]) @ turn
+        away = np.linalg.norm(middle - at_c, axis=2) - self.world.radius[kitchen]
+        when, near = np.nonzero(away < reach)
+        at_r, at_c = turn[when].transpose(0, 2, 1) @ (r[when, near] @ local_r[near]), at_c[when, near]
+        beyond = np.abs(((middle - at_c)[:, None] @ at_r)[:, 0]) - self.world.half[near]
         boxed = np.linalg.norm(np.maximum(beyond, 0.0), axis=1) < reach
-        near, at_r = near[boxed], at_r[boxed]
-        return near, np.ascontiguousarray(at_r), np.ascontiguousarray(at_c[near])
+        found = near[boxed], at_r[boxed], at_c[boxed]
+        ends = np.searchsorted(when[boxed], np.arange(len(qs)), side="right")
+        first = slice(ends[0])
+        return tuple(part[first] for part in found), (*found, ends)
 
 
 def _moved(frames: tuple[Array, Array], joint: NDArray[np.int64], local: Array) -> Array:
@@ -101,6 +97,7 @@ class Fitter:
         self._margins = demands[0].environment, demands[1].environment
         self._rest = world.split, world.radius, world.shapes
         self._closed: dict[int, tuple[Array, Array] | None] = {}
+        self._clear: dict[tuple[float, int], bool] = {}
         self._known: dict[tuple[float, int], Fitted | None] = {}
         self._all: list[Fitted] | None = None
         self._work = hand.room()
@@ -113,8 +110,9 @@ class Fitter:
             yield from sorted(self._all, key=lambda one: steepness(one[0].index)) if steep else self._all
             return
         found: list[Fitted] = []
+        grasps = grasp_set(self.bar, steep)
         for share in OPENINGS:
-            for grasp in self.screened(grasp_set(self.bar, steep), share, late):
+            for grasp in self._in_blocks(grasps, share, late):
                 fitted = self.fitted((grasp, share))
                 if fitted is not None:
                     found.append(fitted)
@@ -124,49 +122,53 @@ class Fitter:
         if not late():
             self._all = found
 
+    def _in_blocks(self, grasps: Grasps, share: float, late: Callable[[], bool]) -> Iterator[Grasp]:
+        """What is `screened` of them, as far as it is asked for."""
+        first, (size, usual) = 0, BLOCKS
+        while first < len(grasps) and not late():
+            yield from self.screened(grasps.some(slice(first, first + size)), share)
+            first, size = first + size, usual
+
     def wide(self, late: Callable[[], bool]) -> list[Opened]:
         """Grasps of the wide set that may fit, the fingers no narrower than needed; `fitted` tells."""
         found: list[Opened] = []
+        grasps = wide_set(self.bar)
         for share in OPENINGS:
-            some = [(grasp, share) for grasp in self.screened(wide_set(self.bar), share, late)]
+            if late():
+                break
+            some = [(grasp, share) for grasp in self.screened(grasps, share)]
             found += islice((one for one in some if self.fitted(one) is not None), ENOUGH - len(found))
             if len(found) == ENOUGH:
-                return [*dict.fromkeys((*found, *(one for one in some if not self._out(*one))))]
+                return [*dict.fromkeys((*found, *(one for one in some if not self._out(one))))]
         return found
 
-    def screened(self, grasps: Iterator[Grasp], share: float, late: Callable[[], bool]) -> Iterator[Grasp]:
-        """Those at which the open hand touches nothing before the container moves."""
-        sizes = chain(BLOCKS, repeat(BLOCKS[-1]))
-        while block := list(islice(grasps, next(sizes))):
-            if late():
-                return
-            new = [one for one in block if (share, one.index) not in self._known]
-            new = [one for one in new if not self._out(one, share)]
-            if new:
-                self._screen(new, share)
-            yield from (one for one in block if not self._out(one, share))
+    def screened(self, grasps: Grasps, share: float) -> Iterator[Grasp]:
+        """Those at which the open hand touches nothing before the container moves, and that may close."""
+        numbers, never = grasps.numbers.tolist(), self._closed
+        left = [k for k, number in enumerate(numbers) if never.get(number, self._begin) is not None]
+        new = [k for k in left if (share, numbers[k]) not in self._clear]
+        if new:
+            self._screen(grasps.some(new), share)
+        clear = [k for k in left if self._clear[share, numbers[k]]]
+        return iter(grasps.some(clear)) if clear else iter(())
 
-    def _out(self, grasp: Grasp, share: float) -> bool:
-        """Whether it is known that a grasp does not fit."""
-        never = self._closed.get(grasp.index, self._begin) is None
-        return never or self._known.get((share, grasp.index), self._begin) is None
+    def _out(self, opened: Opened) -> bool:
+        """Whether it is known that a grasp cannot be closed so."""
+        return self._known.get((opened[1], opened[0].index), self._begin) is None
 
-    def _screen(self, grasps: list[Grasp], share: float) -> None:
-        """Those grasps at which the open hand touches something before the container moves are ruled out."""
+    def _screen(self, grasps: Grasps, share: float) -> None:
+        """It is known at which of them the open hand touches something before the container moves."""
         r, p = self.problem.handle_r[0], self.problem.handle_p[0]
-        tools = (
-            r @ np.stack([one.rotation for one in grasps]),
-            np.stack([self._beside(one) for one in grasps]) @ r.T + p,
-        )
-        found = np.empty((len(grasps), 2), np.int64)
+        beside = grasps.translations - self.hand.amid * grasps.rotations[:, :, 1]
+        tools, found = (r @ grasps.rotations, beside @ r.T + p), np.empty((len(grasps), 2), np.int64)
         seen, margins = self.hand.shapes_seen(share), self._margins[1]
         hands.touching_many(self.hand.shapes, seen, tools, self.room.near, *self._rest, margins, found)
-        for grasp, (one, other) in zip(grasps, found.tolist(), strict=True):
+        for number, (one, other) in zip(grasps.numbers.tolist(), found.tolist(), strict=True):
+            self._clear[share, number] = one < 0
             if one >= 0:
                 self.unfit[one, other] += 1
-                self._known[share, grasp.index] = None
                 if one in self.hand.still:
-                    self._closed[grasp.index] = None
+                    self._closed[number] = None
 
     def fitted(self, opened: Opened) -> Fitted | None:
         """The grasp with its fingers closed on the handle, if they can be and the hand can stay."""
@@ -235,11 +237,6 @@ class Fitter:
             self.unfit[pair] += 1
             return None
         there = handle_r.T @ (place - handle_p)
-        centred = replace(
-            grasp,
-            translation=there,
-            aside=self._beside(grasp) - there if hand.amid else None,
-            fingers=hand.positions(shares),
-            opened=hand.opening(share),
-        )
-        return centred, hand.configuration(dict(centred.fingers))
+        aside = self._beside(grasp) - there if hand.amid else None
+        fingers = hand.positions(shares), hand.opening(share)
+        return Grasp(grasp.rotation, there, grasp.index, *fingers, aside), hand.closed(shares)

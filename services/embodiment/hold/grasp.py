@@ -4,10 +4,7 @@ A grasp is data, a tool pose in the handle's frame: no robot pose is needed to s
 into the worktop or a fingertip into the front.
 """
 
-import itertools
-from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,29 +12,12 @@ from numpy.typing import NDArray
 from sdt_kg.errors import AnnotationError
 from sdt_kg.iri import joint_iri
 from services.embodiment.body import hands
-from services.embodiment.body.kernels import rotation
 from services.embodiment.body.limb import Limb
 from services.embodiment.body.world import World
-from services.embodiment.hold.handle import Bar
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]
 
-PITCHES = np.radians([0, -20, 20, -40, 40, -60, 60, -80, 80])  # [rad] about the bar
-TILTS = np.radians([0, -25, 25, -50, 50])  # [rad] along the bar, the fingers still closing across it
-PLACES = (0.0, 0.5, -0.5)  # [1] along the bar, as a share of what of it leaves the fingers on the bar
-DEPTHS = (0.0, -0.008, 0.008, -0.016, 0.016)  # [m] the tool frame beyond the bar's middle, along the approach
-WIDE_PITCHES = np.radians([0, -10, 10, -20, 20, -30, 30, -40, 40, -50, 50, -60, 60, -80, 80])
-WIDE_TILTS = np.radians([0, -25, 25, -50, 50, -65, 65, -80, 80])
-WIDE_DEPTHS = (0.0, -0.012, 0.012)  # [m]
-"""The same of a set that is more than single paths have the time for."""
-FREE_MOST = np.array([1.75, 1.57, 0.6, 1.0, 0.026])
-"""[rad, rad, rad, 1, m] Pitch, tilt, roll about the approach, place and offset of any grasp, at most."""
-ANY_MOST = np.array([np.pi, np.pi / 2, np.pi / 2, 1.0, 0.04])
-"""The same of grasps of any part of a handle, turned anyhow."""
-BEYOND = 0.02  # [m] that its tool may be beyond the end of the bar: half a finger's width, and more
-FIRST_WIDE = 10_000  # number of the first grasp of that set
-FINGER_HALF = 0.015  # [m] kept from the ends of a bar, half a finger's width
 TOUCH = 0.0003  # [m] distance from which a finger counts as touching: certify allows 2 mm
 
 
@@ -63,100 +43,6 @@ class Grasp:
     def tool(self, handle_r: Array, handle_p: Array) -> tuple[Array, Array]:
         """World tool poses for handle poses (T, 3, 3), (T, 3)."""
         return handle_r @ self.rotation, handle_r @ self.translation + handle_p
-
-
-def _turned(axis: Array, angle: float, vector: Array) -> Array:
-    turn = np.empty((3, 3))
-    rotation(axis, angle, turn)
-    return turn @ vector
-
-
-def grasp_settings() -> str:
-    """What the grasp set depends on, as text."""
-    wide = (
-        WIDE_PITCHES.tolist(),
-        WIDE_TILTS.tolist(),
-        WIDE_DEPTHS,
-        FREE_MOST.tolist(),
-        ANY_MOST.tolist(),
-        BEYOND,
-    )
-    return repr((PITCHES.tolist(), TILTS.tolist(), PLACES, DEPTHS, wide, FINGER_HALF, TOUCH))
-
-
-def grasp_set(bar: Bar, steep: bool = False) -> Iterator[Grasp]:
-    """All grasps of a bar, straight ones first, or those that come from far above or below."""
-    room = max(bar.length / 2 - FINGER_HALF, 0.0)
-    places = [bar.centre + place * room * bar.along for place in PLACES]
-    turns = dict[tuple[int, int, int], Array]()
-    for index, (pitch, tilt, flip, place, depth) in _choices(steep):
-        key = pitch, tilt, flip
-        if key not in turns:
-            turns[key] = _turn(bar, float(PITCHES[pitch]), float(TILTS[tilt]), flip)
-        rotation = turns[key]
-        yield Grasp(rotation, places[place] + DEPTHS[depth] * rotation[:, 0], index)
-
-
-def wide_set(bar: Bar) -> Iterator[Grasp]:
-    """Grasps of a bar from more directions, also from beside it, nearly along the bar."""
-    room = max(bar.length / 2 - FINGER_HALF, 0.0)
-    turns = itertools.product(WIDE_PITCHES.tolist(), WIDE_TILTS.tolist(), (1, -1))
-    numbers, places = itertools.count(FIRST_WIDE), np.array(PLACES)[:, None, None] * room * bar.along
-    for turn in (_turn(bar, *one) for one in turns):
-        there = bar.centre + places + np.array(WIDE_DEPTHS)[:, None] * turn[:, 0]
-        for translation in there.reshape(-1, 3):
-            yield Grasp(turn, translation, next(numbers))
-
-
-def free_grasp(bar: Bar, genes: Array, flip: int, number: int) -> Grasp:
-    """A grasp with any pitch, tilt, roll about its approach, place and offset from the bar, shape (5,).
-
-    The tool is off the bar along the approach as it is before the tilt: so it may lie beside the hand too.
-    """
-    pitch, tilt, roll, place, offset = genes.tolist()
-    turn, rolled = _turn(bar, pitch, tilt, flip), np.empty((3, 3))
-    rotation(turn[:, 0].copy(), roll, rolled)
-    straight = _turned(bar.along, pitch, -bar.outward)
-    at = bar.centre + place * (bar.length / 2 + BEYOND) * bar.along + offset * straight
-    return Grasp(rolled @ turn, at, number)
-
-
-@lru_cache(maxsize=2)
-def _choices(steep: bool) -> tuple[tuple[int, tuple[int, int, int, int, int]], ...]:
-    """Number, and indices of pitch, tilt, flip, place and depth; the straightest has the first number."""
-    counts = range(len(PITCHES)), range(len(TILTS)), (1, -1), range(len(PLACES)), range(len(DEPTHS))
-    straight = sorted(
-        itertools.product(*counts),
-        key=lambda choice: (choice[0] + choice[1] * 2 + choice[3] + choice[4], choice),
-    )
-    numbered = enumerate(straight)
-    if not steep:
-        return tuple(numbered)
-    return tuple(sorted(numbered, key=lambda one: (one[1][3] + one[1][4], one[1][1], -one[1][0], one[0])))
-
-
-@lru_cache(maxsize=1)
-def _steep_ranks() -> dict[int, int]:
-    return {index: rank for rank, (index, _) in enumerate(_choices(steep=True))}
-
-
-def steepness(index: int) -> int:
-    """Where the grasp of this number comes among those that come from far above or below first."""
-    return _steep_ranks()[index]
-
-
-def _turn(bar: Bar, pitch: float, tilt: float, flip: int) -> Array:
-    """Rotation of the tool in the frame of the bar's joint."""
-    approach = _turned(bar.along, pitch, -bar.outward)
-    closing = flip * cross(bar.along, approach)
-    approach = _turned(closing, tilt, approach)
-    return np.stack([approach, closing, cross(approach, closing)], axis=1)
-
-
-def cross(one: Array, other: Array) -> Array:
-    """Cross product of two vectors (3,); numpy's own spends most of its time on moving axes."""
-    (a, b, c), (x, y, z) = one.tolist(), other.tolist()
-    return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
 class Hand:
@@ -255,6 +141,10 @@ class Hand:
             value = share[finger.joint] if isinstance(share, dict) else _between(finger, share)
             q[scene.coordinate[joint_iri(scene.robot.mechanism.name, finger.joint)]] = value
         return scene.coupling.positions(q)
+
+    def closed(self, shares: Array) -> Array:
+        """The same with its finger joints closed by shares (F,)."""
+        return self.closing[0] + shares @ self.closing[1]
 
     def shapes_seen(self, share: float) -> tuple[Array, Array]:
         """Poses of its shapes in the tool frame, fingers closed by a share; kept: grasps open alike."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment.hold.grasp import ANY_MOST, FREE_MOST
 from services.embodiment.hold.handle import Bar
+from services.embodiment.hold.sets import ANY_MOST, FREE_MOST
 
 Array = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ class Pool:
 
     Attributes:
         bars: Parts of the handle that may be held.
-        most: How far a grasp of one is turned and moved at most, see `free_grasp`.
+        most: How far a grasp of one is turned and moved at most, see `free_grasps`.
         grasps: So many are bred.
         blocks: Drawn for that, at most.
         empty: The same, while none fits.

@@ -107,6 +107,7 @@ class Sampler:
         self._fitted: dict[int, Fitted | None] = {}
         self._rotation = np.stack([grasp.rotation for grasp, _ in opened])
         self._translation = np.stack([grasp.translation for grasp, _ in opened])
+        self._may_fit = np.ones(len(opened), np.bool_)
         self._rests = np.repeat(self.limb.rest[None], len(opened), axis=0)
         self._bare = without_fingers(searcher.world, self.limb, searcher.rules)
         self.last = len(searcher.problem.values) - 1
@@ -193,7 +194,7 @@ class Sampler:
         """
         layer, seeds, solved = self._free_seeds(index, grasps[:0]), 0, self.searcher.tally.solved
         for batch in range(0, batches, effort.together):
-            left = grasps[[self._may_fit(one) for one in grasps.tolist()]]
+            left = grasps[self._may_fit[grasps]]
             if not len(left):
                 break
             more = self.rng.choice(left, effort.together * SEEDS)
@@ -224,17 +225,13 @@ class Sampler:
         layer = layer.some(self.meet(layer, index))
         return layer.some(self.clear(layer, index))
 
-    def _may_fit(self, grasp: int) -> bool:
-        """Whether it is not known that a grasp does not fit."""
-        return self._fitted.get(grasp, self.opened) is not None
-
     def fits(self, grasp: int) -> bool:
         """Whether a grasp fits and is a hold; its tool is then where the hand is closed, not as meant."""
         if grasp not in self._fitted:
             fitted = self._fitter.fitted(self.opened[grasp])
             if fitted is not None and not self._fitter.engaged(fitted):
                 fitted = None
-            self._fitted[grasp] = fitted
+            self._fitted[grasp], self._may_fit[grasp] = fitted, fitted is not None
             if fitted is not None:
                 self._translation[grasp], self._rests[grasp] = fitted[0].translation, fitted[1]
         return self._fitted[grasp] is not None

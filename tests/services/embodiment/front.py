@@ -11,9 +11,11 @@ from sdt_kg.load import load_twin
 from services.embodiment.body.limb import Margins, touching
 from services.embodiment.body.world import World
 from services.embodiment.hold.fit import Fitter
-from services.embodiment.hold.handle import Mechanics, find_bar
+from services.embodiment.hold.grasp import Grasp
+from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import Problem, Searcher
 from services.embodiment.hold.kit import Kit, Kits
+from services.embodiment.hold.sets import free_grasps
 from services.physics.model import Scene
 from tests.soak.doors import draw, write
 
@@ -51,3 +53,9 @@ def front(
     problem = Problem(mechanics, values, *poses, poses[0][0] @ bar.outward)
     holding = touching(world, kit.limb, kit.demands, (container.handle,))
     return Front(world, kit, problem, Fitter(kit.hand, problem, bar, (holding, kit.demands), Counter()))
+
+
+def free_grasp(bar: Bar, genes: np.ndarray, flip: int, number: int) -> Grasp:
+    """One grasp of any kind."""
+    (grasp,) = free_grasps([bar], genes[None], np.array([flip]), np.array([number]))
+    return grasp

@@ -11,20 +11,13 @@ from services.app import Policy, load
 from services.embodiment.body import ik
 from services.embodiment.body.track import EXACT
 from services.embodiment.hold.bred import ENOUGH, LOOKED_AT, Breeder
-from services.embodiment.hold.grasp import (
-    ANY_MOST,
-    BEYOND,
-    FREE_MOST,
-    Grasp,
-    free_grasp,
-    grasp_set,
-    grasp_settings,
-)
+from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.handle import Bar
 from services.embodiment.hold.holding import STEPS, Searcher
 from services.embodiment.hold.parts import around, parts
 from services.embodiment.hold.pool import FIRST_BRED, anyhow
-from tests.services.embodiment.front import front
+from services.embodiment.hold.sets import ANY_MOST, BEYOND, FREE_MOST, grasp_set, grasp_settings
+from tests.services.embodiment.front import free_grasp, front
 from tests.soak.doors import BAR as BAR_WIDTH
 from tests.soak.doors import STAND_OFF
 from tests.soak.judge import Result, result

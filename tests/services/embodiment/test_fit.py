@@ -13,8 +13,9 @@ from services.embodiment.certify.sweep.kinematics import Kinematics
 from services.embodiment.certify.sweep.shapes import Shapes
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.fit import OPENINGS, Fitted
-from services.embodiment.hold.grasp import FREE_MOST, TOUCH, Grasp, free_grasp
-from tests.services.embodiment.front import Front, front
+from services.embodiment.hold.grasp import TOUCH, Grasp
+from services.embodiment.hold.sets import FREE_MOST
+from tests.services.embodiment.front import Front, free_grasp, front
 
 pytestmark = pytest.mark.oracle
 

@@ -9,8 +9,8 @@ from services.embodiment.body import ik
 from services.embodiment.body.limb import Limb, Margins, make_limb, rules
 from services.embodiment.body.track import Base, track
 from services.embodiment.body.world import World
-from services.embodiment.hold.grasp import PITCHES, grasp_set
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
+from services.embodiment.hold.sets import PITCHES, grasp_set
 from services.embodiment.prove.heights import span
 from services.embodiment.ways import timing
 from services.embodiment.ways.timing import Bound

@@ -10,10 +10,10 @@ from sdt_kg.annotation import Drive
 from services.app import Policy, load
 from services.embodiment.body.track import JUMP
 from services.embodiment.hold.fit import Fitter, Opened
-from services.embodiment.hold.grasp import FIRST_WIDE, grasp_set, wide_set
 from services.embodiment.hold.handle import Bar
 from services.embodiment.hold.holding import SEEDS
 from services.embodiment.hold.sampling import FULL, LOOKED_AT, QUICK, Effort, Sampler
+from services.embodiment.hold.sets import FIRST_WIDE, grasp_set, wide_set
 from services.embodiment.hold.spread import Spreader
 from tests.services.embodiment.front import front
 

@@ -20,10 +20,10 @@ from services.embodiment.body.limb import Margins, touching
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.fit import Fitter
-from services.embodiment.hold.grasp import grasp_set, wide_set
 from services.embodiment.hold.handle import Mechanics, find_bar
 from services.embodiment.hold.holding import Problem
 from services.embodiment.hold.kit import Kits
+from services.embodiment.hold.sets import grasp_set, wide_set
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.content import IN_HAND
 from services.embodiment.proof_check.interval import exact

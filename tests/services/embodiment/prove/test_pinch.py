@@ -18,7 +18,8 @@ from sdt_kg.load import load_twin
 from sdt_kg.mechanism import ShapeType
 from sdt_kg.twin import Twin
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.hold.grasp import FREE_MOST, Grasp, free_grasp
+from services.embodiment.hold.grasp import Grasp
+from services.embodiment.hold.sets import FREE_MOST
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.content import LEAF
 from services.embodiment.proof_check.pinch.fingers import Hand, handle_span
@@ -28,7 +29,7 @@ from services.embodiment.prove import Proved, Prover
 from services.embodiment.prove.pinch import Search
 from services.physics.model import Scene
 from services.physics.tree import se3
-from tests.services.embodiment.front import Front, front
+from tests.services.embodiment.front import Front, free_grasp, front
 from tests.services.embodiment.test_fit import held
 from tests.soak.doors import draw, write
 
