@@ -120,6 +120,7 @@ def run(  # noqa: PLR0913, PLR0917  # who is told of what; the rest has defaults
     motions: Path | None = None,
     recall: Recall = nothing_stored,
     lost: Callable[[Unjudged], None] = ends,
+    records: bool = True,
 ) -> TableResult:
     """Verdicts of all cases, in the order of the cases; each is reported as soon as it is there.
 
@@ -133,6 +134,7 @@ def run(  # noqa: PLR0913, PLR0917  # who is told of what; the rest has defaults
         motions: Folder for the certified body motions, a file for each.
         recall: What is stored under a verdict's IRI; such cases are not judged again.
         lost: Called with each case that got no verdict from a worker, as its process died twice or failed.
+        records: Whether verdicts are made triples too; not where nobody keeps them.
 
     Raises:
         InputError: A model cannot be loaded.
@@ -142,7 +144,7 @@ def run(  # noqa: PLR0913, PLR0917  # who is told of what; the rest has defaults
     done: dict[Cell, Found] = {}
     if motions is not None:
         motions.mkdir(parents=True, exist_ok=True)
-    keep = partial(_kept, motions=motions)
+    keep = partial(_kept, motions=motions, records=records)
     if recall is not nothing_stored:
         for result in filter(None, (_stored(case, recall, keep) for case in cases)):
             done[result.cell] = result
@@ -198,9 +200,9 @@ def _judge(cell: Cell, keep: Keep) -> CellResult:
     return keep(cell, verdict_of(cell))
 
 
-def _kept(cell: Cell, verdict: Verdict, motions: Path | None) -> CellResult:
+def _kept(cell: Cell, verdict: Verdict, motions: Path | None, records: bool) -> CellResult:
     """The result, its certified body motion written to the folder."""
     body_motion = verdict.case.body_motion
     if motions is not None and verdict.outcome is Outcome.CERTIFIED and isinstance(body_motion, BodyMotion):
         write_motion(motions / cell.file_name, body_motion)
-    return CellResult(cell, to_json(verdict), to_record(verdict))
+    return CellResult(cell, to_json(verdict), to_record(verdict) if records else None)

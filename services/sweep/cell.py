@@ -49,11 +49,21 @@ class Cell:
 
 @dataclass(frozen=True, slots=True)
 class CellResult:
-    """What a worker found: the verdict as the JSON object of `sdt achieve`, and as triples."""
+    """What a worker found: the verdict as the JSON object of `sdt achieve`, and as triples.
+
+    Attributes:
+        written: The triples; None where nobody is to keep them.
+    """
 
     cell: Cell
     verdict: dict[str, object]
-    record: Record
+    written: Record | None
+
+    @property
+    def record(self) -> Record:
+        """The triples, for who keeps them."""
+        assert self.written is not None, "who keeps records asks for them"
+        return self.written
 
     @property
     def stored(self) -> bool:

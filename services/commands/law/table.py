@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -26,9 +27,11 @@ from services.commands.output import write_file
 from services.commands.show import csv_text, print_json, print_rows, progress
 from services.commands.verdicts import COLUMNS, Json, verdict_row
 from services.requests import parse_state, state_joints
-from services.store.files import SavedVerdicts
 from services.sweep.cell import Cell, Unjudged
 from services.table import CellResult, TableResult, cells, run
+
+if TYPE_CHECKING:
+    from services.store.files import SavedVerdicts
 
 STDOUT = Path("-")
 
@@ -89,7 +92,7 @@ def table(
     policy = Policy(Drive(drive) if drive else None, None, budget, seed)
     cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)
     # The table is told before the store is closed: a file is written then, and may not fit.
-    with SavedVerdicts(save) if save else nullcontext() as saved:
+    with _kept_in(save) if save else nullcontext() as saved:
         if saved:
             _add_twins(saved, kitchens.split(","), robots.split(","), states)
         result = _judged(cases, jobs, motions, saved, f"{verb}()")
@@ -99,8 +102,14 @@ def table(
     raise SystemExit(Exit.NO_ORACLE if result.unjudged else Exit.DONE)
 
 
+def _kept_in(place: str) -> "SavedVerdicts":
+    from services.store.files import SavedVerdicts  # noqa: PLC0415 - slow to import, and nothing may be kept
+
+    return SavedVerdicts(place)
+
+
 def _judged(
-    cases: Sequence[Cell], jobs: int, motions: Path | None, saved: SavedVerdicts | None, title: str
+    cases: Sequence[Cell], jobs: int, motions: Path | None, saved: "SavedVerdicts | None", title: str
 ) -> TableResult:
     """All cases, each kept as soon as it is there, with a bar on the way."""
     with progress(title, len(cases)) as bar:
@@ -117,7 +126,8 @@ def _judged(
         def lost(case: Unjudged) -> None:
             advance(case.cell)
 
-        return run(cases, jobs, report, motions, saved.stored if saved else nothing_stored, lost)
+        recall = saved.stored if saved else nothing_stored
+        return run(cases, jobs, report, motions, recall, lost, records=saved is not None)
 
 
 def _say(result: TableResult, objects: Sequence[Json], csv_file: Path | None, *, as_json: bool) -> None:
@@ -143,7 +153,7 @@ def _write_csv(path: Path, objects: Sequence[Json]) -> None:
 
 
 def _add_twins(
-    saved: SavedVerdicts, kitchens: Sequence[str], robots: Sequence[str], states: Sequence[str]
+    saved: "SavedVerdicts", kitchens: Sequence[str], robots: Sequence[str], states: Sequence[str]
 ) -> None:
     """The kitchens, each in the state in which it is judged."""
     for kitchen in kitchens:
