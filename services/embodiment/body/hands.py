@@ -166,7 +166,7 @@ def _closing(k, shares, sides, hand, closing, handle, shapes, touch, rounds, roo
             share = 1.0 if at > 0.0 else 0.0
     if high > 1.0:
         return False
-    if low >= 0.0:
+    if 0.0 <= low < high:  # to rounding they may be one, where the gap is a step
         guess[1] = (at_low - at_high) / (high - low)
     shares[k] = guess[0] = high
     return True
