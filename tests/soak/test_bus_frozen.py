@@ -117,7 +117,7 @@ def test_work_that_went_to_a_frozen_oracle_is_done_by_another() -> None:
     ):
         physics = BusOracles.on(session).physics()
         until = time.monotonic() + START
-        while len(physics.callers.instances()) < 2:
+        while len(physics.pinned.callers.instances()) < 2:
             assert time.monotonic() < until
             time.sleep(0.2)
         for _ in range(2):  # both hold the twin
@@ -128,4 +128,4 @@ def test_work_that_went_to_a_frozen_oracle_is_done_by_another() -> None:
             found = physics.replay(here.twin, caused.case.motion)
             assert found.final == here.physics.replay(here.twin, caused.case.motion).final
             assert time.monotonic() - began < LEASE + SLACK
-        assert len(physics.callers.instances()) == 1
+        assert len(physics.pinned.callers.instances()) == 1
