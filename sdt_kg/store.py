@@ -160,20 +160,27 @@ def checked_query(sparql: str) -> str:
     try:
         ox.Store().query(sparql, prefixes=PREFIXES)
     except SyntaxError as error:
-        where, _, expected = str(error).partition(" expected ")
-        if "Prefix not found" in expected:
-            raise QueryError(
-                f"the query has a prefix that is not declared: {where}",
-                allowed=f"{', '.join(PREFIXES)}, and what the query declares",
-                remedy="put PREFIX NAME: <IRI> at its beginning",
-            ) from None
-        what = shorten(" ".join(expected.split()), SHOWN_EXPECTATION, placeholder=" …")
-        raise QueryError(
-            f"the query is not SPARQL that reads: {where} expected {what}",
-            allowed="SELECT, ASK, CONSTRUCT, DESCRIBE",
-            remedy="LOAD, INSERT, DELETE and other updates are not done here",
-        ) from None
+        raise not_read(error) from None
     return sparql
+
+
+def not_read(error: Exception) -> QueryError:
+    """What a parser says of a query, in words."""
+    where, _, expected = str(error).partition(" expected ")
+    if "Prefix not found" in expected:
+        return QueryError(
+            f"the query has a prefix that is not declared: {where.removesuffix(':')}",
+            allowed=f"{', '.join(PREFIXES)}, and what the query declares",
+            remedy="put PREFIX NAME: <IRI> at its beginning",
+        )
+    what = shorten(" ".join(expected.split()), SHOWN_EXPECTATION, placeholder=" …")
+    return QueryError(
+        f"the query is not SPARQL that reads: {where} expected {what}"
+        if what
+        else f"the query is not SPARQL that reads: {where}",
+        allowed="SELECT, ASK, CONSTRUCT, DESCRIBE",
+        remedy="LOAD, INSERT, DELETE and other updates are not done here",
+    )
 
 
 def value_of(term: object) -> Value:

@@ -216,7 +216,10 @@ class Judge:
     def _why(self, iri: Iri) -> TextReply:
         quads = self._recall(iri)
         if quads is None:
-            raise UnknownEntityError("verdict", iri, (), "select ?v { ?v a law:Verdict } lists what is kept")
+            remedy = "select ?v { ?v a law:Verdict } lists what is kept"
+            raise InputError(
+                f"no verdict <{iri}> is kept here", allowed="the IRI of one that is", remedy=remedy
+            )
         return TextReply(text=why(ox.parse(quads, format=ox.RdfFormat.N_QUADS), iri))
 
     def _under(self, asked: Asked, request: Performed) -> Service:

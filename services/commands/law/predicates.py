@@ -91,15 +91,23 @@ def causes(
         print_rows(rows, columns)
         for note in dict.fromkeys(note for row in rows for note in row["notes"]):
             click.echo(f"note: {note}", err=csv_is_asked())
-    _exit(rows)
+    raise SystemExit(exit_of(rows))
 
 
-def _exit(rows: list[Json]) -> None:
+def exit_of(rows: list[Json]) -> Exit:
+    """How `sdt causes` ends with these answers."""
     outcomes = {row["outcome"] for row in rows}
     if outcomes == {"out_of_scope"}:
-        raise SystemExit(Exit.ABSTAINED)
-    if outcomes != {"causes"}:
-        raise SystemExit(Exit.NO)
+        return Exit.ABSTAINED
+    return Exit.DONE if outcomes == {"causes"} else Exit.NO
+
+
+def outcome_of(holds: bool, diagnoses: list[Json]) -> str:
+    """Of one answer of Causes."""
+    if holds:
+        return "causes"
+    kinds = {each["kind"] for each in diagnoses}
+    return "out_of_scope" if "out_of_scope" in kinds else "does_not_cause"
 
 
 def _write_first(answers: list[Answer], path: Path) -> None:
@@ -118,12 +126,10 @@ def _task_row(task: Task) -> dict[str, object]:
 def _answer_row(answer: Answer) -> Json:
     case = answer.case
     row: Json = _task_row(case.task) if isinstance(case.task, Task) else {}
-    kinds = {diagnosis.kind.value for diagnosis in answer.diagnoses}
-    row["outcome"] = (
-        "causes" if answer.holds else ("out_of_scope" if "out_of_scope" in kinds else "does_not_cause")
-    )
+    diagnoses = [diagnosis_json(each) for each in answer.diagnoses]
+    row["outcome"] = outcome_of(answer.holds, diagnoses)
     if isinstance(case.motion, Motion) and not case.motion.is_poses:
         values = case.motion.values[:, 0]
         row |= {"start": float(values[0]), "end": float(values[-1]), "duration": float(case.motion.times[-1])}
     row |= {"figures": dict(answer.figures), "notes": list(answer.notes)}
-    return row | {"diagnoses": [diagnosis_json(each) for each in answer.diagnoses]}
+    return row | {"diagnoses": diagnoses}

@@ -8,10 +8,8 @@ from typing import Any
 import click
 
 from sdt_kg.errors import InputError
-from services.commands.exits import Exit
+from services.commands.network.answers import ANSWERS, Asked
 from services.commands.options import FiniteRange, csv_flag, json_flag, states_option, tee_option
-from services.commands.show import print_json, print_rows
-from services.commands.verdicts import told
 
 ENDPOINT = "tcp/127.0.0.1:7447"
 
@@ -24,6 +22,18 @@ TAKES = {
     "place": ("robot", "state"),
 }
 """Verb → the options that it takes of those that decide what is asked; other verbs take none."""
+
+TEXTS = {
+    "select": "a query",
+    "ask": "a query",
+    "construct": "a query",
+    "causes": "a task",
+    "achieve": "a task",
+    "task": "the name of a ready task, or one in Turtle",
+    "place": "a task",
+    "why": "the IRI of a verdict",
+}
+"""Verb → the text that it needs; other verbs take none."""
 
 connect_option = click.option(
     "--connect",
@@ -44,9 +54,8 @@ config_option = click.option(
 @click.argument("twin")
 @click.argument(
     "verb",
-    type=click.Choice(
-        ["select", "ask", "construct", "satisfies", "causes", "achieve", "task", "place", "why", "health"]
-    ),
+    metavar="VERB",
+    type=click.Choice(list(ANSWERS)),
 )
 @click.argument("text", required=False, default="")
 @connect_option
@@ -89,81 +98,37 @@ def ask(
     deadline: float,
     as_json: bool,
 ) -> None:
-    """Ask a server on the bus about TWIN: TEXT is the query, the task, or a verdict's IRI.
+    """Ask a server on the bus about TWIN, the name of its kitchen.
 
-    For task, TEXT is the name of a ready task (sdt task --list), or one in Turtle.
+    VERB is select, ask, construct, satisfies, causes, achieve, task, place, why or health.
 
-    Exit as `sdt achieve`; 4 if nobody answers.
+    TEXT is a SPARQL query for select, ask and construct; a task (open, open:CONTAINER …) for causes, achieve
+    and place; for task the name of a ready one (sdt task --list), or one in Turtle; for why the IRI of a
+    verdict. satisfies and health take none.
+
+    Exit as the command of that name without a bus; 4 if nobody answers.
     """
-    said = (robot, states, drive, tee != "d_artic", handle_force)
+    _check(twin, verb, text, (robot, states, drive, tee != "d_artic", handle_force))
+    from services.bus.client import connect as connected  # noqa: PLC0415 - other commands need no bus
+
+    relative: dict[str, Any] = {"tee": tee, "handle_force": handle_force}
+    asked = Asked(text, robot, states, drive, budget, relative)
+    with connected(twin, connect, deadline=deadline, config=config) as to:
+        raise SystemExit(ANSWERS[verb](to, asked, as_json))
+
+
+def _check(twin: str, verb: str, text: str, said: tuple[object, ...]) -> None:
+    """The verb is told what it needs, and nothing that it does not hear.
+
+    Raises:
+        InputError: Otherwise.
+    """
+    if verb in TEXTS and not text.strip():
+        raise InputError(f"{verb} asks about nothing", allowed=f"{TEXTS[verb]}: sdt ask {twin} {verb} TEXT")
     for option, given in zip(CASE, said, strict=True):
         if given and option not in TAKES.get(verb, ()):
             taking = ", ".join(each for each, options in TAKES.items() if option in options)
             raise InputError(f"--{option} says nothing to {verb}", allowed=f"with {taking}")
-    from services.bus.client import Connection  # noqa: PLC0415 - other commands need no bus
-    from services.bus.client import connect as connected  # noqa: PLC0415 - see above
-
-    relative: dict[str, Any] = {"tee": tee, "handle_force": handle_force}
-
-    def asked(to: Connection) -> int:
-        if verb in {"select", "ask", "construct"}:
-            return _query(to, verb, text, as_json=as_json)
-        if verb == "why":
-            click.echo(to.why(text))
-            return 0
-        if verb == "achieve":
-            found = to.achieve(text, robot, *states, drive=drive, budget=budget, **relative)
-            return told(found.objects, as_json=as_json)
-        if verb == "task":
-            return _task(
-                to.task(text, robot, *states, drive=drive, budget=budget, **relative), as_json=as_json
-            )
-        rows = {"satisfies": lambda: [each.model_dump() for each in to.satisfies(*states)]}
-        rows["causes"] = lambda: [
-            to.causes(text, *states, **relative).model_dump(mode="json", exclude={"motions"})
-        ]
-        rows["place"] = lambda: to.place(text, robot, *states, budget=budget)["spots"]
-        rows["health"] = to.health
-        return _rows(rows[verb](), as_json=as_json)
-
-    with connected(twin, connect, deadline=deadline, config=config) as to:
-        raise SystemExit(asked(to))
-
-
-def _task(said: dict[str, Any], *, as_json: bool) -> int:
-    """Outcome, steps and rules; the exit code is that of `sdt task`."""
-    if as_json:
-        print_json(said)
-    else:
-        click.echo(f"{said['outcome']}  {said['task']}\n{said['result']}\n")
-        steps = [{"part": "step", "what": each["step"], "outcome": each["outcome"]} for each in said["steps"]]
-        rules = [
-            {"part": "rule", "what": each["rule"], "outcome": each["standing"]} for each in said["rules"]
-        ]
-        print_rows([*steps, *rules], ("part", "outcome", "what"))
-    return {"certified": Exit.DONE, "abstained": Exit.ABSTAINED}.get(said["outcome"], Exit.NO)
-
-
-def _query(to: object, verb: str, text: str, *, as_json: bool) -> int:
-    from services.bus.client import Connection  # noqa: PLC0415 - other commands need no bus
-
-    assert isinstance(to, Connection)
-    if verb == "select":
-        columns, rows = to.select(text)
-        return _rows(rows, as_json=as_json, columns=tuple(columns))
-    if verb == "ask":
-        return _rows([{"answer": to.ask(text)}], as_json=as_json)
-    for triple in to.construct(text):
-        click.echo(f"{triple} .")
-    return 0
-
-
-def _rows(rows: list[dict[str, object]], *, as_json: bool, columns: tuple[str, ...] = ()) -> int:
-    if as_json:
-        print_json(rows)
-    else:
-        print_rows(rows, columns or tuple(rows[0] if rows else ()))
-    return 0
 
 
 @click.command()

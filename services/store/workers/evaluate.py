@@ -10,6 +10,7 @@ import pyoxigraph as ox
 
 from sdt_kg.errors import InputError, QueryError
 from sdt_kg.iri import PREFIXES, Iri
+from sdt_kg.store import not_read
 from services.store.guard import RefusedQueryError, guarded, known_graphs
 from services.store.workers.deltas import DEFAULT_GRAPH, Held
 from services.store.workers.errors import Limit, LimitError, NotAcceptableError
@@ -145,12 +146,11 @@ def _solutions(held: Held, asked: Asked) -> ox.QuerySolutions | ox.QueryBoolean 
             **dataset,  # pyright: ignore[reportArgumentType]  # two of the keywords
         )
     except (SyntaxError, ValueError) as error:
-        masked = checked.text != asked.text
-        raise QueryError(
-            f"the query is not SPARQL that reads: {' '.join(str(error).split())[:200]}",
-            allowed="SELECT, ASK, CONSTRUCT, DESCRIBE",
-            remedy="the word SERVICE may stand in strings, comments and full IRIs only" if masked else "",
-        ) from None
+        said = not_read(error)
+        if checked.text != asked.text:
+            service = "the word SERVICE may stand in strings, comments and full IRIs only"
+            raise QueryError(said.what, allowed=said.allowed, remedy=service) from None
+        raise said from None
 
 
 def _nodes(graphs: Iterable[Iri]) -> list[ox.NamedNode]:

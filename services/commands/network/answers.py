@@ -1,0 +1,132 @@
+"""What `sdt ask` shows of each verb's answer, and how it ends."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+from sdt_kg.iri import local_name
+from services.commands.exits import Exit
+from services.commands.show import print_json, print_rows
+from services.commands.verdicts import told
+
+if TYPE_CHECKING:
+    from services.bus.client import Connection
+
+OUTCOMES = {"certified": Exit.DONE, "abstained": Exit.ABSTAINED}
+"""Of a task → how `sdt task` ends; any other outcome is a no."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What a verb is told.
+
+    Attributes:
+        text: A query, a task or an IRI.
+        relative: The class, and what is allowed at the handle.
+    """
+
+    text: str
+    robot: str | None
+    states: tuple[str, ...]
+    drive: str | None
+    budget: float
+    relative: Mapping[str, Any]
+
+
+def _select(to: "Connection", asked: Asked, as_json: bool) -> int:
+    columns, rows = to.select(asked.text)
+    return _rows(rows, as_json, tuple(columns))
+
+
+def _ask(to: "Connection", asked: Asked, as_json: bool) -> int:
+    return _rows([{"answer": to.ask(asked.text)}], as_json)
+
+
+def _construct(to: "Connection", asked: Asked, as_json: bool) -> int:
+    for triple in to.construct(asked.text):
+        click.echo(f"{triple} .")
+    return Exit.DONE
+
+
+def _satisfies(to: "Connection", asked: Asked, as_json: bool) -> int:
+    return _rows([each.model_dump() for each in to.satisfies(*asked.states)], as_json)
+
+
+def _causes(to: "Connection", asked: Asked, as_json: bool) -> int:
+    """A row for each motion; the exit code is that of `sdt causes`."""
+    from services.commands.law.predicates import exit_of, outcome_of  # noqa: PLC0415 - other verbs need it not
+
+    said = to.causes(asked.text, *asked.states, **asked.relative)
+    rows: list[dict[str, Any]] = [
+        {
+            "task": task.verb if task else "",
+            "container": local_name(task.container) if task else "",
+            "outcome": outcome_of(holds, diagnoses),
+            "why": "; ".join(each["reason"] for each in diagnoses),
+        }
+        for task, holds, diagnoses in zip(said.tasks, said.holds, said.diagnoses, strict=True)
+    ]
+    if as_json:
+        print_json([said.model_dump(mode="json", exclude={"motions"})])
+    else:
+        print_rows(rows, ("task", "container", "outcome", "why"))
+    return exit_of(rows)
+
+
+def _achieve(to: "Connection", asked: Asked, as_json: bool) -> int:
+    how: dict[str, Any] = {"drive": asked.drive, "budget": asked.budget, **asked.relative}
+    return told(to.achieve(asked.text, asked.robot, *asked.states, **how).objects, as_json=as_json)
+
+
+def _task(to: "Connection", asked: Asked, as_json: bool) -> int:
+    """Outcome, steps and rules; the exit code is that of `sdt task`."""
+    how: dict[str, Any] = {"drive": asked.drive, "budget": asked.budget, **asked.relative}
+    said = to.task(asked.text, asked.robot, *asked.states, **how)
+    if as_json:
+        print_json(said)
+    else:
+        click.echo(f"{said['outcome']}  {said['task']}\n{said['result']}\n")
+        steps = [{"part": "step", "what": each["step"], "outcome": each["outcome"]} for each in said["steps"]]
+        rules = [
+            {"part": "rule", "what": each["rule"], "outcome": each["standing"]} for each in said["rules"]
+        ]
+        print_rows([*steps, *rules], ("part", "outcome", "what"))
+    return OUTCOMES.get(said["outcome"], Exit.NO)
+
+
+def _place(to: "Connection", asked: Asked, as_json: bool) -> int:
+    found = to.place(asked.text, asked.robot, *asked.states, budget=asked.budget)
+    return _rows(found["spots"], as_json)
+
+
+def _why(to: "Connection", asked: Asked, as_json: bool) -> int:
+    click.echo(to.why(asked.text))
+    return Exit.DONE
+
+
+def _health(to: "Connection", asked: Asked, as_json: bool) -> int:
+    return _rows(to.health(), as_json)
+
+
+def _rows(rows: list[dict[str, object]], as_json: bool, columns: tuple[str, ...] = ()) -> int:
+    if as_json:
+        print_json(rows)
+    else:
+        print_rows(rows, columns or tuple(rows[0] if rows else ()))
+    return Exit.DONE
+
+
+ANSWERS: Final[Mapping[str, Callable[["Connection", Asked, bool], int]]] = {
+    "select": _select,
+    "ask": _ask,
+    "construct": _construct,
+    "satisfies": _satisfies,
+    "causes": _causes,
+    "achieve": _achieve,
+    "task": _task,
+    "place": _place,
+    "why": _why,
+    "health": _health,
+}

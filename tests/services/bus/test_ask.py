@@ -1,0 +1,40 @@
+"""`sdt ask`: what the shell shows of an answer on the bus, and how it ends."""
+
+from services.bus.server import Server
+from services.commands.exits import Exit
+
+CONTAINER = "iai_fridge_door"
+
+
+def test_causes_is_a_table_and_ends_as_without_a_bus(sdt, bus: tuple[str, Server]) -> None:
+    to = ("--connect", bus[0])
+    there, here = sdt("ask", "b", "causes", "open", *to), sdt("causes", "b", "--task", "open")
+    assert (there.code, here.code) == (Exit.DONE, Exit.DONE)
+    told = [line.split()[:3] for line in there.out.splitlines()]
+    assert told == [line.split()[:3] for line in here.out.splitlines()]
+    assert ["open", CONTAINER, "causes"] in told
+    blocked = sdt("ask", "b", "causes", f"open:{CONTAINER}", "--state", f"{CONTAINER}=open", *to)
+    assert blocked.code == Exit.NO
+    assert "does_not_cause" in blocked.out
+
+
+def test_a_prefix_that_is_not_declared_is_told_as_on_the_shell(sdt, bus: tuple[str, Server]) -> None:
+    query = "SELECT ?d { ?d a my:Door }"
+    done = sdt("ask", "b", "select", query, "--connect", bus[0])
+    assert done.code == Exit.BAD_INPUT
+    assert "a prefix that is not declared" in done.err
+    assert "put PREFIX NAME: <IRI> at its beginning" in done.err
+    assert done.err == sdt("query", "b", query).err
+
+
+def test_a_verb_without_its_text_and_a_verdict_that_is_not_kept_are_named(
+    sdt, bus: tuple[str, Server]
+) -> None:
+    nothing = sdt("ask", "b", "why", "--connect", bus[0])
+    assert (nothing.code, nothing.err) == (
+        Exit.BAD_INPUT,
+        "error: why asks about nothing; allowed: the IRI of a verdict: sdt ask b why TEXT\n",
+    )
+    unknown = sdt("ask", "b", "why", "https://example.org/id/verdict/0", "--connect", bus[0])
+    assert unknown.code == Exit.BAD_INPUT
+    assert "no verdict <https://example.org/id/verdict/0> is kept here" in unknown.err
