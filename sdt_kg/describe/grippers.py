@@ -1,7 +1,8 @@
 """Grippers guessed from a robot's structure and names: fingers that face each other under a palm."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Final
 
@@ -146,6 +147,8 @@ def _side(palm: str) -> str:
 
 def _gripper(tree: Tree, name: str, palm: str, fingers: list[_Finger]) -> Gripper | None:
     free = _motors(tree, fingers)
+    if not all(math.isfinite(joint.limits.upper - joint.limits.lower) for joint in free):
+        return None
     pairs = [_Pair(tree, palm, one, other) for one, other in combinations(fingers, 2)]
     middle = {joint.name: (joint.limits.lower + joint.limits.upper) / 2 for joint in free}
     pair = _holding(pairs, middle)
@@ -172,10 +175,24 @@ def _gripper(tree: Tree, name: str, palm: str, fingers: list[_Finger]) -> Grippe
 
 
 def _motors(tree: Tree, fingers: list[_Finger]) -> list[Joint]:
-    """The joints that move the fingers: their own, or those that these follow."""
+    """The joints that move the fingers: their own, or those that these follow, as far as these let them."""
     own = [finger.joint for finger in fingers if finger.joint is not None]
     names = [joint.name if joint.mimic is None else joint.mimic.joint for joint in own]
-    return [tree.mechanism.joint(name) for name in dict.fromkeys(names)]
+    return [_within(tree.mechanism.joint(name), own) for name in dict.fromkeys(names)]
+
+
+def _within(motor: Joint, fingers: Iterable[Joint]) -> Joint:
+    """The motor's joint, its limits those at which all that follow it are within theirs."""
+    lower, upper = motor.limits.lower, motor.limits.upper
+    for joint in fingers:
+        if joint.mimic is not None and joint.mimic.joint == motor.name and joint.mimic.multiplier:
+            ends = (
+                (end - joint.mimic.offset) / joint.mimic.multiplier
+                for end in (joint.limits.lower, joint.limits.upper)
+            )
+            first, last = sorted(ends)
+            lower, upper = max(lower, first), min(upper, last)
+    return replace(motor, limits=replace(motor.limits, lower=lower, upper=max(lower, upper)))
 
 
 def _holding(pairs: list["_Pair"], positions: Positions) -> "_Pair":

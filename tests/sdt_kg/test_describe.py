@@ -264,6 +264,26 @@ def test_a_finger_may_follow_a_joint(write: Write) -> None:
     assert [finger.joint for finger in gripper.finger_joints] == ["part_17_slide"]
 
 
+@pytest.mark.parametrize(("kind", "ends"), [("continuous", (0.0, 0.0)), ("revolute", (-9.0, 9.0))])
+def test_a_motor_goes_as_far_as_the_fingers_that_follow_it(
+    write: Write, kind: str, ends: tuple[float, float]
+) -> None:
+    mimic = '<mimic joint="motor_joint" multiplier="-0.01" offset="0.04"/>'
+    fingers = (slides(f"finger_{side}", side, side, mimic=mimic) for side in (1, -1))
+    motor = joint("motor_joint", kind, "palm", "motor", f'<axis xyz="1 0 0"/>{limit(*ends)}')
+    (gripper,) = guess(write(*arm(*fingers, link("motor"), motor))).grippers
+    (finger,) = gripper.finger_joints
+    assert (finger.joint, finger.open, finger.closed) == ("motor_joint", 0.0, pytest.approx(4.0, abs=1e-5))
+
+
+def test_a_motor_without_an_end_moves_no_gripper_that_could_be_told(write: Write) -> None:
+    mimic = '<mimic joint="motor_joint" multiplier="0"/>'
+    fingers = (slides(f"finger_{side}", side, side, mimic=mimic) for side in (1, -1))
+    motor = joint("motor_joint", "continuous", "palm", "motor", f'<axis xyz="1 0 0"/>{limit(0.0, 0.0)}')
+    robot = guess(write(*arm(*fingers, link("motor"), motor)))
+    assert any("no gripper was found" in note for note in robot.notes)
+
+
 def test_a_single_finger_closes_on_a_body_that_stands_still(write: Write) -> None:
     still = link("fixed_jaw", '<box size="0.1 0.02 0.02"/>')
     still += joint("jaw_mount", "fixed", "palm", "fixed_jaw", '<origin xyz="0.1 -0.01 0"/>')
