@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import islice, product
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,7 @@ from services.kernel import worked
 Array = NDArray[np.float64]
 
 MORE_ROUNDS = 48  # the same, where postures were found but no way on from them
-ALONE = 4  # rounds of single paths before many postures search together; a few do so after the first of them
+ALONE = 3  # rounds of single paths before many postures search together; a few do so after the first of them
 TRIES = 4  # holdings of one batch that are approached
 SWEEP = 5.0  # [s] that are left for a proof that the container comes into the robot; else the search has them
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
@@ -73,6 +73,7 @@ class Planner:
         self.rough: list[Assembled] = []
         self.bar: Bar | None = None
         self.holdings = self.refused = self.placements = 0
+        self._breeds = False
         self.proofs = Proofs(setting, spent)
         self.start_contact: tuple[tuple[int, int], float] | None = None
         self.unfit: Counter[tuple[int, int]] = Counter()
@@ -92,10 +93,9 @@ class Planner:
             self._give_up()
             return
         for number in range(MORE_ROUNDS):
-            if self._proved_early(number):
+            yield from self._between(number)
+            if self.proofs.ended:
                 return
-            if 0 < number <= ALONE:
-                yield from self._spread(FULL if number == ALONE else QUICK)
             for attempt in self._attempts(kits, number):
                 if attempt.saturated(number):
                     continue
@@ -105,36 +105,55 @@ class Planner:
                 yield from self._round(attempt, number)
         self._give_up()
         yield from self._spread(FULL)
-        yield from self._spread(None)
+        yield from self._bred()
 
-    def _spread(self, effort: Effort | None) -> Iterator[Planned]:
-        """Plans from holdings of more grasps, listed or else bred, that many postures find together.
+    def _between(self, number: int) -> Iterator[Planned]:
+        """Before round `number`, an early look for proofs, and plans that many postures find together.
 
-        Bred ones hold the bar, then any part of the handle anyhow. A base that found no way to one needs no
-        others, but ways. Proofs about holds come before bred ones, or after them where the base stands:
-        there they take longer.
+        Where many find nothing that could be followed, grasps are bred at once: single paths that are
+        searched for longer find nothing either, but where the base stands.
         """
-        stands = self.setting.drive is Drive.FIXED
-        if effort is None and not stands:
+        if number == 1:
+            self._look_early()
+        if 0 < number <= ALONE and not self.proofs.ended:
+            yield from self._spread(FULL if number == ALONE else QUICK)
+        if number == ALONE and self.setting.drive is not Drive.FIXED and not self._has_ways():
+            self._give_up()
+            yield from self._bred()
+
+    def _spread(self, effort: Effort) -> Iterator[Planned]:
+        """Plans from holdings of listed grasps that many postures find together."""
+        yield from self._with(partial(Attempt.spread, effort=effort))
+
+    def _bred(self) -> Iterator[Planned]:
+        """Plans from holdings of bred grasps, once: they hold the bar, then any part of the handle anyhow.
+
+        Proofs about holds come before, or after where the base stands: there they take longer.
+        """
+        if self._breeds:
+            return
+        stands, self._breeds = self.setting.drive is Drive.FIXED, True
+        if not stands:
             self._prove_of_holds()
+        for way in (Attempt.breed, Attempt.breed_anyhow):
+            yield from self._with(way)
+        if stands:
+            self._prove_of_holds()
+
+    def _with(self, way: Callable[..., Iterator[Holding]]) -> Iterator[Planned]:
+        """Plans of each gripper. A base that found no way to a holding needs no others, but ways."""
+        stands = self.setting.drive is Drive.FIXED
         shut = not stands and any(one.stage == "drive" for one in self.blocked)
-        ways = (Attempt.breed, Attempt.breed_anyhow)
-        if effort is not None:
-            ways = (partial(Attempt.spread, effort=effort),)
-        for way, attempt in () if shut else product(ways, self.attempts):
+        for attempt in () if shut else self.attempts:
             if not self.proofs.ended and not self.late():
                 yield from self._of(attempt, way(attempt, late=self.late))
-        if effort is None and stands:
-            self._prove_of_holds()
 
-    def _proved_early(self, number: int) -> bool:
-        """Whether nothing will do; looked for once, after the first round."""
-        if number == 1:
-            if not any(attempt.searcher.tally.solved for attempt in self.attempts):
-                self.proofs.look(EARLY_BOXES)
-            if worked() + SWEEP < self.deadline:
-                self.proofs.look_at_sweep()
-        return self.proofs.ended
+    def _look_early(self) -> None:
+        """Look for proofs after the first round."""
+        if not any(attempt.searcher.tally.solved for attempt in self.attempts):
+            self.proofs.look(EARLY_BOXES)
+        if worked() + SWEEP < self.deadline:
+            self.proofs.look_at_sweep()
 
     def _prove_at_once(self, limbs: list[Limb]) -> None:
         """Look for a proof where one is likely: times may be too short, or the handle far from any hand."""
