@@ -1,6 +1,7 @@
 """Containers as a query tells them, and what is left out."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from sdt_kg.iri import Iri, local_name
@@ -57,8 +58,15 @@ class LeftOut:
     reason: str
 
 
-def container_of(row: Row) -> Container:
-    """The container of a row of `containers.rq`."""
+def containers_of(rows: Iterable[Row]) -> tuple[Container, ...]:
+    """The containers of the rows of `containers.rq`; of each its first row."""
+    found: dict[Iri, Container] = {}
+    for container in map(_container, rows):
+        found.setdefault(container.iri, container)
+    return tuple(found.values())
+
+
+def _container(row: Row) -> Container:
 
     def number(name: str, missing: float = math.inf) -> float:
         value = row[name]

@@ -4,16 +4,16 @@ import hashlib
 from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cached_property
 from itertools import chain
 from threading import Lock
 from typing import Final, TypeVar
 
-import ontology
 from sdt_kg.annotating.annotate import TEE_GRAPH, annotate, tee_triples
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
-from sdt_kg.entities.container import Container, container_of
+from sdt_kg.entities.container import Container, containers_of
 from sdt_kg.entities.coupling import Coupling
+from sdt_kg.entities.queries import query_text
 from sdt_kg.entities.replacement import Replacement
 from sdt_kg.errors import GraphError, InputError, UnknownEntityError
 from sdt_kg.iri import SDT, Iri, graph_iri, local_name
@@ -121,14 +121,20 @@ class Entities:
             return graph
 
     @cached_property
-    def containers(self) -> tuple["Container", ...]:
+    def containers(self) -> tuple[Container, ...]:
         """The counted containers, by name."""
-        _, rows = rows_of(self.store.query(query_text("containers"), self.graphs))
-        found: dict[Iri, Container] = {}
-        for row in rows:
-            container = container_of(row)
-            found.setdefault(container.iri, container)
-        return tuple(sorted(found.values(), key=lambda container: container.name))
+        found = chain.from_iterable(map(self._containers_of, (self.environment, *self.robots)))
+        return tuple(sorted(found, key=lambda container: container.name))
+
+    def _containers_of(self, model: Iri) -> tuple[Container, ...]:
+        if model not in self._containers:
+            found = self.store.query(query_text("containers"), (TEE_GRAPH, *self.graphs_of(model)))
+            self._containers[model] = containers_of(rows_of(found)[1])
+        return self._containers[model]
+
+    @cached_property
+    def _containers(self) -> dict[Iri, tuple[Container, ...]]:
+        return {}
 
     @cached_property
     def coupling(self) -> Coupling:
@@ -242,7 +248,7 @@ class Entities:
         said = (*self.notes, *robot.notes)
         made = self._kept_by(Entities(MemoryStore(store), self.environment, robots, asserted, inferred, said))
         made._facts[model], made._mechanisms[model] = robot._facts_of(model), robot.mechanism(model)
-        made._hashes[model] = robot.content_hash(model)
+        made._hashes[model], made._containers[model] = robot.content_hash(model), robot._containers_of(model)
         return made
 
     def without_robot(self, robot: Iri) -> "Entities":
@@ -265,6 +271,7 @@ class Entities:
         others._facts.update(_of(same, self._facts))
         others._mechanisms.update(_of(same, self._mechanisms))
         others._hashes.update(_of(same, self._hashes))
+        others._containers.update(_of(same, self._containers))
         others.annotations.update(_of(same, self.annotations))
         return others
 
@@ -289,9 +296,3 @@ def state_iri(environment: Iri, state: State) -> Iri:
     """Named graph of a state: the hash of its positions."""
     digest = hashlib.sha256(repr(state.positions).encode()).hexdigest()
     return graph_iri("state", f"{local_name(environment)}/{digest[:16]}")
-
-
-@cache
-def query_text(name: str) -> str:
-    """Text of a query of `ontology/queries`."""
-    return ontology.path(f"queries/{name}.rq").read_text(encoding="utf-8")
