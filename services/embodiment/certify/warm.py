@@ -2,11 +2,13 @@
 
 import numpy as np
 
+from services.embodiment.certify.held.moved import press, tolerated
 from services.embodiment.certify.held.pressed import depths, frames
 from services.embodiment.certify.sweep.clearance import Pairs, Sweep
 from services.embodiment.certify.sweep.pieces import hermite
 from services.embodiment.certify.sweep.subject import subject
 from services.embodiment.certify.tolerances import Tolerances
+from services.physics.geometry.convex import ROOM
 from services.physics.model import Scene
 
 FAR = 1e6  # [m] a distance that nothing keeps, so that every loop has something to look at
@@ -25,5 +27,10 @@ def warm(scene: Scene) -> None:
     first = checked.pieces.columns(pieces.moving).c[:2, 0]
     placed = checked.kinematics.place(first[:1], first[1:])
     checked.pieces.at(np.zeros(1, np.intp), np.zeros(1))
+    both, row, way = pairs.ravel(), np.array([[0, 1]]), np.zeros(3)
+    posed = both, *checked.shapes.middles(placed, both)
+    asked, room = (np.zeros((4, 3)), 0.0, 0.0), (np.empty(3), np.zeros(ROOM))
+    press(checked.shapes.convex, row, posed, way, *asked, 0.0, room)
+    tolerated(checked.shapes.convex, (row, row), posed, (way, way), *asked, room)
     for finger, handle in pairs.tolist():
         depths(checked, placed, finger, frames(checked, placed, handle), np.zeros((1, 3)))

@@ -1,23 +1,23 @@
 """Whether a handle is between a gripper's fingers, not merely near them."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise, product
+from itertools import chain, product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.iri import Iri
+from services.embodiment.certify.held import moved
+from services.embodiment.certify.held.moved import STEP
 from services.embodiment.certify.sweep.kinematics import Placed
-from services.embodiment.certify.sweep.shapes import STILL, Shapes
+from services.embodiment.certify.sweep.shapes import Shapes
 from services.embodiment.certify.tolerances import Tolerances
+from services.physics.geometry.convex import ROOM
 
 Array = NDArray[np.float64]
+Pairs = NDArray[np.intp]
 
-STEP = 1e-3  # [m] what is thinner than this, finger and handle together, may be passed over, hence refused
-EXACT = 1e-7  # [m] of the way until finger and handle touch
 APART = 1e-5  # [m] from touching, so that nearest points are well defined
-ROOM_STEPS = 6  # halvings of the tolerance of contact
 NOTHING = 0.0  # [m] reaches over the handle
 
 
@@ -85,22 +85,27 @@ class Grip:
         tolerances: Tolerances,
     ) -> None:
         self._shapes, self._placed, self._tolerances = shapes, placed, tolerances
-        self._x, self._y, self._z = axes.T
+        x, y, z = np.ascontiguousarray(axes.T)
+        self._inward, self._sides = (-y, y), np.stack((x, -x, z, -z))
+        self._room = np.empty(3), np.zeros(ROOM)
         self._slope = float(np.tan(tolerances.facing))
         #: Distance of each finger's body to the handle [m].
         self.gaps: dict[Iri, float] = {}
-        self._pairs: dict[Iri, list[tuple[int, int]]] = {}
+        self._pairs: dict[Iri, Pairs] = {}
         self._finger = _fingers(shapes, fingers)
+        self._every = np.array([*chain.from_iterable(fingers.values()), *handle], dtype=np.intp)
+        self._posed = self._every, *shapes.middles(placed, self._every)
+        row = {shape: k for k, shape in enumerate(self._every.tolist())}
         far = np.hypot(tolerances.engaged, tolerances.contact + tolerances.engaged * self._slope)
         for body, own in fingers.items():
             near = {pair: shapes.nearest_points(placed, pair)[0] for pair in product(own, handle)}
             self.gaps[body] = min(near.values(), default=np.inf)
-            self._pairs[body] = [pair for pair, distance in near.items() if distance <= far + STEP]
+            close = [(row[i], row[j]) for (i, j), distance in near.items() if distance <= far + STEP]
+            self._pairs[body] = np.array(close, dtype=np.intp).reshape(-1, 2)
 
         #: Fingers that press on the handle from above, and from below.
         self.sides = [
-            [press for body in self._pairs if (press := self._press(body, inward))]
-            for inward in (-self._y, self._y)
+            [press for body in self._pairs if (press := self._press(body, inward))] for inward in self._inward
         ]
 
     def pinch(self) -> Pinch | None:
@@ -122,29 +127,9 @@ class Grip:
         The faces that meet are those that meet at the grasp. At least so much is shown, for one convex
         piece of each finger and one of the handle.
         """
-        error, step = 0.0, self._tolerances.contact
-        for _ in range(ROOM_STEPS):
-            step /= 2
-            if self._keeps(pinch, error + step):
-                error += step
-        return error
-
-    def _keeps(self, pinch: Pinch, error: float) -> bool:
-        most = self._tolerances.contact - error
-        reach = self._tolerances.engaged + float(np.sqrt(2)) * error
-        corners = [reach * way for way in (self._x, -self._x, self._z, -self._z)]
-        ways = np.append(np.arange(-self._tolerances.contact, most, STEP), most)
-        return all(
-            any(self._stays(pair, inward, corners, ways) for pair in self._pairs[body])
-            for body, inward in zip(pinch.fingers, (-self._y, self._y), strict=True)
-        )
-
-    def _stays(self, pair: tuple[int, int], inward: Array, corners: list[Array], ways: Array) -> bool:
-        """Whether a piece of a finger touches a piece of the handle from every corner."""
-        return all(
-            any(self._shapes.touch(self._placed, pair, corner + way * inward) for way in ways[::-1])
-            for corner in corners
-        )
+        both = tuple(self._pairs[body] for body in pinch.fingers)
+        asked = self._tolerances.contact, self._tolerances.engaged, self._room
+        return moved.tolerated(self._shapes.convex, both, self._posed, self._inward, self._sides, *asked)
 
     def lacking(self) -> Iri:
         """The finger to blame if no two have the handle between them: one that is missing on its side."""
@@ -157,40 +142,18 @@ class Grip:
 
     def _press(self, body: Iri, inward: Array) -> Press | None:
         """How a finger presses on the handle when it is moved inward; None if it does not."""
-        gap = self._gap(body, inward)
-        if gap is None or (gap < 0 and not self._meets(body, STILL)):
+        pairs, tolerances = self._pairs[body], self._tolerances
+        if not len(pairs):
+            return None
+        asked = tolerances.contact, tolerances.engaged, self._slope, self._room
+        gap, over = moved.press(self._shapes.convex, pairs, self._posed, inward, self._sides, *asked)
+        if np.isnan(gap):
             return None
         back = (gap - APART) * inward
-        nearest = (self._shapes.nearest_points(self._placed, pair, back) for pair in self._pairs[body])
+        shapes = (tuple(pair) for pair in self._every[pairs].tolist())
+        nearest = (self._shapes.nearest_points(self._placed, pair, back) for pair in shapes)
         _, _, on_handle = min(nearest, key=lambda each: each[0])
-        over = min(self._over(body, inward, gap, way) for way in (self._x, -self._x, self._z, -self._z))
-        return Press(body, gap, float(on_handle @ self._y), over)
-
-    def _gap(self, body: Iri, inward: Array) -> float | None:
-        """The way inward on which the finger first touches the handle [m]; None if it is not near it."""
-        most = self._tolerances.contact
-        ways = [*np.arange(-2 * most - STEP, most - EXACT, STEP).tolist(), most]
-        if self._meets(body, ways[0] * inward):
-            return None
-        for clear, touching in pairwise(ways):
-            if self._meets(body, touching * inward):
-                return _border(lambda way: self._meets(body, way * inward), clear, touching)
-        return None
-
-    def _over(self, body: Iri, inward: Array, gap: float, way: Array) -> float:
-        """How far the finger can be moved that way and still presses on the handle [m]."""
-
-        def presses(moved: float) -> bool:
-            more = moved * self._slope
-            ways = np.linspace(gap, gap + more, 1 + int(np.ceil(more / STEP)))
-            return any(self._meets(body, moved * way + each * inward) for each in ways[::-1])
-
-        demanded = self._tolerances.engaged
-        return demanded if presses(demanded) else _border(presses, demanded, NOTHING)
-
-    def _meets(self, body: Iri, shift: Array) -> bool:
-        """Whether the finger, moved by this in the world, touches the handle."""
-        return any(self._shapes.touch(self._placed, pair, shift) for pair in self._pairs[body])
+        return Press(body, gap, float(on_handle @ self._inward[1]), over)
 
 
 def _fingers(shapes: Shapes, fingers: dict[Iri, list[int]]) -> dict[Iri, int]:
@@ -199,11 +162,3 @@ def _fingers(shapes: Shapes, fingers: dict[Iri, list[int]]) -> dict[Iri, int]:
     least = min(map(len, paths.values()), default=0)
     shared = next((k for k in range(least) if len({path[k] for path in paths.values()}) > 1), least)
     return {body: path[shared] if len(path) > shared else 0 for body, path in paths.items()}
-
-
-def _border(holds: Callable[[float], bool], without: float, within: float) -> float:
-    """The last value on the way from `within`, where something holds, to `without`, where it does not."""
-    while abs(within - without) > EXACT:
-        middle = (without + within) / 2
-        without, within = (without, middle) if holds(middle) else (middle, within)
-    return within

@@ -14,7 +14,7 @@ from services.physics.model import Scene
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-_First = tuple["Placed | None", dict[int, tuple[Array, Array]], dict[int, tuple[coal.Transform3s, Array]]]
+_First = tuple["Placed | None", dict[int, tuple[Array, Array]]]
 
 STILL = np.zeros(3)
 SPHERE, CYLINDER = 1, 2
@@ -47,8 +47,7 @@ class Shapes:
         # cached guess makes answers depend on history); the result is cleared at each call.
         self._request, self._result = coal.DistanceRequest(), coal.DistanceResult()
         self._faces: dict[int, Faces | None] = {}
-        self._meet, self._met = coal.CollisionRequest(), coal.CollisionResult()
-        self._first: _First = (None, {}, {})
+        self._first: _First = (None, {})
 
     def path(self, shape: int) -> list[int]:
         """The joints that move a shape, from the root on, also those that stand still all along."""
@@ -101,25 +100,6 @@ class Shapes:
         distance = self._coal(pair, *self._pair(placed, pair, shift))
         return distance, np.array(self._result.getNearestPoint1()), np.array(self._result.getNearestPoint2())
 
-    def touch(self, placed: Placed, pair: tuple[int, int], shift: Array) -> bool:
-        """Whether two shapes touch at the first configuration; the first one is moved as above."""
-        one, other = pair
-        (one_T, one_p), (other_T, _) = self._transform(placed, one), self._transform(placed, other)
-        one_T.setTranslation(one_p + shift)
-        self._met.clear()
-        touched = coal.collide(self._shapes[one], one_T, self._shapes[other], other_T, self._meet, self._met)
-        one_T.setTranslation(one_p)
-        return bool(touched)
-
-    def _transform(self, placed: Placed, shape: int) -> tuple[coal.Transform3s, Array]:
-        """The same as coal takes it, and its origin."""
-        known = self._first[2]
-        if self._first[0] is not placed or shape not in known:
-            rotation, origin = self._at_first(placed, shape)
-            known = self._first[2]
-            known[shape] = coal.Transform3s(rotation, origin), origin
-        return known[shape]
-
     def _pair(self, placed: Placed, pair: tuple[int, int], shift: Array) -> tuple[Array, ...]:
         """Rotation and origin of both shapes at the first configuration, the first one moved."""
         (one_R, one_p), (other_R, other_p) = (self._at_first(placed, shape) for shape in pair)
@@ -128,12 +108,17 @@ class Shapes:
     def _at_first(self, placed: Placed, shape: int) -> tuple[Array, Array]:
         """Rotation and origin of a shape at the first configuration; kept until others are asked about."""
         if self._first[0] is not placed:
-            self._first = placed, {}, {}
+            self._first = placed, {}
         known = self._first[1]
         if shape not in known:
             rotation, origin = self.frames(placed, np.zeros(1, dtype=np.intp), np.array([shape]))
             known[shape] = rotation[0], origin[0]
         return known[shape]
+
+    def middles(self, placed: Placed, shape: Indices) -> tuple[Array, Array]:
+        """Rotations and middles of shapes' boxes at the first configuration, shapes (M, 3, 3) and (M, 3)."""
+        first = np.zeros_like(shape)
+        return self.frames(placed, first, shape)[0], self.centres(placed, first, shape)
 
     def frames(self, placed: Placed, span: Indices, shape: Indices) -> tuple[Array, Array]:
         """Rotations and origins of shapes in the world, shapes (M, 3, 3) and (M, 3)."""

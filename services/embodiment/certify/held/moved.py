@@ -1,0 +1,103 @@
+"""Compiled: a finger at a handle, moved a little. Whether it touches, from where on, and from what corners.
+
+Shapes are `posed` at one configuration: (number in the scene, rotation, middle of its box) of each; pairs of
+a finger's shape and one of the handle are rows of these. `room` is room, for a point and for `bounds_of`.
+"""
+
+import math
+
+from services.kernel import kernel, subkernel
+from services.physics.geometry.packed import bounds_of
+
+STEP = 1e-3  # [m] what is thinner than this, finger and handle together, may be passed over, hence refused
+EXACT = 1e-7  # [m] of the way until finger and handle touch
+TOUCH = 1e-6  # [m] what is nearer touches
+ROOM_STEPS = 6  # halvings of the tolerance of contact
+
+
+@subkernel
+def _touching(convex, pairs, posed, side, aside, inward, first, step, count, room):
+    """Which of `count` ways inward, `first`, `first` + `step`, …, has a finger touch the handle; -1 if none.
+
+    The finger is moved `aside` to a side before [m].
+    """
+    every, rotation, middle = posed
+    at, work = room
+    for k in range(count):
+        way = first + k * step
+        for n in range(pairs.shape[0]):
+            i, j = pairs[n, 0], pairs[n, 1]
+            for m in range(3):
+                at[m] = middle[i, m] + (aside * side[m] + way * inward[m])
+            a, b = every[i], every[j]
+            _, high = bounds_of(convex, a, b, rotation[i], at, rotation[j], middle[j], TOUCH, TOUCH, work)
+            if -math.inf < high <= TOUCH:  # that of two meshes is −inf: nothing is known
+                return k
+    return -1
+
+
+@kernel(makes=False)
+def press(convex, pairs, posed, inward, sides, contact, engaged, slope, room):
+    """(gap, over): its way to the handle, and how far a finger then reaches over it to all sides [m].
+
+    Gap is NaN where the finger does not press on the handle when moved inward.
+    """
+    begin, side = -2.0 * contact - STEP, inward
+    count = math.ceil((contact - EXACT - begin) / STEP)
+    found = _touching(convex, pairs, posed, side, 0.0, inward, begin, STEP, count, room)
+    clear, gap = begin + (found - 1) * STEP, begin + found * STEP
+    if found < 0 and _touching(convex, pairs, posed, side, 0.0, inward, contact, 0.0, 1, room) == 0:
+        clear, gap = begin + (count - 1) * STEP, contact
+    elif found <= 0:
+        return math.nan, 0.0
+    while gap - clear > EXACT:
+        way = (clear + gap) / 2.0
+        if _touching(convex, pairs, posed, side, 0.0, inward, way, 0.0, 1, room) == 0:
+            gap = way
+        else:
+            clear = way
+    if gap < 0.0 and _touching(convex, pairs, posed, side, 0.0, inward, 0.0, 0.0, 1, room) < 0:
+        return math.nan, 0.0
+    over = engaged
+    for k in range(sides.shape[0]):
+        moved, within, without = engaged, 0.0, engaged
+        while without - within > EXACT:
+            steps = max(math.ceil(moved * slope / STEP), 1)
+            step = moved * slope / steps
+            way = gap + steps * step
+            if _touching(convex, pairs, posed, sides[k], moved, inward, way, -step, steps + 1, room) >= 0:
+                within = moved
+            else:
+                without = moved
+            moved = (without + within) / 2.0
+        over = min(over, within)
+    return gap, over
+
+
+@kernel(makes=False)
+def tolerated(convex, both, posed, inwards, sides, contact, engaged, room):
+    """By how much the handle may be elsewhere and is still between two fingers [m].
+
+    Pairs of either finger are in `both`, and its way inward in `inwards`. One of its pieces has to touch the
+    same piece of the handle from every corner.
+    """
+    error, step = 0.0, contact
+    for _ in range(ROOM_STEPS):
+        step /= 2.0
+        reach, most = engaged + math.sqrt(2.0) * (error + step), contact - error - step
+        count, kept = math.ceil((most + contact) / STEP) + 1, 0
+        for f in range(2):
+            stays = False
+            for n in range(both[f].shape[0]):
+                corners = 0
+                for k in range(sides.shape[0]):
+                    pair, inward = both[f][n : n + 1], inwards[f]
+                    way = _touching(convex, pair, posed, sides[k], reach, inward, most, -STEP, count, room)
+                    corners += 1 if way >= 0 else 0
+                    if way < 0:
+                        break
+                stays = stays or corners == sides.shape[0]
+            kept += 1 if stays else 0
+        if kept == 2:
+            error += step
+    return error
