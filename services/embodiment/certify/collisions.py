@@ -57,13 +57,14 @@ def collisions(checked: Subject, hold: Hold | None) -> Findings:
 
 def above_floor(checked: Subject) -> Findings:
     """The robot stays where there is a floor: its box ends, and beyond it nothing would be below the arm."""
-    plane, (values, s) = checked.scene.base[:2], positions(checked.pieces)
-    away = np.abs(values[:, :, plane]).max(axis=2)
-    i, n = np.unravel_index(np.argmax(away), away.shape)
-    far, most = float(away[i, n]) + reach(checked), SIDE / 2
+    plane, pieces = checked.scene.base[:2], checked.pieces
+    far, most = float(pieces.farthest[plane].max()) + reach(checked), SIDE / 2
     if far <= most:
         return Findings()
-    name, time = checked.scene.names[plane[0]], float(checked.pieces.start[n] + s[i, n, plane[0]])
+    values, s = positions(pieces.columns(plane))
+    away = np.abs(values).max(axis=2)
+    i, n = np.unravel_index(np.argmax(away), away.shape)
+    name, time = checked.scene.names[plane[0]], float(pieces.start[n] + s[i, n, 0])
     reason = (
         f"the robot comes up to {far:.4g} m from the kitchen's origin, and its floor ends after {most:g} m"
     )
@@ -83,8 +84,10 @@ def _keep(checked: Subject, shapes: Indices, level: int) -> Pairs:
 
 def _touching(checked: Subject, hold: Hold) -> NDArray[np.bool_]:
     """Which pairs of robot and kitchen are a finger of the holding gripper and the handle."""
-    pairs = checked.scene.environment_pairs
-    return np.isin(pairs[:, 0], hold.fingers) & np.isin(pairs[:, 1], hold.bar)
+    one, other = checked.scene.environment_pairs.T
+    finger, bar = np.zeros((2, len(checked.scene.solids)), dtype=bool)
+    finger[hold.fingers], bar[hold.bar] = True, True
+    return finger[one] & bar[other]
 
 
 def _touch(checked: Subject, hold: Hold | None, shapes: Indices, level: int) -> Pairs:

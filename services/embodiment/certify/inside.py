@@ -75,6 +75,12 @@ def _in_boxes(
     """Robot shape, mesh, and a point of the shape in the mesh's frame, for those in the mesh's box."""
     rotation, origin = checked.shapes.frames(placed, np.zeros_like(robot), robot)
     points = origin + (rotation @ own[:, :, None])[:, :, 0]
+    low, high = points.min(axis=0), points.max(axis=0)
+    centre, radius = (
+        checked.shapes.centres(placed, np.zeros_like(meshes), meshes),
+        checked.shapes.radius[meshes],
+    )
+    meshes = meshes[(np.abs(centre - (low + high) / 2) <= (high - low) / 2 + radius[:, None]).all(axis=1)]
     outlines, frames = checked.scene.outlines, checked.shapes.frames(placed, np.zeros_like(meshes), meshes)
     seen = (points - frames[1][:, None]) @ frames[0]
     off = np.abs(seen - outlines.middle[meshes, None])

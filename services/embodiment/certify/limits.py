@@ -29,8 +29,7 @@ def joint_limits(scene: Scene, pieces: Pieces, container: Container, tolerances:
     """Every coordinate keeps its limits; the base's linear ones hold for the length of the vector too."""
     findings, bounds = Findings(), _bounds(scene, container)
     findings.add(position_limits(scene, pieces, container, tolerances))
-    own = pieces.moving
-    moved = pieces.columns(own)
+    own, moved = pieces.moving, pieces.moved
     rated = (
         (Quantity.VELOCITY, velocities(moved), bounds.velocity[own]),
         (Quantity.ACCELERATION, accelerations(moved), bounds.acceleration[own]),
@@ -50,12 +49,11 @@ def joint_limits(scene: Scene, pieces: Pieces, container: Container, tolerances:
 
 def position_limits(scene: Scene, pieces: Pieces, container: Container, tolerances: Tolerances) -> Findings:
     """What moves keeps its limits all the time; what stands still, at the start."""
-    findings, (values, s), begin = Findings(), positions(pieces), pieces.c[0, 0]
-    bounds = _bounds(scene, container)
+    findings, begin, bounds = Findings(), pieces.c[0, 0], _bounds(scene, container)
     may = np.maximum(bounds.lower - begin, begin - bounds.upper) > tolerances.position
     may[pieces.moving] = True
     own = np.flatnonzero(may)
-    values, s, lower, upper = values[:, :, own], s[:, :, own], bounds.lower[own], bounds.upper[own]
+    (values, s), lower, upper = positions(pieces.columns(own)), bounds.lower[own], bounds.upper[own]
     excess = np.maximum(lower - values, values - upper)
     for j, i, n in _first_and_worst(excess > tolerances.position, excess):
         bound = float((lower if values[i, n, j] < lower[j] else upper)[j])
@@ -147,7 +145,7 @@ def _base_norms(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Finding
     base = pieces.columns(plane)
     _, c1, c2, c3 = base.c
     along = c1 + s[:, :, None] * (2 * c2 + 3 * s[:, :, None] * c3)
-    speed = np.hypot(along[:, :, 0], along[:, :, 1])
+    speed = np.sqrt(along[:, :, 0] ** 2 + along[:, :, 1] ** 2)
     # A quadratic leaves its chord by at most (width²/8)·|second derivative|.
     between = (pieces.duration / SUBSAMPLES) ** 2 / 8 * 6 * np.linalg.norm(c3, axis=1)
     values, at = accelerations(base)
@@ -170,18 +168,18 @@ def _base_norms(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Finding
 def kitchen_keeps(scene: Scene, pieces: Pieces, container: Container, tolerances: Tolerances) -> Findings:
     """The container moves, and of the kitchen nothing else but what is coupled to it."""
     findings, source = Findings(), scene.coupling.source
-    (values, s), begin = positions(pieces), pieces.c[0, 0]
-    own = scene.coordinate[container.joint]
-    if not (np.abs(values[:, :, own] - begin[own]) > STILL).any():
+    own, begin = scene.coordinate[container.joint], pieces.c[0, 0]
+    if not (np.abs(positions(pieces.columns(np.array([own])))[0] - begin[own]) > STILL).any():
         unit = unit_of(scene, own)
         evidence = Evidence(Quantity.POSITION, 0.0, STILL, unit, container.joint)
         findings.violations.append(Violation("moves", f"{container.name} does not move", evidence, 0.0))
     others = pieces.moving[pieces.moving < scene.base[0]]
     others = others[source[others] != source[own]]
-    moved = np.abs(values[:, :, others] - begin[others])
+    values, s = positions(pieces.columns(others))
+    moved = np.abs(values - begin[others])
     for j, i, n in _first_and_worst(moved > tolerances.position, moved):
         k = int(others[j])
-        value, time = float(moved[i, n, j]), float(pieces.start[n] + s[i, n, k])
+        value, time = float(moved[i, n, j]), float(pieces.start[n] + s[i, n, j])
         unit = unit_of(scene, k)
         evidence = Evidence(Quantity.POSITION, value, 0.0, unit, scene.names[k], time=time)
         reason = (

@@ -68,9 +68,9 @@ def whole_motion(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> tu
             v[:, source] = v[:, k] / multiplier
     whole, rates = coupling.positions(q), coupling.rates(v)
     pieces = hermite(motion.times, whole, rates)
-    listed = hermite(motion.times, whole[:, own] - q[:, own], rates[:, own] - v[:, own])
-    for i in np.flatnonzero(listed.c.any(axis=(0, 1))):
-        findings.add(_same(scene, int(own[i]), listed.columns(np.array([i])), tolerances))
+    off = hermite(motion.times, whole[:, own] - q[:, own], rates[:, own] - v[:, own])
+    for i in np.flatnonzero(off.c.any(axis=(0, 1))):
+        findings.add(_same(scene, int(own[i]), off.columns(np.array([i])), tolerances))
     findings.add(_together(scene, pieces, tolerances))
     return pieces, findings
 

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from sdt_kg.mechanism import JointType
 from services.embodiment.certify.findings import Findings
 from services.embodiment.certify.held.hold import Hold
-from services.embodiment.certify.sweep.pieces import positions
 from services.embodiment.certify.sweep.subject import Subject
 from services.physics.model import Scene
 
@@ -42,10 +41,9 @@ def tolerated(checked: Subject, hold: Hold, found: Findings) -> Figures:
 
 def reach(checked: Subject) -> float:
     """No point of the robot is farther from the base than this all along the motion [m]."""
-    scene, (values, _) = checked.scene, positions(checked.pieces)
-    farthest = np.abs(values).max(axis=(0, 1)).tolist()
-    links, joint, size = _lengths(scene)
-    away = np.zeros(scene.model.njoints)
+    farthest = checked.pieces.farthest.tolist()
+    links, joint, size = _lengths(checked.scene)
+    away = np.zeros(checked.scene.model.njoints)
     for number, parent, step, slides in links:
         away[number] = away[parent] + step + (farthest[number - 1] if slides else 0.0)
     return float((away[joint] + size).max(initial=0.0))

@@ -278,5 +278,5 @@ def _last(scene: Scene, pieces: Pieces, container: Container) -> int:
 
 def _away(pieces: Pieces, k: int, value: float) -> Indices:
     """Pieces on which a coordinate is not all the time at a value."""
-    candidates, _ = positions(pieces)
-    return np.flatnonzero(np.abs(candidates[:, :, k] - value).max(axis=0) > MOVES)
+    candidates, _ = positions(pieces.columns(np.array([k])))
+    return np.flatnonzero(np.abs(candidates[:, :, 0] - value).max(axis=0) > MOVES)

@@ -74,7 +74,8 @@ def depths(checked: Subject, placed: Placed, finger: int, mesh: tuple[Array, Arr
     body, box = faces(shape), shape.aabb_local
     assert body is not None, "shapes of the robot are convex"
     own, corners = frames(checked, placed, finger), (np.array(box.min_), np.array(box.max_))
-    compiled.deepest_points(points, mesh, own, corners, body.normals, body.offsets, found)
+    room = np.empty((3, 3)), np.empty(3), np.empty(3)
+    compiled.deepest_points(points, mesh, own, corners, body.normals, body.offsets, room, found)
     return found
 
 

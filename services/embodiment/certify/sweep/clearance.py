@@ -16,6 +16,7 @@ from services.embodiment.certify.sweep import compiled, telling
 from services.embodiment.certify.sweep.kinematics import Kinematics
 from services.embodiment.certify.sweep.pieces import Timeline
 from services.embodiment.certify.sweep.shapes import Shapes
+from services.physics.geometry.convex import ROOM as ROOM_OF_DISTANCE
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -84,15 +85,7 @@ class Clearance:
     @property
     def slack(self) -> float:
         """Least slack so far [m]; `NEAR` where nothing is nearer."""
-        return NEAR if self.worst is None else min(NEAR, self.worst.value - self.worst.least)
-
-    def saw(self, distance: Distance) -> None:
-        """One more distance is known."""
-        if distance.value - distance.least < self.slack:
-            self.worst = distance
-        violated = distance.value < distance.least or not distance.resolved
-        if violated and (self.first is None or distance.time < self.first.time):
-            self.first = distance
+        return NEAR if self.worst is None else self.worst.value - self.worst.least
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -159,6 +152,19 @@ class Sweep:
             np.repeat([each.held_from for each in sets], counts),
         )
 
+        self._room = (
+            *(np.empty(size) for size in ((3, 3), 3, 3) * 2),
+            np.zeros(ROOM_OF_DISTANCE),
+            np.empty(len(kinematics.path)),
+        )
+        self._known = (
+            np.full(len(sets), NEAR),
+            np.full(len(sets), np.inf),
+            np.empty((2, len(sets)), dtype=np.intp),
+            np.empty((2, len(sets)), dtype=bool),
+            np.zeros(len(sets), dtype=np.int64),
+        )
+
     def run(self, resolution: float) -> list[Clearance]:
         """Every pair on the whole motion.
 
@@ -194,7 +200,8 @@ class Sweep:
         placed = self.kinematics.place(spans.q, spans.v)
         low, high = np.empty((2, len(intervals), len(self.shapes.radius), 3))
         path, turning = self.kinematics.path, self.kinematics.revolute
-        compiled.swept(self.shapes.placing, placed.arrays, spans.arrays, path, turning, low, high)
+        room = *self._room[:3], self._room[-1]
+        compiled.swept(self.shapes.placing, placed.arrays, spans.arrays, path, turning, room, low, high)
         for n in begins:
             which, pair = _near(self.sets[n], low, high)
             yield Items(pair + self._begin[n], intervals[which])
@@ -205,44 +212,42 @@ class Sweep:
         spans = self.timeline.spans(level, unique)
         placed = self.kinematics.place(spans.q, spans.v)
         of, about = (items.pair, span), (self._pairs, self._keep, self._set)
-        slack, until = np.array([one.slack for one in self.found]), self._until()
         done, out = np.empty(len(items), dtype=np.int64), np.empty((3, len(items)))
         told = done, out[0], out[1], out[2]
         moves, limits = (self.kinematics.path, self.kinematics.revolute), (PRECISION, HOPELESS, SHORTEST)
-        shapes = self.shapes.placing, self.shapes.convex
-        telling.look(of, *about, *shapes, placed.arrays, spans.arrays, *moves, slack, until, limits, told)
+        shapes, slack, first = (self.shapes.placing, self.shapes.convex), self._known[0], self._known[1]
+        looked = *moves, slack, first - PROMPT, limits, self._room
+        telling.look(of, *about, *shapes, placed.arrays, spans.arrays, *looked, told)
         left = np.flatnonzero(done == telling.LEFT)
         if len(left):
             out[0, left] = self.shapes.distances(placed, span[left], self._pairs[items.pair[left]])
-        low, last, seen = np.empty(len(items)), np.empty(len(items), bool), np.empty(len(items), np.int8)
-        queries, limits = np.zeros(len(self.sets), np.int64), (resolution, SHORTEST, PRECISION)
+        halves, limits = (
+            np.empty((2, 2 * len(items)), dtype=np.intp),
+            (resolution, SHORTEST, PRECISION, PROMPT),
+        )
         size = self.shapes.radius, spans.arrays, spans.middle
-        if not telling.settle(of, *about, *size, told, slack, limits, low, last, seen, queries):
+        count = telling.settle(of, items.interval, *about, *size, told, self._known, limits, halves)
+        if count < 0:
             raise OracleRejectedError("a distance between two bodies came out larger than it can be")
-        self._saw(items, spans.middle[span], out[0], seen, queries)
-        slack, until = np.array([one.slack for one in self.found]), self._until()
-        pair, interval = np.empty((2, 2 * len(items)), dtype=np.intp)
-        still = (low, last, spans.start[span])
-        bounds = slack - PRECISION, until
-        count = telling.halves(items.pair, items.interval, self._set, *still, *bounds, pair, interval)
-        return Items(pair[:count], interval[:count])
+        self._saw(items, span, spans.middle, out[0])
+        return Items(halves[0, :count], halves[1, :count])
 
-    def _saw(self, items: Items, time: Array, distance: Array, seen: Codes, queries: Indices) -> None:
+    def _saw(self, items: Items, span: Indices, time: Array, distance: Array) -> None:
         """What the items of one level tell is known."""
-        for one, count in zip(self.found, queries.tolist(), strict=True):
-            one.queries += count
         least, least_held, held_from = self._keep
-        for i in np.flatnonzero(seen).tolist():
-            p, when = items.pair[i], float(time[i])
-            one, other = self._pairs[p].tolist()
+        _, _, items_that_tell, unshown, queries = self._known
+        for one, count in zip(self.found, queries.tolist(), strict=True):
+            one.queries = count
+        for which, n in zip(*np.nonzero(items_that_tell >= 0), strict=True):
+            k = items_that_tell[which, n]
+            p, when = items.pair[k], float(time[span[k]])
             keep = float((least_held if when >= held_from[p] else least)[p])
-            known = Distance((one, other), when, float(distance[i]), keep, bool(seen[i] < 2))
-            self.found[self._set[p]].saw(known)
-
-    def _until(self) -> Array:
-        """When intervals begin that can tell of no earlier violation, shape (sets,) [s]."""
-        firsts = [one.first for one in self.found]
-        return np.array([np.inf if one is None else one.time - PROMPT for one in firsts])
+            first, second = self._pairs[p].tolist()
+            seen = Distance((first, second), when, float(distance[k]), keep, not unshown[which, n])
+            if which == 0:
+                self.found[n].worst = seen
+            else:
+                self.found[n].first = seen
 
 
 def _near(pairs: Pairs, low: Array, high: Array) -> tuple[Indices, Indices]:
@@ -250,7 +255,8 @@ def _near(pairs: Pairs, low: Array, high: Array) -> tuple[Indices, Indices]:
     least, room = float(pairs.least.max()) + NEAR, len(pairs.shapes) + ROOM
     while True:
         which, pair = np.empty((2, room), dtype=np.intp)
-        count = telling.starting(pairs.shapes, low, high, least, which, pair)
+        work = np.empty(low.shape[1], dtype=bool), np.empty((2, 3))
+        count = telling.starting(pairs.shapes, low, high, least, work, which, pair)
         if count <= room:
             return which[:count], pair[:count]
         room = count

@@ -5,90 +5,60 @@ The formulas are those of `Kinematics.bounds`, one item at a time. Nothing here 
 
 import math
 
-import numpy as np
-
 from services.kernel import kernel, subkernel
 
 
-@subkernel
-def _turned(axis, angle, out):
-    c, s = math.cos(angle), math.sin(angle)
-    t, x, y, z = 1.0 - c, axis[0], axis[1], axis[2]
-    out[0, 0], out[0, 1], out[0, 2] = t * x * x + c, t * x * y - s * z, t * x * z + s * y
-    out[1, 0], out[1, 1], out[1, 2] = t * x * y + s * z, t * y * y + c, t * y * z - s * x
-    out[2, 0], out[2, 1], out[2, 2] = t * x * z - s * y, t * y * z + s * x, t * z * z + c
-
-
-@subkernel
-def _product(a, b, out):
-    """What is read is read once: LLVM cannot know that `out` is another."""
-    b00, b01, b02 = b[0, 0], b[0, 1], b[0, 2]
-    b10, b11, b12 = b[1, 0], b[1, 1], b[1, 2]
-    b20, b21, b22 = b[2, 0], b[2, 1], b[2, 2]
-    for i in range(3):
-        x, y, z = a[i, 0], a[i, 1], a[i, 2]
-        out[i, 0] = x * b00 + y * b10 + z * b20
-        out[i, 1] = x * b01 + y * b11 + z * b21
-        out[i, 2] = x * b02 + y * b12 + z * b22
-
-
-@kernel
+@kernel(makes=False)
 def place(q, v, parents, offsets, axes, revolute, rotation, origin, axis, omega, linear):
     """Carriers at U configurations are in the last five; what they hold is said by `Placed`."""
-    spare = np.empty((3, 3)), np.empty((3, 3))
     for u in range(q.shape[0]):
         for k in range(3):
             origin[u, 0, k] = axis[u, 0, k] = omega[u, 0, k] = linear[u, 0, k] = 0.0
             for n in range(3):
                 rotation[u, 0, k, n] = 1.0 if k == n else 0.0
-        _placed(u, q, v, parents, offsets, axes, revolute, spare, rotation, origin, axis, omega, linear)
+        for i in range(1, parents.shape[0]):
+            _turn(u, i, parents[i], q[u, i - 1], offsets, axes, revolute, rotation, origin, axis)
+            _move(u, i, parents[i], v[u, i - 1], revolute, origin, axis, omega, linear)
 
 
 @subkernel
-def _placed(u, q, v, parents, offsets, axes, revolute, spare, rotation, origin, axis, omega, linear):
-    """The same of all carriers but the world at configuration u."""
-    frame, turn = spare
-    for i in range(1, parents.shape[0]):
-        parent, way, rate = parents[i], q[u, i - 1], v[u, i - 1]
-        _product(rotation[u, parent], offsets[i], frame)
-        x, y, z, a, b, c = (
-            offsets[i, 0, 3],
-            offsets[i, 1, 3],
-            offsets[i, 2, 3],
-            axes[i, 0],
-            axes[i, 1],
-            axes[i, 2],
-        )
-        for k in range(3):
-            r = rotation[u, parent]
-            origin[u, i, k] = origin[u, parent, k] + r[k, 0] * x + r[k, 1] * y + r[k, 2] * z
-            axis[u, i, k] = frame[k, 0] * a + frame[k, 1] * b + frame[k, 2] * c
-        x, y, z, a, b, c = (
-            origin[u, i, 0],
-            origin[u, i, 1],
-            origin[u, i, 2],
-            axis[u, i, 0],
-            axis[u, i, 1],
-            axis[u, i, 2],
-        )
-        if revolute[i]:
-            _turned(axes[i], way, turn)
-            _product(frame, turn, rotation[u, i])
-            omega[u, i, 0] = omega[u, parent, 0] + rate * a
-            omega[u, i, 1] = omega[u, parent, 1] + rate * b
-            omega[u, i, 2] = omega[u, parent, 2] + rate * c
-            linear[u, i, 0] = linear[u, parent, 0] + rate * (y * c - z * b)
-            linear[u, i, 1] = linear[u, parent, 1] + rate * (z * a - x * c)
-            linear[u, i, 2] = linear[u, parent, 2] + rate * (x * b - y * a)
-            continue
-        origin[u, i, 0], origin[u, i, 1], origin[u, i, 2] = x + way * a, y + way * b, z + way * c
-        linear[u, i, 0] = linear[u, parent, 0] + rate * a
-        linear[u, i, 1] = linear[u, parent, 1] + rate * b
-        linear[u, i, 2] = linear[u, parent, 2] + rate * c
-        for k in range(3):
-            omega[u, i, k] = omega[u, parent, k]
-            for n in range(3):
-                rotation[u, i, k, n] = frame[k, n]
+def _turn(u, i, parent, way, offsets, axes, revolute, rotation, origin, axis):
+    """Where carrier i is at configuration u: its parent's frame, its offset, and then its joint's way."""
+    a, b, c = axes[i, 0], axes[i, 1], axes[i, 2]
+    cos, sin, slid = (math.cos(way), math.sin(way), 0.0) if revolute[i] else (1.0, 0.0, way)
+    t = 1.0 - cos
+    t00, t01, t02 = t * a * a + cos, t * a * b - sin * c, t * a * c + sin * b
+    t10, t11, t12 = t * a * b + sin * c, t * b * b + cos, t * b * c - sin * a
+    t20, t21, t22 = t * a * c - sin * b, t * b * c + sin * a, t * c * c + cos
+    o00, o01, o02, o03 = offsets[i, 0, 0], offsets[i, 0, 1], offsets[i, 0, 2], offsets[i, 0, 3]
+    o10, o11, o12, o13 = offsets[i, 1, 0], offsets[i, 1, 1], offsets[i, 1, 2], offsets[i, 1, 3]
+    o20, o21, o22, o23 = offsets[i, 2, 0], offsets[i, 2, 1], offsets[i, 2, 2], offsets[i, 2, 3]
+    for k in range(3):
+        x, y, z = rotation[u, parent, k, 0], rotation[u, parent, k, 1], rotation[u, parent, k, 2]
+        at = origin[u, parent, k] + x * o03 + y * o13 + z * o23
+        x, y, z = x * o00 + y * o10 + z * o20, x * o01 + y * o11 + z * o21, x * o02 + y * o12 + z * o22
+        along = x * a + y * b + z * c
+        axis[u, i, k], origin[u, i, k] = along, at + slid * along
+        rotation[u, i, k, 0] = x * t00 + y * t10 + z * t20
+        rotation[u, i, k, 1] = x * t01 + y * t11 + z * t21
+        rotation[u, i, k, 2] = x * t02 + y * t12 + z * t22
+
+
+@subkernel
+def _move(u, i, parent, rate, revolute, origin, axis, omega, linear):
+    """How it moves there: as its parent does, and about or along its axis."""
+    a, b, c = axis[u, i, 0], axis[u, i, 1], axis[u, i, 2]
+    x, y, z = a, b, c
+    spin = 0.0
+    if revolute[i]:
+        spin, x, y, z = rate, origin[u, i, 0], origin[u, i, 1], origin[u, i, 2]
+        x, y, z = y * c - z * b, z * a - x * c, x * b - y * a
+    omega[u, i, 0] = omega[u, parent, 0] + spin * a
+    omega[u, i, 1] = omega[u, parent, 1] + spin * b
+    omega[u, i, 2] = omega[u, parent, 2] + spin * c
+    linear[u, i, 0] = linear[u, parent, 0] + rate * x
+    linear[u, i, 1] = linear[u, parent, 1] + rate * y
+    linear[u, i, 2] = linear[u, parent, 2] + rate * z
 
 
 @kernel(makes=False)
@@ -103,16 +73,43 @@ def at(piece, s, c, q, v, a):
             a[u, k] = 2 * c2 + 6 * t * c3
 
 
-@kernel
-def moments(piece, s, half, c, q, v, shift, v_max, a_max):
-    """What coordinates do at s into pieces, and within `half` of it, is in the last five; see `Spans`."""
-    for u in range(q.shape[0]):
-        n, t, h = piece[u], s[u], half[u]
+@kernel(makes=False)
+def spans(level, depth, index, knots, c, low, high, times, q, v, shift, v_max, a_max):
+    """What coordinates do on intervals of one level is in the last six; see `Timeline` and `Spans`.
+
+    `times` is (start, end, middle). Above `depth` an interval is of several pieces with coefficients c
+    (4, N, nq), between whose `low` and `high` its coordinates are.
+    """
+    start, end, middle = times
+    above, count = level < depth, c.shape[1]
+    for u in range(index.shape[0]):
+        if level <= depth:
+            width = 1 << (depth - level)
+            start[u], end[u] = knots[index[u] * width], knots[(index[u] + 1) * width]
+            n = min(index[u], count - 1)
+        else:
+            n, parts = index[u] >> (level - depth), 1 << (level - depth)
+            part, length = index[u] - n * parts, knots[n + 1] - knots[n]
+            start[u] = knots[n] + length * part / parts
+            end[u] = knots[n] + length * (part + 1) / parts
+            n = min(n, count - 1)
+        middle[u] = (start[u] + end[u]) / 2
+        if above:
+            n, beyond = 0, count
+            while beyond - n > 1:
+                half = (n + beyond) // 2
+                n, beyond = (half, beyond) if knots[half] <= middle[u] else (n, half)
+        t, h = middle[u] - knots[n], (end[u] - start[u]) / 2
+        row = (1 << level) - 1 + index[u]
         for k in range(q.shape[1]):
             c0, c1, c2, c3 = c[0, n, k], c[1, n, k], c[2, n, k], c[3, n, k]
-            q[u, k] = c0 + t * (c1 + t * (c2 + t * c3))
-            v[u, k] = c1 + t * (2 * c2 + 3 * t * c3)
-            speed, bend, cubic = abs(v[u, k]), abs(2 * c2 + 6 * t * c3) / 2, abs(c3)
+            x, rate = c0 + t * (c1 + t * (c2 + t * c3)), c1 + t * (2 * c2 + 3 * t * c3)
+            q[u, k], v[u, k] = x, rate
+            if above:
+                shift[u, k] = max(high[row, k] - x, x - low[row, k])
+                v_max[u, k] = a_max[u, k] = math.inf
+                continue
+            speed, bend, cubic = abs(rate), abs(2 * c2 + 6 * t * c3) / 2, abs(c3)
             shift[u, k] = h * (speed + h * (bend + h * cubic))
             v_max[u, k] = speed + h * (2 * bend + 3 * h * cubic)
             a_max[u, k] = 2 * bend + 6 * h * cubic
@@ -197,10 +194,13 @@ def turn_of(u, s, shapes, placed, r, half):
             half[i] += abs(r[i, k]) * size[s, k]
 
 
-@kernel
-def swept(shapes, placed, spans, path, revolute, low, high):
-    """Corners of boxes that contain each shape all through each span are in low, high (U, S, 3)."""
-    r, c, half, levers = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty(path.shape[0])
+@kernel(makes=False)
+def swept(shapes, placed, spans, path, revolute, room, low, high):
+    """Corners of boxes that contain each shape all through each span are in low, high (U, S, 3).
+
+    `room` is room: shapes (3, 3), (3,), (3,) and (K,).
+    """
+    r, c, half, levers = room
     for u in range(low.shape[0]):
         for s in range(low.shape[1]):
             carrier = shapes[0][s]
@@ -215,14 +215,14 @@ def swept(shapes, placed, spans, path, revolute, low, high):
                 low[u, s, i], high[u, s, i] = c[i] - half[i] - moved, c[i] + half[i] + moved
 
 
-@kernel
-def deepest_points(points, mesh, own, box, normals, offsets, found):
+@kernel(makes=False)
+def deepest_points(points, mesh, own, box, normals, offsets, room, found):
     """Depth of the deepest of some points (K, 3) in a convex shape at each time is in `found` (T,); or 0.
 
     `mesh` and `own` are poses of the points and of the shape at these times, `box` the corners of its own
-    box; a point x lies inside where normals · x <= offsets.
+    box; a point x lies inside where normals · x <= offsets. `room` is room: shapes (3, 3), (3,) and (3,).
     """
-    turn, way, y = np.empty((3, 3)), np.empty(3), np.empty(3)
+    turn, way, y = room
     for t in range(found.shape[0]):
         found[t] = 0.0
         for i in range(3):

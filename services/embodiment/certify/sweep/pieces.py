@@ -36,12 +36,10 @@ class Pieces:
         return q, v, a
 
     def columns(self, coordinates: Indices) -> "Pieces":
-        """The same pieces with these coordinates only; extremes that are known already stay so."""
-        made = Pieces(self.start, self.duration, np.ascontiguousarray(self.c[:, :, coordinates]))
-        if "extremes" in vars(self):
-            values, s = self.extremes
-            vars(made)["extremes"] = values[:, :, coordinates], s[:, :, coordinates]
-        return made
+        """The same pieces with these coordinates only."""
+        if np.array_equal(coordinates, self.moving):
+            return self.moved
+        return Pieces(self.start, self.duration, np.ascontiguousarray(self.c[:, :, coordinates]))
 
     def part(self, first: int, end: int) -> "Pieces":
         """Those pieces from `first` on that come before `end`."""
@@ -55,24 +53,35 @@ class Pieces:
         return np.flatnonzero((self.c[1:] != 0).any(axis=(0, 1)))
 
     @cached_property
+    def moved(self) -> "Pieces":
+        """The same pieces with those coordinates only."""
+        return Pieces(self.start, self.duration, np.ascontiguousarray(self.c[:, :, self.moving]))
+
+    @cached_property
     def extremes(self) -> tuple[Array, Array]:
         """What `positions` gives; kept, so not to be changed."""
-        values = np.repeat(self.c[:1], 4, axis=0)
-        s = np.zeros_like(values)
-        s[1] = self.duration[:, None]
-        own = self.moving
-        values[:, :, own], s[:, :, own] = _extremes(self.c[:, :, own], self.duration)
-        return values, s
+        return _extremes(self.c, self.duration)
+
+    @cached_property
+    def farthest(self) -> Array:
+        """How far each coordinate comes from 0 at most, shape (nq,) [rad or m]."""
+        far = np.abs(self.c[0, 0])
+        far[self.moving] = np.abs(positions(self.moved)[0]).max(axis=(0, 1))
+        return far
 
 
 def hermite(times: Array, q: Array, v: Array) -> Pieces:
     """Cubic Hermite pieces through T samples of q and v, shape (T, nq)."""
     h = np.diff(times)
+    c = np.zeros((4, len(h), q.shape[1]))
+    c[0] = q[:-1]
+    own = np.flatnonzero((q != q[0]).any(axis=0) | (v != 0).any(axis=0))
+    q, v, w = q[:, own], v[:, own], h[:, None]
     step = np.diff(q, axis=0)
-    w = h[:, None]
-    c2 = (3 * step / w - 2 * v[:-1] - v[1:]) / w
-    c3 = (v[:-1] + v[1:] - 2 * step / w) / w**2
-    return Pieces(times[:-1], h, np.ascontiguousarray(np.stack((q[:-1], v[:-1], c2, c3))))
+    c[1, :, own] = v[:-1].T
+    c[2, :, own] = ((3 * step / w - 2 * v[:-1] - v[1:]) / w).T
+    c[3, :, own] = ((v[:-1] + v[1:] - 2 * step / w) / w**2).T
+    return Pieces(times[:-1], h, c)
 
 
 def positions(pieces: Pieces) -> tuple[Array, Array]:
@@ -194,38 +203,27 @@ class Timeline:
         pad = 2**self.depth - count
         self._knots = np.concatenate((pieces.start, np.full(pad + 1, self.end)))
         candidates, _ = positions(pieces)
-        last = np.tile(candidates[1, -1], (pad, 1))  # positions at the end of the motion
-        low = np.vstack((candidates.min(axis=0), last))
-        high = np.vstack((candidates.max(axis=0), last))
-        self._low, self._high = [low], [high]
-        for _ in range(self.depth):
-            self._low.insert(0, np.minimum(self._low[0][::2], self._low[0][1::2]))
-            self._high.insert(0, np.maximum(self._high[0][::2], self._high[0][1::2]))
+        bottom = 2**self.depth - 1  # the first row of the last level: level k has rows from 2**k - 1 on
+        self._low, self._high = np.empty((2, 2 * bottom + 1, pieces.c.shape[2]))
+        for rows, extreme, of_two in (
+            (self._low, candidates.min(axis=0), np.minimum),
+            (self._high, candidates.max(axis=0), np.maximum),
+        ):
+            rows[bottom : bottom + count] = extreme
+            rows[bottom + count :] = candidates[1, -1]  # positions at the end of the motion
+            for begin in (2**level - 1 for level in reversed(range(self.depth))):
+                below = rows[2 * begin + 1 : 4 * begin + 3]
+                of_two(below[::2], below[1::2], out=rows[begin : 2 * begin + 1])
 
     def interval(self, level: int, index: Indices) -> tuple[Array, Array]:
         """Start and end of intervals, shape (U,) each [s]."""
-        if level <= self.depth:
-            width = 2 ** (self.depth - level)
-            return self._knots[index * width], self._knots[(index + 1) * width]
-        parts = 2 ** (level - self.depth)
-        piece, part = np.divmod(index, parts)
-        start, length = self._knots[piece], np.diff(self._knots)[piece]
-        return start + length * part / parts, start + length * (part + 1) / parts
+        spans = self.spans(level, index)
+        return spans.start, spans.end
 
     def spans(self, level: int, index: Indices) -> Spans:
         """What the coordinates do on intervals of one level."""
-        start, end = self.interval(level, index)
-        middle = (start + end) / 2
-        if level < self.depth:
-            piece = np.searchsorted(self.pieces.start, middle, side="right") - 1
-        else:
-            piece = np.minimum(index >> (level - self.depth), len(self.pieces.start) - 1)
-        at = middle - self.pieces.start[piece]
-        if level < self.depth:
-            q, v, _ = self.pieces.at(piece, at)
-            shift = np.maximum(self._high[level][index] - q, q - self._low[level][index])
-            unbounded = np.full_like(q, np.inf)
-            return Spans(start, end, middle, q, v, shift, unbounded, unbounded)
+        start, end, middle = times = tuple(np.empty((3, len(index))))
         q, v, shift, v_max, a_max = np.empty((5, len(index), self.pieces.c.shape[2]))
-        compiled.moments(piece, at, (end - start) / 2, self.pieces.c, q, v, shift, v_max, a_max)
+        tree = self._knots, self.pieces.c, self._low, self._high
+        compiled.spans(level, self.depth, index, *tree, times, q, v, shift, v_max, a_max)
         return Spans(start, end, middle, q, v, shift, v_max, a_max)

@@ -30,5 +30,5 @@ def subject(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Subject:
     """Kinematics, shapes and timeline of the coordinates that this motion moves."""
     moving = pieces.moving
     kinematics = Kinematics(scene, pieces.c[0, 0], moving)
-    shapes, timeline = Shapes(scene, kinematics), Timeline(pieces.columns(moving))
+    shapes, timeline = Shapes(scene, kinematics), Timeline(pieces.moved)
     return Subject(scene, tolerances, pieces, kinematics, shapes, timeline)

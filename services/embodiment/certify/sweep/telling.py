@@ -6,32 +6,34 @@ distance of two shapes, which comes with its own proof (`convex`, `packed`).
 
 import math
 
-import numpy as np
-
 from services.embodiment.certify.sweep.compiled import first_order, middle_of, second_order, turn_of
 from services.kernel import kernel, subkernel
-from services.physics.geometry.convex import ROOM, parted
+from services.physics.geometry.convex import parted
 from services.physics.geometry.packed import bounds_of
 
 SHUT, ASKED, LEFT = 0, 1, 2
 """Of an item: a bound says enough, its distance is known, its distance is left to be asked for."""
 
 
-@kernel
-def starting(pairs, low, high, least, which, pair):
-    """How many pairs of boxes come nearer than `least`; those for which there is room are in the last two."""
-    count, near = 0, np.empty(low.shape[1], np.bool_)
+@kernel(makes=False)
+def starting(pairs, low, high, least, room, which, pair):
+    """How many pairs of boxes come nearer than `least`; those for which there is room are in the last two.
+
+    `room` is room: which shapes come near the box about all first ones, shape (S,), and its corners (2, 3).
+    """
+    count, (near, about) = 0, room
     for u in range(low.shape[0]):
-        bottom, top = np.full(3, math.inf), np.full(3, -math.inf)
+        for i in range(3):
+            about[0, i], about[1, i] = math.inf, -math.inf
         for n in range(pairs.shape[0]):
             s = pairs[n, 0]
             if n == 0 or s != pairs[n - 1, 0]:
                 for i in range(3):
-                    bottom[i], top[i] = min(bottom[i], low[u, s, i]), max(top[i], high[u, s, i])
+                    about[0, i], about[1, i] = min(about[0, i], low[u, s, i]), max(about[1, i], high[u, s, i])
         for s in range(low.shape[1]):
             near[s] = True
             for i in range(3):
-                beside = low[u, s, i] - least > top[i] or bottom[i] > high[u, s, i] + least
+                beside = low[u, s, i] - least > about[1, i] or about[0, i] > high[u, s, i] + least
                 near[s] = near[s] and not beside
         for n in range(pairs.shape[0]):
             s, e = pairs[n, 0], pairs[n, 1]
@@ -50,8 +52,10 @@ def _meet(low, high, u, s, e, least):
     return True
 
 
-@kernel
-def look(items, pairs, keep, sets, shapes, convex, placed, spans, path, revolute, slacks, until, limits, out):
+@kernel(makes=False)
+def look(
+    items, pairs, keep, sets, shapes, convex, placed, spans, path, revolute, slacks, until, limits, room, out
+):
     """What each item tells: (done, distance, approach, distance of centres) in the four arrays `out`.
 
     `items` is (index of the pair, index of the span); `keep` is (least, least_held, held_from) and `sets` the
@@ -59,13 +63,12 @@ def look(items, pairs, keep, sets, shapes, convex, placed, spans, path, revolute
     that of their set in `slacks` − PRECISION that is above 0, or that begin after its `until`, tell nothing
     more: their distance is a bound. So is that of items which are halved whatever it is: those that move by
     more than HOPELESS, and may meet so.
-    What items that follow one another have in common is worked out once.
+    What items that follow one another have in common is worked out once. `room` is that of two shapes, shapes
+    (3, 3), (3,) and (3,) each, of `bounds_of`, and of as many numbers as there are carriers.
     """
     done, distance, approach, between = out
     precision, hopeless, shortest = limits
-    one_r, one_c, one_half = np.empty((3, 3)), np.empty(3), np.empty(3)
-    two_r, two_c, two_half = np.empty((3, 3)), np.empty(3), np.empty(3)
-    work, levers = np.zeros(ROOM), np.empty(path.shape[0])
+    one_r, one_c, one_half, two_r, two_c, two_half, work, levers = room
     span, shape, against, turned = -1, -1, -1, False  # what is known of the first shape of the item before
     first, second = 0.0, 0.0
     for n in range(items[0].shape[0]):
@@ -113,56 +116,59 @@ def look(items, pairs, keep, sets, shapes, convex, placed, spans, path, revolute
             done[n], distance[n] = ASKED, low
 
 
-@kernel
-def settle(items, pairs, keep, sets, radius, spans, middle, found, slacks, limits, low, last, seen, queries):
-    """Whether no distance of what was looked at is larger than it can be.
+@kernel(makes=False)
+def settle(items, interval, pairs, keep, sets, radius, spans, middle, found, known, limits, halves):
+    """How many halves there are of items that can still tell something; they are in `halves`, shape (2, …).
 
-    `found` is what `look` gives, `limits` (resolution, SHORTEST, PRECISION). In the last four are a bound on
-    each item's slack all through its interval; whether the interval is not halved any more; what is seen
-    of it: nothing new (0), a distance (1), or that it cannot be shown to be kept (2); and how many distances
-    of each set were asked for.
+    -1 if a distance of what was looked at is larger than it can be.
+    `found` is what `look` gives, `limits` (resolution, SHORTEST, PRECISION, PROMPT). Of each set `known` has
+    its least slack; when its first violation is; the items that tell of these, shape (2, sets), or -1 where
+    none here does; whether these cannot be shown to be kept, nor to be missed; and how many distances were
+    asked for. Items of one interval follow one another, and so do those of each half. An item is halved if
+    its bound on its slack, which takes the place of its distance of centres, is less by PRECISION than the
+    least of its set, or not above 0 where a violation PROMPT before the first one is looked for.
     """
     done, distance, approach, between = found
-    resolution, shortest, precision = limits
-    sane = True
-    for n in range(items[0].shape[0]):
+    slack, first, telling, unshown, queries = known
+    resolution, shortest, precision, prompt = limits
+    count = items[0].shape[0]
+    for n in range(slack.shape[0]):
+        telling[0, n] = telling[1, n] = -1
+    for n in range(count):
         p, u = items[0][n], items[1][n]
+        own = sets[p]
         least = keep[1][p] if spans[0][u] >= keep[2][p] else keep[0][p]
-        now = keep[1][p] if middle[u] >= keep[2][p] else keep[0][p]
         most = between[n] + radius[pairs[p, 0]] + radius[pairs[p, 1]]
-        sane = sane and distance[n] <= most + precision  # also false of what is not a number
-        low[n], last[n], seen[n] = distance[n] - approach[n] - least, False, 0
+        if not distance[n] <= most + precision:  # also what is not a number
+            return -1
+        low = distance[n] - approach[n] - least
+        between[n] = low
         if done[n] == SHUT:
             continue
-        queries[sets[p]] += 1
-        last[n] = approach[n] <= resolution or spans[1][u] - spans[0][u] <= shortest
-        if last[n] and low[n] <= 0.0 and distance[n] >= now:
-            seen[n] = 2
-        elif distance[n] - now < slacks[sets[p]] or distance[n] < now:
-            seen[n] = 1
-    return sane
-
-
-@kernel
-def halves(pair, interval, sets, low, last, start, enough, until, pair_out, interval_out):
-    """How many halves there are of items that can still tell something; they are in the last two.
-
-    Items of one interval follow one another, and so do those of each half. Such an item's bound on its slack
-    is below `enough` of its set, or not above 0 where a violation before `until` is looked for.
-    """
-    count, n = 0, 0
-    while n < pair.shape[0]:
+        queries[own] += 1
+        room = distance[n] - (keep[1][p] if middle[u] >= keep[2][p] else keep[0][p])
+        last = approach[n] <= resolution or spans[1][u] - spans[0][u] <= shortest
+        lost = last and low <= 0.0 and room >= 0.0
+        if room < slack[own]:
+            slack[own], telling[0, own], unshown[0, own] = room, n, lost
+        if (lost or room < 0.0) and middle[u] < first[own]:
+            first[own], telling[1, own], unshown[1, own] = middle[u], n, lost
+        if last:
+            between[n] = math.inf
+    total, n = 0, 0
+    while n < count:
         end = n
-        while end < pair.shape[0] and interval[end] == interval[n]:
+        while end < count and interval[end] == interval[n]:
             end += 1
         for part in range(2):
             for m in range(n, end):
-                own = sets[pair[m]]
-                if not last[m] and (low[m] < enough[own] or (low[m] <= 0.0 and start[m] < until[own])):
-                    pair_out[count], interval_out[count] = pair[m], 2 * interval[m] + part
-                    count += 1
+                own, low = sets[items[0][m]], between[m]
+                begin = spans[0][items[1][m]]
+                if low < slack[own] - precision or (low <= 0.0 and begin < first[own] - prompt):
+                    halves[0, total], halves[1, total] = items[0][m], 2 * interval[m] + part
+                    total += 1
         n = end
-    return count
+    return total
 
 
 @subkernel
