@@ -101,8 +101,7 @@ def install(app: FastAPI, told: Callable[[Request, Response], Response]) -> None
 
     @app.exception_handler(RequestValidationError)
     async def invalid(request: Request, error: RequestValidationError) -> Response:  # pyright: ignore[reportUnusedFunction]
-        faults = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in error.errors()]
-        return told(request, problem(422, "Invalid", "; ".join(faults)))
+        return told(request, of_body(request.headers.get("content-type", ""), error))
 
     @app.exception_handler(HTTPException)
     async def plain(request: Request, error: HTTPException) -> Response:  # pyright: ignore[reportUnusedFunction]
@@ -110,11 +109,24 @@ def install(app: FastAPI, told: Callable[[Request, Response], Response]) -> None
         headers = dict(error.headers or {})
         if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
             headers["Allow"] = ", ".join(_methods(app, request))
-        return told(request, problem(error.status_code, str(error.detail), detail, headers))
+        elsewhere = "/ has the pages, /openapi.json the verbs"
+        remedy = elsewhere if error.status_code == HTTPStatus.NOT_FOUND else ""
+        return told(request, problem(error.status_code, str(error.detail), detail, headers, remedy=remedy))
 
     @app.exception_handler(Exception)
     async def unforeseen(request: Request, error: Exception) -> Response:  # pyright: ignore[reportUnusedFunction]
         return told(request, unexpected(request.method, request.url.path, error))
+
+
+def of_body(kind: str, error: RequestValidationError) -> Response:
+    """What is wrong with a request; of a body that was not read, that it does not say it is JSON."""
+    media = kind.partition(";")[0].strip().lower()
+    unread = [each["loc"] for each in error.errors()] == [("body",)]
+    if unread and media != "application/json" and not media.endswith("+json"):
+        said = f"the body is '{media}'" if media else "the body does not say what it is"
+        return problem(415, "Unsupported Media Type", said, allowed="Content-Type: application/json")
+    faults = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in error.errors()]
+    return problem(422, "Invalid", "; ".join(faults))
 
 
 def _methods(app: FastAPI, request: Request) -> list[str]:

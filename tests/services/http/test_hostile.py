@@ -86,8 +86,8 @@ EDITED = '{"edit": {"entity": "%s", "changes": {"upperLimit": 1}}}'
 BODIES: dict[str, tuple[str, bytes, str, int]] = {
     "brackets without end": (STATE, b"[" * 100_000, JSON, 400),
     "a deep object": (STATE, b'{"state":' * 3000 + b"1" + b"}" * 3000, JSON, 400),
-    "JSON as a form would send it": (STATE, b'{"state": ["low_drawer=0.1"]}', "text/plain", 422),
-    "JSON as nothing": (STATE, b'{"state": ["low_drawer=0.1"]}', "", 422),
+    "JSON as a form would send it": (STATE, b'{"state": ["low_drawer=0.1"]}', "text/plain", 415),
+    "JSON as nothing": (STATE, b'{"state": ["low_drawer=0.1"]}', "", 415),
     "half a character": (STATE, b'{"state": ["\\ud800"]}', JSON, 422),
     "a name with an end": (STATE, b'{"state": ["low_drawer=\\u0000"]}', JSON, 400),
     "no number that fits": (SEEN, (OBSERVED % ("9" * 5000, "x")).encode(), JSON, 400),

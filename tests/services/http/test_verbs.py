@@ -197,7 +197,7 @@ def test_what_is_posted_is_data_and_is_never_fetched(served, drawer) -> None:
         for media in ("application/ld+json", "application/rdf+xml", "text/turtle"):
             sent = f"<{url}> <http://www.w3.org/2002/07/owl#imports> <{url}> ."
             headers = BEARER | {"content-type": media}
-            assert served.post("/api/v1/observation", content=sent, headers=headers).status_code == 422
+            assert served.post("/api/v1/observation", content=sent, headers=headers).status_code == 415
         assert canary.hits == []
 
 
