@@ -33,8 +33,11 @@ def read_arrays(path: Path) -> Track:
     except (ValueError, OSError, EOFError, zipfile.BadZipFile, AttributeError) as error:
         raise MotionError(f"{path.name} is no .npz of plain arrays: {error}", allowed=ALLOWED) from None
     if unknown := sorted(arrays.keys() - KEYS.keys()):
+        is_motion = not arrays.keys().isdisjoint({"joint", "robot"})
         raise MotionError(
-            f"{path.name} has an array '{unknown[0]}', which means nothing here", allowed=ALLOWED
+            f"{path.name} has an array '{unknown[0]}', which means nothing here",
+            allowed=ALLOWED,
+            remedy="it is a motion: --motion of sdt causes or sdt achieve takes it" if is_motion else "",
         )
     if "poses" not in arrays and "positions" not in arrays:
         raise MotionError(f"{path.name} has {', '.join(arrays) or 'nothing'}", allowed=ALLOWED)

@@ -79,6 +79,12 @@ def test_complex_numbers_are_no_positions(tmp_path: Path) -> None:
         read_track(tmp_path / "track.npz")
 
 
+def test_a_motion_is_no_track_and_is_told_where_to_go(tmp_path: Path) -> None:
+    np.savez(tmp_path / "motion.npz", joint=np.array("door_joint"), values=np.zeros(9))
+    with pytest.raises(MotionError, match="it is a motion: --motion of sdt causes"):
+        read_track(tmp_path / "motion.npz")
+
+
 def test_arrays_in_npz(tmp_path: Path) -> None:
     path = tmp_path / "track.npz"
     np.savez(path, poses=np.hstack([PLACES, TURNS]), times=TIMES[:, 0], forces=FORCES)

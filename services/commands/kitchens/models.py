@@ -52,7 +52,12 @@ GRAPH_FORMATS = {".ttl": "turtle", ".trig": "trig", ".nq": "nquads"}
 @csv_flag
 @json_flag
 def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
-    """The counted containers of KITCHEN, their joints, handles and limits."""
+    """The counted containers of KITCHEN, their joints, handles and limits.
+
+    What is called a drawer or door counts if a joint of its own moves it and a link that is called a handle
+    is fixed to it; a hinged panel with a bar at its free edge is a door whatever the names. What to do about
+    others, kitchens/README.md says.
+    """
     twin = load_twin(kitchen)
     counted = [container_row(container) for container in twin.containers()]
     left_out = [
