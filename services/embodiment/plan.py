@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import islice
+from itertools import chain, islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,7 +73,6 @@ class Planner:
         self.rough: list[Assembled] = []
         self.bar: Bar | None = None
         self.holdings = self.refused = self.placements = 0
-        self._breeds = False
         self.proofs = Proofs(setting, spent)
         self.start_contact: tuple[tuple[int, int], float] | None = None
         self.unfit: Counter[tuple[int, int]] = Counter()
@@ -104,35 +103,35 @@ class Planner:
                     return
                 yield from self._round(attempt, number)
         self._give_up()
-        yield from self._spread(FULL)
-        yield from self._bred()
+        yield from self._at_last()
+
+    def _at_last(self) -> Iterator[Planned]:
+        """Plans that many postures find together once more, and from bred grasps.
+
+        These first where nothing could be followed: many have found nothing before. But where the base stands
+        they take longer.
+        """
+        last = self._spread(FULL), self._bred()
+        bred_first = self.setting.drive is not Drive.FIXED and not self._has_ways()
+        yield from chain(*(last[::-1] if bred_first else last))
 
     def _between(self, number: int) -> Iterator[Planned]:
-        """Before round `number`, an early look for proofs, and plans that many postures find together.
-
-        Where many find nothing that could be followed, grasps are bred at once: single paths that are
-        searched for longer find nothing either, but where the base stands.
-        """
+        """Before round `number`, an early look for proofs, and plans that many postures find together."""
         if number == 1:
             self._look_early()
         if 0 < number <= ALONE and not self.proofs.ended:
             yield from self._spread(FULL if number == ALONE else QUICK)
-        if number == ALONE and self.setting.drive is not Drive.FIXED and not self._has_ways():
-            self._give_up()
-            yield from self._bred()
 
     def _spread(self, effort: Effort) -> Iterator[Planned]:
         """Plans from holdings of listed grasps that many postures find together."""
         yield from self._with(partial(Attempt.spread, effort=effort))
 
     def _bred(self) -> Iterator[Planned]:
-        """Plans from holdings of bred grasps, once: they hold the bar, then any part of the handle anyhow.
+        """Plans from holdings of bred grasps: they hold the bar, then any part of the handle anyhow.
 
         Proofs about holds come before, or after where the base stands: there they take longer.
         """
-        if self._breeds:
-            return
-        stands, self._breeds = self.setting.drive is Drive.FIXED, True
+        stands = self.setting.drive is Drive.FIXED
         if not stands:
             self._prove_of_holds()
         for way in (Attempt.breed, Attempt.breed_anyhow):
