@@ -18,6 +18,8 @@ from services.physics.geometry.hulls import COARSE, Fineness, convex_pieces
 from services.physics.geometry.kept import kept
 
 FLAT = 1e-6  # [m] a mesh thinner than this has no volume: qhull crashes on it
+LONGEST = 100.0  # [m] of a mesh, as long as the floor: handles of 0.1 m in millimetres are longer
+SHORTEST = 1e-3  # [m] of a mesh: walls in metres that are scaled as if in millimetres are shorter
 PADDING = 1e-4  # [m] how far the hull of a flat mesh stands out on both sides
 
 
@@ -80,12 +82,29 @@ def _loaded(
         raise UrdfError(f"mesh {mesh_file} cannot be read: {said}", allowed="STL, OBJ, DAE") from error
     if not np.isfinite(mesh.vertices()).all():  # its triangle would touch nothing
         raise UrdfError(f"mesh {mesh_file} has a vertex that is no point", allowed="finite coordinates")
+    _check_size(mesh_file, float(np.ptp(mesh.vertices(), axis=0).max()))
     if meshes.mesh_hash(Path(mesh_file)) != mesh_hash:
         raise UrdfError(
             f"mesh {mesh_file} is another file than when its model was read",
             remedy="read the model again, with a service by starting it again; or put the file back",
         )
     return mesh
+
+
+def _check_size(mesh_file: str, size: float) -> None:
+    """A mesh is in metres: one in another unit is far from all that it stands for, and stops nothing.
+
+    Raises:
+        UrdfError: It is as long [m] as nothing in a kitchen is.
+    """
+    if size > LONGEST:
+        remedy = 'a file in millimetres needs scale="0.001 0.001 0.001" in collision geometry too'
+    elif size < SHORTEST:
+        remedy = "take the scale away if the file is in metres"
+    else:
+        return
+    allowed = f"{SHORTEST:g} to {LONGEST:g} m"
+    raise UrdfError(f"mesh {mesh_file} is {size:.4g} m long, as scaled", allowed=allowed, remedy=remedy)
 
 
 @lru_cache(maxsize=1024)

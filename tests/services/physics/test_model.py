@@ -264,6 +264,18 @@ def test_a_mesh_with_a_vertex_that_is_no_point_is_refused(
         shapes(mesh(tmp_path / "broken.stl", TETRAHEDRON.format(more=broken)))
 
 
+@pytest.mark.parametrize(
+    ("scale", "said"), [(1000.0, "millimetres needs scale"), (5e-4, "take the scale away")]
+)
+@pytest.mark.parametrize("shapes", [solids, surface], ids=["robot", "kitchen"])
+def test_a_mesh_in_another_unit_is_refused(
+    shapes: Callable[[Geometry], object], scale: float, said: str, tmp_path: Path
+) -> None:
+    # Walls a thousand times too large or too small are where no robot comes, and it passed through them.
+    with pytest.raises(UrdfError, match=rf"unit\.stl is {scale:g} m long, as scaled; .* {said}"):
+        shapes(mesh(tmp_path / "unit.stl", TETRAHEDRON.format(more=SLOPE), (scale, scale, scale)))
+
+
 COLLADA = """<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset>{unit}</asset>
 <library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="12">
