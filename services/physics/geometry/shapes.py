@@ -149,13 +149,9 @@ def hull(points: NDArray[np.float64]) -> coal.ConvexBase:
 
 def hull_of_solid(points: NDArray[np.float64]) -> coal.ConvexBase:
     """Convex hull of points that do not lie in a plane."""
-    mesh = coal.BVHModelOBBRSS()
-    mesh.beginModel(0, len(points))
-    mesh.addVertices(points)
-    mesh.endModel()
-    # buildConvexRepresentation is no hull: it keeps the mesh's own, possibly concave, faces.
-    mesh.buildConvexHull(True, "Qt")
-    hull = mesh.convex
+    corners = coal.StdVec_Vec3s()
+    corners.extend(points)
+    hull = coal.Convex.convexHull(corners, True, "Qt")
     hull.computeLocalAABB()
     return hull
 
