@@ -149,6 +149,8 @@ def leaves_of_one(statement: Statement, arm: Arm, given: Refutation) -> int:
         raise InputError(f"a tree of {len(given.tree)} nodes", allowed=f"at most {MOST_NODES}")
     if given.beside and (given.pinched or given.places is not None):
         raise InputError("a tree of places or fingers that goes over to limbs", allowed="one of arms alone")
+    if given.between:
+        statement, arm = between(statement, given)
     nodes, links = iter(given.tree), arm.chain.links
     if given.pinched:
         count = _pinches(statement, given, nodes)
@@ -163,6 +165,23 @@ def leaves_of_one(statement: Statement, arm: Arm, given: Refutation) -> int:
     if next(nodes, None) is not None:
         raise InputError("the proof's tree goes on after its end", allowed="a whole tree")
     return count
+
+
+def between(statement: Statement, given: Refutation) -> tuple[Statement, Arm]:
+    """The same of the handle between two fingers, and the gripper's arm with that in place of its grasp box.
+
+    At the value that the container has before it moves nothing has slipped; a hold at several values has.
+
+    Raises:
+        InputError: There are no two fingers, or it is about fingers one by one, or about holds in hand.
+    """
+    begins = given.places is None and given.value == statement.twin.state[statement.container.joint]
+    other = statement.between(begins)
+    (gripper,) = (one for one in statement.grippers if one.name == given.gripper)
+    arm = None if given.pinched else other.arm(gripper)
+    if arm is None:
+        raise InputError("a handle between two fingers", allowed="two fingers, and a tree of the arm alone")
+    return other, arm
 
 
 def _pinches(statement: Statement, given: Refutation, nodes: Iterator[int]) -> int:

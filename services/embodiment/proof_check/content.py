@@ -9,9 +9,10 @@ had neither, and is read as it is. "sdt proof 3" is a proof about some holds alo
 From 4 on a refutation may have `places`: then its tree is one of cells of them, with trees of joints in it
 (`places.py`), and n + 1 + C + k, behind the C cores, says that joint k is too far from the cell. From 5 on
 the floor refutes too, from 6 on one may be `pinched`, the fingers' joints last, and a leaf then names the one
-finger that may come to the handle (`pinch/`). Written is "sdt proof 7": behind all these numbers are those of
+finger that may come to the handle (`pinch/`). From 7 on, behind all these numbers are those of
 the bodies `beside` the arm; after such a node comes a tree of the joints that carry this body, whose leaves
-name cores on them, numbered in the same way (`arm.py`).
+name cores on them, numbered in the same way (`arm.py`). Written is "sdt proof 8": a refutation may be of the
+handle `between` two fingers, a box about it and a slab in place of its shapes and the grasp box (`pinch/`).
 """
 
 import base64
@@ -27,9 +28,9 @@ from sdt_kg.errors import InputError
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.claim import Claim, Timing
 
-SCHEMA = "sdt proof 7"
+SCHEMA = "sdt proof 8"
 BY_PLACES = "sdt proof 4"
-SINCE_DECLARED = ("sdt proof 6", SCHEMA)
+SINCE_DECLARED = ("sdt proof 6", "sdt proof 7", SCHEMA)
 SINCE_SOME_HOLDS = ("sdt proof 3", BY_PLACES, "sdt proof 5", *SINCE_DECLARED)
 READ = ("sdt proof 1", "sdt proof 2", *SINCE_SOME_HOLDS)
 IN_HAND = 0.02
@@ -44,6 +45,7 @@ PINCHED = (
     "fingers: two of them are at the handle at once, so both come as high as it; those that one motor drives "
     "differ by no more than the twin says"
 )
+BETWEEN = "fingers: two of them are at the handle at once, so a point of a box about it is between them"
 BESIDE = "limbs beside the arm: they, too, are somewhere within their limits, and touch nothing"
 ONE_HOLD = "one hold: the tool keeps the pose on the handle that it has at the grasp, at all values"
 
@@ -73,6 +75,7 @@ class Refutation:
         places: Where one hold at several values is refuted, and not all holds at one.
         pinched: Whether it is refuted that two fingers come to the handle together.
         beside: Bodies that other joints carry, to whose trees the tree may go over.
+        between: Whether it is refuted that a point of a box about the handle is between two fingers.
     """
 
     gripper: str
@@ -83,6 +86,7 @@ class Refutation:
     places: Places | None = None
     pinched: bool = False
     beside: tuple[str, ...] = ()
+    between: bool = False
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -121,6 +125,7 @@ class Proof:
             f"tolerances: those of certification, {claim.tolerances}",
             *([ONE_HOLD] if any(one.places is not None for one in self.refutations) else []),
             *([BESIDE] if any(one.beside for one in self.refutations) else []),
+            *([BETWEEN] if any(one.between for one in self.refutations) else []),
             *([PINCHED] if any(one.pinched for one in self.refutations) else []),
             "joints: limits of the twin, each joint for itself",
             "collision geometry: of the fingers and the handle, which a hold is about; besides, with a fixed "
@@ -237,6 +242,7 @@ def _refutation(given: dict[str, Any]) -> Refutation:  # Any: JSON
         None if places is None else Places(tuple(map(_number, places["values"])), _box(places["box"])),
         given.get("pinched") is True,
         tuple(str(each) for each in given.get("beside", ())),
+        given.get("between") is True,
     )
 
 

@@ -16,6 +16,8 @@ from services.physics.geometry.shapes import PADDING, surface
 
 Array = NDArray[np.float64]
 
+ROUNDING = 1e-7  # [m] what quaternions and axes of not quite unit length can be off by
+SOLVED = 1e-5  # [m] more than the distance of two shapes is off by
 CELLS = 64  # into which the positions of the finger joints of one finger are divided
 
 
@@ -89,6 +91,22 @@ def finger_box(mechanism: Mechanism, gripper: Gripper, tolerances: Tolerances) -
             low = np.minimum(low, (at.translation.lo - around).min(axis=0))
             high = np.maximum(high, (at.translation.hi + around).max(axis=0))
     return (low, high) if np.isfinite(low).all() and np.isfinite(high).all() else None
+
+
+def touched(box: tuple[Array, Array], tolerances: Tolerances, begins: bool | None) -> Array:
+    """Corners of a box about what fingers touch whose shapes are in a box of the tool's frame, shape (8, 3).
+
+    Args:
+        box: Its corners [m].
+        tolerances: How near a finger is to what it touches, and what the tool may slip and turn later.
+        begins: Whether nothing has slipped yet; None: both is meant.
+    """
+    wide = tolerances.contact + (ROUNDING if begins is None else SOLVED)
+    if not begins:
+        far = float(np.linalg.norm(np.maximum(np.abs(box[0]), np.abs(box[1])))) + tolerances.contact
+        wide += tolerances.tool_position + 2 * float(np.sin(tolerances.tool_angle / 2)) * far
+    ends = np.stack((box[0] - wide, box[1] + wide))
+    return np.array([[ends[pick[k], k] for k in range(3)] for pick in product((0, 1), repeat=3)])
 
 
 def _moved(  # noqa: PLR0913, PLR0917  # a chain's frames, and a box behind them

@@ -22,8 +22,8 @@ with a fixed base, by a box inside one of the arm's bodies that meets something 
 collision geometry is used.
 """
 
+from copy import copy
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,11 +50,11 @@ from services.embodiment.proof_check.mechanics import (
     Placement,
     Tree,
     base_T_root,
-    lever_of,
 )
+from services.embodiment.proof_check.pinch.between import about_all, slab
 from services.embodiment.proof_check.pinch.fingers import Hand, hand_of
-from services.embodiment.proof_check.shapes import boxes_of, finger_box, tool_in
-from services.embodiment.proof_check.target import Target
+from services.embodiment.proof_check.shapes import boxes_of, finger_box, tool_in, touched
+from services.embodiment.proof_check.target import Target, placed
 
 Array = NDArray[np.float64]
 
@@ -91,8 +91,9 @@ class Statement:
         self.grippers = self._annotation.grippers
         self._tree = Tree(twin.mechanism(robot))
         self._kitchen = Tree(twin.mechanism(twin.environment))
-        self._chains: dict[str, tuple[Chain, Array] | None] = {}
-        self._targets: dict[float, Target] = {}
+        self._begins: bool | None = None
+        self._chains: dict[tuple[str, bool | None], tuple[Chain, Array] | None] = {}
+        self._targets: dict[tuple[float, bool], Target] = {}
         self._surroundings = Surroundings(self._kitchen, self._slack())
         self._solids: dict[float, Solids] = {}
         self._cores: dict[str, tuple[Core, ...]] = {}
@@ -107,11 +108,27 @@ class Statement:
         other._surroundings, other._solids = self._surroundings, self._solids
         return other
 
+    def between(self, begins: bool) -> "Statement":
+        """The same of a point of a box about the handle that is between two fingers, see `pinch/`.
+
+        Args:
+            begins: Whether it is about the value at which the container begins to move: nothing slipped yet.
+
+        Raises:
+            InputError: Holds in hand are meant.
+        """
+        if self.within is not None:
+            raise InputError("a handle between two fingers, of holds in hand", allowed="of every hold")
+        other = copy(self)
+        other._begins = begins
+        return other
+
     def arm(self, gripper: Gripper) -> Arm | None:
         """The chain of one gripper; None where its fingers have no box or a slide has no limits."""
-        if gripper.name not in self._chains:
-            self._chains[gripper.name] = self._behind_base(gripper)
-        found = self._chains[gripper.name]
+        key = gripper.name, self._begins
+        if key not in self._chains:
+            self._chains[key] = self._behind_base(gripper)
+        found = self._chains[key]
         if found is None:
             return None
         chain, corners = found
@@ -211,14 +228,11 @@ class Statement:
         """Corners of the grasp box in the tool's frame [m], shape (8, 3); for holds in hand its origin."""
         if self.within is not None:
             return np.zeros((8, 3))
-        box = finger_box(self._tree.mechanism, gripper, self.tolerances)
-        if box is None:
-            return None
-        far = float(np.linalg.norm(np.maximum(np.abs(box[0]), np.abs(box[1])))) + self.tolerances.contact
-        turned = 2 * float(np.sin(self.tolerances.tool_angle / 2)) * far
-        wide = self.tolerances.contact + self.tolerances.tool_position + turned + ROUNDING
-        ends = np.stack((box[0] - wide, box[1] + wide))
-        return np.array([[ends[pick[k], k] for k in range(3)] for pick in product((0, 1), repeat=3)])
+        if self._begins is None:
+            box = finger_box(self._tree.mechanism, gripper, self.tolerances)
+        else:
+            box = slab(self._tree, gripper, self.tolerances)
+        return None if box is None else touched(box, self.tolerances, self._begins)
 
     def joint_velocity(self, name: str) -> float:
         """Velocity limit of a joint of the robot [rad/s or m/s]; infinite where it has none."""
@@ -243,13 +257,15 @@ class Statement:
         Raises:
             StateError: The value is outside the container's limits.
         """
-        if value not in self._targets:
-            self._targets[value] = self._target(value)
-        return self._targets[value]
+        key = value, self._begins is None
+        if key not in self._targets:
+            self._targets[key] = self._placed(value, self.handle_boxes(), self.about)
+        return self._targets[key]
 
     def handle_boxes(self) -> list[tuple[Placement, Array]]:
-        """Boxes about the handle's shapes in its frame, and their half extents [m], shape (3,)."""
-        return [(box.middle, box.half) for box in boxes_of(self._kitchen, self._handle)]
+        """Boxes about the handle's shapes in its frame, or one about all, and their half extents [m]."""
+        boxes = [(box.middle, box.half) for box in boxes_of(self._kitchen, self._handle)]
+        return boxes if self._begins is None or not boxes else [about_all(boxes)]
 
     @property
     def about(self) -> float:
@@ -270,9 +286,6 @@ class Statement:
         half = np.maximum(high - (low + high) / 2, (low + high) / 2 - low) + slip + ROUNDING
         return self._placed(value, [(Placement(HERE.rotation, exact((low + high) / 2)), half)], 0.0)
 
-    def _target(self, value: float) -> Target:
-        return self._placed(value, self.handle_boxes(), self.about)
-
     @property
     def _handle(self) -> str:
         return local_name(self.container.handle)
@@ -284,16 +297,4 @@ class Statement:
         chain = self._kitchen.chain(self._kitchen.path(self._handle), HERE, 0.0)
         name = self._kitchen.mechanism.name
         q = np.array([[state[joint_iri(name, link.name)] for link in chain.links]])
-        origins, axes, end = chain.frames(q)
-        turns = np.array([link.turns for link in chain.links])
-        places: list[Placement] = []
-        halves: list[Array] = []
-        shifts: list[float] = []
-        for middle, half in boxes:
-            at = end @ middle
-            arms = lever_of(origins, axes, at.translation, chain.links)
-            moved = float(((arms + np.where(turns, np.linalg.norm(half), 0.0)) * slack).sum())
-            places.append(Placement(at.rotation[0], at.translation[0]))
-            shifts.append(moved + ROUNDING)
-            halves.append(half + shifts[-1] + about)
-        return Target(tuple(places), np.array(halves).reshape(-1, 3), np.array(shifts))
+        return placed(chain, q, boxes, slack, about)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from services.embodiment.proof_check.arm import ROUNDING
 from services.embodiment.proof_check.interval import apply, exact
-from services.embodiment.proof_check.mechanics import Placement, Swing
+from services.embodiment.proof_check.mechanics import Chain, Placement, Swing, lever_of
 
 Array = NDArray[np.float64]
 
@@ -51,6 +51,33 @@ class Target:
                 widest = np.maximum(widest, gap - swing.along(d, at, own))
             nearest = np.minimum(nearest, widest - ROUNDING)
         return nearest
+
+
+def placed(
+    chain: Chain, q: Array, boxes: list[tuple[Placement, Array]], slack: float, about: float
+) -> Target:
+    """Boxes of the handle's frame in the world, widened by what the joints before it may be off.
+
+    Args:
+        chain: To the handle's frame.
+        q: Where its joints are [rad or m], shape (1, n).
+        boxes: Where their middles are, and their half extents [m], shape (3,).
+        slack: How far each joint may be from there [rad or m].
+        about: How far from a box holds may be, where those in hand are meant [m].
+    """
+    origins, axes, end = chain.frames(q)
+    turns = np.array([link.turns for link in chain.links])
+    places: list[Placement] = []
+    halves: list[Array] = []
+    shifts: list[float] = []
+    for middle, half in boxes:
+        at = end @ middle
+        arms = lever_of(origins, axes, at.translation, chain.links)
+        moved = float(((arms + np.where(turns, np.linalg.norm(half), 0.0)) * slack).sum())
+        places.append(Placement(at.rotation[0], at.translation[0]))
+        shifts.append(moved + ROUNDING)
+        halves.append(half + shifts[-1] + about)
+    return Target(tuple(places), np.array(halves).reshape(-1, 3), np.array(shifts))
 
 
 def _extent(d: Array, at: Placement, half: Array) -> Array:

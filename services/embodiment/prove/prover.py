@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -154,8 +154,8 @@ class Prover:
             found = next(self._refutations(gripper, nodes), None) or self._by_limbs(gripper)
             if found is None and self.statement.within is None:
                 found = self._by_fingers(gripper)
-            if found is None and one_hold and (arm := self._arms[gripper.name]) is not None:
-                found = by_places(self.statement, arm, sorted(self._values())[::SPARSE])
+            if found is None and one_hold:
+                found = self._by_places(gripper)
             if found is None:
                 return None
             refutations.append(found)
@@ -175,9 +175,30 @@ class Prover:
         if not self.statement.handle_boxes():
             return
         for value in self._values():
-            tree = divided(at_value(self.statement, arm, value), low, high, nodes)
-            if tree is not None:
-                yield Refutation(gripper.name, value, names, box, tree)
+            for between, statement, one in self._meant(gripper, arm, value):
+                tree = divided(at_value(statement, one, value), low, high, nodes)
+                if tree is not None:
+                    yield Refutation(gripper.name, value, names, box, tree, between=between)
+
+    def _meant(
+        self, gripper: Gripper, arm: Arm, value: float | None
+    ) -> Iterator[tuple[bool, Statement, Arm]]:
+        """The handle between two fingers, then anywhere in the grasp box: at a value, or at all of them."""
+        if self.statement.within is None:
+            other = self.statement.between(value == self.twin.state[self.container.joint])
+            amid = other.arm(gripper)
+            if amid is not None:
+                yield True, other, amid
+        yield False, self.statement, arm
+
+    def _by_places(self, gripper: Gripper) -> Refutation | None:
+        """A refutation of one hold of one gripper, at several values."""
+        arm = self._arms[gripper.name]
+        if arm is None:
+            return None
+        between, statement, one = next(self._meant(gripper, arm, None))
+        found = by_places(statement, one, sorted(self._values())[::SPARSE])
+        return found if found is None else replace(found, between=between)
 
     def _by_limbs(self, gripper: Gripper) -> Refutation | None:
         """A refutation of one gripper by bodies beside its arm, where such are looked for."""
@@ -228,7 +249,7 @@ class Prover:
         )
         within = self.statement.within
         come = "come to" if within is None else f"have the middle between its fingers within {within:g} m of"
-        if any(one.pinched for one in refutations):
+        if any(one.pinched or one.between for one in refutations):
             come = "bring two fingers to"
         values = sorted({value for one in refutations for value in one.values})
         if any(one.places is not None for one in refutations):

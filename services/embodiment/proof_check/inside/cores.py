@@ -21,7 +21,7 @@ from sdt_kg.state import State
 from services.embodiment.proof_check.inside.boxes import Core, within
 from services.embodiment.proof_check.interval import Interval, apply, cross, exact
 from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement, Swing, Tree, placement
-from services.physics.geometry.floor import BELOW, SIZE, standing
+from services.physics.geometry.floor import BELOW, LEVEL, SIZE, standing
 from services.physics.tree import exempt_pairs
 
 Array = NDArray[np.float64]
@@ -118,10 +118,12 @@ class Surroundings:
 def kept_apart(
     cores: tuple[Core, ...], solids: Solids, tree: Tree, annotation: RobotAnnotation
 ) -> NDArray[np.bool_]:
-    """Which core certification keeps apart from which solid around the robot: some stand on the floor."""
+    """Which core certification keeps apart from which solid around the robot: some stand on the ground."""
     on_floor = standing(tree.mechanism, annotation)
     stands = [body_iri(tree.mechanism.name, core.body) in on_floor for core in cores]
-    return ~np.outer(stands, [body == FLOOR for body in solids.bodies])
+    turned = np.maximum(np.abs(solids.at.rotation.lo), np.abs(solids.at.rotation.hi))[:, 2]
+    top = solids.at.translation.lo[:, 2] + (turned * solids.half).sum(axis=1)
+    return ~np.outer(stands, top <= LEVEL)
 
 
 def own_solids(cores: tuple[Core, ...], tree: Tree, annotation: RobotAnnotation) -> tuple[Around, ...]:

@@ -25,14 +25,13 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.interval import Interval, apply, exact
 from services.embodiment.proof_check.mechanics import HERE, Chain, Swing, Tree
-from services.embodiment.proof_check.shapes import Box, box_about, finger_box, source_of
+from services.embodiment.proof_check.shapes import SOLVED, Box, box_about, finger_box, source_of
 from services.embodiment.proof_check.target import UP, Target
 
 Array = NDArray[np.float64]
 
 SUMS = 1e-12  # [rad or m] more than positions that follow others are off by
 LEANS = 1e-4  # [1] sine of an angle by which a hinge is taken for upright: URDF often says 1.5708
-SOLVED = 1e-5  # [m] more than the distance of two shapes is off by
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,8 +109,8 @@ class Hand:
 def hand_of(tree: Tree, gripper: Gripper, arm: Arm, tolerances: Tolerances) -> Hand | None:
     """The hand behind an arm; None where it has no two fingers that could hold anything between them."""
     box = finger_box(tree.mechanism, gripper, tolerances)
-    groups = _groups(tree, gripper)
-    if box is None or len(groups) < 2:
+    found = groups(tree, gripper)
+    if box is None or len(found) < 2:
         return None
     links, carrier = arm.chain.links, tree.carrier(gripper.tool_body)
     moving = [joint for body in gripper.fingers for joint in tree.path(body, carrier)]
@@ -130,7 +129,7 @@ def hand_of(tree: Tree, gripper: Gripper, arm: Arm, tolerances: Tolerances) -> H
         *_upright(arm),
         tuple(
             tuple(_part(tree, arm, (carrier, *one, variables), tolerances) for one in sorted(parts.items()))
-            for _, parts in sorted(groups.items())
+            for _, parts in sorted(found.items())
         ),
         (driven, gripper.difference + tolerances.coupling),
         float(np.linalg.norm(np.maximum(np.abs(box[0]), np.abs(box[1])))),
@@ -156,7 +155,7 @@ def _upright(arm: Arm) -> tuple[int, float]:
     return len(arm.chain.links), lifted
 
 
-def _groups(tree: Tree, gripper: Gripper) -> dict[str, dict[str, list[str]]]:
+def groups(tree: Tree, gripper: Gripper) -> dict[str, dict[str, list[str]]]:
     """Bodies by finger, and by the body that carries them: a finger begins where all have parted."""
     paths = {
         body: [joint.child for joint in tree.path(body) if joint.type is not JointType.FIXED]
@@ -164,11 +163,11 @@ def _groups(tree: Tree, gripper: Gripper) -> dict[str, dict[str, list[str]]]:
     }
     least = min(map(len, paths.values()), default=0)
     shared = next((k for k in range(least) if len({path[k] for path in paths.values()}) > 1), least)
-    groups: dict[str, dict[str, list[str]]] = {}
+    found: dict[str, dict[str, list[str]]] = {}
     for body, path in paths.items():
-        parts = groups.setdefault("".join(path[shared : shared + 1]), {})
+        parts = found.setdefault("".join(path[shared : shared + 1]), {})
         parts.setdefault(tree.carrier(body), []).append(body)
-    return groups
+    return found
 
 
 def _part(

@@ -1,0 +1,221 @@
+"""A handle between two fingers: what no gripper can have so is refuted, and no hold that is certified."""
+
+import base64
+import json
+import zlib
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from predicates.case import Outcome
+from sdt_kg.annotation import Drive, Gripper
+from sdt_kg.errors import InputError
+from sdt_kg.load import load_twin
+from sdt_kg.motion import BodyMotion
+from sdt_kg.twin import Twin
+from services.app import Policy, load
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.proof_check import check
+from services.embodiment.proof_check.content import BETWEEN, IN_HAND, read_proof
+from services.embodiment.proof_check.interval import exact
+from services.embodiment.proof_check.mechanics import HERE as SAME
+from services.embodiment.proof_check.mechanics import Placement, Tree
+from services.embodiment.proof_check.pinch.between import about_all, slab
+from services.embodiment.proof_check.pinch.fingers import groups
+from services.embodiment.proof_check.shapes import finger_box
+from services.embodiment.proof_check.statement import Statement
+from services.embodiment.proof_check.tree import all_far
+from services.embodiment.prove import Proved, Prover
+from tests.soak.doors import draw, write
+
+HERE = (0.0, 0.0, 0.0)
+OUT_OF_REACH = {"pr2": 41, "tiago_dual": 41}
+"""Fronts whose handle a fingertip's side comes to, and not what is between two."""
+HELD = {"pr2": 3, "tiago_dual": 3}
+"""Fronts that are opened."""
+LASTS_NOT = 68
+"""A front whose holds a TIAGo++ cannot keep: of one gripper no single value refutes them."""
+BOXES = 1000
+MANY_BOXES = 20_000
+NARROW = {
+    "pr2": 0.003,
+    "tiago_dual": 0.025,
+}  # [m] half of the slab; a TIAGo++'s fingers overlap at their roots
+SAMPLES = 6  # of a motion
+WIDTHS = (0.0, 1e-3, 0.03, 0.3)  # [rad or m]
+
+
+def front(folder: Path, number: int) -> Path:
+    return write(draw(np.random.default_rng(number)), folder, f"front{number}")
+
+
+def prover(twin: Twin) -> Prover:
+    door = twin.container("front_door")
+    return Prover(twin, twin.robots[0], door, Drive.FIXED, HERE, np.array([0.0, door.open_from]))
+
+
+def checked(twin: Twin, content: bytes) -> bool:
+    return check(twin, twin.robots[0], twin.container("front_door"), content).holds
+
+
+def changed(content: bytes, change: Callable[[dict[str, Any]], None]) -> bytes:
+    whole = json.loads(zlib.decompress(content))
+    change(whole)
+    return zlib.compress(json.dumps(whole).encode())
+
+
+@pytest.fixture(scope="module", params=OUT_OF_REACH)
+def lost(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Twin, Proved]:
+    """A front that is refuted only since a handle has to be between two fingers, and the proof."""
+    robot = request.param
+    twin = load_twin(front(tmp_path_factory.mktemp("front"), OUT_OF_REACH[robot]), [robot])
+    proved = prover(twin).prove(BOXES)
+    assert proved is not None
+    return twin, proved
+
+
+def test_a_handle_that_no_two_fingers_have_between_them_is_refuted(lost: tuple[Twin, Proved]) -> None:
+    twin, proved = lost
+    found = check(twin, twin.robots[0], twin.container("front_door"), proved.artefact.content)
+    assert found.holds, found.reasons
+    assert found.leaves == proved.boxes
+    assert BETWEEN in found.assumptions
+    assert proved.diagnosis.proof
+    assert "can bring two fingers to front_handle with front_door at 0 rad" in proved.diagnosis.reason
+    assert any(one.between for one in read_proof(proved.artefact.content).refutations)
+
+
+def test_a_hold_that_does_not_last_is_refuted_of_every_hold(tmp_path: Path) -> None:
+    twin = load_twin(front(tmp_path, LASTS_NOT), ["tiago_dual"])
+    proved = prover(twin).prove(BOXES, one_hold=True)
+    assert proved is not None
+    assert checked(twin, proved.artefact.content)
+    assert proved.diagnosis.proof
+    (lasting,) = (one for one in read_proof(proved.artefact.content).refutations if one.places is not None)
+    assert lasting.between
+
+
+def amid(whole: dict[str, Any]) -> dict[str, Any]:
+    """The refutation that needs it: of the arm that comes nearer."""
+    return next(one for one in whole["refutations"] if one["gripper"] == "right")
+
+
+def anywhere(whole: dict[str, Any]) -> None:
+    amid(whole)["between"] = False
+
+
+def not_a_truth(whole: dict[str, Any]) -> None:
+    amid(whole)["between"] = "yes"
+
+
+def one_by_one(whole: dict[str, Any]) -> None:
+    amid(whole)["pinched"] = True
+
+
+def in_hand(whole: dict[str, Any]) -> None:
+    whole["claim"]["within"] = IN_HAND
+
+
+def later(whole: dict[str, Any]) -> None:
+    amid(whole)["value"] = 0.7
+
+
+def nearer(whole: dict[str, Any]) -> None:
+    whole["claim"]["start"] = [0.3, 0.0, 0.0]
+
+
+def shorter(whole: dict[str, Any]) -> None:
+    tree = base64.b64decode(amid(whole)["tree"])
+    amid(whole)["tree"] = base64.b64encode(tree[:-1]).decode()
+
+
+def one_gripper(whole: dict[str, Any]) -> None:
+    del whole["refutations"][0]
+
+
+CHANGES = (anywhere, not_a_truth, one_by_one, in_hand, later, nearer, shorter, one_gripper)
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_changed_proof_does_not_hold(
+    lost: tuple[Twin, Proved], change: Callable[[dict[str, Any]], None]
+) -> None:
+    twin, proved = lost
+    assert not checked(twin, changed(proved.artefact.content, change))
+
+
+def of(gripper: Gripper, bodies: Iterable[str]) -> Gripper:
+    """The gripper with these fingers alone."""
+    return replace(gripper, fingers=tuple(bodies))
+
+
+@pytest.mark.parametrize("robot", NARROW)
+def test_between_any_points_of_two_fingers_is_one_in_the_slab(tmp_path: Path, robot: str) -> None:
+    twin, rng = load_twin(front(tmp_path, 0), [robot]), np.random.default_rng(1)
+    tree = Tree(twin.mechanism(twin.robots[0]))
+    for gripper in twin.robot(twin.robots[0]).grippers:
+        found = slab(tree, gripper, Tolerances())
+        assert found is not None
+        low, high = found
+        assert max(-low[1], high[1]) < NARROW[robot]
+        parts = groups(tree, gripper).values()
+        fingers = [[body for bodies in one.values() for body in bodies] for one in parts]
+        boxes = [finger_box(tree.mechanism, of(gripper, bodies), Tolerances()) for bodies in fingers]
+        (a_low, a_high), (b_low, b_high) = (box for box in boxes if box is not None)
+        a, b = rng.uniform(a_low, a_high, (1000, 3)), rng.uniform(b_low, b_high, (1000, 3))
+        shares = np.linspace(0.0, 1.0, 2001)[:, None, None]
+        way = a + shares * (b - a)
+        assert ((way >= low - 1e-4) & (way <= high + 1e-4)).all(axis=2).any(axis=0).all()
+
+
+def test_a_gripper_of_one_finger_has_nothing_between_two(tmp_path: Path) -> None:
+    twin = load_twin(front(tmp_path, 0), ["tiago_dual"])
+    tree = Tree(twin.mechanism(twin.robots[0]))
+    gripper = twin.robot(twin.robots[0]).grippers[0]
+    assert slab(tree, of(gripper, gripper.fingers[:1]), Tolerances()) is None
+
+
+def test_a_box_about_boxes_holds_every_point_between_them() -> None:
+    rng = np.random.default_rng(3)
+    places = [rng.uniform(-1, 1, 3) for _ in range(3)]
+    halves = [rng.uniform(0.01, 0.2, 3) for _ in range(3)]
+    at, half = about_all(
+        [(Placement(SAME.rotation, exact(p)), h) for p, h in zip(places, halves, strict=True)]
+    )
+    corners = np.array(
+        [p + np.array(s) * h for p, h in zip(places, halves, strict=True) for s in product((-1, 1), repeat=3)]
+    )
+    shares = rng.dirichlet(np.ones(len(corners)), 500)
+    assert (np.abs(np.vstack((corners, shares @ corners)) - at.translation.lo) <= half).all()
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("robot", HELD)
+def test_what_a_certified_motion_holds_is_between_its_fingers(tmp_path: Path, robot: str) -> None:
+    service = load(front(tmp_path, HELD[robot]), [robot], policy=Policy(Drive.FIXED, HERE, 10.0))
+    (verdict,) = service.achieve("open:front_door")
+    assert verdict.outcome is Outcome.CERTIFIED
+    assert verdict.can_perform is not None
+    twin, body = service.twin, verdict.can_perform.case.body_motion
+    assert isinstance(body, BodyMotion)
+    assert prover(twin).prove(MANY_BOXES) is None
+    door = twin.container("front_door")
+    about = Statement(twin, twin.robots[0], door, Drive.FIXED, HERE, Tolerances())
+    (gripper,) = (one for one in about.grippers if one.name == body.gripper)
+    values = body.kitchen_q[:, body.kitchen_joints.index(door.joint)]
+    moving = np.flatnonzero((values > 0.0) & (values < door.open_from))
+    moving = moving[:: len(moving) // SAMPLES]
+    for k in (moving[0] - 1, *moving):
+        other = about.between(begins=bool(values[k] == 0.0))
+        arm = other.arm(gripper)
+        assert arm is not None
+        named = twin.robot(body.robot).parked | dict(zip(body.joints, body.q[k], strict=True))
+        q = np.array([*body.base[k], *(named[one.name] for one in arm.chain.links[3:])])
+        for width, leaf in product(WIDTHS, range(len(arm.chain.links) + 1)):
+            with pytest.raises(InputError, match=r"come as near|come to the handle"):
+                all_far(arm, other.target(float(values[k])), [(q - width, q + width, leaf)], level=False)
