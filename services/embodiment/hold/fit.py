@@ -207,8 +207,10 @@ class Fitter:
             tool, shares, hand.sides, hand.parts, hand.closing, bar, *scene, self._work, *self._begin
         ):
             return None
-        at = [position for _, position in hand.positions(shares)]
-        if max(at) - min(at) > hand.limb.gripper.difference:
+        if (
+            len(shares) > 1
+            and np.ptp([at for _, at in hand.positions(shares)]) > hand.limb.gripper.difference
+        ):
             return None
         held = hand.parts, hand.closing, self.room.always, self._rest, self._margins[0], self._work
         pair = hands.stays(tool, shares, *held)

@@ -67,12 +67,16 @@ class Hand:
                 f"gripper '{limb.gripper.name}' has no collision shape to hold a handle with",
                 allowed="<collision> in the URDF's links of its fingers",
             )
+        joints = limb.gripper.finger_joints
+        self._joints = tuple(one.joint for one in joints)
+        self._ends = np.array([(one.open, one.closed - one.open) for one in joints]).T
+        self._opened: dict[float, tuple[tuple[str, float], ...]] = {}
         self._tool = limb.tool(np.zeros(len(limb.lower)))
         self.closing = self._closings()
-        joints = np.array([j for j in range(1, len(world.tree[0])) if self._follows(j)], np.int64)
+        moved = np.array([j for j in range(1, len(world.tree[0])) if self._follows(j)], np.int64)
         frames = world.frames(self.closing[0])
-        self.parts = (self.shapes, len(palm), joints, world.tree, world.boxes, self._tool, frames)
-        self.still = frozenset(self.shapes[~np.isin(world.boxes[0][self.shapes], joints)].tolist())
+        self.parts = (self.shapes, len(palm), moved, world.tree, world.boxes, self._tool, frames)
+        self.still = frozenset(self.shapes[~np.isin(world.boxes[0][self.shapes], moved)].tolist())
         self._seen: dict[float, tuple[Array, Array]] = {}
         self.sides, self.pads = self._sides(), self._pads()
         open_at, closed_at = (self.shapes_seen(share)[1] for share in (0.0, 1.0))
@@ -159,13 +163,14 @@ class Hand:
         return hands.room(len(self.shapes), len(self.closing[0]))
 
     def opening(self, share: float) -> tuple[tuple[str, float], ...]:
-        """Positions of the finger joints, closed by a share."""
-        return tuple((one.joint, _between(one, share)) for one in self.limb.gripper.finger_joints)
+        """Positions of the finger joints, closed by a share; kept, as grasps open alike."""
+        if share not in self._opened:
+            self._opened[share] = self.positions(np.full(len(self._joints), share))
+        return self._opened[share]
 
     def positions(self, shares: Array) -> tuple[tuple[str, float], ...]:
         """Positions of the finger joints, each closed by its share, shape (F,)."""
-        each = zip(self.limb.gripper.finger_joints, shares.tolist(), strict=True)
-        return tuple((one.joint, _between(one, share)) for one, share in each)
+        return tuple(zip(self._joints, (self._ends[0] + shares * self._ends[1]).tolist(), strict=True))
 
     def _moved_by(self, k: int) -> NDArray[np.bool_]:
         """Which finger shapes finger joint k moves."""
