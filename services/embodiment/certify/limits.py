@@ -144,8 +144,8 @@ def _base_norms(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Finding
     s = part * pieces.duration
     base = pieces.columns(plane)
     _, c1, c2, c3 = base.c
-    along = c1 + s[:, :, None] * (2 * c2 + 3 * s[:, :, None] * c3)
-    speed = np.sqrt(along[:, :, 0] ** 2 + along[:, :, 1] ** 2)
+    x, y = (c1[:, k] + s * (2 * c2[:, k] + 3 * s * c3[:, k]) for k in (0, 1))
+    speed = np.sqrt(x**2 + y**2)
     # A quadratic leaves its chord by at most (width²/8)·|second derivative|.
     between = (pieces.duration / SUBSAMPLES) ** 2 / 8 * 6 * np.linalg.norm(c3, axis=1)
     values, at = accelerations(base)

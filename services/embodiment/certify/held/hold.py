@@ -216,9 +216,7 @@ class Hold:
 
     def _ball(self, placed: Placed) -> Of:
         _, origin = self.tool.world(placed)
-        count = len(origin)
-        tool, handle = np.full(count, self.tool.carrier), np.full(count, self.handle.carrier)
-        return Of(np.arange(count), tool, handle, origin, np.zeros(count))
+        return Of(self.tool.carrier, self.handle.carrier, origin, np.zeros(len(origin)))
 
     def _slips(self, findings: Findings, row: int, error: Array, time: Array, most: Array) -> None:
         if not error.any():

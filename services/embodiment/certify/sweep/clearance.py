@@ -110,9 +110,8 @@ class Items:
 
     def spans(self) -> tuple[Indices, Indices]:
         """The intervals, each once, and which of them each item has."""
-        new = np.ones(len(self), dtype=bool)
-        np.not_equal(self.interval[1:], self.interval[:-1], out=new[1:])
-        return self.interval[new], np.cumsum(new) - 1
+        intervals, which = np.empty((2, len(self)), dtype=np.intp)
+        return intervals[: telling.each(self.interval, intervals, which)], which
 
     def __len__(self) -> int:
         return len(self.pair)

@@ -62,6 +62,31 @@ def _move(u, i, parent, rate, revolute, origin, axis, omega, linear):
 
 
 @kernel(makes=False)
+def merge(parents, links, own, carrier, fixed, parent, offset, path):
+    """Joints that stand still are merged with the carriers that bear them; see `Kinematics`.
+
+    `links` is parent_T_joint of each joint, and of one that stands still also what it does where it stands.
+    `own` is the carrier that a joint moves, 0 for one that stands still.
+    """
+    for joint in range(1, parents.shape[0]):
+        above, i = parents[joint], own[joint]
+        carrier[joint] = carrier[above] if i == 0 else i
+        for k in range(3):
+            for n in range(4):
+                at = fixed[above, k, 3] if n == 3 else 0.0
+                for m in range(3):
+                    at += fixed[above, k, m] * links[joint, m, n]
+                if i == 0:
+                    fixed[joint, k, n] = at
+                else:
+                    offset[i, k, n] = at
+        if i > 0:
+            parent[i] = carrier[above]
+            for k in range(path.shape[1]):
+                path[i, k] = path[parent[i], k] or k == i
+
+
+@kernel(makes=False)
 def at(piece, s, c, q, v, a):
     """What coordinates do at s into pieces with coefficients c (4, N, nq) is in the last three, (U, nq)."""
     for u in range(q.shape[0]):
@@ -71,6 +96,24 @@ def at(piece, s, c, q, v, a):
             q[u, k] = c[0, n, k] + t * (c1 + t * (c2 + t * c3))
             v[u, k] = c1 + t * (2 * c2 + 3 * t * c3)
             a[u, k] = 2 * c2 + 6 * t * c3
+
+
+@kernel(makes=False)
+def extremes(c, duration, values, s):
+    """Candidates for the extreme positions of pieces, and where they are, are in the last two (4, N, nq)."""
+    for n in range(c.shape[1]):
+        h = duration[n]
+        for k in range(c.shape[2]):
+            c0, c1, c2, c3 = c[0, n, k], c[1, n, k], c[2, n, k], c[3, n, k]
+            root = math.sqrt(max(c2 * c2 - 3 * c1 * c3, 0.0))
+            far = -(c2 + math.copysign(root, c2))  # the form of the quadratic's roots that does not cancel
+            one, other = far / (3 * c3) if c3 != 0.0 else 0.0, c1 / far if far != 0.0 else 0.0
+            s[0, n, k], s[1, n, k] = 0.0, h
+            s[2, n, k] = min(max(one, 0.0), h) if math.isfinite(one) else 0.0
+            s[3, n, k] = min(max(other, 0.0), h) if math.isfinite(other) else 0.0
+            for i in range(4):
+                t = s[i, n, k]
+                values[i, n, k] = c0 + t * (c1 + t * (c2 + t * c3))
 
 
 @kernel(makes=False)

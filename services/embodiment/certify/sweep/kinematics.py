@@ -59,22 +59,16 @@ class Kinematics:
         self._axis = np.vstack((np.zeros((1, 3)), axes[moving]))
         self.revolute = np.concatenate(([False], revolute[moving]))
         count, (parents, placements) = len(moving) + 1, _links(scene)
+        own, links = np.zeros(len(parents), dtype=np.intp), placements.copy()
+        own[moving + 1] = np.arange(1, count)
+        still = np.flatnonzero(own[1:] == 0)
+        links[still + 1] = placements[still + 1] @ _displacements(axes[still], revolute[still], q[still])
         self._parent, self._offset = np.zeros(count, dtype=np.intp), np.tile(np.eye(4), (count, 1, 1))
         self.path = np.zeros((count, count), dtype=bool)
         self.carrier = np.zeros(len(parents), dtype=np.intp)
         self.fixed = np.tile(np.eye(4), (len(parents), 1, 1))
-        own, moved = {int(k): i + 1 for i, k in enumerate(moving)}, _displacements(axes, revolute, q)
-        for joint in range(1, len(parents)):
-            parent, k = parents[joint], joint - 1
-            placement = self.fixed[parent] @ placements[joint]
-            self.carrier[joint] = self.carrier[parent]
-            if k not in own:
-                self.fixed[joint] = placement @ moved[k]
-                continue
-            i = self.carrier[joint] = own[k]
-            self._parent[i], self._offset[i] = self.carrier[parent], placement
-            self.path[i] = self.path[self._parent[i]]
-            self.path[i, i] = True
+        tree = self._parent, self._offset, self.path
+        compiled.merge(parents, links, own, self.carrier, self.fixed, *tree)
 
     def place(self, q: Array, v: Array) -> Placed:
         """Carriers at positions and velocities of the moving coordinates, shape (U, K - 1)."""
@@ -102,27 +96,25 @@ class Kinematics:
         :math:`M = \sum (\rho_k + D) |\ddot q_k| + 2 \sum |\omega_k| \sum (\rho_k + D) |\dot q_k|`.
 
         Returns:
-            Shift [m] and turn [rad; of the operator norm of the rotation's change], shape (M,).
+            Shift [m] and turn [rad; of the operator norm of the rotation's change], shape (U,).
         """
-        between = self.path[of.carrier] ^ self.path[of.against]
-        u = of.span
-        arm = cross(of.centre[:, None] - placed.origin[u], placed.axis[u])
-        radius = np.linalg.norm(arm, axis=2) + of.radius[:, None]
-        lever = np.where(between, np.where(self.revolute, radius, 1.0), 0.0)
-        turning = between & self.revolute
-        shift = _with_world(spans.shift)[u]
-        moved, turned = (lever * shift).sum(axis=1), np.where(turning, shift, 0).sum(axis=1)
+        own = np.flatnonzero(self.path[of.carrier] ^ self.path[of.against])
+        turns, joints = self.revolute[own], own - 1
+        arm = cross(of.centre[:, None] - placed.origin[:, own], placed.axis[:, own])
+        lever = np.where(turns, np.linalg.norm(arm, axis=2) + of.radius[:, None], 1.0)
+        shift = spans.shift[:, joints]
+        moved, turned = (lever * shift).sum(axis=1), shift[:, turns].sum(axis=1)
         if not np.isfinite(spans.v_max).all():
             return moved, turned
-        reach = np.where(turning, lever + moved[:, None], lever)
-        v, a = _with_world(spans.v_max)[u], _with_world(spans.a_max)[u]
-        rate, gain = np.where(turning, v, 0).sum(axis=1), np.where(turning, a, 0).sum(axis=1)
+        reach = np.where(turns, lever + moved[:, None], lever)
+        v, a = spans.v_max[:, joints], spans.a_max[:, joints]
+        rate, gain = v[:, turns].sum(axis=1), a[:, turns].sum(axis=1)
         bend = (reach * a).sum(axis=1) + 2 * rate * (reach * v).sum(axis=1)
-        omega = placed.omega[u, of.carrier] - placed.omega[u, of.against]
-        linear = placed.linear[u, of.carrier] - placed.linear[u, of.against]
+        omega = placed.omega[:, of.carrier] - placed.omega[:, of.against]
+        linear = placed.linear[:, of.carrier] - placed.linear[:, of.against]
         spin = np.linalg.norm(omega, axis=1)
         speed = np.linalg.norm(linear + cross(omega, of.centre), axis=1) + spin * of.radius
-        half = (spans.end - spans.start)[u] / 2
+        half = (spans.end - spans.start) / 2
         sharp_move = half * (speed + half * bend / 2)
         sharp_turn = half * (spin + half * (gain + rate**2) / 2)
         return np.minimum(moved, sharp_move), np.minimum(turned, sharp_turn)
@@ -130,19 +122,17 @@ class Kinematics:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Of:
-    """Balls whose motion is to be bounded, one for each of M items.
+    """Balls whose motion is to be bounded, one for each of U spans.
 
     Attributes:
-        span: Index of the span, shape (M,).
-        carrier: What carries the ball, shape (M,).
-        against: Carrier against which it moves, shape (M,).
-        centre: In the world at the span's middle, shape (M, 3) [m].
-        radius: Shape (M,) [m].
+        carrier: What carries the balls.
+        against: Carrier against which they move.
+        centre: In the world at the span's middle, shape (U, 3) [m].
+        radius: Shape (U,) [m].
     """
 
-    span: Indices
-    carrier: Indices
-    against: Indices
+    carrier: int
+    against: int
     centre: Array
     radius: Array
 
@@ -175,9 +165,10 @@ def unit_of(scene: Scene, k: int) -> str:
 
 
 @lru_cache(maxsize=8)
-def _links(scene: Scene) -> tuple[list[int], list[Array]]:
-    """Parent of each of Pinocchio's joints and parent_T_joint, shape (4, 4); kept, so not to be changed."""
-    return list(scene.model.parents), [one.homogeneous for one in scene.model.jointPlacements]
+def _links(scene: Scene) -> tuple[Indices, Array]:
+    """Parent of each of Pinocchio's joints and parent_T_joint, shape (J, 4, 4); not to be changed."""
+    placements = np.array([one.homogeneous for one in scene.model.jointPlacements])
+    return np.array(list(scene.model.parents), dtype=np.intp), placements
 
 
 def _displacements(axes: Array, revolute: NDArray[np.bool_], q: Array) -> Array:
@@ -189,7 +180,3 @@ def _displacements(axes: Array, revolute: NDArray[np.bool_], q: Array) -> Array:
         skew[:, j, i], skew[:, i, j] = axes[revolute, k], -axes[revolute, k]
     moved[revolute, :3, :3] += np.sin(turn) * skew + (1 - np.cos(turn)) * (skew @ skew)
     return moved
-
-
-def _with_world(x: Array) -> Array:
-    return np.concatenate((np.zeros((len(x), 1)), x), axis=1)

@@ -60,7 +60,9 @@ class Pieces:
     @cached_property
     def extremes(self) -> tuple[Array, Array]:
         """What `positions` gives; kept, so not to be changed."""
-        return _extremes(self.c, self.duration)
+        values, s = np.empty_like(self.c), np.empty_like(self.c)
+        compiled.extremes(self.c, self.duration, values, s)
+        return values, s
 
     @cached_property
     def farthest(self) -> Array:
@@ -87,17 +89,6 @@ def hermite(times: Array, q: Array, v: Array) -> Pieces:
 def positions(pieces: Pieces) -> tuple[Array, Array]:
     """Exact candidates for the extreme positions of each piece, shape (4, N, nq), and their s [s]."""
     return pieces.extremes
-
-
-def _extremes(c: Array, duration: Array) -> tuple[Array, Array]:
-    c0, c1, c2, c3 = c
-    h = np.broadcast_to(duration[:, None], c0.shape)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        root = np.sqrt(np.maximum(c2**2 - 3 * c1 * c3, 0))
-        far = -(c2 + np.copysign(root, c2))  # the form of the quadratic's roots that does not cancel
-        s = np.stack((np.zeros_like(c0), h, far / (3 * c3), c1 / far))
-    s = np.where(np.isfinite(s), np.clip(s, 0, h), 0)
-    return c0 + s * (c1 + s * (c2 + s * c3)), s
 
 
 def velocities(pieces: Pieces) -> tuple[Array, Array]:

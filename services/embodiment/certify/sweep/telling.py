@@ -16,6 +16,18 @@ SHUT, ASKED, LEFT = 0, 1, 2
 
 
 @kernel(makes=False)
+def each(interval, intervals, which):
+    """How many intervals items have, in the order of time; these, and which each has, are in the last two."""
+    count = 0
+    for n in range(interval.shape[0]):
+        if n == 0 or interval[n] != interval[n - 1]:
+            intervals[count] = interval[n]
+            count += 1
+        which[n] = count - 1
+    return count
+
+
+@kernel(makes=False)
 def starting(pairs, low, high, least, room, which, pair):
     """How many pairs of boxes come nearer than `least`; those for which there is room are in the last two.
 
