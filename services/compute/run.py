@@ -221,10 +221,11 @@ def _of(services: Mapping[str, Service], environment: Iri) -> tuple[str, Service
 def _cell(request: Request, loaded: Loaded, services: Mapping[str, Service]) -> Cell:
     """The request as a case of a table: names and paths, small enough to travel."""
     kitchen, service = _of(services, request.environment)
-    robots = dict(zip(service.twin.robots, loaded.robots, strict=True))
+    names = {service.robot(model_name(each)): each for each in loaded.robots}
     states = tuple(state_joints(service.twin, loaded.states))
     task = f"{request.task.verb.value}:{local_name(str(request.task.container))}"
-    return Cell(kitchen, robots[request.robot], task, states, policy_of(request, loaded.policy))
+    robot = names.get(request.robot) or service.twin.name(request.robot)  # one that was saved with it
+    return Cell(kitchen, robot, task, states, policy_of(request, loaded.policy))
 
 
 def _name(request: Request) -> str:

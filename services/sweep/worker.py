@@ -16,7 +16,8 @@ from predicates.record.inputs import inputs_of, verdict_iri
 from predicates.record.recall import Recall
 from sdt_kg.entities import Entities
 from sdt_kg.errors import SdtError
-from sdt_kg.load import load_twin, read_robot, with_robot
+from sdt_kg.iri import Iri
+from sdt_kg.load import load_twin, model_name, read_robot, with_robot
 from sdt_kg.mechanism import JointType
 from sdt_kg.twin import Twin
 from services.app import Forces, Oracles, Policy, Service, whole_body
@@ -67,7 +68,7 @@ def prepare(cell: Cell) -> None:
         service = service_of(cell)
         next(service.causes(cell.task), None)
         if isinstance(service.embodiment, WholeBody):
-            service.embodiment.prepare(service.twin, service.robot(None))
+            service.embodiment.prepare(service.twin, robot_of(cell))
 
 
 def dear_first(cells: Sequence[Cell]) -> list[Cell]:
@@ -83,14 +84,14 @@ def dear_first(cells: Sequence[Cell]) -> list[Cell]:
 
 def _ease(cell: Cell) -> tuple[bool, int]:
     service = service_of(cell)
-    joints = service.twin.mechanism(service.robot(None)).joints
+    joints = service.twin.mechanism(robot_of(cell)).joints
     movable = sum(joint.type is not JointType.FIXED for joint in joints)
     return service.twin.container(cell.container).kind != "door", movable
 
 
 def verdict_of(cell: Cell) -> Verdict:
     """CanAchieve of the case's one container."""
-    (verdict,) = service_of(cell).achieve(cell.task)
+    (verdict,) = service_of(cell).achieve(cell.task, robot_of(cell))
     return verdict
 
 
@@ -102,7 +103,7 @@ def stored(cell: Cell, recall: Recall) -> CellResult | None:
 
 def stored_verdict(cell: Cell, recall: Recall) -> Verdict | None:
     """The same, as a value."""
-    verdicts = replace(service_of(cell), recall=recall).stored(cell.task)
+    verdicts = replace(service_of(cell), recall=recall).stored(cell.task, robot_of(cell))
     return None if verdicts is None else verdicts[0]
 
 
@@ -114,7 +115,8 @@ def as_asked(found: Found) -> Found:
     if not isinstance(found, CellResult):
         return found
     service = service_of(found.cell)
-    (question,) = questions(service.case(found.cell.task, None), service.physics, service.embodiment)
+    asked_here = service.case(found.cell.task, robot_of(found.cell))
+    (question,) = questions(asked_here, service.physics, service.embodiment)
     asked = verdict_iri(inputs_of(question.asked, service.physics, service.embodiment))
     return found if found.record.verdict == asked else Unjudged(found.cell, OF_OTHERS)
 
@@ -123,6 +125,11 @@ def service_of(cell: Cell) -> Service:
     """The Law over the case's kitchen with its robot, in its state and under its policy."""
     kitchen, robot, *rest = cell.loaded
     return _service(_written(kitchen), _written(robot), *rest)
+
+
+def robot_of(cell: Cell) -> Iri:
+    """The case's robot: a kitchen that was saved may have others, too."""
+    return service_of(cell).robot(model_name(cell.robot))
 
 
 @lru_cache(maxsize=SERVICES_KEPT)
@@ -149,7 +156,9 @@ def twin_of(kitchen: str, robot: str) -> Twin:
 
 @lru_cache(maxsize=TWINS_KEPT)
 def _twin(kitchen: Written, robot: Written) -> Twin:
-    return with_robot(_kitchen(kitchen), _robot(robot))
+    twin, name = _kitchen(kitchen), model_name(robot.name)
+    is_there = any(twin.name(each) == name for each in twin.robots)  # a kitchen that was saved has robots
+    return twin if is_there else with_robot(twin, _robot(robot))
 
 
 def kitchen_of(kitchen: str) -> Twin:

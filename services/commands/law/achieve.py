@@ -12,6 +12,7 @@ from predicates.case import Outcome, Verdict
 from predicates.record import to_json
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
+from sdt_kg.load import model_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import UNKNOWN
 from services.app import Policy, Service, load
@@ -123,7 +124,7 @@ def achieve(
     policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed, any_start, contact)
     service = load(kitchen, [robot], annotation=annotation, state=states, policy=policy)
     service = in_class(service, tee, forces)
-    given = read_motion(motion, service.twin, service.robot(None)) if motion else None
+    given = read_motion(motion, service.twin, service.robot(model_name(robot))) if motion else None
     of_all = parse_task(service.twin, task).container is UNKNOWN and given is None
     count = len(service.twin.containers()) if of_all else 1
     if count > 1:
@@ -133,7 +134,7 @@ def achieve(
         if saved:
             saved.add_twin(service.twin)
             service = replace(service, recall=saved.stored)
-        verdicts = _judged(service, task, given, saved, count)
+        verdicts = _judged(service, (task, model_name(robot)), given, saved, count)
         if motion_out:
             _write_motion(verdicts, motion_out)
         if certificate:
@@ -144,15 +145,15 @@ def achieve(
 
 def _judged(
     service: Service,
-    task: str,
+    asked: tuple[str, str],
     given: Motion | BodyMotion | None,
     saved: "SavedVerdicts | None",
     count: int,
 ) -> list[Verdict]:
-    """All verdicts, each kept as soon as it is there; with a bar where there are several."""
+    """All verdicts about a task and a robot, each kept as soon as it is there; a bar on the way."""
     verdicts: list[Verdict] = []
-    with progress(task, count) if count > 1 else nullcontext() as bar:
-        for verdict in service.achieve(task, motion=given):
+    with progress(asked[0], count) if count > 1 else nullcontext() as bar:
+        for verdict in service.achieve(*asked, motion=given):
             verdicts.append(verdict)
             if bar:
                 bar.update(bar.task_ids[0], advance=1, now=verdict.outcome.value)

@@ -3,6 +3,7 @@
 import click
 
 from sdt_kg.errors import InputError
+from sdt_kg.load import model_name
 from sdt_kg.task import UNKNOWN
 from services.app import load
 from services.commands.completion.types import KITCHEN, ROBOT, TASK
@@ -57,7 +58,7 @@ def place(
     if asked.container is UNKNOWN:
         raise InputError(f"'{task}' names no container", allowed="open:CONTAINER or close:CONTAINER")
     with countdown(task, budget):
-        found = place(service.twin, service.robot(None), asked, budget, seed)
+        found = place(service.twin, service.robot(model_name(robot)), asked, budget, seed)
     if as_json:
         print_json(answer.to_json(found))
     elif csv_is_asked():

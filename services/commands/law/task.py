@@ -10,6 +10,7 @@ from predicates.case import Outcome
 from predicates.specification.model import Specification
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
+from sdt_kg.load import model_name
 from services.app import Policy, Service, load
 from services.commands.completion.types import KITCHEN, ROBOT
 from services.commands.exits import Exit
@@ -98,7 +99,7 @@ def task_command(
     service = in_class(service, tee, forces)
     specification = specification_of(service.twin, source)
     with SavedVerdicts(save) if save else nullcontext() as saved:
-        result = _judged(service, specification)
+        result = _judged(service, specification, model_name(robot))
         if saved is not None:
             keep(saved, result)
         _say(result_json(result), as_json=as_json)  # before the store is closed, which may not fit
@@ -115,7 +116,7 @@ def _say(said: Json, *, as_json: bool) -> None:
         _print(said)
 
 
-def _judged(service: Service, specification: Specification) -> TaskResult:
+def _judged(service: Service, specification: Specification, robot: str) -> TaskResult:
     """The result, with a bar on the way; how many steps there are is known when they are reached."""
     with progress(specification.label, len(specification.steps)) as bar:
 
@@ -124,7 +125,7 @@ def _judged(service: Service, specification: Specification) -> TaskResult:
                 now = step.verdict.outcome.value
                 bar.update(bar.task_ids[0], advance=1, total=of, now=now)
 
-        return achieve_task(service, specification, told=told)
+        return achieve_task(service, specification, robot, told=told)
 
 
 def _rows(said: Json) -> list[Json]:
