@@ -8,16 +8,26 @@ import coal  # pyright: ignore[reportMissingImports]  # found through a .pth fil
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
-from sdt_kg.annotation import RobotAnnotation
-from sdt_kg.errors import AnnotationError, UnknownEntityError
+from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import Iri, body_iri
-from sdt_kg.mechanism import Geometry, JointType, Mechanism, Pose, ShapeType
+from sdt_kg.mechanism import Geometry, JointType, Pose, ShapeType
 from sdt_kg.twin import Twin
-from services.physics.geometry.floor import BELOW, floor_box, floor_iri, standing
+from services.physics.geometry.floor import BELOW, LEVEL, floor_box, floor_iri, standing
 from services.physics.geometry.hulls import COARSE, FINE
 from services.physics.geometry.packed import pack
 from services.physics.geometry.shapes import solids, surface
-from services.physics.tree import UNIVERSE, Array, Bounds, Indices, Part, add, coupling, exempt_pairs, se3
+from services.physics.tree import (
+    UNIVERSE,
+    Array,
+    Bounds,
+    Indices,
+    Part,
+    add,
+    base_T_root,
+    coupling,
+    exempt_pairs,
+    se3,
+)
 
 NEAR = 1e-6
 """[m] Spheres about shapes that are farther apart than that are apart, however they are rounded."""
@@ -45,6 +55,12 @@ class Solid:
     centre: Array
     half: Array
     radius: float
+
+    @property
+    def is_ground(self) -> bool:
+        """Whether it rests and is no higher than the floor."""
+        top = self.centre[2] + np.abs(self.joint_T_shape.rotation[2]) @ self.half
+        return self.joint == UNIVERSE and bool(top <= LEVEL)
 
 
 def _solid(body: Iri, pose: Pose, joint: int, joint_T_body: pin.SE3, shape: coal.CollisionGeometry) -> Solid:
@@ -105,9 +121,10 @@ class Scene:
         outlines: The same as arrays.
         self_pairs: Pairs of robot shapes that must not touch, shape (P, 2), indices of `solids`.
         floor: Index of the floor among `solids`, after the kitchen's own.
-        standing: Bodies that may stand on it.
-        environment_pairs: Every robot shape with every kitchen shape and, unless it stands there, with
-            the floor, shape (P, 2), robot first.
+        ground: Indices of the floor and of what rests no higher: a kitchen may model its own floor.
+        standing: Bodies that may stand on them.
+        environment_pairs: Every robot shape with every kitchen shape and the floor, but for those that
+            stand with the ground, shape (P, 2), robot first.
     """
 
     def __init__(self, twin: Twin, robot: Iri) -> None:
@@ -117,7 +134,7 @@ class Scene:
         self.kitchen = add(self.model, kitchen, UNIVERSE, pin.SE3.Identity())
         self.base = np.arange(self.model.nq, self.model.nq + 3)
         carrier = self._add_base(self.model)
-        self.robot = add(self.model, machine, carrier, _base_T_root(machine, self.annotation))
+        self.robot = add(self.model, machine, carrier, base_T_root(machine, self.annotation))
         self._add_tools()
         self.data = self.model.createData()
         self.coupling = coupling(self.model.nq, (self.kitchen, self.robot))
@@ -137,6 +154,7 @@ class Scene:
         self.floor = len(kitchen)
         floor = _solid(floor_iri(self.twin.environment), BELOW, UNIVERSE, pin.SE3.Identity(), floor_box())
         self.solids = (*kitchen, floor, *_solids(self.robot, pieces))
+        self.ground = np.flatnonzero([one.is_ground for one in self.solids[: self.floor + 1]])
         self.self_pairs, self.environment_pairs = self._pairs()
         self.outlines = _outlines(self.solids)
 
@@ -217,7 +235,7 @@ class Scene:
             if frozenset((self.solids[i].body, self.solids[j].body)) not in exempt
         ]
         on_floor = [i for i in robot if self.solids[i].body in self.standing]
-        stands = np.isin(environment[:, 0], on_floor) & (environment[:, 1] == self.floor)
+        stands = np.isin(environment[:, 0], on_floor) & np.isin(environment[:, 1], self.ground)
         return np.array(own, dtype=np.intp).reshape(-1, 2), environment[~stands]
 
     def _is_robot(self, one: Solid) -> bool:
@@ -273,19 +291,6 @@ class Scene:
         """world_T_frame of a body (its IRI) or tool frame at q."""
         pin.forwardKinematics(self.model, self.data, q)
         return pin.updateFramePlacement(self.model, self.data, self.model.getFrameId(frame)).copy()
-
-
-def _base_T_root(mechanism: Mechanism, annotation: RobotAnnotation) -> pin.SE3:
-    root_T_body = {mechanism.root: pin.SE3.Identity()}
-    for joint in mechanism.joints:
-        if joint.type is JointType.FIXED and joint.parent in root_T_body:
-            root_T_body[joint.child] = root_T_body[joint.parent] * se3(joint.origin)
-    if annotation.base_body not in root_T_body:
-        raise AnnotationError(
-            f"base body {annotation.base_body} of {mechanism.name} moves against the root {mechanism.root}",
-            allowed="a body that is rigidly attached to the root",
-        )
-    return root_T_body[annotation.base_body].inverse()
 
 
 def _solids(part: Part, shapes: Callable[[Iri, Geometry], tuple[coal.CollisionGeometry, ...]]) -> list[Solid]:

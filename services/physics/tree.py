@@ -13,7 +13,7 @@ import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found throug
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import RobotAnnotation
-from sdt_kg.errors import UrdfError
+from sdt_kg.errors import AnnotationError, UrdfError
 from sdt_kg.iri import Iri, body_iri, joint_iri
 from sdt_kg.mechanism import Inertia, Joint, JointType, Mechanism, Pose
 
@@ -165,6 +165,24 @@ def build(mechanism: Mechanism) -> Model:
         joint_iri(mechanism.name, joint.name): part.first + i for i, joint in enumerate(part.joints)
     }
     return Model(model, model.createData(), part, coupling(model.nq, [part]), coordinate)
+
+
+def base_T_root(mechanism: Mechanism, annotation: RobotAnnotation) -> pin.SE3:
+    """Where the root of a robot is in the frame of its base body.
+
+    Raises:
+        AnnotationError: The base body moves against the root.
+    """
+    root_T_body = {mechanism.root: pin.SE3.Identity()}
+    for joint in mechanism.joints:
+        if joint.type is JointType.FIXED and joint.parent in root_T_body:
+            root_T_body[joint.child] = root_T_body[joint.parent] * se3(joint.origin)
+    if annotation.base_body not in root_T_body:
+        raise AnnotationError(
+            f"base body {annotation.base_body} of {mechanism.name} moves against the root {mechanism.root}",
+            allowed="a body that is rigidly attached to the root",
+        )
+    return root_T_body[annotation.base_body].inverse()
 
 
 def exempt_pairs(mechanism: Mechanism, annotation: RobotAnnotation) -> set[frozenset[Iri]]:

@@ -259,7 +259,8 @@ def rules(world: World, limb: Limb, margins: Margins) -> Rules:
     environment = np.full((robot, world.split), margins.free + overhang)
     hand = world.shapes_of((*limb.palm, *limb.fingers))
     environment[hand - world.split] = margins.fine + overhang
-    environment[world.shapes_of(world.scene.standing) - world.split, world.scene.floor] = MAY_TOUCH
+    standing = world.shapes_of(world.scene.standing) - world.split
+    environment[np.ix_(standing, world.scene.ground)] = MAY_TOUCH
     pairs, parted = _moving_pairs(world, limb)
     within = (parted <= NEIGHBOURS) | np.isin(pairs, hand).all(axis=1)
     return Rules(environment, pairs, np.where(within, margins.close, margins.free) + overhang)

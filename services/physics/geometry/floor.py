@@ -12,6 +12,8 @@ from sdt_kg.mechanism import JointType, Mechanism, Pose
 SIDE = 100.0  # [m] of the box that stands for the plane, about the kitchen's origin
 DEPTH = 1.0  # [m] below z = 0
 
+LEVEL = 0.002  # [m] above z = 0 what of a kitchen ends is its floor: a tool may slip as much on a handle
+
 SIZE = SIDE, SIDE, DEPTH
 """[m] Of that box."""
 
