@@ -113,7 +113,9 @@ def _environment(graphs: _Graphs, given: Iri | None) -> Iri:
     if given is None:
         names = ", ".join(map(local_name, found)) or "none; a twin's named graphs are needed (.trig, .nq)"
         raise GraphError(
-            f"the graphs hold {len(found)} kitchens: {names}", remedy="name the one that is meant"
+            f"the graphs hold {len(found)} kitchens: {names}",
+            allowed="one",
+            remedy="take a file of one; in Python, Twin.from_quads(quads, environment) says which is meant",
         )
     if given not in found:
         raise UnknownEntityError("kitchen in these graphs", local_name(given), map(local_name, found))

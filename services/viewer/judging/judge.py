@@ -12,6 +12,7 @@ from predicates.case import Answer
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri
+from sdt_kg.load import model_name
 from sdt_kg.motion import Motion
 from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN
 from sdt_kg.task import Task
@@ -126,8 +127,8 @@ class Judge:
         service = self._service(place, Policy(budget=WARMING))
         drawers = [each for each in service.twin.containers() if each.kind == "drawer"]
         for container in (drawers or service.twin.containers())[:1]:
-            next(service.achieve(f"open:{container.name}"), None)
-            self._scene(service.twin, service.robot(None))
+            next(service.achieve(f"open:{container.name}", model_name(place.robot)), None)
+            self._scene(service.twin, service.robot(model_name(place.robot)))
 
     def _scene(self, twin: Twin, robot: Iri) -> Scene:
         """The scene of a twin, in which points are measured; the last few are kept."""
@@ -157,7 +158,7 @@ class Judge:
             any_start=question.any_start,
         )
         service = self._relative(question, policy)
-        robot = service.robot(None)
+        robot = service.robot(model_name(question.place.robot))
         motion = read_motion(Path(question.motion), service.twin, robot) if question.motion else None
         found = list(service.achieve(question.task, robot, motion))
         if len(found) != 1:

@@ -1,0 +1,24 @@
+"""The judge behind the 3D page."""
+
+import pickle
+from pathlib import Path
+
+import pytest
+
+from services.app import load
+from services.judging.jobs import Done, Task
+from services.viewer.judging.judge import Judge
+from services.viewer.judging.question import Place, Question
+
+
+@pytest.mark.oracle
+def test_a_kitchen_that_was_saved_with_a_robot_is_asked_about_the_chosen_one(tmp_path: Path) -> None:
+    path = tmp_path / "yesterday.nq"
+    path.write_text(load("b", ["stretch"]).twin.serialize("nquads").decode())
+    question = Question(Place(str(path), "pr2"), "open:sink_area_left_middle_drawer_main")
+    task = Task("", "judge", pickle.dumps(question), "pickle", seconds=30.0)
+    done = Judge()(task, lambda _: None)
+    assert isinstance(done, Done), done
+    judged = pickle.loads(done.payload)  # noqa: S301 - of our own judge
+    assert judged.outcome == "certified"
+    assert judged.motion.robot.endswith("/pr2")
