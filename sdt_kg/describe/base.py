@@ -8,7 +8,16 @@ from typing import Final
 
 from sdt_kg.annotation import BaseLimits, Drive
 from sdt_kg.describe.tree import Tree, listed
-from sdt_kg.describe.wheels import ALONG, STRAIGHT, Wheel, axle_ahead, on_one_line, rolls_sideways, wheels
+from sdt_kg.describe.wheels import (
+    ALONG,
+    STRAIGHT,
+    Wheel,
+    axle_ahead,
+    lying_wheels,
+    on_one_line,
+    rolls_sideways,
+    wheels,
+)
 from sdt_kg.mechanism import Joint, JointType
 
 BASE_SPEED: Final = 0.2
@@ -19,6 +28,11 @@ RISE_TIME: Final = 0.5
 
 LEVEL: Final = 0.002
 """[m] A root frame that is less above the floor or below it counts as on it."""
+
+LYING: Final = (
+    "; {} turn about an upright line, so the robot probably lies on its side: z of the root frame has to be "
+    "up, which a link above it with a fixed joint can give"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +63,8 @@ def guessed_base(tree: Tree, arms: frozenset[str]) -> Base:
     body = tree.mechanism.root
     if drive is Drive.DIFFERENTIAL:
         drive, why, body = _about_axle(tree, found, why)
+    elif not (planar or found) and (lying := lying_wheels(tree)):
+        why += LYING.format(listed(lying))
     root_T_body = tree.frame(body, tree.mechanism.root, {})
     height = round(_height(tree, arms - set(planar)) + float(root_T_body[2, 3]), 4)
     linear, angular = _speeds(tree, planar)

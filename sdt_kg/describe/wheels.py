@@ -57,6 +57,17 @@ def wheels(tree: Tree, arms: AbstractSet[str]) -> list[Wheel]:
     return [wheel for wheel in found if lowest[wheel.name] <= min(lowest.values()) + NEAR_FLOOR]
 
 
+def lying_wheels(tree: Tree) -> list[str]:
+    """Bodies that are named as wheels and turn without end about an upright axis: another one is up."""
+    return [
+        joint.child
+        for joint in tree.mechanism.joints
+        if joint.type is JointType.CONTINUOUS
+        and "wheel" in joint.child.lower()
+        and abs(tree.axis(joint)[2]) > ALONG
+    ]
+
+
 def _wheel(tree: Tree, joint: Joint) -> Wheel:
     root = tree.mechanism.root
     turning = [each for each in tree.ancestors(joint.parent) if each.type in TURNING]

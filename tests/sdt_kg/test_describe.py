@@ -180,6 +180,12 @@ def test_the_drive_follows_from_the_wheels(write: Write, wheels: str) -> None:
     assert any(note.startswith("check: the base") and said in note for note in robot.notes)
 
 
+def test_a_robot_with_another_up_is_told_to_lie_on_its_side(write: Write) -> None:
+    sides = (wheel(f"{side}_wheel", 0, 0, rpy="0 0 0") for side in ("left", "right"))
+    notes = guess(write(BODY, *sides)).notes
+    assert any("'left_wheel', 'right_wheel' turn about an upright line" in note for note in notes)
+
+
 def test_a_base_frame_at_the_axles_stands_a_wheel_above_the_floor(write: Write) -> None:
     assert guess(write(BODY, *BESIDE)).base_height == pytest.approx(0.1, abs=1e-4)
 
