@@ -21,7 +21,7 @@ from services.embodiment.certify.inside import inside
 from services.embodiment.certify.limits import drive_limits, joint_limits, kitchen_keeps
 from services.embodiment.certify.motion import of_another_robot, rests, whole_motion
 from services.embodiment.certify.motion import start as starts
-from services.embodiment.certify.robustness import tolerated
+from services.embodiment.certify.robustness import reach_of, tolerated
 from services.embodiment.certify.survey import survey
 from services.embodiment.certify.sweep.kinematics import unit_of
 from services.embodiment.certify.sweep.pieces import Pieces
@@ -124,14 +124,15 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     findings.add(held)
     findings.add(collisions(checked, hold))
     findings.add(inside(checked))
-    findings.add(above_floor(checked))
+    reach = reach_of(checked)
+    findings.add(above_floor(checked, reach))
     findings.add(_end(scene, pieces, container))
     if findings.violations:
         if in_full:
             findings.with_survey(_survey(checked, container, motion.gripper))
         return Refused(findings.diagnoses(), findings.figures)
     assert hold is not None, "a container that moves unheld is refused"
-    findings.figures |= tolerated(checked, hold, findings)
+    findings.figures |= tolerated(checked, hold, findings, reach)
     _check_figures(findings.figures)
     certificate = Certificate(
         models=models_of(twin, robot),

@@ -7,7 +7,6 @@ from predicates.case import Evidence, Quantity
 from sdt_kg.iri import local_name
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
-from services.embodiment.certify.robustness import reach
 from services.embodiment.certify.sweep.clearance import NEAR, PRECISION, Clearance, Distance, Pairs, Sweep
 from services.embodiment.certify.sweep.pieces import Timeline, positions
 from services.embodiment.certify.sweep.subject import Subject
@@ -55,10 +54,13 @@ def collisions(checked: Subject, hold: Hold | None) -> Findings:
     return findings
 
 
-def above_floor(checked: Subject) -> Findings:
-    """The robot stays where there is a floor: its box ends, and beyond it nothing would be below the arm."""
+def above_floor(checked: Subject, reach: float) -> Findings:
+    """The robot stays where there is a floor: its box ends, and beyond it nothing would be below the arm.
+
+    No point of the robot is farther from its base than `reach` [m].
+    """
     plane, pieces = checked.scene.base[:2], checked.pieces
-    far, most = float(pieces.farthest[plane].max()) + reach(checked), SIDE / 2
+    far, most = float(pieces.farthest[plane].max()) + reach, SIDE / 2
     if far <= most:
         return Findings()
     values, s = positions(pieces.columns(plane))

@@ -169,7 +169,7 @@ def kitchen_keeps(scene: Scene, pieces: Pieces, container: Container, tolerances
     """The container moves, and of the kitchen nothing else but what is coupled to it."""
     findings, source = Findings(), scene.coupling.source
     own, begin = scene.coordinate[container.joint], pieces.c[0, 0]
-    if not (np.abs(positions(pieces.columns(np.array([own])))[0] - begin[own]) > STILL).any():
+    if not (np.abs(pieces.of(own) - begin[own]) > STILL).any():
         unit = unit_of(scene, own)
         evidence = Evidence(Quantity.POSITION, 0.0, STILL, unit, container.joint)
         findings.violations.append(Violation("moves", f"{container.name} does not move", evidence, 0.0))

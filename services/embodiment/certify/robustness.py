@@ -24,14 +24,14 @@ Array = NDArray[np.float64]
 Figures = dict[str, tuple[float, str]]
 
 
-def tolerated(checked: Subject, hold: Hold, found: Findings) -> Figures:
-    """Errors of handle [m] and base [m, rad] under which every check would still hold."""
+def tolerated(checked: Subject, hold: Hold, found: Findings, reach: float) -> Figures:
+    """Errors of handle [m] and base [m, rad] under which every check would still hold; see `reach_of`."""
     tolerances = checked.tolerances
     room = min(hold.room, *found.slack.values())
     slip, _ = found.figures["tool slip"]
     turn, _ = found.figures["tool turn"]
     base = min(room, (tolerances.tool_position - slip) / 2)
-    yaw = min(base / (2 * reach(checked)), (tolerances.tool_angle - turn) / 2)
+    yaw = min(base / (2 * reach), (tolerances.tool_angle - turn) / 2)
     return {
         "handle error tolerated": (max(room, 0.0), "m"),
         "base error tolerated": (max(base, 0.0), "m"),
@@ -39,7 +39,7 @@ def tolerated(checked: Subject, hold: Hold, found: Findings) -> Figures:
     }
 
 
-def reach(checked: Subject) -> float:
+def reach_of(checked: Subject) -> float:
     """No point of the robot is farther from the base than this all along the motion [m]."""
     farthest = checked.pieces.farthest.tolist()
     links, joint, size = _lengths(checked.scene)

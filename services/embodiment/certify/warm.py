@@ -3,7 +3,7 @@
 import numpy as np
 
 from services.embodiment.certify.held.moved import press, tolerated
-from services.embodiment.certify.held.pressed import depths, frames
+from services.embodiment.certify.held.pressed import depths
 from services.embodiment.certify.sweep.clearance import Pairs, Sweep
 from services.embodiment.certify.sweep.pieces import hermite
 from services.embodiment.certify.sweep.subject import subject
@@ -33,4 +33,4 @@ def warm(scene: Scene) -> None:
     press(checked.shapes.convex, row, posed, way, *asked, 0.0, room)
     tolerated(checked.shapes.convex, (row, row), posed, (way, way), *asked, room)
     for finger, handle in pairs.tolist():
-        depths(checked, placed, finger, frames(checked, placed, handle), np.zeros((1, 3)))
+        depths(checked, placed, finger, checked.shapes.along(placed, handle), np.zeros((1, 3)))

@@ -276,5 +276,4 @@ def _last(scene: Scene, pieces: Pieces, container: Container) -> int:
 
 def _away(pieces: Pieces, k: int, value: float) -> Indices:
     """Pieces on which a coordinate is not all the time at a value."""
-    candidates, _ = positions(pieces.columns(np.array([k])))
-    return np.flatnonzero(np.abs(candidates[:, :, 0] - value).max(axis=0) > MOVES)
+    return np.flatnonzero(np.abs(pieces.of(k) - value).max(axis=0) > MOVES)

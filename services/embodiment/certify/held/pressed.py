@@ -41,7 +41,7 @@ def pressed(checked: Subject, hold: Hold) -> Findings:
     q, v, _ = pieces.at(piece, times - pieces.start[piece])
     placed = checked.kinematics.place(q, v)
     for mesh in meshes:
-        points, at = _points(solids[mesh].shape), frames(checked, placed, mesh)
+        points, at = _points(solids[mesh].shape), checked.shapes.along(placed, mesh)
         for finger in map(int, hold.fingers):
             found = depths(checked, placed, finger, at, points)
             for n in {int(np.argmax(found > checked.tolerances.depth)), int(np.argmax(found))}:
@@ -59,12 +59,6 @@ def _points(mesh: coal.BVHModelBase) -> Array:
     return np.vstack((np.unique(vertices, axis=0), vertices[corners].mean(axis=1)))
 
 
-def frames(checked: Subject, placed: Placed, shape: int) -> tuple[Array, Array]:
-    """Rotations and origins of one shape in the world at each time, shapes (T, 3, 3) and (T, 3) [m]."""
-    span = np.arange(len(placed.origin))
-    return checked.shapes.frames(placed, span, np.full(len(span), shape))
-
-
 def depths(checked: Subject, placed: Placed, finger: int, mesh: tuple[Array, Array], points: Array) -> Array:
     """Depth of the deepest of the points in the finger at each time, shape (T,) [m]; 0 if none is in it.
 
@@ -73,7 +67,7 @@ def depths(checked: Subject, placed: Placed, finger: int, mesh: tuple[Array, Arr
     shape, found = checked.scene.solids[finger].shape, np.empty(len(placed.origin))
     body, box = faces(shape), shape.aabb_local
     assert body is not None, "shapes of the robot are convex"
-    own, corners = frames(checked, placed, finger), (np.array(box.min_), np.array(box.max_))
+    own, corners = checked.shapes.along(placed, finger), (np.array(box.min_), np.array(box.max_))
     room = np.empty((3, 3)), np.empty(3), np.empty(3)
     compiled.deepest_points(points, mesh, own, corners, body.normals, body.offsets, room, found)
     return found

@@ -64,6 +64,13 @@ class Pieces:
         compiled.extremes(self.c, self.duration, values, s)
         return values, s
 
+    def of(self, k: int) -> Array:
+        """What `positions` gives of coordinate k, shape (4, N)."""
+        (own,) = np.nonzero(self.moving == k)
+        if not len(own):
+            return np.full((4, len(self.start)), self.c[0, 0, k])
+        return positions(self.moved)[0][:, :, own[0]]
+
     @cached_property
     def farthest(self) -> Array:
         """How far each coordinate comes from 0 at most, shape (nq,) [rad or m]."""

@@ -115,6 +115,11 @@ class Shapes:
             known[shape] = rotation[0], origin[0]
         return known[shape]
 
+    def along(self, placed: Placed, shape: int) -> tuple[Array, Array]:
+        """Rotations and origins of one shape in the world at all configurations, (U, 3, 3) and (U, 3) [m]."""
+        rotation, origin = (each[:, self.carrier[shape]] for each in (placed.rotation, placed.origin))
+        return rotation @ self._rotation[shape], origin + rotation @ self._origin[shape]
+
     def middles(self, placed: Placed, shape: Indices) -> tuple[Array, Array]:
         """Rotations and middles of shapes' boxes at the first configuration, shapes (M, 3, 3) and (M, 3)."""
         first = np.zeros_like(shape)
