@@ -96,8 +96,9 @@ class Fitter:
         world = hand.world
         self._margins = demands[0].environment, demands[1].environment
         self._rest = world.split, world.radius, world.shapes
-        self._closed: dict[int, tuple[Array, Array] | None] = {}
-        self._clear: dict[tuple[float, int], bool] = {}
+        self._closed: dict[int, tuple[Array, Array]] = {}
+        self._never = set[int]()
+        self._screened: dict[float, tuple[set[int], set[int]]] = {share: (set(), set()) for share in OPENINGS}
         self._known: dict[tuple[float, int], Fitted | None] = {}
         self._all: list[Fitted] | None = None
         self._work = hand.room()
@@ -144,12 +145,10 @@ class Fitter:
 
     def screened(self, grasps: Grasps, share: float) -> Iterator[Grasp]:
         """Those at which the open hand touches nothing before the container moves, and that may close."""
-        numbers, never = grasps.numbers.tolist(), self._closed
-        left = [k for k, number in enumerate(numbers) if never.get(number, self._begin) is not None]
-        new = [k for k in left if (share, numbers[k]) not in self._clear]
-        if new:
+        numbers, (looked_at, touching) = grasps.numbers.tolist(), self._screened[share]
+        if new := [k for k, one in enumerate(numbers) if one not in looked_at and one not in self._never]:
             self._screen(grasps.some(new), share)
-        clear = [k for k in left if self._clear[share, numbers[k]]]
+        clear = [k for k, one in enumerate(numbers) if one not in touching and one not in self._never]
         return iter(grasps.some(clear)) if clear else iter(())
 
     def _out(self, opened: Opened) -> bool:
@@ -163,28 +162,30 @@ class Fitter:
         tools, found = (r @ grasps.rotations, beside @ r.T + p), np.empty((len(grasps), 2), np.int64)
         seen, margins = self.hand.shapes_seen(share), self._margins[1]
         hands.touching_many(self.hand.shapes, seen, tools, self.room.near, *self._rest, margins, found)
-        for number, (one, other) in zip(grasps.numbers.tolist(), found.tolist(), strict=True):
-            self._clear[share, number] = one < 0
-            if one >= 0:
-                self.unfit[one, other] += 1
-                if one in self.hand.still:
-                    self._closed[number] = None
+        touches = found[:, 0] >= 0
+        looked_at, touching = self._screened[share]
+        looked_at.update(grasps.numbers.tolist())
+        touching.update(grasps.numbers[touches].tolist())
+        self._never.update(grasps.numbers[np.isin(found[:, 0], self.hand.still)].tolist())
+        pairs, counts = np.unique(found[touches], axis=0, return_counts=True)
+        self.unfit.update(
+            {(one, other): n for (one, other), n in zip(pairs.tolist(), counts.tolist(), strict=True)}
+        )
 
     def fitted(self, opened: Opened) -> Fitted | None:
         """The grasp with its fingers closed on the handle, if they can be and the hand can stay."""
         grasp, share = opened
         key = share, grasp.index
         if key not in self._known:
-            if grasp.index not in self._closed:
-                self._closed[grasp.index] = self._close(grasp)
-            self._known[key] = self._swung(grasp, share)
+            if grasp.index not in self._closed and grasp.index not in self._never:
+                self._close(grasp)
+            self._known[key] = None if grasp.index in self._never else self._swung(grasp, share)
         return self._known[key]
 
     def engaged(self, fitted: Fitted) -> bool:
         """Whether fingers that have closed reach over the handle all around, as certification demands."""
         grasp, hand = fitted[0], self.hand
         closed = self._closed[grasp.index]
-        assert closed is not None, "its fingers were closed"
         tool = self.problem.handle_r[0] @ grasp.rotation, closed[0]
         about = hand.pads, hand.parts, hand.closing, self.room.handle, self._rest[2]
         return hands.engaged(tool, closed[1], *about, REACH, INWARD, self._work)
@@ -193,11 +194,12 @@ class Fitter:
         """The same, if it is known."""
         return self._known.get((opened[1], opened[0].index))
 
-    def _close(self, grasp: Grasp) -> tuple[Array, Array] | None:
-        """Where the tool is when the hand has closed on the handle, and how far its joints are then.
+    def _close(self, grasp: Grasp) -> None:
+        """It is known where the tool is when the hand has closed on the handle, and how far its joints are.
 
-        None if they cannot be closed, or if the hand could not stay there as the container moves.
+        Or that they can never be closed so, or that the hand could not stay there as the container moves.
         """
+        self._never.add(grasp.index)
         hand, scene = self.hand, (self._rest[2], TOUCH, ROUNDS)
         r, p = self.problem.handle_r[0], self.problem.handle_p[0]
         tool = r @ grasp.rotation, r @ self._beside(grasp) + p
@@ -206,18 +208,19 @@ class Fitter:
         if not hands.closed(
             tool, shares, hand.sides, hand.parts, hand.closing, bar, *scene, self._work, *self._begin
         ):
-            return None
+            return
         if (
             len(shares) > 1
             and np.ptp([at for _, at in hand.positions(shares)]) > hand.limb.gripper.difference
         ):
-            return None
+            return
         held = hand.parts, hand.closing, self.room.always, self._rest, self._margins[0], self._work
         pair = hands.stays(tool, shares, *held)
         if pair[0] >= 0:
             self.unfit[pair] += 1
-            return None
-        return tool[1], shares
+            return
+        self._never.remove(grasp.index)
+        self._closed[grasp.index] = tool[1], shares
 
     def _beside(self, grasp: Grasp) -> Array:
         """Where the tool of the open hand is, in the handle's frame: the bar has room between its fingers."""
@@ -227,11 +230,10 @@ class Fitter:
 
     def _swung(self, grasp: Grasp, share: float) -> Fitted | None:
         """The closed grasp, if the fingers can swing there from where they are closed by a share."""
-        closed, hand = self._closed[grasp.index], self.hand
-        if closed is None:
-            return None
+        hand = self.hand
         handle_r, handle_p = self.problem.handle_r[0], self.problem.handle_p[0]
-        (place, shares), start = closed, np.full(len(closed[1]), share)
+        place, shares = self._closed[grasp.index]
+        start = np.full(len(shares), share)
         margins = self._margins if not hand.amid else (self._margins[0],) * 2
         held = hand.parts, hand.closing, self.room.near, self._rest, margins, self._work
         pair = hands.swings((handle_r @ grasp.rotation, place), shares, start, SWING, *held)
