@@ -147,13 +147,21 @@ def test_a_worker_begins_once_its_own_is_loaded_and_anew_for_what_was_loaded_sin
 ) -> None:
     monkeypatch.setattr(f"{__name__}.LOADED", [])
     items = [("a", number) for number in range(3)] + [("b", number) for number in range(8)]
-    prepare = Loading(lambda item: LOADED.append(item[0]), lambda item: item[0])
+    prepare = Loading(_load, _kind)
     done = dict(each(items, 2, _loaded_by, prepare))
     assert LOADED == ["a", "b"], "each once, in the process that begins the others"
     of_a, of_b = ({done[item] for item in items if item[0] == which} for which in "ab")
     assert [loaded for _, loaded in of_a] == [("a",)]
     assert [loaded for _, loaded in of_b] == [("a", "b")] * 2, "the first has ended, and another begun"
     assert {pid for pid, _ in of_a}.isdisjoint(pid for pid, _ in of_b)
+
+
+def _kind(item: tuple[str, int]) -> str:
+    return item[0]
+
+
+def _load(item: tuple[str, int]) -> None:
+    LOADED.append(item[0])
 
 
 def _loaded_by(item: tuple[str, int]) -> tuple[int, tuple[str, ...]]:
@@ -175,7 +183,7 @@ def test_what_was_done_while_something_was_loaded_is_told_before_an_interrupt(tm
             told.append(item)
 
     told: list[tuple[str, int]] = []
-    items, prepare = [("a", 0), ("a", 1), ("b", 0)], Loading(interrupted, lambda item: item[0])
+    items, prepare = [("a", 0), ("a", 1), ("b", 0)], Loading(interrupted, _kind)
     work = partial(_noted_in, tmp_path)
     with pytest.raises(KeyboardInterrupt):
         tells()
