@@ -95,6 +95,13 @@ class Search:
     placements: int = 0
     seconds: float = 0.0
 
+    def __str__(self) -> str:
+        """What was searched, and for how long; where nothing came so far as to be tried, that."""
+        if not (self.seeds or self.branches or self.placements):
+            return f"searched {self.seconds:.1f} s, and found no hold to try"
+        counts = f"{self.seeds} seeds, {self.branches} branches, {self.placements} placements"
+        return f"searched {counts} in {self.seconds:.1f} s"
+
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:

@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from predicates.case import Search
 from services.commands.exits import Exit
 from services.commands.show import csv_is_asked, print_json, print_rows
 
@@ -85,8 +86,8 @@ def diagnosis_text(diagnosis: Json) -> str:
     search = diagnosis["search"]
     if search is None:
         return text
-    tried = ", ".join(f"{search[name]} {name}" for name in ("seeds", "branches", "placements"))
-    return f"{text} (not proved; searched {tried}, {search['seconds']:.1f} s)"
+    tried = Search(*(search[name] for name in ("seeds", "branches", "placements", "seconds")))
+    return f"{text} (not proved; {tried})"
 
 
 def _evidence_text(evidence: Json) -> str:

@@ -13,7 +13,7 @@ for diagnosis in verdict.diagnoses:
     if diagnosis.evidence:
         print(f"  {diagnosis.evidence.quantity.value} {diagnosis.evidence.value:g} {diagnosis.evidence.unit}")
     # A search that gave up denies nothing. A proof denies, relative to D_artic.
-    print("  proved" if diagnosis.proof else f"  searched: {diagnosis.search}")
+    print("  proved" if diagnosis.proof else f"  {diagnosis.search}")
 
 # Three other ways to hear no, or nothing at all:
 already = kitchen.at("iai_fridge_door=open")

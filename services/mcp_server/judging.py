@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import pyoxigraph as ox
 
-from predicates.case import Outcome
+from predicates.case import Outcome, Search
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import Iri, verdict_iri
 from services.mcp_server import arguments
@@ -187,8 +187,7 @@ def _reason(diagnosis: Json) -> str:
         return f"{text} [proved]"
     if search is None:
         return text
-    tried = ", ".join(f"{search[name]} {name}" for name in ("seeds", "branches", "placements"))
-    return f"{text} [searched {tried} in {search['seconds']:.1f} s, not proved]"
+    return f"{text} [{Search(**search)}, not proved]"
 
 
 def _measured(evidence: dict[str, Any] | None) -> list[str]:  # JSON

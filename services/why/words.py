@@ -63,8 +63,7 @@ def _grounds(diagnosis: Diagnosis) -> Iterator[str]:
     if diagnosis.proof:
         yield "proved"
     elif search is not None:
-        tried = f"{search.seeds} seeds, {search.branches} branches, {search.placements} placements"
-        yield f"not proved: searched {tried} in {search.seconds:.1f} s, then gave up"
+        yield f"not proved: {search}, then gave up"
     elif violation is None:
         yield "not proved"
 

@@ -70,6 +70,7 @@ def test_a_search_that_gave_up_is_never_told_as_a_proof() -> None:
     assert "Nothing is proved: the search gave up" in text
     assert "not proved: searched 5 seeds, 2 branches, 3 placements in 1.2 s, then gave up" in text
     assert "\n  proved" not in text
+    assert str(Search(seconds=0.09)) == "searched 0.1 s, and found no hold to try"
 
 
 def test_a_measured_refusal_tells_of_no_search_where_none_was_made() -> None:

@@ -152,11 +152,7 @@ def evidence(found: Diagnosed) -> Table:
 def _row(diagnosis: Diagnosis) -> dict[str, object]:
     of = diagnosis.evidence
     search = diagnosis.search
-    tried = (
-        ""
-        if search is None
-        else f"searched {search.seeds} seeds, {search.branches} branches, {search.seconds:.1f} s"
-    )
+    tried = "" if search is None else str(search)
     return {
         "kind": diagnosis.kind.value.replace("_", " "),
         "reason": diagnosis.reason,

@@ -155,6 +155,7 @@ def _evidence(index: int, diagnosis: Diagnosis) -> Json:
             "branches": search.branches,
             "placements": search.placements,
             "seconds": round(search.seconds, 3),
+            "said": str(search),
         }
     if violation is not None:
         path = local_name(violation.path) if violation.path else "shape"
