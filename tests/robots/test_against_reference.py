@@ -5,6 +5,7 @@ import pytest
 import trimesh
 
 from tests.robots.conftest import SDT, Robot
+from tests.robots.cover import uncovered
 from tests.robots.shapes import Array, outside, volume
 
 pytestmark = pytest.mark.reference
@@ -73,6 +74,22 @@ def test_meshes_lie_inside_our_shapes(robot: Robot, theirs: Robot) -> None:
             assert beyond.max() <= OVERHANG, link
             checked += 1
     assert checked >= {"pr2": 30, "tiago_dual": 19, "stretch": 28}[robot.name]
+
+
+def spread(polygon: Array) -> Array:
+    """Points of a convex polygon: its corners, and 100 amid them."""
+    amid = np.random.default_rng(0).dirichlet(np.ones(len(polygon)), 100)
+    return np.concatenate((polygon, amid @ polygon))
+
+
+def test_every_triangle_lies_inside_our_shapes(robot: Robot, theirs: Robot) -> None:
+    """Not of samples only: what shapes leave of each triangle is no farther out than the annotation says."""
+    annotated = float(next(robot.graph.objects(None, SDT.overhang)).toPython())
+    for link in theirs.links.links:
+        for mesh in theirs.links.meshes(link):
+            shapes = robot.links.shapes(link)
+            for polygon in uncovered(np.asarray(mesh.triangles), shapes):
+                assert outside(shapes, spread(polygon)).max() <= annotated, link
 
 
 def test_annotated_overhang_is_not_below_the_measured(robot: Robot, theirs: Robot) -> None:
