@@ -16,7 +16,6 @@ from services.physics.geometry.shapes import PADDING, surface
 
 Array = NDArray[np.float64]
 
-ROUNDING = 1e-7  # [m] what quaternions and axes of not quite unit length can be off by
 SOLVED = 1e-5  # [m] more than the distance of two shapes is off by
 CELLS = 64  # into which the positions of the finger joints of one finger are divided
 
@@ -93,16 +92,17 @@ def finger_box(mechanism: Mechanism, gripper: Gripper, tolerances: Tolerances) -
     return (low, high) if np.isfinite(low).all() and np.isfinite(high).all() else None
 
 
-def touched(box: tuple[Array, Array], tolerances: Tolerances, begins: bool | None) -> Array:
-    """Corners of a box about what fingers touch whose shapes are in a box of the tool's frame, shape (8, 3).
+def widened(box: tuple[Array, Array], near: float, tolerances: Tolerances, slips: bool) -> Array:
+    """Corners of a box about what is in or near one of the tool's frame at the grasp, shape (8, 3).
 
     Args:
         box: Its corners [m].
-        tolerances: How near a finger is to what it touches, and what the tool may slip and turn later.
-        begins: Whether nothing has slipped yet; None: both is meant.
+        near: How near that is [m].
+        tolerances: By how much the tool may slip and turn.
+        slips: Whether it may have done so.
     """
-    wide = tolerances.contact + (ROUNDING if begins is None else SOLVED)
-    if not begins:
+    wide = near
+    if slips:
         far = float(np.linalg.norm(np.maximum(np.abs(box[0]), np.abs(box[1])))) + tolerances.contact
         wide += tolerances.tool_position + 2 * float(np.sin(tolerances.tool_angle / 2)) * far
     ends = np.stack((box[0] - wide, box[1] + wide))

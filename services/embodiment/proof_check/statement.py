@@ -53,7 +53,7 @@ from services.embodiment.proof_check.mechanics import (
 )
 from services.embodiment.proof_check.pinch.between import about_all, slab
 from services.embodiment.proof_check.pinch.fingers import Hand, hand_of
-from services.embodiment.proof_check.shapes import boxes_of, finger_box, tool_in, touched
+from services.embodiment.proof_check.shapes import SOLVED, boxes_of, finger_box, tool_in, widened
 from services.embodiment.proof_check.target import Target, placed
 
 Array = NDArray[np.float64]
@@ -228,11 +228,11 @@ class Statement:
         """Corners of the grasp box in the tool's frame [m], shape (8, 3); for holds in hand its origin."""
         if self.within is not None:
             return np.zeros((8, 3))
-        if self._begins is None:
-            box = finger_box(self._tree.mechanism, gripper, self.tolerances)
-        else:
-            box = slab(self._tree, gripper, self.tolerances)
-        return None if box is None else touched(box, self.tolerances, self._begins)
+        kept = self.tolerances
+        box, near = finger_box(self._tree.mechanism, gripper, kept), kept.contact + ROUNDING
+        if self._begins is not None:
+            box, near = slab(self._tree, gripper, kept), SOLVED
+        return None if box is None else widened(box, near, kept, self._begins is not True)
 
     def joint_velocity(self, name: str) -> float:
         """Velocity limit of a joint of the robot [rad/s or m/s]; infinite where it has none."""

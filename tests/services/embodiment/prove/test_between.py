@@ -34,7 +34,7 @@ from services.embodiment.prove import Proved, Prover
 from tests.soak.doors import draw, write
 
 HERE = (0.0, 0.0, 0.0)
-OUT_OF_REACH = {"pr2": 41, "tiago_dual": 41}
+OUT_OF_REACH = {"pr2": 41, "tiago_dual": 89}
 """Fronts whose handle a fingertip's side comes to, and not what is between two."""
 HELD = {"pr2": 3, "tiago_dual": 3}
 """Fronts that are opened."""
@@ -43,8 +43,8 @@ LASTS_NOT = 68
 BOXES = 1000
 MANY_BOXES = 20_000
 NARROW = {
-    "pr2": 0.003,
-    "tiago_dual": 0.025,
+    "pr2": 0.008,
+    "tiago_dual": 0.03,
 }  # [m] half of the slab; a TIAGo++'s fingers overlap at their roots
 SAMPLES = 6  # of a motion
 WIDTHS = (0.0, 1e-3, 0.03, 0.3)  # [rad or m]
@@ -86,7 +86,7 @@ def test_a_handle_that_no_two_fingers_have_between_them_is_refuted(lost: tuple[T
     assert found.leaves == proved.boxes
     assert BETWEEN in found.assumptions
     assert proved.diagnosis.proof
-    assert "can bring two fingers to front_handle with front_door at 0 rad" in proved.diagnosis.reason
+    assert "can bring two fingers to front_handle with front_door at 0 " in proved.diagnosis.reason
     assert any(one.between for one in read_proof(proved.artefact.content).refutations)
 
 
@@ -96,13 +96,14 @@ def test_a_hold_that_does_not_last_is_refuted_of_every_hold(tmp_path: Path) -> N
     assert proved is not None
     assert checked(twin, proved.artefact.content)
     assert proved.diagnosis.proof
-    (lasting,) = (one for one in read_proof(proved.artefact.content).refutations if one.places is not None)
-    assert lasting.between
+    lasting = [one for one in read_proof(proved.artefact.content).refutations if one.places is not None]
+    assert max(len(one.values) for one in lasting) > 1, "no single value refutes every place"
+    assert all(one.between for one in lasting)
 
 
 def amid(whole: dict[str, Any]) -> dict[str, Any]:
     """The refutation that needs it: of the arm that comes nearer."""
-    return next(one for one in whole["refutations"] if one["gripper"] == "right")
+    return max(whole["refutations"], key=lambda one: len(one["tree"]))
 
 
 def anywhere(whole: dict[str, Any]) -> None:
@@ -167,7 +168,10 @@ def test_between_any_points_of_two_fingers_is_one_in_the_slab(tmp_path: Path, ro
         fingers = [[body for bodies in one.values() for body in bodies] for one in parts]
         boxes = [finger_box(tree.mechanism, of(gripper, bodies), Tolerances()) for bodies in fingers]
         (a_low, a_high), (b_low, b_high) = (box for box in boxes if box is not None)
-        a, b = rng.uniform(a_low, a_high, (1000, 3)), rng.uniform(b_low, b_high, (1000, 3))
+        kept, back = Tolerances(), np.array([Tolerances().engaged, 0.0, 0.0])
+        a, b = (rng.uniform(*box, (1000, 3)) - back for box in ((a_low, a_high), (b_low, b_high)))
+        a[:, 1] += rng.uniform(-2 * kept.contact, 2 * kept.contact, 1000)
+        b[:, 1] += rng.uniform(-2 * kept.contact, 2 * kept.contact, 1000)
         shares = np.linspace(0.0, 1.0, 2001)[:, None, None]
         way = a + shares * (b - a)
         assert ((way >= low - 1e-4) & (way <= high + 1e-4)).all(axis=2).any(axis=0).all()
