@@ -162,15 +162,16 @@ class Fitter:
         tools, found = (r @ grasps.rotations, beside @ r.T + p), np.empty((len(grasps), 2), np.int64)
         seen, margins = self.hand.shapes_seen(share), self._margins[1]
         hands.touching_many(self.hand.shapes, seen, tools, self.room.near, *self._rest, margins, found)
-        touches = found[:, 0] >= 0
-        looked_at, touching = self._screened[share]
-        looked_at.update(grasps.numbers.tolist())
-        touching.update(grasps.numbers[touches].tolist())
-        self._never.update(grasps.numbers[np.isin(found[:, 0], self.hand.still)].tolist())
-        pairs, counts = np.unique(found[touches], axis=0, return_counts=True)
-        self.unfit.update(
-            {(one, other): n for (one, other), n in zip(pairs.tolist(), counts.tolist(), strict=True)}
-        )
+        numbers, (looked_at, touching) = grasps.numbers.tolist(), self._screened[share]
+        met = [
+            (number, one, other)
+            for number, (one, other) in zip(numbers, found.tolist(), strict=True)
+            if one >= 0
+        ]
+        looked_at.update(numbers)
+        touching.update(number for number, _, _ in met)
+        self.unfit.update((one, other) for _, one, other in met)
+        self._never.update(number for number, one, _ in met if one in self.hand.still)
 
     def fitted(self, opened: Opened) -> Fitted | None:
         """The grasp with its fingers closed on the handle, if they can be and the hand can stay."""

@@ -76,7 +76,7 @@ class Hand:
         moved = np.array([j for j in range(1, len(world.tree[0])) if self._follows(j)], np.int64)
         frames = world.frames(self.closing[0])
         self.parts = (self.shapes, len(palm), moved, world.tree, world.boxes, self._tool, frames)
-        self.still = self.shapes[~np.isin(world.boxes[0][self.shapes], moved)]
+        self.still = frozenset(self.shapes[~np.isin(world.boxes[0][self.shapes], moved)].tolist())
         self._seen: dict[float, tuple[Array, Array]] = {}
         self.sides, self.pads = self._sides(), self._pads()
         open_at, closed_at = (self.shapes_seen(share)[1] for share in (0.0, 1.0))
