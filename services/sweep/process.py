@@ -28,7 +28,8 @@ KILLED_WITHIN: Final = 10.0
 class OneProcess(Executor):
     """A copy of this process that waits for work, and ends with the one that made it.
 
-    A thread hands it the work, from the first on: who makes several executors first copies no threads.
+    A thread hands it the work, from the first on. An executor that is made later is copied while it waits
+    for an answer: nothing that the copy uses is locked by it.
     """
 
     def __init__(self) -> None:
