@@ -175,28 +175,26 @@ class Prover:
         if not self.statement.handle_boxes():
             return
         for value in self._values():
-            for between, statement, one in self._meant(gripper, arm, value):
-                tree = divided(at_value(statement, one, value), low, high, nodes)
-                if tree is not None:
-                    yield Refutation(gripper.name, value, names, box, tree, between=between)
+            between, statement, one = self._meant(gripper, arm, value)
+            tree = divided(at_value(statement, one, value), low, high, nodes)
+            if tree is not None:
+                yield Refutation(gripper.name, value, names, box, tree, between=between)
 
-    def _meant(
-        self, gripper: Gripper, arm: Arm, value: float | None
-    ) -> Iterator[tuple[bool, Statement, Arm]]:
-        """The handle between two fingers, then anywhere in the grasp box: at a value, or at all of them."""
+    def _meant(self, gripper: Gripper, arm: Arm, value: float | None) -> tuple[bool, Statement, Arm]:
+        """The handle between two fingers, at a value or at all; in the grasp box where there are no two."""
         if self.statement.within is None:
             other = self.statement.between(value == self.twin.state[self.container.joint])
             amid = other.arm(gripper)
             if amid is not None:
-                yield True, other, amid
-        yield False, self.statement, arm
+                return True, other, amid
+        return False, self.statement, arm
 
     def _by_places(self, gripper: Gripper) -> Refutation | None:
         """A refutation of one hold of one gripper, at several values."""
         arm = self._arms[gripper.name]
         if arm is None:
             return None
-        between, statement, one = next(self._meant(gripper, arm, None))
+        between, statement, one = self._meant(gripper, arm, None)
         found = by_places(statement, one, sorted(self._values())[::SPARSE])
         return found if found is None else replace(found, between=between)
 

@@ -19,12 +19,14 @@ from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Twin
 from services.app import Policy, load
+from services.embodiment.certify.held import moved
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.content import BETWEEN, IN_HAND, read_proof
 from services.embodiment.proof_check.interval import exact
 from services.embodiment.proof_check.mechanics import HERE as SAME
 from services.embodiment.proof_check.mechanics import Placement, Tree
+from services.embodiment.proof_check.pinch import between
 from services.embodiment.proof_check.pinch.between import about_all, slab
 from services.embodiment.proof_check.pinch.fingers import groups
 from services.embodiment.proof_check.shapes import finger_box
@@ -48,6 +50,10 @@ NARROW = {
 }  # [m] half of the slab; a TIAGo++'s fingers overlap at their roots
 SAMPLES = 6  # of a motion
 WIDTHS = (0.0, 1e-3, 0.03, 0.3)  # [rad or m]
+
+
+def test_the_checker_counts_with_the_step_of_certification() -> None:
+    assert between.STEP >= moved.STEP
 
 
 def front(folder: Path, number: int) -> Path:

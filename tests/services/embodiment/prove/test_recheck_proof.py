@@ -59,10 +59,10 @@ def test_a_verdict_that_says_something_else_than_its_proof_does_not_hold(entry: 
 
 @pytest.fixture(scope="module")
 def in_hand(tmp_path_factory: pytest.TempPathFactory) -> tuple[Entry, Saved]:
-    """A PR2 before a handle that only the ends of its fingers reach."""
+    """A standing TIAGo++ before a door whose handle only the ends of its fingers reach."""
     folder = tmp_path_factory.mktemp("front")
-    front = write(draw(np.random.default_rng(905)), folder, "front905")
-    service = load(front, ["pr2"], policy=Policy(Drive.OMNI, (0.0, 0.0, 0.0)))
+    front = write(draw(np.random.default_rng(95)), folder, "front95")
+    service = load(front, ["tiago_dual"], policy=Policy(Drive.FIXED, (0.0, 0.0, 0.0)))
     (verdict,) = service.achieve("open:front_door")
     with SavedVerdicts(folder / "verdicts.trig") as saved:
         saved.add_twin(service.twin)
