@@ -66,11 +66,9 @@ class Solid:
 def _solid(body: Iri, pose: Pose, joint: int, joint_T_body: pin.SE3, shape: coal.CollisionGeometry) -> Solid:
     joint_T_shape = joint_T_body * se3(pose)
     box = shape.aabb_local
-    centre = (box.min_ + box.max_) / 2
-    half = (box.max_ - box.min_) / 2
-    return Solid(
-        body, joint, joint_T_shape, shape, joint_T_shape.act(centre), half, float(np.linalg.norm(half))
-    )
+    centre, half = (box.min_ + box.max_) / 2, (box.max_ - box.min_) / 2
+    radius = float(np.linalg.norm(half))
+    return Solid(body, joint, joint_T_shape, shape, joint_T_shape.act(centre), half, radius)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -177,11 +175,10 @@ class Scene:
         near = np.linalg.norm(middle[i] - middle[j], axis=1) <= radius[i] + radius[j] + NEAR
         touching: set[Iri] = set()
         for i, j in self.self_pairs[near].tolist():
+            one, other = self.solids[i], self.solids[j]
             request, result = coal.CollisionRequest(), coal.CollisionResult()
-            if coal.collide(
-                self.solids[i].shape, placed[i], self.solids[j].shape, placed[j], request, result
-            ):
-                touching |= {self.solids[i].body, self.solids[j].body}
+            if coal.collide(one.shape, placed[i], other.shape, placed[j], request, result):
+                touching |= {one.body, other.body}
         return frozenset(touching & meshed)
 
     def _add_base(self, model: pin.Model) -> int:

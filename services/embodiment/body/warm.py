@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from services.embodiment.body import hands, ik
+from services.embodiment.body import ik
+from services.embodiment.body.hand import fingers, placing
 from services.embodiment.body.limb import Limb, Margins, rules
 from services.embodiment.body.parked import Parked
 from services.embodiment.body.world import Rules, World
@@ -35,11 +36,11 @@ def _warm_hands(world: World, limb: Limb, demands: Rules) -> None:
     hand = one + world.split, 0, one + 1, world.tree, world.boxes, tool, frames
     rest, margins, kitchen = (world.split, world.radius, world.shapes), demands.environment, (one, *at)
     closing, shares = (limb.q(x), limb.q(x)[None]), np.zeros(1)
-    room = hands.room(1, world.scene.model.nq)
-    hands.posed(limb.q(x), hand, at)
-    hands.touching_many(hand[0], at, at, kitchen, *rest, margins, np.empty((1, 2), np.int64))
+    room = placing.room(1, world.scene.model.nq)
+    placing.posed(limb.q(x), hand, at)
+    placing.touching_many(hand[0], at, at, kitchen, *rest, margins, np.empty((1, 2), np.int64))
     sides = np.ones((1, 2, 1), np.bool_)
     begin = np.zeros((1, 2)), np.zeros((1, 2), np.int64)
-    hands.closed(tool, shares, sides, hand, closing, kitchen, world.shapes, 0.0, 0, room, *begin)
-    hands.stays(tool, shares, hand, closing, (*kitchen, one), rest, margins, room)
-    hands.swings(tool, shares, shares, 1, hand, closing, kitchen, rest, (margins, margins), room)
+    fingers.closed(tool, shares, sides, hand, closing, kitchen, world.shapes, 0.0, 0, room, *begin)
+    placing.stays(tool, shares, hand, closing, (*kitchen, one), rest, margins, room)
+    placing.swings(tool, shares, shares, 1, hand, closing, kitchen, rest, (margins, margins), room)

@@ -7,7 +7,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment.body import hands
+from services.embodiment.body.hand import fingers, placing
 from services.embodiment.body.world import Rules, World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.hold.grasp import TOUCH, Grasp, Hand
@@ -161,7 +161,7 @@ class Fitter:
         beside = grasps.translations - self.hand.amid * grasps.rotations[:, :, 1]
         tools, found = (r @ grasps.rotations, beside @ r.T + p), np.empty((len(grasps), 2), np.int64)
         seen, margins = self.hand.shapes_seen(share), self._margins[1]
-        hands.touching_many(self.hand.shapes, seen, tools, self.room.near, *self._rest, margins, found)
+        placing.touching_many(self.hand.shapes, seen, tools, self.room.near, *self._rest, margins, found)
         numbers, (looked_at, touching) = grasps.numbers.tolist(), self._screened[share]
         met = [
             (number, one, other)
@@ -189,7 +189,7 @@ class Fitter:
         closed = self._closed[grasp.index]
         tool = self.problem.handle_r[0] @ grasp.rotation, closed[0]
         about = hand.pads, hand.parts, hand.closing, self.room.handle, self._rest[2]
-        return hands.engaged(tool, closed[1], *about, REACH, INWARD, self._work)
+        return fingers.engaged(tool, closed[1], *about, REACH, INWARD, self._work)
 
     def known(self, opened: Opened) -> Fitted | None:
         """The same, if it is known."""
@@ -206,7 +206,7 @@ class Fitter:
         tool = r @ grasp.rotation, r @ self._beside(grasp) + p
         shares = np.zeros(len(hand.closing[1]))
         bar = self.room.handle
-        if not hands.closed(
+        if not fingers.closed(
             tool, shares, hand.sides, hand.parts, hand.closing, bar, *scene, self._work, *self._begin
         ):
             return
@@ -216,7 +216,7 @@ class Fitter:
         ):
             return
         held = hand.parts, hand.closing, self.room.always, self._rest, self._margins[0], self._work
-        pair = hands.stays(tool, shares, *held)
+        pair = placing.stays(tool, shares, *held)
         if pair[0] >= 0:
             self.unfit[pair] += 1
             return
@@ -237,7 +237,7 @@ class Fitter:
         start = np.full(len(shares), share)
         margins = self._margins if not hand.amid else (self._margins[0],) * 2
         held = hand.parts, hand.closing, self.room.near, self._rest, margins, self._work
-        pair = hands.swings((handle_r @ grasp.rotation, place), shares, start, SWING, *held)
+        pair = placing.swings((handle_r @ grasp.rotation, place), shares, start, SWING, *held)
         if pair[0] >= 0:
             self.unfit[pair] += 1
             return None

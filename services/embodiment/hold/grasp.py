@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.errors import AnnotationError
 from sdt_kg.iri import joint_iri
-from services.embodiment.body import hands
+from services.embodiment.body.hand import placing
 from services.embodiment.body.limb import Limb
 from services.embodiment.body.world import World
 from services.physics.model import Scene
@@ -49,7 +49,7 @@ class Hand:
     """A gripper without its arm, to be put anywhere.
 
     Attributes:
-        parts, closing, sides, pads: What `hands.closed`, `hands.stays` and `hands.engaged` take.
+        parts, closing, sides, pads: What `fingers.closed`, `placing.stays` and `fingers.engaged` take.
         shapes: Indices of its shapes, fingers last.
         fingers: Indices of those of its fingers.
         still: Indices of those that closing does not move.
@@ -154,13 +154,13 @@ class Hand:
         """Poses of its shapes in the tool frame, fingers closed by a share; kept: grasps open alike."""
         if share not in self._seen:
             at = self.room()[0]
-            hands.posed(self.configuration(share), self.parts, at)
+            placing.posed(self.configuration(share), self.parts, at)
             self._seen[share] = at
         return self._seen[share]
 
     def room(self) -> tuple:
         """What compiled loops write to; first poses of its shapes."""
-        return hands.room(len(self.shapes), len(self.closing[0]))
+        return placing.room(len(self.shapes), len(self.closing[0]))
 
     def opening(self, share: float) -> tuple[tuple[str, float], ...]:
         """Positions of the finger joints, closed by a share; kept, as grasps open alike."""

@@ -1,0 +1,1 @@
+"""A hand without its arm, in compiled loops."""
