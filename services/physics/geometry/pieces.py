@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.mechanism import Geometry, ShapeType
 from services.kernel import kernel
-from services.physics.geometry.shapes import corners, hull_of_solid, surface, with_volume
+from services.physics.geometry.shapes import corners, hull_of_solid, of_triangles, surface, with_volume
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -157,10 +157,5 @@ def _shape(triangles: Array, points: Array) -> coal.CollisionGeometry:
 
 
 def _triangles(triangles: Array) -> coal.BVHModelBase:
-    mesh = coal.BVHModelOBBRSS()
-    mesh.beginModel(len(triangles), 3 * len(triangles))
-    for a, b, c in triangles:
-        mesh.addTriangle(a, b, c)
-    mesh.endModel()
-    mesh.computeLocalAABB()
-    return mesh
+    points = np.ascontiguousarray(triangles.reshape(-1, 3))
+    return of_triangles(points, np.arange(len(points)).reshape(-1, 3))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, ShapeType
-from sdt_kg.urdf import meshes
+from sdt_kg.urdf import meshes, obj
 from sdt_kg.urdf.meshes import metres
 from services.physics.geometry import hulls
 from services.physics.geometry.hulls import COARSE, Fineness, convex_pieces
@@ -76,7 +76,9 @@ def _loaded(
         UrdfError: The file is no mesh, or another one than when the model was read.
     """
     try:
-        mesh = coal.MeshLoader(tree).load(mesh_file, np.array(scale) * metres(Path(mesh_file)))
+        mesh = _of_plain(mesh_file, scale) or coal.MeshLoader(tree).load(
+            mesh_file, np.array(scale) * metres(Path(mesh_file))
+        )
     except (RuntimeError, ValueError) as error:
         said = " ".join(str(error).rpartition("message:")[2].split())  # before it: where in coal's sources
         raise UrdfError(f"mesh {mesh_file} cannot be read: {said}", allowed="STL, OBJ, DAE") from error
@@ -88,6 +90,24 @@ def _loaded(
             f"mesh {mesh_file} is another file than when its model was read",
             remedy="read the model again, with a service by starting it again; or put the file back",
         )
+    return mesh
+
+
+def _of_plain(mesh_file: str, scale: tuple[float, ...]) -> coal.BVHModelBase | None:
+    """The mesh of a plain OBJ file; None of any other."""
+    path = Path(mesh_file)
+    found = obj.plain(path.read_bytes()) if path.suffix.lower() == obj.SUFFIX and path.is_file() else None
+    return None if found is None else of_triangles(found[0] * np.array(scale), found[1])
+
+
+def of_triangles(points: NDArray[np.float64], faces: NDArray[np.int64]) -> coal.BVHModelBase:
+    """A mesh of points, shape (V, 3) [m], and the three of each triangle, shape (M, 3)."""
+    mesh = coal.BVHModelOBBRSS()
+    mesh.beginModel(len(faces), len(points))
+    mesh.addVertices(points)
+    mesh.addTriangles(faces)
+    mesh.endModel()
+    mesh.computeLocalAABB()
     return mesh
 
 
@@ -121,7 +141,7 @@ def _hulls(
 @cache
 def _code() -> str:
     """Hash of the code that makes pieces, and the version of what reads meshes and makes hulls."""
-    sources = (Path(__file__), Path(hulls.__file__), Path(meshes.__file__))
+    sources = (Path(__file__), Path(hulls.__file__), Path(meshes.__file__), Path(obj.__file__))
     return hashlib.sha256(b"".join(each.read_bytes() for each in sources)).hexdigest() + version("coal")
 
 
