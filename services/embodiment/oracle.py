@@ -39,7 +39,7 @@ from services.physics.oracle import Kinematics, version_of
 
 Start = tuple[float, float, float]
 
-EMBODIMENT_VERSION = "16"
+EMBODIMENT_VERSION = "17"
 """Raised whenever an answer of this oracle may change."""
 
 MOVED_START = (

@@ -158,7 +158,8 @@ def leaves_of_one(statement: Statement, arm: Arm, given: Refutation) -> int:
         box = _covered(given, tuple(link.name for link in links), *arm.chain.ranges())
         if given.places is None:
             goal = at_value(statement, arm, given.value)
-            limbs = tuple(statement.beside(arm, body, given.value) for body in given.beside)
+            about = given.value, given.parked
+            limbs = tuple(statement.beside(arm, body, *about) for body in given.beside)
             count = refuted_boxes(replace(goal, beside=limbs), nodes, *box)
         else:
             count = refuted_places(statement, arm, given.places, nodes, box)

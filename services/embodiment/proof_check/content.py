@@ -11,8 +11,9 @@ From 4 on a refutation may have `places`: then its tree is one of cells of them,
 the floor refutes too, from 6 on one may be `pinched`, the fingers' joints last, and a leaf then names the one
 finger that may come to the handle (`pinch/`). From 7 on, behind all these numbers are those of
 the bodies `beside` the arm; after such a node comes a tree of the joints that carry this body, whose leaves
-name cores on them, numbered in the same way (`arm.py`). Written is "sdt proof 8": a refutation may be of the
+name cores on them, numbered in the same way (`arm.py`). From 8 on a refutation may be of the
 handle `between` two fingers, a box about it and a slab in place of its shapes and the grasp box (`pinch/`).
+Written is "sdt proof 9": joints of bodies beside the arm that no certified motion moves may be `parked`.
 """
 
 import base64
@@ -28,9 +29,9 @@ from sdt_kg.errors import InputError
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.claim import Claim, Timing
 
-SCHEMA = "sdt proof 8"
+SCHEMA = "sdt proof 9"
 BY_PLACES = "sdt proof 4"
-SINCE_DECLARED = ("sdt proof 6", "sdt proof 7", SCHEMA)
+SINCE_DECLARED = ("sdt proof 6", "sdt proof 7", "sdt proof 8", SCHEMA)
 SINCE_SOME_HOLDS = ("sdt proof 3", BY_PLACES, "sdt proof 5", *SINCE_DECLARED)
 READ = ("sdt proof 1", "sdt proof 2", *SINCE_SOME_HOLDS)
 IN_HAND = 0.02
@@ -47,6 +48,7 @@ PINCHED = (
 )
 BETWEEN = "fingers: two of them are at the handle at once, so a point of a box about it is between them"
 BESIDE = "limbs beside the arm: they, too, are somewhere within their limits, and touch nothing"
+PARKED = "limbs without a limit of acceleration: parked, since certification lets none of their joints move"
 ONE_HOLD = "one hold: the tool keeps the pose on the handle that it has at the grasp, at all values"
 
 
@@ -76,6 +78,7 @@ class Refutation:
         pinched: Whether it is refuted that two fingers come to the handle together.
         beside: Bodies that other joints carry, to whose trees the tree may go over.
         between: Whether it is refuted that a point of a box about the handle is between two fingers.
+        parked: Whether joints of those bodies that no certified motion moves are where they are parked.
     """
 
     gripper: str
@@ -87,6 +90,7 @@ class Refutation:
     pinched: bool = False
     beside: tuple[str, ...] = ()
     between: bool = False
+    parked: bool = False
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -125,6 +129,7 @@ class Proof:
             f"tolerances: those of certification, {claim.tolerances}",
             *([ONE_HOLD] if any(one.places is not None for one in self.refutations) else []),
             *([BESIDE] if any(one.beside for one in self.refutations) else []),
+            *([PARKED] if any(one.parked for one in self.refutations) else []),
             *([BETWEEN] if any(one.between for one in self.refutations) else []),
             *([PINCHED] if any(one.pinched for one in self.refutations) else []),
             "joints: limits of the twin, each joint for itself",
@@ -243,6 +248,7 @@ def _refutation(given: dict[str, Any]) -> Refutation:  # Any: JSON
         given.get("pinched") is True,
         tuple(str(each) for each in given.get("beside", ())),
         given.get("between") is True,
+        given.get("parked") is True,
     )
 
 

@@ -43,14 +43,8 @@ from services.embodiment.proof_check.inside.cores import (
     own_solids,
 )
 from services.embodiment.proof_check.interval import exact
-from services.embodiment.proof_check.mechanics import (
-    HERE,
-    Chain,
-    Link,
-    Placement,
-    Tree,
-    base_T_root,
-)
+from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement, Tree, base_T_root
+from services.embodiment.proof_check.parked import with_parked
 from services.embodiment.proof_check.pinch.between import about_all, slab
 from services.embodiment.proof_check.pinch.fingers import Hand, hand_of
 from services.embodiment.proof_check.shapes import SOLVED, boxes_of, finger_box, tool_in, widened
@@ -98,7 +92,7 @@ class Statement:
         self._solids: dict[float, Solids] = {}
         self._cores: dict[str, tuple[Core, ...]] = {}
         self._own: dict[tuple[str, ...], tuple[Around, ...]] = {}
-        self._limbs: dict[str, Arm] = {}
+        self._limbs: dict[tuple[str, bool], Arm] = {}
 
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Statement":
         """The same, with the fixed base elsewhere."""
@@ -187,20 +181,25 @@ class Statement:
             self._own[joints] = own_solids(arm.cores, self._tree, self._annotation)
         return kitchen, *self._own[joints]
 
-    def beside(self, arm: Arm, body: str, value: float) -> Beside:
+    def beside(self, arm: Arm, body: str, value: float, parked: bool = False) -> Beside:
         """The joints that carry a body, beside an arm, with the container at a value.
+
+        Where they are `parked`, those that no certified motion moves are.
 
         Raises:
             InputError: They have no limits of their own, or the base is free.
         """
-        limb = self._limbs[body] = self._limbs.get(body) or self._limb(body)
+        key = body, parked
+        limb = self._limbs[key] = self._limbs.get(key) or self._limb(body, parked)
         return beside(arm, limb, self.around(limb, value))
 
-    def _limb(self, body: str) -> Arm:
+    def _limb(self, body: str, parked: bool) -> Arm:
         """The chain from a fixed base to a body, as an arm of no gripper."""
         if self.level:
             raise InputError(f"a proof from {body} with a free base", allowed="a fixed base")
-        chain = chain_to(self._tree, body, base_T_root(self._tree, self._annotation), self.tolerances)
+        tree, annotation = self._tree, self._annotation
+        chain = chain_to(tree, body, base_T_root(tree, annotation), self.tolerances)
+        chain = with_parked(chain, tree.mechanism, annotation, self.tolerances) if parked else chain
         return replace(make_arm(body, self._on_base(chain), np.zeros((8, 3)), 0), cores=self._inside(chain))
 
     def _slack(self) -> float:

@@ -83,7 +83,7 @@ class Limbs:
     def _look(self, arm: Arm, value: float) -> None:
         if value in self._known:
             return
-        limbs = {body: self._statement.beside(arm, body, value) for body in self._bodies}
+        limbs = {body: self._statement.beside(arm, body, value, parked=True) for body in self._bodies}
         asked = [_Asked(body, one) for body, one in limbs.items() if one.shared > LIFT]
         self._known[value] = _parts(asked, arm.chain.ranges(), HALVED)
 
@@ -95,7 +95,7 @@ class Limbs:
             return None
         names = tuple(link.name for link in arm.chain.links)
         ends = tuple(zip(*(each.tolist() for each in box), strict=True))
-        return Refutation(arm.gripper, value, names, ends, tree, beside=used)
+        return Refutation(arm.gripper, value, names, ends, tree, beside=used, parked=True)
 
 
 def _ends(statement: Statement) -> tuple[str, ...]:
