@@ -56,10 +56,11 @@ def guessed(mechanism: Mechanism) -> RobotAnnotation:
 
 
 def _arms(tree: Tree, grippers: tuple[Gripper, ...]) -> Iterator[str]:
-    """Joints that move a gripper or its fingers."""
+    """Joints that move a gripper or its fingers; what hangs on fixed ones stands."""
     for gripper in grippers:
         yield from (finger.joint for finger in gripper.finger_joints)
-        yield from (joint.name for joint in tree.ancestors(gripper.tool_body))
+        above = tree.ancestors(gripper.tool_body)
+        yield from (joint.name for joint in above if joint.type is not JointType.FIXED)
 
 
 def _divided(mechanism: Mechanism, arms: frozenset[str]) -> tuple[list[str], list[Joint], list[str]]:

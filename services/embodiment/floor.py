@@ -1,36 +1,70 @@
 """Robots stand on the plane z = 0 of the kitchen's root frame, so that is where its floor has to be."""
 
+from collections.abc import Iterator
+
+import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
-from sdt_kg.errors import InputError
-from sdt_kg.iri import local_name
-from services.physics.model import Scene
+from sdt_kg.errors import AnnotationError, InputError
+from sdt_kg.iri import Iri, local_name
+from services.physics.model import Scene, Solid
+from services.physics.tree import UNIVERSE
+
+SUNK = 0.02
+"""[m] What stands on the floor reaches at most so far into it: wheels and feet are drawn no more exactly."""
+
+THROUGH = 0.05
+"""[m] The same of what a kitchen's joints move, which a larger shape may stand for."""
 
 
 def check_floor(scene: Scene) -> None:
-    """No handle of the kitchen is wholly below the floor.
+    """Nothing of the kitchen that moves is in the floor, nor is the robot, parked.
 
-    Judged all the same, a handle at table height lies on the floor, and one near the floor out of reach.
+    Judged all the same, a handle at table height would lie on the floor, and one that a robot on its pedestal
+    reaches would be out of the reach of one that is sunk in the floor to its arms.
 
     Raises:
-        InputError: One is: the kitchen's root frame is not on its floor, but at its worktop, say.
+        InputError: A moved body is: the kitchen's root frame is not on its floor, but at its worktop, say.
+        AnnotationError: What of the robot stands on the floor is.
     """
     pin.forwardKinematics(scene.model, scene.data, scene.q((0.0, 0.0, 0.0), {}))
-    handles = {each.handle for each in scene.twin.containers()}
-    tops: dict[str, float] = {}
-    for one in scene.solids:
-        if one.body in handles:
-            world_T_shape = scene.data.oMi[one.joint] * one.joint_T_shape
-            reach = np.abs(world_T_shape.rotation[2]) @ one.half
-            top = float(scene.data.oMi[one.joint].act(one.centre)[2] + reach)
-            tops[one.body] = max(top, tops.get(one.body, -np.inf))
-    handle = min(tops, key=lambda each: tops[each], default=None)
-    if handle is not None and tops[handle] < 0:
-        kitchen, down = scene.kitchen.mechanism.name, -tops[handle]
+    moved = (one for one in scene.solids[: scene.floor] if one.joint != UNIVERSE)
+    body, height = _lowest(scene, moved)
+    if height < -THROUGH:
+        kitchen = scene.kitchen.mechanism.name
         raise InputError(
-            f"{local_name(handle)} of kitchen '{kitchen}' is {down:.3g} m below z = 0 of the kitchen's root "
-            "frame, on which robots stand",
+            f"{local_name(body)} of kitchen '{kitchen}' reaches {-height:.3g} m below z = 0 of the kitchen's "
+            "root frame, on which robots stand",
             allowed="a root frame on the floor",
             remedy="give the model a link on the floor as its root, with a fixed joint up to the present one",
         )
+    body, height = _lowest(scene, (one for one in scene.solids if one.body in scene.standing))
+    if height < -SUNK:
+        robot, given = scene.robot.mechanism.name, scene.annotation.base_height
+        raise AnnotationError(
+            f"{local_name(body)} of robot '{robot}' reaches {-height:.3g} m into the floor: "
+            f"its sdt:baseHeight is {given:g}",
+            allowed=f"{round(given - height, 4):g}, with which its lowest point is on the floor",
+        )
+
+
+def _lowest(scene: Scene, some: Iterator[Solid]) -> tuple[Iri, float]:
+    """The body that reaches farthest down, as the scene's `data` has it, and to which height [m].
+
+    Infinite where nothing has a shape.
+    """
+    heights = ((one.body, _height(one, scene.data.oMi[one.joint] * one.joint_T_shape)) for one in some)
+    return min(heights, key=lambda each: each[1], default=("", np.inf))
+
+
+def _height(one: Solid, world_T_shape: pin.SE3) -> float:
+    """Of the lowest point [m]: a wheel's rim is round, a box about it is not."""
+    shape, up = one.shape, world_T_shape.rotation[2]
+    if isinstance(shape, coal.ConvexBase):
+        return float((np.array(shape.points()) @ up).min() + world_T_shape.translation[2])
+    if isinstance(shape, coal.Cylinder):
+        down = shape.radius * np.hypot(up[0], up[1]) + shape.halfLength * abs(up[2])
+        return float(world_T_shape.translation[2] - down)
+    middle = world_T_shape.act((shape.aabb_local.min_ + shape.aabb_local.max_) / 2)
+    return float(middle[2] - np.abs(up) @ one.half)

@@ -247,6 +247,15 @@ def slides(name: str, side: int, axis: int, ends: tuple[float, float] = (0.0, 0.
     )
 
 
+def test_what_hangs_on_fixed_joints_of_an_arm_stands_on_the_floor(write: Write) -> None:
+    # Baxter's pedestal hangs on its torso, which a fixed joint of each arm's chain carries.
+    pedestal = link("pedestal", '<box size="0.6 0.6 0.8"/>')
+    pedestal += joint("pedestal_mount", "fixed", "base", "pedestal", '<origin xyz="0 0 -0.45"/>')
+    root = link("world") + joint("mount", "fixed", "world", "base")
+    path = write(root, *arm(slides("part_17", 1, 1), slides("part_18", -1, -1)), pedestal)
+    assert guess(path).base_height == pytest.approx(0.85)
+
+
 def test_fingers_are_found_at_the_end_of_an_arm_whatever_they_are_named(write: Write) -> None:
     path = write(*arm(slides("part_17", 1, 1), slides("part_18", -1, -1)))
     (gripper,) = guess(path).grippers

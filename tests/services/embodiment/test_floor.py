@@ -7,12 +7,14 @@ import pytest
 
 from predicates.case import Case
 from sdt_kg.annotation import Drive
-from sdt_kg.errors import InputError
+from sdt_kg.errors import AnnotationError, InputError
 from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin
 from sdt_kg.state import Interval, Region
 from sdt_kg.task import Task, Verb
+from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused
+from services.embodiment.floor import check_floor
 from services.embodiment.oracle import WholeBody
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics
@@ -21,26 +23,60 @@ from tests.services.embodiment.judging import judge
 
 pytestmark = pytest.mark.oracle
 
+
+def _opened(twin: Twin) -> Case:
+    """Its only robot is to open its only drawer."""
+    (drawer,), (robot,) = twin.containers(), twin.robots
+    goal = Region(((drawer.joint, Interval(drawer.open_from, drawer.upper)),))
+    return Case(twin, robot, Task(Verb.OPEN, drawer.iri), next(Kinematics().generate(twin, goal)))
+
+
 SUNK = """<link name="room"/>
 <joint name="room_joint" type="fixed"><parent link="room"/><child link="world"/>{}</joint>"""
 
 
-@pytest.mark.parametrize(("down", "judged"), [(0.3, True), (2.0, False)])
-def test_no_robot_is_asked_about_a_handle_below_the_floor(tmp_path: Path, down: float, judged: bool) -> None:
-    # As it stands, a kitchen whose root frame is at its worktop: proved to be out of reach before.
+@pytest.mark.parametrize(("down", "judged"), [(0.3, True), (0.44, True), (0.46, False), (2.0, False)])
+def test_no_robot_is_asked_about_a_drawer_in_the_floor(tmp_path: Path, down: float, judged: bool) -> None:
+    # A kitchen whose root frame is at its worktop: its handles were proved to be out of reach. The drawer's
+    # lowest point is 0.4 m above the root frame, its handle 0.5 m.
     room = SUNK.format(f'<origin xyz="0 0 {-down}"/>')
     cell = (FOLDER / "cell.urdf").read_text()
     (tmp_path / "cell.urdf").write_text(cell.replace("<!-- more -->", room))
     twin = load_twin(tmp_path / "cell.urdf", [FOLDER / "gantry.urdf"])
-    (drawer,), (robot,) = twin.containers(), twin.robots
-    goal = Region(((drawer.joint, Interval(drawer.open_from, drawer.upper)),))
-    case = Case(twin, robot, Task(Verb.OPEN, drawer.iri), next(Kinematics().generate(twin, goal)))
-    body = WholeBody(Drive.OMNI, budget=1.0)
+    body, case = WholeBody(Drive.OMNI, budget=1.0), _opened(twin)
     if judged:
         body.perform(case)
         return
     with pytest.raises(InputError, match=r"below z = 0 of the kitchen's root frame, on which robots stand"):
         body.perform(case)
+
+
+@pytest.mark.parametrize(("height", "judged"), [(-0.019, True), (-0.021, False), (-0.5, False)])
+def test_no_robot_is_asked_that_stands_in_the_floor(tmp_path: Path, height: float, judged: bool) -> None:
+    # What stands may touch the floor, so nothing else would notice that its arms are too low.
+    text = (FOLDER / "gantry.ttl").read_text().replace("sdt:baseHeight 0.0", f"sdt:baseHeight {height}")
+    (tmp_path / "gantry.ttl").write_text(text)
+    twin = load_twin(FOLDER / "cell.urdf", [FOLDER / "gantry.urdf"], annotation=tmp_path / "gantry.ttl")
+    body, case = WholeBody(Drive.OMNI, budget=1.0), _opened(twin)
+    if judged:
+        body.perform(case)
+        return
+    with pytest.raises(AnnotationError, match=rf"'gantry' reaches {-height:g} m into .*; allowed: 0, "):
+        body.perform(case)
+
+
+@pytest.mark.parametrize("roll", [0.0, 0.4, np.pi / 4])
+def test_a_wheel_stands_on_its_rim_however_it_is_spun(tmp_path: Path, roll: float) -> None:
+    # A box about it would have its corners in the floor.
+    shape = '<collision><geometry><cylinder radius="0.1" length="0.05"/></geometry></collision>'
+    wheel = f'<link name="wheel">{shape}</link><joint name="wheel_joint" type="fixed">'
+    wheel += '<parent link="base"/><child link="wheel"/>'
+    wheel += f'<origin xyz="0 0.2 0.1" rpy="1.5707963 {roll} 0"/></joint>'
+    urdf = (FOLDER / "gantry.urdf").read_text().replace("</robot>", wheel + "</robot>")
+    (tmp_path / "gantry.urdf").write_text(urdf)
+    annotation = FOLDER / "gantry.ttl"
+    twin = load_twin(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"], annotation)
+    check_floor(Scene(twin, twin.robots[0]))
 
 
 @pytest.mark.parametrize(("top", "free"), [(0.0, True), (0.0019, True), (0.0021, False)])
