@@ -16,7 +16,8 @@ from services.embodiment.prove.arrays import middle
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-POSTURES, LOOKS = 400, 12  # that are tried first, and how often
+FIRST = 40  # postures that are tried first: mostly they tell
+POSTURES, LOOKS = 400, 12  # that are tried then, and how often
 NEARER, AT_ENDS = 0.6, 0.15  # [1] by which they are nearer each time, and joints that are at a limit
 TOGETHER = 1024  # boxes that are looked at at once
 SLACK = 1e-7  # [m] by which fingers are apart so that the check finds so too
@@ -76,9 +77,10 @@ class Search:
     def _reached(self) -> bool:
         """Whether two fingers come there in some posture: random ones, then nearer to the best of them."""
         rng, (low, high) = np.random.default_rng(0), (self._hand.low, self._hand.high)
-        shape, best, still = (POSTURES, len(low)), (low + high) / 2, np.zeros(len(low))
-        for k in range(LOOKS):
-            drawn = best + rng.normal(size=shape) * (high - low) * NEARER**k
+        best, still = (low + high) / 2, np.zeros(len(low))
+        for k, count in enumerate((FIRST, *[POSTURES] * LOOKS)):
+            shape = count, len(low)
+            drawn = best + rng.normal(size=shape) * (high - low) * NEARER ** max(k - 1, 0)
             ends = np.where(rng.random(shape) < 0.5, low, high)
             drawn = np.where(rng.random(shape) < AT_ENDS, ends, drawn).clip(low, high)
             drawn[0] = best

@@ -81,7 +81,7 @@ class Prover:
         about = twin, robot, container, drive, self.start, Tolerances()
         self.statement = Statement(*about, within=within, declared=declared)
         self.count = VALUES
-        self._arms: dict[str, Arm | None] = {}
+        self._arms: dict[tuple[str, bool | None], tuple[Statement, Arm | None]] = {}
         self._pinched: dict[str, Refutation | None] = {}
         self._limbs: Limbs | None = None
 
@@ -164,44 +164,49 @@ class Prover:
 
     def _refutations(self, gripper: Gripper, nodes: int) -> Iterator[Refutation]:
         """Refutations of one gripper, at values from the ends of the span inwards."""
-        if gripper.name not in self._arms:
-            self._arms[gripper.name] = self.statement.arm(gripper)
-        arm = self._arms[gripper.name]
-        if arm is None:
-            return
-        low, high = arm.chain.ranges()
-        names = tuple(link.name for link in arm.chain.links)
-        box = tuple(zip(low.tolist(), high.tolist(), strict=True))
         if not self.statement.handle_boxes():
             return
         for value in self._values():
-            between, statement, one = self._meant(gripper, arm, value)
-            tree = divided(at_value(statement, one, value), low, high, nodes)
+            between, statement, arm = self._meant(gripper, value)
+            if arm is None:
+                return
+            low, high = arm.chain.ranges()
+            tree = divided(at_value(statement, arm, value), low, high, nodes)
             if tree is not None:
+                names = tuple(link.name for link in arm.chain.links)
+                box = tuple(zip(low.tolist(), high.tolist(), strict=True))
                 yield Refutation(gripper.name, value, names, box, tree, between=between)
 
-    def _meant(self, gripper: Gripper, arm: Arm, value: float | None) -> tuple[bool, Statement, Arm]:
+    def _meant(self, gripper: Gripper, value: float | None) -> tuple[bool, Statement, Arm | None]:
         """The handle between two fingers, at a value or at all; in the grasp box where there are no two."""
         if self.statement.within is None:
-            other = self.statement.between(value == self.twin.state[self.container.joint])
-            amid = other.arm(gripper)
-            if amid is not None:
-                return True, other, amid
-        return False, self.statement, arm
+            amid, arm = self._of(gripper, value == self.twin.state[self.container.joint])
+            if arm is not None:
+                return True, amid, arm
+        return False, *self._of(gripper, None)
+
+    def _of(self, gripper: Gripper, begins: bool | None) -> tuple[Statement, Arm | None]:
+        """The gripper's arm in the statement about two fingers as the container begins, or after; or none."""
+        key = gripper.name, begins
+        if key not in self._arms:
+            statement = self.statement if begins is None else self.statement.between(begins)
+            self._arms[key] = statement, statement.arm(gripper)
+        return self._arms[key]
 
     def _by_places(self, gripper: Gripper) -> Refutation | None:
         """A refutation of one hold of one gripper, at several values."""
-        arm = self._arms[gripper.name]
+        between, statement, arm = self._meant(gripper, None)
         if arm is None:
             return None
-        between, statement, one = self._meant(gripper, arm, None)
-        found = by_places(statement, one, sorted(self._values())[::SPARSE])
+        found = by_places(statement, arm, sorted(self._values())[::SPARSE])
         return found if found is None else replace(found, between=between)
 
     def _by_limbs(self, gripper: Gripper) -> Refutation | None:
         """A refutation of one gripper by bodies beside its arm, where such are looked for."""
-        arm = self._arms[gripper.name]
-        if self._limbs is None or arm is None or not self.statement.handle_boxes():
+        if self._limbs is None or not self.statement.handle_boxes():
+            return None
+        _, arm = self._of(gripper, None)
+        if arm is None:
             return None
         found = self._limbs.refutations(arm, AMID)
         return next((one for one in found if self._shown(arm, one)), None)
@@ -275,8 +280,7 @@ class Prover:
             if one.beside:
                 bodies.update(one.beside)
                 continue
-            arm = self._arms[one.gripper]
-            assert arm is not None, "what has no arm is not refuted"
+            arm = next(arm for key, (_, arm) in self._arms.items() if key[0] == one.gripper and arm)
             first = LEAF + len(one.joints) + 1
             codes = set(one.tree) if one.places is None else set[int]()
             bodies.update(arm.cores[code - first].body for code in codes if code >= first)
