@@ -2,8 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Final
-from weakref import WeakKeyDictionary
 
 from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity
 from predicates.meant import tasks_meant, unit_of
@@ -13,9 +11,6 @@ from sdt_kg.iri import Iri, local_name
 from sdt_kg.state import Interval, Region, State
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container, Twin
-
-_MET: Final[WeakKeyDictionary[Twin, dict[tuple[Verb, Iri], bool]]] = WeakKeyDictionary()
-"""Whether a twin, to which nothing writes, meets a request as it is; of those that were asked about."""
 
 
 def satisfies_request(case: Case) -> Iterator[Answer]:
@@ -57,13 +52,11 @@ def met_requests(twin: Twin, state: State) -> frozenset[tuple[Verb, Iri]]:
 def meets(twin: Twin, state: State, verb: Verb, container: Container) -> bool:
     """Whether the state meets this request; the same query, of which one answer is looked for.
 
-    Of the twin's own state it is kept: a motion is found and verified for one.
+    A kitchen's own container is asked about without the robots: what one of them finds out, all know.
     """
-    kept = _MET.setdefault(twin, {}) if state == twin.state else {}
-    if (verb, container.iri) not in kept:
-        asked = {"verb": verb_iri(verb), "container": container.iri}
-        kept[verb, container.iri] = bool(twin.at(state).select("satisfied_requests", **asked))
-    return kept[verb, container.iri]
+    bare = twin.bare
+    asked = bare if container in bare.containers() else twin
+    return asked.at(state).has_row("satisfied_requests", verb=verb_iri(verb), container=container.iri)
 
 
 def _forwards(case: Case, task: Task, container: Container) -> Answer:

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from textwrap import shorten
+from threading import Lock
 from typing import Final, Protocol
 
 import pyoxigraph as ox
@@ -81,11 +82,19 @@ class MemoryStore:
     """The in-memory form, pyoxigraph's.
 
     Args:
-        store: What it holds and may change; None: nothing yet.
+        make: Gives what it holds and may change, when it is first asked for anything.
     """
 
-    def __init__(self, store: ox.Store | None = None) -> None:
-        self._store = ox.Store() if store is None else store
+    def __init__(self, make: Callable[[], ox.Store] = ox.Store) -> None:
+        self._make, self._lock = make, Lock()
+        self._made: ox.Store | None = None
+
+    @property
+    def _store(self) -> ox.Store:
+        with self._lock:
+            if self._made is None:
+                self._made = self._make()
+            return self._made
 
     def add(self, graph: Iri, triples: Iterable[Triple]) -> None:
         """Put triples into a named graph."""

@@ -9,14 +9,14 @@ import rdflib
 
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
 from sdt_kg.display import card, grid
-from sdt_kg.entities import Entities, Replacement, query_text
+from sdt_kg.entities import Entities, Replacement
 from sdt_kg.entities.container import Container, LeftOut
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.interchange import Owl, Quads, owlready_ontology, quads_of, rebuilt
 from sdt_kg.iri import PREFIXES, Iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.state import State
-from sdt_kg.store import Row, Triple, Value, checked_query, rows_of, term_of
+from sdt_kg.store import Row, Triple, Value, checked_query, rows_of
 from sdt_kg.triples import read_robot
 
 __all__ = ["Container", "LeftOut", "Twin"]
@@ -100,7 +100,7 @@ class Twin:
 
     def graphs(self) -> tuple[Iri, ...]:
         """Named graphs of this twin: entities, then the present state."""
-        return (*self.entities.graphs, self.entities.state_graph(self.state))
+        return self.entities.states.graphs(self.state)
 
     def select(self, query: str, **known: Value) -> list[Row]:
         """Rows of a query of `ontology/queries` (by file stem), over [entities, state].
@@ -109,8 +109,11 @@ class Twin:
             query: File stem.
             known: Values for variables that the query selects.
         """
-        bound = {name: term_of(value) for name, value in known.items()}
-        return rows_of(self.entities.store.query(query_text(query), self.graphs(), bound))[1]
+        return self.entities.states.rows(self.state, query, **known)
+
+    def has_row(self, query: str, **known: Value) -> bool:
+        """Whether such a query has a row; found out once for each state."""
+        return self.entities.states.has_row(self.state, query, **known)
 
     def query(self, sparql: str) -> tuple[list[str], list[Row]]:
         """Columns and rows of anybody's query, over [entities, state].
@@ -199,6 +202,11 @@ class Twin:
     def with_robot(self, robot: Iri, triples: Sequence[Triple], notes: Sequence[str] = ()) -> "Twin":
         """The same twin in the same state, with a robot of which these triples are asserted."""
         return Twin(self.entities.with_robot(robot, triples, notes), self.state)
+
+    @property
+    def bare(self) -> "Twin":
+        """The same kitchen in the same state, without robots: twins with robots share what it is asked."""
+        return Twin(self.entities.bare, self.state)
 
     def without_robot(self, robot: Iri) -> "Twin":
         """The same twin in the same state, without one robot."""

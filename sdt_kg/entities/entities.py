@@ -1,12 +1,10 @@
 """Entities: what a twin says whatever its state, shared by all its branches."""
 
 import hashlib
-from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
-from threading import Lock
 from typing import Final, TypeVar
 
 from sdt_kg.annotating.annotate import TEE_GRAPH, annotate, tee_triples
@@ -15,18 +13,15 @@ from sdt_kg.entities.container import Container, containers_of
 from sdt_kg.entities.coupling import Coupling
 from sdt_kg.entities.queries import query_text
 from sdt_kg.entities.replacement import Replacement
+from sdt_kg.entities.states import States
 from sdt_kg.errors import GraphError, InputError, UnknownEntityError
 from sdt_kg.iri import SDT, Iri, graph_iri, local_name
 from sdt_kg.mechanism import Mechanism
-from sdt_kg.state import State
-from sdt_kg.store import MemoryStore, Store, Triple, Value, double, rows_of, term_of
+from sdt_kg.store import MemoryStore, Store, Triple, Value, rows_of, term_of
 from sdt_kg.triples import Facts, checked_model, read_kitchen, read_mechanism_of, same
 from sdt_kg.triples.vocabulary import fits, properties
 
 T = TypeVar("T")
-
-KEPT_STATES: Final = 256
-"""State graphs that a store keeps at a time; a dropped one is written again when asked for."""
 
 _PLACE_ONLY: Final = {SDT + "meshFile"}
 """Properties that say where something lies, not what it is: not hashed."""
@@ -65,14 +60,14 @@ class Entities:
     @cached_property
     def facts(self) -> Facts:
         """All entity triples, grouped."""
-        models = (self.environment, *self.robots)
-        return Facts.merged([Facts(self.store.triples(TEE_GRAPH)), *map(self._facts_of, models)])
+        return Facts.merged([*map(self._facts_of, (TEE_GRAPH, self.environment, *self.robots))])
 
-    def _facts_of(self, model: Iri) -> Facts:
-        if model not in self._facts:
-            graphs = self.graphs_of(model)
-            self._facts[model] = Facts(chain.from_iterable(map(self.store.triples, graphs)))
-        return self._facts[model]
+    def _facts_of(self, part: Iri) -> Facts:
+        """What is said of a model, or in the graph of the constants."""
+        if part not in self._facts:
+            graphs = (TEE_GRAPH,) if part == TEE_GRAPH else self.graphs_of(part)
+            self._facts[part] = Facts(chain.from_iterable(map(self.store.triples, graphs)))
+        return self._facts[part]
 
     @cached_property
     def _facts(self) -> dict[Iri, Facts]:
@@ -99,26 +94,25 @@ class Entities:
         return read_kitchen(self.facts, self.environment)
 
     @cached_property
-    def _states(self) -> "OrderedDict[State, Iri]":
-        return OrderedDict()
+    def states(self) -> States:
+        """The kitchen's states beside these entities."""
+        return States(self.store, self.environment, self.graphs)
+
+    @property
+    def bare(self) -> "Entities":
+        """The kitchen without robots, one for all that were put beside it: they share what it is asked."""
+        if not self.robots:
+            return self
+        if self.environment not in self._bare:
+            bare = self
+            for robot in self.robots:
+                bare = bare.without_robot(robot)
+            self._bare[self.environment] = bare
+        return self._bare[self.environment]
 
     @cached_property
-    def _lock(self) -> Lock:
-        return Lock()
-
-    def state_graph(self, state: State) -> Iri:
-        """Named graph of a state, written when first asked for; the oldest of many are dropped."""
-        with self._lock:
-            if state in self._states:
-                self._states.move_to_end(state)
-                return self._states[state]
-            graph = state_iri(self.environment, state)
-            positions = ((joint, SDT + "position", double(value)) for joint, value in state.positions)
-            self.store.add(graph, positions)
-            self._states[state] = graph
-            if len(self._states) > KEPT_STATES:
-                self.store.drop(self._states.popitem(last=False)[1])
-            return graph
+    def _bare(self) -> "dict[Iri, Entities]":
+        return {}
 
     @cached_property
     def containers(self) -> tuple[Container, ...]:
@@ -242,11 +236,11 @@ class Entities:
         if model in self.asserted:
             name = local_name(model)
             raise InputError(f"there is a model named '{name}' already", allowed="each name once")
-        store, robots = self.store.dump(self.graphs), (*self.robots, model)
-        robot.store.dump(robot.graphs_of(model), store)
+        robots = (*self.robots, model)
+        store = MemoryStore(lambda: robot.store.dump(robot.graphs_of(model), self.store.dump(self.graphs)))
         asserted, inferred = {**self.asserted, **robot.asserted}, {**self.inferred, **robot.inferred}
         said = (*self.notes, *robot.notes)
-        made = self._kept_by(Entities(MemoryStore(store), self.environment, robots, asserted, inferred, said))
+        made = self._kept_by(Entities(store, self.environment, robots, asserted, inferred, said))
         made._facts[model], made._mechanisms[model] = robot._facts_of(model), robot.mechanism(model)
         made._hashes[model], made._containers[model] = robot.content_hash(model), robot._containers_of(model)
         return made
@@ -268,7 +262,9 @@ class Entities:
     def _kept_by(self, others: "Entities", changed: Iri = "") -> "Entities":
         """The others, which have read what they share with these: all models but the changed one."""
         same = [model for model in others.asserted if model in self.asserted and model != changed]
-        others._facts.update(_of(same, self._facts))
+        if changed != self.environment:
+            others._bare.update(self._bare if self.robots else {self.environment: self})
+        others._facts.update(_of((TEE_GRAPH, *same), self._facts))
         others._mechanisms.update(_of(same, self._mechanisms))
         others._hashes.update(_of(same, self._hashes))
         others._containers.update(_of(same, self._containers))
@@ -277,7 +273,8 @@ class Entities:
 
     def _copy(self, left_out: Sequence[Iri]) -> MemoryStore:
         """A store of its own with the same entity graphs, but for these."""
-        return MemoryStore(self.store.dump([graph for graph in self.graphs if graph not in left_out]))
+        copy = self.store.dump([graph for graph in self.graphs if graph not in left_out])
+        return MemoryStore(lambda: copy)
 
     def model_of(self, subject: Iri) -> Iri:
         """The kitchen or robot which an individual is asserted of; UnknownEntityError if none is."""
@@ -290,9 +287,3 @@ class Entities:
 
 def _of(models: Iterable[Iri], read: Mapping[Iri, T]) -> dict[Iri, T]:
     return {model: read[model] for model in models if model in read}
-
-
-def state_iri(environment: Iri, state: State) -> Iri:
-    """Named graph of a state: the hash of its positions."""
-    digest = hashlib.sha256(repr(state.positions).encode()).hexdigest()
-    return graph_iri("state", f"{local_name(environment)}/{digest[:16]}")

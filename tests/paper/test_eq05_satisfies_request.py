@@ -68,3 +68,14 @@ def test_a_region_satisfies_only_if_all_of_its_states_do(lower: float, upper: fl
 def test_neither_task_nor_state_is_no_mode() -> None:
     with pytest.raises(NoModeError):
         list(satisfies_request(Case(TWIN)))
+
+
+def test_what_one_twin_of_a_kitchen_was_asked_is_no_answer_for_an_edited_one() -> None:
+    twin = small_twin("b", ("pr2",))
+    edited = twin.with_edit(DRAWER.joint, upperLimit=0.3)
+    task, final = Task(Verb.OPEN, DRAWER.iri), {DRAWER.joint: 0.28}
+    found = [
+        next(satisfies_request(Case(each, task=task, final=each.at(final).state)))
+        for each in (twin, edited, twin)
+    ]
+    assert [answer.holds for answer in found] == [False, True, False]
