@@ -1,8 +1,9 @@
 """Case, Answer, Diagnosis and Verdict: what the three relations are about and what they say."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import Final
 
 from sdt_kg.display import Badge, card
 from sdt_kg.iri import Iri, local_name
@@ -131,16 +132,35 @@ class ArtefactKind(Enum):
     PROOF = "proof"
 
 
-@dataclass(frozen=True, slots=True)
 class Artefact:
     """What an oracle hands over so that its answer can be re-verified without it.
 
-    Attributes:
-        content: Describes itself: JSON with its `schema`, or such a JSON compressed by zlib.
+    Args:
+        kind: What that is.
+        content: The bytes, or what writes them when they are first asked for: most are kept by nobody.
     """
 
-    kind: ArtefactKind
-    content: bytes
+    __slots__ = ("_content", "kind")
+
+    def __init__(self, kind: ArtefactKind, content: bytes | Callable[[], bytes]) -> None:
+        self.kind: Final = kind
+        self._content = content
+
+    @property
+    def content(self) -> bytes:
+        """Describes itself: JSON with its `schema`, or such a JSON compressed by zlib."""
+        if not isinstance(self._content, bytes):
+            self._content = self._content()
+        return self._content
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Artefact) and (self.kind, self.content) == (other.kind, other.content)
+
+    def __hash__(self) -> int:
+        return hash((self.kind, self.content))
+
+    def __reduce__(self) -> tuple[type["Artefact"], tuple[ArtefactKind, bytes]]:
+        return Artefact, (self.kind, self.content)
 
 
 @dataclass(frozen=True, slots=True)

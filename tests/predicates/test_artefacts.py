@@ -1,5 +1,6 @@
 """What re-verifies a verdict comes back from the store byte by byte, or not at all."""
 
+import pickle
 from dataclasses import replace
 
 import pyoxigraph as ox
@@ -70,3 +71,19 @@ def test_an_artefact_without_its_bytes_is_refused() -> None:
     store.remove(quad)
     with pytest.raises(InputError, match="0 values of law:content"):
         read_artefact(store, iri)
+
+
+def test_an_artefact_that_is_still_to_be_written_is_written_once() -> None:
+    written: list[bytes] = []
+
+    def write() -> bytes:
+        written.append(ARTEFACT.content)
+        return written[-1]
+
+    late = Artefact(ArtefactKind.CERTIFICATE, write)
+    assert not written
+    assert late == ARTEFACT
+    assert hash(late) == hash(ARTEFACT)
+    assert pickle.loads(pickle.dumps(late)) == ARTEFACT  # noqa: S301 - just written
+    assert len(written) == 1
+    assert late != Artefact(ArtefactKind.PROOF, ARTEFACT.content)

@@ -71,6 +71,10 @@ class Certificate:
 
     def content(self) -> bytes:
         """The bytes from which `read_certificate` makes it again."""
+        return sealed(self.said())
+
+    def said(self) -> dict[str, object]:
+        """The JSON object in these bytes; no later change of an array is in it."""
         motion: dict[str, object] = {name: _packed(getattr(self.motion, name)) for name in _ARRAYS}
         motion |= {
             "gripper": self.motion.gripper,
@@ -78,7 +82,7 @@ class Certificate:
             "kitchen_joints": list(self.motion.kitchen_joints),
             "phases": [list(phase) for phase in self.motion.phases],
         }
-        said = {
+        said: dict[str, object] = {
             "environment": list(self.models[0]),
             "robot": list(self.models[1]),
             "state": self.state,
@@ -92,12 +96,12 @@ class Certificate:
         }
         if self.asked is not None:
             said["asked"] = _asked_said(self.asked)
-        return sealed(json.dumps(said).encode("utf-8"))
+        return said
 
 
-def sealed(plain: bytes) -> bytes:
-    """The bytes of an artefact around its JSON."""
-    packed = zlib.compress(plain, level=1)
+def sealed(said: Mapping[str, object]) -> bytes:
+    """The bytes of an artefact around its JSON object."""
+    packed = zlib.compress(json.dumps(said).encode("utf-8"), level=1)
     return b"\n".join((SCHEMA.encode("ascii"), _digest(packed), packed))
 
 

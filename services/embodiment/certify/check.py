@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.asked import keeps
-from services.embodiment.certify.certificate import Certificate, models_of
+from services.embodiment.certify.certificate import Certificate, models_of, sealed
 from services.embodiment.certify.collisions import above_floor, collisions
 from services.embodiment.certify.findings import Findings
 from services.embodiment.certify.held.hold import Hold, begin
@@ -49,8 +50,8 @@ class Certified:
         return self.certificate.nearest
 
     def artefact(self) -> Artefact:
-        """The certificate, to be stored with the verdict."""
-        return Artefact(ArtefactKind.CERTIFICATE, self.certificate.content())
+        """The certificate, to be stored with the verdict; it is packed when somebody asks for its bytes."""
+        return Artefact(ArtefactKind.CERTIFICATE, partial(sealed, self.certificate.said()))
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,5 @@
 """What is allowed cannot be widened from within a record: not for a certificate, and not under a proof."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -40,7 +39,7 @@ def content(twin: Twin) -> bytes:
 def with_tolerance(content: bytes, name: str, value: float) -> bytes:
     said = said_in(content)
     said["tolerances"][name] = value
-    return sealed(json.dumps(said).encode())
+    return sealed(said)
 
 
 def refused(name: str, value: float) -> str:
@@ -106,3 +105,12 @@ HIGH = """<robot name="high"><link name="world"/>
 <joint name="front_handle_joint" type="fixed"><parent link="front_door"/><child link="front_handle"/>
 <origin xyz="-0.06 0 0"/></joint></robot>
 """
+
+
+def test_a_motion_that_changes_after_it_was_certified_is_not_in_its_certificate(twin: Twin) -> None:
+    drawer, motion = twin.container("drawer_main"), opening()
+    found = certify(twin, twin.robots[0], motion, drawer, Tolerances(), drive=Drive.OMNI, start=START)
+    assert isinstance(found, Certified)
+    artefact, judged = found.artefact(), motion.q.copy()
+    motion.q[:] += 0.5
+    assert np.array_equal(read_certificate(artefact.content).motion.q, judged)
