@@ -1,6 +1,7 @@
 """Robots stand on the plane z = 0 of the kitchen's root frame, so that is where its floor has to be."""
 
 from collections.abc import Iterator
+from functools import lru_cache
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
@@ -13,6 +14,9 @@ from services.physics.tree import UNIVERSE
 
 SUNK = 0.02
 """[m] What stands on the floor reaches at most so far into it: wheels and feet are drawn no more exactly."""
+
+ALOFT = 0.2
+"""[m] A chassis whose wheels have no shapes is nearer to the floor."""
 
 THROUGH = 0.05
 """[m] The same of what a kitchen's joints move, which a larger shape may stand for."""
@@ -28,7 +32,6 @@ def check_floor(scene: Scene) -> None:
         InputError: A moved body is: the kitchen's root frame is not on its floor, but at its worktop, say.
         AnnotationError: What of the robot stands on the floor is.
     """
-    pin.forwardKinematics(scene.model, scene.data, scene.q((0.0, 0.0, 0.0), {}))
     moved = (one for one in scene.solids[: scene.floor] if one.joint != UNIVERSE)
     body, height = _lowest(scene, moved)
     if height < -THROUGH:
@@ -39,7 +42,7 @@ def check_floor(scene: Scene) -> None:
             allowed="a root frame on the floor",
             remedy="give the model a link on the floor as its root, with a fixed joint up to the present one",
         )
-    body, height = _lowest(scene, (one for one in scene.solids if one.body in scene.standing))
+    body, height = _standing(scene)
     if height < -SUNK:
         robot, given = scene.robot.mechanism.name, scene.annotation.base_height
         raise AnnotationError(
@@ -49,11 +52,27 @@ def check_floor(scene: Scene) -> None:
         )
 
 
+@lru_cache(maxsize=8)
+def aloft(scene: Scene) -> tuple[str, ...]:
+    """That nothing is known of what carries the robot, in words, where it is in the air."""
+    _, height = _standing(scene)
+    if height < ALOFT:
+        return ()
+    where = f"below {height:.3g} m" if np.isfinite(height) else "at all"
+    return (f"what the robot stands on has no shape {where}, which nothing can collide with",)
+
+
+def _standing(scene: Scene) -> tuple[Iri, float]:
+    """The lowest body of those on which the robot stands, and how high it reaches down [m]."""
+    return _lowest(scene, (one for one in scene.solids if one.body in scene.standing))
+
+
 def _lowest(scene: Scene, some: Iterator[Solid]) -> tuple[Iri, float]:
-    """The body that reaches farthest down, as the scene's `data` has it, and to which height [m].
+    """The body that reaches farthest down, the robot parked, and to which height [m].
 
     Infinite where nothing has a shape.
     """
+    pin.forwardKinematics(scene.model, scene.data, scene.q((0.0, 0.0, 0.0), {}))
     heights = ((one.body, _height(one, scene.data.oMi[one.joint] * one.joint_T_shape)) for one in some)
     return min(heights, key=lambda each: each[1], default=("", np.inf))
 

@@ -3,6 +3,7 @@
 import hashlib
 import time
 from dataclasses import dataclass, field, replace
+from itertools import chain
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from services.embodiment.certify.check import Certified, Refused, certify
 from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
-from services.embodiment.floor import check_floor
+from services.embodiment.floor import aloft, check_floor
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.sets import grasp_settings
 from services.embodiment.hopeless import hopeless
@@ -274,7 +275,8 @@ class WholeBody:
 
 def _of_models(scene: Scene) -> tuple[str, ...]:
     """What of kitchen and robot is assumed, or missing: nothing can collide with what has no shape."""
-    return (*scene.kitchen.mechanism.notes, *scene.annotation.notes)
+    models = (scene.kitchen.mechanism.notes, scene.robot.mechanism.notes, scene.annotation.notes)
+    return (*dict.fromkeys(chain.from_iterable(models)), *aloft(scene))
 
 
 def _certified(case: Case, notes: tuple[str, ...], clock: Clock, outcome: Certified) -> Answer:

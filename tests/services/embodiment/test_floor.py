@@ -65,6 +65,16 @@ def test_no_robot_is_asked_that_stands_in_the_floor(tmp_path: Path, height: floa
         body.perform(case)
 
 
+@pytest.mark.parametrize(("height", "told"), [(0.1, False), (0.6, True)])
+def test_a_robot_in_the_air_is_told_to_be_so(tmp_path: Path, height: float, told: bool) -> None:
+    text = (FOLDER / "gantry.ttl").read_text().replace("sdt:baseHeight 0.0", f"sdt:baseHeight {height}")
+    (tmp_path / "gantry.ttl").write_text(text)
+    twin = load_twin(FOLDER / "cell.urdf", [FOLDER / "gantry.urdf"], annotation=tmp_path / "gantry.ttl")
+    notes = WholeBody(Drive.OMNI, budget=1.0).perform(_opened(twin)).notes
+    said = "what the robot stands on has no shape below 0.6 m, which nothing can collide with"
+    assert (said in notes) == told
+
+
 @pytest.mark.parametrize("roll", [0.0, 0.4, np.pi / 4])
 def test_a_wheel_stands_on_its_rim_however_it_is_spun(tmp_path: Path, roll: float) -> None:
     # A box about it would have its corners in the floor.
