@@ -41,14 +41,16 @@ class InputError(SdtError):
 
     Attributes:
         what: The input as given, and what is wrong with it.
-        allowed: What would have been accepted.
+        allowed: What would have been accepted; or a question back, which stands in the message as it is.
         remedy: What to do.
     """
 
     def __init__(self, what: str, *, allowed: str = "", remedy: str = "") -> None:
         self.what, self.allowed, self.remedy = what, allowed, remedy
-        parts = [what, f"allowed: {allowed}" if allowed else "", remedy]
-        super().__init__("; ".join(part for part in parts if part))
+        asked = allowed.endswith("?")
+        hint = f"allowed: {allowed}" if allowed and not asked else allowed
+        told = "; ".join(part for part in (what, hint) if part)
+        super().__init__(f"{told}{' ' if asked else '; '}{remedy}" if remedy else told)
 
     def be_from(self, source: str) -> None:
         """The message begins with where the input is from: the name of its file."""

@@ -158,13 +158,30 @@ def _kitchen(given: Given, kitchen: Mechanism, times: Array) -> tuple[tuple[str,
     names = given.names("kitchen_joint_names")
     q = given.numbers("kitchen_positions", (len(times), len(names)), names)
     v = _velocities(given, "kitchen_velocities", times, q, names)
-    _check_names(names, kitchen)
+    _check_kitchen(names, kitchen)
     able = movable(kitchen)
     moving = [k for k, name in enumerate(names) if name in able or np.abs(q[:, k]).max() > STILL]
     names, q, v = tuple(names[k] for k in moving), q[:, moving], v[:, moving]
     check_joints(names, q, kitchen, "kitchen_positions", given)
     check_leaps(names, times, q, kitchen, given)
     return names, q, v
+
+
+def _check_kitchen(names: tuple[str, ...], kitchen: Mechanism) -> None:
+    """The joints are this kitchen's.
+
+    Raises:
+        MotionError: Of several, this kitchen has none: the motion was made in another.
+        UnknownEntityError: No such joint.
+    """
+    if len(names) > 1 and not {joint.name for joint in kitchen.joints} & set(names):
+        raise MotionError(
+            f"the motion is of another kitchen: kitchen {kitchen.name} has none of its"
+            f" {len(names)} 'kitchen_joint_names'",
+            allowed="the kitchen's own joints, or no arrays of the kitchen's",
+            remedy="name the kitchen in which the motion was made",
+        )
+    _check_names(names, kitchen)
 
 
 def _check_names(names: tuple[str, ...], mechanism: Mechanism) -> None:

@@ -63,6 +63,7 @@ def test_several_robots_may_be_loaded() -> None:
     [
         ("c", [], "allowed: a, b"),
         ("b", ["pr3"], "did you mean 'pr2'"),
+        ("b", ["tiago"], "no robot named 'tiago'; did you mean 'tiago_dual'? a bundled name, or the path"),
         ("b", ["b"], "pr2, stretch, tiago_dual"),
     ],
 )
@@ -164,7 +165,7 @@ WRONG: dict[str, tuple[str, str, str]] = {
     "unknown property": (
         r"sdt:opening",
         "sdt:openning",
-        "no such property; allowed: did you mean sdt:opening",
+        "no such property; did you mean sdt:opening",
     ),
     "no opening": (r"sdt:opening [\d.]+ \.", 'rdfs:comment "x" .', "lacks: gripper sdt:opening"),
     "no drive": (r"sdt:drive sdt:\w+ ;", "", "lacks: stretch sdt:drive"),

@@ -88,7 +88,7 @@ def test_a_state_outside_limits_is_refused_with_the_limits(drawer: Path) -> None
 
 
 def test_an_unknown_joint_is_refused_with_the_nearest_name(drawer: Path) -> None:
-    with pytest.raises(UnknownEntityError, match="no joint named 'slid'; allowed: did you mean 'slide'"):
+    with pytest.raises(UnknownEntityError, match="no joint named 'slid'; did you mean 'slide'"):
         load_twin(drawer).at({joint_iri("k", "slid"): 0.1})
 
 

@@ -209,6 +209,14 @@ def test_unknown_names_are_told_the_nearest(tmp_path: Path, arrays: Arrays, mess
         read(tmp_path, arrays)
 
 
+def test_a_motion_made_in_another_kitchen_is_told_so(tmp_path: Path) -> None:
+    foreign = body_motion(
+        kitchen_joint_names=["shelf_joint", "hatch_joint"], kitchen_positions=np.zeros((9, 2))
+    )
+    with pytest.raises(MotionError, match="another kitchen: kitchen a has none of its 2"):
+        read(tmp_path, foreign)
+
+
 @pytest.mark.parametrize("content", [b"", b"not a zip", b"PK\x03\x04 broken"])
 def test_what_is_no_npz_is_told_so(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "motion.npz"

@@ -1,5 +1,6 @@
 """What a piece of evidence measures, along a whole motion: a joint, or a distance, against its bounds."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -10,6 +11,7 @@ from predicates.case import Evidence, Quantity, Verdict
 from sdt_kg.iri import local_name
 from sdt_kg.motion import BodyMotion
 from services.embodiment.certify.motion import whole_motion
+from services.embodiment.certify.sweep.pieces import Pieces
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
 from services.reports.pages.figure import Figure, drawn
@@ -58,12 +60,12 @@ def courses(verdict: Verdict, scene: Scene, motion: BodyMotion) -> tuple[Course,
     times = np.linspace(motion.times[0], motion.times[-1], SAMPLES)
     at = np.clip(np.searchsorted(pieces.start, times, side="right") - 1, 0, len(pieces.start) - 1)
     states = pieces.at(at, times - pieces.start[at])
-    found = (_course(scene, group, times, states) for group in groups.values())
+    found = (_course(scene, group, times, states, pieces) for group in groups.values())
     return tuple(each for each in found if each is not None)[:MOST]
 
 
 def _course(
-    scene: Scene, group: list[Evidence], times: Array, states: tuple[Array, Array, Array]
+    scene: Scene, group: list[Evidence], times: Array, states: tuple[Array, Array, Array], pieces: Pieces
 ) -> Course | None:
     first = group[0]
     marks = tuple((float(each.time), each.value) for each in group if each.time is not None)
@@ -76,7 +78,10 @@ def _course(
         return Course(title, "mm", times, values, *scaled)
     if first.entity not in scene.coordinate:
         return None
-    values = states[ORDER[first.quantity]][:, scene.coordinate[first.entity]]
+    order, k = ORDER[first.quantity], scene.coordinate[first.entity]
+    values = states[order][:, k]
+    if order > 0:
+        marks = tuple((time, on_curve(pieces, order, k, time, value)) for time, value in marks)
     limits = tuple(_limits(scene, first))
     return Course(
         f"{first.quantity.value} of {local_name(first.entity)}",
@@ -86,6 +91,22 @@ def _course(
         limits or bounds,
         marks,
     )
+
+
+def on_curve(pieces: Pieces, order: int, k: int, time: float, size: float) -> float:
+    """A speed or acceleration with the sign that the curve has there: a limit is told of its size alone.
+
+    Args:
+        pieces: Of the motion.
+        order: 1 for velocity, 2 for acceleration, which may leap where two pieces meet.
+        k: Coordinate.
+        time: Of the motion's clock [s].
+        size: What was found, with or without its sign.
+    """
+    after = min(max(int(np.searchsorted(pieces.start, time, side="right")) - 1, 0), len(pieces.start) - 1)
+    met = np.array([max(after - 1, 0), after])
+    both = pieces.at(met, np.minimum(time - pieces.start[met], pieces.duration[met]))[order][:, k]
+    return math.copysign(size, both[np.argmin(np.abs(np.abs(both) - abs(size)))])
 
 
 def _limits(scene: Scene, evidence: Evidence) -> Iterator[float]:

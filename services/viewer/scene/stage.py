@@ -1,6 +1,7 @@
 """The scene of one person: kitchen, robot, ghost, paths and marks."""
 
 from collections.abc import Iterable, Sequence
+from textwrap import fill
 
 import numpy as np
 import viser
@@ -42,6 +43,8 @@ AWAY = (0.2, 3.4, 6.0)
 """[m] Nearer than the first there is no direction; the camera is between the others away."""
 BELOW = -0.002
 """[m] Height of the grid, so that it does not show through the floor."""
+LABEL = 40
+"""[1] Letters in a line of a label: what is looked at is in the middle, so it fits between the panels."""
 
 
 class Stage:
@@ -173,9 +176,10 @@ class Stage:
             if place is not None:
                 text = self._scene.add_label(
                     f"/marks/{number}/label",
-                    mark.text,
+                    fill(mark.text, LABEL),
                     position=place,
                     font_screen_scale=0.9,
+                    anchor="bottom-center",
                 )
                 self._marks.append(text)
 

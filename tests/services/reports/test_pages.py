@@ -3,8 +3,13 @@
 import base64
 import csv
 
+import numpy as np
+import pytest
+
+from services.embodiment.certify.sweep.pieces import Pieces
 from services.reports.pages.figure import MIME, Figure, drawn
 from services.reports.pages.table import Cell, Table
+from services.reports.studies.course import on_curve
 
 TABLE = Table(
     "t",
@@ -53,3 +58,18 @@ def test_a_figure_is_the_same_file_each_time_it_is_drawn() -> None:
     assert figure().saved("svg").decode() == shown["svg"]
     assert shown["svg"].lstrip().startswith("<?xml")
     assert base64.b64decode(shown["pdf"]).startswith(b"%PDF")
+
+
+@pytest.mark.parametrize(
+    ("order", "time", "size", "drawn_at"), [(1, 0.5, 0.5, -0.5), (2, 1.0, 1.0, -1.0), (2, 1.0, 3.0, 3.0)]
+)
+def test_what_a_limit_tells_of_a_size_is_marked_where_the_curve_is(
+    order: int, time: float, size: float, drawn_at: float
+) -> None:
+    # Down with -1 rad/s2 for a second, then up with 3: where they meet, both are told of the same moment.
+    pieces = Pieces(
+        np.array([0.0, 1.0]),
+        np.ones(2),
+        np.array([[[0], [-0.5]], [[0], [-1]], [[-0.5], [1.5]], [[0], [0.0]]]),
+    )
+    assert on_curve(pieces, order, 0, time, size) == drawn_at

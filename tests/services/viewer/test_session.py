@@ -8,6 +8,7 @@ from viser import _messages as wire
 
 from services.viewer.page import Page
 from services.viewer.running import Offer, running
+from services.viewer.scene.stage import LABEL
 from tests.services.viewer.visitor import Visitor
 
 DRAWER = "sink_area_left_middle_drawer_main"
@@ -67,7 +68,13 @@ def test_a_start_inside_furniture_is_refused_with_a_ghost_and_red_links(visitor:
     assert "parked at its start pose" in said
     visitor.until(lambda: red(visitor) == [[205, 28, 28]], "a red link of a ghost")
     visitor.until(lambda: visitor.nodes["/ghost"]["position"][:2] == pytest.approx((1.2, 0.9)), "it is there")
-    visitor.until(lambda: "/marks/0/line" in visitor.nodes, "a line over the gap")
+    visitor.until(lambda: "/marks/0/label" in visitor.nodes, "a line over the gap, and what it is")
+    assert "/marks/0/line" in visitor.nodes
+    label = visitor.nodes["/marks/0/label"]["props"]
+    lines = label["text"].split("\n")
+    assert len(lines) > 1, label["text"]
+    assert max(map(len, lines)) <= LABEL, "it reaches under a panel beside the scene"
+    assert label["anchor"] == "bottom-center"
 
 
 @pytest.mark.oracle
@@ -103,7 +110,7 @@ def test_two_people_do_not_share_what_they_choose_or_see(page: Page, visitor: Vi
     ("case", "words"),
     [
         ("kitchen=%2Fetc%2Fpasswd", "no kitchen named '/etc/passwd'"),
-        ("robot=pr3", "no robot named 'pr3'; allowed: did you mean 'pr2'"),
+        ("robot=pr3", "no robot named 'pr3'; did you mean 'pr2'"),
         ("task=fly", "no task type 'fly'"),
         ("state=oven=9", "oven"),
     ],
