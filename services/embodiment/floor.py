@@ -7,16 +7,20 @@ import coal  # pyright: ignore[reportMissingImports]  # found through a .pth fil
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
+from sdt_kg.annotation import Drive
 from sdt_kg.errors import AnnotationError, InputError
 from sdt_kg.iri import Iri, local_name
 from services.physics.model import Scene, Solid
-from services.physics.tree import UNIVERSE
+from services.physics.tree import UNIVERSE, Array
 
 SUNK = 0.02
 """[m] What stands on the floor reaches at most so far into it: wheels and feet are drawn no more exactly."""
 
 ALOFT = 0.2
 """[m] A chassis whose wheels have no shapes is nearer to the floor."""
+
+BESIDE = 0.1
+"""[m] How far beside what the robot stands on the frame of its base may lie: half a wheel's width, say."""
 
 THROUGH = 0.05
 """[m] The same of what a kitchen's joints move, which a larger shape may stand for."""
@@ -50,6 +54,40 @@ def check_floor(scene: Scene) -> None:
             f"its sdt:baseHeight is {given:g}",
             allowed=f"{round(given - height, 4):g}, with which its lowest point is on the floor",
         )
+
+
+def check_base(scene: Scene, drive: Drive) -> None:
+    """A robot that drives has the frame of its base amid what it stands on.
+
+    The limits of its speed hold for that frame: a slow turn about one metres away sweeps the robot along.
+
+    Raises:
+        AnnotationError: It lies beside that.
+    """
+    low, high = _footprint(scene)
+    away = float(np.linalg.norm(np.maximum(np.maximum(low, -high), 0.0)))
+    if drive is Drive.FIXED or away <= BESIDE or np.isinf(away):  # infinite where none of that has a shape
+        return
+    robot, body = scene.robot.mechanism.name, scene.annotation.base_body
+    raise AnnotationError(
+        f"'{body}', the sdt:baseBody of robot '{robot}', lies {away:.3g} m beside what the robot stands on",
+        allowed="a body amid that, for which the limits of the base's speed hold",
+        remedy="name one there, or give the model a link there with a fixed joint",
+    )
+
+
+@lru_cache(maxsize=8)
+def _footprint(scene: Scene) -> tuple[Array, Array]:
+    """Corners of the box about what the robot stands on, along x and y of its base [m], shape (2,)."""
+    pin.forwardKinematics(scene.model, scene.data, scene.q((0.0, 0.0, 0.0), {}))
+    low, high = np.full(2, np.inf), np.full(2, -np.inf)
+    for one in scene.solids:
+        if one.body in scene.standing:
+            at = scene.data.oMi[one.joint]
+            middle = at.act(one.centre)[:2]
+            half = (np.abs(at.rotation @ one.joint_T_shape.rotation) @ one.half)[:2]
+            low, high = np.minimum(low, middle - half), np.maximum(high, middle + half)
+    return low, high
 
 
 @lru_cache(maxsize=8)

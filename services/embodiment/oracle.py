@@ -23,7 +23,7 @@ from services.embodiment.certify.check import Certified, Refused, certify
 from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
-from services.embodiment.floor import aloft, check_floor
+from services.embodiment.floor import aloft, check_base, check_floor
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.sets import grasp_settings
 from services.embodiment.hopeless import hopeless
@@ -136,6 +136,7 @@ class WholeBody:
             raise OracleRejectedError("CanPerform was asked without a robot")
         twin, container = case.twin, container_of(case)
         world, kits, roads = self._world(twin, case.robot)
+        check_base(world.scene, self._drive(twin, case.robot))
         clock.spent("model", began)
         began = time.perf_counter()
         self._warm(world, kits)

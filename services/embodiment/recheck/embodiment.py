@@ -12,7 +12,7 @@ from sdt_kg.motion import Array, BodyMotion
 from sdt_kg.twin import Twin
 from services.embodiment.certify.certificate import Certificate
 from services.embodiment.certify.check import Certified, certify
-from services.embodiment.floor import check_floor
+from services.embodiment.floor import check_base, check_floor
 from services.physics.model import Scene
 
 
@@ -31,9 +31,10 @@ class Certifier:
 
     @cached_property
     def scene(self) -> Scene:
-        """Shapes and kinematics of the twin; InputError where something of it is in the floor."""
+        """Shapes and kinematics of the twin; InputError where no question about it is judged."""
         scene = Scene(self.twin, self.certificate.robot)
         check_floor(scene)
+        check_base(scene, self.certificate.drive)
         return scene
 
     def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:

@@ -65,6 +65,36 @@ def test_no_robot_is_asked_that_stands_in_the_floor(tmp_path: Path, height: floa
         body.perform(case)
 
 
+@pytest.mark.parametrize(
+    ("beside", "drive", "judged"),
+    [
+        (0.29, Drive.OMNI, True),
+        (0.31, Drive.OMNI, False),
+        (3.0, Drive.DIFFERENTIAL, False),
+        (3.0, Drive.FIXED, True),
+    ],
+)
+def test_what_drives_has_the_frame_of_its_base_amid_what_it_stands_on(
+    tmp_path: Path, beside: float, drive: Drive, judged: bool
+) -> None:
+    # A base of 0.4 m: turned slowly about a frame 3 m away it would go at 0.6 m/s, of 0.2 that are allowed.
+    far = '<link name="far"/><joint name="far_joint" type="fixed"><parent link="base"/><child link="far"/>'
+    far += f'<origin xyz="0 {beside} 0"/></joint></robot>'
+    urdf = (FOLDER / "gantry.urdf").read_text().replace("</robot>", far)
+    (tmp_path / "gantry.urdf").write_text(urdf)
+    text = (FOLDER / "gantry.ttl").read_text().replace("sdt:baseBody b:base", "sdt:baseBody b:far")
+    (tmp_path / "gantry.ttl").write_text(text)
+    twin = load_twin(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"])
+    body, case = WholeBody(drive, budget=0.1), _opened(twin)
+    if judged:
+        body.perform(case)
+        return
+    with pytest.raises(
+        AnnotationError, match=rf"'far', .* {beside - 0.2:.3g} m beside what the robot stands"
+    ):
+        body.perform(case)
+
+
 @pytest.mark.parametrize(("height", "told"), [(0.1, False), (0.6, True)])
 def test_a_robot_in_the_air_is_told_to_be_so(tmp_path: Path, height: float, told: bool) -> None:
     text = (FOLDER / "gantry.ttl").read_text().replace("sdt:baseHeight 0.0", f"sdt:baseHeight {height}")
