@@ -2,7 +2,6 @@
 
 import base64
 import hashlib
-import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -133,7 +132,7 @@ def setting(property_iri: str, value: str | float, subject_ends: str = "", was: 
 def rewritten(kept: Kept, edit: Callable[[Said], None]) -> bytes:
     said = said_in(kept.content)
     edit(said)
-    return packed(json.dumps(said).encode())
+    return packed(said)
 
 
 def with_artefact(content: bytes) -> Change:
