@@ -134,7 +134,7 @@ class Scene:
         carrier = self._add_base(self.model)
         self.robot = add(self.model, machine, carrier, base_T_root(machine, self.annotation))
         self._add_tools()
-        self.data = self.model.createData()
+        self.data = pin.Data(self.model)  # `createData` gives a copy, which takes five times as long
         self.coupling = coupling(self.model.nq, (self.kitchen, self.robot))
         self.names = self._names()
         self.coordinate = {name: k for k, name in enumerate(self.names)}

@@ -164,7 +164,7 @@ def build(mechanism: Mechanism) -> Model:
     coordinate = {
         joint_iri(mechanism.name, joint.name): part.first + i for i, joint in enumerate(part.joints)
     }
-    return Model(model, model.createData(), part, coupling(model.nq, [part]), coordinate)
+    return Model(model, pin.Data(model), part, coupling(model.nq, [part]), coordinate)
 
 
 def base_T_root(mechanism: Mechanism, annotation: RobotAnnotation) -> pin.SE3:

@@ -23,6 +23,12 @@ Indices = NDArray[np.int64]
 FANS_KEPT = 512
 """[1] Hulls whose fans are kept: those of some robots."""
 
+MESHES_KEPT = 512
+"""[1] Meshes whose trees are kept: those of some kitchens."""
+
+PARTS_KEPT = 2048
+"""[1] Shapes that are kept as numbers: those of both."""
+
 DEEPEST = 64
 """[1] Parts of a mesh that wait while its tree grows; each is less than half of the one before."""
 
@@ -56,12 +62,12 @@ def pack(shapes: Sequence[coal.CollisionGeometry]) -> tuple:
                 vertices.append(some)
                 total += len(some)
         elif len(points):
-            tree = grown(points, nodes, total)
-            first[k], last[k] = nodes, nodes + len(tree[0])
-            vertices.append(tree[4])
-            total, nodes = total + len(tree[4]), int(last[k])
-            trees.append(tree)
-    whole = zip((kind, size, first, last), *(tree[:4] for tree in trees), strict=True) if trees else None
+            of_node, half, begin, end, some = _grown(shapes[k])
+            first[k], last[k] = nodes, nodes + len(of_node)
+            vertices.append(some)
+            trees.append((of_node, half, begin + total, end + np.where(of_node == HULL, total, nodes)))
+            total, nodes = total + len(some), int(last[k])
+    whole = zip((kind, size, first, last), *trees, strict=True) if trees else None
     kind, size, first, last = map(np.concatenate, whole) if whole else (kind, size, first, last)
     radius = np.concatenate([radius, np.zeros(len(kind) - len(radius))])
     fan = np.concatenate([fan, np.full(len(kind) - len(fan), -1)])
@@ -75,6 +81,13 @@ def _fanned(shape: coal.ConvexBase) -> tuple[Indices, Array]:
     return fanned(_part(shape)[3])
 
 
+@lru_cache(maxsize=MESHES_KEPT)
+def _grown(mesh: coal.BVHModelBase) -> tuple[Indices, Array, Indices, Indices, Array]:
+    """The tree of a mesh, seen from the middle of its box; kept for the next scene."""
+    return grown(_part(mesh)[3])
+
+
+@lru_cache(maxsize=PARTS_KEPT)
 def _part(shape: coal.CollisionGeometry) -> tuple[int, tuple[float, ...] | Array, float, Array]:
     """Kind, size, radius and vertices, or triangles of a mesh, of one shape."""
     box, nothing = shape.aabb_local, np.empty((0, 3))
@@ -94,25 +107,22 @@ def _part(shape: coal.CollisionGeometry) -> tuple[int, tuple[float, ...] | Array
     return MESH, half, 0.0, corners(shape) - middle
 
 
-def grown(triangles: Array, node: int, vertex: int) -> tuple[Indices, Array, Indices, Indices, Array]:
-    """(kind, half, first, last, vertices) of a tree's nodes, the first of them to be number `node`.
+def grown(triangles: Array) -> tuple[Indices, Array, Indices, Indices, Array]:
+    """(kind, half, first, last, vertices) of a tree's nodes, of triangles of shape (T, 3, 3) [m].
 
-    Args:
-        triangles: Shape (T, 3, 3) [m].
-        node: As said.
-        vertex: Number of the first of its vertices.
+    Nodes and vertices are numbered from 0 on.
     """
     count = len(triangles)
     total = 2 * count - 1
     kind, first, last = np.empty((3, total), np.int64)
     half, points, middle = np.empty((total, 3)), np.empty((total + 3 * count, 3)), np.empty((count, 3))
     room = np.arange(count), middle, np.empty((DEEPEST, 2), np.int64)
-    _grow(np.ascontiguousarray(triangles), node, vertex, room, (kind, half, first, last, points))
+    _grow(np.ascontiguousarray(triangles), room, (kind, half, first, last, points))
     return kind, half, first, last, points
 
 
 @kernel
-def _grow(corners, node, vertex, room, tree):
+def _grow(corners, room, tree):
     """The tree is in `tree`; in `room` are its triangles in order, their middles, and ranges that wait."""
     count = corners.shape[0]
     order, middle, ranges = room
@@ -125,13 +135,13 @@ def _grow(corners, node, vertex, room, tree):
     while waiting > 0:
         waiting -= 1
         start, end = ranges[waiting, 0], ranges[waiting, 1]
-        first[n], last[n] = vertex + row, node + n + 2 * (end - start) - 1
+        first[n], last[n] = row, n + 2 * (end - start) - 1
         kind[n] = HULL if end - start == 1 else MESH
         if end - start == 1:
             for k in range(3):
                 for i in range(3):
                     points[row + k, i] = corners[order[start], k, i]
-            last[n], row = vertex + row + 3, row + 3
+            last[n], row = row + 3, row + 3
         widest = 0
         for i in range(3):
             low, high = math.inf, -math.inf

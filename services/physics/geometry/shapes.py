@@ -178,8 +178,9 @@ def hull_of_solid(points: NDArray[np.float64]) -> coal.ConvexBase:
 
 def with_volume(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """The points, and where they lie in a plane or on a line copies on both sides of it."""
-    _, _, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
-    for axis in axes:
+    _, spread, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
+    most = 2 * FLAT * np.sqrt(len(points))  # of what is so flat, and rounded
+    for axis in axes[spread < most]:
         if np.ptp(points @ axis) < FLAT:
             points = np.vstack((points + PADDING * axis, points - PADDING * axis))
     return points
