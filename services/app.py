@@ -152,7 +152,11 @@ class Service:
         if name in names.values():
             return str(name)
         what = "no robot is named" if name is None else f"no loaded robot '{name}'"
-        raise InputError(what, allowed=", ".join(names) or "none is loaded", remedy="pass it to load()")
+        raise InputError(
+            what,
+            allowed=", ".join(names) or "none is loaded",
+            remedy="name it where the kitchen is loaded: --robot, or robots=[…] of load()",
+        )
 
     @cached_property
     def physics(self) -> Physics:

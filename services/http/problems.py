@@ -4,9 +4,11 @@ import logging
 import secrets
 from collections.abc import Callable, Mapping
 from http import HTTPStatus
+from typing import Any
 
 from fastapi import FastAPI
 from fastapi.exceptions import RequestValidationError
+from fastapi.routing import APIRoute
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
@@ -20,6 +22,13 @@ from services.store.workers import BusyError, Limit, LimitError, NotAcceptableEr
 MEDIA = "application/problem+json"
 LIMIT_STATUS = {Limit.TIME: 408, Limit.ROWS: 413, Limit.BYTES: 413, Limit.MEMORY: 507}
 """A limit reached is never a shorter answer."""
+NO_FIELD = "extra_forbidden"
+WORDS = {
+    NO_FIELD: "there is no such field",
+    "json_invalid": "this is not JSON: {error}",
+    "model_attributes_type": "a JSON object is expected",
+}
+"""Kind of fault in a body, by pydantic's name → what it is, where pydantic's words are about Python."""
 METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE")
 ERROR_STATUS: tuple[tuple[type[SdtError], int], ...] = (
     (RefusedQueryError, 403),
@@ -101,7 +110,7 @@ def install(app: FastAPI, told: Callable[[Request, Response], Response]) -> None
 
     @app.exception_handler(RequestValidationError)
     async def invalid(request: Request, error: RequestValidationError) -> Response:  # pyright: ignore[reportUnusedFunction]
-        return told(request, of_body(request.headers.get("content-type", ""), error))
+        return told(request, of_body(request.headers.get("content-type", ""), error, _fields(request)))
 
     @app.exception_handler(HTTPException)
     async def plain(request: Request, error: HTTPException) -> Response:  # pyright: ignore[reportUnusedFunction]
@@ -118,15 +127,36 @@ def install(app: FastAPI, told: Callable[[Request, Response], Response]) -> None
         return told(request, unexpected(request.method, request.url.path, error))
 
 
-def of_body(kind: str, error: RequestValidationError) -> Response:
-    """What is wrong with a request; of a body that was not read, that it does not say it is JSON."""
+def of_body(kind: str, error: RequestValidationError, fields: tuple[str, ...]) -> Response:
+    """What is wrong with a request; of a body that was not read, that it does not say it is JSON.
+
+    Args:
+        kind: Media type that the request names.
+        error: What was found.
+        fields: Those that the body may have.
+    """
     media = kind.partition(";")[0].strip().lower()
     unread = [each["loc"] for each in error.errors()] == [("body",)]
     if unread and media != "application/json" and not media.endswith("+json"):
         said = f"the body is '{media}'" if media else "the body does not say what it is"
         return problem(415, "Unsupported Media Type", said, allowed="Content-Type: application/json")
-    faults = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in error.errors()]
-    return problem(422, "Invalid", "; ".join(faults))
+    found = error.errors()
+    faults = [f"{'.'.join(map(str, each['loc']))}: {_words(each)}" for each in found]
+    strange = any(each["type"] == NO_FIELD and len(each["loc"]) == 2 for each in found)
+    allowed = f"body: {', '.join(fields)}" if strange else ""
+    return problem(422, "Invalid", "; ".join(faults), allowed=allowed, remedy="/openapi.json has the details")
+
+
+def _words(fault: Mapping[str, Any]) -> str:
+    said = WORDS.get(fault["type"])
+    return str(fault["msg"]) if said is None else said.format_map(fault.get("ctx", {}))
+
+
+def _fields(request: Request) -> tuple[str, ...]:
+    """What the body of this verb may have."""
+    route = request.scope.get("route")
+    body = route.body_field if isinstance(route, APIRoute) else None
+    return () if body is None else tuple(getattr(body.field_info.annotation, "model_fields", ()))
 
 
 def _methods(app: FastAPI, request: Request) -> list[str]:

@@ -163,6 +163,31 @@ def test_bad_input_is_named_and_writes_nothing(served, name: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("body", "said", "allowed"),
+    [
+        (
+            b'{"task": "open", "robott": "pr2"}',
+            "body.robott: there is no such field",
+            "body: kitchen, state, ",
+        ),
+        (b'["open"]', "body: a JSON object is expected", ""),
+        (b'{"task": }', "body.9: this is not JSON: Expecting value", ""),
+        (b'{"task": "open", "budget": "x"}', "body.budget: Input should be a valid number", ""),
+    ],
+)
+def test_what_is_wrong_with_a_body_is_said_in_words_about_json(
+    served, body: bytes, said: str, allowed: str
+) -> None:
+    headers = BEARER | {"content-type": "application/json"}
+    problem = served.post("/api/v1/achieve", content=body, headers=headers).json()
+    assert problem["status"] == 422
+    assert problem["detail"].startswith(said)
+    assert problem.get("allowed", "").startswith(allowed)
+    assert bool(problem.get("allowed")) == bool(allowed)
+    assert problem["remedy"] == "/openapi.json has the details"
+
+
+@pytest.mark.parametrize(
     ("question", "said"),
     [
         ("satisfies?sate=all%3Dopen", "no parameter 'sate'"),
