@@ -16,9 +16,13 @@ from services.embodiment.prove.inner import SLACK
 Array = NDArray[np.float64]
 
 COARSE = 0.1  # [m] half width of a cell from which on it is worth a look
-FINE = 0.006  # [m] half width of a cell that is not halved any more
-NODES = 2_000  # of the tree of one cell at one value
+FINE = 0.003  # [m] half width of a cell that is not halved any more
+NODES = ((0.03, 150), (0.015, 400), (0.006, 2_000), (FINE, 10_000))
+"""Nodes of the tree of one cell at one value, by its half width [m]: what is refuted mostly is by fewer."""
 LAST = 50_000  # the same, of a cell that is not halved any more
+FIRST = 2  # values at which so many are tried: those that refuted the last cells
+LESS = 4  # part of them at the others
+LEAST = 100  # but so many
 MOST = 500_000  # nodes that are spent for one gripper
 NEAR = 1e-4  # [m] more than what is off between a cell's shift and that of the whole region
 
@@ -46,10 +50,11 @@ class _Search:
         self._order = list(range(len(values)))
         self._tree = np.zeros(LAST, dtype=np.uint8)
 
-    def refute(self, middle: Array, half: Array, nodes: int) -> tuple[int, bytes] | None:
+    def refute(self, middle: Array, half: Array) -> tuple[int, bytes] | None:
         """Number of a value that refutes a cell, and the tree; mostly it refutes the next cell too."""
-        for k in self._order:
-            at = self._known[k]
+        most = next((nodes for width, nodes in NODES if half.max() >= width), LAST)
+        for rank, k in enumerate(self._order):
+            at, nodes = self._known[k], most if rank < FIRST else max(most // LESS, LEAST)
             aims = at.handle, _cell(at, self._wrist, middle, half)
             about = self._chain, self._arm.upright, aims, True, False, SLACK, at.solids
             outcome, count = divide(*self.box, *about, self._tree[:nodes])
@@ -74,7 +79,7 @@ def by_places(statement: Statement, arm: Arm, values: list[float]) -> Refutation
             continue
         middle, half = (low + high) / 2, (high - low) / 2
         last = half.max() < FINE
-        found = search.refute(middle, half, LAST if last else NODES) if half.max() < COARSE else None
+        found = search.refute(middle, half) if half.max() < COARSE else None
         if found is not None:
             parts.append(found)
             continue
