@@ -187,7 +187,7 @@ class Workers:
                     async with self._free:
                         await self._free.wait_for(lambda: bool(self._idle))
                 worker = self._idle.pop()
-                if not worker.stale:
+                if not (worker.stale or worker.reader.at_eof()):  # killed while nobody asked it anything
                     return worker
                 await asyncio.shield(self._replacing(worker))
         finally:
