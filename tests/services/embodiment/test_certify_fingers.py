@@ -1,9 +1,11 @@
 """Two fingers hold a handle: not two bodies of one finger, and none that has passed the handle."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from sdt_kg.errors import AnnotationError
 from sdt_kg.load import load_twin
@@ -19,6 +21,10 @@ HOOK = (
     '<joint name="down_joint" type="fixed"><parent link="up_finger"/><child link="down_finger"/>'
     '<origin xyz="0 0 -0.012"/>'
 )
+GROOVES = (
+    (-0.03, 0.012),
+    (0.028, 0.03),
+)  # [m] along a finger, before and behind a groove that the bar fits into
 THIN = 0.0008  # [m] fingers, and the plate that they should hold
 
 
@@ -111,3 +117,38 @@ def test_what_fingers_may_differ_by_is_a_number(tmp_path: Path, said: str) -> No
     turtle = turtle.replace("sdt:opening", f"sdt:fingerDifference {said} ; sdt:opening", 1)
     with pytest.raises(AnnotationError, match="fingerDifference"):
         judge(twin_of(tmp_path, *texts(), turtle), opening())
+
+
+def grooved(folder: Path, deep: float) -> str:
+    """URDF of the gantry, both fingers meshes of three boxes: 10 mm thick, less by `deep` at the bar."""
+    robot = texts()[0]
+    for name, inner in (("up", -1), ("down", 1)):
+        boxes = [((low, high), 0.01) for low, high in GROOVES] + [((0.012, 0.028), 0.01 - deep)]
+        parts = [
+            trimesh.creation.box(bounds=[(low, -0.01, -0.005), (high, 0.01, thick - 0.005)])
+            for (low, high), thick in boxes
+        ]
+        mesh = trimesh.util.concatenate(parts)
+        mesh.apply_transform(np.diag((1, inner, inner, 1)))  # turned about x: thinner from inside
+        mesh.export(folder / f"{name}.stl")
+        start = robot.index(f'<link name="{name}_finger">')
+        end = robot.index("</link>", start)
+        shape = f'<geometry><mesh filename="{name}.stl"/></geometry>'
+        robot = robot[:start] + re.sub("<geometry>.*?</geometry>", shape, robot[start:end]) + robot[end:]
+    return robot
+
+
+@pytest.mark.parametrize(("deep", "holds"), [(0.0, True), (0.0009, True), (0.0011, False), (0.006, False)])
+def test_fingers_hold_nothing_in_a_groove_that_is_deeper_than_they_may_be_away(
+    tmp_path: Path, deep: float, holds: bool
+) -> None:
+    # A convex piece of either finger lies across its groove, 1 mm from the bar; certification allows 2 mm.
+    twin = twin_of(tmp_path, grooved(tmp_path, deep), texts()[1])
+    verdict = judge(twin, opening(rests=closing(WIDE)))
+    if holds:
+        assert isinstance(verdict, Certified), verdict.diagnoses
+        assert verdict.figures["finger to handle"][0] == pytest.approx(0.001 + deep, abs=2e-5)
+        assert (verdict.figures["handle error tolerated"][0] > 0) == (deep == 0)
+        return
+    assert isinstance(verdict, Refused)
+    assert any("mm away from drawer_handle" in each.reason for each in verdict.diagnoses)

@@ -79,7 +79,7 @@ def held(seen: Front, grasp: Grasp, rest: np.ndarray) -> bool:
     bodies = [body_iri(scene.robot.mechanism.name, name) for name in limb.gripper.fingers]
     fingers = {one: world.shapes_of((one,)).tolist() for one in bodies}
     bar = world.shapes_of((seen.problem.mechanics.container.handle,)).tolist()
-    pinch = Grip(Shapes(scene, kinematics), placed, tool_r, fingers, bar, Tolerances()).pinch()
+    pinch = Grip(Shapes(scene, kinematics), placed, tool_r, fingers, bar, {}, Tolerances()).pinch()
     return pinch is not None and pinch.over >= Tolerances().engaged
 
 

@@ -1,5 +1,6 @@
 """Whether a handle is between a gripper's fingers, not merely near them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import chain, product
 
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from sdt_kg.iri import Iri
 from services.embodiment.certify.held import moved
 from services.embodiment.certify.held.moved import STEP
+from services.embodiment.certify.held.surface import Surface
 from services.embodiment.certify.sweep.kinematics import Placed
 from services.embodiment.certify.sweep.shapes import Shapes
 from services.embodiment.certify.tolerances import Tolerances
@@ -27,7 +29,8 @@ class Press:
 
     Attributes:
         finger: Its body.
-        gap: Its way to the handle along the closing direction [m]; negative is its depth.
+        gap: Its way to the handle along the closing direction [m]; negative is its depth. Of a finger with
+            meshes, that of its triangles.
         at: Where it then touches the handle, along y of the tool [m].
         over: How far it reaches over the handle [m], at most what is demanded.
     """
@@ -73,6 +76,7 @@ class Grip:
         axes: World directions of the tool's axes, as columns, shape (3, 3).
         fingers: Body of each finger → its shapes.
         handle: The handle's shapes.
+        surfaces: Body of each finger that has meshes → it and the handle as they are.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917  # a place, two bodies and what is demanded of them
@@ -82,9 +86,11 @@ class Grip:
         axes: Array,
         fingers: dict[Iri, list[int]],
         handle: list[int],
+        surfaces: Mapping[Iri, Surface],
         tolerances: Tolerances,
     ) -> None:
         self._shapes, self._placed, self._tolerances = shapes, placed, tolerances
+        self._surfaces, self._hollow = surfaces, set[Iri]()
         x, y, z = np.ascontiguousarray(axes.T)
         self._inward, self._sides = (-y, y), np.stack((x, -x, z, -z))
         self._room = np.empty(3), np.zeros(ROOM)
@@ -125,8 +131,10 @@ class Grip:
         """By how much the handle may be elsewhere and is still between these fingers [m].
 
         The faces that meet are those that meet at the grasp. At least so much is shown, for one convex
-        piece of each finger and one of the handle.
+        piece of each finger and one of the handle; nothing, where a piece fills a hollow of its finger.
         """
+        if not self._hollow.isdisjoint(pinch.fingers):
+            return 0.0
         both = tuple(self._pairs[body] for body in pinch.fingers)
         asked = self._tolerances.contact, self._tolerances.engaged, self._room
         return moved.tolerated(self._shapes.convex, both, self._posed, self._inward, self._sides, *asked)
@@ -153,7 +161,19 @@ class Grip:
         shapes = (tuple(pair) for pair in self._every[pairs].tolist())
         nearest = (self._shapes.nearest_points(self._placed, pair, back) for pair in shapes)
         _, _, on_handle = min(nearest, key=lambda each: each[0])
-        return Press(body, gap, float(on_handle @ self._inward[1]), over)
+        way = self._way(body, inward, gap)
+        return Press(body, way, float(on_handle @ self._inward[1]), over) if np.isfinite(way) else None
+
+    def _way(self, body: Iri, inward: Array, gap: float) -> float:
+        """The way of the finger as it is, whose pieces have that gap [m]; infinite if it does not touch."""
+        if body not in self._surfaces:
+            return gap
+        real = self._surfaces[body]
+        way = real.way(inward, gap, self._tolerances.contact)
+        if way > gap:
+            self._hollow.add(body)
+            self.gaps[body] = max(self.gaps[body], real.distance(np.zeros(3)))
+        return way
 
 
 def _fingers(shapes: Shapes, fingers: dict[Iri, list[int]]) -> dict[Iri, int]:

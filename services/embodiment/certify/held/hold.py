@@ -16,6 +16,7 @@ from sdt_kg.iri import Iri, body_iri, local_name
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.grip import NOTHING, Grip, Pinch
+from services.embodiment.certify.held.surface import Posed, Surface, own_shapes
 from services.embodiment.certify.sweep.kinematics import Of, Placed
 from services.embodiment.certify.sweep.pieces import Pieces, positions
 from services.embodiment.certify.sweep.subject import Subject
@@ -138,12 +139,31 @@ class Hold:
         robot = self.scene.robot.mechanism.name
         bodies = [body_iri(robot, name) for name in self.gripper.fingers]
         fingers = {body: _shapes_of(self.scene, [body]) for body in bodies}
-        grip = Grip(self.shapes, placed, tool_R[0], fingers, self.bar, self.tolerances)
+        surfaces = self._surfaces(placed)
+        grip = Grip(self.shapes, placed, tool_R[0], fingers, self.bar, surfaces, self.tolerances)
         pinch = grip.pinch()
         if pinch is None or pinch.over < self.tolerances.engaged:
             return self._not_held(grip, pinch)
         self.room = grip.room(pinch)
         return Findings(figures={"finger to handle": (pinch.gap, "m")})
+
+    def _surfaces(self, placed: Placed) -> dict[Iri, Surface]:
+        """Fingers with meshes, as these are, at the first configuration."""
+        part, shapes = self.scene.robot, np.array(self.bar, dtype=np.intp)
+        frames = zip(*self.shapes.frames(placed, np.zeros_like(shapes), shapes), strict=True)
+        bar = [(self.scene.solids[k].shape, *at) for k, at in zip(self.bar, frames, strict=True)]
+        found: dict[Iri, Surface] = {}
+        for name in self.gripper.fingers:
+            joint, joint_T_body = part.attached[name]
+            finger: list[Posed] = []
+            for shape, body_T_shape in own_shapes(part.mechanism, name):
+                rotation, origin = self._attached(joint, joint_T_body.homogeneous @ body_T_shape).world(
+                    placed
+                )
+                finger.append((shape, rotation[0], origin[0]))
+            if finger:
+                found[body_iri(part.mechanism.name, name)] = Surface(finger, bar)
+        return found
 
     def later(self) -> "Hold | None":
         """The first sample after the container began to move at which it is held, if there is one."""
