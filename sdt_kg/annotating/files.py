@@ -124,7 +124,8 @@ def _given(mechanism: Mechanism, urdf: Path, explicit: Path | None, kind: str) -
             _check(chosen, mechanism, file, kind)
             return chosen
         if file is not explicit:
-            raise AnnotationError(f"{file} describes no sdt:{kind}", remedy=f"add '… a sdt:{kind} .'")
+            remedy = f"add '<{model_iri(mechanism.name)}> a sdt:{kind} .'"
+            raise AnnotationError(f"{file} describes no sdt:{kind}", remedy=remedy)
     return None
 
 
@@ -233,7 +234,10 @@ def _check(chosen: Chosen, mechanism: Mechanism, file: Path, kind: str) -> None:
     facts = Facts(chosen.triples)
     missing = missing_of(facts, model_iri(mechanism.name), kind)
     if missing:
-        raise AnnotationError(f"{file} lacks: {', '.join(missing)}", allowed="see robots/README.md")
+        page = "robots/README.md" if kind == "Robot" else "kitchens/README.md"
+        raise AnnotationError(
+            f"{file} lacks: {', '.join(missing)}", remedy=f"{page} lists what an annotation has"
+        )
     _check_positions(facts, mechanism, file)
     if kind == "Robot":
         _check_speeds(facts, mechanism, file)

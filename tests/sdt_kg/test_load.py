@@ -168,7 +168,7 @@ WRONG: dict[str, tuple[str, str, str]] = {
         "no such property; did you mean sdt:opening",
     ),
     "no opening": (r"sdt:opening [\d.]+ \.", 'rdfs:comment "x" .', "lacks: gripper sdt:opening"),
-    "no drive": (r"sdt:drive sdt:\w+ ;", "", "lacks: stretch sdt:drive"),
+    "no drive": (r"sdt:drive sdt:\w+ ;", "", "lacks: stretch sdt:drive; robots/README.md"),
     "unknown drive": (
         r"sdt:drive sdt:\w+",
         "sdt:drive sdt:Wings",
@@ -185,7 +185,11 @@ WRONG: dict[str, tuple[str, str, str]] = {
         "joint_lift> sdt:accelerationLimit 0.0",
         "has no sdt:accelerationLimit for joint 'joint_lift'; allowed: one above 0",
     ),
-    "no robot": (r"a sdt:Robot", "a sdt:Toaster", "describes no sdt:Robot"),
+    "no robot": (
+        r"a sdt:Robot",
+        "a sdt:Toaster",
+        "describes no sdt:Robot; add '<https://example.org/id/stretch> a sdt:Robot .'",
+    ),
     "blank node": (r"sdt:hasGripper <", "sdt:hasGripper _:b , <", "blank node"),
     "syntax": (r"a sdt:Robot ;", "a sdt:Robot", "is not Turtle"),
     "text for a number": (r"sdt:baseHeight [\d.]+", 'sdt:baseHeight "low"', "allowed: a finite number"),

@@ -1,5 +1,6 @@
 """MJCF and SDF scenes become the same mechanism as a URDF, and say what they could not carry over."""
 
+import re
 from pathlib import Path
 
 import mujoco
@@ -175,6 +176,26 @@ WORLD = """<sdf version="1.9"><world name="w"><light name="sun" type="point"/><i
 </model>
 <model name="two"><static>true</static><link name="base"><visual name="v"/></link></model>
 </world></sdf>"""
+
+
+CHEST = """<mujoco><worldbody><body name="chest" pos="2 1 0">
+<body name="top_drawer" pos="0 0 0.7"><joint name="drawer_joint" type="slide" axis="-1 0 0" range="0 .35"/>
+<geom type="box" size="0.01 0.28 0.1"/><body name="top_handle"><geom size="0.01"/></body></body>
+</body></worldbody></mujoco>"""
+
+
+def test_the_annotation_of_the_guide_says_what_mjcf_cannot(tmp_path: Path) -> None:
+    guide = (Path(kitchens.__file__).parent / "README.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"^```turtle\n(.+?)^```$", guide, re.DOTALL | re.MULTILINE)
+    scene = tmp_path / "my.xml"
+    scene.write_text(CHEST, encoding="utf-8")
+    bare = load_twin(scene)
+    scene.with_suffix(".ttl").write_text(example, encoding="utf-8")
+    said = load_twin(scene)
+    limits = [twin.mechanism(twin.environment).joint("drawer_joint").limits for twin in (bare, said)]
+    assert [each.velocity for each in limits] == [np.inf, 0.5]
+    assert limits[1].acceleration == 1.0
+    assert [twin.kitchen().start for twin in (bare, said)] == [(0.0, 0.0, 0.0), (0.5, 0.0, 0.0)]
 
 
 def test_sdf_frames_axes_and_worlds(tmp_path: Path) -> None:
