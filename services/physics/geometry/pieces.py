@@ -11,7 +11,14 @@ from numpy.typing import NDArray
 
 from sdt_kg.mechanism import Geometry, ShapeType
 from services.kernel import kernel
-from services.physics.geometry.shapes import corners, hull_of_solid, of_triangles, surface, with_volume
+from services.physics.geometry.shapes import (
+    corners,
+    faces_of,
+    hull_of_solid,
+    of_triangles,
+    surface,
+    with_volume,
+)
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -69,10 +76,10 @@ def pieces(geometry: Geometry) -> tuple[Piece, ...]:
 @lru_cache(maxsize=1024)
 def _components(mesh_hash: str, scale: tuple[float, ...], mesh: coal.BVHModelBase) -> tuple[Piece, ...]:
     del mesh_hash, scale  # the key; the mesh itself is one object for both
-    triangles = corners(mesh)
-    index = same_points(triangles.reshape(-1, 3))[1].reshape(-1, 3)
+    points, faces = faces_of(mesh)
+    index = same_points(points)[1][faces]
     label = joined(index, int(index.max()) + 1)[index[:, 0]]
-    return tuple(_piece(triangles[label == each]) for each in np.unique(label))
+    return tuple(_piece(points, faces[label == each]) for each in np.unique(label))
 
 
 def same_points(points: Array) -> tuple[Array, Indices]:
@@ -141,15 +148,18 @@ def beyond(piece: Piece, way: Array, least: float) -> Piece | None:
     return Piece(kept.min(axis=0), kept.max(axis=0), partial(hull_of_solid, kept))
 
 
-def _piece(triangles: Array) -> Piece:
-    points = with_volume(triangles.reshape(-1, 3))
-    return Piece(points.min(axis=0), points.max(axis=0), partial(_shape, triangles, points))
+def _piece(points: Array, faces: Indices) -> Piece:
+    """One component, of some faces."""
+    own = points[np.unique(faces)]
+    solid = with_volume(own)
+    flat = len(solid) > len(own)
+    return Piece(solid.min(axis=0), solid.max(axis=0), partial(_shape, points[faces], solid, flat))
 
 
-def _shape(triangles: Array, points: Array) -> coal.CollisionGeometry:
+def _shape(triangles: Array, solid: Array, flat: bool) -> coal.CollisionGeometry:
     """A component's hull, of its corners with volume, if it is convex or flat; else its triangles."""
-    whole = hull_of_solid(points)
-    if len(points) > triangles.size // 3:
+    whole = hull_of_solid(solid)
+    if flat:
         return whole
     filled = whole.computeVolume()
     volume = abs(float(np.linalg.det(triangles - triangles.mean(axis=(0, 1))).sum())) / 6

@@ -158,8 +158,14 @@ def corners(mesh: coal.BVHModelBase) -> NDArray[np.float64]:
 
 
 def _read(mesh: coal.BVHModelBase) -> NDArray[np.float64]:
-    faces = [mesh.tri_indices(i) for i in range(mesh.num_tris)]
-    return np.array(mesh.vertices())[[[face[0], face[1], face[2]] for face in faces]]
+    points, faces = faces_of(mesh)
+    return points[faces]
+
+
+def faces_of(mesh: coal.BVHModelBase) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    """Points of a mesh in its own frame, shape (V, 3) [m], and the three of each triangle, shape (M, 3)."""
+    faces = (mesh.tri_indices(i) for i in range(mesh.num_tris))
+    return np.array(mesh.vertices()), np.array([(face[0], face[1], face[2]) for face in faces], np.intp)
 
 
 def hull(points: NDArray[np.float64]) -> coal.ConvexBase:
