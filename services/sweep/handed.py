@@ -23,7 +23,7 @@ R = TypeVar("R")
 AHEAD: Final = 2
 """Pieces for each worker that are handed out at once: one is worked on, one waits."""
 MEANWHILE: Final = 8
-"""Likewise before something is loaded for those that have not begun: meanwhile nobody hands out."""
+"""Likewise before something is loaded here: meanwhile nobody hands out."""
 TURN: Final = 10.0
 """[s] After which no further item of a piece is begun: what a killed process takes with it, and how seldom
 progress is told."""
@@ -102,35 +102,52 @@ class Handed(Generic[T, R]):
     def _filled(self) -> Iterator[tuple[T, R | Lost]]:
         """Every worker has a piece, and one that waits; before an error, what was done till then is told."""
         try:
-            while (lane := self._next_lane()) is not None:
-                self._submit(lane)
+            for lane in self._lanes:
+                if not lane.is_open and len(self._waiting):
+                    self._begin(lane)
+            self._hand_out()
         except BaseException:
             for future in [each for each in self._futures if each.done() and each.exception() is None]:
                 yield from self._result(future)
             raise
 
-    def _next_lane(self) -> Lane | None:
-        """Who gets the next piece: who has fewest, and last those for whom something has to be loaded."""
-        if not len(self._waiting):
-            return None
-        nexts = [(lane, self._need(self._waiting.next(*self._sides(lane)))) for lane in self._lanes]
-        free = [(lane, need) for lane, need in nexts if lane.pieces < self._room(lane, need)]
+    def _begin(self, lane: Lane) -> None:
+        """The lane's workers begin with their first piece; what it needs is loaded before, others work on."""
+        item = self._next(lane)
+        need = self._need(item)
+        if need not in self._loaded:
+            self._hand_out(loading=True)
+            if self._prepare is not None:
+                with all_kept():
+                    self._prepare.load(item)
+            self._loaded.add(need)
+        lane.open(self._loaded)
+        self._submit(lane)
 
-        def order(each: tuple[Lane, Hashable]) -> tuple[bool, int]:
-            lane, need = each
-            return not lane.is_open and need not in self._loaded, lane.pieces
+    def _hand_out(self, loading: bool = False) -> None:
+        """Lanes that have begun get pieces, who has fewest first.
 
-        return min(free, key=order)[0] if free else None
+        One that lacks what its next piece needs has to be idle before; while something is `loading` it waits.
+        """
+        while len(self._waiting):
+            most = self._ahead(loading) * self._engine.workers // self._engine.lanes
+            nexts = [(lane, self._need(self._next(lane))) for lane in self._lanes if lane.is_open]
+            room = {lane: most if need in lane.has else int(not loading) for lane, need in nexts}
+            free = [lane for lane in room if lane.pieces < room[lane]]
+            if not free:
+                return
+            self._submit(min(free, key=lambda lane: lane.pieces))
 
-    def _room(self, lane: Lane, need: Hashable) -> int:
-        """Pieces that an executor has at once: the last are kept for those who are free first."""
-        each = self._engine.workers // self._engine.lanes
-        if need in self._loaded and need not in lane.has:
-            return 1  # its workers begin anew
-        if not all(other.is_open for other in self._lanes):
-            return MEANWHILE * each if need in self._loaded or not lane.is_open else 0
-        last = self._engine.lanes > 1 and len(self._waiting) <= AHEAD * self._engine.workers
-        return each if last else AHEAD * each
+    def _ahead(self, loading: bool) -> int:
+        """Pieces that each worker has at once; the last are kept for those who are free first."""
+        if loading:
+            return MEANWHILE
+        few = self._engine.lanes > 1 and len(self._waiting) <= AHEAD * self._engine.workers
+        return 1 if few else AHEAD
+
+    def _next(self, lane: Lane) -> T:
+        """With what the lane's next piece begins."""
+        return self._waiting.next(*self._sides(lane))
 
     def _sides(self, lane: Lane) -> tuple[Hashable, set[Hashable]]:
         """What the lane did last, and what the others did."""
@@ -139,22 +156,13 @@ class Handed(Generic[T, R]):
     def _need(self, item: T) -> Hashable:
         return None if self._prepare is None else self._prepare.what(item)
 
-    def _begin(self, lane: Lane, item: T) -> None:
-        """The lane's workers have what was loaded, and if they are its first also what the item needs."""
-        need = self._need(item)
-        if not lane.is_open and need not in self._loaded:
-            if self._prepare is not None:
-                with all_kept():
-                    self._prepare.load(item)
-            self._loaded.add(need)
-        if not lane.is_open or need in self._loaded - lane.has:
+    def _submit(self, lane: Lane) -> None:
+        """The lane gets its next piece; for what was loaded since its workers began, others begin."""
+        piece = self._waiting.piece(*self._sides(lane))
+        need = self._need(piece[0])
+        if need in self._loaded - lane.has:
             lane.open(self._loaded)
         lane.has.add(need)
-
-    def _submit(self, lane: Lane) -> None:
-        sides = self._sides(lane)
-        self._begin(lane, self._waiting.next(*sides))
-        piece = self._waiting.piece(*sides)
         lane.last, lane.pieces = self._alike(piece[0]), lane.pieces + 1
         self._futures[lane.executor.submit(self._work, piece)] = lane, piece
 

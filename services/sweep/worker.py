@@ -19,6 +19,7 @@ from sdt_kg.errors import SdtError
 from sdt_kg.iri import Iri
 from sdt_kg.load import load_twin, model_name, read_robot, with_robot
 from sdt_kg.mechanism import JointType
+from sdt_kg.scope import violations
 from sdt_kg.twin import Twin
 from services.app import Forces, Oracles, Policy, Service, whole_body
 from services.relative import Relative
@@ -65,10 +66,12 @@ def prepare(cell: Cell) -> None:
     from services.embodiment.oracle import WholeBody  # noqa: PLC0415 - a sweep that finds all stored needs none
 
     with suppress(SdtError):
-        service = service_of(cell)
+        service, robot = service_of(cell), robot_of(cell)
         next(service.causes(cell.task), None)
+        # What shapes say of a robot is kept for all containers.
+        violations(service.twin, service.twin.container(cell.container), robot)
         if isinstance(service.embodiment, WholeBody):
-            service.embodiment.prepare(service.twin, robot_of(cell))
+            service.embodiment.prepare(service.twin, robot)
 
 
 def dear_first(cells: Sequence[Cell]) -> list[Cell]:
