@@ -47,7 +47,7 @@ def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | Bo
             return _motion(read_bag(path, twin, robot), twin, robot)
         return _motion(_READERS[path.suffix](path), twin, robot)
     except InputError as error:
-        error.be_from(path.name)
+        error.be_from(path.name or str(path))
         raise
 
 
@@ -93,6 +93,8 @@ def arrays_of(motion: Motion | BodyMotion) -> dict[str, np.ndarray]:
 
 
 def _read_npz(path: Path) -> Given:
+    if not zipfile.is_zipfile(path):
+        raise MotionError("it is no .npz: its bytes are no zip archive", allowed=ALLOWED)
     try:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
             return Given({name: file[name] for name in file.files})
