@@ -23,6 +23,7 @@ def contacts_each(found, qs, tree, boxes, split, radius, shapes, base, own, marg
         np.empty((count, 3)),
         np.empty((count, 3)),
     )
+    near = _apart(radius, own)
     turn, local, work, around = np.empty((3, 3)), np.empty((3, 3)), np.zeros(ROOM), np.empty((2, 3))
     forward(qs[0], tree, r, p)
     place_boxes(r, p, boxes, at[0], at[1])
@@ -35,7 +36,7 @@ def contacts_each(found, qs, tree, boxes, split, radius, shapes, base, own, marg
                 _placed(s, r, p, boxes, shapes, at, low, high)
         e, s = _near(split, shapes, at, low, high, margins, largest, around, work)
         if e < 0:
-            e, s = _near_own(radius, shapes, at, own, work)
+            e, s = _near_own(near, shapes, at, own, work)
         found[n, 0], found[n, 1] = e, s
 
 
@@ -75,16 +76,33 @@ def _near(split, shapes, at, low, high, margins, largest, around, work):
     return -1, -1
 
 
-@subkernel
-def _near_own(radius, shapes, at, own, work):
-    """Two shapes of the robot nearer than their margin, or (−1, −1)."""
+@subkernel(makes=True)
+def _apart(radius, own):
+    """Square of the distance from which on the middles of two shapes of the robot are apart, of each pair."""
     pairs, margins = own
+    near = np.empty(pairs.shape[0])
     for n in range(pairs.shape[0]):
-        a, b, margin = pairs[n, 0], pairs[n, 1], margins[n]
-        x, y, z = at[1][a, 0] - at[1][b, 0], at[1][a, 1] - at[1][b, 1], at[1][a, 2] - at[1][b, 2]
-        near = radius[a] + radius[b] + margin
-        if x * x + y * y + z * z > near * near:
+        reach = radius[pairs[n, 0]] + radius[pairs[n, 1]] + margins[n]
+        near[n] = reach * reach
+    return near
+
+
+@subkernel
+def _near_own(near, shapes, at, own, work):
+    """Two shapes of the robot nearer than their margin, or (−1, −1).
+
+    `near` is what `_apart` gives; where a shape is the first of many pairs, its middle is read once.
+    """
+    pairs, margins = own
+    first, x, y, z = -1, 0.0, 0.0, 0.0
+    for n in range(pairs.shape[0]):
+        a, b = pairs[n, 0], pairs[n, 1]
+        if a != first:
+            first, x, y, z = a, at[1][a, 0], at[1][a, 1], at[1][a, 2]
+        u, v, w = x - at[1][b, 0], y - at[1][b, 1], z - at[1][b, 2]
+        if u * u + v * v + w * w > near[n]:
             continue
+        margin = margins[n]
         if parting(shapes, a, b, at[0][a], at[1][a], at[0][b], at[1][b], margin, work) <= margin:
             return a, b
     return -1, -1
