@@ -83,6 +83,7 @@ def test_points_of_no_face_are_left_out() -> None:
         WEDGE.replace("v 1 0 0", "v 1 0"),
         WEDGE.replace("s off", "curv 0 1 1 2"),
         WEDGE.replace("usemtl wood", "usemtl wood\\"),
+        *(WEDGE.replace("s off", f"# a face behind{end}f 1 2 3") for end in "\r\f\0"),
         WEDGE.partition("f ")[0],
         "",
     ],
