@@ -13,8 +13,8 @@ SUFFIX: Final = ".obj"
 OTHER: Final = re.compile(
     rb"^(?![vf] |v[nt] |#|[ogs] |usemtl |mtllib |\r?$)|\\\r?$|\r(?!\n)|[\0\v\f]", re.MULTILINE
 )
-"""Anything but points, faces, normals, names and materials; a line that goes on in the next; or a sign that ends
-one for other readers, and may hide a face behind a comment."""
+"""Anything but points, faces, normals, names and materials; a line that goes on in the next; or a sign that
+ends one for other readers, behind which a comment may hide a face."""
 POINT: Final = re.compile(rb"^v((?:[ \t]+[-+.\deE]+){3})[ \t]*\r?$", re.MULTILINE)
 FACE: Final = re.compile(rb"^f((?:[ \t]+\d+(?:/\d*){0,2}){3})[ \t]*\r?$", re.MULTILINE)
 ASIDE: Final = re.compile(rb"/[/\d]*")
