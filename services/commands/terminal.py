@@ -41,11 +41,17 @@ def console() -> Console:
 
 
 def print_table(columns: Sequence[str], rows: Cells) -> None:
-    """Rows under their columns; on a terminal that is too narrow for their words one row below the other."""
+    """Rows under their columns; on a terminal that is too narrow for their words one row below the other.
+
+    Before that, names of columns go over several lines: `not_` and `certified` below it.
+    """
     out = console()
-    widths = _widths(columns, rows, out.width)
-    narrow = columns and not widths
-    out.print(_one_below_the_other(columns, rows) if narrow else _table(columns, rows, widths))
+    for heads in (columns, [each.replace("_", "_\n") for each in columns]):
+        widths = _widths(heads, rows, out.width)
+        if widths or not columns:
+            out.print(_table(heads, rows, widths))
+            return
+    out.print(_one_below_the_other(columns, rows))
 
 
 def _table(columns: Sequence[str], rows: Cells, widths: Sequence[int]) -> Table:
@@ -61,7 +67,7 @@ def _table(columns: Sequence[str], rows: Cells, widths: Sequence[int]) -> Table:
 def _widths(columns: Sequence[str], rows: Cells, room: int) -> list[int]:
     """Of each column, in characters: as wide as it wants, or fairly less; none if a word would break."""
     texts = [[column, *(row[k] for row in rows)] for k, column in enumerate(columns)]
-    wanted = [max(map(cell_len, column)) for column in texts]
+    wanted = [max(cell_len(line) for text in column for line in text.split("\n")) for column in texts]
     least = [max(cell_len(word) for text in column for word in (text.split() or [""])) for column in texts]
     left = room - sum(least) - BETWEEN * (len(columns) - 1)
     if left < 0:

@@ -75,6 +75,15 @@ def test_a_terminal_without_a_letter_gets_the_answer_all_the_same(tmp_path: Path
     assert b"error: no kitchen named" in refused.stderr
 
 
+def test_names_of_columns_go_over_several_lines_before_a_table_does(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(terminal, "console", lambda: Console(width=24))
+    print_rows([{"kitchen": "a", "not_certified": 1, "at": 2}], ("kitchen", "not_certified", "at"))
+    lines = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
+    assert lines == ["         not_", "kitchen  certified  at", "a        1          2"]
+
+
 @pytest.mark.parametrize(("width", "below"), [(60, False), (32, False), (31, True)])
 def test_a_table_whose_words_do_not_fit_is_told_one_below_the_other(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], width: int, below: bool
