@@ -18,7 +18,19 @@ GOAL_SHARE = 0.1  # [1] of samples that are the other tree's root
 SHORTCUTS = 40
 
 
-class Space(Protocol):
+class Edges(Protocol):
+    """What a motion from one configuration to another is, and whether it is free."""
+
+    def edge(self, start: Array, end: Array) -> Array:
+        """Corners of the motion from start to end, both included, shape (K, n)."""
+        ...
+
+    def free(self, start: Array, end: Array) -> bool:
+        """Whether that motion touches nothing."""
+        ...
+
+
+class Space(Edges, Protocol):
     """What a tree grows in."""
 
     def sample(self, rng: np.random.Generator) -> Array:
@@ -31,14 +43,6 @@ class Space(Protocol):
 
     def towards(self, start: Array, end: Array) -> Array:
         """The end, or as far towards it as one extension goes."""
-        ...
-
-    def edge(self, start: Array, end: Array) -> Array:
-        """Corners of the motion from start to end, both included, shape (K, n)."""
-        ...
-
-    def free(self, start: Array, end: Array) -> bool:
-        """Whether that motion touches nothing."""
         ...
 
 
@@ -88,7 +92,7 @@ def connect(
             continue
         forth, back = grow.to_root(new)[::-1], other.to_root(met)[1:]
         nodes = forth + back if i % 2 == 0 else (forth + back)[::-1]
-        return _corners(space, _shortcut(space, nodes, rng))
+        return shortened(space, nodes, rng, SHORTCUTS)
     return None
 
 
@@ -110,17 +114,26 @@ def _reach(space: Space, tree: _Tree, target: Array) -> int | None:
             return nearest
 
 
-def _shortcut(space: Space, nodes: list[Array], rng: np.random.Generator) -> list[Array]:
-    for _ in range(SHORTCUTS):
+def shortened(space: Edges, nodes: list[Array], rng: np.random.Generator, tries: int) -> Array:
+    """Corners of a motion through some of the nodes, shape (K, n): two of them are joined where that is free.
+
+    Args:
+        space: Tells where it is.
+        nodes: Of a free motion.
+        rng: Draws which two.
+        tries: How often.
+    """
+    shut: set[tuple[int, int]] = set()  # of few nodes the same two are often drawn
+    for _ in range(tries):
         if len(nodes) < 3:
             break
-        i, j = sorted(rng.choice(len(nodes), 2, replace=False))
-        if j - i > 1 and space.free(nodes[i], nodes[j]):
-            nodes = nodes[: i + 1] + nodes[j:]
-    return nodes
-
-
-def _corners(space: Space, nodes: list[Array]) -> Array:
+        i, j = sorted(rng.choice(len(nodes), 2, replace=False).tolist())
+        if j - i < 2 or (i, j) in shut:
+            continue
+        if space.free(nodes[i], nodes[j]):
+            nodes, shut = nodes[: i + 1] + nodes[j:], set()
+        else:
+            shut.add((i, j))
     corners = [nodes[0][None]]
     corners.extend(space.edge(one, other)[1:] for one, other in pairwise(nodes))
     return np.concatenate(corners)

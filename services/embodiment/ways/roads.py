@@ -6,7 +6,6 @@ asked before.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +15,7 @@ from services.embodiment.body.limb import Limb
 from services.embodiment.body.parked import Parked
 from services.embodiment.body.world import Rules, World
 from services.embodiment.ways.lattice import Lattice
+from services.embodiment.ways.paths import shortened
 from services.embodiment.ways.spaces import DriveSpace
 
 Array = NDArray[np.float64]
@@ -54,7 +54,7 @@ class Roads:
             return None
         end = goal.copy()
         end[2] += 2 * np.pi * np.round((path[-1][2] - goal[2]) / (2 * np.pi))
-        return self._shortened(self._pulled([start, *path, end]))
+        return shortened(self.space, self._pulled([start, *path, end]), self.rng, SHORTCUTS)
 
     def _pulled(self, path: list[Array]) -> list[Array]:
         """Those of the poses that are left when each leads straight as far on as halving the rest finds."""
@@ -66,17 +66,6 @@ class Roads:
             kept.append(path[there])
             at = there
         return kept
-
-    def _shortened(self, path: list[Array]) -> Array:
-        for _ in range(SHORTCUTS):
-            if len(path) < 3:
-                break
-            i, j = sorted(self.rng.choice(len(path), 2, replace=False))
-            if j - i > 1 and self.space.free(path[i], path[j]):
-                path = path[: i + 1] + path[j:]
-        corners = [path[0][None]]
-        corners.extend(self.space.edge(one, other)[1:] for one, other in pairwise(path))
-        return np.concatenate(corners)
 
 
 Known = dict[tuple[str, bool], Roads]
