@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property, lru_cache
 from itertools import chain
-from typing import Any, Final
+from typing import Final
 
 import pyoxigraph as ox
 import rdflib
@@ -22,6 +22,7 @@ import ontology
 from sdt_kg.annotating.annotate import tee_triples
 from sdt_kg.entities.moving_together import MOVES_WITH, moving_together
 from sdt_kg.iri import LAW, RDF, SDT, SH, TEE, Iri, local_name
+from sdt_kg.shacl import pyshacl
 from sdt_kg.store import Triple, Value
 from sdt_kg.triples import Facts
 from sdt_kg.triples.to_rdflib import rdflib_graph
@@ -178,10 +179,7 @@ def _checked(tee: TeeClass, request: tuple[Triple, ...], expected: tuple[Iri, ..
 
 def pyshacl_report(data: rdflib.Graph, shapes: rdflib.Graph) -> rdflib.Graph:
     """The validation report of pySHACL, without inference: the engine of every verdict."""
-    import pyshacl  # noqa: PLC0415 - slow to import, and most commands judge nothing
-
-    validator: Any = pyshacl  # its annotations are partial
-    report = validator.validate(data, shacl_graph=shapes, inference="none")[1]
+    report = pyshacl().validate(data, shacl_graph=shapes, inference="none")[1]
     assert isinstance(report, rdflib.Graph), "pyshacl answers with a graph, or raises"
     return report
 
