@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Body, Geometry, Inertia, Joint, JointType, Limits, Mechanism, Mimic, Pose
+from sdt_kg.scenes.planes import check_floor
 from sdt_kg.urdf import quaternion
 from sdt_kg.urdf.document import reachable
 from sdt_kg.urdf.joints import checked, resolved, turned, with_fixed
@@ -52,7 +53,8 @@ def built(
     """The mechanism, its root the first part; joints parents first, checked as a URDF's are.
 
     Raises:
-        UrdfError: A name twice, a joint between parts that do not exist, a loop, or impossible limits.
+        UrdfError: A name twice, a joint between parts that do not exist, a loop, impossible limits, or the
+            floor below z = 0.
     """
     frames = {part.name: part.frame for part in parts}
     twice = sorted(name for name, count in Counter(part.name for part in parts).items() if count > 1)
@@ -73,6 +75,8 @@ def built(
         raise UrdfError(
             f"{source}: bodies form no tree: {', '.join(cut_off[:8]) or 'a loop'}", allowed="a tree"
         )
+    shapes = ((part, one) for part in parts for one in part.shapes)
+    check_floor([(part.name, part.frame @ one.pose.matrix(), one) for part, one in shapes], source)
     bodies = tuple(Body(part.name, part.inertia, part.shapes) for part in parts)
     return Mechanism(name, root, bodies, _ordered(turned(joints), root), tuple(notes))
 

@@ -12,6 +12,7 @@ import numpy as np
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, Inertia, JointType, Limits, Mechanism, Mimic, ShapeType
 from sdt_kg.scenes.build import Link, Matrix, Part, between, built, listed, matrix_of, pose_of, shift, turn
+from sdt_kg.scenes.planes import half_space
 from sdt_kg.urdf.document import refuse_unsafe
 from sdt_kg.urdf.meshes import mesh_hash, mesh_path
 
@@ -27,7 +28,8 @@ SHAPES: Final = {
     7: ShapeType.MESH,
 }
 """mjtGeom → our shape."""
-OTHER_SHAPES: Final = {0: "plane", 1: "height field", 4: "ellipsoid", 8: "signed distance field"}
+PLANE: Final = 0
+OTHER_SHAPES: Final = {1: "height field", 4: "ellipsoid", 8: "signed distance field"}
 NO_SPEEDS: Final = (
     "MJCF has no velocity limits: requests are out of scope until an annotation gives sdt:velocityLimit"
 )
@@ -207,9 +209,10 @@ class _Reader:
     def _shapes(self, body: int, frame_T_body: Matrix) -> Iterator[Geometry]:
         model, first = self.model, int(self.model.body_geomadr[body])
         for geom in range(first, first + int(model.body_geomnum[body])):
-            if self._collides(geom) and int(model.geom_type[geom]) in SHAPES:
+            kind = int(model.geom_type[geom])
+            if self._collides(geom) and (kind in SHAPES or kind == PLANE):
                 at = frame_T_body @ matrix_of(model.geom_pos[geom], _xyzw(model.geom_quat[geom]))
-                yield self._shape(geom, SHAPES[int(model.geom_type[geom])], at)
+                yield half_space(at) if kind == PLANE else self._shape(geom, SHAPES[kind], at)
 
     def _collides(self, geom: int) -> bool:
         return bool(self.model.geom_contype[geom] or self.model.geom_conaffinity[geom])

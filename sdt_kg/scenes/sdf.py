@@ -11,6 +11,7 @@ import numpy as np
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, Inertia, JointType, Limits, Mechanism, Mimic, ShapeType
 from sdt_kg.scenes.build import Link, Matrix, Part, between, built, listed, pose_of
+from sdt_kg.scenes.planes import half_space
 from sdt_kg.scenes.values import number_of, numbers_of, own_pose
 from sdt_kg.urdf.meshes import PACKAGE, mesh_hash, mesh_path
 
@@ -262,6 +263,9 @@ class _Model:
     def _shape(self, shape: ET.Element, at: Matrix, where: str) -> Geometry | None:
         if shape.tag == "mesh":
             return self._mesh(shape, at, where)
+        if shape.tag == "plane":
+            normal = shape.find("normal")
+            return half_space(at) if normal is None else half_space(at, numbers_of(normal, 3, self.where))
         if shape.tag not in SIZES:
             return None
         kind, tags = SIZES[shape.tag]
