@@ -3,15 +3,27 @@
 import csv
 import io
 import re
+from contextlib import closing
+from pathlib import Path
 from urllib.parse import urlencode
 
+import numpy as np
 import pyoxigraph as ox
 import pytest
 
+from predicates.case import Case, Kind
+from predicates.law import law
+from sdt_kg.motion import Motion
+from sdt_kg.task import Task, Verb
 from services.http.pages.graph.console import examples, with_prefixes
 from services.http.world import lines
+from services.physics.oracle import Kinematics
+from services.store.files import SavedVerdicts, opened
 from services.store.workers import put
+from tests.services.http.conftest import Serve
 from tests.services.pages.conftest import LEFT_OPEN, PAGE, text_of, verdict_link
+from tests.small import small_twin
+from tests.small.lift import Lift
 
 QUERY = """SELECT ?robot ?container WHERE {
   ?verdict law:robot ?robot ; law:container ?container
@@ -45,6 +57,26 @@ def test_the_matrix_shows_no_verdict_about_another_question(served) -> None:
     shown = [each for each in data["cells"] if each["verdict"]]
     assert {each["drive"] for each in shown} <= {"differential"}
     assert sum(data["with_other_drives"].values()) == 8 - len(shown)
+
+
+def test_what_fails_in_several_ways_is_marked_alike_on_every_page(serve: Serve, tmp_path: Path) -> None:
+    twin = small_twin("a", ("pr2",))
+    drawer = twin.container("low_drawer")
+    half = Motion(drawer.joint, np.array([0.0, 0.05]), np.array([[0.0], [0.2]]))  # and too fast
+    (verdict,) = law(
+        Case(twin, robot=twin.robots[0], task=Task(Verb.OPEN, drawer.iri), motion=half), Kinematics(), Lift()
+    )
+    path = tmp_path / "half.nq"
+    with SavedVerdicts(str(path)) as saved:
+        saved.add(verdict)
+    with closing(opened(path)) as archive:
+        served = serve(kitchens=("a",), robots=("pr2",), archive=archive)
+        (row,) = served.get("/verdicts.json").json()["verdicts"]
+        page = served.get(row["link"], headers=PAGE).text
+    assert {each.kind for each in verdict.diagnoses} == {Kind.SEMANTIC, Kind.CAUSAL}
+    assert row["kinds"] == ["causal", "semantic"]
+    assert '<div class="hero k-causal">' in page
+    assert re.findall(r'class="badge k-(\w+)"', page)[:2] == row["kinds"]
 
 
 def test_the_state_of_a_view_is_in_its_address(served) -> None:

@@ -15,7 +15,7 @@ from predicates.scope import tee_class_of_hash
 from sdt_kg.errors import InputError
 from sdt_kg.iri import ID, LAW, Iri, local_name
 from services.http.api.read import finite
-from services.http.pages.kinds import Standing
+from services.http.pages.kinds import VERDICT_STANDINGS, Standing
 from services.http.pages.terms import Cell, iri_cell
 from services.http.pages.view import Json, View
 from services.http.pages.writing.recheck import Rechecks
@@ -109,10 +109,11 @@ def rechecks(request: Request) -> Rechecks:
 
 
 def _standings(stored: StoredVerdict) -> list[str]:
-    """Keys of the marks of the verdict."""
+    """Keys of the marks of the verdict, in the order of the other pages."""
     if stored.outcome is Outcome.CERTIFIED:
         return [Standing.CERTIFIED.value.key]
-    return list(dict.fromkeys(each.kind.value for each in stored.diagnoses))
+    found = {each.kind.value for each in stored.diagnoses}
+    return [each.value.key for each in VERDICT_STANDINGS if each.value.key in found]
 
 
 def _predicates(stored: StoredVerdict, facts: Facts) -> list[Json]:
