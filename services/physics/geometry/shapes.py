@@ -135,7 +135,8 @@ def _hulls(
         pieces = convex_pieces(_corners(mesh_file, mesh_hash, scale), fineness)
         return [np.array(hull(points).points()) for points in pieces]
 
-    return tuple(hull(points) for points in kept((_code(), mesh_hash, scale, fineness), cut))
+    # Points of hulls have volume.
+    return tuple(hull_of_solid(points) for points in kept((_code(), mesh_hash, scale, fineness), cut))
 
 
 @cache
