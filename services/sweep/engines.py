@@ -73,13 +73,21 @@ class Lane:
             self._former.append(self._executor)
         self._executor, self.has = self.engine.open(), set(loaded)
 
+    def leave(self) -> None:
+        """Its workers end as soon as they have done what they were given; nobody waits for them yet."""
+        for each in self._executors():
+            each.shutdown(wait=False)
+
     def end(self, at_once: bool) -> None:
         """It has no workers any more."""
-        for each in (*self._former, *([] if self._executor is None else [self._executor])):
+        for each in self._executors():
             if at_once:
                 self.engine.end(each)
             else:
                 each.shutdown()
+
+    def _executors(self) -> tuple[Executor, ...]:
+        return (*self._former, *(() if self._executor is None else (self._executor,)))
 
 
 @dataclass(frozen=True, slots=True)

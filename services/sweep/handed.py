@@ -80,6 +80,9 @@ class Handed(Generic[T, R]):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if kind is None:
+            for lane in self._lanes:
+                lane.leave()  # side by side: to give back what a process has takes a while
         for lane in self._lanes:
             lane.end(at_once=kind is not None)
         if self._engine.copies:
