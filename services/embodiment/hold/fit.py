@@ -210,10 +210,7 @@ class Fitter:
             tool, shares, hand.sides, hand.parts, hand.closing, bar, *scene, self._work, *self._begin
         ):
             return
-        if (
-            len(shares) > 1
-            and np.ptp([at for _, at in hand.positions(shares)]) > hand.limb.gripper.difference
-        ):
+        if len(shares) > 1 and _spread(hand.positions(shares)) > hand.limb.gripper.difference:
             return
         held = hand.parts, hand.closing, self.room.always, self._rest, self._margins[0], self._work
         pair = placing.stays(tool, shares, *held)
@@ -245,3 +242,9 @@ class Fitter:
         aside = self._beside(grasp) - there if hand.amid else None
         fingers = hand.positions(shares), hand.opening(share)
         return Grasp(grasp.rotation, there, grasp.index, *fingers, aside), hand.closed(shares)
+
+
+def _spread(positions: tuple[tuple[str, float], ...]) -> float:
+    """By how much positions of finger joints differ at most [rad or m]."""
+    at = [each for _, each in positions]
+    return max(at) - min(at)
