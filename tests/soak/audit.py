@@ -193,17 +193,26 @@ def _holds(found: Judgement, way: Way) -> int:
     turn = Rotation.from_matrix(tool[begin, :3, :3].T @ tool[:, :3, :3]).magnitude()
     found.keeps("slip", 0.002 - float(slip[begin:].max()), 3e-4)
     found.keeps("turn", np.radians(1.0) - float(turn[begin:].max()), 5e-4)
-    touch = [
-        gap(finger, way.frames[finger.link][begin], bar, way.rooms[bar.link][begin])
-        for finger in way.robot
-        if finger.link in way.fingers
-        for bar in way.kitchen
-        if bar.link == way.stage.handle
-    ]
-    found.keeps("contact", 0.002 - min(touch), 2e-4)
-    found.keeps("depth", 0.002 + min(touch), 2e-4)
+    touch: dict[str, float] = {}  # of each finger, by the link with which it begins
+    for finger in (one for one in way.robot if one.link in way.fingers):
+        first = _first(way, finger.link)
+        for bar in (one for one in way.kitchen if one.link == way.stage.handle):
+            distance = gap(finger, way.frames[finger.link][begin], bar, way.rooms[bar.link][begin])
+            touch[first] = min(touch.get(first, np.inf), distance)
+    one, other = sorted(touch.values())[:2]
+    found.keeps("contact", 0.002 - other, 2e-4)
+    found.keeps("depth", 0.002 + one, 2e-4)
     away = np.flatnonzero((slip[:begin] > 0.002) | (turn[:begin] > np.radians(1.0)))
     return int(away[-1]) + 1 if len(away) else 0
+
+
+def _first(way: Way, finger: str) -> str:
+    """The first of the finger's links on the way to this one from the palm."""
+    machine, first = way.stage.robot, finger
+    while finger in machine.parent:
+        finger = machine.urdf.ends(machine.parent[finger])[0]
+        first = finger if finger in way.fingers else first
+    return first
 
 
 def _distances(way: Way, grasp: int) -> Iterator[tuple[str, float]]:
