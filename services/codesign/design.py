@@ -11,7 +11,7 @@ from functools import partial
 from sdt_kg.errors import InputError
 from services.app import load
 from services.codesign.entries import Entry, Found, Grid
-from services.codesign.grid import Asked, run
+from services.codesign.grid import Asked, check_edits, run
 from services.codesign.judge import Judge
 from services.codesign.report import why
 from services.codesign.smallest.families import AND, made_at_once
@@ -119,7 +119,11 @@ def designed(  # noqa: PLR0913, PLR0917 - what is asked, and how long it may tak
         within: Seconds of CPU of each process for each refusal, where edits are looked for.
         plan: Whether to plan edits at all.
         report: Called with each entry as things are.
+
+    Raises:
+        InputError: A kitchen, robot or state that is not there; an edit that can be made nowhere.
     """
+    check_edits(replace(asked, worlds=tuple(tuple(each.split(AND)) for each in edits)))
     grid = run(replace(asked, worlds=()), jobs, report)
     covers = covers_of(grid)
     together = tuple((kitchen, together_in(kitchen, covers)) for kitchen in asked.kitchens)

@@ -115,7 +115,7 @@ def run(
     """
     began, cpu_began = time.perf_counter(), cpu_seconds()
     names = _containers(asked)
-    _check_edits(asked)
+    check_edits(asked)
     first = [
         Job(kitchen, robot, (container,), ())
         for kitchen in asked.kitchens
@@ -159,8 +159,12 @@ def _containers(asked: Asked) -> dict[str, tuple[str, ...]]:
     return found
 
 
-def _check_edits(asked: Asked) -> None:
-    """Each edit can be made somewhere: alone, or where another was made before."""
+def check_edits(asked: Asked) -> None:
+    """Each edit can be made somewhere: alone, or where another was made before.
+
+    Raises:
+        InputError: One can be made in no kitchen, with no robot; as the first of them has it.
+    """
     for text in dict.fromkeys(text for edits in asked.worlds for text in edits):
         worlds = [(text,), *(edits for edits in asked.worlds if text in edits)]
         errors = (_no_world(asked, edits) for edits in worlds)

@@ -9,7 +9,6 @@ from services.app import Policy
 from services.codesign.command.grid import on_a_bar
 from services.codesign.design import Design, Plan, Step, designed, to_json
 from services.codesign.grid import Asked
-from services.codesign.smallest.families import made_at_once
 from services.commands.options import (
     FiniteRange,
     OutFile,
@@ -81,8 +80,6 @@ def codesign(
 
     Everything counted is certified; covers are greedy, so a smaller one may exist. Exit 0.
     """
-    for each in edits:
-        made_at_once(each)
     policy = Policy(Drive(drive) if drive else None, None, budget, seed)
     models = tuple(kitchens.split(",")), tuple(robots.split(","))
     asked = Asked(*models, verb, (), policy, states, tee=tee, forces=forces)

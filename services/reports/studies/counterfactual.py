@@ -1,6 +1,6 @@
 """The same question in other worlds: what turns, why, and from how much of a change on."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 from predicates.counterfactual import Contrast
@@ -104,6 +104,8 @@ def judged(  # noqa: PLR0913 - the options of sdt whatif
     options = {"state": state, "base": base, "drive": drive}
     names = [each.strip() for each in robots.split(",") if each.strip()]
     grounds = {name: world_of(kitchen, name, **options, budget=budget) for name in names}
+    for each in worlds:
+        _check_edits(grounds.values(), each)
     with opened(store) as saved, opened("") as edited:
         asked = {name: Question(task, ground, saved, edited) for name, ground in grounds.items()}
         others = [_otherwise(question, name, each) for each in worlds for name, question in asked.items()]
@@ -111,6 +113,22 @@ def judged(  # noqa: PLR0913 - the options of sdt whatif
             searched(question, name, turn, steps, tolerance) for name, question in asked.items() if turn
         ]
     return Counterfactual(task, grounds, tuple(others), tuple(turnings))
+
+
+def _check_edits(grounds: Collection[World], edits: tuple[Change, ...]) -> None:
+    """The edits make another world for some robot.
+
+    Raises:
+        InputError: For none; as the first robot has it.
+    """
+    refused: list[InputError] = []
+    for ground in grounds:
+        try:
+            changed(ground, edits)
+        except InputError as error:
+            refused.append(error)
+    if len(refused) == len(grounds):
+        raise refused[0]
 
 
 def _otherwise(question: Question, robot: str, edits: tuple[Change, ...]) -> Otherwise:

@@ -96,6 +96,12 @@ def test_nonsense_is_named(sdt, arguments: tuple[str, ...]) -> None:
     assert "Traceback" not in done.err
 
 
+def test_a_plan_takes_no_edit_that_can_be_made_nowhere(sdt) -> None:
+    done = sdt("codesign", "--robots", "pr2", "--edit", "move:iai_fridge_door=1", "--edit", "clear:nix")
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith("error: no body named 'nix'"), "the other can be made, in kitchen b only"
+
+
 @pytest.mark.parametrize("command", ["codesign", "whatif"])
 def test_a_time_that_is_no_number_is_outside_the_range(sdt, command: str) -> None:
     done = sdt(command, "--within", "nan")

@@ -16,6 +16,7 @@ from services.reports.command import report
 from services.reports.run.build import BrokenReportError, executed, told_as
 from services.reports.run.catalogue import Notebook, Parameter
 from services.reports.run.export import write
+from services.reports.studies import counterfactual
 from services.reports.studies.judged import judged
 from tests.services.reports.conftest import DRAWER, Written
 
@@ -177,6 +178,13 @@ def test_nonsense_is_refused_before_anything_runs(words: tuple[str, ...], messag
     error = run(*words).exception
     assert isinstance(error, InputError)
     assert message in str(error)
+
+
+def test_an_edit_that_no_robot_sees_made_is_refused_before_anything_is_judged() -> None:
+    with pytest.raises(
+        InputError, match="no container named 'iai_fridge_dor'; did you mean 'iai_fridge_door'"
+    ):
+        counterfactual.judged("b", "pr2,stretch", "open:iai_fridge_door", "drive:fixed; jam:iai_fridge_dor")
 
 
 def test_without_the_extra_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
