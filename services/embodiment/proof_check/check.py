@@ -59,7 +59,7 @@ def check(twin: Twin, robot: Iri, container: Container, content: bytes) -> Check
     leaves = 0
     if not reasons:
         about = twin, robot, container, claim.drive, claim.start, claim.tolerances
-        statement = Statement(*about, within=claim.within, declared=claim.declared)
+        statement = Statement(*about, within=claim.within, declared=claim.declared, span=claim.span)
         if claim.timing is not None:
             reasons += _hurried(statement, proof, claim.timing)
         else:

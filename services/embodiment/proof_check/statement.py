@@ -24,6 +24,7 @@ collision geometry is used.
 
 from copy import copy
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,7 @@ from services.embodiment.proof_check.inside.cores import (
 from services.embodiment.proof_check.interval import exact
 from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement, Tree, base_T_root
 from services.embodiment.proof_check.parked import with_parked
+from services.embodiment.proof_check.passing import slacks
 from services.embodiment.proof_check.pinch.between import about_all, slab
 from services.embodiment.proof_check.pinch.fingers import Hand, hand_of
 from services.embodiment.proof_check.shapes import SOLVED, boxes_of, finger_box, tool_in, widened
@@ -64,6 +66,7 @@ class Statement:
         room: How far from `start` the fixed base may stand [m, m, rad]; a map asks for more than a pose.
         within: Of the holds that are meant, see `Claim`.
         declared: How the robot's bodies are taken, see `Claim`.
+        span: Values that the container has to pass [rad or m]; None: those are not known.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917  # what a claim is about
@@ -77,8 +80,10 @@ class Statement:
         room: tuple[float, float, float] = (0.0, 0.0, 0.0),
         within: float | None = None,
         declared: bool = False,
+        span: tuple[float, float] | None = None,
     ) -> None:
         self.twin, self.robot, self.container, self.room = twin, robot, container, room
+        self._span = span
         self.within, self.declared = within, declared
         self.level, self.start, self.tolerances = drive is not Drive.FIXED, start, tolerances
         self._annotation = twin.robot(robot)
@@ -88,7 +93,7 @@ class Statement:
         self._begins: bool | None = None
         self._chains: dict[tuple[str, bool | None], tuple[Chain, Array] | None] = {}
         self._targets: dict[tuple[float, bool], Target] = {}
-        self._surroundings = Surroundings(self._kitchen, self._slack())
+        self._surroundings = Surroundings(self._kitchen)
         self._solids: dict[float, Solids] = {}
         self._cores: dict[str, tuple[Core, ...]] = {}
         self._own: dict[tuple[str, ...], tuple[Around, ...]] = {}
@@ -97,7 +102,7 @@ class Statement:
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Statement":
         """The same, with the fixed base elsewhere."""
         about = self.twin, self.robot, self.container, Drive.FIXED, start, self.tolerances, room
-        other = Statement(*about, self.within, self.declared)
+        other = Statement(*about, self.within, self.declared, self._span)
         other._chains, other._targets = self._chains, self._targets
         other._surroundings, other._solids = self._surroundings, self._solids
         return other
@@ -170,7 +175,9 @@ class Statement:
         if not arm.cores:
             return ()
         if value not in self._solids:
-            self._solids[value] = self._surroundings.at(self.twin.at({self.container.joint: value}).state)
+            about = self.container, self._span, self.tolerances, value, self.tolerances.coupling
+            state = self.twin.at({self.container.joint: value}).state
+            self._solids[value] = self._surroundings.at(state, partial(slacks, *about))
         solids = self._solids[value]
         keeps = kept_apart(arm.cores, solids, self._tree, self._annotation)
         kitchen = Around(-1, solids, keeps)
@@ -201,11 +208,6 @@ class Statement:
         chain = chain_to(tree, body, base_T_root(tree, annotation), self.tolerances)
         chain = with_parked(chain, tree.mechanism, annotation, self.tolerances) if parked else chain
         return replace(make_arm(body, self._on_base(chain), np.zeros((8, 3)), 0), cores=self._inside(chain))
-
-    def _slack(self) -> float:
-        """How far a joint of the kitchen may be from where it is said to be [rad or m]."""
-        kept = self.tolerances
-        return kept.position + kept.coupling + max(kept.start_position, kept.start_angle)
 
     def _base_slacks(self) -> tuple[float, float]:
         """How far a fixed base may be from its start [m], and turned [rad]."""
@@ -291,9 +293,8 @@ class Statement:
 
     def _placed(self, value: float, boxes: list[tuple[Placement, Array]], about: float) -> Target:
         """Boxes of the handle's frame in the world, widened by what the kitchen's joints may be off."""
-        state = self.twin.at({self.container.joint: value}).state
-        slack = self.tolerances.position + max(self.tolerances.start_position, self.tolerances.start_angle)
+        state, name = self.twin.at({self.container.joint: value}).state, self._kitchen.mechanism.name
         chain = self._kitchen.chain(self._kitchen.path(self._handle), HERE, 0.0)
-        name = self._kitchen.mechanism.name
         q = np.array([[state[joint_iri(name, link.name)] for link in chain.links]])
+        slack = slacks(self.container, self._span, self.tolerances, value, 0.0, chain.links)
         return placed(chain, q, boxes, slack, about)

@@ -54,7 +54,7 @@ class Target:
 
 
 def placed(
-    chain: Chain, q: Array, boxes: list[tuple[Placement, Array]], slack: float, about: float
+    chain: Chain, q: Array, boxes: list[tuple[Placement, Array]], slack: Array, about: float
 ) -> Target:
     """Boxes of the handle's frame in the world, widened by what the joints before it may be off.
 
@@ -62,7 +62,7 @@ def placed(
         chain: To the handle's frame.
         q: Where its joints are [rad or m], shape (1, n).
         boxes: Where their middles are, and their half extents [m], shape (3,).
-        slack: How far each joint may be from there [rad or m].
+        slack: How far each joint may be from there [rad or m], shape (n,).
         about: How far from a box holds may be, where those in hand are meant [m].
     """
     origins, axes, end = chain.frames(q)

@@ -15,6 +15,8 @@ DEEP = 0.004  # [m] less deep in each other, a core and a solid are no reason to
 MOSTLY = 0.5  # [1] of how far a core sways at most: it rarely goes less far along each of its own axes
 ROUNDS = 100  # of projections between a core and a solid, at most
 STILL = 1e-7  # [m] by which a point moves that stands still
+LEAP = 6  # projections after which the way that is left is taken at once
+FARTHEST = 0.5  # [m] of that
 
 
 @subkernel
@@ -27,26 +29,37 @@ def into(r, p, point, out):
 
 @subkernel
 def deepest(box, less, solid, point, local):
-    """How deep a point of a solid lies in a box less `less`; the point is in `point`.
+    """How deep a point of a solid lies in a box; it is looked for where that is smaller by `less` (3,).
 
-    Both are rotation, middle, half extents.
+    Both are rotation, middle, half extents; the point is in `point`.
     """
     turn, place, half = box
     for i in range(3):
         point[i] = place[i]
-    for _ in range(ROUNDS):
+    last = 0.0
+    for n in range(ROUNDS):
         x, y, z = point[0], point[1], point[2]
         into(turn, place, point, local)
         for i in range(3):
-            most = max(half[i] - less, 0.0)
+            most = max(half[i] - less[i], 0.0)
             local[i] = min(max(local[i], -most), most)
         moved(turn, place, local, point)
         into(solid[0], solid[1], point, local)
         for i in range(3):
             local[i] = min(max(local[i], -solid[2][i]), solid[2][i])
         moved(solid[0], solid[1], local, point)
-        if abs(point[0] - x) + abs(point[1] - y) + abs(point[2] - z) < STILL:
+        x, y, z = point[0] - x, point[1] - y, point[2] - z
+        step = math.sqrt(x * x + y * y + z * z)
+        if step < STILL:
             break
+        if n % LEAP == LEAP - 1 and step < last:  # between two faces each step is a share of the one before
+            far = min(step / (last - step), FARTHEST / step)
+            point[0], point[1], point[2] = point[0] + x * far, point[1] + y * far, point[2] + z * far
+        last = step
+    into(solid[0], solid[1], point, local)
+    for i in range(3):
+        local[i] = min(max(local[i], -solid[2][i]), solid[2][i])
+    moved(solid[0], solid[1], local, point)
     into(turn, place, point, local)
     depth = math.inf
     for i in range(3):
@@ -70,15 +83,18 @@ def sway(point, first, k, origins, axes, turns, half, arms):
 
 
 @subkernel
-def stays(point, first, k, box, origins, axes, turns, half, arms):
-    """How deep a point stays in a box (rotation, middle, half extents), with what `sway` left in arms."""
+def stays(point, first, k, box, origins, axes, turns, half, arms, lost):
+    """How deep a point stays in a box (rotation, middle, half extents), with what `sway` left in arms.
+
+    How far it moves along each axis is in `lost`.
+    """
     turn, place, sizes = box
     depth = math.inf
     for i in range(3):
         inside, behind = 0.0, 0.0
         for m in range(3):
             inside += turn[m, i] * (point[m] - place[m])
-        inside = sizes[i] - abs(inside)
+        inside, lost[i] = sizes[i] - abs(inside), 0.0
         for j in range(k, first - 1, -1):
             a, b, c = axes[j, 0], axes[j, 1], axes[j, 2]
             if turns[j]:
@@ -86,11 +102,11 @@ def stays(point, first, k, box, origins, axes, turns, half, arms):
                 a, b, c = b * w - c * v, c * u - a * w, a * v - b * u
             one = half[j] * abs(turn[0, i] * a + turn[1, i] * b + turn[2, i] * c)
             if turns[j]:
-                inside -= min(arms[j], one + arms[j] * (half[j] / 2 + behind))
+                lost[i] += min(arms[j], one + arms[j] * (half[j] / 2 + behind))
                 behind += half[j]
             else:
-                inside -= min(arms[j], one + arms[j] * behind)
-        depth = min(depth, inside)
+                lost[i] += min(arms[j], one + arms[j] * behind)
+        depth = min(depth, inside - lost[i])
     return depth
 
 
@@ -134,7 +150,7 @@ def meets(half, turns, inner, origins, axes, frames, arms, asked):
     """
     (links, turned, placed, sizes), solids, keeps = inner
     turn, place, point, local = np.empty((3, 3)), np.empty(3), np.empty(3), np.empty(3)
-    other, there = np.empty((3, 3)), np.empty(3)
+    other, there, lost = np.empty((3, 3)), np.empty(3), np.empty(3)
     swayed, widths = np.empty(half.shape[0] + 1), np.empty(half.shape[0] + 1)
     split, most = -1, DEEP
     for c in range(links.shape[0]):
@@ -153,13 +169,18 @@ def meets(half, turns, inner, origins, axes, frames, arms, asked):
             solid = other, there, solids[2][s]
             if parted(place, radius, solid, local):
                 continue
-            less = min(swayed[first], least - DEEP)
-            depth = deepest((turn, place, sizes[c]), less, solid, point, local)
+            core = turn, place, sizes[c]
+            for i in range(3):
+                lost[i] = min(swayed[first], least - DEEP)
+            depth = deepest(core, lost, solid, point, local)
             if depth <= SLACK:
                 continue
-            sway(point, first, k, origins, axes, turns, half, arms)
-            if stays(point, first, k, (turn, place, sizes[c]), origins, axes, turns, half, arms) > SLACK:
-                return c, -1
+            for again in range(2):  # less deep where it moves less
+                if again and deepest(core, lost, solid, point, local) <= SLACK:
+                    break
+                sway(point, first, k, origins, axes, turns, half, arms)
+                if stays(point, first, k, core, origins, axes, turns, half, arms, lost) > SLACK:
+                    return c, -1
             if depth > most:
                 most, split = depth, first
                 for j in range(first, k + 1):

@@ -27,6 +27,7 @@ from services.embodiment.prove.boxes import LEAF
 from services.embodiment.prove.divided import divided
 from services.embodiment.prove.pinch import by_fingers
 from services.embodiment.prove.places import by_places
+from services.embodiment.prove.values import needed, spread
 from services.embodiment.prove.windows import window
 
 Array = NDArray[np.float64]
@@ -79,7 +80,7 @@ class Prover:
         self.start = (float(start[0]), float(start[1]), float(start[2]))
         self.span = needed(container, twin.state[container.joint], values)
         about = twin, robot, container, drive, self.start, Tolerances()
-        self.statement = Statement(*about, within=within, declared=declared)
+        self.statement = Statement(*about, within=within, declared=declared, span=self.span)
         self.count = VALUES
         self._arms: dict[tuple[str, bool | None], tuple[Statement, Arm | None]] = {}
         self._pinched: dict[str, Refutation | None] = {}
@@ -229,7 +230,7 @@ class Prover:
 
     def _values(self) -> list[float]:
         assert self.span is not None
-        values = np.linspace(*self.span, self.count).clip(*self.span).tolist()
+        values = spread(self.span, self.twin.state[self.container.joint], self.count)
         return sorted(values, key=lambda value: -abs(value - (values[0] + values[-1]) / 2))
 
     def _diagnosis(self, refutations: list[Refutation], leaves: int) -> Diagnosis:
@@ -285,15 +286,3 @@ class Prover:
             codes = set(one.tree) if one.places is None else set[int]()
             bodies.update(arm.cores[code - first].body for code in codes if code >= first)
         return ", ".join(sorted(bodies))
-
-
-def needed(container: Container, at: float, values: Array) -> tuple[float, float] | None:
-    """Values that the container has to pass on its way, from the lowest; None if it need not move.
-
-    Of a motion that opens it no more than up to where it is open, of one that closes it no more than
-    down to where it is closed.
-    """
-    last = float(values[-1])
-    if last > at:
-        return (at, min(last, container.open_from)) if container.open_from > at else None
-    return (max(last, container.closed_to), at) if container.closed_to < at else None

@@ -9,6 +9,7 @@ With the joints between both moved one after the other from the last one inwards
 sees it moves along each axis of the core by no more than a `Swing` says.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,12 +26,16 @@ from services.physics.geometry.floor import BELOW, LEVEL, SIZE, standing
 from services.physics.tree import exempt_pairs
 
 Array = NDArray[np.float64]
+Slack = Callable[[tuple[Link, ...]], Array]
+"""How far joints of the kitchen may be from where they are said to be [rad or m], shape (n,)."""
 
 ROUNDING = 1e-7  # [m] what quaternions and axes of not quite unit length can be off by
 FLOOR = "floor"
 """In place of the IRI of a body, which never is one word."""
 ROUNDS, MORE_ROUNDS = 12, 96
 """Of projections between a core and a solid, more where these end near; any point they lead to is checked."""
+LEAP, NEARBY = 6, 1e-3
+"""Projections after which the way that is left is taken at once; a step is no smaller share of it."""
 NEARLY = 0.005  # [m] outside of the core
 
 
@@ -82,22 +87,23 @@ def _joined(parts: list[Interval], shape: tuple[int, ...]) -> Interval:
 
 
 class Surroundings:
-    """What is solid around the robot, for any state of the kitchen; bodies that stay are measured once.
+    """What is solid around the robot, for any state of the kitchen; bodies that stay are measured once."""
 
-    Args:
-        slack: How far each joint of the kitchen may be from the state [rad or m].
-    """
-
-    def __init__(self, kitchen: Tree, slack: float) -> None:
-        self._kitchen, self._slack = kitchen, slack
+    def __init__(self, kitchen: Tree) -> None:
+        self._kitchen = kitchen
         below = placement(BELOW)
         at = Placement(below.rotation, exact(np.array([BELOW.position])))
         self._floor = _solids(FLOOR, at, np.array(SIZE) / 2 - ROUNDING)
         self._chains: dict[str, Chain] = {}
         self._seen: dict[tuple[str, bytes], Solids] = {}
 
-    def at(self, state: State) -> Solids:
-        """What is below the floor, and boxes inside the kitchen's declared shapes in a state."""
+    def at(self, state: State, slack: Slack) -> Solids:
+        """What is below the floor, and boxes inside the kitchen's declared shapes in a state.
+
+        Args:
+            state: Of the kitchen.
+            slack: How far joints may be from there; the same wherever the state is the same.
+        """
         name, found = self._kitchen.mechanism.name, [self._floor]
         for body in self._kitchen.mechanism.bodies:
             geometries = [one for one in body.collision if one.shape is not ShapeType.MESH]
@@ -110,7 +116,7 @@ class Surroundings:
             key = body.name, q.tobytes()
             if key not in self._seen:
                 iri = body_iri(name, body.name)
-                self._seen[key] = _placed(iri, chain, q, geometries, self._slack)
+                self._seen[key] = _placed(iri, chain, q, geometries, slack(chain.links))
             found.append(self._seen[key])
         return _all(found)
 
@@ -181,7 +187,7 @@ def _pierced(
     turns = np.array([link.turns for link in links], dtype=np.bool_)
     moved, every = _moved(at.translation, origins, axes, links, half), np.flatnonzero(keeps)[None]
     swing = Swing(origins, axes, half, turns)
-    points, near = _points(at, core.half, solids, every, moved, ROUNDS)
+    points, near = _points(at, core.half, solids, every, moved[:, None], ROUNDS)
     rows, best = np.arange(len(middle)), near.argmax(axis=1)
     depth = _depth(core, at, swing, solids, (points[rows, best], every[0, best]))
     for s in range(every.shape[1]):
@@ -189,10 +195,16 @@ def _pierced(
         if len(left):
             there, which = at.some(left), every[:, [s]]
             less = np.minimum(moved[left], max(float(core.half.min()) - NEARLY, 0.0))
-            points, _ = _points(there, core.half, solids, which, less, MORE_ROUNDS)
+            points, _ = _points(there, core.half, solids, which, less[:, None], MORE_ROUNDS)
             still = Swing(origins[left], axes[left], half[left], turns)
             found = points[:, 0], np.broadcast_to(which[0], len(left))
             depth[left] = _depth(core, there, still, solids, found)
+            if (depth[left] <= 0).any():  # less deep where it moves less
+                points, _ = _points(
+                    there, core.half, solids, which, still.seen(exact(points[:, 0]), there), MORE_ROUNDS
+                )
+                found = points[:, 0], found[1]
+                depth[left] = np.maximum(depth[left], _depth(core, there, still, solids, found))
     return depth
 
 
@@ -220,25 +232,34 @@ def _points(  # noqa: PLR0913, PLR0917  # where a box is, what it may meet, and 
 ) -> tuple[Array, Array]:
     """A point of each solid in each box (L, S, 3), and how deep it lies there (L, S); to be checked.
 
-    The solids are those of `which`, shape (1, S). In floats.
+    The solids are those of `which`, shape (1, S); it is looked for where a box is smaller by `moved`, shape
+    (L, 1) or (L, 3). In floats.
     """
     turn, place = _middle(at.rotation), _middle(at.translation)[:, None]
     other, there = _middle(solids.at.rotation)[which], _middle(solids.at.translation)[which]
-    own = np.maximum(half - moved[:, None], 0.0)[:, None]
+    own = np.maximum(half - moved, 0.0)[:, None]
     room = solids.half[which] * (1 - 1e-9) - 2 * ROUNDING
     point = np.repeat(place, which.shape[1], axis=1)
-    seen = np.zeros_like(point)
-    for _ in range(rounds):
+    last = np.zeros(point.shape[:2])
+    for n in range(rounds):
+        before = point
         seen = np.einsum("lji,lsj->lsi", turn, point - place)
         point = np.einsum("lij,lsj->lsi", turn, np.clip(seen, -own, own)) + place
         local = np.clip(np.einsum("lsji,lsj->lsi", other, point - there), -room, room)
         point = np.einsum("lsij,lsj->lsi", other, local) + there
+        step = np.linalg.norm(point - before, axis=2)
+        if (
+            n % LEAP == LEAP - 1 and n + 1 < rounds
+        ):  # between two faces each step is a share of the one before
+            far = np.where(step < last, step / np.maximum(last - step, NEARBY * last + ROUNDING), 0.0)
+            point = point + (point - before) * far[:, :, None]
+        last = step
     seen = np.einsum("lji,lsj->lsi", turn, point - place)
     return point, (half - np.abs(seen)).min(axis=2)
 
 
-def _placed(iri: Iri, chain: Chain, q: Array, geometries: list[Geometry], slack: float) -> Solids:
-    """Boxes inside the shapes of a body, however the joints before it differ by the slack."""
+def _placed(iri: Iri, chain: Chain, q: Array, geometries: list[Geometry], slack: Array) -> Solids:
+    """Boxes inside the shapes of a body, however the joints before it differ by so much, shape (n,)."""
     found = list[Solids]()
     for geometry in geometries:
         half = within(geometry)

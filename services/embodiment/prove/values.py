@@ -1,0 +1,32 @@
+"""Values of a container at which a proof is looked for."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sdt_kg.twin import Container
+
+Array = NDArray[np.float64]
+
+INSIDE = 0.0025  # [rad or m] before the end of the span: motions pass that value, and come near the end only
+
+
+def needed(container: Container, at: float, values: Array) -> tuple[float, float] | None:
+    """Values that the container has to pass on its way, from the lowest; None if it need not move.
+
+    Of a motion that opens it no more than up to where it is open, of one that closes it no more than
+    down to where it is closed.
+    """
+    last = float(values[-1])
+    if last > at:
+        return (at, min(last, container.open_from)) if container.open_from > at else None
+    return (max(last, container.closed_to), at) if container.closed_to < at else None
+
+
+def spread(span: tuple[float, float], at: float, count: int) -> list[float]:
+    """So many values from where the container is to just before the other end of its span, in order."""
+    low, high = span
+    if at <= low:
+        high = max(high - INSIDE, low)
+    else:
+        low = min(low + INSIDE, high)
+    return np.linspace(low, high, count).clip(low, high).tolist()
