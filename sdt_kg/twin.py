@@ -13,11 +13,12 @@ from sdt_kg.entities import Entities, Replacement
 from sdt_kg.entities.container import Container, LeftOut
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.interchange import Owl, Quads, owlready_ontology, quads_of, rebuilt
-from sdt_kg.iri import PREFIXES, Iri, local_name
+from sdt_kg.iri import PREFIXES, SDT, Iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.state import State
 from sdt_kg.store import Row, Triple, Value, checked_query, rows_of
 from sdt_kg.triples import read_robot
+from sdt_kg.triples.facts import TYPE
 
 __all__ = ["Container", "LeftOut", "Twin"]
 
@@ -87,6 +88,11 @@ class Twin:
     def robots(self) -> tuple[Iri, ...]:
         """IRIs of the robots."""
         return self.entities.robots
+
+    @property
+    def obstacles(self) -> frozenset[Iri]:
+        """Bodies of the kitchen that edits put there."""
+        return frozenset(self.entities.facts.having(TYPE, SDT + "Obstacle"))
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from services.physics.stop import stopped
 from services.physics.sweep import Sweep
 from services.physics.tree import Model, build
 
-KINEMATICS_VERSION = "8"
+KINEMATICS_VERSION = "9"
 """Raised whenever an answer of this oracle may change."""
 
 MODELS_KEPT = 4
@@ -45,7 +45,7 @@ class Kinematics:
 
     def replay(self, twin: Twin, motion: Motion) -> Replayed:
         model = self._of(twin)
-        return stopped(self._sweep_of(model), model, twin, replay(model, twin, motion))
+        return stopped(self._sweep_of(model, twin), model, twin, replay(model, twin, motion))
 
     def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:
         model = self._of(twin)
@@ -63,11 +63,11 @@ class Kinematics:
             self._scene = (twin, robot, Scene(twin, robot))
         return self._scene[2]
 
-    def _sweep_of(self, model: Model) -> Sweep:
+    def _sweep_of(self, model: Model, twin: Twin) -> Sweep:
         for known, sweep in self._sweeps:
             if known is model:
                 return sweep
-        self._sweeps = [(model, Sweep(model)), *self._sweeps[: MODELS_KEPT - 1]]
+        self._sweeps = [(model, Sweep(model, twin.obstacles)), *self._sweeps[: MODELS_KEPT - 1]]
         return self._sweeps[0][1]
 
     def _of(self, twin: Twin) -> Model:

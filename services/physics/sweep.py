@@ -61,12 +61,12 @@ class Block:
 
 
 class Sweep:
-    """The kitchen's shapes, for questions about what moves into what."""
+    """The kitchen's shapes, for questions about what moves into what; obstacles were put there later."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, obstacles: frozenset[Iri] = frozenset()) -> None:
         self._model = model
         *every, floor = shapes_of(model)
-        self._rest = Rest(model, [*every, floor])
+        self._rest = Rest(model, [*every, floor], obstacles)
         self._shapes = Shapes([*every, floor] if self._rest.stands(every) else every)
         self._known: dict[tuple[State, Iri, float], Block | None] = {}
 

@@ -37,9 +37,17 @@ HINGE = 0.1
 
 
 class Rest:
-    """The kitchen with every joint at its start position, in which its parts were fitted together."""
+    """The kitchen with every joint at its start position, in which its parts were fitted together.
 
-    def __init__(self, model: Model, shapes: Sequence[BodyShape]) -> None:
+    Args:
+        model: Of the kitchen.
+        shapes: Of its bodies, and the floor.
+        put: Bodies that were put there later: they bear nothing, and how deep they are in others says nothing
+            of how deep they may be.
+    """
+
+    def __init__(self, model: Model, shapes: Sequence[BodyShape], put: frozenset[Iri] = frozenset()) -> None:
+        self._put = put
         q = np.array([_start(joint.limits) for joint in model.part.joints])
         pin.forwardKinematics(model.model, model.data, model.coupling.positions(q))
         self._joints = model.part.joints
@@ -54,11 +62,15 @@ class Rest:
         self._housed: dict[tuple[Iri, Iri], bool] = {}
 
     def depth(self, one: BodyShape, other: BodyShape) -> float:
-        """[m] How deep the shapes are in each other, 0 where they are apart."""
+        """[m] How deep the shapes are in each other as they were fitted, 0 where they are apart."""
+        if not self._put.isdisjoint((one.body, other.body)):
+            return 0.0
         return max(0.0, -gap_between(one, self._placed[id(one)], other, self._placed[id(other)]))
 
     def touch(self, one: BodyShape, other: BodyShape) -> bool:
-        """Whether the shapes touch."""
+        """Whether the shapes touch as they were fitted."""
+        if not self._put.isdisjoint((one.body, other.body)):
+            return False
         return gap_between(one, self._placed[id(one)], other, self._placed[id(other)]) <= 0
 
     def stands(self, shapes: Sequence[BodyShape]) -> bool:
@@ -78,6 +90,7 @@ class Rest:
         key = (one.body, id(other))
         if key not in self._known:
             bearing = one.parent == other.body or (other.body in one.mount and self._houses(other.body, one))
+            bearing = bearing and other.body not in self._put
             self._known[key] = self._not_beside(other, one) if bearing else other
         return self._known[key]
 

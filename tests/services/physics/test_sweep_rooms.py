@@ -9,6 +9,7 @@ from predicates.causes import causes
 from sdt_kg.load import load_twin
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
+from services.edits import parse_edit
 from services.physics.oracle import Kinematics
 
 PHYSICS = Kinematics()
@@ -157,3 +158,28 @@ def test_a_wall_at_the_hinge_of_the_body_that_a_door_hangs_on_stops_it(
     )
     (tmp_path / "post.urdf").write_text(door)
     assert asked(load_twin(tmp_path / "post.urdf"), "door").holds is free
+
+
+@pytest.mark.parametrize("into", [0.0, 0.009, 0.019])
+@pytest.mark.parametrize("put", [True, False])
+def test_a_board_that_was_put_before_a_drawer_stops_it_however_deep_it_was_put_in_its_front(
+    tmp_path: Path, into: float, put: bool
+) -> None:
+    # Drawn with the kitchen, twice the depth is meant: then a board of 20 mm lets a front of 20 mm through.
+    front = FRONT.replace("{more}", "" if put else BOARD.format(at=0.02 - into))
+    (tmp_path / "front.urdf").write_text(front)
+    twin = load_twin(tmp_path / "front.urdf")
+    twin = parse_edit(twin, f"box:board=0.02,0.2,0.1@{0.02 - into},0,0.5").applied(twin) if put else twin
+    assert asked(twin, "drawer").holds == (not put and into > 0)
+
+
+FRONT = """<robot name="front"><link name="world"/>
+<link name="drawer"><collision><geometry><box size="0.02 0.5 0.2"/></geometry></collision></link>
+<link name="drawer_handle"><collision><geometry><box size="0.01 0.02 0.01"/></geometry></collision></link>
+<joint name="drawer_joint" type="prismatic"><parent link="world"/><child link="drawer"/><axis xyz="1 0 0"/>
+<origin xyz="0 0 0.5"/><limit lower="0" upper="0.4" velocity="1" effort="1"/></joint>
+<joint name="handle_joint" type="fixed"><parent link="drawer"/><child link="drawer_handle"/>
+<origin xyz="0.05 0.2 0"/></joint>{more}</robot>"""
+BOARD = """<link name="board"><collision><geometry><box size="0.02 0.2 0.1"/></geometry></collision></link>
+<joint name="board_joint" type="fixed"><parent link="world"/><child link="board"/>
+<origin xyz="{at} 0 0.5"/></joint>"""
