@@ -15,7 +15,7 @@ def robot() -> None:
     """Bring your own robot."""
 
 
-@robot.command()
+@robot.command(short_help="Write a first annotation of a URDF.")
 @click.argument("urdf", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option(
     "-o",
