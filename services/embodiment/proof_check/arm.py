@@ -16,12 +16,13 @@ from sdt_kg.errors import InputError
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.inside.boxes import Core
 from services.embodiment.proof_check.inside.cores import Around
-from services.embodiment.proof_check.interval import apply, exact
-from services.embodiment.proof_check.mechanics import HERE, Chain, Placement, Tree
+from services.embodiment.proof_check.interval import Interval, apply, exact
+from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement, Tree
 
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-7  # [m] what quaternions and axes of not quite unit length, and upright hinges, can be off by
+BALLS = 32  # of those about what a joint carries that are handed inwards
 UPRIGHT = 1e-12  # [1] deviation of a hinge's axis from the vertical that counts as none
 
 
@@ -54,21 +55,40 @@ def make_arm(gripper: str, chain: Chain, corners: Array, upright: int) -> Arm:
 
 
 def _reaches(chain: Chain, corners: Array) -> Array:
-    """From each joint's origin at most so far to the grasp box: lengths add up."""
-    reach = np.zeros(len(chain.links))
+    """From each joint's origin at most so far to the grasp box.
+
+    Balls about all of it, seen from each joint, are handed inwards; the one that reaches least counts.
+    """
     end = apply(chain.end.rotation, exact(corners)) + chain.end.translation
-    further = float(end.norm().hi.max())
+    middles = exact(np.array([np.zeros(3), (end.lo + end.hi).mean(axis=0) / 2]))
+    balls = middles, (end[None] - middles[:, None]).norm().hi.max(axis=1)
+    reach = np.zeros(len(chain.links))
     for k in range(len(chain.links) - 1, -1, -1):
-        reach[k] = further
-        link = chain.links[k]
-        step = link.before.translation
-        if not link.turns:
-            axis = apply(link.before.rotation, exact(link.axis))
-            ends = (step + axis * exact(q) for q in (link.lower, link.upper))
-            further += max(float(one.norm().hi) for one in ends)
-        else:
-            further += float(step.norm().hi)
+        far = balls[0].norm().hi + balls[1]
+        reach[k] = far.min()
+        least = np.argsort(far)[:BALLS]
+        balls = _inwards(chain.links[k], balls[0][least], balls[1][least])
     return reach * (1 + 1e-12)
+
+
+def _inwards(link: Link, middles: Interval, radii: Array) -> tuple[Interval, Array]:
+    """Balls about what a joint makes of balls, wherever it stands, seen from the joint before.
+
+    A hinge leaves a middle's place along its axis as it is: what is across it counts as radius, or all of it.
+    """
+    axis = exact(link.axis)
+    if link.turns:
+        along, far = axis * (axis * middles).total()[:, None], middles.norm().hi
+        off = (
+            float(((axis * axis).total() - exact(1.0)).magnitude().hi) * far
+        )  # an axis not quite of length 1
+        radii = np.concatenate((radii + (middles - along).norm().hi + off, radii + far))
+        none = np.zeros_like(along.lo)
+        middles = Interval(np.concatenate((along.lo, none)), np.concatenate((along.hi, none)))
+    else:
+        middles = middles + axis * exact((link.lower + link.upper) / 2)
+        radii = radii + (link.upper - link.lower) / 2 * (1 + 1e-12) + ROUNDING
+    return apply(link.before.rotation, middles) + link.before.translation, radii * (1 + 1e-12)
 
 
 def upright(chain: Chain) -> int:

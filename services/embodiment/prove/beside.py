@@ -13,7 +13,7 @@ from services.embodiment.proof_check.mechanics import Tree
 from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import BASE, Statement
 from services.embodiment.proof_check.tree import Goal, halves
-from services.embodiment.prove.arrays import inner, joints
+from services.embodiment.prove.arrays import anywhere, inner, joints
 from services.embodiment.prove.boxes import FOUND, divide
 from services.embodiment.prove.divided import divided
 from services.embodiment.prove.inner import SLACK
@@ -28,7 +28,6 @@ SPARSE = 4  # every so many values are looked at first, then those about the bes
 TRIED = 5  # values at which all of the lift is to be refuted
 NODES = 2_000  # of the tree of one limb
 CODES = 256 - LEAF  # that leaves can have
-ANYWHERE = 1e3  # [m] half the size of a handle from which nothing is too far
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,10 +118,7 @@ class _Asked:
     """A limb as compiled loops take it."""
 
     def __init__(self, body: str, one: Beside) -> None:
-        links = len(one.limb.chain.links)
-        tool = np.eye(3), np.zeros(3), np.zeros(3)
-        handle = np.eye(3)[None], np.zeros((1, 3)), np.full((1, 3), ANYWHERE)
-        wanted = np.full(links, ANYWHERE), tool, handle
+        wanted = anywhere(len(one.limb.chain.links))
         self.body, self._one = body, one
         self._about = joints(one.limb), 0, (wanted, wanted), False, False, SLACK, inner(one.limb, one.around)
 

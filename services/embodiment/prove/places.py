@@ -9,7 +9,7 @@ from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.content import LEAF, NO_HOLD, Places, Refutation
 from services.embodiment.proof_check.places import at_value, region, too_far, wrist_of
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.prove.arrays import Aim, aim, inner, joints
+from services.embodiment.prove.arrays import Aim, aim, anywhere, inner, joints, loosely
 from services.embodiment.prove.boxes import FOUND, divide
 from services.embodiment.prove.inner import SLACK
 
@@ -23,6 +23,7 @@ LAST = 50_000  # the same, of a cell that is not halved any more
 FIRST = 2  # values at which so many are tried: those that refuted the last cells
 LESS = 4  # part of them at the others
 LEAST = 100  # but so many
+ALONE = 3  # part of them for the wrist's place alone, looked at first: joints behind it are not halved then
 MOST = 500_000  # nodes that are spent for one gripper
 NEAR = 1e-4  # [m] more than what is off between a cell's shift and that of the whole region
 
@@ -48,22 +49,27 @@ class _Search:
         self._arm, self._chain, self._wrist = arm, joints(arm), wrist_of(arm)
         self._known = [_value(statement, arm, value, self.whole) for value in values]
         self._order = list(range(len(values)))
-        self._tree = np.zeros(LAST, dtype=np.uint8)
+        self._anything, self._tree = anywhere(len(arm.chain.links)), np.zeros(LAST, dtype=np.uint8)
 
     def refute(self, middle: Array, half: Array) -> tuple[int, bytes] | None:
         """Number of a value that refutes a cell, and the tree; mostly it refutes the next cell too."""
         most = next((nodes for width, nodes in NODES if half.max() >= width), LAST)
         for rank, k in enumerate(self._order):
             at, nodes = self._known[k], most if rank < FIRST else max(most // LESS, LEAST)
-            aims = at.handle, _cell(at, self._wrist, middle, half)
-            about = self._chain, self._arm.upright, aims, True, False, SLACK, at.solids
-            outcome, count = divide(*self.box, *about, self._tree[:nodes])
-            self.spent += count
-            if outcome == FOUND:
+            cell = _cell(at, self._wrist, middle, half)
+            alone = self._divide(at, (self._anything, cell), max(nodes // ALONE, LEAST))
+            tree = alone or self._divide(at, (at.handle, cell), nodes)
+            if tree is not None:
                 self._order.remove(k)
                 self._order.insert(0, k)
-                return k, self._tree[:count].tobytes()
+                return k, tree
         return None
+
+    def _divide(self, at: _Value, aims: tuple[Aim, Aim], nodes: int) -> bytes | None:
+        about = self._chain, self._arm.upright, aims, True, False, SLACK, at.solids
+        outcome, count = divide(*self.box, *about, self._tree[:nodes])
+        self.spent += count
+        return self._tree[:count].tobytes() if outcome == FOUND else None
 
 
 def by_places(statement: Statement, arm: Arm, values: list[float]) -> Refutation | None:
@@ -117,7 +123,7 @@ def _value(statement: Statement, arm: Arm, value: float, whole: tuple[Array, Arr
     at, widest = statement.cell(arm, value, none, none), statement.cell(arm, value, *whole)
     (_, _, (rotations, translations, half)) = aim(arm, at)
     grown = float(half[0, 0] - at.shift[0] + widest.shift[0]) + NEAR
-    return _Value(aim(arm, goal.target), rotations[0], translations[0], grown, inner(arm, goal.around))
+    return _Value(loosely(arm, goal.target), rotations[0], translations[0], grown, inner(arm, goal.around))
 
 
 def _cell(at: _Value, wrist: Arm, middle: Array, half: Array) -> Aim:

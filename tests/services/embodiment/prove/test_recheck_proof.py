@@ -8,12 +8,16 @@ import pytest
 from predicates.case import Artefact, ArtefactKind, Outcome
 from sdt_kg.annotation import Drive
 from services.app import Policy, load
+from services.embodiment.proof_check.content import IN_HAND
+from services.embodiment.prove import Prover
 from services.embodiment.recheck import Saved, recheck_artefact, recheck_verdict
 from services.embodiment.recheck.saved import Entry, by_name
 from services.store.files import SavedVerdicts
 from tests.soak.doors import draw, write
 
 pytestmark = pytest.mark.oracle
+
+BOXES = 1_000  # of a proof, for each gripper and value
 
 
 @pytest.fixture(scope="module")
@@ -59,11 +63,18 @@ def test_a_verdict_that_says_something_else_than_its_proof_does_not_hold(entry: 
 
 @pytest.fixture(scope="module")
 def in_hand(tmp_path_factory: pytest.TempPathFactory) -> tuple[Entry, Saved]:
-    """A standing TIAGo++ before a door whose handle only the ends of its fingers reach."""
+    """A standing TIAGo++ before a door, and a proof of holds in hand kept in place of one of every hold."""
     folder = tmp_path_factory.mktemp("front")
     front = write(draw(np.random.default_rng(95)), folder, "front95")
     service = load(front, ["tiago_dual"], policy=Policy(Drive.FIXED, (0.0, 0.0, 0.0)))
     (verdict,) = service.achieve("open:front_door")
+    twin, door = service.twin, service.twin.container("front_door")
+    about = twin, twin.robots[0], door, Drive.FIXED, (0.0, 0.0, 0.0), np.array([0.0, door.open_from])
+    partial = Prover(*about, within=IN_HAND).prove(BOXES, one_hold=True)
+    assert partial is not None
+    assert verdict.can_perform is not None
+    answer = replace(verdict.can_perform, diagnoses=(partial.diagnosis,), artefact=partial.artefact)
+    verdict = replace(verdict, can_perform=answer, diagnoses=answer.diagnoses)
     with SavedVerdicts(folder / "verdicts.trig") as saved:
         saved.add_twin(service.twin)
         saved.add(verdict)
