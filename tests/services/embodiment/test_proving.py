@@ -21,10 +21,8 @@ from tests.soak.doors import draw, write
 
 HERE = (0.0, 0.0, 0.0)
 FAR = 41  # front whose handle the TIAGo++ touches with the ends of its fingers at best
-STANDING, TIPS = (
-    31,
-    83,
-)  # fronts whose doors come into the TIAGo++'s column, and into a shape of the PR2's base
+STANDING = 31  # front whose door comes into the TIAGo++'s column
+TIPS = 31  # front whose door tips onto a collision shape of the PR2's shoulder
 BRED = 96
 
 
