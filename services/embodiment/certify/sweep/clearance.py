@@ -26,7 +26,9 @@ NEAR = 0.02  # [m] smallest distances above this are not looked for more closely
 PRECISION = 0.001  # [m] of the smallest distance and the deepest penetration that are reported
 PROMPT = 0.02  # [s] precision of the first time of a violation
 SHORTEST = 1e-5  # [s] an interval that is not halved any more
-HOPELESS = 0.01  # [m] above this shift, pairs that are nearer are halved, however much nearer they are
+HOPELESS = (
+    0.005  # [m] above this shift, pairs whose boxes may come so near are halved, however far apart they are
+)
 ROOM = 100_000  # items for which there is room at first; more are counted, and then room is made
 CHUNK = 20_000  # items that are looked at together, for memory
 MOST_ITEMS = 2_000_000  # pairs × intervals of one level: more means a motion too wild to be checked
@@ -254,7 +256,7 @@ def _near(pairs: Pairs, low: Array, high: Array) -> tuple[Indices, Indices]:
     least, room = float(pairs.least.max()) + NEAR, len(pairs.shapes) + ROOM
     while True:
         which, pair = np.empty((2, room), dtype=np.intp)
-        work = np.empty(low.shape[1], dtype=bool), np.empty((2, 3))
+        work = *np.empty((2, 1, *low.shape[1:])), np.empty(len(pairs.shapes), dtype=np.intp)
         count = telling.starting(pairs.shapes, low, high, least, work, which, pair)
         if count <= room:
             return which[:count], pair[:count]

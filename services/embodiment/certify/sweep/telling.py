@@ -31,25 +31,27 @@ def each(interval, intervals, which):
 def starting(pairs, low, high, least, room, which, pair):
     """How many pairs of boxes come nearer than `least`; those for which there is room are in the last two.
 
-    `room` is room: which shapes come near the box about all first ones, shape (S,), and its corners (2, 3).
+    `room` is room: corners of each shape's box all through the spans, shape (1, S, 3) each, and pairs of
+    which these come so near, shape (P,).
     """
-    count, (near, about) = 0, room
-    for u in range(low.shape[0]):
+    lowest, highest, some = room
+    for s in range(low.shape[1]):
         for i in range(3):
-            about[0, i], about[1, i] = math.inf, -math.inf
-        for n in range(pairs.shape[0]):
-            s = pairs[n, 0]
-            if n == 0 or s != pairs[n - 1, 0]:
-                for i in range(3):
-                    about[0, i], about[1, i] = min(about[0, i], low[u, s, i]), max(about[1, i], high[u, s, i])
+            lowest[0, s, i], highest[0, s, i] = math.inf, -math.inf
+    for u in range(low.shape[0]):
         for s in range(low.shape[1]):
-            near[s] = True
             for i in range(3):
-                beside = low[u, s, i] - least > about[1, i] or about[0, i] > high[u, s, i] + least
-                near[s] = near[s] and not beside
-        for n in range(pairs.shape[0]):
-            s, e = pairs[n, 0], pairs[n, 1]
-            if near[e] and _meet(low, high, u, s, e, least):
+                lowest[0, s, i] = min(lowest[0, s, i], low[u, s, i])
+                highest[0, s, i] = max(highest[0, s, i], high[u, s, i])
+    asked, count = 0, 0
+    for n in range(pairs.shape[0]):
+        if _meet(lowest, highest, 0, pairs[n, 0], pairs[n, 1], least):
+            some[asked] = n
+            asked += 1
+    for u in range(low.shape[0]):
+        for k in range(asked):
+            n = some[k]
+            if _meet(low, high, u, pairs[n, 0], pairs[n, 1], least):
                 if count < which.shape[0]:
                     which[count], pair[count] = u, n
                 count += 1
@@ -74,7 +76,7 @@ def look(
     set of each pair, `limits` (PRECISION, HOPELESS, SHORTEST). Items with a bound on their slack of at least
     that of their set in `slacks` − PRECISION that is above 0, or that begin after its `until`, tell nothing
     more: their distance is a bound. So is that of items which are halved whatever it is: those that move by
-    more than HOPELESS, and may meet so.
+    more than HOPELESS, and whose boxes may meet so.
     What items that follow one another have in common is worked out once. `room` is that of two shapes, shapes
     (3, 3), (3,) and (3,) each, of `bounds_of`, and of as many numbers as there are carriers.
     """
@@ -118,11 +120,10 @@ def look(
         low = floor - moved - least
         if low >= slack - precision and (low > 0.0 or spans[0][u] >= open_until):
             continue
-        enough = moved + least + max(slack, 0.0)
-        hit = moved + least if moved > hopeless and wide else -math.inf
-        low, high = bounds_of(convex, a, b, one_r, one_c, two_r, two_c, enough, hit, work)
-        if high <= hit:
+        if low < 0.0 and moved > hopeless and wide:
             continue
+        enough = moved + least + max(slack, 0.0)
+        low, _ = bounds_of(convex, a, b, one_r, one_c, two_r, two_c, enough, -math.inf, work)
         done[n] = LEFT
         if low > -math.inf:
             done[n], distance[n] = ASKED, low
