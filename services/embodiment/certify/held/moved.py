@@ -85,7 +85,7 @@ def tolerated(convex, both, posed, inwards, sides, contact, engaged, room):
     for _ in range(ROOM_STEPS):
         step /= 2.0
         reach, most = engaged + math.sqrt(2.0) * (error + step), contact - error - step
-        count, kept = math.ceil((most + contact) / STEP) + 1, 0
+        count, kept = math.floor((most + contact) / STEP) + 1, 0  # none below -contact
         for f in range(2):
             stays = False
             for n in range(both[f].shape[0]):
