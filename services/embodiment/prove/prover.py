@@ -20,6 +20,8 @@ from services.embodiment.proof_check.check import leaves_of_one, refuted
 from services.embodiment.proof_check.claim import Timing, claim_about
 from services.embodiment.proof_check.content import Proof, Refutation, to_bytes
 from services.embodiment.proof_check.haste import too_fast
+from services.embodiment.proof_check.mechanics import Tree
+from services.embodiment.proof_check.parked import stands
 from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove.beside import Limbs
@@ -266,6 +268,8 @@ class Prover:
         )
         if inside := self._inside(refutations):
             reason += f"; in some of them {inside} would be inside the furniture or the robot"
+        if held := self._held(refutations):
+            reason += f", with {held} where the robot is parked, since no limit of acceleration is known"
         opens = self.twin.state[self.container.joint] <= self.span[0]
         demanded = self.span[1] if opens else self.span[0]
         evidence = Evidence(Quantity.POSITION, demanded, value, unit, entity=self.container.joint)
@@ -273,6 +277,13 @@ class Prover:
             reason += "; its bodies are taken as the collision shapes that certification has"
         whole = within is None and not self.statement.declared
         return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=whole)
+
+    def _held(self, refutations: list[Refutation]) -> str:
+        """Names of joints behind limbs beside the arm that no certified motion moves."""
+        tree, own = Tree(self.twin.mechanism(self.robot)), self.twin.robot(self.robot)
+        limbs = {body for one in refutations if one.parked for body in one.beside}
+        joints = {joint for body in limbs for joint in tree.path(body) if joint.type is not JointType.FIXED}
+        return ", ".join(sorted(joint.name for joint in joints if stands(joint, own)))
 
     def _inside(self, refutations: list[Refutation]) -> str:
         """Names of the bodies whose cores refute something at a single value."""

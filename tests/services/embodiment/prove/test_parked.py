@@ -55,6 +55,7 @@ def test_a_door_that_opens_against_a_parked_head_is_refuted_for_good(opened: tup
     _, proved = opened
     assert proved.diagnosis.proof
     assert "head_2_link" in proved.diagnosis.reason
+    assert "with head_1_joint, head_2_joint where the robot is parked" in proved.diagnosis.reason
     holds, said = again(opened)
     assert holds
     assert PARKED in said
