@@ -56,7 +56,7 @@ def test_a_flag_wins_over_all(file: Path) -> None:
 @pytest.mark.parametrize("name", ["SDT_SED", "SDT_TABLE_SED", "SDT_DRIV", "SDT_TABLE_ROBOT"])
 def test_a_variable_that_is_misspelled_is_told(name: str) -> None:
     said = settings(COMMANDS, Path("/dev/null"), {name: "7"})
-    with pytest.raises(UnknownEntityError, match=f"no variable of a setting named '{name}'; allowed: did"):
+    with pytest.raises(UnknownEntityError, match=f"no variable of a setting named '{name}'; did you mean"):
         default_map("table", table, said)
 
 

@@ -40,18 +40,18 @@ def test_counterfactual_shows_what_turned_and_why_and_keeps_only_the_kitchen_as_
     store = tmp_path / "store.nq"
     parameters = {
         "kitchen": "b",
-        "robots": "stretch",
+        "robots": "stretch,pr2",
         "task": f"open:{DRAWER}",
         "turn": "",
         "store": str(store),
     }
     outcomes, turned, *_ = run(
-        "counterfactual", edits=f"jam:{DRAWER}; box:nowhere=0,0,0", **parameters, **ONE
+        "counterfactual", edits=f"jam:{DRAWER}; broken:left", **parameters, **ONE
     )
     assert "→ abstained" in outcomes
     assert "no such world" in outcomes
     assert "yes, otherwise not asked" in turned
-    assert store.read_text().count("law#Verdict>") == 1
+    assert store.read_text().count("law#Verdict>") == 2
 
 
 def test_codesign_counts_every_world_and_keeps_the_verdict_about_the_kitchen_as_it_is(tmp_path: Path) -> None:
