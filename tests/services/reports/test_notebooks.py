@@ -45,9 +45,7 @@ def test_counterfactual_shows_what_turned_and_why_and_keeps_only_the_kitchen_as_
         "turn": "",
         "store": str(store),
     }
-    outcomes, turned, *_ = run(
-        "counterfactual", edits=f"jam:{DRAWER}; broken:left", **parameters, **ONE
-    )
+    outcomes, turned, *_ = run("counterfactual", edits=f"jam:{DRAWER}; broken:left", **parameters, **ONE)
     assert "→ abstained" in outcomes
     assert "no such world" in outcomes
     assert "yes, otherwise not asked" in turned
