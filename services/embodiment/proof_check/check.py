@@ -18,6 +18,7 @@ from services.embodiment.proof_check.pinch.fingers import handle_span
 from services.embodiment.proof_check.pinch.refuted import refuted_pinches
 from services.embodiment.proof_check.places import at_value, refuted_places
 from services.embodiment.proof_check.statement import Statement
+from services.embodiment.proof_check.steps import refuted_steps
 from services.embodiment.proof_check.tree import refuted_boxes
 
 Array = NDArray[np.float64]
@@ -147,8 +148,7 @@ def leaves_of_one(statement: Statement, arm: Arm, given: Refutation) -> int:
     """
     if len(given.tree) > MOST_NODES:
         raise InputError(f"a tree of {len(given.tree)} nodes", allowed=f"at most {MOST_NODES}")
-    if given.beside and (given.pinched or given.places is not None):
-        raise InputError("a tree of places or fingers that goes over to limbs", allowed="one of arms alone")
+    _alone(given)
     if given.between:
         statement, arm = between(statement, given)
     nodes, links = iter(given.tree), arm.chain.links
@@ -156,7 +156,9 @@ def leaves_of_one(statement: Statement, arm: Arm, given: Refutation) -> int:
         count = _pinches(statement, given, nodes)
     else:
         box = _covered(given, tuple(link.name for link in links), *arm.chain.ranges())
-        if given.places is None:
+        if given.steps is not None:
+            count = refuted_steps(statement, arm, given, nodes, box)
+        elif given.places is None:
             goal = at_value(statement, arm, given.value)
             about = given.value, given.parked
             limbs = tuple(statement.beside(arm, body, *about) for body in given.beside)
@@ -166,6 +168,16 @@ def leaves_of_one(statement: Statement, arm: Arm, given: Refutation) -> int:
     if next(nodes, None) is not None:
         raise InputError("the proof's tree goes on after its end", allowed="a whole tree")
     return count
+
+
+def _alone(given: Refutation) -> None:
+    """Limbs and steps are of trees of the arm's joints alone.
+
+    Raises:
+        InputError: They come with places or with fingers.
+    """
+    if (given.beside or given.steps is not None) and (given.pinched or given.places is not None):
+        raise InputError("a tree of places or fingers that goes over to limbs", allowed="one of arms alone")
 
 
 def between(statement: Statement, given: Refutation) -> tuple[Statement, Arm]:

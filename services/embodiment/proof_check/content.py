@@ -13,7 +13,8 @@ finger that may come to the handle (`pinch/`). From 7 on, behind all these numbe
 the bodies `beside` the arm; after such a node comes a tree of the joints that carry this body, whose leaves
 name cores on them, numbered in the same way (`arm.py`). From 8 on a refutation may be of the
 handle `between` two fingers, a box about it and a slab in place of its shapes and the grasp box (`pinch/`).
-Written is "sdt proof 9": joints of bodies beside the arm that no certified motion moves may be `parked`.
+From 9 on joints of bodies beside the arm that no certified motion moves may be `parked`. Written is
+"sdt proof 10": a refutation may go up `steps`, a value for each part of the lift (`steps.py`).
 """
 
 import base64
@@ -29,9 +30,9 @@ from sdt_kg.errors import InputError
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.claim import Claim, Timing
 
-SCHEMA = "sdt proof 9"
+SCHEMA = "sdt proof 10"
 BY_PLACES = "sdt proof 4"
-SINCE_DECLARED = ("sdt proof 6", "sdt proof 7", "sdt proof 8", SCHEMA)
+SINCE_DECLARED = ("sdt proof 6", "sdt proof 7", "sdt proof 8", "sdt proof 9", SCHEMA)
 SINCE_SOME_HOLDS = ("sdt proof 3", BY_PLACES, "sdt proof 5", *SINCE_DECLARED)
 READ = ("sdt proof 1", "sdt proof 2", *SINCE_SOME_HOLDS)
 IN_HAND = 0.02
@@ -49,6 +50,7 @@ PINCHED = (
 BETWEEN = "fingers: two of them are at the handle at once, so a point of a box about it is between them"
 BESIDE = "limbs beside the arm: they, too, are somewhere within their limits, and touch nothing"
 PARKED = "limbs without a limit of acceleration: parked, since certification lets none of their joints move"
+STEPPED = "lift: it moves without jumps while the container does, as certification demands"
 ONE_HOLD = "one hold: the tool keeps the pose on the handle that it has at the grasp, at all values"
 
 
@@ -66,11 +68,25 @@ class Places:
 
 
 @dataclass(frozen=True, slots=True)
+class Steps:
+    """Of a lift that is divided in equal parts: at which values of the container each part is refuted.
+
+    Attributes:
+        values: Of the container's own joint, one for each part, from the lowest part on [rad or m].
+        pieces: In how many the way is divided from each of these values to the next; 0 if it is the same.
+    """
+
+    values: tuple[float, ...]
+    pieces: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Refutation:
     """Why one gripper cannot hold the handle with the container at a value, or all along.
 
     Attributes:
-        value: Of the container's own joint [rad or m]; with `places`, that which refutes most cells.
+        value: Of the container's own joint [rad or m]; with `places`, that which refutes most cells, with
+            `steps`, the first.
         joints: Names of the chain's joints, from the world on.
         box: Interval of each joint [rad or m].
         tree: Its division; see above.
@@ -79,6 +95,7 @@ class Refutation:
         beside: Bodies that other joints carry, to whose trees the tree may go over.
         between: Whether it is refuted that a point of a box about the handle is between two fingers.
         parked: Whether joints of those bodies that no certified motion moves are where they are parked.
+        steps: Where parts of the lift are refuted at values of their own.
     """
 
     gripper: str
@@ -91,11 +108,13 @@ class Refutation:
     beside: tuple[str, ...] = ()
     between: bool = False
     parked: bool = False
+    steps: Steps | None = None
 
     @property
     def values(self) -> tuple[float, ...]:
         """All values that are needed [rad or m]."""
-        return (self.value,) if self.places is None else self.places.values
+        several = self.places or self.steps
+        return (self.value,) if several is None else several.values
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,6 +148,7 @@ class Proof:
             f"tolerances: those of certification, {claim.tolerances}",
             *([ONE_HOLD] if any(one.places is not None for one in self.refutations) else []),
             *([BESIDE] if any(one.beside for one in self.refutations) else []),
+            *([STEPPED] if any(one.steps is not None for one in self.refutations) else []),
             *([PARKED] if any(one.parked for one in self.refutations) else []),
             *([BETWEEN] if any(one.between for one in self.refutations) else []),
             *([PINCHED] if any(one.pinched for one in self.refutations) else []),
@@ -249,7 +269,17 @@ def _refutation(given: dict[str, Any]) -> Refutation:  # Any: JSON
         tuple(str(each) for each in given.get("beside", ())),
         given.get("between") is True,
         given.get("parked") is True,
+        _steps(given.get("steps")),
     )
+
+
+def _steps(given: dict[str, Any] | None) -> Steps | None:  # Any: JSON
+    if given is None:
+        return None
+    pieces = tuple(given["pieces"])
+    if any(type(one) is not int or one < 0 for one in pieces):
+        raise ValueError(f"{pieces!r} are no numbers of pieces")
+    return Steps(tuple(map(_number, given["values"])), pieces)
 
 
 def _box(given: list[list[object]]) -> tuple[tuple[float, float], ...]:

@@ -25,6 +25,7 @@ def slacks(  # noqa: PLR0913, PLR0917  # which value of what, and how near
     value: float,
     more: float,
     links: tuple[Link, ...],
+    wide: float = 0.0,
 ) -> Array:
     """How far joints of the kitchen may be from where they are with the container at a value, shape (n,).
 
@@ -35,11 +36,24 @@ def slacks(  # noqa: PLR0913, PLR0917  # which value of what, and how near
         value: Of the container [rad or m].
         more: What joints may be off beyond their start [rad or m].
         links: The joints.
+        wide: How far the container may be from the value besides [rad or m].
     """
-    off = tolerances.position + max(tolerances.start_position, tolerances.start_angle)
-    exact = container.active_joint == container.joint and passes(span, value, off + tolerances.coupling)
-    own = local_name(container.joint)
-    return np.array([0.0 if exact and link.name == own else off + more for link in links])
+    exact, own = is_passed(container, span, tolerances, value), local_name(container.joint)
+    off, at = _off(tolerances) + more, 0.0 if exact else _off(tolerances) + more
+    return np.array([at + wide if link.name == own else off for link in links])
+
+
+def is_passed(
+    container: Container, span: tuple[float, float] | None, tolerances: Tolerances, value: float
+) -> bool:
+    """Whether a container whose motion has to go through a span is at some time exactly at a value."""
+    own = container.active_joint == container.joint
+    return own and passes(span, value, _off(tolerances) + tolerances.coupling)
+
+
+def _off(tolerances: Tolerances) -> float:
+    """How far joints of the kitchen start from their state, at most [rad or m]."""
+    return tolerances.position + max(tolerances.start_position, tolerances.start_angle)
 
 
 def passes(span: tuple[float, float] | None, value: float, off: float) -> bool:

@@ -83,7 +83,7 @@ class Statement:
         span: tuple[float, float] | None = None,
     ) -> None:
         self.twin, self.robot, self.container, self.room = twin, robot, container, room
-        self._span = span
+        self.span = span
         self.within, self.declared = within, declared
         self.level, self.start, self.tolerances = drive is not Drive.FIXED, start, tolerances
         self._annotation = twin.robot(robot)
@@ -94,7 +94,7 @@ class Statement:
         self._chains: dict[tuple[str, bool | None], tuple[Chain, Array] | None] = {}
         self._targets: dict[tuple[float, bool], Target] = {}
         self._surroundings = Surroundings(self._kitchen)
-        self._solids: dict[float, Solids] = {}
+        self._solids: dict[tuple[float, float], Solids] = {}
         self._cores: dict[str, tuple[Core, ...]] = {}
         self._own: dict[tuple[str, ...], tuple[Around, ...]] = {}
         self._limbs: dict[tuple[str, bool], Arm] = {}
@@ -102,7 +102,7 @@ class Statement:
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Statement":
         """The same, with the fixed base elsewhere."""
         about = self.twin, self.robot, self.container, Drive.FIXED, start, self.tolerances, room
-        other = Statement(*about, self.within, self.declared, self._span)
+        other = Statement(*about, self.within, self.declared, self.span)
         other._chains, other._targets = self._chains, self._targets
         other._surroundings, other._solids = self._surroundings, self._solids
         return other
@@ -170,15 +170,15 @@ class Statement:
         bounded = all(np.isfinite((link.lower, link.upper)).all() for link in whole.links)
         return (whole, corners) if bounded and whole.links else None
 
-    def around(self, arm: Arm, value: float) -> tuple[Around, ...]:
-        """What is solid with the container at a value; nothing for an arm without cores."""
+    def around(self, arm: Arm, value: float, wide: float = 0.0) -> tuple[Around, ...]:
+        """What is solid with the container so near to a value; nothing for an arm without cores."""
         if not arm.cores:
             return ()
-        if value not in self._solids:
-            about = self.container, self._span, self.tolerances, value, self.tolerances.coupling
+        if (value, wide) not in self._solids:
+            about = self.container, self.span, self.tolerances, value, self.tolerances.coupling
             state = self.twin.at({self.container.joint: value}).state
-            self._solids[value] = self._surroundings.at(state, partial(slacks, *about))
-        solids = self._solids[value]
+            self._solids[value, wide] = self._surroundings.at(state, partial(slacks, *about, wide=wide))
+        solids = self._solids[value, wide]
         keeps = kept_apart(arm.cores, solids, self._tree, self._annotation)
         kitchen = Around(-1, solids, keeps)
         if any(self.room):  # a map asks at many poses: what does not depend on them is left out
@@ -188,8 +188,8 @@ class Statement:
             self._own[joints] = own_solids(arm.cores, self._tree, self._annotation)
         return kitchen, *self._own[joints]
 
-    def beside(self, arm: Arm, body: str, value: float, parked: bool = False) -> Beside:
-        """The joints that carry a body, beside an arm, with the container at a value.
+    def beside(self, arm: Arm, body: str, value: float, parked: bool = False, wide: float = 0.0) -> Beside:
+        """The joints that carry a body, beside an arm, with the container so near to a value.
 
         Where they are `parked`, those that no certified motion moves are.
 
@@ -198,7 +198,7 @@ class Statement:
         """
         key = body, parked
         limb = self._limbs[key] = self._limbs.get(key) or self._limb(body, parked)
-        return beside(arm, limb, self.around(limb, value))
+        return beside(arm, limb, self.around(limb, value, wide))
 
     def _limb(self, body: str, parked: bool) -> Arm:
         """The chain from a fixed base to a body, as an arm of no gripper."""
@@ -296,5 +296,5 @@ class Statement:
         state, name = self.twin.at({self.container.joint: value}).state, self._kitchen.mechanism.name
         chain = self._kitchen.chain(self._kitchen.path(self._handle), HERE, 0.0)
         q = np.array([[state[joint_iri(name, link.name)] for link in chain.links]])
-        slack = slacks(self.container, self._span, self.tolerances, value, 0.0, chain.links)
+        slack = slacks(self.container, self.span, self.tolerances, value, 0.0, chain.links)
         return placed(chain, q, boxes, slack, about)

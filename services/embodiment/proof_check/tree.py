@@ -83,6 +83,19 @@ def _refuted_part(goal: Goal, kind: int, part: Block) -> None:
         _all_pierced(one.limb, one.around, part)
 
 
+def refuted_limb(one: Beside, nodes: Iterator[int], low: Array, high: Array) -> int:
+    """The same of the tree of a limb alone, with the arm in a box: each leaf names a core of it.
+
+    Raises:
+        InputError: One is not refuted, or the tree does not cover the box.
+    """
+    leaves, count = _leaves_of_limb(nodes, one, 0, one.box(low, high)), 0
+    while block := list(islice(leaves, BLOCK)):
+        count += len(block)
+        _all_pierced(one.limb, one.around, block)
+    return count
+
+
 def _firsts(codes: int, beside: tuple[Beside, ...]) -> list[int]:
     """From which number on leaves name a core of each limb, behind all that an arm's leaf can name."""
     return [codes + sum(len(one.limb.cores) for one in beside[:k]) for k in range(len(beside))]

@@ -24,9 +24,9 @@ from services.embodiment.proof_check.mechanics import Tree
 from services.embodiment.proof_check.parked import stands
 from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import Statement
-from services.embodiment.prove.beside import Limbs
 from services.embodiment.prove.boxes import LEAF
 from services.embodiment.prove.divided import divided
+from services.embodiment.prove.limbs.beside import Limbs
 from services.embodiment.prove.pinch import by_fingers
 from services.embodiment.prove.places import by_places
 from services.embodiment.prove.values import needed, spread
@@ -241,12 +241,8 @@ class Prover:
         value = refutations[0].value
         joint = self.twin.mechanism(self.twin.environment).joint(local_name(self.container.joint))
         unit = SLIDE if joint.type is JointType.PRISMATIC else HINGE
-        height = np.array(
-            [
-                (box.translation.lo[2] + box.translation.hi[2]) / 2
-                for box in self.statement.target(value).boxes
-            ]
-        )
+        boxes = self.statement.target(value).boxes
+        height = np.array([(box.translation.lo[2] + box.translation.hi[2]) / 2 for box in boxes])
         handle = local_name(self.container.handle)
         where = (
             f"at a height of {height.mean():.3f} m, whatever base pose it takes"
@@ -268,6 +264,10 @@ class Prover:
         )
         if inside := self._inside(refutations):
             reason += f"; in some of them {inside} would be inside the furniture or the robot"
+        if any(one.steps is not None for one in refutations):
+            reason += (
+                "; each part of the lift at one of these values, and from one to the next where they meet"
+            )
         if held := self._held(refutations):
             reason += f", with {held} where the robot is parked, since no limit of acceleration is known"
         opens = self.twin.state[self.container.joint] <= self.span[0]

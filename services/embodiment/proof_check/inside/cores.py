@@ -95,14 +95,14 @@ class Surroundings:
         at = Placement(below.rotation, exact(np.array([BELOW.position])))
         self._floor = _solids(FLOOR, at, np.array(SIZE) / 2 - ROUNDING)
         self._chains: dict[str, Chain] = {}
-        self._seen: dict[tuple[str, bytes], Solids] = {}
+        self._seen: dict[tuple[str, bytes, bytes], Solids] = {}
 
     def at(self, state: State, slack: Slack) -> Solids:
         """What is below the floor, and boxes inside the kitchen's declared shapes in a state.
 
         Args:
             state: Of the kitchen.
-            slack: How far joints may be from there; the same wherever the state is the same.
+            slack: How far joints may be from there.
         """
         name, found = self._kitchen.mechanism.name, [self._floor]
         for body in self._kitchen.mechanism.bodies:
@@ -113,10 +113,10 @@ class Surroundings:
                 self._chains[body.name] = self._kitchen.chain(self._kitchen.path(body.name), HERE, 0.0)
             chain = self._chains[body.name]
             q = np.array([[state[joint_iri(name, link.name)] for link in chain.links]]).reshape(1, -1)
-            key = body.name, q.tobytes()
+            iri, off = body_iri(name, body.name), slack(chain.links)
+            key = body.name, q.tobytes(), off.tobytes()
             if key not in self._seen:
-                iri = body_iri(name, body.name)
-                self._seen[key] = _placed(iri, chain, q, geometries, slack(chain.links))
+                self._seen[key] = _placed(iri, chain, q, geometries, off)
             found.append(self._seen[key])
         return _all(found)
 

@@ -24,7 +24,7 @@ from services.physics.model import Scene
 from tests.services.embodiment.prove.standing import HERE, front, swept
 from tests.soak.doors import Front
 
-TIPS = 31  # front whose door tips onto a collision shape of the PR2's shoulder
+TIPS = 114  # front whose door comes to the head of the PR2, of which its shapes leave no room
 PASSING = (47, 51)  # fronts whose doors pass the corners that the PR2's base lacks
 STANDING = 31  # front whose door comes into the TIAGo++'s column
 BAR = 0.594  # [m] from the origin to what of a drawer's bar is nearest

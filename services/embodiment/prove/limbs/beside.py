@@ -1,41 +1,29 @@
 """Where bodies beside the arm are in the way with the container at a value, whatever the gripper does."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.mechanism import Joint, JointType
-from services.embodiment.proof_check.arm import Arm, Beside
+from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.content import LEAF, Refutation
 from services.embodiment.proof_check.mechanics import Tree
 from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import BASE, Statement
 from services.embodiment.proof_check.tree import Goal, halves
-from services.embodiment.prove.arrays import anywhere, inner, joints
-from services.embodiment.prove.boxes import FOUND, divide
 from services.embodiment.prove.divided import divided
-from services.embodiment.prove.inner import SLACK
+from services.embodiment.prove.limbs.met import Asked, Box, Met
+from services.embodiment.prove.limbs.steps import Climb
 
 Array = NDArray[np.float64]
-Box = tuple[Array, Array]
 
 CARRIED = 3  # joints behind the base on which bodies are looked at: a lift and two more
 LIFT = len(BASE)  # the joint that is halved for all limbs
 HALVED = 3  # times at most
 SPARSE = 4  # every so many values are looked at first, then those about the best
 TRIED = 5  # values at which all of the lift is to be refuted
-NODES = 2_000  # of the tree of one limb
 CODES = 256 - LEAF  # that leaves can have
-
-
-@dataclass(frozen=True, slots=True)
-class Met:
-    """A limb that is in the way in a part of the lift, to which body it goes, and the tree of its joints."""
-
-    body: str
-    tree: bytes
 
 
 Parts = Met | tuple["Parts", "Parts"] | None
@@ -53,11 +41,13 @@ class Limbs:
     def __init__(self, statement: Statement, values: list[float]) -> None:
         self._statement, self._bodies = statement, _ends(statement)
         self._values, self._known = values, dict[float, Parts]()
+        self._climb: Climb | None = None
 
     def refutations(self, arm: Arm, nodes: int) -> Iterator[Refutation]:
         """Refutations of one gripper at single values: by limbs in parts of the lift, by its arm in others.
 
-        Those values come first at which limbs are in the way in the largest part, by the fewest boxes.
+        Those values come first at which limbs are in the way in the largest part, by the fewest boxes. Last
+        come steps from value to value, if in each part of the lift limbs are in the way at some value.
 
         Args:
             arm: The gripper's.
@@ -73,6 +63,9 @@ class Limbs:
         found = sorted(self._known, key=self._rank, reverse=True)[:TRIED]
         each = (self._refute(arm, value, nodes) for value in found if self._rank(value)[0])
         yield from (one for one in each if one is not None)
+        if all(map(any, zip(*map(_shares, self._known.values()), strict=True))):
+            self._climb = self._climb or Climb(self._statement, self._bodies, self._values[::SPARSE], arm)
+            yield from self._climb.refutations(arm)
 
     def _rank(self, value: float) -> tuple[float, int, float]:
         """In how much of the lift limbs are in the way, by how few boxes (less than nothing), and where."""
@@ -83,7 +76,7 @@ class Limbs:
         if value in self._known:
             return
         limbs = {body: self._statement.beside(arm, body, value, parked=True) for body in self._bodies}
-        asked = [_Asked(body, one) for body, one in limbs.items() if one.shared > LIFT]
+        asked = [Asked(body, one) for body, one in limbs.items() if one.shared > LIFT]
         self._known[value] = _parts(asked, arm.chain.ranges(), HALVED)
 
     def _refute(self, arm: Arm, value: float, nodes: int) -> Refutation | None:
@@ -114,22 +107,7 @@ def _bounded(joint: Joint) -> bool:
     return joint.mimic is None and joint.type is not JointType.CONTINUOUS
 
 
-class _Asked:
-    """A limb as compiled loops take it."""
-
-    def __init__(self, body: str, one: Beside) -> None:
-        wanted = anywhere(len(one.limb.chain.links))
-        self.body, self._one = body, one
-        self._about = joints(one.limb), 0, (wanted, wanted), False, False, SLACK, inner(one.limb, one.around)
-
-    def in_the_way(self, box: Box) -> Met | None:
-        """Where a core meets something solid with the arm anywhere in a box, if it is found to."""
-        tree = np.zeros(NODES, dtype=np.uint8)
-        outcome, written = divide(*self._one.box(*box), *self._about, tree)
-        return Met(self.body, tree[:written].tobytes()) if outcome == FOUND else None
-
-
-def _parts(limbs: list[_Asked], box: Box, halved: int) -> Parts:
+def _parts(limbs: list[Asked], box: Box, halved: int) -> Parts:
     """What is in the way in a box of the arm's positions, halved so many times at most."""
     found = (one.in_the_way(box) for one in limbs)
     met = next((one for one in found if one is not None), None)
@@ -144,6 +122,13 @@ def _covered(parts: Parts) -> float:
     if parts is None or isinstance(parts, Met):
         return 0.0 if parts is None else 1.0
     return (_covered(parts[0]) + _covered(parts[1])) / 2
+
+
+def _shares(parts: Parts, halved: int = HALVED) -> list[bool]:
+    """Of each equal part of the lift, halved so many times: whether something is in the way there."""
+    if parts is None or isinstance(parts, Met):
+        return [parts is not None] * 2**halved
+    return _shares(parts[0], halved - 1) + _shares(parts[1], halved - 1)
 
 
 def _nodes(parts: Parts) -> int:

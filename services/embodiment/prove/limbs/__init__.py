@@ -1,0 +1,1 @@
+"""Where limbs beside the arm, or its own first ones, are in the way."""
