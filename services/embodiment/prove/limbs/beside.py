@@ -13,7 +13,7 @@ from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import BASE, Statement
 from services.embodiment.proof_check.tree import Goal, halves
 from services.embodiment.prove.divided import divided
-from services.embodiment.prove.limbs.met import Asked, Box, Met
+from services.embodiment.prove.limbs.met import CODES, Asked, Box, Met
 from services.embodiment.prove.limbs.steps import Climb
 
 Array = NDArray[np.float64]
@@ -23,7 +23,6 @@ LIFT = len(BASE)  # the joint that is halved for all limbs
 HALVED = 3  # times at most
 SPARSE = 4  # every so many values are looked at first, then those about the best
 TRIED = 5  # values at which all of the lift is to be refuted
-CODES = 256 - LEAF  # that leaves can have
 
 
 Parts = Met | tuple["Parts", "Parts"] | None

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.embodiment.proof_check.arm import Beside
+from services.embodiment.proof_check.content import LEAF
 from services.embodiment.prove.arrays import anywhere, inner, joints
 from services.embodiment.prove.boxes import FOUND, divide
 from services.embodiment.prove.inner import SLACK
@@ -14,6 +15,7 @@ Array = NDArray[np.float64]
 Box = tuple[Array, Array]
 
 NODES = 2_000  # of the tree of one limb
+CODES = 256 - LEAF  # that leaves can have
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from services.embodiment.proof_check.passing import is_passed
 from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.steps import LIFT, piece
-from services.embodiment.prove.limbs.met import Asked, Met
+from services.embodiment.prove.limbs.met import CODES, Asked, Met
 
 Array = NDArray[np.float64]
 Place = tuple[int, int]
@@ -50,7 +50,7 @@ class Climb:
         """The refutation of one gripper, if there are steps; they are looked for once."""
         if self._found is None:
             self._found = self._steps()
-        if self._found:
+        if self._found and at_value(self._statement, arm, self._values[0]).codes + len(self._bodies) <= CODES:
             yield self._refutation(arm, self._found)
 
     def _steps(self) -> list[Place]:

@@ -23,6 +23,7 @@ from services.embodiment.proof_check.content import STEPPED, Steps, read_proof
 from services.embodiment.proof_check.inside.cores import FLOOR
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.steps import LIFT
+from services.embodiment.prove.limbs.steps import Climb
 from services.embodiment.prove.prover import Proved
 from services.physics.model import Scene
 from tests.services.embodiment.prove.standing import HERE, front, swept
@@ -178,6 +179,18 @@ def test_solids_of_a_piece_are_smaller_than_those_of_its_middle(tipped: tuple[Tw
         )
         assert smaller[moving].all()
         assert not smaller[~moving].any()
+
+
+def test_an_arm_with_more_cores_than_leaves_can_name_goes_up_no_steps(tipped: tuple[Twin, Proved]) -> None:
+    statement = about(tipped[0])
+    one = read_proof(tipped[1].artefact.content).refutations[0]
+    arm = statement.arm(statement.grippers[0])
+    assert arm is not None
+    assert one.steps is not None
+    values = sorted(set(one.steps.values))
+    climb = Climb(statement, one.beside, values, arm)
+    assert len([*climb.refutations(arm)]) == 1
+    assert not [*climb.refutations(replace(arm, cores=arm.cores * 2))]
 
 
 def test_no_steps_refute_what_is_certified(tmp_path: Path) -> None:
