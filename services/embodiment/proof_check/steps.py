@@ -8,7 +8,8 @@ takes the container past them all meets a step at some time. At that time the co
 has not stopped for good, so whatever certification demands of a hold in between holds then.
 
 Between two values the container is in one of several pieces, the lift where both parts meet: there a limb
-has to be in the way wherever the container is in the piece. Nothing is asked of the gripper there.
+has to be in the way wherever the container is in the piece. Nothing is asked of the gripper there. What else
+follows the container's joint would be elsewhere in the piece, too: where a joint does, no steps are taken.
 """
 
 from collections.abc import Iterator
@@ -19,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.errors import InputError
+from sdt_kg.iri import local_name
 from sdt_kg.mechanism import JointType
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.content import Refutation, Steps
@@ -93,7 +95,7 @@ def _refuted_piece(  # noqa: PLR0913, PLR0917  # what is to be refuted, and wher
 
 
 def _allowed(statement: Statement, arm: Arm, given: Refutation, steps: Steps) -> None:
-    """The lift has ends of its own, and the container passes each value exactly.
+    """The lift has ends of its own, and the container passes each value exactly, followed by no other joint.
 
     Raises:
         InputError: It is not so.
@@ -103,6 +105,9 @@ def _allowed(statement: Statement, arm: Arm, given: Refutation, steps: Steps) ->
     joint = statement.twin.mechanism(statement.robot).joint(arm.chain.links[LIFT].name)
     if joint.type is JointType.CONTINUOUS or joint.mimic is not None:
         raise InputError(f"steps of {joint.name}", allowed="a joint with limits of its own")
+    own, kitchen = local_name(statement.container.joint), statement.twin.mechanism(statement.twin.environment)
+    if follows := [each.name for each in kitchen.joints if each.mimic and each.mimic.joint == own]:
+        raise InputError(f"steps of {own}, which {follows[0]} follows", allowed="a joint that none follows")
     if not steps.values or given.value != steps.values[0] or len(steps.pieces) != len(steps.values) - 1:
         raise InputError("steps that do not fit each other", allowed="a value for each part, and its ways")
     if sum(steps.pieces) > len(given.tree):

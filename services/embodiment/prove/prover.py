@@ -286,11 +286,11 @@ class Prover:
         return ", ".join(sorted(joint.name for joint in joints if stands(joint, own)))
 
     def _inside(self, refutations: list[Refutation]) -> str:
-        """Names of the bodies whose cores refute something at a single value."""
+        """Names of the bodies whose cores refute something at a single value; of limbs, the ends."""
         bodies: set[str] = set()
         for one in refutations:
             if one.beside:
-                bodies.update(one.beside)
+                bodies.update(f"{body} or what carries it" for body in one.beside)
                 continue
             arm = next(arm for key, (_, arm) in self._arms.items() if key[0] == one.gripper and arm)
             first = LEAF + len(one.joints) + 1

@@ -13,6 +13,7 @@ import pytest
 
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
+from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from services.embodiment.body.limb import Margins, make_limb, rules
 from services.embodiment.body.world import World
@@ -27,6 +28,7 @@ from services.embodiment.prove.limbs.steps import Climb
 from services.embodiment.prove.prover import Proved
 from services.physics.model import Scene
 from tests.services.embodiment.prove.standing import HERE, front, swept
+from tests.soak.doors import draw, write
 
 TIPS = 106
 """Front whose door tips past the right shoulder of the PR2: at no value it is in the way of all the lift."""
@@ -165,6 +167,25 @@ def test_values_that_need_not_be_passed_exactly_are_no_steps(tipped: tuple[Twin,
     assert arm is not None
     with pytest.raises(InputError, match="need not be exactly"):
         leaves_of_one(loose, arm, one)
+
+
+FOLLOWER = """<link name="vane"/>
+<joint name="vane_joint" type="revolute"><parent link="wall"/><child link="vane"/><axis xyz="0 0 1"/>
+<limit lower="-9" upper="9" velocity="1" effort="1"/><mimic joint="front_door_joint" multiplier="5"/></joint>
+</robot>"""
+
+
+def test_a_container_that_another_joint_follows_goes_up_no_steps(
+    tipped: tuple[Twin, Proved], tmp_path: Path
+) -> None:
+    path = write(draw(np.random.default_rng(TIPS)), tmp_path, "front")
+    path.write_text(path.read_text().replace("</robot>", FOLLOWER))
+    statement = about(load_twin(path, ["pr2"]))
+    one = read_proof(tipped[1].artefact.content).refutations[0]
+    arm = statement.arm(statement.grippers[0])
+    assert arm is not None
+    with pytest.raises(InputError, match="which vane_joint follows"):
+        leaves_of_one(statement, arm, one)
 
 
 def test_solids_of_a_piece_are_smaller_than_those_of_its_middle(tipped: tuple[Twin, Proved]) -> None:
