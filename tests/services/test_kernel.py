@@ -1,5 +1,6 @@
 """Compiled loops are kept between processes, and never outlive what they were made of."""
 
+import gc
 import importlib.util
 import multiprocessing
 import subprocess
@@ -230,3 +231,21 @@ def test_what_compiling_and_loading_cost_is_no_work_of_the_thread(loaded: Loader
         assert outer(1.0) == 2.0
         spent, own = time.thread_time() - spent, worked() - own
         assert own < spent / 2
+
+
+def test_garbage_that_compiling_leaves_is_not_looked_for_at_once(loaded: Loader) -> None:
+    freed: list[int] = []
+
+    def told(_phase: str, found: dict[str, int]) -> None:
+        freed.append(found["collected"])
+
+    loaded().outer(1.0)  # what numba makes for its first compilation alone
+    outer, frozen = loaded(inner="x + 2").outer, gc.get_freeze_count()
+    gc.collect()
+    gc.callbacks.append(told)
+    try:
+        assert outer(1.0) == 3.0
+    finally:
+        gc.callbacks.remove(told)
+    assert (sum(freed), gc.get_freeze_count(), gc.isenabled()) == (0, frozen, True)
+    assert gc.collect() > 0
