@@ -1,16 +1,24 @@
-"""Fronts before a robot that stands, and proofs that the container comes into it."""
+"""Fronts before a robot that stands, proofs that the container comes into it, and checks of changed ones."""
 
+import json
+import zlib
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
+from services.embodiment.proof_check import check
 from services.embodiment.prove.prover import Proved, Prover
 from tests.soak.doors import Front, draw, write
 
 HERE = (0.0, 0.0, 0.0)
+Change = Callable[[dict[str, Any]], None]
+Known = tuple[Twin, Proved]
+"""A front with a robot, and what is proved of it."""
 
 
 def front(folder: Path, robot: str, what: int | Front) -> Twin:
@@ -24,3 +32,21 @@ def swept(twin: Twin, declared: bool = False) -> Proved | None:
     door = twin.container("front_door")
     values = np.array([0.0, door.open_from])
     return Prover(twin, twin.robots[0], door, Drive.FIXED, HERE, values, declared=declared).swept()
+
+
+def refuted_front(folder: Path, robot: str, what: int | Front) -> Known:
+    """A front with the robot, which is refuted."""
+    twin = front(folder, robot, what)
+    proved = swept(twin)
+    assert proved is not None
+    return twin, proved
+
+
+def again(known: Known, change: Change = lambda _: None) -> tuple[bool, str]:
+    """Whether a changed proof holds, and what it says."""
+    twin, proved = known
+    whole = json.loads(zlib.decompress(proved.artefact.content))
+    change(whole)
+    changed = zlib.compress(json.dumps(whole).encode())
+    checked = check(twin, twin.robots[0], twin.container("front_door"), changed)
+    return checked.holds, " ".join((*checked.reasons, checked.statement, *checked.assumptions))

@@ -1,8 +1,5 @@
 """Proofs that take the robot's collision shapes for its bodies: what they refute, and that they say so."""
 
-import json
-import zlib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,16 +9,14 @@ import pytest
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.mechanism import Body, Geometry, Pose, ShapeType
-from sdt_kg.twin import Twin
 from services.embodiment.body.limb import Margins, make_limb, rules
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check import check
 from services.embodiment.proof_check.inside.boxes import GAP, THIN, boxes_within
 from services.embodiment.proof_check.inside.cores import pierced
 from services.embodiment.proof_check.statement import Statement
 from services.physics.model import Scene
-from tests.services.embodiment.prove.standing import HERE, front, swept
+from tests.services.embodiment.prove.standing import HERE, Change, Known, again, front, refuted_front, swept
 from tests.soak.doors import Front
 
 TIPS = 114  # front whose door comes to the head of the PR2, of which its shapes leave no room
@@ -30,11 +25,10 @@ STANDING = 31  # front whose door comes into the TIAGo++'s column
 BAR = 0.594  # [m] from the origin to what of a drawer's bar is nearest
 STRIDE = 3  # every so many cores are looked at
 FACE = 0.3342  # [m] from the origin to the front of the PR2's base
-Change = Callable[[dict[str, Any]], None]
 
 
 @pytest.fixture(scope="module")
-def tipped(tmp_path_factory: pytest.TempPathFactory) -> tuple[Twin, bytes]:
+def tipped(tmp_path_factory: pytest.TempPathFactory) -> Known:
     """A front whose door comes into a collision shape of the PR2, not into what is known of its bodies."""
     twin = front(tmp_path_factory.mktemp("front"), "pr2", TIPS)
     assert swept(twin, declared=False) is None
@@ -42,27 +36,15 @@ def tipped(tmp_path_factory: pytest.TempPathFactory) -> tuple[Twin, bytes]:
     assert proved is not None
     assert not proved.diagnosis.proof, "a PR2 with closer shapes is not refuted"
     assert "collision shapes" in proved.diagnosis.reason
-    return twin, proved.artefact.content
+    return twin, proved
 
 
 @pytest.fixture(scope="module")
-def standing(tmp_path_factory: pytest.TempPathFactory) -> tuple[Twin, bytes]:
+def standing(tmp_path_factory: pytest.TempPathFactory) -> Known:
     """The same of a door that comes into the TIAGo++'s column, which is refuted for good."""
-    twin = front(tmp_path_factory.mktemp("front"), "tiago_dual", STANDING)
-    proved = swept(twin, declared=False)
-    assert proved is not None
+    twin, proved = refuted_front(tmp_path_factory.mktemp("front"), "tiago_dual", STANDING)
     assert proved.diagnosis.proof
-    return twin, proved.artefact.content
-
-
-def again(known: tuple[Twin, bytes], change: Change = lambda _: None) -> tuple[bool, str]:
-    """Whether a changed proof holds, and its assumptions."""
-    twin, content = known
-    whole = json.loads(zlib.decompress(content))
-    change(whole)
-    changed = zlib.compress(json.dumps(whole).encode())
-    checked = check(twin, twin.robots[0], twin.container("front_door"), changed)
-    return checked.holds, " ".join((checked.statement, *checked.assumptions))
+    return twin, proved
 
 
 @pytest.mark.parametrize("seed", PASSING)
@@ -70,7 +52,7 @@ def test_corners_that_the_base_lacks_refute_nothing(tmp_path: Path, seed: int) -
     assert swept(front(tmp_path, "pr2", seed), declared=True) is None
 
 
-def test_a_proof_says_of_which_bodies_it_is(tipped: tuple[Twin, bytes], standing: tuple[Twin, bytes]) -> None:
+def test_a_proof_says_of_which_bodies_it_is(tipped: Known, standing: Known) -> None:
     holds, said = again(tipped)
     assert holds
     assert "its collision shapes for its bodies" in said
@@ -111,17 +93,17 @@ def in_words(whole: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("change", [of_bodies, earlier, older])
-def test_a_changed_proof_of_shapes_does_not_hold(tipped: tuple[Twin, bytes], change: Change) -> None:
+def test_a_changed_proof_of_shapes_does_not_hold(tipped: Known, change: Change) -> None:
     assert not again(tipped, change)[0]
 
 
-def test_one_of_bodies_is_none_of_shapes_and_an_older_one_is_read(standing: tuple[Twin, bytes]) -> None:
+def test_one_of_bodies_is_none_of_shapes_and_an_older_one_is_read(standing: Known) -> None:
     assert not again(standing, of_shapes)[0]
     assert again(standing, older)[0]
 
 
 @pytest.mark.parametrize("change", [unsaid, older_and_said, in_words])
-def test_of_which_bodies_it_is_has_to_be_told(standing: tuple[Twin, bytes], change: Change) -> None:
+def test_of_which_bodies_it_is_has_to_be_told(standing: Known, change: Change) -> None:
     with pytest.raises(InputError, match="how the robot's bodies are taken"):
         again(standing, change)
 
