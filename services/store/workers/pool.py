@@ -2,6 +2,7 @@
 
 import asyncio
 import os
+import signal
 import socket
 import sys
 from collections.abc import AsyncIterator, Iterable
@@ -50,6 +51,15 @@ class _Worker:
     writer: asyncio.StreamWriter
     spent: bool = False
     stale: bool = False
+
+    @property
+    def gone(self) -> bool:
+        """Whether its end was noticed; one that leaves data unread resets its channel, not ends it."""
+        return self.reader.at_eof() or self.writer.is_closing()
+
+
+class _KilledError(CrashedQueryError):
+    """Somebody killed the worker, perhaps before it read the question: another one may be asked, once."""
 
 
 @dataclass
@@ -132,12 +142,19 @@ class Workers:
         asked = replace(asked, rows=min(asked.rows, limits.rows), size=min(asked.size, limits.size))
         most = min(limits.seconds, seconds)
         try:
-            async with asyncio.timeout(most), self._borrowed() as worker:
-                worker.writer.write(packed(asked.head()))
-                head, body = await read(worker.reader)
-                worker.spent = head["spent"]
+            async with asyncio.timeout(most):
+                try:
+                    return await self._answer(asked)
+                except _KilledError:
+                    return await self._answer(asked)
         except TimeoutError:
             raise LimitError(Limit.TIME, f"{most:g} s") from None
+
+    async def _answer(self, asked: Asked) -> Answered:
+        async with self._borrowed() as worker:
+            worker.writer.write(packed(asked.head()))
+            head, body = await read(worker.reader)
+            worker.spent = head["spent"]
         if "error" in head:
             raise error_of(head)
         return Answered(head["media"], body, head["found"])
@@ -187,7 +204,7 @@ class Workers:
                     async with self._free:
                         await self._free.wait_for(lambda: bool(self._idle))
                 worker = self._idle.pop()
-                if not (worker.stale or worker.reader.at_eof()):  # killed while nobody asked it anything
+                if not (worker.stale or worker.gone):
                     return worker
                 await asyncio.shield(self._replacing(worker))
         finally:
@@ -202,7 +219,8 @@ class Workers:
         """Why a worker died: Rust says so when it gets no memory, and aborts."""
         if "memory allocation" in end["said"] or "MemoryError" in end["said"]:
             return LimitError(Limit.MEMORY, f"{self.limits.memory} bytes")
-        return CrashedQueryError(
+        kind = _KilledError if end["signal"] == signal.SIGKILL else CrashedQueryError
+        return kind(
             f"the query ended its process (signal {end['signal']})",
             allowed="queries that are not nested thousands deep",
             remedy="simplify it",

@@ -184,10 +184,15 @@ def state_of(pid: int) -> str:
     return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
 
 
-def test_workers_that_are_killed_are_replaced_and_lost_data_is_said(serve) -> None:
+@pytest.mark.parametrize("unread", [False, True], ids=["idle", "with a change unread"])
+def test_workers_that_are_killed_are_replaced_and_lost_data_is_said(serve, unread: bool) -> None:
     served = serve(workers=2)
     deadline = time.monotonic() + 10
     killed = served.world.workers.pids
+    if unread:
+        for pid in killed:
+            os.kill(pid, signal.SIGSTOP)
+        served.apply(put("http://e/late", b'<http://e/s> <http://e/p> "1" .'))
     for pid in killed:
         os.kill(pid, signal.SIGKILL)
     while any(state_of(pid) != "Z" for pid in killed) and time.monotonic() < deadline:
