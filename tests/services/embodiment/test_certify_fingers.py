@@ -21,10 +21,8 @@ HOOK = (
     '<joint name="down_joint" type="fixed"><parent link="up_finger"/><child link="down_finger"/>'
     '<origin xyz="0 0 -0.012"/>'
 )
-GROOVES = (
-    (-0.03, 0.012),
-    (0.028, 0.03),
-)  # [m] along a finger, before and behind a groove that the bar fits into
+GROOVE = 0.012, 0.028  # [m] along a finger, which reaches from -0.03 to 0.03; the bar fits into it
+BAR = 0.015  # [m] along a finger, where the bar begins
 THIN = 0.0008  # [m] fingers, and the plate that they should hold
 
 
@@ -119,11 +117,11 @@ def test_what_fingers_may_differ_by_is_a_number(tmp_path: Path, said: str) -> No
         judge(twin_of(tmp_path, *texts(), turtle), opening())
 
 
-def grooved(folder: Path, deep: float) -> str:
-    """URDF of the gantry, both fingers meshes of three boxes: 10 mm thick, less by `deep` at the bar."""
+def grooved(folder: Path, deep: float, groove: tuple[float, float] = GROOVE) -> str:
+    """URDF of the gantry, both fingers meshes of three boxes: 10 mm thick, less by `deep` in a groove."""
     robot = texts()[0]
     for name, inner in (("up", -1), ("down", 1)):
-        boxes = [((low, high), 0.01) for low, high in GROOVES] + [((0.012, 0.028), 0.01 - deep)]
+        boxes = [((-0.03, groove[0]), 0.01), (groove, 0.01 - deep), ((groove[1], 0.03), 0.01)]
         parts = [
             trimesh.creation.box(bounds=[(low, -0.01, -0.005), (high, 0.01, thick - 0.005)])
             for (low, high), thick in boxes
@@ -152,3 +150,20 @@ def test_fingers_hold_nothing_in_a_groove_that_is_deeper_than_they_may_be_away(
         return
     assert isinstance(verdict, Refused)
     assert any("mm away from drawer_handle" in each.reason for each in verdict.diagnoses)
+
+
+@pytest.mark.parametrize(("over", "holds"), [(0.0032, True), (0.0028, False), (0.001, False)])
+def test_what_of_a_finger_does_not_reach_over_the_bar_holds_nothing_though_a_piece_does(
+    tmp_path: Path, over: float, holds: bool
+) -> None:
+    # In front of the bar's back edge the finger touches it; farther on it is too thin to.
+    groove = BAR + over, 0.0295
+    twin = twin_of(tmp_path, grooved(tmp_path, 0.006, groove), texts()[1])
+    verdict = judge(twin, opening(rests=closing(WIDE)))
+    if holds:
+        assert isinstance(verdict, Certified), verdict.diagnoses
+        return
+    assert isinstance(verdict, Refused)
+    assert any(f"reaches {1000 * over:.1f} mm over" in each.reason for each in verdict.diagnoses), (
+        verdict.diagnoses
+    )

@@ -32,7 +32,8 @@ class Press:
         gap: Its way to the handle along the closing direction [m]; negative is its depth. Of a finger with
             meshes, that of its triangles.
         at: Where it then touches the handle, along y of the tool [m].
-        over: How far it reaches over the handle [m], at most what is demanded.
+        over: How far it reaches over the handle [m], at most what is demanded. Of a finger with meshes, the
+            less of what its pieces and its triangles do.
     """
 
     finger: Iri
@@ -131,13 +132,25 @@ class Grip:
         """By how much the handle may be elsewhere and is still between these fingers [m].
 
         The faces that meet are those that meet at the grasp. At least so much is shown, for one convex
-        piece of each finger and one of the handle; nothing, where a piece fills a hollow of its finger.
+        piece of each finger and one of the handle; nothing, where a piece fills a hollow of its finger, or
+        reaches farther than its triangles.
         """
         if not self._hollow.isdisjoint(pinch.fingers):
             return 0.0
         both = tuple(self._pairs[body] for body in pinch.fingers)
-        asked = self._tolerances.contact, self._tolerances.engaged, self._room
-        return moved.tolerated(self._shapes.convex, both, self._posed, self._inward, self._sides, *asked)
+        contact, engaged = self._tolerances.contact, self._tolerances.engaged
+        asked = contact, engaged, self._room
+        error = moved.tolerated(self._shapes.convex, both, self._posed, self._inward, self._sides, *asked)
+        far = engaged + float(np.sqrt(2.0)) * error
+        real = [
+            (self._surfaces[body], inward)
+            for body, inward in zip(pinch.fingers, self._inward, strict=True)
+            if body in self._surfaces
+        ]
+        shown = all(
+            each.touches(inward, -contact, contact - error, self._sides, far) for each, inward in real
+        )
+        return error if shown else 0.0
 
     def lacking(self) -> Iri:
         """The finger to blame if no two have the handle between them: one that is missing on its side."""
@@ -162,7 +175,12 @@ class Grip:
         nearest = (self._shapes.nearest_points(self._placed, pair, back) for pair in shapes)
         _, _, on_handle = min(nearest, key=lambda each: each[0])
         way = self._way(body, inward, gap)
-        return Press(body, way, float(on_handle @ self._inward[1]), over) if np.isfinite(way) else None
+        if not np.isfinite(way):
+            return None
+        if body in self._surfaces:
+            real = self._surfaces[body]
+            over = min(over, real.over(inward, way, self._sides, tolerances.engaged, self._slope))
+        return Press(body, way, float(on_handle @ self._inward[1]), over)
 
     def _way(self, body: Iri, inward: Array, gap: float) -> float:
         """The way of the finger as it is, whose pieces have that gap [m]; infinite if it does not touch."""

@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 
 TOUCH = 1e-5  # [m] what is nearer touches: a mesh's vertices are single numbers mostly
 MOST_STEPS = 256  # inward, each as long as the distance; what grazes for longer does not touch
+FINE = 1e-5  # [m] precision of how far a finger reaches over a handle, where that is less than asked
+HERE = np.zeros(3)
 
 Posed = tuple[coal.CollisionGeometry, Array, Array]
 """A shape, its rotation (3, 3) and origin (3,) [m] in the world."""
@@ -35,20 +37,50 @@ class Surface:
     finger: Sequence[Posed]
     handle: Sequence[Posed]
 
-    def way(self, inward: Array, first: float, most: float) -> float:
-        """How far the finger moves inward until it touches the handle, no less than `first` [m].
+    def way(self, inward: Array, first: float, most: float, aside: Array = HERE) -> float:
+        """How far the finger, moved aside before, moves inward until it touches the handle [m].
 
-        Infinite if that is farther than `most`.
+        No less than `first`; infinite if that is farther than `most`.
         """
         way = first
         for _ in range(MOST_STEPS):
             if way > most:
                 break
-            distance = self.distance(way * inward)
+            distance = self.distance(aside + way * inward)
             if distance <= TOUCH:
                 return way
             way += distance
         return np.inf
+
+    def touches(self, inward: Array, first: float, most: float, sides: Array, much: float) -> bool:
+        """Whether, moved so far to each side before, it touches on its way inward between the two [m]."""
+        return all(
+            self.distance(much * side + most * inward) <= TOUCH  # which is quicker, where fingers are thick
+            or np.isfinite(self.way(inward, first, most, much * side))
+            for side in sides
+        )
+
+    def over(self, inward: Array, way: float, sides: Array, engaged: float, slope: float) -> float:
+        """How far the finger reaches over the handle to the least of some sides [m], at most `engaged`.
+
+        Args:
+            inward: World direction.
+            way: Of the finger until it touches [m].
+            sides: World directions, shape (S, 3).
+            engaged: What is asked for.
+            slope: By which its way may grow for each step aside [1].
+        """
+
+        def holds(much: float) -> bool:
+            return self.touches(inward, way, way + slope * much, sides, much)
+
+        if holds(engaged):
+            return engaged
+        least, most = 0.0, engaged
+        while most - least > FINE:
+            middle = (least + most) / 2
+            least, most = (middle, most) if holds(middle) else (least, middle)
+        return least
 
     def distance(self, shift: Array) -> float:
         """Of the finger, moved in the world, from the handle [m]; 0 or less where they touch."""
