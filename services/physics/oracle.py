@@ -18,7 +18,7 @@ from services.physics.stop import stopped
 from services.physics.sweep import Sweep
 from services.physics.tree import Model, build
 
-KINEMATICS_VERSION = "9"
+KINEMATICS_VERSION = "10"
 """Raised whenever an answer of this oracle may change."""
 
 MODELS_KEPT = 4

@@ -65,9 +65,8 @@ class Sweep:
 
     def __init__(self, model: Model, obstacles: frozenset[Iri] = frozenset()) -> None:
         self._model = model
-        *every, floor = shapes_of(model)
-        self._rest = Rest(model, [*every, floor], obstacles)
-        self._shapes = Shapes([*every, floor] if self._rest.stands(every) else every)
+        every = list(shapes_of(model))
+        self._rest, self._shapes = Rest(model, every, obstacles), Shapes(every)
         self._known: dict[tuple[State, Iri, float], Block | None] = {}
 
     def first_block(self, state: State, active: Iri, end: float) -> Block | None:
@@ -163,8 +162,8 @@ class _Path:
         stopping = self._rest.stopping(one, other)
         if stopping is not None:
             yield one, stopping
-        if stopping is not other and (far := self._rest.swung(one)) is not None:
-            yield far, other
+        if stopping is not other:
+            yield from ((core, other) for core in self._rest.cores(one, other))
 
     def together(self, shapes: "Shapes") -> Iterator[tuple[BodyShape, BodyShape]]:
         """Pairs of shapes that move, each in its own way, as two leaves do of which one follows the other."""
@@ -178,6 +177,10 @@ class _Path:
                 pair = self._rest.stopping(other, one), self._rest.stopping(one, other)
                 if pair[0] is not None and pair[1] is not None:
                     yield pair[0], pair[1]
+                if pair[1] is not other:
+                    yield from ((core, other) for core in self._rest.cores(one, other))
+                if pair[0] is not one:
+                    yield from ((one, core) for core in self._rest.cores(other, one))
 
     def _way(self, half: float) -> Way:
         """The way of the only joint that moves, whose axis rests."""
@@ -243,7 +246,9 @@ class _Path:
         least = _least(one, other)
         if least == TOUCH and self._rest.touch(one, other):
             away = self._rest.away(other, one)
-            return None if away is None else self.followed(one, away, end, until)
+            if away is None:
+                return None
+            other = away
         direction, speed = np.sign(end - self._begin), self._speed(one) + self._speed(other)
         moves, against = other.joint in self._moving, self._placed(other, self._begin)
         position, allowed, free = self._begin, least, 0.0
@@ -251,7 +256,7 @@ class _Path:
             against = self._placed(other, position) if moves else against
             gap = gap_between(one, self._placed(one, position), other, against)
             if position == self._begin:
-                allowed += REST_FACTOR * self._rest.depth(one, other)
+                allowed += 0.0 if least == TOUCH else REST_FACTOR * self._rest.depth(one, other)
                 free = 2 * LEAST_STEP if least == TOUCH and gap < -TOUCH else 0.0
             if gap < -allowed and not (free and position == self._begin):
                 return Block(position, -gap, max(allowed, 0.0), one.body, other.body)

@@ -127,12 +127,12 @@ def bent(triangles: Array) -> Piece:
 def beyond(piece: Piece, way: Array, least: float) -> Piece | None:
     """The part of a piece that is farther along a direction than that [m]; None if there is none.
 
-    Of triangles those that are so as a whole; of what is round, all or nothing.
+    Of what is round, all or nothing.
     """
     shape = piece.shape
     if isinstance(shape, coal.BVHModelBase):
         triangles = corners(shape)
-        triangles = triangles[(triangles @ way > least).all(axis=1)]
+        triangles = _clipped(triangles, triangles @ way - least)
         return bent(triangles) if len(triangles) else None
     box = np.array(list(product(*np.stack((piece.low, piece.high), axis=1).tolist())))
     points = np.array(shape.points()) if isinstance(shape, coal.ConvexBase) else box
@@ -146,6 +146,22 @@ def beyond(piece: Piece, way: Array, least: float) -> Piece | None:
     cut = (ends + share[:, :, None] * (begins - ends)).reshape(-1, 3)
     kept = with_volume(np.vstack((points[along > 0], cut)))
     return Piece(kept.min(axis=0), kept.max(axis=0), partial(hull_of_solid, kept))
+
+
+def _clipped(triangles: Array, along: Array) -> Array:
+    """The parts of triangles, shape (M, 3, 3), where what their corners have `along`, (M, 3), is above 0."""
+    above = along > 0
+    parts = [triangles[above.all(axis=1)]]
+    for count in (1, 2):
+        some = above.sum(axis=1) == count
+        # From the corner on, that is on its side of the plane alone.
+        order = (np.argmax(above[some] == (count == 1), axis=1)[:, None] + np.arange(3)) % 3
+        at = np.take_along_axis(along[some], order, 1)
+        a, b, c = np.moveaxis(np.take_along_axis(triangles[some], order[:, :, None], 1), 1, 0)
+        ab, ac = (a + (at[:, 0] / (at[:, 0] - at[:, k]))[:, None] * (to - a) for k, to in ((1, b), (2, c)))
+        cut = [(a, ab, ac)] if count == 1 else [(ab, b, c), (ab, c, ac)]
+        parts += [np.stack(each, axis=1) for each in cut]
+    return np.concatenate(parts)
 
 
 def _piece(points: Array, faces: Indices) -> Piece:

@@ -127,22 +127,41 @@ def test_a_drawer_of_a_room_that_is_one_mesh_does_not_pass_its_walls(
     assert asked(load_twin(tmp_path / "post.urdf"), "drawer").holds is free
 
 
+def bent_drawer(tmp_path: Path, other: str, joints: tuple[tuple[str, str], ...], high: float = 0.0) -> str:
+    """A drawer that is one bent mesh, 0.4 m long, and another one of link `shelf`."""
+    drawer = angle(tmp_path / "drawer.obj", (-0.2, 0.18, 0.2), (-0.1101, -0.1, 0.1))
+    urdf = ROOM.format(panels="", obstacle="", high=0.0).replace("0.25 0 0.0", f"0.1 0 {high}")
+    urdf = urdf.replace('<collision><geometry><box size="0.4 0.58 0.2"/></geometry></collision>', drawer)
+    links = f'<link name="between"/><link name="shelf">{other}</link>'
+    for parent, child in joints:
+        links += (
+            f'<joint name="at_{child}" type="fixed"><parent link="{parent}"/><child link="{child}"/></joint>'
+        )
+    return urdf.replace("</robot>", f"{links}</robot>")
+
+
+APART = ("room", "between"), ("between", "shelf")
+MOUNTED = ("room", "between"), ("room", "shelf")
+
+
 @pytest.mark.parametrize(("wall", "free"), [(0.5, False), (0.7, True)])
 def test_a_bent_drawer_that_lies_on_a_bent_shelf_stops_at_the_wall_behind_it(
     tmp_path: Path, wall: float, free: bool
 ) -> None:
     # Where triangles touch at rest they do not tell how deep they are; of what is elsewhere they do.
     shelf = angle(tmp_path / "shelf.obj", (-0.5, wall, 0.8), (-0.4, -0.11, 0.5))
-    drawer = angle(tmp_path / "drawer.obj", (-0.2, 0.18, 0.2), (-0.1101, -0.1, 0.1))
-    urdf = ROOM.format(panels="", obstacle="", high=0.0).replace("0.25 0 0.0", "0.1 0 0.0")
-    urdf = urdf.replace('<collision><geometry><box size="0.4 0.58 0.2"/></geometry></collision>', drawer)
-    links = f'<link name="between"/><link name="shelf">{shelf}</link>'
-    for parent, child in (("room", "between"), ("between", "shelf")):
-        links += (
-            f'<joint name="at_{child}" type="fixed"><parent link="{parent}"/><child link="{child}"/></joint>'
-        )
-    (tmp_path / "post.urdf").write_text(urdf.replace("</robot>", f"{links}</robot>"))
+    (tmp_path / "post.urdf").write_text(bent_drawer(tmp_path, shelf, APART))
     assert asked(load_twin(tmp_path / "post.urdf"), "drawer").holds is free
+
+
+@pytest.mark.parametrize("joints", [APART, MOUNTED])
+@pytest.mark.parametrize("gap", [-0.0005, 0.0005])
+def test_a_bent_drawer_stops_at_a_bent_panel_before_it_whether_or_not_both_touch(
+    tmp_path: Path, gap: float, joints: tuple[tuple[str, str], ...]
+) -> None:
+    panel = angle(tmp_path / "panel.obj", (0.2 + gap, 0.23, 0.245), (-0.1, -0.09, 0.1))
+    (tmp_path / "post.urdf").write_text(bent_drawer(tmp_path, panel, joints, high=0.3))
+    assert not asked(load_twin(tmp_path / "post.urdf"), "drawer").holds
 
 
 @pytest.mark.parametrize(("wall", "free"), [(shape("0.3 0.05 1", "0.15 -0.28 0"), False), ("", True)])
