@@ -13,7 +13,7 @@ from sdt_kg.entities import Entities, Replacement
 from sdt_kg.entities.container import Container, LeftOut
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.interchange import Owl, Quads, owlready_ontology, quads_of, rebuilt
-from sdt_kg.iri import PREFIXES, SDT, Iri, local_name
+from sdt_kg.iri import PREFIXES, SDT, Iri, joint_iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.state import State
 from sdt_kg.store import Row, Triple, Value, checked_query, rows_of
@@ -93,6 +93,13 @@ class Twin:
     def obstacles(self) -> frozenset[Iri]:
         """Bodies of the kitchen that edits put there."""
         return frozenset(self.entities.facts.having(TYPE, SDT + "Obstacle"))
+
+    @property
+    def posed_joints(self) -> frozenset[Iri]:
+        """Joints of the kitchen whose frames edits put elsewhere, with all that they carry."""
+        kitchen, facts = self.mechanism(self.environment), self.entities.facts
+        joints = (joint_iri(kitchen.name, each.name) for each in kitchen.joints)
+        return frozenset(each for each in joints if facts.one(each, "drawnAt") is not None)
 
     @property
     def notes(self) -> tuple[str, ...]:

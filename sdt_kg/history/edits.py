@@ -22,6 +22,8 @@ FIRST_OBSTACLE_INDEX: Final = 1_000_000
 """Obstacles come after all else, in an order that does not depend on when each was put there."""
 OBSTACLE_INDICES: Final = 2**40
 OBSTACLE: Final = SDT + "Obstacle"
+DRAWN_AT: Final = SDT + "drawnAt"
+POSE: Final = "x", "y", "z", "qx", "qy", "qz", "qw"
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,14 +171,32 @@ def _back(before: Twin, joints: Sequence[Iri]) -> Moved:
 
 def changed(twin: Twin, subject: Iri, **changes: Value) -> Rewritten:
     """Properties of one individual become others: a limit (`upperLimit`), a pose (`x`), say; None removes."""
-    return Rewritten(twin.entities.replacement(subject, changes))
+    return Rewritten(_elsewhere(twin, subject, twin.entities.replacement(subject, changes)))
+
+
+def _elsewhere(twin: Twin, subject: Iri, by: Replacement) -> Replacement:
+    """The replacement; where it puts a joint's frame elsewhere, the joint keeps where it was drawn."""
+    joint, _, part = subject.rpartition("/")
+    if part != "origin":
+        return by
+    facts = twin.entities.facts
+    values = {name: facts.number(subject, name) for name in POSE}
+    here, kept = " ".join(map(repr, values.values())), facts.one(joint, "drawnAt")
+    added = {local_name(name): value for _, name, value in by.added}
+    values |= {name: float(value.value) for name, value in added.items() if isinstance(value, ox.Literal)}
+    before, now = frozenset[Triple](), frozenset[Triple]()
+    if kept is not None:
+        before = frozenset({(joint, DRAWN_AT, ox.Literal(str(kept)))})
+    if " ".join(map(repr, values.values())) != (kept or here):
+        now = frozenset({(joint, DRAWN_AT, ox.Literal(str(kept or here)))})
+    return replace(by, removed=by.removed | (before - now), added=by.added | (now - before))
 
 
 def posed(twin: Twin, joint: Iri, pose: Pose) -> Rewritten:
     """The frame of a joint is elsewhere in its parent's frame, and with it the bodies that it carries."""
-    names = ("x", "y", "z", "qx", "qy", "qz", "qw")
-    values: dict[str, Value] = dict(zip(names, (*pose.position, *pose.orientation), strict=True))
-    by = twin.entities.replacement(f"{joint}/origin", values)
+    values: dict[str, Value] = dict(zip(POSE, (*pose.position, *pose.orientation), strict=True))
+    origin = f"{joint}/origin"
+    by = _elsewhere(twin, origin, twin.entities.replacement(origin, values))
     shown = ", ".join(f"{value:g}" for value in (*pose.position, *pose.orientation))
     return Rewritten(replace(by, note=f"edited: {local_name(joint)}: pose = {shown}"))
 

@@ -67,7 +67,10 @@ class Kinematics:
         for known, sweep in self._sweeps:
             if known is model:
                 return sweep
-        self._sweeps = [(model, Sweep(model, twin.obstacles)), *self._sweeps[: MODELS_KEPT - 1]]
+        self._sweeps = [
+            (model, Sweep(model, twin.obstacles | twin.posed_joints)),
+            *self._sweeps[: MODELS_KEPT - 1],
+        ]
         return self._sweeps[0][1]
 
     def _of(self, twin: Twin) -> Model:

@@ -61,12 +61,12 @@ class Block:
 
 
 class Sweep:
-    """The kitchen's shapes, for questions about what moves into what; obstacles were put there later."""
+    """The kitchen's shapes, for questions about what moves into what; some may be `put` there (`Rest`)."""
 
-    def __init__(self, model: Model, obstacles: frozenset[Iri] = frozenset()) -> None:
+    def __init__(self, model: Model, put: frozenset[Iri] = frozenset()) -> None:
         self._model = model
         every = list(shapes_of(model))
-        self._rest, self._shapes = Rest(model, every, obstacles), Shapes(every)
+        self._rest, self._shapes = Rest(model, every, put), Shapes(every)
         self._known: dict[tuple[State, Iri, float], Block | None] = {}
 
     def first_block(self, state: State, active: Iri, end: float) -> Block | None:

@@ -7,8 +7,8 @@ import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 from numpy.typing import NDArray
 
-from sdt_kg.iri import Iri
-from sdt_kg.mechanism import JointType, Limits
+from sdt_kg.iri import Iri, body_iri, joint_iri
+from sdt_kg.mechanism import JointType, Limits, Mechanism
 from services.physics.geometry.bodies import BodyShape, with_piece
 from services.physics.geometry.pieces import Piece, bent, beyond
 from services.physics.geometry.shapes import corners
@@ -51,12 +51,12 @@ class Rest:
     Args:
         model: Of the kitchen.
         shapes: Of its bodies, and the floor as the last.
-        put: Bodies that were put there later: they bear nothing, and how deep they are in others says nothing
-            of how deep they may be.
+        put: Fixed bodies that were put there later, and joints whose frames were: with what these carry they
+            are apart from the rest. How deep they are in it says nothing of how deep they may be.
     """
 
     def __init__(self, model: Model, shapes: Sequence[BodyShape], put: frozenset[Iri] = frozenset()) -> None:
-        self._put, self._floor = put, shapes[-1]
+        self._floor, self._put = shapes[-1], _put_with(model.part.mechanism, put)
         q = np.array([_start(joint.limits) for joint in model.part.joints])
         pin.forwardKinematics(model.model, model.data, model.coupling.positions(q))
         self._joints = model.part.joints
@@ -74,15 +74,19 @@ class Rest:
 
     def depth(self, one: BodyShape, other: BodyShape) -> float:
         """[m] How deep the shapes are in each other as they were fitted, 0 where they are apart."""
-        if not self._put.isdisjoint((one.body, other.body)):
+        if not self._fitted(one, other):
             return 0.0
         return max(0.0, -gap_between(one, self._placed[id(one)], other, self._placed[id(other)]))
 
     def touch(self, one: BodyShape, other: BodyShape) -> bool:
         """Whether the shapes touch as they were fitted."""
-        if not self._put.isdisjoint((one.body, other.body)):
+        if not self._fitted(one, other):
             return False
         return gap_between(one, self._placed[id(one)], other, self._placed[id(other)]) <= 0
+
+    def _fitted(self, one: BodyShape, other: BodyShape) -> bool:
+        """Whether both were put where they are together, if at all."""
+        return self._put.get(one.body) == self._put.get(other.body)
 
     def _sunk(self, one: BodyShape) -> bool:
         """Whether something that one's joint moves reaches below the floor: there the floor is elsewhere."""
@@ -219,8 +223,7 @@ class Rest:
 
     def _bears(self, body: Iri, one: BodyShape) -> bool:
         """Whether one's body hangs on the other, or is housed by what is fixed to that."""
-        hangs = one.parent == body or (body in one.mount and self._houses(body, one))
-        return hangs and body not in self._put
+        return one.parent == body or (body in one.mount and self._houses(body, one))
 
     def _houses(self, body: Iri, one: BodyShape) -> bool:
         """Whether a body overlaps one's, and a box about it has most of that about one's in it."""
@@ -256,6 +259,16 @@ class Rest:
         turned = (axes @ at.rotation @ each.rotation for at, each in zip(seen, shapes, strict=True))
         half = np.array([np.abs(turn) @ each.half for turn, each in zip(turned, shapes, strict=True)])
         return (middle - half).min(axis=0), (middle + half).max(axis=0)
+
+
+def _put_with(mechanism: Mechanism, put: frozenset[Iri]) -> dict[Iri, frozenset[Iri]]:
+    """Of bodies that were put where they are: all by which they were, of others nothing."""
+    name, found = mechanism.name, dict[Iri, frozenset[Iri]]()
+    for joint in mechanism.joints:  # parents before children
+        own = put & {joint_iri(name, joint.name), body_iri(name, joint.child)}
+        if all_ := own | found.get(body_iri(name, joint.parent), frozenset()):
+            found[body_iri(name, joint.child)] = all_
+    return found
 
 
 def _cut(one: BodyShape, way: Array, least: float) -> Piece | None:

@@ -192,6 +192,34 @@ def test_a_board_that_was_put_before_a_drawer_stops_it_however_deep_it_was_put_i
     assert asked(twin, "drawer").holds == (not put and into > 0)
 
 
+@pytest.mark.parametrize("into", [0.0, 0.009, 0.019])
+@pytest.mark.parametrize("edit", ["furniture:board={},0", "pose:board_joint={},0,0.5"])
+def test_a_board_that_an_edit_moves_before_a_drawer_stops_it_and_moved_back_it_is_as_it_was_drawn(
+    tmp_path: Path, into: float, edit: str
+) -> None:
+    # Furniture is moved by, poses are where it is then: the root of both is the origin.
+    (tmp_path / "front.urdf").write_text(FRONT.replace("{more}", BOARD.format(at=0)))
+    twin = load_twin(tmp_path / "front.urdf")
+    assert asked(twin, "drawer").holds
+    put = parse_edit(twin, edit.format(0.02 - into))
+    assert put.applied(twin).posed_joints
+    assert not asked(put.applied(twin), "drawer").holds
+    undone = put.inverse(twin).applied(put.applied(twin))
+    assert undone.posed_joints == twin.posed_joints == frozenset()
+
+
+@pytest.mark.parametrize("edit", ["furniture:cabinet=0.1,0", "pose:cabinet_joint=0.1,0,0"])
+def test_a_cabinet_that_is_moved_takes_what_was_fitted_into_it_along(tmp_path: Path, edit: str) -> None:
+    # The front is drawn 8 mm into the cabinet's bar: twice that, and 10 mm, are meant, moved or not.
+    bar = f'<link name="cabinet">{shape("0.02 0.2 0.1", "0.012 0 0.5")}</link>'
+    joint = '<joint name="cabinet_joint" type="fixed"><parent link="world"/><child link="cabinet"/></joint>'
+    urdf = FRONT.replace("{more}", bar + joint).replace('world"/><child link="d', 'cabinet"/><child link="d')
+    (tmp_path / "front.urdf").write_text(urdf)
+    twin = load_twin(tmp_path / "front.urdf")
+    assert asked(twin, "drawer").holds
+    assert asked(parse_edit(twin, edit).applied(twin), "drawer").holds
+
+
 FRONT = """<robot name="front"><link name="world"/>
 <link name="drawer"><collision><geometry><box size="0.02 0.5 0.2"/></geometry></collision></link>
 <link name="drawer_handle"><collision><geometry><box size="0.01 0.02 0.01"/></geometry></collision></link>
