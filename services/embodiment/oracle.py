@@ -40,7 +40,7 @@ from services.physics.oracle import Kinematics, version_of
 
 Start = tuple[float, float, float]
 
-EMBODIMENT_VERSION = "18"
+EMBODIMENT_VERSION = "19"
 """Raised whenever an answer of this oracle may change."""
 
 MOVED_START = (

@@ -1,6 +1,7 @@
 r"""Whether a container's timed motion is too fast for any hand that holds its handle, whatever its posture.
 
-Between two samples of τ every point of the handle goes at least a distance d, in a time t. One that a finger
+Between two samples of τ every point of the handle goes at least a distance d, in a time t, though the
+container may be off τ at each by as much as certification allows (`coupling`). One that a finger
 touches lies in the grasp box and, held, keeps its place in the tool to within the slip that certification
 allows; so a point of the hand in that box makes this way but for the slip, and no joint may exceed its
 velocity limit by more than `rate`:
@@ -48,11 +49,11 @@ def too_fast(statement: Statement, drive: Drive, timing: Timing, window: tuple[i
 
 def travelled(statement: Statement, one: float, other: float) -> tuple[float, dict[str, float]]:
     """How far each point of the handle goes at least between two values [m], and of it what may be slip."""
-    before, after = (statement.target(value) for value in (one, other))
+    kept = statement.tolerances
+    before, after = (statement.target(value, kept.coupling) for value in (one, other))
     if not before.boxes:
         return 0.0, {gripper.name: 0.0 for gripper in statement.grippers}
     way = min(_least_way(*each) for each in zip(before.boxes, after.boxes, before.half, strict=True))
-    kept = statement.tolerances
     slips: dict[str, float] = {}
     for gripper in statement.grippers:
         arm = statement.arm(gripper)

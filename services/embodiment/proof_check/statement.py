@@ -53,6 +53,7 @@ from services.embodiment.proof_check.shapes import SOLVED, boxes_of, finger_box,
 from services.embodiment.proof_check.target import Target, placed
 
 Array = NDArray[np.float64]
+Boxes = list[tuple[Placement, Array]]
 
 BASE = ("base_x", "base_y", "base_yaw")
 
@@ -92,7 +93,7 @@ class Statement:
         self._kitchen = Tree(twin.mechanism(twin.environment))
         self._begins: bool | None = None
         self._chains: dict[tuple[str, bool | None], tuple[Chain, Array] | None] = {}
-        self._targets: dict[tuple[float, bool], Target] = {}
+        self._targets: dict[tuple[float, float, bool], Target] = {}
         self._surroundings = Surroundings(self._kitchen)
         self._solids: dict[tuple[float, float], Solids] = {}
         self._cores: dict[str, tuple[Core, ...]] = {}
@@ -252,18 +253,17 @@ class Statement:
         _, _, end = chain.frames(q)
         return (end.translation.lo[0] + end.translation.hi[0]) / 2
 
-    def target(self, value: float) -> Target:
-        """The handle with the container at a value [rad or m].
+    def target(self, value: float, wide: float = 0.0) -> Target:
+        """The handle with the container at a value, or up to `wide` beside it [rad or m].
 
         Raises:
             StateError: The value is outside the container's limits.
         """
-        key = value, self._begins is None
-        if key not in self._targets:
-            self._targets[key] = self._placed(value, self.handle_boxes(), self.about)
+        if (key := (value, wide, self._begins is None)) not in self._targets:
+            self._targets[key] = self._placed(value, self.handle_boxes(), self.about, wide)
         return self._targets[key]
 
-    def handle_boxes(self) -> list[tuple[Placement, Array]]:
+    def handle_boxes(self) -> Boxes:
         """Boxes about the handle's shapes in its frame, or one about all, and their half extents [m]."""
         boxes = [(box.middle, box.half) for box in boxes_of(self._kitchen, self._handle)]
         return boxes if self._begins is None or not boxes else [about_all(boxes)]
@@ -291,10 +291,10 @@ class Statement:
     def _handle(self) -> str:
         return local_name(self.container.handle)
 
-    def _placed(self, value: float, boxes: list[tuple[Placement, Array]], about: float) -> Target:
+    def _placed(self, value: float, boxes: Boxes, about: float, wide: float = 0.0) -> Target:
         """Boxes of the handle's frame in the world, widened by what the kitchen's joints may be off."""
         state, name = self.twin.at({self.container.joint: value}).state, self._kitchen.mechanism.name
         chain = self._kitchen.chain(self._kitchen.path(self._handle), HERE, 0.0)
         q = np.array([[state[joint_iri(name, link.name)] for link in chain.links]])
-        slack = slacks(self.container, self.span, self.tolerances, value, 0.0, chain.links)
-        return placed(chain, q, boxes, slack, about)
+        off = slacks(self.container, self.span, self.tolerances, value, 0.0, chain.links, wide)
+        return placed(chain, q, boxes, off, about)

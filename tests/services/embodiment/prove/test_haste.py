@@ -164,3 +164,11 @@ def test_a_changed_proof_does_not_hold(twin: Twin, change: Callable[[dict[str, A
     (pr2,) = (one for one in twin.robots if twin.name(one) == "pr2")
     content = zlib.compress(json.dumps(whole).encode())
     assert not check(twin, pr2, twin.container(DRAWER), content).holds
+
+
+def test_a_container_may_be_off_its_times_at_both_ends_of_a_window(twin: Twin) -> None:
+    # It is certified up to `coupling` behind at the first sample, and before at the last.
+    (pr2,) = (one for one in twin.robots if twin.name(one) == "pr2")
+    about = Statement(twin, pr2, twin.container(DRAWER), Drive.FIXED, HERE, Tolerances())
+    way, _ = travelled(about, 0.1, 0.2)
+    assert 0.1 - 5 * Tolerances().coupling < way <= 0.1 - 2 * Tolerances().coupling
