@@ -161,6 +161,8 @@ def _certify_again(  # noqa: PLR0913, PLR0917 - one trial
     again = verdict.can_perform.figures
     trial.found(figures_differ(certificate.figures, again, "the certificate", "the recheck"))
     trial.notes += _notes(checker, stored, physics)
+    said = [each for each in verdict.can_perform.notes if each not in certificate.nearest]
+    trial.notes += [f"the certificate does not say: {each}" for each in said]
 
 
 def _is_about(verdict: Verdict, container: Iri) -> bool:

@@ -99,7 +99,7 @@ class Certifier:
             asked=one.asked,
         )
         if isinstance(outcome, Certified):
-            return Answer(case, True, figures=outcome.figures)
+            return Answer(case, True, notes=outcome.nearest, figures=outcome.figures)
         return Answer(case, False, outcome.diagnoses, figures=outcome.figures)
 
 

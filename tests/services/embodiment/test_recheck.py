@@ -84,6 +84,18 @@ def test_a_certificate_is_read_as_it_was_written(kept: Kept) -> None:
     assert certificate.nearest[0].startswith("nearest (")
 
 
+def test_what_a_certificate_leaves_unsaid_is_told(kept: Kept) -> None:
+    certificate = read_certificate(kept.content)
+    silent = replace(certificate, nearest=("nothing comes near",)).content()
+    found = recheck_artefact("silent.cert", silent, Saved(kept.file).twin)
+    assert found.holds
+    told = [
+        each.removeprefix("the certificate does not say: ")
+        for each in found.notes[-len(certificate.nearest) :]
+    ]
+    assert tuple(told) == certificate.nearest
+
+
 def sealed_again(store: ox.Store, iri: str) -> None:
     """As one does who knows how a record is sealed."""
     graph = ox.NamedNode(graph_iri("verdict", local_name(iri)))
