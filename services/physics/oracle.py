@@ -14,8 +14,8 @@ from services.physics.carry import carried
 from services.physics.generate import generate
 from services.physics.model import Scene
 from services.physics.replay import replay
-from services.physics.stop import stopped
-from services.physics.sweep import Sweep
+from services.physics.stops.stop import stopped
+from services.physics.stops.sweep import Sweep
 from services.physics.tree import Model, build
 
 KINEMATICS_VERSION = "10"

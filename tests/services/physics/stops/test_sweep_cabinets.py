@@ -8,7 +8,7 @@ import pytest
 
 from services.physics.geometry.pieces import Piece, beyond
 from services.physics.geometry.shapes import corners, of_triangles
-from tests.services.physics.test_sweep_rooms import asked, load_twin, shape
+from tests.services.physics.stops.test_sweep_rooms import asked, load_twin, shape
 
 
 def link(name: str, *shapes: str) -> str:

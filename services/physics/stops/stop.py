@@ -10,7 +10,7 @@ from sdt_kg.iri import local_name
 from sdt_kg.twin import Twin
 from services.physics.chain import follower
 from services.physics.replay import BEYOND_STOPS, effective_bounds, spline_of, state_with
-from services.physics.sweep import Block, Sweep
+from services.physics.stops.sweep import Block, Sweep
 from services.physics.tree import Model
 
 

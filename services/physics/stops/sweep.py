@@ -17,13 +17,17 @@ from sdt_kg.iri import Iri
 from sdt_kg.mechanism import JointType
 from sdt_kg.state import State
 from services.physics.geometry.bodies import BodyShape, shapes_of
-from services.physics.geometry.passing import Boxes, Way, may_meet
-from services.physics.geometry.rest import ALLOWANCE, Rest, gap_between, placed
+from services.physics.stops.bearing import Bearing
+from services.physics.stops.passing import Boxes, Way, may_meet
+from services.physics.stops.rest import ALLOWANCE, Rest, gap_between, placed
 from services.physics.tree import Array, Indices, Model
 
 THIN_SHARE = 0.25
 """[1] Share of the two shapes' summed thickness that the allowance never exceeds: half of it is all the
 depth that a thin shape reaches when it passes right through another. Triangles have no thickness."""
+
+THROUGH = 0.45
+"""[1] Share of that at which one has nearly passed right through the other."""
 
 TOUCH = -1e-6
 """[m] What is allowed of two meshes of triangles, which have no depth in each other: they may not touch."""
@@ -67,6 +71,7 @@ class Sweep:
         self._model = model
         every = list(shapes_of(model))
         self._rest, self._shapes = Rest(model, every, put), Shapes(every)
+        self._bearing = Bearing(self._rest)
         self._known: dict[tuple[State, Iri, float], Block | None] = {}
 
     def first_block(self, state: State, active: Iri, end: float) -> Block | None:
@@ -83,7 +88,7 @@ class Sweep:
         return self._known[key]
 
     def _searched(self, state: State, active: Iri, end: float) -> Block | None:
-        path = _Path(self._model, self._rest, state, active, end)
+        path = _Path(self._model, self._bearing, state, active, end)
         found: Block | None = None
         for one, other, until in path.near(self._shapes):
             found = path.followed(one, other, end if found is None else found.position, until) or found
@@ -112,8 +117,8 @@ class Shapes:
 class _Path:
     """One actuated joint on its way, all others resting."""
 
-    def __init__(self, model: Model, rest: Rest, state: State, active: Iri, end: float) -> None:
-        self._rest = rest
+    def __init__(self, model: Model, bearing: Bearing, state: State, active: Iri, end: float) -> None:
+        self._bearing, self._rest = bearing, bearing.rest
         self._model, self._k = model, model.coordinate[active]
         self._speeds: dict[int, float] = {}
         q = np.zeros(model.model.nq)
@@ -159,11 +164,11 @@ class _Path:
 
     def _stopping(self, one: BodyShape, other: BodyShape) -> Iterator[tuple[BodyShape, BodyShape]]:
         """What of a moved and a resting shape may not meet."""
-        stopping = self._rest.stopping(one, other)
+        stopping = self._bearing.stopping(one, other)
         if stopping is not None:
             yield one, stopping
         if stopping is not other:
-            yield from ((core, other) for core in self._rest.cores(one, other))
+            yield from ((core, other) for core in self._bearing.cores(one, other))
 
     def together(self, shapes: "Shapes") -> Iterator[tuple[BodyShape, BodyShape]]:
         """Pairs of shapes that move, each in its own way, as two leaves do of which one follows the other."""
@@ -174,13 +179,13 @@ class _Path:
         moved = [(each, way) for each, way in zip(shapes.all, ways, strict=True) if way]
         for (one, way), (other, another) in combinations(moved, 2):
             if way != another:
-                pair = self._rest.stopping(other, one), self._rest.stopping(one, other)
+                pair = self._bearing.stopping(other, one), self._bearing.stopping(one, other)
                 if pair[0] is not None and pair[1] is not None:
                     yield pair[0], pair[1]
                 if pair[1] is not other:
-                    yield from ((core, other) for core in self._rest.cores(one, other))
+                    yield from ((core, other) for core in self._bearing.cores(one, other))
                 if pair[0] is not one:
-                    yield from ((one, core) for core in self._rest.cores(other, one))
+                    yield from ((one, core) for core in self._bearing.cores(other, one))
 
     def _way(self, half: float) -> Way:
         """The way of the only joint that moves, whose axis rests."""
@@ -245,32 +250,49 @@ class _Path:
         """
         least = _least(one, other)
         if least == TOUCH and self._rest.touch(one, other):
-            away = self._rest.away(other, one)
+            away = self._bearing.away(other, one)
             if away is None:
                 return None
             other = away
         direction, speed = np.sign(end - self._begin), self._speed(one) + self._speed(other)
         moves, against = other.joint in self._moving, self._placed(other, self._begin)
-        position, allowed, free = self._begin, least, 0.0
+        (allowed, shortest), position, free = self._allowed(one, other, least), self._begin, 0.0
         while speed > 0:
             against = self._placed(other, position) if moves else against
             gap = gap_between(one, self._placed(one, position), other, against)
             if position == self._begin:
-                allowed += 0.0 if least == TOUCH else REST_FACTOR * self._rest.depth(one, other)
                 free = 2 * LEAST_STEP if least == TOUCH and gap < -TOUCH else 0.0
             if gap < -allowed and not (free and position == self._begin):
                 return Block(position, -gap, max(allowed, 0.0), one.body, other.body)
             if position == end or (until - position) * direction <= 0:
                 return None
             # On a way of this length they do not come to be too deep, however fast they come nearer.
-            step = max(gap + max(allowed, 0.0), least / 2, LEAST_STEP, free) / speed
+            step = max(gap + max(allowed, 0.0), shortest, free) / speed
             ahead = position + direction * step
             position, free = end if (end - ahead) * direction <= 0 else float(ahead), 0.0
         return None
 
+    def _allowed(self, one: BodyShape, other: BodyShape, least: float) -> tuple[float, float]:
+        """[m] How deep the shapes may be in each other as they were drawn, and the step by which they go on.
+
+        Where one is ahead of the other, never so deep as to pass right through.
+        """
+        if least == TOUCH:
+            return least, LEAST_STEP
+        deep = self._rest.depth(one, other)
+        allowed, through = least + REST_FACTOR * deep, THROUGH * _thickness(one, other)
+        if deep and allowed > through and self._rest.is_ahead(one, other):
+            return max(through, deep + LEAST_STEP), LEAST_STEP
+        return allowed, max(least / 2, LEAST_STEP)
+
 
 def _least(one: BodyShape, other: BodyShape) -> float:
     """[m] How deep the shapes may be in each other, wherever they are."""
-    pieces = [each.piece for each in (one, other)]
-    solid = [each.thickness for each in pieces if not isinstance(each.shape, coal.BVHModelBase)]
-    return min(ALLOWANCE, THIN_SHARE * sum(solid)) if solid else TOUCH
+    thickness = _thickness(one, other)
+    return min(ALLOWANCE, THIN_SHARE * thickness) if thickness else TOUCH
+
+
+def _thickness(one: BodyShape, other: BodyShape) -> float:
+    """[m] Of both together; 0 of two that are triangles."""
+    pieces = (each.piece for each in (one, other))
+    return sum(each.thickness for each in pieces if not isinstance(each.shape, coal.BVHModelBase))

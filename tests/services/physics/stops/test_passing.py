@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from services.physics.geometry.passing import Boxes, Way, may_meet
+from services.physics.stops.passing import Boxes, Way, may_meet
 
 PAIRS, PIECES, INSIDE = 300, 8, 5
 LEAST = 0.01  # [m]

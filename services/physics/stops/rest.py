@@ -1,0 +1,182 @@
+"""How a kitchen's parts were fitted together: where they are at rest, and how deep in each other."""
+
+from collections.abc import Sequence
+
+import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
+import numpy as np
+import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
+from numpy.typing import NDArray
+
+from sdt_kg.iri import Iri, body_iri, joint_iri
+from sdt_kg.mechanism import Joint, JointType, Limits, Mechanism
+from services.physics.geometry.bodies import BodyShape
+from services.physics.tree import Array, Model
+
+ALLOWANCE = 0.01
+"""[m] How deep a moved shape may be in another, more than the model's rest allows it: the doors of
+the bundled kitchens and of their sources turn up to 9 mm into the edges of their neighbours. A state in
+which it is deeper is no beginning: from one to the next a body would pass through another step by step."""
+
+ROUNDED = 0.001
+"""[m] How far a shape that stands before a front may reach into it, as drawn."""
+
+ALONG = 1 - 1e-9
+"""[1] Cosine to an axis from which on a direction is along it."""
+
+
+class Rest:
+    """The kitchen with every joint at its start position, in which its parts were fitted together.
+
+    Args:
+        model: Of the kitchen.
+        shapes: Of its bodies, and the floor as the last.
+        put: Fixed bodies that were put there later, and joints whose frames were: with what these carry they
+            are apart from the rest. How deep they are in it says nothing of how deep they may be.
+    """
+
+    def __init__(self, model: Model, shapes: Sequence[BodyShape], put: frozenset[Iri] = frozenset()) -> None:
+        self.floor, self._put = shapes[-1], _put_with(model.part.mechanism, put)
+        q = np.array([_start(joint.limits) for joint in model.part.joints])
+        pin.forwardKinematics(model.model, model.data, model.coupling.positions(q))
+        self._joints = model.part.joints
+        self._frames = [frame.copy() for frame in model.data.oMi]
+        self._placed = {id(each): placed(self._frames[each.joint] * each.pose) for each in shapes}
+        self._bodies: dict[Iri, list[BodyShape]] = {}
+        self._moved: dict[int, list[BodyShape]] = {}
+        for each in shapes:
+            self._bodies.setdefault(each.body, []).append(each)
+            self._moved.setdefault(each.joint, []).append(each)
+
+    def joint(self, one: BodyShape) -> Joint:
+        """What moves it."""
+        return self._joints[one.joint - 1]
+
+    def of(self, body: Iri) -> list[BodyShape]:
+        """Shapes of a body."""
+        return self._bodies[body]
+
+    def moved_with(self, one: BodyShape) -> list[BodyShape]:
+        """Shapes that the same joint moves."""
+        return self._moved[one.joint]
+
+    def height(self, one: BodyShape) -> float:
+        """Of its lowest point above the kitchen's origin [m], as a box."""
+        at = self._frames[one.joint]
+        return float(at.act(one.centre)[2] - np.abs(at.rotation[2] @ one.rotation) @ one.half)
+
+    def seen(self, other: BodyShape, one: BodyShape) -> pin.SE3:
+        """Where another shape is in the frame of one's joint."""
+        return self._frames[one.joint].actInv(self._frames[other.joint]) * other.pose
+
+    def placed_as(self, whole: BodyShape, part: BodyShape) -> BodyShape:
+        """The part, known to be where the whole is."""
+        self._placed[id(part)] = self._placed[id(whole)]
+        return part
+
+    def depth(self, one: BodyShape, other: BodyShape) -> float:
+        """[m] How deep the shapes are in each other as they were fitted, 0 where they are apart."""
+        if not self._fitted(one, other):
+            return 0.0
+        return max(0.0, -gap_between(one, self._placed[id(one)], other, self._placed[id(other)]))
+
+    def touch(self, one: BodyShape, other: BodyShape) -> bool:
+        """Whether the shapes touch as they were fitted."""
+        if not self._fitted(one, other):
+            return False
+        return gap_between(one, self._placed[id(one)], other, self._placed[id(other)]) <= 0
+
+    def _fitted(self, one: BodyShape, other: BodyShape) -> bool:
+        """Whether both were put where they are together, if at all."""
+        return self._put.get(one.body) == self._put.get(other.body)
+
+    def is_ahead(self, one: BodyShape, other: BodyShape) -> bool:
+        """Whether the other shape reaches farther than one's body to where that goes."""
+        (low, high), (below, above) = self.about(one), self.box([other], one)
+        return bool(self._goes(one, above > high + ROUNDED, below < low - ROUNDED))
+
+    def before(self, below: Array, above: Array, one: BodyShape) -> NDArray[np.bool_]:
+        """Which boxes along one's joint, corners of shape (N, 3), are where its body goes, as a whole."""
+        low, high = self.about(one)
+        return self._goes(one, below >= high - ROUNDED, above <= low + ROUNDED)
+
+    def _goes(self, one: BodyShape, forth: NDArray[np.bool_], back: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """What holds along the axis on which one's body goes most, shape (..., 3), there or there.
+
+        Args:
+            one: Whose body it is.
+            forth: What holds on the side where that axis leads.
+            back: On the other.
+        """
+        joint = self.joint(one)
+        way = self.axes(one) @ np.array(joint.axis)
+        if joint.type is not JointType.PRISMATIC:
+            way = np.cross(way, sum(self.about(one)) / 2)
+        k = int(np.argmax(np.abs(way)))
+        if way[k] < 0:
+            forth, back = back, forth
+        start = _start(joint.limits)
+        up, down = joint.limits.upper > start, joint.limits.lower < start
+        return (forth[..., k] & up) | (back[..., k] & down)
+
+    def off(self, below: Array, above: Array, one: BodyShape) -> Array:
+        """How far such boxes are from that about one's body, shape (N,) [m]."""
+        low, high = self.about(one)
+        off: Array = np.linalg.norm(np.maximum(np.maximum(low - above, below - high), 0.0), axis=1)
+        return off
+
+    def axes(self, one: BodyShape) -> Array:
+        """Directions along which boxes about one's body are taken, rows in its joint's frame, shape (3, 3).
+
+        They are the frame's own but where something slides along none of them: then one is its axis.
+        """
+        joint = self.joint(one)
+        axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
+        k = int(np.argmax(np.abs(axis)))
+        if joint.type is not JointType.PRISMATIC or abs(axis[k]) >= ALONG:
+            return np.eye(3)
+        across = np.cross(axis, np.eye(3)[k - 1])
+        across /= np.linalg.norm(across)
+        axes = np.empty((3, 3))
+        axes[k], axes[k - 2], axes[k - 1] = axis, across, np.cross(axis, across)
+        return axes
+
+    def about(self, one: BodyShape) -> tuple[Array, Array]:
+        """Corners of the box about one's body."""
+        return self.box(self._bodies[one.body], one)
+
+    def box(self, shapes: Sequence[BodyShape], one: BodyShape) -> tuple[Array, Array]:
+        """Corners of the box about some shapes along `axes` of one's joint, shape (3,) [m]."""
+        axes = self.axes(one)
+        seen = [self._frames[one.joint].actInv(self._frames[each.joint]) for each in shapes]
+        middle = np.array([axes @ at.act(each.centre) for at, each in zip(seen, shapes, strict=True)])
+        turned = (axes @ at.rotation @ each.rotation for at, each in zip(seen, shapes, strict=True))
+        half = np.array([np.abs(turn) @ each.half for turn, each in zip(turned, shapes, strict=True)])
+        return (middle - half).min(axis=0), (middle + half).max(axis=0)
+
+
+def _put_with(mechanism: Mechanism, put: frozenset[Iri]) -> dict[Iri, frozenset[Iri]]:
+    """Of bodies that were put where they are: all by which they were, of others nothing."""
+    name, found = mechanism.name, dict[Iri, frozenset[Iri]]()
+    for joint in mechanism.joints:  # parents before children
+        own = put & {joint_iri(name, joint.name), body_iri(name, joint.child)}
+        if all_ := own | found.get(body_iri(name, joint.parent), frozenset()):
+            found[body_iri(name, joint.child)] = all_
+    return found
+
+
+def gap_between(
+    one: BodyShape, one_at: coal.Transform3s, other: BodyShape, other_at: coal.Transform3s
+) -> float:
+    """Distance of two shapes [m], negative where they penetrate."""
+    # Request and result of its own for each call: a cached guess gives wrong answers.
+    request, result = coal.DistanceRequest(), coal.DistanceResult()
+    return float(coal.distance(one.piece.shape, one_at, other.piece.shape, other_at, request, result))
+
+
+def _start(limits: Limits) -> float:
+    return 0.0 if limits.lower <= 0 <= limits.upper else limits.lower
+
+
+def placed(pose: pin.SE3) -> coal.Transform3s:
+    """The pose as coal takes it."""
+    return coal.Transform3s(pose.rotation, pose.translation)
