@@ -14,7 +14,7 @@ from sdt_kg.entities.container import Container, LeftOut
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.interchange import Owl, Quads, owlready_ontology, quads_of, rebuilt
 from sdt_kg.iri import PREFIXES, SDT, Iri, joint_iri, local_name
-from sdt_kg.mechanism import Mechanism
+from sdt_kg.mechanism import Mechanism, Pose
 from sdt_kg.state import State
 from sdt_kg.store import Row, Triple, Value, checked_query, rows_of
 from sdt_kg.triples import read_robot
@@ -95,11 +95,14 @@ class Twin:
         return frozenset(self.entities.facts.having(TYPE, SDT + "Obstacle"))
 
     @property
-    def posed_joints(self) -> frozenset[Iri]:
-        """Joints of the kitchen whose frames edits put elsewhere, with all that they carry."""
-        kitchen, facts = self.mechanism(self.environment), self.entities.facts
-        joints = (joint_iri(kitchen.name, each.name) for each in kitchen.joints)
-        return frozenset(each for each in joints if facts.one(each, "drawnAt") is not None)
+    def drawn_at(self) -> dict[str, Pose]:
+        """Joints of the kitchen (names) whose frames edits put elsewhere, and where they were drawn."""
+        kitchen, facts, found = self.mechanism(self.environment), self.entities.facts, dict[str, Pose]()
+        for each in kitchen.joints:
+            if (drawn := facts.one(joint_iri(kitchen.name, each.name), "drawnAt")) is not None:
+                x, y, z, *turn = map(float, str(drawn).split())
+                found[each.name] = Pose((x, y, z), (turn[0], turn[1], turn[2], turn[3]))
+        return found
 
     @property
     def notes(self) -> tuple[str, ...]:

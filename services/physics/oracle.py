@@ -1,6 +1,7 @@
 """Kinematics: the Physics protocol, in process."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from importlib.metadata import version
 
@@ -23,6 +24,15 @@ KINEMATICS_VERSION = "10"
 
 MODELS_KEPT = 4
 """[1] Kitchens whose models are kept."""
+
+
+def _drawn(twin: Twin) -> Model | None:
+    """The environment with its frames where they were drawn; None if no edit put one elsewhere."""
+    if not (drawn := twin.drawn_at):
+        return None
+    kitchen = twin.mechanism(twin.environment)
+    joints = (replace(each, origin=drawn.get(each.name, each.origin)) for each in kitchen.joints)
+    return build(replace(kitchen, joints=tuple(joints)))
 
 
 @cache
@@ -68,7 +78,7 @@ class Kinematics:
             if known is model:
                 return sweep
         self._sweeps = [
-            (model, Sweep(model, twin.obstacles | twin.posed_joints)),
+            (model, Sweep(model, twin.obstacles, _drawn(twin))),
             *self._sweeps[: MODELS_KEPT - 1],
         ]
         return self._sweeps[0][1]

@@ -7,9 +7,9 @@ import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 from numpy.typing import NDArray
 
-from sdt_kg.iri import Iri, body_iri, joint_iri
-from sdt_kg.mechanism import Joint, JointType, Limits, Mechanism
-from services.physics.geometry.bodies import BodyShape
+from sdt_kg.iri import Iri
+from sdt_kg.mechanism import Joint, JointType, Limits
+from services.physics.geometry.bodies import BodyShape, shapes_of
 from services.physics.tree import Array, Model
 
 ALLOWANCE = 0.01
@@ -30,17 +30,24 @@ class Rest:
     Args:
         model: Of the kitchen.
         shapes: Of its bodies, and the floor as the last.
-        put: Fixed bodies that were put there later, and joints whose frames were: with what these carry they
-            are apart from the rest. How deep they are in it says nothing of how deep they may be.
+        put: Bodies that were put there later: how deep they are in others is not how deep they may be.
+        drawn: The same kitchen, of the same bodies, with its frames where they were drawn: how deep its parts
+            are in each other is told by these, not by where edits have put them.
     """
 
-    def __init__(self, model: Model, shapes: Sequence[BodyShape], put: frozenset[Iri] = frozenset()) -> None:
-        self.floor, self._put = shapes[-1], _put_with(model.part.mechanism, put)
-        q = np.array([_start(joint.limits) for joint in model.part.joints])
-        pin.forwardKinematics(model.model, model.data, model.coupling.positions(q))
-        self._joints = model.part.joints
-        self._frames = [frame.copy() for frame in model.data.oMi]
-        self._placed = {id(each): placed(self._frames[each.joint] * each.pose) for each in shapes}
+    def __init__(
+        self,
+        model: Model,
+        shapes: Sequence[BodyShape],
+        put: frozenset[Iri] = frozenset(),
+        drawn: Model | None = None,
+    ) -> None:
+        self.floor, self._put = shapes[-1], put
+        self._joints, self._frames = model.part.joints, _frames(model)
+        at, as_drawn = (self._frames, shapes) if drawn is None else (_frames(drawn), [*shapes_of(drawn)])
+        self._placed = {
+            id(each): placed(at[same.joint] * same.pose) for each, same in zip(shapes, as_drawn, strict=True)
+        }
         self._bodies: dict[Iri, list[BodyShape]] = {}
         self._moved: dict[int, list[BodyShape]] = {}
         for each in shapes:
@@ -75,19 +82,15 @@ class Rest:
 
     def depth(self, one: BodyShape, other: BodyShape) -> float:
         """[m] How deep the shapes are in each other as they were fitted, 0 where they are apart."""
-        if not self._fitted(one, other):
+        if not self._put.isdisjoint((one.body, other.body)):
             return 0.0
         return max(0.0, -gap_between(one, self._placed[id(one)], other, self._placed[id(other)]))
 
     def touch(self, one: BodyShape, other: BodyShape) -> bool:
         """Whether the shapes touch as they were fitted."""
-        if not self._fitted(one, other):
+        if not self._put.isdisjoint((one.body, other.body)):
             return False
         return gap_between(one, self._placed[id(one)], other, self._placed[id(other)]) <= 0
-
-    def _fitted(self, one: BodyShape, other: BodyShape) -> bool:
-        """Whether both were put where they are together, if at all."""
-        return self._put.get(one.body) == self._put.get(other.body)
 
     def is_ahead(self, one: BodyShape, other: BodyShape) -> bool:
         """Whether the other shape reaches farther than one's body to where that goes."""
@@ -154,14 +157,11 @@ class Rest:
         return (middle - half).min(axis=0), (middle + half).max(axis=0)
 
 
-def _put_with(mechanism: Mechanism, put: frozenset[Iri]) -> dict[Iri, frozenset[Iri]]:
-    """Of bodies that were put where they are: all by which they were, of others nothing."""
-    name, found = mechanism.name, dict[Iri, frozenset[Iri]]()
-    for joint in mechanism.joints:  # parents before children
-        own = put & {joint_iri(name, joint.name), body_iri(name, joint.child)}
-        if all_ := own | found.get(body_iri(name, joint.parent), frozenset()):
-            found[body_iri(name, joint.child)] = all_
-    return found
+def _frames(model: Model) -> list[pin.SE3]:
+    """world_T_joint of every joint, at its start position."""
+    q = np.array([_start(joint.limits) for joint in model.part.joints])
+    pin.forwardKinematics(model.model, model.data, model.coupling.positions(q))
+    return [frame.copy() for frame in model.data.oMi]
 
 
 def gap_between(

@@ -65,12 +65,12 @@ class Block:
 
 
 class Sweep:
-    """The kitchen's shapes, for questions about what moves into what; some may be `put` there (`Rest`)."""
+    """The kitchen's shapes, for questions about what moves into what; `put` and `drawn` are of `Rest`."""
 
-    def __init__(self, model: Model, put: frozenset[Iri] = frozenset()) -> None:
+    def __init__(self, model: Model, put: frozenset[Iri] = frozenset(), drawn: Model | None = None) -> None:
         self._model = model
         every = list(shapes_of(model))
-        self._rest, self._shapes = Rest(model, every, put), Shapes(every)
+        self._rest, self._shapes = Rest(model, every, put, drawn), Shapes(every)
         self._bearing = Bearing(self._rest)
         self._known: dict[tuple[State, Iri, float], Block | None] = {}
 
