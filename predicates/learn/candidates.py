@@ -72,6 +72,7 @@ def moving(
     steady = distances <= OUTLIER * best.scale
     steady = steady if steady.any() else np.ones_like(steady)
     raw = _raw_positions(along, axis, radius, unsure, turning)
+    raw = raw if radius == 0 else _unwrapped(raw, steady)
     zero = _zero(raw, steady, cells)
     positions = raw - zero
     if -positions[steady].min() > positions[steady].max():
@@ -81,6 +82,9 @@ def moving(
     origin = anchor + radius * curve.inward[0] if revolute else anchor + zero * axis
     smooth = _smooth(positions[steady])
     limits = (float(smooth.min()), float(smooth.max()))
+    if revolute:  # an angle is a length on the arc by the radius, which is not certain either
+        share = deviations["radius"] / radius
+        deviations["limits"] = math.hypot(deviations["limits"], max(map(abs, limits)) * share)
     kind = JointType.REVOLUTE if revolute else JointType.PRISMATIC
     return Articulation(
         kind, axis, origin, radius, positions, limits, distances, best.scale, int((~steady).sum()),
@@ -104,8 +108,15 @@ def _raw_positions(along: Array, axis: Array, radius: float, unsure: float, turn
     if radius == 0:
         return along
     if turning is not None and turning.seen is not None and unsure > TURN_SCALE:
-        return np.unwrap(turning.vectors @ axis)
-    return np.unwrap(along / radius)
+        return turning.vectors @ axis
+    return along / radius
+
+
+def _unwrapped(angles: Array, steady: np.ndarray) -> Array:
+    """A hinge's angles without jumps by a turn, shape (T,); what is off the curve is as what is beside it."""
+    index = np.flatnonzero(steady)
+    near = np.interp(np.arange(len(angles)), index, np.unwrap(angles[index]))
+    return near + np.remainder(angles - near + math.pi, 2 * math.pi) - math.pi
 
 
 def _smooth(positions: Array) -> Array:

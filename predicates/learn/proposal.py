@@ -104,7 +104,7 @@ def _axis(
     axis = world_T_parent[:3, :3].T @ learned.axis
     low, high = learned.limits
     # the least of hundreds of samples at rest is farther out than a limit deviates
-    slack = UNSURE * max(learned.deviations["limits"], learned.scale / (learned.radius or 1.0))
+    slack = UNSURE * learned.scale / (learned.radius or 1.0)
     low = 0.0 if abs(low) < slack else low
     if now - joint.limits.lower > joint.limits.upper - now:
         return -axis, (now - high, now - low)

@@ -164,6 +164,23 @@ def test_deviations_cover_the_truth() -> None:
     assert all(each.deviations["radius"] < 0.02 for each in found)
 
 
+@pytest.mark.parametrize("opened", [0.4, 0.7, 1.2])
+def test_the_range_of_a_short_arc_is_as_uncertain_as_its_radius(opened: float) -> None:
+    found = [best(JointType.REVOLUTE, door(stopping(opened), 0.45), seed, 0.001) for seed in range(12)]
+    off = [(each.limits[1] - opened) / each.deviations["limits"] for each in found]
+    assert np.abs(off).max() < 4
+    assert math.sqrt(np.mean(np.square(off))) > 0.1  # nor is it so wide that it says nothing
+
+
+@pytest.mark.parametrize("at", [70, 120, 170])
+def test_what_is_seen_beyond_the_hinge_is_no_turn_of_the_door(at: int) -> None:
+    # Two samples off the path, a third and two thirds of a turn on: the next is a turn on, if these count.
+    positions = stopping(1.5)
+    points = door(positions, 0.3)
+    points[at : at + 2] = door(positions[at : at + 2] + (2.1, 4.2), 0.5)
+    assert best(JointType.REVOLUTE, points, 0, 0.001).limits == pytest.approx((0.0, 1.5), abs=0.02)
+
+
 def test_three_samples_teach_nothing() -> None:
     with pytest.raises(MotionError, match=r"track has 3 samples; allowed: 8 positions or more"):
         learn(seen(np.zeros((3, 3))))
