@@ -177,7 +177,7 @@ def test_what_is_seen_beyond_the_hinge_is_no_turn_of_the_door(at: int) -> None:
     # Two samples off the path, a third and two thirds of a turn on: the next is a turn on, if these count.
     positions = stopping(1.5)
     points = door(positions, 0.3)
-    points[at : at + 2] = door(positions[at : at + 2] + (2.1, 4.2), 0.5)
+    points[at : at + 2] = door(positions[at : at + 2] + np.array((2.1, 4.2)), 0.5)
     assert best(JointType.REVOLUTE, points, 0, 0.001).limits == pytest.approx((0.0, 1.5), abs=0.02)
 
 
