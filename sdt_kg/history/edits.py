@@ -195,8 +195,7 @@ def _elsewhere(twin: Twin, subject: Iri, by: Replacement) -> Replacement:
 def posed(twin: Twin, joint: Iri, pose: Pose) -> Rewritten:
     """The frame of a joint is elsewhere in its parent's frame, and with it the bodies that it carries."""
     values: dict[str, Value] = dict(zip(POSE, (*pose.position, *pose.orientation), strict=True))
-    origin = f"{joint}/origin"
-    by = _elsewhere(twin, origin, twin.entities.replacement(origin, values))
+    by = changed(twin, f"{joint}/origin", **values).by
     shown = ", ".join(f"{value:g}" for value in (*pose.position, *pose.orientation))
     return Rewritten(replace(by, note=f"edited: {local_name(joint)}: pose = {shown}"))
 
