@@ -8,9 +8,13 @@ import pytest
 import rdflib
 
 from sdt_kg.annotating.annotate import TEE_GRAPH
+from sdt_kg.entities import state_iri
 from sdt_kg.errors import GraphError, UnknownEntityError
+from sdt_kg.history import History
+from sdt_kg.history.edits import Moved
 from sdt_kg.iri import SDT, TEE, XSD, graph_iri, joint_iri, model_iri
 from sdt_kg.load import load_twin
+from sdt_kg.store import MemoryStore
 from sdt_kg.twin import Twin
 from tests.sdt_kg.conftest import link
 from tests.small import small_twin
@@ -60,6 +64,17 @@ def test_an_edited_twin_comes_back(drawer: Path) -> None:
     back = Twin.from_quads(store_of(twin))
     assert back.content_hash(back.environment) == twin.content_hash(twin.environment)
     assert back.container("cupboard_drawer").upper == 0.3
+
+
+def test_a_twin_comes_back_from_a_store_that_keeps_its_branches(drawer: Path) -> None:
+    twin = load_twin(drawer)
+    kept = MemoryStore()
+    history = History.of(twin, kept)
+    history.derived(history.first, Moved(((SLIDE, 0.2),)))
+    store = store_of(twin)
+    store.extend(kept.everything())
+    back = Twin.from_quads(store, state=state_iri(twin.environment, twin.state))
+    assert described(back) == described(twin)
 
 
 def test_of_several_twins_the_one_that_is_meant_comes_back() -> None:
