@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from predicates.case import Case
-from sdt_kg.errors import UnknownEntityError
+from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.mechanism import JointType
 from sdt_kg.motion import Motion
@@ -12,12 +12,33 @@ from sdt_kg.twin import Container, Twin
 
 
 def containers_meant(case: Case) -> tuple[Container, ...]:
-    """The task's container; where the task leaves it open, those that the motion moves, or all."""
+    """The task's container; where the task leaves it open, those that the motion moves, or all.
+
+    Raises:
+        InputError: A task about all of a kitchen that has none.
+    """
     if isinstance(case.task, Task) and isinstance(case.task.container, str):
         return (case.twin.container(case.task.container),)
     if isinstance(case.motion, Motion):
         return moved_by(case.twin, case.motion.of)
-    return case.twin.containers()
+    return counted(case.twin) if isinstance(case.task, Task) else case.twin.containers()
+
+
+def counted(twin: Twin) -> tuple[Container, ...]:
+    """The kitchen's containers: what a task about every one of them is about.
+
+    Raises:
+        InputError: It has none, so there would be no verdict.
+    """
+    containers = twin.containers()
+    if not containers:
+        name = local_name(twin.environment)
+        raise InputError(
+            f"kitchen '{name}' has no door or drawer that counts, so there is nothing to open or close",
+            allowed="a kitchen with at least one",
+            remedy="sdt containers KITCHEN --all tells why each of its joints is left out",
+        )
+    return containers
 
 
 def moved_by(twin: Twin, of: Iri) -> tuple[Container, ...]:

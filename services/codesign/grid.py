@@ -8,6 +8,7 @@ from functools import lru_cache, partial
 from itertools import product
 from pathlib import Path
 
+from predicates.meant import counted
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.load import load_twin, model_name
 from sdt_kg.scope import D_ARTIC
@@ -145,7 +146,7 @@ def _containers(asked: Asked) -> dict[str, tuple[str, ...]]:
     states: set[str] = set()
     for kitchen in asked.kitchens:
         twin = load_twin(kitchen)
-        own = tuple(each.name for each in twin.containers())
+        own = tuple(each.name for each in counted(twin))
         found[kitchen] = tuple(each for each in own if each in asked.containers) if asked.containers else own
         states.update(state_joints(twin, asked.states))
     unknown = set(asked.containers) - {name for names in found.values() for name in names}

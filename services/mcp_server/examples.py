@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, Final
 
+from predicates.meant import counted
 from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from sdt_kg.twin import Container
@@ -54,7 +55,7 @@ def calls(desk: Desk) -> list[Example]:
     """Examples for the first kitchen, its first container and its first robot."""
     name, service = next(iter(desk.services.items()))
     twin = service.twin
-    container, robots = twin.containers()[0], [twin.name(each) for each in twin.robots]
+    container, robots = counted(twin)[0], [twin.name(each) for each in twin.robots]
     where: dict[str, Any] = {"kitchen": name}
     found = [
         Example("lookup", {"name": container.name, **where}, "an entity by name, with joint and limits"),

@@ -7,6 +7,7 @@ from math import prod
 from pathlib import Path
 from typing import TypeVar
 
+from predicates.meant import counted
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.load import model_name, model_path
@@ -225,7 +226,7 @@ def check_names(models: Sequence[str]) -> None:
 
 def _part(twin: Twin, kitchen: str, robots: tuple[str, ...], axes: Axes) -> Combined:
     # Doors take longest: begun last, they would keep one worker busy while the others have nothing.
-    ordered = sorted(twin.containers(), key=lambda container: container.kind != "door")
+    ordered = sorted(counted(twin), key=lambda container: container.kind != "door")
     containers = tuple(container.name for container in ordered)
     here = tuple(text for text in axes.tasks if ":" not in text or text.partition(":")[2] in containers)
     states = tuple(tuple(state_joints(twin, texts)) for texts in axes.states)

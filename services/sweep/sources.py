@@ -8,6 +8,7 @@ from itertools import product
 from pathlib import Path
 from typing import Final
 
+from predicates.meant import counted
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import local_name
@@ -81,7 +82,7 @@ class Listed:
             if name:
                 yield f"{verb.lower()}:{name}"
             else:
-                yield from (f"{verb.lower()}:{each.name}" for each in self._known.twin(kitchen).containers())
+                yield from (f"{verb.lower()}:{each.name}" for each in counted(self._known.twin(kitchen)))
 
 
 def csv_rows(file: Path) -> Iterator[tuple[str, Row]]:

@@ -8,6 +8,7 @@ import pytest
 
 from sdt_kg.iri import local_name
 from sdt_kg.load import bundled, load_twin
+from sdt_kg.mechanism import JointType
 from sdt_kg.twin import Twin
 from tests.sdt_kg.conftest import DRAWER, Write, joint, limit, link
 
@@ -51,8 +52,16 @@ LEFT_OUT = {
         "coffee_table_drawer_joint": "no handle",
         "tap_handle_hot_cold_joint": "moves by itself",
         "tap_handle_open_joint": "moves by itself",
+        "tap_joint": "'tap_body' is called neither door nor drawer",
     },
-    "b": {"oven_area_area_right_drawer_joint": "is fixed to 'drawer_oven_right_front_link', not to"},
+    "b": {
+        "oven_area_area_right_drawer_joint": "is fixed to 'drawer_oven_right_front_link', not to",
+        "oven_area_oven_knob_oven_joint": "'oven_area_oven_knob_oven' is called neither door nor drawer",
+        "oven_area_oven_knob_stove_1_joint": "called neither door nor drawer",
+        "oven_area_oven_knob_stove_2_joint": "called neither door nor drawer",
+        "oven_area_oven_knob_stove_3_joint": "called neither door nor drawer",
+        "oven_area_oven_knob_stove_4_joint": "called neither door nor drawer",
+    },
 }
 
 
@@ -69,6 +78,10 @@ def check_kitchen(kitchen: str, twin: Twin) -> None:
     assert left_out.keys() == LEFT_OUT[kitchen].keys()
     for joint_name, reason in LEFT_OUT[kitchen].items():
         assert reason in left_out[joint_name]
+    movable = {
+        each.name for each in twin.mechanism(twin.environment).joints if each.type is not JointType.FIXED
+    }
+    assert movable == left_out.keys() | {local_name(each.joint) for each in twin.containers()}
 
 
 @pytest.mark.parametrize("kitchen", ["a", "b"])

@@ -46,9 +46,7 @@ GRAPH_FORMATS = {".ttl": "turtle", ".trig": "trig", ".nq": "nquads"}
 
 @click.command()
 @kitchen_argument
-@click.option(
-    "--all", "show_all", is_flag=True, help="Also the handled joints that are left out, with the reason."
-)
+@click.option("--all", "show_all", is_flag=True, help="Also the joints that are left out, with the reason.")
 @csv_flag
 @json_flag
 def containers(kitchen: str, show_all: bool, as_json: bool) -> None:

@@ -8,6 +8,7 @@ from functools import cached_property
 import pyoxigraph as ox
 
 from predicates.case import Outcome, Verdict
+from predicates.meant import counted
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.load import model_name
@@ -127,7 +128,7 @@ def judged(  # noqa: PLR0913 - the options of sdt table
     service = load(kitchen, names, state=states, policy=policy)
     verb, _, chosen = task.partition(":")
     parse_task(service.twin, verb)
-    containers = [service.twin.container(each) for each in _parts(chosen)] or list(service.twin.containers())
+    containers = [service.twin.container(each) for each in _parts(chosen)] or list(counted(service.twin))
     with opened(store) as saved:
         service = replace(service, recall=saved.stored)
         asked = [(name, one) for name in names for one in containers]

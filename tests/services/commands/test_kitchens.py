@@ -25,7 +25,40 @@ def test_what_is_left_out_is_listed_with_its_reason(sdt) -> None:
     rows = sdt("containers", "a", "--all", "--json").json
     left_out = {each["name"]: each["reason"] for each in rows if each.get("left_out")}
     assert left_out["coffee_table_drawer"] == "it has no handle"
-    assert len(left_out) == 10
+    assert len(left_out) == 11
+
+
+UNNAMED = """
+<robot name="n"><link name="frame"/><link name="flap"/><link name="grip"/>
+<joint name="hinge" type="revolute"><parent link="frame"/><child link="flap"/><axis xyz="0 0 1"/>
+<limit lower="0" upper="1.5" velocity="1" effort="1"/></joint>
+<joint name="screw" type="fixed"><parent link="flap"/><child link="grip"/></joint></robot>
+"""
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "achieve --kitchen n.urdf --robot stretch --task open",
+        "causes n.urdf --task open",
+        "table --kitchens n.urdf --robots stretch",
+        "sweep --kitchens n.urdf --robots stretch",
+        "codesign --kitchens n.urdf --robots stretch",
+        "whatif --kitchen n.urdf --robot stretch --task open --edit drive:fixed",
+        "report codesign -p kitchen=n.urdf",
+    ],
+)
+def test_a_kitchen_where_nothing_counts_is_told_with_where_to_look(
+    sdt, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("n.urdf").write_text(UNNAMED)
+    failed = sdt(*command.split())
+    assert failed.code == 2
+    assert "kitchen 'n' has no door or drawer that counts" in failed.err
+    (row,) = sdt("containers", "n.urdf", "--all", "--json").json
+    assert row["joint"] == "hinge"
+    assert "'flap' is called neither door nor drawer" in row["reason"]
 
 
 def test_a_limit_without_end_is_null_in_json(sdt, tmp_path: Path) -> None:
