@@ -203,11 +203,11 @@ class WholeBody:
         notes = (f"drive: {drive.value}", "the body motion was given; it was only checked")
         notes += (f"start: {ANY_START}",) if self.any_start else ()
         notes += (*self.tolerances.notes, *_of_models(world.scene))
+        parked = left_out(world.scene, case.body_motion)
+        notes += (f"not listed in the motion, so parked: {', '.join(parked)}",) if parked else ()
         if isinstance(outcome, Certified):
             return _certified(case, notes, clock, outcome)
         notes += ("collisions are of shapes that contain the robot's: shallow ones may be theirs alone",)
-        parked = left_out(world.scene, case.body_motion)
-        notes += (f"not listed in the motion, so parked: {', '.join(parked)}",) if parked else ()
         return Answer(case, False, outcome.diagnoses, notes, clock.seconds)
 
     def _certificate(self, twin: Twin, setting: Setting, body: BodyMotion) -> Certified | Refused:
