@@ -19,7 +19,7 @@ from services.physics.stops.stop import stopped
 from services.physics.stops.sweep import Sweep
 from services.physics.tree import Model, build
 
-KINEMATICS_VERSION = "10"
+KINEMATICS_VERSION = "11"
 """Raised whenever an answer of this oracle may change."""
 
 MODELS_KEPT = 4

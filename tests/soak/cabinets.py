@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 RAILS: Final = 0.022  # [m] beside which a drawer is looked at: 2 mm more than Φ lets it slide in
 HINGE: Final = 0.105  # [m] likewise from a hinge
+FITTED: Final = 0.003  # [m] what a drawer is drawn into deeper bears it
 LOOKS: Final = 60
 LEAST: Final = 0.002  # [m] thickness of what is looked at
 BEYOND: Final = 0.006  # [m] more than is allowed: Φ stops at the first step at which it is too deep
@@ -155,7 +156,7 @@ def _looked_at(cabinet: Cabinet) -> list[tuple[Box, Box, Box]]:
     pairs: list[tuple[Box, Box, Box]] = []
     for other in cabinet.others:
         fitted = max(_depth(_solid(one), one.pose(), _solid(other), other.pose()) for one in cabinet.own)
-        if cabinet.hinged or fitted <= 1e-6:  # what a drawer is drawn into bears it
+        if cabinet.hinged or fitted <= FITTED:
             pairs += [(part, one, other) for one in cabinet.own for part in _cores(cabinet, one)]
     return pairs
 

@@ -79,8 +79,11 @@ SLANTED = shape("0.7 0.02 0.03", "0.25 0.12 -0.105").replace("/>", ' rpy="0 0 -0
         ((PIPE,), False),
         ((shape("0.4 0.02 0.02", "-0.25 0.243 0"),), True),  # a rail
         ((SLANTED,), False),  # from beside the drawer to before it
+        ((shape("0.05 0.05 0.3", "-0.15 0 0.039"),), False),  # a pipe, 1 mm in the drawer's floor
+        ((shape("0.05 0.05 0.3", "-0.15 0 0.0375"),), False),
+        ((shape("0.4 0.02 0.3", "-0.2 0.2 -0.26"),), True),  # the drawer's floor slides in it
     ],
-    ids=["nothing", "pipe", "rail", "slanted"],
+    ids=["nothing", "pipe", "rail", "slanted", "pipe 1 mm in", "pipe 2.5 mm in", "guide"],
 )
 def test_a_drawer_is_stopped_by_its_own_cabinet_beyond_its_rails(
     tmp_path: Path, inner: tuple[str, ...], free: bool
