@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import hypothesis
 import pytest
 
 from sdt_kg.annotation import Drive
@@ -13,6 +14,9 @@ from services.table import TableResult, cells, run
 from tests.browser import Browser, installed, started
 
 PROJECT = Path(__file__).resolve().parent.parent
+
+hypothesis.settings.register_profile("untimed", deadline=None)  # no test is about speed
+hypothesis.settings.load_profile("untimed")
 
 
 @pytest.hookimpl(tryfirst=True)

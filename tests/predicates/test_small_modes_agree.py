@@ -19,7 +19,7 @@ TWIN = small_twin("a", ("pr2", "stretch"))
 NAMES = ("folding_door", "high_drawer", "low_drawer", "side_door")
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
 @given(st.sampled_from(NAMES), st.sampled_from(TWIN.robots), st.sampled_from(Verb), st.floats(0, 1))
 def test_modes_agree(name: str, robot: str, verb: Verb, share: float) -> None:
     container = TWIN.container(name)

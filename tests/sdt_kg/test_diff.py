@@ -29,7 +29,7 @@ QUADS = st.frozensets(st.builds(ox.Quad, IRIS, IRIS, IRIS | LITERALS, GRAPHS), m
 PANEL = joint_iri("a", "upper_panel_joint")
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(before=QUADS, after=QUADS)
 def test_a_patch_goes_there_and_back_through_its_text(
     before: frozenset[ox.Quad], after: frozenset[ox.Quad]

@@ -93,7 +93,7 @@ def edits_of(twin: Twin) -> list[Callable[[Twin], Edit]]:
     ]
 
 
-@settings(max_examples=6, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=6, suppress_health_check=[HealthCheck.too_slow])
 @given(order=st.permutations(range(7)), count=st.integers(2, 4))
 def test_edits_of_different_entities_commute_and_are_undone_one_by_one(order: list[int], count: int) -> None:
     history, made = begun(), edits_of(begun().first.twin)

@@ -99,7 +99,7 @@ def mechanisms(draw: st.DrawFn) -> Mechanism:
     )
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(mechanisms())
 def test_reading_back_gives_an_equal_mechanism(mechanism: Mechanism) -> None:
     store = MemoryStore()
@@ -107,7 +107,7 @@ def test_reading_back_gives_an_equal_mechanism(mechanism: Mechanism) -> None:
     assert read_mechanism_of(Facts(store.triples(GRAPH)), model_iri(mechanism.name)) == mechanism
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(mechanisms())
 def test_reading_back_from_a_file_gives_an_equal_mechanism(mechanism: Mechanism) -> None:
     store = MemoryStore()

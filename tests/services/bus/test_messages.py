@@ -22,7 +22,7 @@ from services.judging.problems import ProblemType, error_of, problem, problem_of
 from services.judging.replies import REPLIES
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(suppress_health_check=[HealthCheck.too_slow])
 @given(arrays(np.float64, st.tuples(st.integers(0, 5), st.integers(0, 4))))
 def test_arrays_come_back_to_the_last_bit(array: np.ndarray) -> None:
     back = from_cbor(to_cbor({"a": array, "row": array.ravel()}))

@@ -121,7 +121,7 @@ LEAF = groups(st.one_of(triples(), triples(), values(), unbounded()))
 GROUP = st.recursive(LEAF, lambda group: groups(st.one_of(triples(), values(), nested(group))), max_leaves=6)
 
 
-@settings(max_examples=40, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=40, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(GROUP)
 def test_the_answer_does_not_need_what_is_left_out(group: str) -> None:
     query = f"SELECT * WHERE {{ {group} }}"

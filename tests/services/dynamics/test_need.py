@@ -76,7 +76,7 @@ def test_a_latch_of_any_width_holds_at_the_stop_and_not_beyond_it(width: float) 
     assert held.hi == pytest.approx([20.0, 0.0, 0.0], abs=1e-9)
 
 
-@settings(max_examples=20, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=20, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(mechanisms(), st.booleans(), st.floats(0.6, 4.0), st.floats(0, 1))
 def test_no_value_of_the_parameters_needs_more_than_the_bound_nor_less(
     mechanics: Mechanics, opens: bool, duration: float, share: float
@@ -92,7 +92,7 @@ def test_no_value_of_the_parameters_needs_more_than_the_bound_nor_less(
         assert size.max() / far >= found.least - 1e-9 or found.least == found.onset
 
 
-@settings(max_examples=20, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=20, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(mechanisms(), st.floats(2.0, 8.0), st.integers(0, 9), st.floats(0, 1))
 def test_where_monotone_is_claimed_more_of_anything_never_needs_less(
     mechanics: Mechanics, duration: float, which: int, share: float
@@ -155,7 +155,7 @@ def test_a_stop_bears_what_presses_against_it() -> None:
     assert at_rest(hanging, 0.3).opens
 
 
-@settings(max_examples=15, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=15, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(st.floats(0, 20), st.floats(0, 8), st.floats(0, 10), st.floats(0.05, 0.45))
 def test_what_is_said_to_stay_stays_in_simulation_and_what_surely_moves_moves(
     stiffness: float, friction: float, closer: float, q: float

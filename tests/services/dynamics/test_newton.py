@@ -32,7 +32,7 @@ def motion(scene: Scene, seed: int) -> Pieces:
 
 
 @given(seed=st.integers(0, 10**6), share=st.floats(0, 1))
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 def test_every_moment_of_a_span_lies_within_its_bounds(scene: Scene, seed: int, share: float) -> None:
     pieces, parts = motion(scene, seed), 3
     piece = np.repeat(np.arange(5), parts)

@@ -58,7 +58,7 @@ def test_a_slide_let_go_while_sliding_stops_where_work_is_spent() -> None:
     assert moved.v[-1] == 0.0
 
 
-@settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=25, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(st.floats(0, 6), st.floats(0, 3), st.floats(0, 20), st.floats(0, 10), st.floats(4, 14))
 def test_more_friction_never_moves_it_further(
     coulomb: float, more: float, viscous: float, thicker: float, force: float

@@ -29,7 +29,7 @@ def motion(name: str, along: list[float]) -> Motion:
     return Motion(container.joint, np.arange(len(along)) * 0.5, values[:, None])
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(containers, shares)
 def test_values_to_poses_of_the_handle_and_back(name: str, along: list[float]) -> None:
     given_values = motion(name, along)
@@ -37,7 +37,7 @@ def test_values_to_poses_of_the_handle_and_back(name: str, along: list[float]) -
     assert as_values(MODEL, TWIN, poses).values == pytest.approx(given_values.values, abs=EXACT)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(containers, shares, offsets)
 def test_values_to_any_point_of_the_body_and_back(name: str, along: list[float], offset: np.ndarray) -> None:
     if np.linalg.norm(offset[[0, 2]]) < 0.05 or np.linalg.norm(offset[:2]) < 0.05:
@@ -64,7 +64,7 @@ def test_a_point_that_comes_to_a_place_twice_says_nothing_of_the_joint() -> None
         as_values(MODEL, TWIN, path)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(containers, shares)
 def test_a_corners_path_to_the_handles_poses_and_back(name: str, along: list[float]) -> None:
     container, corner = TWIN.container(name), np.array([-0.02, 0.5, -0.3])

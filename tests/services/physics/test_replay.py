@@ -50,7 +50,7 @@ def quantities(replayed: Replayed) -> set[Quantity]:
     return {each.evidence.quantity for each in replayed.violations if each.evidence is not None}
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(st.sampled_from(NAMES), st.sampled_from(Verb), st.floats(0, 1))
 def test_what_generation_makes_replay_ends_in_the_goal(name: str, verb: Verb, share: float) -> None:
     container = TWIN.container(name)
@@ -63,7 +63,7 @@ def test_what_generation_makes_replay_ends_in_the_goal(name: str, verb: Verb, sh
     assert replayed.final in goal
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.sampled_from(NAMES), st.floats(0, 1), st.floats(0, 1), st.floats(0.5, 8))
 def test_values_and_poses_give_the_same_answer(name: str, begin: float, end: float, seconds: float) -> None:
     container = TWIN.container(name)

@@ -60,7 +60,7 @@ THINGS = {name: of_container(name) for name in CONTAINERS} | {name: placed(name)
 OF_THINGS = st.lists(st.sampled_from(sorted(THINGS)), min_size=2, max_size=3, unique=True).flatmap(
     lambda names: st.tuples(*(THINGS[name] for name in names))
 )
-LAWS = settings(max_examples=6, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+LAWS = settings(max_examples=6, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 
 
 def iri_after(tee: str, *texts: str) -> str:

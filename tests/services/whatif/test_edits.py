@@ -126,7 +126,7 @@ EDITS = st.one_of(
 )
 
 
-@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=20, suppress_health_check=[HealthCheck.too_slow])
 @given(st.lists(EDITS, min_size=2, max_size=3, unique_by=lambda each: each[0]), st.randoms())
 def test_edits_of_different_entities_commute(edits: list[tuple[str, str]], random) -> None:
     texts = [each[1] for each in edits]
@@ -135,7 +135,7 @@ def test_edits_of_different_entities_commute(edits: list[tuple[str, str]], rando
     assert hash_of(made[0]) == hash_of(made[1])
 
 
-@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=20, suppress_health_check=[HealthCheck.too_slow])
 @given(EDITS)
 def test_an_undone_edit_restores_the_content(edit: tuple[str, str]) -> None:
     history = History.of(TWIN)
