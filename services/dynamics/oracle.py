@@ -21,9 +21,7 @@ from services.dynamics.need import need
 from services.dynamics.parameters import mechanics_of, unfit
 from services.physics.oracle import Kinematics
 from services.physics.tree import Model, build
-
-DYNAMICS_VERSION = "4"
-"""Raised whenever an answer of this oracle may change."""
+from services.versions import dynamics
 
 SLOWER = (1.0, 2.0, 4.0, 8.0)
 """[1] By which the times of a generated motion are stretched, until the force that it needs is allowed."""
@@ -43,7 +41,7 @@ class Dynamics:
 
     @property
     def version(self) -> str:
-        return f"dynamics {DYNAMICS_VERSION}, {self._kinematics.version}"
+        return dynamics()
 
     def replay(self, twin: Twin, motion: Motion) -> Replayed:
         replayed = self._kinematics.replay(twin, motion)

@@ -36,12 +36,10 @@ from services.embodiment.ways.roads import Known
 from services.embodiment.ways.start import near, turned
 from services.kernel import worked
 from services.physics.model import Scene
-from services.physics.oracle import Kinematics, version_of
+from services.physics.oracle import Kinematics
+from services.versions import whole_body
 
 Start = tuple[float, float, float]
-
-EMBODIMENT_VERSION = "19"
-"""Raised whenever an answer of this oracle may change."""
 
 MOVED_START = (
     "the parked robot touches the kitchen at its start pose, x {:g} m, y {:g} m: it starts {:.1f} m beside"
@@ -94,7 +92,7 @@ class WholeBody:
 
     @property
     def version(self) -> str:
-        return f"whole body {EMBODIMENT_VERSION}, pin {version_of('pin')}, coal {version_of('coal')}"
+        return whole_body()
 
     def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
         start = self.start or twin.kitchen().start

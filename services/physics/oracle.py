@@ -2,8 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import cache
-from importlib.metadata import version
 
 from predicates.oracle import Replayed
 from sdt_kg.iri import Iri
@@ -18,9 +16,7 @@ from services.physics.replay import replay
 from services.physics.stops.stop import stopped
 from services.physics.stops.sweep import Sweep
 from services.physics.tree import Model, build
-
-KINEMATICS_VERSION = "11"
-"""Raised whenever an answer of this oracle may change."""
+from services.versions import kinematics
 
 MODELS_KEPT = 4
 """[1] Kitchens whose models are kept."""
@@ -35,12 +31,6 @@ def _drawn(twin: Twin) -> Model | None:
     return build(replace(kitchen, joints=tuple(joints)))
 
 
-@cache
-def version_of(package: str) -> str:
-    """The version of an installed package; looked for once."""
-    return version(package)
-
-
 class Kinematics:
     """Φ of Eq. (6): rigid-body kinematics of the kitchen, built from the twin."""
 
@@ -51,7 +41,7 @@ class Kinematics:
 
     @property
     def version(self) -> str:
-        return f"kinematics {KINEMATICS_VERSION}, pin {version_of('pin')}"
+        return kinematics()
 
     def replay(self, twin: Twin, motion: Motion) -> Replayed:
         model = self._of(twin)

@@ -16,8 +16,10 @@ from sdt_kg.task import Task, Verb
 from services.dynamics.oracle import Dynamics
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.oracle import Kinematics
+from services.versions import KINEMATICS_VERSION
 from services.why import used, why
 from tests.small import small_twin
+from tests.small.before import Before
 from tests.small.lift import Lift
 
 TWIN = small_twin("a", ("pr2", "stretch"))
@@ -53,6 +55,16 @@ def test_a_certificate_is_told_with_drive_start_answers_and_margins() -> None:
     assert "answered by lift 1" in text
     assert "margin: 0 m" in text
     assert "Reasons" not in text
+
+
+def test_what_another_version_judged_is_told_as_outdated_with_what_to_do() -> None:
+    task = Task(Verb.OPEN, TWIN.container("low_drawer").iri)
+    (made,) = law(Case(TWIN, robot=TWIN.robots[0], task=task), Before(), Lift())
+    title, means, then, *_ = told(made).splitlines()
+    assert title == "Can pr2 open low_drawer in kitchen a? OUTDATED, WAS CERTIFIED"
+    assert means.startswith("All three predicates hold;")
+    assert then.startswith(f"Judged by kinematics 0 (here {KINEMATICS_VERSION}): this is not the answer")
+    assert "Ask again, and it is judged anew" in then
 
 
 def test_a_proof_is_told_as_a_proof_with_its_measurement() -> None:

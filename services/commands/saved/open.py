@@ -17,6 +17,7 @@ from services.commands.saved.why import without_twins
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.store.files import is_saved_graph
 from services.store.records import all_recalled
+from services.versions import ORACLES, outdated
 
 COLUMNS = (
     "kitchen",
@@ -25,12 +26,12 @@ COLUMNS = (
     "certified",
     "not_certified",
     "abstained",
+    "outdated",
     "certificates",
     "proofs",
 )
 MODELS: Final = frozenset({"environment", "robot"})
-JUDGES: Final = frozenset({"physics", "embodiment"})
-"""Inputs that say which model, of which content, and which version of what judged."""
+"""Inputs that say which model, of which content."""
 SHOWN_HASH: Final = 12
 """[characters] Of a model's content hash."""
 QUERY = "SELECT ?container {{ ?v law:outcome law:{} ; law:container ?container }}"
@@ -50,6 +51,7 @@ def open_command(context: click.Context, *, store: str, pages: bool, as_json: bo
     """Open saved verdicts: what is there, by kitchen, robot and task, and how to go on.
 
     STORE is a .trig or .nq file, a store directory, or the address of a SPARQL server, as --save takes it.
+    A verdict that another version of sdt judged counts as outdated, whatever it was.
     What is asked again with the same options and --save STORE is answered from there; only what is missing
     is judged.
     """
@@ -60,7 +62,7 @@ def open_command(context: click.Context, *, store: str, pages: bool, as_json: bo
             remedy="sdt achieve … --save FILE keeps a verdict",
         )
     verdicts, damaged = all_recalled(without_twins(store))
-    rows, mixed = _rows(verdicts), list(_mixed(verdicts))
+    rows, mixed = _rows(verdicts), [*_of_then(shlex.quote(store), verdicts), *_mixed(verdicts)]
     following = _following(store, rows)
     if as_json:
         found = {"store": store, "verdicts": len(verdicts), "cases": rows, "mixed": mixed, "next": following}
@@ -98,12 +100,12 @@ def _rows(verdicts: Sequence[StoredVerdict]) -> list[Row]:
 def _mixed(verdicts: Sequence[StoredVerdict]) -> Iterator[str]:
     """What differs between verdicts that rows, and queries by name, count together."""
     counts: dict[str, Counter[str]] = {}
-    for name, value in (pair for each in verdicts for pair in each.inputs):
+    for each, name, value in ((verdict, *pair) for verdict in verdicts for pair in verdict.inputs):
         if name in MODELS and value != UNKNOWN_INPUT:
             model, _, content = value.partition(" ")
             about = f"'{local_name(model)}' is there as several models of that name"
             counts.setdefault(about, Counter())[f"about {content[:SHOWN_HASH]}"] += 1
-        elif name in JUDGES:
+        elif name in ORACLES and not outdated(dict(each.inputs)):
             counts.setdefault(f"judged by several versions of {name}", Counter())[f"by {value}"] += 1
     for what, found in counts.items():
         if len(found) > 1:
@@ -111,9 +113,20 @@ def _mixed(verdicts: Sequence[StoredVerdict]) -> Iterator[str]:
             yield f"{what}: {told}; sdt recheck tells which hold for what is kept"
 
 
+def _of_then(store: str, verdicts: Sequence[StoredVerdict]) -> Iterator[str]:
+    """Which verdicts another version judged, and what to do."""
+    found = Counter(told for each in verdicts if (told := ", ".join(outdated(dict(each.inputs)))))
+    for others, count in found.most_common():
+        yield (
+            f"{count} outdated, judged by {others}: not the answer to what is asked now; asked again with "
+            f"--save {store}, judged anew; sdt recheck tells which certificates and proofs hold"
+        )
+
+
 def _marks(verdict: StoredVerdict) -> list[str]:
     """What a verdict counts as."""
-    shown, artefact = [verdict.outcome.value], verdict.artefact
+    is_outdated, artefact = bool(outdated(dict(verdict.inputs))), verdict.artefact
+    shown = ["outdated" if is_outdated else verdict.outcome.value]
     if artefact is not None and artefact.kind is ArtefactKind.CERTIFICATE:
         shown.append("certificates")
     elif artefact is not None and any(each.proof for each in verdict.diagnoses):

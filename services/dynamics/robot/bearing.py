@@ -15,9 +15,7 @@ from services.dynamics.oracle import Dynamics
 from services.dynamics.robot.checks import Bound, checks
 from services.dynamics.robot.load import loads
 from services.physics.model import Scene
-
-BEARING_VERSION = "3"
-"""Raised whenever an answer of this oracle may change."""
+from services.versions import bearing
 
 BOUNDED = "forces of the robot are bounded between samples too; its hand is taken to pull along the path"
 
@@ -40,7 +38,7 @@ class Bearing:
 
     @property
     def version(self) -> str:
-        return f"bearing {BEARING_VERSION}, {self.inner.version}"
+        return bearing(self.inner.version)
 
     def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
         return self.inner.settings(twin, robot)

@@ -1,6 +1,6 @@
 """The start page: what is served, how much of it is judged, and where to go from here."""
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 
 from starlette.requests import Request
 
@@ -9,14 +9,16 @@ from services.http.api.read import SPELLED
 from services.http.pages.stored import rows
 from services.http.pages.view import Json, View
 from services.http.world import World
+from services.versions import outdated
 
 
 async def home(request: Request) -> View:
     """Kitchens with their robots, and how many verdicts are kept about each."""
     world: World = request.app.state.world
-    counts: dict[Iri, dict[str, int]] = defaultdict(dict)
+    counts: dict[Iri, Counter[str]] = defaultdict(Counter)
     for row in await rows(world, "outcomes"):
-        counts[row["environment"]][SPELLED[local_name(row["outcome"])]] = int(row["verdicts"])
+        said = "outdated" if outdated(row) else SPELLED[local_name(row["outcome"])]
+        counts[row["environment"]][said] += int(row["verdicts"])
     kitchens: list[Json] = [
         {
             "name": kitchen.name,
@@ -31,6 +33,6 @@ async def home(request: Request) -> View:
     others: list[Json] = [
         {"name": local_name(iri), "iri": iri, "verdicts": found} for iri, found in sorted(counts.items())
     ]
-    columns = ("name", "iri", "containers", "robots", "certified", "not_certified", "abstained")
+    columns = ("name", "iri", "containers", "robots", "certified", "not_certified", "abstained", "outdated")
     listed = [each | each["verdicts"] for each in (*kitchens, *others)]
     return View("home", {"kitchens": kitchens, "not_served": others}, listed, columns)

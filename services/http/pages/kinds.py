@@ -34,6 +34,9 @@ class Standing(Enum):
     OUT_OF_SCOPE = Mark(
         "out_of_scope", "out of scope", "∅", "Outside the class D_artic: nothing is claimed either way."
     )
+    OUTDATED = Mark(
+        "outdated", "outdated", "↺", "Judged by another version of sdt, and so no answer any more: ask again."
+    )
     NOT_JUDGED = Mark("not_judged", "not judged", "?", "Nobody has asked yet.")
     WAITING = Mark("waiting", "waiting", "…", "Asked for; others are judged before it.")
     BEING_JUDGED = Mark("being_judged", "being judged", "…", "An oracle is at it.")

@@ -5,6 +5,7 @@ from pathlib import Path
 from services.app import Service
 from services.store.files import SavedVerdicts
 from tests.small import small_twin
+from tests.small.before import LiftsBefore
 from tests.small.lift import Lifts
 
 
@@ -48,3 +49,19 @@ def test_a_changed_record_is_named_and_not_counted(sdt, tmp_path: Path) -> None:
     assert (told["damaged"], found["verdicts"]) == ({}, told["verdicts"] - 1)
     assert "note: not counted: the record of" in sdt("open", str(place)).err
     assert {each["outcome"] for each in sdt("why", str(place), "--json").json} > {"DAMAGED"}
+
+
+def test_what_another_version_judged_counts_as_outdated_and_says_what_to_do(sdt, tmp_path: Path) -> None:
+    place, twin = tmp_path / "kept.trig", small_twin("a", ("pr2",))
+    with SavedVerdicts(place) as saved:
+        for oracles, task in ((LiftsBefore(), "open:low_drawer"), (Lifts(), "open:high_drawer")):
+            for verdict in Service(twin, oracles=oracles).achieve(task):
+                saved.add(verdict)
+    found = sdt("open", str(place), "--json").json
+    (row,) = found["cases"]
+    assert (row["certified"], row["outdated"]) == (1, 1)
+    (said,) = found["mixed"]
+    assert said.startswith("1 outdated, judged by kinematics 0 (here ")
+    assert f"--save {place}, judged anew" in said
+    told = {each["question"]: each["outcome"] for each in sdt("why", str(place), "--json").json}
+    assert told["Can pr2 open low_drawer in kitchen a?"] == "OUTDATED, WAS CERTIFIED"

@@ -13,20 +13,20 @@ from predicates.scope import tee_class_hash, verb_iri
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.scope import TEE_CLASSES
 from sdt_kg.twin import Twin
+from services.http.api.read import SPELLED
 from services.http.pages.asking import Asking, Wish
 from services.http.pages.feasibility.asked import Asked
 from services.http.pages.kinds import Standing, standings
 from services.http.pages.stored import rows
 from services.http.pages.view import Json
 from services.http.world import World
+from services.versions import ORACLES, outdated
 
 COMPARED: Final = (
     "physics", "embodiment", "embodiment.tolerances", "embodiment.margins",
     "embodiment.grasp set", "embodiment.seed",
 )  # fmt: skip
 """Inputs which all cells should share; where one differs, its cell says so."""
-VERSIONS: Final = ("physics", "embodiment")
-"""Those of them that name who judged."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,12 +53,17 @@ class Found:
         return _classes().get(self.inputs.get("tee_class", ""))
 
     @property
-    def rank(self) -> tuple[list[list[int]], int, float]:
-        """Which a cell shows: of the newest version the one that claims most, of searches the longest."""
-        versions = [list(map(int, re.findall(r"\d+", self.inputs.get(name, "")))) for name in VERSIONS]
+    def outdated(self) -> tuple[str, ...]:
+        """What judged in another version than judges here; empty if it still answers."""
+        return outdated(self.inputs)
+
+    @property
+    def rank(self) -> tuple[bool, list[list[int]], int, float]:
+        """Which a cell shows: what still answers, of the newest version what claims most, of searches the longest."""
+        versions = [list(map(int, re.findall(r"\d+", self.inputs.get(name, "")))) for name in ORACLES]
         claims = {"Certified": 3, "Abstained": 1}.get(self.outcome, 2 if self.proved else 0)
         budget = self.inputs.get("embodiment.budget", "0 s").removesuffix(" s")
-        return versions, claims, float(budget)
+        return not self.outdated, versions, claims, float(budget)
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,10 +175,10 @@ def cells_of(asked: Asked, robots: Iterable[Iri], found: list[Found], asking: As
                 "drive": asked.drive_of(robot),
             }
             verdicts = chosen.get((robot, container.iri), [])
-            if verdicts:
+            if verdicts and not verdicts[0].outdated:
                 yield cell | _judged(verdicts, common)
             else:
-                yield cell | _unjudged(asked.wish(name, container.name), asking)
+                yield cell | _unjudged(asked.wish(name, container.name), asking, verdicts)
 
 
 def _judged(verdicts: list[Found], common: dict[str, str]) -> Json:
@@ -183,6 +188,7 @@ def _judged(verdicts: list[Found], common: dict[str, str]) -> Json:
     return {
         "drive": first.drive,
         "standing": stand[0].value.key if stand else Standing.NO_VERDICT.value.key,
+        "was": None,
         "kinds": [each.value.key for each in stand if each is not Standing.CERTIFIED],
         "proved": None if first.outcome == "Certified" else first.proved,
         "reason": first.reasons or None,
@@ -195,25 +201,28 @@ def _judged(verdicts: list[Found], common: dict[str, str]) -> Json:
     }
 
 
-def _unjudged(wish: Wish | None, asking: Asking) -> Json:
-    """How a case stands that has no verdict; without a wish it cannot be asked about here."""
+def _unjudged(wish: Wish | None, asking: Asking, verdicts: list[Found]) -> Json:
+    """How a case stands that no verdict answers, at most outdated ones; without a wish it cannot be asked."""
     standing = Standing.NOT_JUDGED if wish is None else asking.standing(wish)
+    if verdicts and standing is Standing.NOT_JUDGED:
+        standing = Standing.OUTDATED
     return {
         "standing": standing.value.key,
+        "was": SPELLED[verdicts[0].outcome] if standing is Standing.OUTDATED else None,
         "kinds": [],
         "proved": None,
         "reason": None if wish is None else asking.refusal(wish),
-        "others": 0,
+        "others": max(len(verdicts) - 1, 0),
         "disagree": False,
         "differs": [],
-        "verdict": None,
+        "verdict": verdicts[0].iri if standing is Standing.OUTDATED else None,
     }
 
 
 def unlike(differs: Iterable[str]) -> str:
     """How a verdict was judged otherwise than most of a matrix, in words; empty if it was not."""
     others = list(differs)
-    settings = [name for name in others if name not in VERSIONS]
+    settings = [name for name in others if name not in ORACLES]
     parts = ["by another version of sdt"] if len(settings) < len(others) else []
     parts += [f"with other {' and '.join(settings)}"] if settings else []
     return f"judged {', '.join(parts)} than most here" if parts else ""
@@ -222,7 +231,7 @@ def unlike(differs: Iterable[str]) -> str:
 def common_settings(found: list[Found]) -> dict[str, str]:
     """What most cells share of the inputs that do not belong to their case."""
     common: dict[str, str] = {}
-    firsts = [each[0] for each in _chosen(found).values()]
+    firsts = [each[0] for each in _chosen(found).values() if not each[0].outdated]
     for name in COMPARED:
         counted = Counter(each.inputs[name] for each in firsts if name in each.inputs)
         if counted:

@@ -17,13 +17,15 @@ from services.http.pages.view import Json, View, here
 from services.http.world import World
 
 COLUMNS: Final = (
-    "kitchen", "robot", "container", "container_kind", "task", "drive", "standing", "kinds", "proved",
-    "reason", "others", "disagree", "differs", "verdict",
+    "kitchen", "robot", "container", "container_kind", "task", "drive", "standing", "was", "kinds",
+    "proved", "reason", "others", "disagree", "differs", "verdict",
 )  # fmt: skip
 SHOWN: Final = ("all", "certified", "not certified", "not judged")
 """Which rows are shown; whatever is shown, all are counted."""
 IN_PROGRESS: Final = {Standing.WAITING.value.key, Standing.BEING_JUDGED.value.key}
-OPEN: Final = {Standing.NOT_JUDGED.value.key, Standing.NO_VERDICT.value.key, *IN_PROGRESS}
+UNANSWERED: Final = {each.value.key for each in (Standing.OUTDATED, Standing.NOT_JUDGED, Standing.NO_VERDICT)}
+"""How cases stand that can be asked about."""
+OPEN: Final = {*UNANSWERED, *IN_PROGRESS}
 
 
 async def matrix(request: Request) -> View:
@@ -50,10 +52,13 @@ async def matrix(request: Request) -> View:
         "with_other_drives": kept.other_drives,
         "of_other_classes": kept.other_classes,
     }
+    outdated = sum(each["standing"] == Standing.OUTDATED.value.key for each in cells)
     more: Json = {
         "lines": _lines(asked, robots, cells, shown),
         "unlike": unlike,
-        "legend": LEGEND,
+        "legend": (*LEGEND, *([Standing.OUTDATED.value] if outdated else [])),
+        "outdated": outdated,
+        "unanswered": UNANSWERED,
         "show": shown,
         "in_progress": any(each["standing"] in IN_PROGRESS for each in cells),
         "refused": [each for each in cells if each["reason"]],
@@ -89,7 +94,7 @@ def _robot(asked: Asked, robot: Iri, cells: list[Json]) -> Json:
         "loaded": robot in asked.twin.robots,
         "containers": len(own),
         "standings": found,
-        "unjudged": sum(found.get(each, 0) for each in OPEN - IN_PROGRESS),
+        "unjudged": sum(found.get(each, 0) for each in UNANSWERED),
         "bar": [[key, start, count] for (key, count), start in zip(found.items(), starts, strict=False)],
     }
 

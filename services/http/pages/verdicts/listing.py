@@ -15,11 +15,13 @@ from services.http.pages.stored import rows
 from services.http.pages.view import Json, View, here, sorted_by
 from services.http.protocol.exchange import check_spelling
 from services.http.world import World
+from services.versions import outdated
 
 PAGE: Final = 200
 """Verdicts at a time; the query asks for one more, to know whether there are more."""
 COLUMNS: Final = (
-    "kitchen", "robot", "task", "container", "outcome", "kinds", "proved", "drive", "seconds", "verdict",
+    "kitchen", "robot", "task", "container", "outcome", "outdated", "kinds", "proved", "drive", "seconds",
+    "verdict",
 )  # fmt: skip
 SORTS: Final = ("kitchen", "robot", "task", "outcome", "drive", "seconds")
 """Columns to sort by, each in one direction: texts from a to z, seconds from the longest."""
@@ -104,6 +106,7 @@ def _row(row: dict[str, str]) -> Json:
         "task": local_name(row["task"]).lower() if "task" in row else None,
         "container": local_name(row["container"]) if "container" in row else None,
         "outcome": SPELLED[local_name(row["outcome"])],
+        "outdated": bool(outdated(row)),
         "kinds": [
             each.value.key
             for each in standings(local_name(row["outcome"]), row.get("kinds", ""))

@@ -19,6 +19,7 @@ from services.http.pages.kinds import VERDICT_STANDINGS, Standing
 from services.http.pages.terms import Cell, iri_cell
 from services.http.pages.view import Json, View
 from services.http.pages.writing.recheck import Rechecks
+from services.versions import outdated
 from services.why import PREDICATES, outcome, question, sections, used
 
 EVIDENCE: Final = (
@@ -82,6 +83,7 @@ def _data(stored: StoredVerdict, facts: Facts, told: dict[str, list[str]]) -> Js
         "name": local_name(stored.iri),
         "question": question(stored),
         "outcome": stored.outcome.value,
+        "outdated": list(outdated(dict(stored.inputs))),
         "means": " ".join(next(iter(told.values()))),
         "kitchen": local_name(stored.environment),
         "robot": local_name(stored.robot) if stored.robot else None,
@@ -109,7 +111,9 @@ def rechecks(request: Request) -> Rechecks:
 
 
 def _standings(stored: StoredVerdict) -> list[str]:
-    """Keys of the marks of the verdict, in the order of the other pages."""
+    """Keys of the marks of the verdict, in the order of the other pages; of an outdated one that alone."""
+    if outdated(dict(stored.inputs)):
+        return [Standing.OUTDATED.value.key]
     if stored.outcome is Outcome.CERTIFIED:
         return [Standing.CERTIFIED.value.key]
     found = {each.kind.value for each in stored.diagnoses}

@@ -12,6 +12,7 @@ from sdt_kg.iri import local_name, verdict_iri
 from services.http.pages.asking import Asking
 from services.http.pages.feasibility.asked import asked_about
 from services.http.pages.feasibility.cells import cells_of, kept_verdicts
+from services.http.pages.feasibility.matrix import UNANSWERED
 from services.http.pages.session import check_may_write, local, posted_pairs
 from services.http.pages.view import View
 from services.http.problems import RefusedError
@@ -19,11 +20,10 @@ from services.http.world import World
 
 PATIENCE = 2.0
 """[s] One case is waited for, so that an easy one is there when the page comes back."""
-UNJUDGED = {"not_judged", "no_verdict"}
 
 
 async def ask(request: Request) -> Response:
-    """What nobody has judged of these cases will be judged; back to the matrix.
+    """What no verdict answers of these cases will be judged; back to the matrix.
 
     Fields: task, drive, state (any number) as the matrix has them; case, a robot and a container with `/`
     between, either may be left out and then means every one; next, the page to go back to.
@@ -42,7 +42,7 @@ async def ask(request: Request) -> Response:
     cells = [
         each
         for each in cells_of(asked, robots, kept.shown, asking)
-        if container in {"", each["container"]} and each["standing"] in UNJUDGED
+        if container in {"", each["container"]} and each["standing"] in UNANSWERED
     ]
     wanted = (asked.wish(each["robot"], each["container"]) for each in cells)
     wishes = [each for each in wanted if each is not None]
