@@ -3,6 +3,7 @@
 import csv
 import hashlib
 import io
+import re
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
@@ -11,6 +12,7 @@ from typing import Any, Final
 from urllib.parse import quote, urlencode
 
 import jinja2
+from markupsafe import Markup, escape
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse, Response
 from starlette.routing import Route
@@ -34,6 +36,13 @@ STATIC: Final = {
 }
 """File → media type: all that a page asks for besides itself."""
 KEPT: Final = "public, max-age=31536000, immutable"
+BREAK: Final = re.compile(r"[_/.:#](?=\S)")
+"""After these a long name may go on in the next line."""
+FIGURE: Final = re.compile(
+    r"(?<![\w./-])[-+]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?"
+    r"(?: ?(?:mm|m|ms|s|rad|°|%|Nm|N|kg|J|W|KiB)(?:/s)?[²2]?)?(?!\w)"
+)
+"""A number with its unit, and no part of a name."""
 SCRIPTED: Final = (
     "default-src 'none'; style-src 'self'; img-src 'self'; script-src 'self'; connect-src 'self'; "
     "form-action 'self'; frame-ancestors 'none'; base-uri 'none'"
@@ -216,6 +225,12 @@ def query_text(words: Mapping[str, str | None]) -> str:
     return urlencode({name: value for name, value in words.items() if value})
 
 
-def breakable(name: str) -> str:
-    """A name that may break after its underscores, slashes and dots: zero-width spaces in it."""
-    return "".join(f"{each}\u200b" if each in "_/.:#" else each for each in name)
+def breakable(text: str) -> Markup:
+    """Text whose names may break after underscores, slashes and dots, and whose figures never do.
+
+    A figure is a number with its unit: nobody reads `6.` and `0 mm` on two lines as one.
+    """
+    between = FIGURE.split(text)
+    figures = [Markup('<span class="figure">{}</span>').format(each) for each in FIGURE.findall(text)]
+    names = [escape(BREAK.sub("\\g<0>\u200b", each)) for each in between]
+    return Markup("").join(each for pair in zip(names, [*figures, ""], strict=True) for each in pair)

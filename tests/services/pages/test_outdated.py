@@ -66,7 +66,7 @@ def test_the_verdict_s_page_says_which_version_judged_and_which_is_here(served: 
     hero = page.partition('<div class="hero')[2].partition("</div>")[0]
     assert hero.startswith(" k-outdated")
     assert "Outdated, was certified" in hero
-    assert f"Judged by kinematics 0 (here {NOW})" in hero
+    assert f"Judged by kinematics 0 (here {NOW})" in text_of(hero)
     assert served.get(f"{link}.json").json()["outdated"] == [f"kinematics 0 (here {NOW})"]
 
 

@@ -10,7 +10,7 @@ from services.http.pages.kinds import Standing
 from services.http.pages.session import COOKIE, local
 from services.store.workers import BusyError
 from tests.services.http.conftest import HOST
-from tests.services.pages.conftest import PAGE, TOKEN, verdict_link
+from tests.services.pages.conftest import PAGE, TOKEN, text_of, verdict_link
 
 FORM = {"content-type": "application/x-www-form-urlencoded"} | PAGE
 BEARER = {"authorization": f"Bearer {TOKEN}"}
@@ -131,5 +131,5 @@ def test_a_form_of_300_mb_is_refused_as_a_page_before_it_is_read_and_the_pages_l
     for refused in (told, streamed):
         assert refused.status_code == 413
         assert refused.headers["content-type"] == "text/html; charset=utf-8"
-        assert "the request is longer than 262144 bytes" in refused.text
+        assert "the request is longer than 262144 bytes" in text_of(refused.text)
     assert served.get("/kitchens/a", headers=PAGE).status_code == 200

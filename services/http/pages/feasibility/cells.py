@@ -59,7 +59,7 @@ class Found:
 
     @property
     def rank(self) -> tuple[bool, list[list[int]], int, float]:
-        """Which a cell shows: what still answers, of the newest version what claims most, of searches the longest."""
+        """Which a cell shows: what still answers, of the newest version what claims most, the longest."""
         versions = [list(map(int, re.findall(r"\d+", self.inputs.get(name, "")))) for name in ORACLES]
         claims = {"Certified": 3, "Abstained": 1}.get(self.outcome, 2 if self.proved else 0)
         budget = self.inputs.get("embodiment.budget", "0 s").removesuffix(" s")
