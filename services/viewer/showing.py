@@ -3,7 +3,7 @@
 import numpy as np
 import viser
 
-from sdt_kg.iri import Iri, local_name
+from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container, Twin
 from services.viewer.judging.question import Judged, Opening, Paths
@@ -11,8 +11,10 @@ from services.viewer.panel import WHOLE, Panel
 from services.viewer.picture.film import Film
 from services.viewer.picture.looks import CLOSEST, OFFENDING, Looks
 from services.viewer.picture.marks import Mark, What
-from services.viewer.picture.standing import Pose2, kitchen_positions
+from services.viewer.picture.skeleton import base_pose
+from services.viewer.picture.standing import Pose2, kitchen_positions, parked
 from services.viewer.picture.timeline import Posture, Timeline
+from services.viewer.picture.viewpoint import fronts_of, largest, viewpoint
 from services.viewer.scene.stage import Stage
 from services.viewer.words import headline, nothing_yet, story
 
@@ -39,15 +41,21 @@ class Showing:
             twin: Kitchen and robot.
             looks: Of kitchen and robot.
             start: Of the base: x, y [m], yaw [rad].
-            container: What is asked about; another kitchen is looked at from its side.
+            container: What is asked about; another kitchen is looked at so that it is seen.
         """
         kitchen, robot = looks
         self._start = Posture(start, {}, dict(twin.state))
-        other = self.stage.furnish(kitchen, robot, twin.robot(twin.robots[0]))
-        if other:
+        annotation = twin.robot(twin.robots[0])
+        if self.stage.furnish(kitchen, robot, annotation):
             joints = kitchen_positions(kitchen.skeleton, self._start.kitchen)
-            handle = kitchen.skeleton.body(local_name(container.handle), joints, np.eye(4))
-            self.stage.look(twin.kitchen().start, handle[:3, 3])
+            stands = base_pose(robot.skeleton, annotation, start)
+            hiding = (
+                largest(kitchen, joints, np.eye(4)),
+                largest(robot, parked(annotation, {}), stands),
+            )
+            view = viewpoint(fronts_of(kitchen, joints, container, twin.containers()), np.concatenate(hiding))
+            if view is not None:
+                self.stage.look(*view)
         self._forget_film()
         self.stage.pose(self._start)
         self._draw_paths()

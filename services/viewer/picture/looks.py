@@ -81,8 +81,13 @@ def robot_colours(twin: Twin, robot: Iri) -> dict[str, Colour]:
     return {body.name: HAND if body.name in hands else ROBOT for body in twin.mechanism(robot).bodies}
 
 
-def handle_path(
-    looks: Looks, positions: Mapping[str, float], handle: str, joint: str, values: Array
+def handle_path(  # noqa: PLR0913, PLR0917  # what moves, where and how finely
+    looks: Looks,
+    positions: Mapping[str, float],
+    handle: str,
+    joint: str,
+    values: Array,
+    points: int = PATH_POINTS,
 ) -> Array:
     """Where the middle of a handle goes as its container opens: points, shape (N, 3) [m].
 
@@ -92,10 +97,11 @@ def handle_path(
         handle: Name of the handle's body.
         joint: Name of the joint that the motion is of.
         values: Of that joint along the motion, shape (T,).
+        points: N.
     """
     surface = looks.collision.get(handle)
     middle = np.append(np.zeros(3) if surface is None else surface.centre, 1.0)
-    ways = np.interp(np.linspace(0, 1, PATH_POINTS), np.linspace(0, 1, len(values)), values)
+    ways = np.interp(np.linspace(0, 1, points), np.linspace(0, 1, len(values)), values)
     frames = {frame.joint.name: frame.joint for frame in looks.skeleton.frames}
     mimic = frames[joint].mimic  # a joint that is listed moves the one that it follows, unless that is listed
     free = {
@@ -103,10 +109,8 @@ def handle_path(
         for name, at in positions.items()
         if frames[name].mimic is None and (mimic is None or name != mimic.joint)
     }
-    points = [
-        looks.skeleton.body(handle, {**free, joint: float(value)}, np.eye(4)) @ middle for value in ways
-    ]
-    return np.array(points)[:, :3]
+    found = [looks.skeleton.body(handle, {**free, joint: float(value)}, np.eye(4)) @ middle for value in ways]
+    return np.array(found)[:, :3]
 
 
 def segments(points: Array) -> Array:

@@ -33,14 +33,6 @@ THICK = 0.012
 """[m] Of a line."""
 GHOST = 0.35
 """[1] Opacity of a ghost."""
-EYES = 2.8
-"""[m] Height of the camera."""
-ASIDE = 0.9
-"""[m] The camera is so far to the robot's right, so that the robot does not hide what it does."""
-BEHIND = 2.2
-"""[m] From the robot's start to the camera."""
-AWAY = (0.2, 3.4, 6.0)
-"""[m] Nearer than the first there is no direction; the camera is between the others away."""
 BELOW = -0.002
 """[m] Height of the grid, so that it does not show through the floor."""
 LABEL = 40
@@ -87,15 +79,10 @@ class Stage:
         middle, side = (low + high) / 2, 2 * float(np.ceil(max(high[0] - low[0], high[1] - low[1], 2.0)))
         self._scene.add_grid("/floor", side, side, plane="xy", position=(middle[0], middle[1], BELOW))
 
-    def look(self, start: Pose2, thing: Array) -> None:
-        """The camera stands where robots start, a little back and aside, and looks at a point (3,) [m]."""
-        aside = np.array([start[0] - thing[0], start[1] - thing[1]])
-        away = float(np.linalg.norm(aside))
-        aside = aside / away if away > AWAY[0] else np.array([-1.0, 0.0])
-        ground = thing[:2] + aside * min(max(away + BEHIND, AWAY[1]), AWAY[2])
-        ground = ground + ASIDE * np.array([-aside[1], aside[0]])
+    def look(self, place: Array, thing: Array) -> None:
+        """The camera stands at a point (3,) [m] and looks at another."""
         camera = self._client.camera
-        camera.position = (float(ground[0]), float(ground[1]), EYES)
+        camera.position = (float(place[0]), float(place[1]), float(place[2]))
         camera.look_at = (float(thing[0]), float(thing[1]), float(thing[2]))
 
     def show(self, collision: bool, visual: bool) -> None:
