@@ -116,6 +116,7 @@ def main() -> None:
     gc.set_threshold(MADE, SELDOM)
     # What is left goes with the process: to look for garbage in it takes half a second.
     atexit.register(gc.freeze)
+    os.environ["PYTHONSAFEPATH"] = "1"  # processes that this one starts import nothing from where it is run
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # what a terminal has no letter for is no bug

@@ -111,7 +111,7 @@ async def repair_loop(client: Client, motion: Arrays) -> list[str]:
 
 async def main() -> list[str]:
     """A spoiled motion, repaired with what the server says."""
-    words = ["-m", "services.cli", "mcp", "--kitchen", KITCHEN, "--robot", ROBOT]
+    words = ["-P", "-m", "services.cli", "mcp", "--kitchen", KITCHEN, "--robot", ROBOT]
     host = stdio_client(StdioServerParameters(command=sys.executable, args=words))
     async with Client(host) as client:
         return await repair_loop(client, spoiled(certified()))

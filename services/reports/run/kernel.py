@@ -30,6 +30,8 @@ class OwnInterpreter(AsyncKernelManager):
                 "{connection_file}",
                 # Errors of cells come as messages; its log would tell only that it is asked to end.
                 "--log-level=CRITICAL",
+                # A `services.py` where the report is asked for is none of ours.
+                "--ignore-cwd",
             ],
             display_name="sdt",
             language=LANGUAGE,

@@ -109,6 +109,15 @@ def test_a_notebook_runs_in_this_interpreter_and_listens_to_nobody_else() -> Non
     assert (found["python"], found["x"]) == (sys.executable, 5)
 
 
+def test_a_notebook_imports_nothing_from_the_current_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "services.py").write_text("raise ImportError('imported from the current folder')")
+    monkeypatch.chdir(tmp_path)
+    node = executed(small("import services; print(services.__file__)"), {})
+    assert node.cells[-1].outputs[0]["text"].strip().endswith("services/__init__.py")
+
+
 SHOWN = """
 from IPython.display import display
 from services import load
