@@ -37,8 +37,8 @@ def open_session(
             are set on top of it.
 
     Raises:
-        InputError: The configuration file or an endpoint is wrong.
-        BusUnavailableError: Nobody is there to connect to, or the endpoint is taken.
+        InputError: The configuration file or an endpoint is wrong, or it is not free to listen at.
+        BusUnavailableError: Nobody is there to connect to.
     """
     settings = _settings(config)
     for key, value in _chosen(listen, connect, mode).items():
@@ -46,15 +46,16 @@ def open_session(
     try:
         return zenoh.open(settings)
     except zenoh.ZError as error:
-        raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, _said(error, listen, connect))) from None
-
-
-def _said(error: zenoh.ZError, listen: str | None, connect: str | None) -> str:
-    """Zenoh's message without the place in its source; it tries a name that is refused until time is up."""
-    said = str(error).partition(" at /")[0]
+        said = str(error).partition(" at /")[0]  # without the place in Zenoh's source
     if listen:
-        return f"cannot listen at {listen}: {said}"
-    return f"cannot reach {connect}: nobody listens there, or this name or certificate is refused ({said})"
+        raise InputError(
+            f"cannot listen at {listen}: {said}",
+            allowed="PROTOCOL/HOST:PORT, a free port of this machine",
+            remedy=f"{DEFAULT_ENDPOINT}, say",
+        )
+    # Zenoh tries a name that is refused until time is up.
+    why = f"nobody listens there, or this name or certificate is refused ({said})"
+    raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, f"cannot reach {connect}: {why}"))
 
 
 def _settings(config: Path | None) -> zenoh.Config:
@@ -69,9 +70,11 @@ def _settings(config: Path | None) -> zenoh.Config:
 def _chosen(listen: str | None, connect: str | None, mode: str) -> dict[str, object]:
     """Keys of Zenoh's configuration."""
     for endpoint in (listen, connect):
-        if endpoint is not None and endpoint.count("/") < 1:
+        if endpoint is not None and not all(endpoint.partition("/")):
             raise InputError(
-                f"'{endpoint}' is no endpoint", allowed="PROTOCOL/HOST:PORT", remedy=DEFAULT_ENDPOINT
+                f"'{endpoint}' is no endpoint",
+                allowed="PROTOCOL/HOST:PORT",
+                remedy=f"{DEFAULT_ENDPOINT}, say",
             )
     return {
         "mode": mode,

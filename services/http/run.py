@@ -2,8 +2,11 @@
 
 import asyncio
 import socket
+from collections.abc import Callable
+from contextlib import AsyncExitStack
 
 import uvicorn
+from fastapi import FastAPI
 from starlette.types import ASGIApp
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
@@ -82,16 +85,53 @@ def bound(address: Address) -> socket.socket:
     return listening
 
 
-def run(world: World, settings: Settings, listening: socket.socket, beside: Beside | None = None) -> None:
-    """Serve until interrupted; what was kept is read before, and raises as `World.remember`."""
+class Serving(uvicorn.Server):
+    """The application lives as long as its server: what it cannot begin with is raised, and nobody listens.
+
+    uvicorn would log such an error, and end the process.
+    """
+
+    def __init__(self, app: FastAPI, ready: Callable[[], None]) -> None:
+        super().__init__(configured(app))
+        self._app, self._ready, self._life = app, ready, AsyncExitStack()
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Everything is there that requests need, and whoever waits for it is told."""
+        await self._life.enter_async_context(self._app.router.lifespan_context(self._app))
+        await super().startup(sockets)
+        self._ready()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Requests are finished; then nothing is left."""
+        await super().shutdown(sockets)
+        await self._life.aclose()
+
+
+def run(
+    world: World,
+    settings: Settings,
+    listening: socket.socket,
+    beside: Beside | None,
+    ready: Callable[[], None],
+) -> None:
+    """Serve until interrupted; what was kept is read before, and raises as `World.remember`.
+
+    Args:
+        world: What is served.
+        settings: How it is served.
+        listening: Where.
+        beside: What is served beside it; raises what it raises at its beginning.
+        ready: Called when requests are answered.
+    """
     world.remember()
-    uvicorn.Server(configured(create_app(world, settings, beside))).run([listening])
+    Serving(create_app(world, settings, beside), ready).run([listening])
 
 
 def configured(app: ASGIApp) -> uvicorn.Config:
     """How an application is served: what it says of itself, how many it serves, how long it waits."""
     return uvicorn.Config(
         app,
+        lifespan="off",
         http=Patient,
         log_level="warning",
         access_log=False,

@@ -143,18 +143,22 @@ def serve(
         settings = replace(settings, viewer=viewer)
         samples = samples_beside(store) if store else {}
         world = World(open_kitchens(kitchens, robots), Workers(settings.workers, limits), archive, samples)
-        names = ", ".join(world.kitchens) or "none"
-        port = listening.getsockname()[1]
-        click.echo(f"http://{where.host}:{port}  kitchens: {names}; {_writing(settings.token)}", err=True)
         beside = None
         if bus is not None:
             from services.bus.serving import BesideHttp  # noqa: PLC0415 - see above
 
             beside = BesideHttp(bus, bus_config, oracles)
-            click.echo(f"bus at {bus}", err=True)
-        if viewer is not None:
-            click.echo(f"3D page at {viewer}", err=True)
-        run(world, settings, listening, beside)
+
+        def ready() -> None:
+            names = ", ".join(world.kitchens) or "none"
+            port = listening.getsockname()[1]
+            click.echo(f"http://{where.host}:{port}  kitchens: {names}; {_writing(settings.token)}", err=True)
+            if bus is not None:
+                click.echo(f"bus at {bus}", err=True)
+            if viewer is not None:
+                click.echo(f"3D page at {viewer}", err=True)
+
+        run(world, settings, listening, beside, ready)
 
 
 def _writing(token: str | None) -> str:

@@ -4,14 +4,12 @@ import gzip
 import re
 import socket
 import threading
-import time
 from collections.abc import Callable, Iterator
 
 import pytest
-import uvicorn
 
 from services.http.app import create_app
-from services.http.run import bound, configured
+from services.http.run import Serving, bound
 from services.http.settings import Address, Settings
 from services.http.world import World
 from services.store.workers import Limits, Workers, bulk
@@ -149,11 +147,11 @@ Sent = Callable[[bytes], list[int]]
 def sent() -> Iterator[Sent]:
     """The statuses that bytes on a real socket are answered with, until the service closes it."""
     listening = bound(Address("127.0.0.1", 0))
-    server = uvicorn.Server(configured(create_app(World({}, Workers(1)), Settings())))
+    ready = threading.Event()
+    server = Serving(create_app(World({}, Workers(1)), Settings()), ready.set)
     thread = threading.Thread(target=server.run, args=([listening],))
     thread.start()
-    while not server.started:
-        time.sleep(0.01)
+    assert ready.wait(60)
 
     def send(text: bytes) -> list[int]:
         with socket.create_connection(listening.getsockname(), timeout=0.3) as client:

@@ -30,9 +30,7 @@ def connect(monkeypatch: pytest.MonkeyPatch) -> Iterator[Connect]:
     monkeypatch.setattr(run, "HEAD_SECONDS", PATIENCE)
     monkeypatch.setattr(gate, "BODY_SECONDS", PATIENCE)
     listening = run.bound(Address("127.0.0.1", 0))
-    config = run.configured(Gate(echo, Settings()))
-    config.lifespan = "off"
-    server = uvicorn.Server(config)
+    server = uvicorn.Server(run.configured(Gate(echo, Settings())))
     thread = threading.Thread(target=server.run, args=([listening],))
     thread.start()
     while not server.started:
