@@ -117,6 +117,7 @@ def main() -> None:
     # What is left goes with the process: to look for garbage in it takes half a second.
     atexit.register(gc.freeze)
     os.environ["PYTHONSAFEPATH"] = "1"  # processes that this one starts import nothing from where it is run
+    _open_streams()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # what a terminal has no letter for is no bug
@@ -128,6 +129,13 @@ def main() -> None:
         # What nobody reads is written nowhere, or Python would complain of it at the end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     sys.exit(code)
+
+
+def _open_streams() -> None:
+    """A stream that the shell has closed (`>&-`) is one where nothing comes from or goes to."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open(mode, encoding="utf-8"))
 
 
 def run(words: list[str] | None = None) -> int:
