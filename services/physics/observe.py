@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import stats
 from scipy.interpolate import PchipInterpolator
 
 from predicates.learn import Track
@@ -43,6 +44,12 @@ KNOTS = 17
 
 LIMIT_SHARE = 0.98
 """[1] Share of the velocity and acceleration limits that a motion with stretched times uses."""
+
+SURE = 0.99
+"""[1] Confidence from which on a track moves at its begin or end, and does not rest there."""
+
+MOST = 200
+"""[1] Samples that tell this: the time grows by their square."""
 
 MOVED = 0.02
 """[1] Share of the way within which the ends are standstill."""
@@ -87,7 +94,7 @@ def followed(model: Model, twin: Twin, track: Track, container: Container) -> Fo
     path = chain(model, container.handle, twin.state)
     joint = path.follower
     pose = path.poses(np.array([twin.state.get(joint.active, 0.0)]))[0][0]
-    offset = pose[:3, :3].T @ (_begin(track.positions) - pose[:3, 3])
+    offset = pose[:3, :3].T @ (_begin(track) - pose[:3, 3])
     reach = float(np.linalg.norm(offset))
     if reach > REACH:
         return None
@@ -108,12 +115,24 @@ def followed(model: Model, twin: Twin, track: Track, container: Container) -> Fo
     return Followed(container, reach, offset, values.values[:, 0], distances, radius)
 
 
-def _begin(positions: Array) -> Array:
-    """Where the point is before it moves: the median of the samples near the first few."""
+def _begin(track: Track) -> Array:
+    """Where the point is before it moves, by the samples near the first few."""
+    positions = track.positions
     first = np.median(positions[:FIRST], axis=0)
     away = np.linalg.norm(positions - first, axis=1) > NEAR
-    still = int(np.argmax(away)) if away.any() else len(positions)
-    return np.median(positions[: max(still, FIRST)], axis=0)
+    still = max(int(np.argmax(away)) if away.any() else len(positions), FIRST)
+    times = track.times[:still]
+    return np.array([_at(times[0], times, each)[0] for each in positions[:still].T])
+
+
+def _at(time: float, times: Array, values: Array) -> tuple[float, bool]:
+    """The value at a time of some samples, and whether it surely moves there: else it is their median."""
+    some = slice(None, None, -(-len(values) // MOST))
+    line = np.array(stats.theilslopes(values[some], times[some], SURE), dtype=np.float64)
+    slope, at_0, lowest, highest = line.tolist()
+    if lowest <= 0 <= highest:
+        return float(np.median(values)), False
+    return float(np.clip(at_0 + slope * time, values.min(), values.max())), True
 
 
 def near_first(model: Model, twin: Twin, track: Track) -> Iterator[Followed]:
@@ -134,8 +153,8 @@ def motion_of(model: Model, twin: Twin, track: Track, seen: Followed) -> tuple[M
     bounds = effective_bounds(model, twin, path.follower)
     kept = ~spikes(track.positions) & (seen.distances <= np.quantile(seen.distances, SHARE) + LEAST_SCALE)
     times, values = track.times[kept], np.clip(seen.values[kept], bounds.lower, bounds.upper)
-    end = float(np.median(values[_resting(values) :]))
-    times, values = _moving(times, values)
+    last, end = _end(times, values)
+    times, values = _moving(times, values, last)
     knots = np.linspace(times[0], times[-1], KNOTS)
     smooth = _smooth(times, values, knots)
     began = path.follower.multiplier * twin.state.get(path.follower.active, 0.0) + path.follower.offset
@@ -156,11 +175,17 @@ def _resting(values: Array) -> int:
     return min(int(away[-1]) + 1 if away.size else 0, len(values) - FIRST)
 
 
-def _moving(times: Array, values: Array) -> tuple[Array, Array]:
-    """The part between standstill at the begin and at the end."""
+def _end(times: Array, values: Array) -> tuple[int, float]:
+    """The sample at which it comes to its end, and that: the last one of a track that ends moving."""
+    rest = _resting(values)
+    end, moves = _at(times[-1], times[rest:], values[rest:])
+    return len(values) - 1 if moves else rest, end
+
+
+def _moving(times: Array, values: Array, last: int) -> tuple[Array, Array]:
+    """The part between standstill at the begin and the sample at which it comes to its end."""
     way = np.abs(values - values[0])
     first = max(int(np.argmax(way > MOVED * float(way.max()))) - 1, 0)
-    last = _resting(values)
     return (times, values) if last - first < 2 else (times[first : last + 1], values[first : last + 1])
 
 

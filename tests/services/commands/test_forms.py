@@ -91,7 +91,7 @@ def test_an_opened_store_says_what_is_there_and_how_to_go_on(
     (case,) = found["cases"]
     assert case == {
         "kitchen": "b", "robot": "stretch", "task": "open",
-        "certified": 0, "not_certified": 1, "abstained": 0, "certificates": 0, "proofs": 1,
+        "certified": 0, "not_certified": 1, "abstained": 0, "outdated": 0, "certificates": 0, "proofs": 1,
     }  # fmt: skip
     for line in found["next"][:3]:
         assert sdt(*shlex.split(line)[1:]).code == Exit.DONE, line

@@ -1,0 +1,49 @@
+"""An observed track as motion of a container: it begins where it is and ends where it was last seen."""
+
+import numpy as np
+import pytest
+
+from predicates.learn import Track, learn
+from sdt_kg.load import load_twin
+from services.learning import Seen, seen_in
+from services.physics.chain import chain
+from services.physics.oracle import Kinematics
+from services.physics.tree import build
+
+CONTAINERS = "sink_area_left_middle_drawer_main", "iai_fridge_door"
+
+
+def seen(name: str, shares: np.ndarray, noise: float) -> tuple[Seen, float]:
+    """What a track at these shares of the upper limit is in kitchen b, and that limit [m or rad]."""
+    twin = load_twin("b")
+    container = twin.container(name)
+    handle = chain(build(twin.mechanism(twin.environment)), container.handle, twin.state)
+    points = handle.poses(shares * container.upper)[0][:, :3, 3]
+    points += np.random.default_rng(1).normal(0, noise, points.shape)
+    track = Track(points, np.arange(len(shares)) / 20, timed=True)
+    return seen_in(twin, learn(track), Kinematics()), container.upper
+
+
+@pytest.mark.parametrize("name", CONTAINERS)
+@pytest.mark.parametrize("samples", [60, 200, 1000])
+@pytest.mark.parametrize("noise", [0.0, 0.001])
+def test_a_track_that_never_rests_keeps_its_begin_and_end(name: str, samples: int, noise: float) -> None:
+    found, upper = seen(name, np.linspace(0.0, 0.93, samples), noise)
+    assert float(found.motion.values[-1, 0]) == pytest.approx(0.93 * upper, abs=0.002 + 5 * noise)
+    twin = load_twin("b")
+    assert [each.container for each in found.explanation.tasks] == [twin.container(name).iri]
+
+
+@pytest.mark.parametrize("name", CONTAINERS)
+@pytest.mark.parametrize("noise", [0.0, 0.001])
+def test_a_track_that_ends_moving_is_not_taken_further_than_it_was_seen(name: str, noise: float) -> None:
+    found, upper = seen(name, np.linspace(0.0, 0.87, 60), noise)
+    assert float(found.motion.values[-1, 0]) <= 0.87 * upper + 5 * noise
+    assert found.explanation.tasks == ()
+
+
+@pytest.mark.parametrize("name", CONTAINERS)
+def test_where_a_track_rests_noise_does_not_count(name: str) -> None:
+    shares = np.concatenate((np.zeros(40), np.linspace(0.0, 0.93, 60), np.full(40, 0.93)))
+    found, upper = seen(name, shares, 0.002)
+    assert float(found.motion.values[-1, 0]) == pytest.approx(0.93 * upper, abs=0.002)
