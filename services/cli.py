@@ -135,7 +135,7 @@ def _open_streams() -> None:
     """A stream that the shell has closed (`>&-`) is one where nothing comes from or goes to."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            setattr(sys, name, Path(os.devnull).open(mode, encoding="utf-8"))
+            setattr(sys, name, Path(os.devnull).open(mode, encoding="utf-8"))  # noqa: SIM115 - for good
 
 
 def run(words: list[str] | None = None) -> int:
@@ -159,7 +159,9 @@ def _told(error: BaseException) -> int:
         case click.ClickException():
             error.show()
         case click.Abort() | KeyboardInterrupt():
-            line, code = "interrupted: verdicts which were finished are saved", Exit.INTERRUPTED
+            stopped = error.__cause__ or error  # click raises an error of its own for what stopped it
+            notes = getattr(stopped, "__notes__", ())  # of what was kept, by who keeps it
+            line, code = ": ".join(("interrupted", *notes)), Exit.INTERRUPTED
         case InputError():
             line = f"error: {error}"
         case SdtError():

@@ -23,6 +23,6 @@ MEANING = {
     Exit.ABSTAINED: "abstained: out of scope of D_artic, nothing is claimed",
     Exit.NO_ORACLE: "an oracle, server or store is unavailable: there is no verdict",
     Exit.BUG: "a bug of ours: please report what was printed",
-    Exit.INTERRUPTED: "interrupted: verdicts that were finished are saved",
+    Exit.INTERRUPTED: "interrupted: with --save, verdicts that were finished are kept",
     Exit.BROKEN_PIPE: "nobody read the rest of the output",
 }

@@ -63,6 +63,8 @@ class SavedVerdicts:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.store.close()
+        if isinstance(error, KeyboardInterrupt):
+            error.add_note("verdicts which were finished are saved")
 
     def __contains__(self, verdict: Iri) -> bool:
         """Whether the verdict of this IRI is kept."""

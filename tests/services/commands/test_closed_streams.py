@@ -21,7 +21,9 @@ MCP = "mcp --kitchen b --robot pr2"
 )
 def test_a_command_ends_as_it_would(words: str, closed: str, code: Exit, said: str) -> None:
     line = f'exec "$0" -m services.cli {words} {closed}'
-    done = subprocess.run(["sh", "-c", line, sys.executable], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        ["/bin/sh", "-c", line, sys.executable], capture_output=True, text=True, check=False
+    )
     assert done.returncode == code, done.stderr
     assert done.stderr.startswith(said)
     assert "Traceback" not in done.stderr

@@ -13,6 +13,7 @@ import pytest
 
 from services.cli import sdt as root
 from services.commands.exits import MEANING, Exit
+from services.store.files import SavedVerdicts
 from tests.services.conftest import Done
 
 DOOR = "open:iai_fridge_door"
@@ -171,7 +172,20 @@ def test_a_command_that_is_interrupted_says_so(
     monkeypatch.setitem(root.commands, "interrupted", interrupted)
     done = sdt("interrupted")
     assert (done.code, done.out) == (Exit.INTERRUPTED, "")
-    assert "interrupted: verdicts which were finished are saved" in done.err
+    assert done.err.splitlines()[-1] == "interrupted"
+
+
+def test_a_command_that_is_interrupted_says_what_it_saved(
+    sdt: Callable[..., Done], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    @click.command()
+    def interrupted() -> None:
+        with SavedVerdicts(tmp_path / "kept.trig"):
+            raise KeyboardInterrupt
+
+    monkeypatch.setitem(root.commands, "interrupted", interrupted)
+    said = sdt("interrupted").err.splitlines()[-1]
+    assert said == "interrupted: verdicts which were finished are saved"
 
 
 @pytest.mark.parametrize(
