@@ -25,6 +25,7 @@ from services.physics.chain import follower
 from services.physics.observe import REACH, Followed, followed, motion_of, near_first
 from services.physics.replay import effective_bounds
 from services.physics.tree import Model, build
+from services.store.output import write_file
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -233,7 +234,7 @@ def write_branch(path: Path, twin: Twin, key: Key, triples: list[Triple]) -> Non
     """A twin is in a TriG file, Φ′ and what it rests on in a named graph of its own.
 
     Raises:
-        InputError: The file is no .trig.
+        InputError: The file is no .trig, or cannot be written.
     """
     if path.suffix != ".trig":
         raise InputError(f"'{path.name}' is no .trig file", allowed="BRANCH.trig")
@@ -243,5 +244,6 @@ def write_branch(path: Path, twin: Twin, key: Key, triples: list[Triple]) -> Non
         ox.Quad(ox.NamedNode(subject), ox.NamedNode(predicate), value, graph)
         for subject, predicate, value in triples
     )
-    with path.open("wb") as out:
-        store.dump(out, ox.RdfFormat.TRIG, prefixes=PREFIXES)
+    dumped = store.dump(format=ox.RdfFormat.TRIG, prefixes=PREFIXES)
+    assert dumped is not None, "pyoxigraph writes to memory where no file is named"
+    write_file(path, dumped)

@@ -6,12 +6,12 @@ import click
 
 from sdt_kg.errors import InputError, UnknownEntityError
 from services.commands.options import csv_flag, json_flag
-from services.commands.output import write_file
 from services.commands.show import print_json, print_rows
 from services.configuration.read import LOCAL, Settings, places
 from services.configuration.schema import schema
 from services.configuration.settle import Settled, Source, misspelled, settled
 from services.configuration.shared import SHARED
+from services.store.output import write_file
 
 COLUMNS = ("command", "setting", "value", "from")
 ORDER = (

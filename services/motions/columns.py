@@ -11,6 +11,7 @@ import numpy as np
 
 from sdt_kg.errors import MotionError, meant
 from services.motions.given import Given
+from services.store.output import write_file
 
 BASE = ("base_x", "base_y", "base_yaw")
 POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
@@ -211,7 +212,7 @@ def write_csv(path: Path, arrays: dict[str, np.ndarray]) -> None:
         out.write("# phases: " + ", ".join(f"{name} {start}" for name, start in phases) + "\n")
     rows = ([repr(float(cell)) for cell in row] for row in zip(*table.values(), strict=True))
     csv.writer(out, lineterminator="\n").writerows(chain([table.keys()], rows))
-    path.write_text(out.getvalue(), encoding="utf-8")
+    write_file(path, out.getvalue())
 
 
 def _body_table(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -1,5 +1,6 @@
 """Files of motions: which format by the suffix, the same arrays in all of them."""
 
+import io
 import json
 import zipfile
 from collections.abc import Callable
@@ -15,6 +16,7 @@ from services.motions.body import body_arrays, body_motion
 from services.motions.columns import read_csv, write_csv
 from services.motions.container import container_arrays, frame_motion, joint_motion
 from services.motions.given import ALLOWED, Arrays, Given
+from services.store.output import write_file
 
 SUFFIXES = (".npz", ".json", ".csv", ".mcap")
 
@@ -103,8 +105,9 @@ def _read_npz(path: Path) -> Given:
 
 
 def _write_npz(path: Path, arrays: dict[str, np.ndarray]) -> None:
-    with path.open("wb") as out:
-        np.savez_compressed(out, **arrays)  # pyright: ignore[reportArgumentType]  # numpy's stub takes **kwds for allow_pickle
+    out = io.BytesIO()
+    np.savez_compressed(out, **arrays)  # pyright: ignore[reportArgumentType]  # numpy's stub takes **kwds for allow_pickle
+    write_file(path, out.getvalue())
 
 
 def _read_json(path: Path) -> Given:
@@ -141,7 +144,7 @@ def _array(name: str, value: object) -> np.ndarray:
 
 
 def _write_json(path: Path, arrays: dict[str, np.ndarray]) -> None:
-    path.write_text(json.dumps({name: array.tolist() for name, array in arrays.items()}), encoding="utf-8")
+    write_file(path, json.dumps({name: array.tolist() for name, array in arrays.items()}))
 
 
 _READERS: dict[str, Callable[[Path], Given]] = {".npz": _read_npz, ".json": _read_json, ".csv": read_csv}

@@ -2,13 +2,14 @@
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
 from sdt_kg.errors import InputError
 from sdt_kg.load import model_name
+from services.store.output import writing
 from services.sweep.cell import CellResult, Found
 
 ROWS_TOGETHER: Final = 10_000
@@ -21,6 +22,7 @@ Row = dict[str, Any]
 class Rows:
     """Rows on their way into a file."""
 
+    _file: Path
     _writer: Any  # of pyarrow, which has no types
     _schema: Any
     _held: list[Row] = field(default_factory=list[Row])
@@ -36,7 +38,8 @@ class Rows:
         import pyarrow as pa  # noqa: PLC0415 - an extra
 
         if self._held:
-            self._writer.write_table(pa.Table.from_pylist(self._held, self._schema))
+            with writing(self._file):
+                self._writer.write_table(pa.Table.from_pylist(self._held, self._schema))
             self._held.clear()
 
 
@@ -45,7 +48,7 @@ def parquet(file: Path) -> Iterator[Rows]:
     """A file to which rows are added, put in place when all are there; an interrupted sweep leaves none.
 
     Raises:
-        InputError: pyarrow is not installed.
+        InputError: pyarrow is not installed, or the file cannot be written.
     """
     try:
         from pyarrow.parquet import ParquetWriter  # noqa: PLC0415 - an extra
@@ -58,15 +61,20 @@ def parquet(file: Path) -> Iterator[Rows]:
     unfinished = file.with_name(f".{file.name}.{os.getpid()}")
     schema = _schema()
     try:
-        with ParquetWriter(unfinished, schema) as writer:
-            rows = Rows(writer, schema)
-            try:
-                yield rows
-            finally:
-                rows.flush()
-        unfinished.replace(file)
+        with writing(file):
+            writer = ParquetWriter(unfinished, schema)
+        try:
+            rows = Rows(file, writer, schema)
+            yield rows
+            rows.flush()
+        finally:
+            with writing(file):
+                writer.close()
+        with writing(file):
+            unfinished.replace(file)
     finally:
-        unfinished.unlink(missing_ok=True)
+        with suppress(OSError):
+            unfinished.unlink(missing_ok=True)
 
 
 def row_of(found: Found) -> Row:

@@ -23,8 +23,8 @@ from services.commands.options import (
     states_option,
     tee_option,
 )
-from services.commands.output import write_file
 from services.commands.show import csv_text, print_json, print_rows
+from services.store.output import write_file
 
 COVER_COLUMNS = ("kitchen", "robot", "certified", "of", "missing")
 

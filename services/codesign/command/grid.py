@@ -12,8 +12,8 @@ from services.codesign.entries import Entry, Grid, How
 from services.codesign.grid import Asked, Report, run, worlds_of
 from services.codesign.report import ENTRY_COLUMNS, counts, entry_rows, reuse_lines, to_json, turned_rows
 from services.commands.exits import Exit
-from services.commands.output import write_file
 from services.commands.show import csv_text, print_json, print_rows, progress
+from services.store.output import write_file
 
 TURNED_COLUMNS = ("world", "kitchen", "robot", "container", "outcome", "predicates", "why")
 

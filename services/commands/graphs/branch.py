@@ -15,11 +15,11 @@ from sdt_kg.iri import local_name
 from services.commands.completion.types import ROBOT
 from services.commands.graphs.saved_graphs import checked_format, graph_of, write_graph
 from services.commands.options import ROBOT_HELP, annotation_option, csv_flag, json_flag, kitchen_argument
-from services.commands.output import write_file
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.edits import EDITS, parse_edit, twin_of
 from services.store.files import is_saved_graph
 from services.store.histories import keep_history, kept_history
+from services.store.output import write_file
 
 SHORT_KEY = 12
 """[characters] Of a hash, as it is shown."""
@@ -134,7 +134,7 @@ def _save(history: History, past: Sequence[Branch], output: Path) -> None:
     for each in past:
         if each.trajectory is not None:
             beside = output.with_name(f"{output.stem}.{local_name(each.trajectory.iri)[:SHORT_KEY]}.npz")
-            beside.write_bytes(each.trajectory.to_bytes())
+            write_file(beside, each.trajectory.to_bytes())
             click.echo(f"{beside}: {len(each.trajectory.times)} samples", err=True)
 
 

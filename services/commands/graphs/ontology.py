@@ -4,8 +4,8 @@ from pathlib import Path
 
 import click
 
-from services.commands.output import write_file
 from services.ontology_page.page import page
+from services.store.output import write_file
 
 
 @click.command(name="ontology")

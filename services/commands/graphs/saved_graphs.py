@@ -9,6 +9,7 @@ from sdt_kg.history.diff import quads_of_twin
 from sdt_kg.iri import PREFIXES
 from services.edits import twin_of
 from services.store.files import FORMATS, is_saved_graph, readable
+from services.store.output import write_file
 
 WRITABLE = {suffix: FORMATS[suffix] for suffix in (".trig", ".nq")}
 
@@ -42,6 +43,12 @@ def checked_format(path: Path) -> ox.RdfFormat:
 
 
 def write_graph(path: Path, quads: ox.Store) -> None:
-    """Write all named graphs to the file."""
+    """All named graphs are in the file.
+
+    Raises:
+        InputError: It cannot be written, or its name asks for no format that has named graphs.
+    """
     form = checked_format(path)
-    quads.dump(path, form, prefixes=PREFIXES if form == ox.RdfFormat.TRIG else None)
+    dumped = quads.dump(format=form, prefixes=PREFIXES if form == ox.RdfFormat.TRIG else None)
+    assert dumped is not None, "pyoxigraph writes to memory where no file is named"
+    write_file(path, dumped)

@@ -23,11 +23,11 @@ from services.commands.options import (
     kitchen_argument,
     tee_option,
 )
-from services.commands.output import write_file
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.commands.terminal import console
 from services.relative import in_class
 from services.scoping import report_turtle
+from services.store.output import write_file
 
 COLUMNS = (
     "name",

@@ -7,7 +7,7 @@ import click
 from sdt_kg.errors import InputError
 from sdt_kg.urdf import model_stem
 from services.commands.options import OutFile
-from services.commands.output import write_file
+from services.store.output import write_file
 
 
 @click.group()

@@ -34,13 +34,13 @@ from services.commands.options import (
     states_option,
     tee_option,
 )
-from services.commands.output import write_file
 from services.commands.show import progress
 from services.commands.verdicts import told
 from services.motions import read_motion, write_motion
 from services.policy import MOST_CONTACT
 from services.relative import in_class
 from services.requests import parse_base, parse_task
+from services.store.output import write_file
 
 if TYPE_CHECKING:
     from services.store.files import SavedVerdicts

@@ -23,10 +23,10 @@ from services.commands.options import (
     seed_option,
     states_option,
 )
-from services.commands.output import write_file
 from services.commands.show import csv_text, print_json, print_rows, progress
 from services.commands.verdicts import COLUMNS, Json, verdict_row
 from services.requests import parse_state, state_joints
+from services.store.output import write_file
 from services.sweep.cell import Cell, Unjudged
 from services.table import CellResult, TableResult, cells, run
 

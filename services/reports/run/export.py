@@ -12,9 +12,9 @@ from nbformat import NotebookNode
 from pygments.formatters import HtmlFormatter
 
 from sdt_kg.errors import InputError
-from services.commands.output import write_file
 from services.reports.pages import figure, table
 from services.reports.run.catalogue import Notebook, Value
+from services.store.output import write_file
 
 TEMPLATES = Path(__file__).parent.parent / "pages"
 TEMPLATE = "paper"
@@ -68,7 +68,7 @@ def write_assets(folder: Path, node: NotebookNode) -> list[Path]:
     written = list[Path]()
     for name, content in _assets(node):
         written.append(folder / name)
-        written[-1].write_bytes(content)
+        write_file(written[-1], content)
     return written
 
 

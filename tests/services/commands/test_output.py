@@ -11,8 +11,8 @@ from rich.console import Console
 
 from sdt_kg.errors import InputError
 from services.commands import terminal
-from services.commands.output import write_file
 from services.commands.show import print_rows
+from services.store.output import write_file
 
 FULL = Path("/dev/full")
 needs_full = pytest.mark.skipif(not FULL.exists(), reason="no device that is always full")

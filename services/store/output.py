@@ -2,9 +2,26 @@
 
 import contextlib
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 from sdt_kg.errors import InputError
+
+
+@contextlib.contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """What the system refuses meanwhile is told as what cannot be written to the file.
+
+    Raises:
+        InputError: It cannot be written.
+    """
+    try:
+        yield
+    except OSError as error:
+        what = (error.strerror or str(error)).lower()
+        raise InputError(
+            f"cannot write {path}: {what}", remedy="make room, or write to another place"
+        ) from None
 
 
 def write_file(path: Path, content: str | bytes) -> None:
@@ -18,13 +35,10 @@ def write_file(path: Path, content: str | bytes) -> None:
     partial = place.with_name(f".{place.name}.{os.getpid()}.partial")
     whole = partial if place.is_file() or not place.exists() else place  # a pipe or a terminal stays one
     try:
-        whole.write_bytes(raw)
-        if whole is partial:
-            partial.replace(place)
-    except OSError as error:
+        with writing(path):
+            whole.write_bytes(raw)
+            if whole is partial:
+                partial.replace(place)
+    finally:
         with contextlib.suppress(OSError):
             partial.unlink(missing_ok=True)
-        what = (error.strerror or str(error)).lower()
-        raise InputError(
-            f"cannot write {path}: {what}", remedy="make room, or write to another place"
-        ) from None
