@@ -5,7 +5,7 @@ import math
 import hypothesis.strategies as st
 import pyoxigraph as ox
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 
 from sdt_kg.iri import model_iri
 from sdt_kg.load import load_twin
@@ -99,7 +99,7 @@ def mechanisms(draw: st.DrawFn) -> Mechanism:
     )
 
 
-@settings(max_examples=60)
+@settings(max_examples=60, suppress_health_check=[HealthCheck.filter_too_much])
 @given(mechanisms())
 def test_reading_back_gives_an_equal_mechanism(mechanism: Mechanism) -> None:
     store = MemoryStore()
@@ -107,7 +107,7 @@ def test_reading_back_gives_an_equal_mechanism(mechanism: Mechanism) -> None:
     assert read_mechanism_of(Facts(store.triples(GRAPH)), model_iri(mechanism.name)) == mechanism
 
 
-@settings(max_examples=30)
+@settings(max_examples=30, suppress_health_check=[HealthCheck.filter_too_much])
 @given(mechanisms())
 def test_reading_back_from_a_file_gives_an_equal_mechanism(mechanism: Mechanism) -> None:
     store = MemoryStore()

@@ -1,15 +1,17 @@
 """Run `sdt` as a person does, in this process."""
 
 import json
+import logging
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import pytest
 
 from services import cli
+from services.telemetry.logs import LOGGERS
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,19 @@ class Done:
 
 
 @pytest.fixture
-def sdt(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., Done]:
+def loggers() -> Iterator[None]:
+    """Loggers write as before again after the test, whatever a server set."""
+    ours = [logging.getLogger(name) for name in LOGGERS]
+    before = [(each.handlers[:], each.level, each.propagate) for each in ours]
+    yield
+    for each, known in zip(ours, before, strict=True):
+        each.handlers[:], each.level, each.propagate = known
+
+
+@pytest.fixture
+def sdt(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], loggers: None
+) -> Callable[..., Done]:
     """`sdt("containers", "b")` → exit code, standard output, standard error."""
 
     monkeypatch.setenv("SDT_CONFIG", os.devnull)  # whoever runs the tests may have settings

@@ -49,19 +49,14 @@ def test_a_label_cannot_break_out_of_its_quotes() -> None:
     assert 'sdt_requests_total{surface="http",what="GET /\\"\\n\\\\",end="answer"} 1' in lines(metrics)
 
 
+@pytest.mark.usefixtures("loggers")
 def test_a_line_of_the_log_is_an_object_with_the_request(monkeypatch: pytest.MonkeyPatch) -> None:
     out = io.StringIO()
     monkeypatch.setattr("sys.stderr", out)
-    loggers = {name: logging.getLogger(name) for name in logs.LOGGERS}
-    before = {name: (each.handlers[:], each.level, each.propagate) for name, each in loggers.items()}
-    try:
-        logs.configure(logs.Form.JSON)
-        with within(Origin("r1")):
-            loggers["sdt"].info("done", extra={"fields": {"status": 200}})
-        assert logs.is_json()
-    finally:
-        for name, each in loggers.items():
-            each.handlers[:], each.level, each.propagate = before[name]
+    logs.configure(logs.Form.JSON)
+    with within(Origin("r1")):
+        logging.getLogger("sdt").info("done", extra={"fields": {"status": 200}})
+    assert logs.is_json()
     said = json.loads(out.getvalue())
     assert (said["request"], said["status"], said["message"], said["level"]) == ("r1", 200, "done", "info")
 
