@@ -1,5 +1,6 @@
 """`sdt serve`: kitchens, verdicts and the Law over HTTP."""
 
+import signal
 from contextlib import closing, nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -124,6 +125,7 @@ def serve(
     from services.viewer.beside import page_beside  # noqa: PLC0415 - see above
 
     logs.configure(logs.Form(log_form))
+    signal.signal(signal.SIGTERM, _ended)  # the server shuts down at it, then raises it again
     where = Address.of(address)
     limits = Limits(seconds=timeout)
     settings = Settings(
@@ -159,6 +161,11 @@ def serve(
                 click.echo(f"3D page at {viewer}", err=True)
 
         run(world, settings, listening, beside, ready)
+
+
+def _ended(number: int, _: object) -> None:
+    """What is kept is written on the way out: the end that the signal brings by itself has no such way."""
+    raise SystemExit(128 + number)
 
 
 def _writing(token: str | None) -> str:
