@@ -88,7 +88,7 @@ states_option = click.option(
     multiple=True,
     metavar="JOINT=VALUE",
     help="Start state: a joint or container at a position [rad or m], open or closed; all=open, all=closed, "
-    "all=half-open:SEED. Repeatable. Without it everything is closed.",
+    "all=half-open:SEED. Repeatable. Without it everything is closed; a server has its own state.",
 )
 drive_option = click.option(
     "--drive",
