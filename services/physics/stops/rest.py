@@ -82,15 +82,17 @@ class Rest:
 
     def depth(self, one: BodyShape, other: BodyShape) -> float:
         """[m] How deep the shapes are in each other as they were fitted, 0 where they are apart."""
-        if not self._put.isdisjoint((one.body, other.body)):
-            return 0.0
-        return max(0.0, -gap_between(one, self._placed[id(one)], other, self._placed[id(other)]))
+        return max(0.0, -self._gap(one, other))
 
     def touch(self, one: BodyShape, other: BodyShape) -> bool:
         """Whether the shapes touch as they were fitted."""
+        return self._gap(one, other) <= 0
+
+    def _gap(self, one: BodyShape, other: BodyShape) -> float:
+        """[m] Between the shapes as they were fitted; without end where one was put there later."""
         if not self._put.isdisjoint((one.body, other.body)):
-            return False
-        return gap_between(one, self._placed[id(one)], other, self._placed[id(other)]) <= 0
+            return np.inf
+        return gap_between(one, self._placed[id(one)], other, self._placed[id(other)])
 
     def is_ahead(self, one: BodyShape, other: BodyShape) -> bool:
         """Whether the other shape reaches farther than one's body to where that goes."""
