@@ -14,6 +14,12 @@ from numpy.typing import NDArray
 TURNED = "axis turned"
 """In the note of a joint whose positions are those of its file with the other sign."""
 
+ROUNDED = 1e-6
+"""[1] Share of the largest principal moment by which the least may be below 0: files round them."""
+
+SLIGHT = 1e-6
+"""[kg m²] The same, of whatever size they are: what a gram has at 3 cm. TIAGo++'s antennas have such figures."""
+
 
 class JointType(Enum):
     """Joint types of D_artic; `continuous` has no position limits."""
@@ -80,6 +86,13 @@ class Inertia:
     mass: float
     pose: Pose
     moments: tuple[float, float, float, float, float, float]
+
+    @property
+    def possible(self) -> bool:
+        """Whether a body can have such moments: no principal one is below 0, but for rounding."""
+        xx, xy, xz, yy, yz, zz = self.moments
+        principal = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        return bool(principal[0] >= -ROUNDED * np.abs(principal).max() - SLIGHT)
 
 
 @dataclass(frozen=True, slots=True)

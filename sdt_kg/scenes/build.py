@@ -13,6 +13,7 @@ from sdt_kg.mechanism import Body, Geometry, Inertia, Joint, JointType, Limits, 
 from sdt_kg.scenes.planes import check_floor
 from sdt_kg.urdf import quaternion
 from sdt_kg.urdf.document import reachable
+from sdt_kg.urdf.inertias import with_possible
 from sdt_kg.urdf.joints import checked, resolved, turned, with_fixed
 
 Matrix = NDArray[np.float64]
@@ -77,8 +78,8 @@ def built(
         )
     shapes = ((part, one) for part in parts for one in part.shapes)
     check_floor([(part.name, part.frame @ one.pose.matrix(), one) for part, one in shapes], source)
-    bodies = tuple(Body(part.name, part.inertia, part.shapes) for part in parts)
-    return Mechanism(name, root, bodies, _ordered(turned(joints), root), tuple(notes))
+    bodies, impossible = with_possible(Body(part.name, part.inertia, part.shapes) for part in parts)
+    return Mechanism(name, root, bodies, _ordered(turned(joints), root), (*notes, *impossible))
 
 
 def _joint(link: Link, frames: dict[str, Matrix]) -> Joint:

@@ -61,7 +61,10 @@ def _body(facts: Facts, iri: Iri) -> Body:
 def _inertia(facts: Facts, iri: Iri) -> Inertia:
     ixx, ixy, ixz, iyy, iyz, izz = (facts.number(iri, name) for name in MOMENTS)
     pose = facts.pose(str(facts.one(iri, "hasPose")))
-    return Inertia(facts.number(iri, "mass"), pose, (ixx, ixy, ixz, iyy, iyz, izz))
+    inertia = Inertia(facts.number(iri, "mass"), pose, (ixx, ixy, ixz, iyy, iyz, izz))
+    if not inertia.possible:
+        raise ValueError(f"'{iri}', whose moments no body has,")
+    return inertia
 
 
 def geometry_of(facts: Facts, iri: Iri) -> Geometry:

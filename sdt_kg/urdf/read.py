@@ -26,6 +26,7 @@ from sdt_kg.mechanism import (
     ShapeType,
 )
 from sdt_kg.urdf.document import parse_xml
+from sdt_kg.urdf.inertias import with_possible
 from sdt_kg.urdf.joints import checked, resolved, turned, with_fixed
 from sdt_kg.urdf.loader import yourdfpy
 from sdt_kg.urdf.meshes import mesh_hash, mesh_path
@@ -60,13 +61,13 @@ def read_mechanism(path: str | Path, *, name: str | None = None, turn_axes: bool
     if turn_axes:
         joints = turned(joints)
     children = {joint.child for joint in joints}
-    bodies = tuple(_body(link, source) for link in robot.links)
+    bodies, notes = with_possible(_body(link, source) for link in robot.links)
     return Mechanism(
         name=name or model_stem(source),
         root=next(body.name for body in bodies if body.name not in children),
         bodies=bodies,
         joints=_ordered(joints),
-        notes=_visual_only(root),
+        notes=(*_visual_only(root), *notes),
     )
 
 

@@ -112,7 +112,11 @@ def _inertia(inertia: Inertia) -> pin.Inertia:
     xx, xy, xz, yy, yz, zz = inertia.moments
     moments = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     centre = se3(inertia.pose)
-    return pin.Inertia(inertia.mass, centre.translation, centre.rotation @ moments @ centre.rotation.T)
+    # Put in one by one: all at once, a moment that rounding leaves below 0 is an error to Pinocchio.
+    whole = pin.Inertia.Zero()
+    whole.mass, whole.lever = inertia.mass, centre.translation
+    whole.inertia = centre.rotation @ moments @ centre.rotation.T
+    return whole
 
 
 def coupling(nq: int, parts: Sequence[Part]) -> Coupling:

@@ -224,6 +224,15 @@ def test_a_mesh_must_be_where_it_was_and_what_it_was(tmp_path: Path) -> None:
 MESH = '<mesh filename="m.stl"/>'
 
 
+def test_moments_that_no_body_has_are_told() -> None:
+    store = store_of(load_twin("b", ["pr2"]))
+    moments = next(store.quads_for_pattern(None, ox.NamedNode(SDT + "ixx"), None)).subject
+    assert isinstance(moments, ox.NamedNode)
+    rewrite(store, "ixx", -1.0, moments.value)
+    with pytest.raises(GraphError, match="whose moments no body has, cannot be read"):
+        Twin.from_quads(store)
+
+
 def test_an_edit_that_takes_away_what_a_model_needs_is_refused(drawer: Path) -> None:
     with pytest.raises(GraphError, match="'k' is not whole"):
         load_twin(drawer).with_edit(SLIDE, axisX=None)

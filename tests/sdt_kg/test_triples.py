@@ -64,6 +64,9 @@ limits = st.builds(
 )
 
 
+inertias = st.builds(Inertia, numbers, poses, tuples(6)).filter(lambda one: one.possible)
+
+
 @st.composite
 def mechanisms(draw: st.DrawFn) -> Mechanism:
     bodies = draw(st.lists(names, min_size=1, max_size=4, unique=True))
@@ -89,7 +92,7 @@ def mechanisms(draw: st.DrawFn) -> Mechanism:
         bodies=tuple(
             Body(
                 name,
-                draw(st.one_of(st.none(), st.builds(Inertia, numbers, poses, tuples(6)))),
+                draw(st.one_of(st.none(), inertias)),
                 draw(st.lists(geometries(), max_size=2).map(tuple)),
             )
             for name in bodies

@@ -70,6 +70,24 @@ def test_equal_limits_elsewhere_than_0_move_the_child_there(write: Write) -> Non
     assert turned.joint("hinge").origin.orientation == pytest.approx((0, 0, math.sqrt(0.5), math.sqrt(0.5)))
 
 
+INERTIAL = '<inertial><mass value="2"/><inertia ixx="{}" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+
+
+@pytest.mark.parametrize(("ixx", "kept"), [("0", True), ("-1e-7", True), ("-1e-3", False)])
+def test_moments_that_no_body_has_are_left_out_and_a_note(write: Write, ixx: str, kept: bool) -> None:
+    heavy = f'<link name="door">{INERTIAL.format(ixx)}</link>'
+    model = read_mechanism(write(link("world"), heavy, joint("hinge", "fixed", "world", "door")))
+    assert (model.bodies[1].inertia is not None) is kept
+    left_out = "the inertia of door is left out, with its mass of 2 kg: no body has these moments"
+    assert [left_out in note for note in model.notes] == ([] if kept else [True])
+
+
+def test_moments_of_nothing_but_rounding_are_kept(write: Write) -> None:
+    figures = 'ixx="-5e-20" ixy="0" ixz="0" iyy="0" iyz="0" izz="2e-20"'
+    heavy = f'<link name="world"><inertial><mass value="2"/><inertia {figures}/></inertial></link>'
+    assert read_mechanism(write(heavy)).bodies[0].inertia is not None
+
+
 def test_limits_that_are_not_written_are_0_as_urdf_says(write: Write) -> None:
     model = read_mechanism(write(*hinge('<limit velocity="1" effort="1"/>')))
     assert model.joint("hinge").type is JointType.FIXED

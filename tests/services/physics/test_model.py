@@ -15,7 +15,18 @@ from sdt_kg.annotating.panels import corners
 from sdt_kg.errors import UnknownEntityError, UrdfError
 from sdt_kg.iri import body_iri, joint_iri, local_name
 from sdt_kg.load import load_twin
-from sdt_kg.mechanism import Body, Geometry, Joint, JointType, Mechanism, Mimic, Pose, ShapeType
+from sdt_kg.mechanism import (
+    Body,
+    Geometry,
+    Inertia,
+    Joint,
+    JointType,
+    Limits,
+    Mechanism,
+    Mimic,
+    Pose,
+    ShapeType,
+)
 from sdt_kg.twin import Twin
 from sdt_kg.urdf import read_mechanism
 from sdt_kg.urdf.meshes import mesh_hash
@@ -366,3 +377,10 @@ def test_wheels_stand_on_the_floor_and_hands_may_not(scene: Scene) -> None:
     assert {"l_gripper_palm_link", "r_gripper_l_finger_tip_link", "torso_lift_link"} <= on_floor
     floor = scene.solids[scene.floor]
     assert floor.joint_T_shape.translation[2] + floor.half[2] == 0.0
+
+
+def test_moments_below_0_by_rounding_are_moments_of_0() -> None:
+    heavy = Inertia(2.0, Pose(), (-5e-20, 0.0, 0.0, 0.0, 0.0, 2e-20))
+    hinge = Joint("hinge", JointType.REVOLUTE, "world", "link", limits=Limits(0.0, 1.0))
+    model = build(Mechanism("m", "world", (Body("world"), Body("link", heavy)), (hinge,)))
+    assert model.model.inertias[1].mass == 2.0
