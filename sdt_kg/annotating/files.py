@@ -20,6 +20,7 @@ from sdt_kg.mechanism import JointType, Mechanism, Pose
 from sdt_kg.store import Triple, Value, value_of
 from sdt_kg.triples import Facts
 from sdt_kg.triples.annotation import missing_of
+from sdt_kg.triples.containers import torn
 from sdt_kg.triples.facts import TYPE
 from sdt_kg.triples.from_mechanism import pose_triples
 from sdt_kg.triples.vocabulary import DRIVES, NUMBERS, fits, properties
@@ -239,6 +240,8 @@ def _check(chosen: Chosen, mechanism: Mechanism, file: Path, kind: str) -> None:
             f"{file} lacks: {', '.join(missing)}", remedy=f"{page} lists what an annotation has"
         )
     _check_positions(facts, mechanism, file)
+    if wrong := torn(chosen.triples, mechanism):
+        raise AnnotationError(f"{file}: {wrong}", allowed="the joint that moves it, and a handle fixed to it")
     if kind == "Robot":
         _check_speeds(facts, mechanism, file)
 

@@ -11,6 +11,7 @@ from sdt_kg.iri import SDT, Iri, body_iri, local_name
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.store import Triple, Value, value_of
 from sdt_kg.triples.annotation import missing_of, read_kitchen, read_robot
+from sdt_kg.triples.containers import torn
 from sdt_kg.triples.facts import Facts
 from sdt_kg.triples.from_mechanism import mechanism_triples
 from sdt_kg.triples.same import Same
@@ -53,6 +54,8 @@ def checked_model(triples: Sequence[Triple], model: Iri, kind: str, before: Same
     if lost:
         raise GraphError(f"'{name}' is not whole: it lacks {lost[0]}" + _more(lost))
     _check_tree(mechanism)
+    if wrong := torn(triples, mechanism):
+        raise GraphError(f"'{name}': {wrong}")
     return mechanism
 
 

@@ -236,3 +236,23 @@ def test_moments_that_no_body_has_are_told() -> None:
 def test_an_edit_that_takes_away_what_a_model_needs_is_refused(drawer: Path) -> None:
     with pytest.raises(GraphError, match="'k' is not whole"):
         load_twin(drawer).with_edit(SLIDE, axisX=None)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("hasHandle", "body/world", "handle 'world' of 'cupboard_drawer' is not fixed to what moves"),
+        ("hasHandle", "body/nothing", "handle 'nothing' of 'cupboard_drawer' is not fixed"),
+        ("hasJoint", "joint/mount", "joint 'mount' of 'cupboard_drawer' does not move it"),
+    ],
+)
+def test_a_handle_or_joint_that_does_not_move_with_its_container_is_told(
+    drawer: Path, name: str, value: str, message: str
+) -> None:
+    store = store_of(load_twin(drawer))
+    subject, other = ox.NamedNode(BODY), ox.NamedNode(f"{model_iri('k')}/{value}")
+    store.add(ox.Quad(subject, ox.NamedNode(SDT + name), other, ASSERTED))
+    with pytest.raises(GraphError, match=message):
+        Twin.from_quads(store)
+    with pytest.raises(GraphError, match=message):
+        load_twin(drawer).with_edit(BODY, **{name: other.value})

@@ -8,9 +8,10 @@ import pytest
 
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import AnnotationError, InputError, UnknownEntityError
+from sdt_kg.iri import body_iri, model_iri
 from sdt_kg.load import bundled, load_twin, model_name, read_robot, with_robot
 from sdt_kg.mechanism import Pose
-from tests.sdt_kg.conftest import Write, link
+from tests.sdt_kg.conftest import Write, joint, limit, link
 
 PREFIX = "@prefix sdt: <https://example.org/sdt#> .\n@prefix id: <https://example.org/id/> .\n"
 START = (
@@ -290,3 +291,34 @@ def test_a_robot_that_was_read_stands_in_a_kitchen_as_if_it_was_loaded_with_it(k
     assert sorted(joined.serialize("nquads").splitlines()) == sorted(loaded.serialize("nquads").splitlines())
     assert with_robot(joined, read) is joined
     assert not there.robots
+
+
+STATED = f"""{PREFIX}<{{k}}> a sdt:Environment ; sdt:startPose <{{k}}/start> .
+<{{k}}/start> a sdt:Pose ; sdt:x 0.0 ; sdt:y 0.0 ; sdt:z 0.0 ;
+  sdt:qx 0.0 ; sdt:qy 0.0 ; sdt:qz 0.0 ; sdt:qw 1.0 .
+<{{k}}/body/leaf> a sdt:Door, sdt:Container ;
+  sdt:hasHandle <{{k}}/body/{{handle}}> ; sdt:hasJoint <{{k}}/joint/turn> .
+"""
+
+
+@pytest.mark.parametrize(
+    ("handle", "said"), [("grip", ""), ("post", "handle 'post' of 'leaf' is not fixed to what moves 'leaf'")]
+)
+def test_a_container_that_no_name_tells_can_be_stated(write: Write, handle: str, said: str) -> None:
+    path = write(
+        link("world"),
+        link("leaf", '<box size="0.02 0.4 0.6"/>'),
+        link("grip", '<box size="0.01 0.01 0.1"/>'),
+        link("post", '<box size="0.01 0.01 0.1"/>'),
+        joint("turn", "revolute", "world", "leaf", limit(0, 1.5)),
+        joint("mount", "fixed", "leaf", "grip"),
+        joint("stand", "fixed", "world", "post"),
+    )
+    assert load_twin(path).containers() == ()
+    path.with_suffix(".ttl").write_text(STATED.format(k=model_iri("k"), handle=handle), encoding="utf-8")
+    if said:
+        with pytest.raises(AnnotationError, match=said):
+            load_twin(path)
+    else:
+        (container,) = load_twin(path).containers()
+        assert (container.name, container.handle) == ("leaf", body_iri("k", "grip"))
