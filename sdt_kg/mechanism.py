@@ -18,7 +18,7 @@ ROUNDED = 1e-6
 """[1] Share of the largest principal moment by which the least may be below 0: files round them."""
 
 SLIGHT = 1e-6
-"""[kg m²] The same, of whatever size they are: what a gram has at 3 cm. TIAGo++'s antennas have such figures."""
+"""[kg m²] The same, of whatever size they are: what a gram has at 3 cm. TIAGo++'s antennas have such."""
 
 
 class JointType(Enum):

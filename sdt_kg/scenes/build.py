@@ -2,8 +2,9 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,9 @@ from sdt_kg.urdf.joints import checked, resolved, turned, with_fixed
 
 Matrix = NDArray[np.float64]
 
+HANDLE: Final = "handle"
+"""In the name of a shape, in whatever case: it is one of a handle."""
+
 
 @dataclass(frozen=True, slots=True)
 class Part:
@@ -26,12 +30,14 @@ class Part:
     Attributes:
         frame: world_T_frame, shape (4, 4): at the joint that carries the link.
         shapes: Collision shapes; their poses are in `frame`.
+        handle: Those of them that the file calls a handle, as `HANDLE` has it.
     """
 
     name: str
     frame: Matrix
     inertia: Inertia | None = None
     shapes: tuple[Geometry, ...] = ()
+    handle: tuple[Geometry, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,10 +59,14 @@ def built(
 ) -> Mechanism:
     """The mechanism, its root the first part; joints parents first, checked as a URDF's are.
 
+    Shapes that are called a handle, of a body that is not, become a body of their own, which is fixed to it:
+    scenes have them in the body of the door.
+
     Raises:
         UrdfError: A name twice, a joint between parts that do not exist, a loop, impossible limits, or the
             floor below z = 0.
     """
+    parts, links, apart = _with_handles(parts, links)
     frames = {part.name: part.frame for part in parts}
     twice = sorted(name for name, count in Counter(part.name for part in parts).items() if count > 1)
     if twice:
@@ -79,7 +89,23 @@ def built(
     shapes = ((part, one) for part in parts for one in part.shapes)
     check_floor([(part.name, part.frame @ one.pose.matrix(), one) for part, one in shapes], source)
     bodies, impossible = with_possible(Body(part.name, part.inertia, part.shapes) for part in parts)
-    return Mechanism(name, root, bodies, _ordered(turned(joints), root), (*notes, *impossible))
+    return Mechanism(name, root, bodies, _ordered(turned(joints), root), (*notes, *apart, *impossible))
+
+
+def _with_handles(parts: Sequence[Part], links: Sequence[Link]) -> tuple[list[Part], list[Link], list[str]]:
+    """Handles as parts, with the joints that fix them, and a note of each."""
+    names = {part.name for part in parts}
+    found, fixed, notes = list[Part](), list(links), list[str]()
+    for part in parts:
+        name = f"{part.name}_{HANDLE}"
+        if not part.handle or HANDLE in part.name.lower() or name in names:
+            found.append(part)
+            continue
+        rest = tuple(shape for shape in part.shapes if shape not in part.handle)
+        found += [replace(part, shapes=rest, handle=()), Part(name, part.frame, None, part.handle)]
+        fixed.append(Link(f"{name}_fixed", JointType.FIXED, part.name, name))
+        notes.append(f"the shapes of {part.name} that are called a handle are a link of their own, {name}")
+    return found, fixed, notes
 
 
 def _joint(link: Link, frames: dict[str, Matrix]) -> Joint:

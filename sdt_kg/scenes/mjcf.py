@@ -1,7 +1,6 @@
 """MJCF → Mechanism, by MuJoCo's own compiler: defaults, includes, angles and frames are its business."""
 
 import importlib
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -11,15 +10,27 @@ import numpy as np
 
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, Inertia, JointType, Limits, Mechanism, Mimic, ShapeType
-from sdt_kg.scenes.build import Link, Matrix, Part, between, built, listed, matrix_of, pose_of, shift, turn
+from sdt_kg.scenes.attached import check_files
+from sdt_kg.scenes.build import (
+    HANDLE,
+    Link,
+    Matrix,
+    Part,
+    between,
+    built,
+    listed,
+    matrix_of,
+    pose_of,
+    shift,
+    turn,
+)
 from sdt_kg.scenes.planes import half_space
-from sdt_kg.urdf.document import refuse_unsafe
+from sdt_kg.urdf.folder import folder_of
 from sdt_kg.urdf.meshes import mesh_hash, mesh_path
 
 # MuJoCo's stubs name no attribute of a compiled model: what it gives enters here.
 Model = Any
 
-PATHS: Final = ("file", "meshdir", "texturedir", "assetdir")
 SHAPES: Final = {
     2: ShapeType.SPHERE,
     3: ShapeType.CAPSULE,
@@ -53,7 +64,7 @@ def read_mjcf(root: ET.Element, path: Path, name: str) -> Mechanism:
     Raises:
         UrdfError: MuJoCo is not installed or does not read it, or a file lies outside the scene's folder.
     """
-    _check_files(root, path, path.parent, ())
+    check_files(root, path, folder_of(path))
     try:
         library: Model = importlib.import_module("mujoco")
     except ModuleNotFoundError:
@@ -61,7 +72,7 @@ def read_mjcf(root: ET.Element, path: Path, name: str) -> Mechanism:
             f"{path} is MJCF, which needs MuJoCo", remedy="pip install 'sdt-kg[scenes]'"
         ) from None
     try:
-        model: Model = library.MjModel.from_xml_path(str(path))
+        model: Model = library.MjModel.from_xml_path(str(path.absolute()))
     except ValueError as error:
         said = " ".join(str(error).split())
         raise UrdfError(f"{path}: MuJoCo says: {said}") from None
@@ -69,29 +80,9 @@ def read_mjcf(root: ET.Element, path: Path, name: str) -> Mechanism:
     return _Reader(library, model, path).mechanism(name)
 
 
-def _check_files(root: ET.Element, path: Path, folder: Path, seen: tuple[Path, ...]) -> None:
-    """That all files, included ones too, lie below the scene's folder."""
-    for element in root.iter():
-        for attribute in PATHS:
-            text = element.get(attribute)
-            if text is None:
-                continue
-            if Path(text).is_absolute() or ".." in Path(text).parts:
-                raise UrdfError(
-                    f"{path}: {attribute}='{text}' lies outside of '{folder}'",
-                    allowed="files below the scene's folder, by relative paths",
-                )
-            included = folder / text
-            if element.tag == "include" and included.is_file() and included not in seen:
-                content = included.read_bytes()
-                refuse_unsafe(content, included)
-                tree = ET.fromstring(content)  # noqa: S314 - no DTD is left in the text
-                _check_files(tree, included, folder, (*seen, included))
-
-
 def _check_meshes(library: Model, model: Model, path: Path) -> None:
     """That vertices are where mesh files have them: the compiled model does not say what moves them."""
-    for mesh in library.MjSpec.from_file(str(path)).meshes if model.nmesh else ():
+    for mesh in library.MjSpec.from_file(str(path.absolute())).meshes if model.nmesh else ():
         if any(mesh.refpos) or any(mesh.refquat[1:]):
             raise UrdfError(
                 f"{path}: mesh '{mesh.name}' has a frame of its own",
@@ -121,7 +112,7 @@ class _Reader:
         """The mechanism of all bodies."""
         model = self.model
         frames = {0: _Frame("world", np.eye(4))}
-        self.parts.append(Part("world", np.eye(4), None, tuple(self._shapes(0, np.eye(4)))))
+        self.parts.append(Part("world", np.eye(4), None, tuple(self._shapes(0, np.eye(4)).values())))
         for body in range(1, model.nbody):
             frames[body] = self._body(body, frames[int(model.body_parentid[body])])
         couplings, other = self._couplings()
@@ -160,8 +151,11 @@ class _Reader:
             self.parts.append(Part(part, frame))
             return
         frame_T_body = between(frame, world_T_body)
-        shapes = tuple(self._shapes(body, frame_T_body))
-        self.parts.append(Part(part, frame, self._inertia(body, frame_T_body), shapes))
+        shapes = self._shapes(body, frame_T_body)
+        handle = tuple(one for geom, one in shapes.items() if HANDLE in self._name("geom", geom).lower())
+        self.parts.append(
+            Part(part, frame, self._inertia(body, frame_T_body), tuple(shapes.values()), handle)
+        )
 
     def _moves(self, joint: int) -> bool:
         kind = int(self.model.jnt_type[joint])
@@ -206,13 +200,16 @@ class _Reader:
         x, y, z = (float(part) for part in model.body_inertia[body])
         return Inertia(mass, pose_of(at), (x, 0.0, 0.0, y, 0.0, z))
 
-    def _shapes(self, body: int, frame_T_body: Matrix) -> Iterator[Geometry]:
+    def _shapes(self, body: int, frame_T_body: Matrix) -> dict[int, Geometry]:
+        """Geom → shape, of those that can collide."""
         model, first = self.model, int(self.model.body_geomadr[body])
+        found: dict[int, Geometry] = {}
         for geom in range(first, first + int(model.body_geomnum[body])):
             kind = int(model.geom_type[geom])
             if self._collides(geom) and (kind in SHAPES or kind == PLANE):
                 at = frame_T_body @ matrix_of(model.geom_pos[geom], _xyzw(model.geom_quat[geom]))
-                yield half_space(at) if kind == PLANE else self._shape(geom, SHAPES[kind], at)
+                found[geom] = half_space(at) if kind == PLANE else self._shape(geom, SHAPES[kind], at)
+        return found
 
     def _collides(self, geom: int) -> bool:
         return bool(self.model.geom_contype[geom] or self.model.geom_conaffinity[geom])

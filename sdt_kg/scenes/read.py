@@ -13,6 +13,11 @@ from sdt_kg.urdf.document import MAX_BYTES, refuse_unsafe
 
 SCENE_SUFFIXES: Final = (".xml", ".mjcf", ".sdf", ".world")
 _READERS: Final = {"mujoco": read_mjcf, "sdf": read_sdf}
+_OTHERS: Final = {
+    "robot": "give a URDF the suffix .urdf",
+    "mujocoinclude": "it is a part of a scene: give the file that includes it",
+}
+"""Root element → what to do with such a file."""
 
 
 def scene_stem(path: Path) -> str:
@@ -39,6 +44,6 @@ def read_scene(path: Path) -> Mechanism:
         raise UrdfError(
             f"{path}: the root element is <{root.tag}>",
             allowed="<mujoco>, <sdf>",
-            remedy="give a URDF the suffix .urdf" if root.tag == "robot" else "",
+            remedy=_OTHERS.get(root.tag, ""),
         )
     return _READERS[root.tag](root, path, scene_stem(path))

@@ -10,7 +10,7 @@ import numpy as np
 
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, Inertia, JointType, Limits, Mechanism, Mimic, ShapeType
-from sdt_kg.scenes.build import Link, Matrix, Part, between, built, listed, pose_of
+from sdt_kg.scenes.build import HANDLE, Link, Matrix, Part, between, built, listed, pose_of
 from sdt_kg.scenes.planes import half_space
 from sdt_kg.scenes.values import number_of, numbers_of, own_pose
 from sdt_kg.urdf.meshes import PACKAGE, mesh_hash, mesh_path
@@ -100,8 +100,10 @@ class _Model:
             name = link.get("name", "")
             frame = self._frame(name)
             frame_T_link = between(frame, self._at(name))
-            shapes = tuple(self._shapes(link, frame_T_link))
-            yield Part(self.prefix + name, frame, self._inertia(link, frame_T_link), shapes)
+            named = list(self._shapes(link, frame_T_link))
+            handle = tuple(shape for called, shape in named if HANDLE in called.lower())
+            inertia, shapes = self._inertia(link, frame_T_link), tuple(shape for _, shape in named)
+            yield Part(self.prefix + name, frame, inertia, shapes, handle)
 
     def links(self) -> Iterator[Link]:
         """Every joint, and a fixed one from the world to each link that no joint carries."""
@@ -114,11 +116,8 @@ class _Model:
 
     def notes(self) -> list[str]:
         """What was not carried over."""
-        free = (
-            []
-            if self.model.findtext("static", "false").strip() in ("1", "true")
-            else [str(self.model.get("name"))]
-        )
+        static = self.model.findtext("static", "false").strip() in ("1", "true")
+        free = [] if static else [str(self.model.get("name"))]
         loose = [name for name in self.link_names if name not in self.carried_by]
         notes = [f"imported as fixed where it stands: model {name}" for name in free if loose]
         notes += self.odd
@@ -245,7 +244,8 @@ class _Model:
         at = pose_of(frame_T_link @ own_pose(inertial, self.where))
         return Inertia(number_of(inertial, "mass", 1.0, self.where), at, (ixx, ixy, ixz, iyy, iyz, izz))
 
-    def _shapes(self, link: ET.Element, frame_T_link: Matrix) -> Iterator[Geometry]:
+    def _shapes(self, link: ET.Element, frame_T_link: Matrix) -> Iterator[tuple[str, Geometry]]:
+        """Name and shape of each that something can collide with."""
         for collision in link.findall("collision"):
             pose = collision.find("pose")
             base = None if pose is None else pose.get("relative_to")
@@ -255,7 +255,7 @@ class _Model:
             where = f"collision '{collision.get('name')}' of '{self.prefix}{link.get('name')}'"
             found = self._shape(shapes[0], start @ own_pose(collision, self.where), where) if shapes else None
             if found is not None:
-                yield found
+                yield collision.get("name", ""), found
             else:
                 word = shapes[0].tag if shapes else "nothing"
                 self.odd.append(f"not carried over: {word}, which nothing can collide with: {where}")

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from sdt_kg.errors import UrdfError
+from sdt_kg.urdf.folder import WIDER, folder_of, models_folder
 
 PACKAGE: Final = "package://"
 FILE: Final = "file://"
@@ -19,20 +20,20 @@ UNIT: Final = re.compile(rb"""<unit\b[^>]*?\bmeter\s*=\s*["']([^"']*)["']""")
 def mesh_path(reference: str, urdf: Path, where: str) -> Path:
     """File of a mesh reference.
 
-    `package://NAME/…` is the folder NAME beside the URDF (which may be a link), or the folder
-    NAME that the URDF lies in; a relative path starts at the URDF's folder. The file may not lie
-    outside that folder, whether by `..` or by a link.
+    `package://NAME/…` is the folder NAME beside the URDF (which may be a link), the folder NAME that the
+    URDF lies in, or the one in the folder that `SDT_MODELS` names, and the file lies in it. A relative
+    path starts at the URDF's folder, and the file lies where `folder_of` says, whether by `..` or a link.
 
     Raises:
         UrdfError: Outside its root, or not there.
     """
-    root, relative = _split(reference, urdf)
-    path = (root / relative).resolve()
+    start, relative, root = _split(reference, urdf)
+    path = (start / relative).resolve()
     if not path.is_relative_to(root.resolve()):
         raise UrdfError(
             f"{where}: mesh '{reference}' lies outside of '{root}'",
             allowed="files below that folder",
-            remedy="put the mesh there and name it package://NAME/… or by a relative path",
+            remedy=f"put the mesh there and name it package://NAME/… or by a relative path, or {WIDER}",
         )
     if not path.is_file():
         raise UrdfError(
@@ -42,16 +43,22 @@ def mesh_path(reference: str, urdf: Path, where: str) -> Path:
     return path
 
 
-def _split(reference: str, urdf: Path) -> tuple[Path, str]:
-    folder = urdf.parent
-    if reference.startswith(PACKAGE):
-        name, _, relative = reference.removeprefix(PACKAGE).partition("/")
-        if not (folder / name).is_dir():
-            inside = next((parent for parent in urdf.resolve().parents if parent.name == name), None)
-            if inside is not None:
-                return inside, relative
-        return folder / name, relative
-    return folder, reference.removeprefix(FILE)
+def _split(reference: str, urdf: Path) -> tuple[Path, str, Path]:
+    """Folder at which the reference starts, the way from there, and the folder below which it stays."""
+    root = folder_of(urdf)
+    name, _, relative = reference.removeprefix(PACKAGE).lstrip("/").partition("/")
+    if not reference.startswith(PACKAGE) or name in {"", ".", ".."}:
+        return urdf.parent, reference.removeprefix(PACKAGE).removeprefix(FILE), root
+    package = _package(name, urdf)
+    return package, relative, root if package.resolve().is_relative_to(root) else package
+
+
+def _package(name: str, urdf: Path) -> Path:
+    """The folder of a package, or where it would be beside the URDF."""
+    beside, shared = urdf.parent / name, models_folder()
+    above = (each for each in urdf.resolve().parents if each.name == name)
+    candidates = (beside, *above, *([] if shared is None else [shared / name]))
+    return next((each for each in candidates if each.is_dir()), beside)
 
 
 def mesh_hash(path: Path) -> str:

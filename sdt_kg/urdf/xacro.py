@@ -9,6 +9,7 @@ from typing import Final
 
 from sdt_kg.errors import UrdfError
 from sdt_kg.urdf.document import MAX_BYTES, refuse_unsafe
+from sdt_kg.urdf.folder import WIDER, folder_of
 
 SECONDS: Final = 10
 """[s] Of CPU. The largest xacro that we know of, with three robots in it, takes one."""
@@ -31,7 +32,7 @@ def expanded(path: Path) -> bytes:
         UrdfError: It says nothing that can be expanded, takes too much to be, or reads what is not its own.
     """
     refuse_unsafe(path.read_bytes(), path)
-    folder = _package_of(path.resolve())
+    folder = folder_of(path)
     words = (str(path), str(folder), str(SECONDS), str(MEMORY), str(MAX_BYTES))
     # No variable of who asks is for the file to read, and our own search path is not for it to change.
     environment = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "PYTHONUTF8": "1"}
@@ -54,7 +55,7 @@ def expanded(path: Path) -> bytes:
         raise UrdfError(
             f"{path}: {wrong}",
             allowed="files below that folder, which is the one with package.xml if there is one",
-            remedy=f"put it there, or {BY_HAND}",
+            remedy=f"put it there, {WIDER}, or {BY_HAND}",
         )
     if wrong:
         raise UrdfError(f"{path}: xacro says: {wrong}", remedy=BY_HAND)
@@ -67,8 +68,3 @@ def _too_much(path: Path) -> UrdfError:
         allowed=f"{SECONDS} s of CPU and {MEMORY / 1e9:g} GB of memory",
         remedy="look for an expression or a macro that grows without end",
     )
-
-
-def _package_of(path: Path) -> Path:
-    """The folder of the package that a file belongs to; the file's own where there is none."""
-    return next((each for each in path.parents if (each / "package.xml").is_file()), path.parent)

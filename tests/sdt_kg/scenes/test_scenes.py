@@ -259,3 +259,46 @@ def test_a_scene_that_is_none_is_refused(tmp_path: Path, name: str, content: str
     (tmp_path / name).write_text(content, encoding="utf-8")
     with pytest.raises(UrdfError, match=message):
         read_scene(tmp_path / name)
+
+
+DOOR = """<mujoco><worldbody><body name="frame" pos="1 0 1"><body name="door" pos="0 0.3 0">
+<joint name="hinge" axis="0 0 1" range="0 1.5" limited="true" pos="0 -0.3 0"/>
+<geom name="panel" type="box" size="0.01 0.25 0.3"/>
+<geom name="Handle bar" type="box" size="0.01 0.01 0.1" pos="-0.05 0.2 0"/>
+<geom name="handle_picture" type="box" size="0.1 0.1 0.1" contype="0" conaffinity="0"/>
+</body></body></worldbody></mujoco>"""
+SDF_DOOR = """<sdf version="1.7"><model name="m"><static>true</static><link name="frame"/><link name="door">
+<pose>1 0 1 0 0 0</pose>
+<collision name="panel"><geometry><box><size>0.02 0.5 0.6</size></box></geometry></collision>
+<collision name="door_handle_1"><pose>-0.05 0.2 0 0 0 0</pose>
+<geometry><box><size>0.02 0.02 0.2</size></box></geometry></collision></link>
+<joint name="hinge" type="revolute"><parent>frame</parent><child>door</child>
+<axis><xyz>0 0 1</xyz><limit><lower>0</lower><upper>1.5</upper><velocity>1</velocity></limit></axis></joint>
+</model></sdf>"""
+
+
+@pytest.mark.parametrize(("suffix", "text"), [(".xml", DOOR), (".sdf", SDF_DOOR)])
+def test_shapes_that_are_called_a_handle_are_one(tmp_path: Path, suffix: str, text: str) -> None:
+    path = tmp_path / f"k{suffix}"
+    path.write_text(text, encoding="utf-8")
+    twin = load_twin(path)
+    (door,) = twin.containers()
+    assert (door.name, door.joint.rpartition("/")[2]) == ("door", "hinge")
+    assert door.handle.endswith("/door_handle")
+    mechanism = read_scene(path)
+    shapes = {body.name: [one.size for one in body.collision] for body in mechanism.bodies}
+    assert shapes["door"] == [(0.02, 0.5, 0.6)]
+    assert shapes["door_handle"] == [(0.02, 0.02, 0.2)]
+    assert (
+        "the shapes of door that are called a handle are a link of their own, door_handle" in mechanism.notes
+    )
+
+
+def test_shapes_called_a_handle_stay_where_the_body_or_another_is_called_so(tmp_path: Path) -> None:
+    own = DOOR.replace('name="door"', 'name="door handle"')
+    other = DOOR.replace("</body></body>", '</body><body name="door_handle"/></body>')
+    for text, count in ((own, 3), (other, 4)):
+        (tmp_path / "k.xml").write_text(text, encoding="utf-8")
+        bodies = read_scene(tmp_path / "k.xml").bodies
+        assert next(len(each.collision) for each in bodies if each.name.startswith("door")) == 2
+        assert len(bodies) == count
