@@ -9,6 +9,8 @@ MODELS: Final = "SDT_MODELS"
 
 WIDER: Final = f"set {MODELS} to the folder that holds all of the model's files"
 
+PACKAGES: Final = f"packages are looked for beside the model, above it and in the folder that {MODELS} names"
+
 
 def folder_of(model: Path) -> Path:
     """The folder below which all files of a model lie, links followed.

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from sdt_kg.errors import UrdfError
-from sdt_kg.urdf.folder import WIDER, folder_of, models_folder
+from sdt_kg.urdf.folder import PACKAGES, WIDER, folder_of, models_folder
 
 PACKAGE: Final = "package://"
 FILE: Final = "file://"
@@ -38,7 +38,8 @@ def mesh_path(reference: str, urdf: Path, where: str) -> Path:
     if not path.is_file():
         raise UrdfError(
             f"{where}: no mesh file '{path}' (written '{reference}')",
-            remedy="put the file there, or replace the mesh by a box, cylinder or sphere",
+            remedy="put the file there, or replace the mesh by a box, cylinder or sphere"
+            + (f"; {PACKAGES}" if reference.startswith(PACKAGE) else ""),
         )
     return path
 

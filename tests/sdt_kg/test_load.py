@@ -35,8 +35,8 @@ def test_bundled_robots_have_a_complete_annotation(robot: str) -> None:
         assert joints >= {finger.joint for finger in gripper.finger_joints}
         assert gripper.opening > 0.05
     assert joints >= {*annotation.parked, *annotation.held, *annotation.acceleration}
-    for name, limit in annotation.acceleration.items():
-        assert mechanism.joint(name).limits.acceleration == limit
+    for name, acceleration in annotation.acceleration.items():
+        assert mechanism.joint(name).limits.acceleration == acceleration
 
 
 def test_drives_are_those_of_the_hardware() -> None:
