@@ -41,17 +41,17 @@ def convex_pieces(triangles: Array, fineness: Fineness) -> list[Array]:
         triangles: Corners, shape (M, 3, 3) [m].
         fineness: How far to go.
     """
-    pieces, done = [triangles], []
+    pieces, done = [(_volume(_some(triangles)), triangles)], list[Array]()
     while pieces:
-        piece = pieces.pop(0)
+        volume, piece = pieces.pop(0)
         halves = None
         if len(pieces) + len(done) + 1 < fineness.most_pieces:
-            halves = _split(piece, fineness.least_gain)
+            halves = _split(piece, volume, fineness.least_gain)
         if halves is None:
             done.append(piece)
         else:
-            pieces.extend(halves)
-            pieces.sort(key=lambda each: -_volume(_some(each)))
+            pieces.extend((_volume(_some(half)), half) for half in halves)
+            pieces.sort(key=lambda each: -each[0])
     return [piece.reshape(-1, 3) for piece in done]
 
 
@@ -59,11 +59,11 @@ def _some(triangles: Array) -> Array:
     return triangles[:: max(1, len(triangles) // SAMPLE)]
 
 
-def _split(triangles: Array, least_gain: float) -> tuple[Array, Array] | None:
-    some = _some(triangles)
-    volume = _volume(some)
+def _split(triangles: Array, volume: float, least_gain: float) -> tuple[Array, Array] | None:
+    """Both halves, if their hulls are that much smaller than that of all, whose volume is given [m³]."""
     if volume < LEAST_VOLUME:
         return None
+    some = _some(triangles)
     low, high = some.min(axis=(0, 1)), some.max(axis=(0, 1))
     planes = [(axis, low[axis] + cut * (high[axis] - low[axis])) for axis in range(3) for cut in CUTS]
     both = [sum(_volume(half) for half in _halves(some, *plane)) for plane in planes]
