@@ -13,6 +13,7 @@ from sdt_kg.describe.wheels import (
     STRAIGHT,
     Wheel,
     axle_ahead,
+    fixed_wheels,
     lying_wheels,
     on_one_line,
     rolls_sideways,
@@ -65,6 +66,8 @@ def guessed_base(tree: Tree, arms: frozenset[str]) -> Base:
         drive, why, body = _about_axle(tree, found, why)
     elif not (planar or found) and (lying := lying_wheels(tree)):
         why += LYING.format(listed(lying))
+    elif not (planar or found) and (fixed := fixed_wheels(tree)):
+        why += f"; {listed(fixed)} are named as wheels, and fixed: if it drives on them, say how"
     root_T_body = tree.frame(body, tree.mechanism.root, {})
     height = round(_height(tree, arms - set(planar)) + float(root_T_body[2, 3]), 4)
     linear, angular = _speeds(tree, planar)

@@ -68,6 +68,15 @@ def lying_wheels(tree: Tree) -> list[str]:
     ]
 
 
+def fixed_wheels(tree: Tree) -> list[str]:
+    """Bodies that are named as wheels and do not turn: models for planning fix what drives."""
+    return [
+        joint.child
+        for joint in tree.mechanism.joints
+        if joint.type is JointType.FIXED and "wheel" in joint.child.lower()
+    ]
+
+
 def _wheel(tree: Tree, joint: Joint) -> Wheel:
     root = tree.mechanism.root
     turning = [each for each in tree.ancestors(joint.parent) if each.type in TURNING]

@@ -169,6 +169,11 @@ DRIVES = {
         "sdt:baseBody",
     ),
     "none": ((), Drive.FIXED, "no wheel was found"),
+    "fixed ones": (
+        [wheel("left_wheel", 0, 0.25).replace('"continuous"', '"fixed"')],
+        Drive.FIXED,
+        "'left_wheel' are named as wheels, and fixed: if it drives on them, say how",
+    ),
 }
 
 
