@@ -16,6 +16,9 @@ from sdt_kg.mechanism import Joint, JointType, Mechanism
 SPAN = 0.05
 """[1] Share by which the strokes of a telescope's segments may differ."""
 
+BEYOND = 1e-3
+"""[rad or m] By so much a joint may be taken beyond its limits by rounding."""
+
 
 def guessed(mechanism: Mechanism) -> RobotAnnotation:
     """What is guessed without any physics: each guess has a note that says `check`.
@@ -35,6 +38,7 @@ def guessed(mechanism: Mechanism) -> RobotAnnotation:
         f"check: acceleration limits let each joint reach its highest speed in {RISE_TIME} s",
         "check: joints that move no gripper are held",
         *_of_still(still),
+        *_of_followers(mechanism, moved, grippers),
     )
     return RobotAnnotation(
         robot=mechanism.name,
@@ -134,3 +138,20 @@ def _of_still(joints: list[str]) -> Iterator[str]:
             f"check: {listed(joints)} would move a gripper, but have no velocity limit above 0 in the "
             "URDF and are held: give one there, and describe the robot again"
         )
+
+
+def _of_followers(mechanism: Mechanism, moved: list[Joint], grippers: tuple[Gripper, ...]) -> Iterator[str]:
+    """Joints that would be taken beyond their own limits by one that they follow."""
+    ranges = {joint.name: (joint.limits.lower, joint.limits.upper) for joint in moved}
+    ranges |= {each.joint: (each.closed, each.open) for gripper in grippers for each in gripper.finger_joints}
+    for joint in mechanism.joints:
+        if joint.mimic is None or joint.mimic.joint not in ranges:
+            continue
+        own, mimic = joint.limits, joint.mimic
+        low, high = sorted(mimic.multiplier * end + mimic.offset for end in ranges[mimic.joint])
+        if low < own.lower - BEYOND or high > own.upper + BEYOND:
+            yield (
+                f"check: '{joint.name}' follows '{mimic.joint}' from {low:.3g} to {high:.3g}, beyond its own "
+                f"limits {own.lower:.3g} to {own.upper:.3g}: no motion is certified that takes it there. "
+                "Repair its mimic or its limits in the URDF"
+            )

@@ -280,8 +280,18 @@ def test_fingers_may_count_the_same_way(write: Write) -> None:
 def test_a_finger_may_follow_a_joint(write: Write) -> None:
     mimic = '<mimic joint="part_17_slide" multiplier="1"/>'
     path = write(*arm(slides("part_17", 1, 1), slides("part_18", -1, -1, mimic=mimic)))
-    (gripper,) = guess(path).grippers
+    robot = guess(path)
+    (gripper,) = robot.grippers
     assert [finger.joint for finger in gripper.finger_joints] == ["part_17_slide"]
+    assert not any("follows" in note for note in robot.notes)
+
+
+def test_what_follows_a_finger_beyond_its_own_limits_is_told(write: Write) -> None:
+    mimic = '<mimic joint="part_17_slide" multiplier="-1"/>'
+    shell = link("shell") + joint("shell_joint", "prismatic", "part_17", "shell", limit(0, 0.05) + mimic)
+    notes = guess(write(*arm(slides("part_17", 1, 1), slides("part_18", -1, -1)), shell)).notes
+    said = "check: 'shell_joint' follows 'part_17_slide' from -0.04 to "
+    assert sum(note.startswith(said) and "beyond its own limits 0 to 0.05" in note for note in notes) == 1
 
 
 @pytest.mark.parametrize(("kind", "ends"), [("continuous", (0.0, 0.0)), ("revolute", (-9.0, 9.0))])
