@@ -99,7 +99,8 @@ class Links:
         for collision in self.links[link].findall("collision"):
             mesh = collision.find("geometry/mesh")
             if mesh is not None:
-                file = self.file.parent / mesh.get("filename", "").replace("package://", "")
+                name = mesh.get("filename", "").replace("package://", "")
+                file = next(each for folder in self.file.parents if (each := folder / name).is_file())
                 piece = trimesh.load(file, force="mesh", process=False)
                 piece.vertices = piece.vertices * numbers(mesh.get("scale", "1 1 1"))
                 piece.apply_transform(transform(collision))
