@@ -1,6 +1,5 @@
 """A group whose subcommands are imported when they are run, so that help and completion are at once."""
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, MutableMapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -56,10 +55,14 @@ class LazyGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """The subcommand that is meant; of an option said twice click would take the last, without a word."""
+        """The subcommand that is meant.
+
+        Of an option said twice click would take the last, without a word; of an option without its value it
+        would take the next option for that.
+        """
         name, command, rest = super().resolve_command(ctx, args)
         if command is not None and not ctx.resilient_parsing:
-            _refuse_twice(click.Context(command, ctx, name), command, rest)
+            _refuse_mistyped(click.Context(command, ctx, name), command, rest)
         return name, command, rest
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -88,13 +91,23 @@ class LazyGroup(click.Group):
         return [*found, *click.Command.shell_complete(self, ctx, incomplete)]
 
 
-def _refuse_twice(ctx: click.Context, command: click.Command, args: list[str]) -> None:
-    """Refuse an option that takes one value and is given several times."""
-    _, _, said = command.make_parser(ctx).parse_args(list(args))
-    for option, times in Counter(said).items():
-        if times > 1 and isinstance(option, click.Option) and not (option.multiple or option.count):
-            label = option.opts[-1]
+def _refuse_mistyped(ctx: click.Context, command: click.Command, args: list[str]) -> None:
+    """Refuse an option that is given several times and takes one value, or whose value is left out."""
+    values, rest, said = command.make_parser(ctx).parse_args(list(args))
+    if isinstance(command, click.Group):
+        name, inner, rest = command.resolve_command(ctx, rest) if rest else (None, None, [])
+        return _refuse_mistyped(click.Context(inner, ctx, name), inner, rest) if inner else None
+    options = [each for each in command.get_params(ctx) if isinstance(each, click.Option)]
+    names = {name for each in options for name in each.opts}
+    for option in options:
+        label, value = "/".join(option.opts), values.get(option.name or "")
+        if (times := said.count(option)) > 1 and not (option.multiple or option.count):
             raise click.UsageError(f"{label} is given {times} times, and {command.name} takes one.", ctx)
+        for each in value if isinstance(value, list) else [value]:
+            if isinstance(each, str) and (each.startswith("--") or each in names):
+                allowed = f"{option.make_metavar(ctx)}, a path that begins so as ./{each}"
+                raise click.UsageError(f"{label} is followed by {each}; allowed: {allowed}", ctx)
+    return None
 
 
 class _Loading(MutableMapping[str, click.Command]):

@@ -63,6 +63,11 @@ BAD = {
         ("achieve", "--kitchen", "b", "--robot", "pr2", "--robot", "stretch", "--task", "open"),
         ["--robot is given 2 times, and achieve takes one"],
     ),
+    "file left out": (["table", "--csv", "--json"], ["--csv is followed by --json", "FILE", "./--json"]),
+    "file left out before a short option": (["graph", "b", "-o", "-o", "x.ttl"], ["-o/--output", "by -o"]),
+    "file left out before the help": (["learn", "x.csv", "-o", "-h"], ["-o/--output is followed by -h"]),
+    "store left out": (["table", "--save", "--jobs", "1"], ["--save/--store is followed by --jobs"]),
+    "file of a setting left out": (["config", "init", "-o", "--force"], ["-o/--output", "by --force"]),
 }  # fmt: skip
 
 
@@ -75,6 +80,14 @@ def test_bad_input_is_named(sdt, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert "Traceback" not in done.err
     assert [fragment for fragment in fragments if fragment not in done.err] == []
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_that_is_named_like_an_option_is_written_where_its_path_says_so(
+    sdt, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert sdt("config", "init", "-o", "./--json").code == 0
+    assert [each.name for each in tmp_path.iterdir()] == ["--json"]
 
 
 URDF = '<robot name="r"><link name="l"/>{}</robot>'
