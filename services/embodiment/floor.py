@@ -10,6 +10,7 @@ import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found throug
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import AnnotationError, InputError
 from sdt_kg.iri import Iri, local_name
+from services.physics.geometry.floor import SIDE
 from services.physics.model import Scene, Solid
 from services.physics.tree import UNIVERSE, Array
 
@@ -74,6 +75,24 @@ def check_base(scene: Scene, drive: Drive) -> None:
         allowed="a body amid that, for which the limits of the base's speed hold",
         remedy="name one there, or give the model a link there with a fixed joint",
     )
+
+
+def check_start(start: tuple[float, float, float]) -> None:
+    """A robot that starts at this pose, x, y [m] and yaw [rad], has a floor below it.
+
+    Every motion from there would be refused, and no search find another.
+
+    Raises:
+        InputError: It starts beyond the end of the floor.
+    """
+    x, y, _ = start
+    most = SIDE / 2
+    if max(abs(x), abs(y)) > most:
+        raise InputError(
+            f"the robot's base would start at x {x:g} m, y {y:g} m, where there is no floor",
+            allowed=f"a base pose with x and y from {-most:g} to {most:g} m in the kitchen's root frame",
+            remedy="start it nearer to the kitchen",
+        )
 
 
 @lru_cache(maxsize=8)

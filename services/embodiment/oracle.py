@@ -23,7 +23,7 @@ from services.embodiment.certify.check import Certified, Refused, certify
 from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
-from services.embodiment.floor import aloft, check_base, check_floor
+from services.embodiment.floor import aloft, check_base, check_floor, check_start
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.sets import grasp_settings
 from services.embodiment.hopeless import hopeless
@@ -241,8 +241,12 @@ class WholeBody:
         """Where the robot starts: as told, else at the kitchen's start pose, turned to the handle.
 
         A robot that drives and would touch the kitchen there, parked, starts at the nearest free pose.
+
+        Raises:
+            InputError: There is no floor.
         """
         assert case.robot is not UNKNOWN
+        check_start(self.start or case.twin.kitchen().start)
         if self.start is not None:
             return self.start
         x, y, _ = case.twin.kitchen().start

@@ -66,6 +66,24 @@ def test_no_robot_is_asked_that_stands_in_the_floor(tmp_path: Path, height: floa
 
 
 @pytest.mark.parametrize(
+    ("start", "judged"),
+    [((50.0, -50.0, 0.0), True), ((50.1, 0.0, 0.0), False), ((0.0, -100.0, 0.0), False)],
+)
+def test_no_robot_is_searched_for_that_starts_where_there_is_no_floor(
+    tmp_path: Path, start: tuple[float, float, float], judged: bool
+) -> None:
+    twin = gantry_twin(tmp_path)
+    body, case = WholeBody(Drive.OMNI, start, budget=0.1), _opened(twin)
+    if judged:
+        body.perform(case)
+        return
+    with pytest.raises(
+        InputError, match=r"base would start at .*, where there is no floor; allowed: .* 50 m"
+    ):
+        body.perform(case)
+
+
+@pytest.mark.parametrize(
     ("beside", "drive", "judged"),
     [
         (0.29, Drive.OMNI, True),
