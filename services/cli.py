@@ -158,7 +158,8 @@ def _told(error: BaseException) -> int:
     match error:
         case click.ClickException():
             error.show()
-        case click.Abort() | KeyboardInterrupt():
+        # Python wraps what comes while a class is made.
+        case click.Abort() | KeyboardInterrupt() | RuntimeError(__cause__=KeyboardInterrupt()):
             stopped = error.__cause__ or error  # click raises an error of its own for what stopped it
             notes = getattr(stopped, "__notes__", ())  # of what was kept, by who keeps it
             line, code = ": ".join(("interrupted", *notes)), Exit.INTERRUPTED

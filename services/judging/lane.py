@@ -10,6 +10,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -77,6 +78,10 @@ class Lane(threading.Thread):
 
     def run(self) -> None:
         """Feed the worker until told to stop."""
+        # Ctrl-C reaches all processes of a terminal; what begins in this thread inherits that it is held.
+        # The resource tracker is started before, as it would let interrupts pass again.
+        resource_tracker.ensure_running()
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         while not self.stopping.is_set():
             job = self._next()
             if self._process is None and (job is not None or self.warming.is_set()):
@@ -178,9 +183,13 @@ class Lane(threading.Thread):
         theirs.close()
         self._process, self._pipe = process, ours
         try:
-            if not ours.poll(START_TIME):
-                log.error("a worker was not ready after %s s", START_TIME)
-                return
+            until = time.monotonic() + START_TIME
+            while not ours.poll(PAUSE):
+                if self.stopping.is_set():
+                    return
+                if time.monotonic() > until:
+                    log.error("a worker was not ready after %s s", START_TIME)
+                    return
             ours.recv()
         except (EOFError, OSError):
             log.exception("a worker did not start")

@@ -9,6 +9,7 @@ import click
 
 from sdt_kg.errors import InputError
 from services.commands.completion.types import KITCHEN, ROBOT
+from services.commands.importing import importing
 from services.commands.network.bus import ENDPOINT
 from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange
 
@@ -112,17 +113,18 @@ def serve(
     """Serve kitchens and verdicts: SPARQL at /sparql, graphs at /graphs, JSON at /api/v1, pages at /."""
     if bus is None and (oracles or bus_config):
         raise InputError("--oracles and --bus-config say nothing without --bus", remedy=f"--bus {ENDPOINT}")
-    from services.http.kitchens import open_kitchens  # noqa: PLC0415 - other commands need no web framework
-    from services.http.run import bound, run  # noqa: PLC0415 - see above
-    from services.http.settings import Address, Settings, host_names, token_for  # noqa: PLC0415 - see above
-    from services.http.world import World  # noqa: PLC0415 - see above
-    from services.store.files import opened  # noqa: PLC0415 - see above
-    from services.store.histories import samples_beside  # noqa: PLC0415 - see above
-    from services.store.workers import Limits, Workers  # noqa: PLC0415 - see above
-    from services.telemetry import logs  # noqa: PLC0415 - see above
-    from services.telemetry.spans import SpansInFile  # noqa: PLC0415 - see above
-    from services.telemetry.told import Telemetry  # noqa: PLC0415 - see above
-    from services.viewer.beside import page_beside  # noqa: PLC0415 - see above
+    with importing():
+        from services.http.kitchens import open_kitchens  # noqa: PLC0415 - other commands need no web framework
+        from services.http.run import bound, run  # noqa: PLC0415 - see above
+        from services.http.settings import Address, Settings, host_names, token_for  # noqa: PLC0415 - see above
+        from services.http.world import World  # noqa: PLC0415 - see above
+        from services.store.files import opened  # noqa: PLC0415 - see above
+        from services.store.histories import samples_beside  # noqa: PLC0415 - see above
+        from services.store.workers import Limits, Workers  # noqa: PLC0415 - see above
+        from services.telemetry import logs  # noqa: PLC0415 - see above
+        from services.telemetry.spans import SpansInFile  # noqa: PLC0415 - see above
+        from services.telemetry.told import Telemetry  # noqa: PLC0415 - see above
+        from services.viewer.beside import page_beside  # noqa: PLC0415 - see above
 
     logs.configure(logs.Form(log_form))
     signal.signal(signal.SIGTERM, _ended)  # the server shuts down at it, then raises it again

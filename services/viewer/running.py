@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from sdt_kg.errors import InputError
 from sdt_kg.load import model_name, model_path
 from services.app import DEFAULT_BUDGET
+from services.commands.importing import importing
 from services.http.settings import Address
 from services.viewer.judging.judges import Judges
 from services.viewer.judging.question import Place
@@ -65,8 +66,9 @@ def running(  # noqa: PLR0913 - what the command takes
     first = Place(offer.kitchens[0], offer.robots[0])
     with closing(Judges(judges, first)) as judging:
         # Loaded while the judges load theirs: a person waits for the slower of both, not for their sum.
-        from services.viewer.desk import Desk  # noqa: PLC0415
-        from services.viewer.page import Page  # noqa: PLC0415
+        with importing():
+            from services.viewer.desk import Desk  # noqa: PLC0415
+            from services.viewer.page import Page  # noqa: PLC0415
 
         desk = Desk(kitchens, robots, judging, offer.budget)
         twin = desk.twin(first)

@@ -101,7 +101,11 @@ class Workers:
         ours, theirs = socket.socketpair()
         command = (sys.executable, "-m", "services.store.workers.nursery", str(theirs.fileno()))
         self._process = await asyncio.create_subprocess_exec(
-            *command, str(self.limits.memory), pass_fds=[theirs.fileno()], stdin=asyncio.subprocess.DEVNULL
+            *command,
+            str(self.limits.memory),
+            pass_fds=[theirs.fileno()],
+            stdin=asyncio.subprocess.DEVNULL,
+            process_group=0,  # Ctrl-C in a terminal is for this process, which ends it
         )
         theirs.close()
         self._control = ours

@@ -1,8 +1,10 @@
 """Every command says what it says as JSON and CSV too, and ends with a code of the one table."""
 
+import contextlib
 import csv
 import io
 import shlex
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -13,6 +15,7 @@ import pytest
 
 from services.cli import sdt as root
 from services.commands.exits import MEANING, Exit
+from services.commands.importing import importing
 from services.store.files import SavedVerdicts
 from tests.services.conftest import Done
 
@@ -173,6 +176,39 @@ def test_a_command_that_is_interrupted_says_so(
     done = sdt("interrupted")
     assert (done.code, done.out) == (Exit.INTERRUPTED, "")
     assert done.err.splitlines()[-1] == "interrupted"
+
+
+def test_an_interrupt_that_python_wraps_while_a_class_is_made_is_one(
+    sdt: Callable[..., Done], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Named:
+        def __set_name__(self, owner: type, name: str) -> None:
+            raise KeyboardInterrupt
+
+    @click.command()
+    def interrupted() -> None:
+        try:
+            type("Made", (), {"named": Named()})
+        except KeyboardInterrupt as plain:  # Python 3.12 and later wrap nothing
+            raise RuntimeError from plain
+
+    monkeypatch.setitem(root.commands, "interrupted", interrupted)
+    done = sdt("interrupted")
+    assert (done.code, done.err.splitlines()[-1]) == (Exit.INTERRUPTED, "interrupted")
+
+
+def test_an_interrupt_that_a_library_swallows_while_it_is_imported_is_raised_after_it() -> None:
+    def library() -> None:
+        with contextlib.suppress(BaseException):
+            signal.raise_signal(signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt), importing():
+            library()
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_a_command_that_is_interrupted_says_what_it_saved(

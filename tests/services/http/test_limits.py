@@ -207,3 +207,8 @@ def test_workers_that_are_killed_are_replaced_and_lost_data_is_said(serve, unrea
     assert served.get("/readyz").status_code == 503
     assert served.query("ASK {}").status_code == 503
     assert served.get("/healthz").status_code == 200
+
+
+def test_an_interrupt_of_a_terminal_is_not_for_the_processes_that_query(served) -> None:
+    # Not even for those that still begin, and do not ignore it yet.
+    assert os.getpgid(0) not in {os.getpgid(pid) for pid in served.world.workers.pids}

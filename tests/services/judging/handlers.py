@@ -41,3 +41,24 @@ class Obedient:
 def obedient() -> Obedient:
     """Made in the worker's process."""
     return Obedient()
+
+
+class Loading:
+    """Makes a handler that is not ready before the tests are over."""
+
+    def __call__(self) -> Obedient:
+        time.sleep(300.0)
+        return Obedient()
+
+
+class Interrupted:
+    """Makes a handler, in a process that Ctrl-C reaches before it has begun."""
+
+    def __setstate__(self, state: object) -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+
+    def __getstate__(self) -> dict[str, bool]:
+        return {"is": True}  # what has no state is not told of it
+
+    def __call__(self) -> Obedient:
+        return Obedient()

@@ -1,7 +1,9 @@
 """Whoever asks a pool of workers is answered once: rightly, late, or that it failed."""
 
+import logging
 import math
 import queue
+import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -14,7 +16,7 @@ from services.judging import lane
 from services.judging.jobs import Done, Kept, Task, Waiter
 from services.judging.pool import Pool
 from services.judging.problems import Problem, ProblemType
-from tests.services.judging.handlers import obedient
+from tests.services.judging.handlers import Interrupted, Loading, obedient
 
 SOON = 60.0
 """[s] Long after everything here is over."""
@@ -224,3 +226,22 @@ def test_a_worker_that_has_grown_too_large_is_replaced_when_its_job_is_done(
         counted = asker.pool.telemetry.metrics.to_json()
         assert (counted["sdt_process_replacements_total"], counted["sdt_process_deaths_total"]) == (1, 0)
         assert counted["sdt_process_resident_bytes"] < loaded + 100 * 2**20
+
+
+def test_a_pool_that_still_loads_is_closed_without_a_word(caplog: pytest.LogCaptureFixture) -> None:
+    before = set(threading.enumerate())
+    pool = Pool(Loading(), 1, Shelf())
+    pool.warm(seconds=1.0)
+    with caplog.at_level(logging.WARNING):
+        pool.close()
+    assert [each for each in threading.enumerate() if each not in before] == []
+    assert caplog.messages == []
+
+
+def test_an_interrupt_passes_a_process_by_that_has_not_begun() -> None:
+    pool = Pool(Interrupted(), 1, Shelf())
+    try:
+        assert Asker(pool).ask("echo hello") == Done(b"echo hello", "text/plain")
+        assert pool.counts.crashed == 0
+    finally:
+        pool.close()

@@ -1,0 +1,27 @@
+"""Ctrl-C in the first seconds of a service, which reaches all its processes."""
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from services.commands.exits import Exit
+from tests.services.http.test_end_to_end import SERVE
+
+
+@pytest.mark.parametrize("after", [1.0, 2.0, 3.0])
+def test_a_service_that_is_interrupted_while_it_begins_ends_as_later(tmp_path: Path, after: float) -> None:
+    # Libraries are imported, processes begin, the page's are there already: as fast as the machine is.
+    command = [*SERVE, "--view", "127.0.0.1:0", "--store", str(tmp_path / "kept.nq")]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    time.sleep(after)
+    os.killpg(process.pid, signal.SIGINT)
+    try:
+        said = process.communicate(timeout=60)[1]
+    finally:
+        process.kill()
+    assert (process.returncode, said.splitlines()[-1]) == (Exit.INTERRUPTED, "interrupted")
+    assert "Traceback" not in said
