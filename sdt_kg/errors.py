@@ -96,7 +96,7 @@ class UnknownEntityError(InputError):
     """
 
     def __init__(self, kind: str, name: str, known: Iterable[str], remedy: str = "") -> None:
-        names = sorted(known)
+        names = sorted(set(known))
         self.kind, self.name = kind, name
         self.near = get_close_matches(name, names, n=3, cutoff=0.5)
         if self.near:

@@ -2,6 +2,7 @@
 
 import math
 import os
+from collections import Counter
 from pathlib import Path
 
 import click
@@ -81,11 +82,23 @@ csv_flag = click.option(
     callback=lambda context, _, asked: context.meta.update({CSV: asked}),
     help="Print CSV.",
 )
+
+
+def _once(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> tuple[str, ...]:
+    """The texts, no two of them about the same joint: the last would win, without a word."""
+    named = Counter(text.partition("=")[0].strip() for text in texts)
+    for name, times in named.items():
+        if times > 1:
+            raise click.BadParameter(f"{name} is given {times} times; allowed: one value of it", ctx, param)
+    return texts
+
+
 states_option = click.option(
     "--state",
     "states",
     type=STATE,
     multiple=True,
+    callback=_once,
     metavar="JOINT=VALUE",
     help="Start state: a joint or container at a position [rad or m], open or closed; all=open, all=closed, "
     "all=half-open:SEED. Repeatable. Without it everything is closed; a server has its own state.",

@@ -39,7 +39,7 @@ def refusal(
     if planner.proofs.partial is not None:
         found.append(replace(planner.proofs.partial.diagnosis, search=search))
     if planner.late():
-        reason = f"the search was stopped after {search.seconds:.1f} s, its budget"
+        reason = f"the search was stopped after {search.seconds:.1f} s: its budget of {budget:g} s was spent"
         found.append(Diagnosis(Kind.EMBODIMENT, reason, spent, search=search))
     return (*found, *(rejected[-1] if rejected else ()))
 
@@ -67,7 +67,11 @@ def _stage(planner: Planner, rejected: bool) -> tuple[str, Counter[Pair]]:
     if planner.bar is None:
         return "its handle has no collision geometry to hold", nothing
     if not any(attempt.grasps for attempt in planner.attempts):
-        return "no gripper fits around the handle and keeps clear as the container moves", planner.unfit
+        fits = "fits around the handle and keeps clear as the container moves"
+        return (
+            f"no grasp was found in time that {fits}" if planner.late() else f"no gripper {fits}",
+            planner.unfit,
+        )
     if planner.rough:
         return _rough(planner), nothing
     return _blocked(planner) if planner.holdings else _unheld(planner)

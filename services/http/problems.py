@@ -1,14 +1,16 @@
 """Errors as problem documents (RFC 9457): what, what is allowed, what to do, and never a traceback."""
 
+import json
 import logging
 import secrets
 from collections.abc import Callable, Mapping
 from http import HTTPStatus
-from typing import Any
+from typing import Any, TypeGuard, get_args
 
 from fastapi import FastAPI
 from fastapi.exceptions import RequestValidationError
 from fastapi.routing import APIRoute
+from pydantic import BaseModel
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
@@ -27,6 +29,9 @@ WORDS = {
     NO_FIELD: "there is no such field",
     "json_invalid": "this is not JSON: {error}",
     "model_attributes_type": "a JSON object is expected",
+    "dict_type": "a JSON object is expected",
+    "list_type": "a JSON array is expected",
+    "tuple_type": "a JSON array is expected",
 }
 """Kind of fault in a body, by pydantic's name → what it is, where pydantic's words are about Python."""
 METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE")
@@ -110,7 +115,7 @@ def install(app: FastAPI, told: Callable[[Request, Response], Response]) -> None
 
     @app.exception_handler(RequestValidationError)
     async def invalid(request: Request, error: RequestValidationError) -> Response:  # pyright: ignore[reportUnusedFunction]
-        return told(request, of_body(request.headers.get("content-type", ""), error, _fields(request)))
+        return told(request, of_body(request.headers.get("content-type", ""), error, _body(request)))
 
     @app.exception_handler(HTTPException)
     async def plain(request: Request, error: HTTPException) -> Response:  # pyright: ignore[reportUnusedFunction]
@@ -127,13 +132,13 @@ def install(app: FastAPI, told: Callable[[Request, Response], Response]) -> None
         return told(request, unexpected(request.method, request.url.path, error))
 
 
-def of_body(kind: str, error: RequestValidationError, fields: tuple[str, ...]) -> Response:
+def of_body(kind: str, error: RequestValidationError, body: type[BaseModel] | None) -> Response:
     """What is wrong with a request; of a body that was not read, that it does not say it is JSON.
 
     Args:
         kind: Media type that the request names.
         error: What was found.
-        fields: Those that the body may have.
+        body: What is expected of it.
     """
     media = kind.partition(";")[0].strip().lower()
     unread = [each["loc"] for each in error.errors()] == [("body",)]
@@ -142,8 +147,7 @@ def of_body(kind: str, error: RequestValidationError, fields: tuple[str, ...]) -
         return problem(415, "Unsupported Media Type", said, allowed="Content-Type: application/json")
     found = error.errors()
     faults = [f"{'.'.join(map(str, each['loc']))}: {_words(each)}" for each in found]
-    strange = any(each["type"] == NO_FIELD and len(each["loc"]) == 2 for each in found)
-    allowed = f"body: {', '.join(fields)}" if strange else ""
+    allowed = "; ".join(dict.fromkeys(filter(None, (_allowed(each, body) for each in found))))
     return problem(422, "Invalid", "; ".join(faults), allowed=allowed, remedy="/openapi.json has the details")
 
 
@@ -152,11 +156,36 @@ def _words(fault: Mapping[str, Any]) -> str:
     return str(fault["msg"]) if said is None else said.format_map(fault.get("ctx", {}))
 
 
-def _fields(request: Request) -> tuple[str, ...]:
-    """What the body of this verb may have."""
+def _allowed(fault: Mapping[str, Any], body: type[BaseModel] | None) -> str:
+    """The fields that there are, where there is no such field; else an example, if the field has one."""
+    place, *inner = map(str, fault["loc"])
+    if body is None or place != "body" or not inner:
+        return ""
+    if fault["type"] == NO_FIELD:
+        return f"{'.'.join([place, *inner[:-1]])}: {', '.join(_part(body, inner[:-1]).model_fields)}"
+    field = body.model_fields.get(inner[0])
+    examples = field.examples if field else None
+    return f'for example "{inner[0]}": {json.dumps(examples[0])}' if examples else ""
+
+
+def _part(body: type[BaseModel], place: list[str]) -> type[BaseModel]:
+    """The object at that place of the body."""
+    for name in place:
+        annotation = body.model_fields[name].annotation
+        body = next(each for each in (annotation, *get_args(annotation)) if _is_model(each))
+    return body
+
+
+def _is_model(annotation: object) -> TypeGuard[type[BaseModel]]:
+    return isinstance(annotation, type) and issubclass(annotation, BaseModel)
+
+
+def _body(request: Request) -> type[BaseModel] | None:
+    """What is expected of the body of this verb."""
     route = request.scope.get("route")
-    body = route.body_field if isinstance(route, APIRoute) else None
-    return () if body is None else tuple(getattr(body.field_info.annotation, "model_fields", ()))
+    field = route.body_field if isinstance(route, APIRoute) else None
+    annotation = None if field is None else field.field_info.annotation
+    return annotation if _is_model(annotation) else None
 
 
 def _methods(app: FastAPI, request: Request) -> list[str]:

@@ -21,6 +21,7 @@ from sdt_kg.motion import Motion, check_numbers, check_times
 from sdt_kg.state import State
 from sdt_kg.twin import Twin
 from services.physics.chain import Chain, Follower, chain, follower
+from services.physics.figures import told_apart
 from services.physics.spline import Excess, Hermite, at_rest_velocities, excesses
 from services.physics.tree import Model
 
@@ -234,7 +235,8 @@ def _start(motion: Motion, began: float, bounds: Bounds) -> Iterator[Diagnosis]:
     """The motion begins where the kitchen is, and at rest; it ends at rest."""
     name, value, time = local_name(motion.of), float(motion.values[0, 0]), float(motion.times[0])
     if abs(value - began) > START_TOLERANCE[bounds.unit]:
-        where = f"{name} is at {began:.4g} {bounds.unit}, the motion begins at {value:.4g} {bounds.unit}"
+        at, begins = told_apart(began, value, 4)
+        where = f"{name} is at {at} {bounds.unit}, the motion begins at {begins} {bounds.unit}"
         yield _violation(where, Quantity.POSITION, bounds.unit, motion.of, Excess(value, began, time, True))
     if motion.velocities is None:
         return
@@ -263,7 +265,8 @@ def _limits(motion: Motion, bounds: Bounds) -> Iterator[Diagnosis]:
 
 def _figure(excess: Excess, unit: str) -> str:
     when = "first" if excess.first else "at worst"
-    return f"{excess.value:.4g} {unit} (allowed {excess.bound:.4g}) {when} at {excess.time:.3f} s"
+    value, bound = told_apart(excess.value, excess.bound, 4)
+    return f"{value} {unit} (allowed {bound}) {when} at {excess.time:.3f} s"
 
 
 def _violation(  # noqa: PLR0913, PLR0917  # the parts of one diagnosis

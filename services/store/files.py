@@ -37,11 +37,26 @@ def opened(place: str | Path) -> QuadStore:
         InputError: It is no such place, or holds something else.
         StoreUnavailableError: Another process has it.
     """
-    if isinstance(place, str) and is_url(place):
-        return RemoteStore(Addresses.of(place))
+    if isinstance(place, str) and "://" in place:
+        return RemoteStore(Addresses.of(_address(place)))
     path = Path(place)
     is_folder = path.is_dir() or not path.suffix
     return in_folder(path) if is_folder else in_file(path)
+
+
+def _address(place: str) -> str:
+    """The place, if it is a server's address.
+
+    Raises:
+        InputError: It is the address of something else.
+    """
+    if not is_url(place):
+        raise InputError(
+            f"'{place}' is no place for verdicts",
+            allowed="FILE.trig, FILE.nq, a directory, http://HOST of an Oxigraph, "
+            "http://HOST/QUERY,http://HOST/UPDATE",
+        )
+    return place
 
 
 class SavedVerdicts:
@@ -122,7 +137,7 @@ def readable(place: str | Path) -> QuadStore:
         InputError: There is nothing at that place.
         StoreError: The store is held by another process, gone or damaged.
     """
-    if isinstance(place, str) and is_url(place):
+    if isinstance(place, str) and "://" in place:
         return opened(place)
     path = Path(place)
     if not path.exists():

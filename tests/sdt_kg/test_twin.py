@@ -92,6 +92,10 @@ def test_an_unknown_joint_is_refused_with_the_nearest_name(drawer: Path) -> None
         load_twin(drawer).at({joint_iri("k", "slid"): 0.1})
 
 
+def test_a_nearest_name_that_several_things_have_is_told_once() -> None:
+    assert str(UnknownEntityError("setting", "robots", ("robot", "robot"))).count("'robot'") == 1
+
+
 def test_an_unknown_container_is_refused_with_the_nearest_name(drawer: Path) -> None:
     with pytest.raises(UnknownEntityError, match="did you mean 'cupboard_drawer'"):
         load_twin(drawer).container("cupbord_drawer")

@@ -16,6 +16,7 @@ from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.sweep.kinematics import joint_axes, unit_of
 from services.embodiment.certify.sweep.pieces import Pieces, accelerations, positions, sideways, velocities
 from services.embodiment.certify.tolerances import Tolerances
+from services.physics.figures import told_apart
 from services.physics.model import Scene
 from services.physics.tree import Bounds
 
@@ -127,7 +128,8 @@ def _limit(  # noqa: PLR0913, PLR0917  # the parts of one sentence
     turning = joint_axes(scene)[1][k]
     unit = ("rad" if turning else "m") + _PER[quantity]
     name = "the base, x and y combined," if combined else local_name(scene.names[k])
-    reason = f"{name} reaches {quantity.value} {value:.4g} {unit}, its limit is {bound:.4g} {unit}"
+    reached, limit = told_apart(value, bound, 4)
+    reason = f"{name} reaches {quantity.value} {reached} {unit}, its limit is {limit} {unit}"
     evidence = Evidence(quantity, float(value), float(bound), unit, entity=scene.names[k], time=float(time))
     part = "kitchen" if k < scene.base[0] else "base" if k <= scene.base[2] else "robot"
     part += ", combined" if combined else ""

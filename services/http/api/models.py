@@ -9,6 +9,8 @@ from services.judging.messages import DriveName, Finite, Seed, TeeName
 
 Name = Annotated[str, Field(min_length=1, max_length=500)]
 StateText = Annotated[str, Field(min_length=3, max_length=500, examples=["iai_fridge_door=open"])]
+STATE = ["iai_fridge_door=open"]
+EDIT = {"entity": "https://example.org/id/b/joint/iai_fridge_door_joint", "changes": {"upperLimit": 1.2}}
 
 
 class Body(BaseModel):
@@ -33,7 +35,7 @@ class Asked(Body):
         handle_force: Newtons allowed at the handle, for d_artic_dyn; without it, what the force data say.
     """
 
-    state: list[StateText] = Field(default_factory=list, max_length=1000)
+    state: list[StateText] = Field(default_factory=list, max_length=1000, examples=[STATE])
     seconds: float = Field(default=60.0, gt=0, le=600)
     tee: TeeName = "d_artic"
     handle_force: float | None = Field(default=None, gt=0, le=10_000, allow_inf_nan=False)
@@ -51,7 +53,7 @@ class Performed(Asked):
 
     robot: Name | None = None
     drive: DriveName | None = None
-    base: tuple[Finite, Finite, Finite] | None = None
+    base: tuple[Finite, Finite, Finite] | None = Field(default=None, examples=[[0.0, 0.0, 1.57]])
     budget: float = Field(default=20.0, gt=0, le=600)
     seed: Seed = 0
 
@@ -111,7 +113,7 @@ class StateBody(Body):
         state: Texts as for `sdt --state`, on top of the present state.
     """
 
-    state: list[StateText] = Field(min_length=1, max_length=1000)
+    state: list[StateText] = Field(min_length=1, max_length=1000, examples=[STATE])
 
 
 class ObservationBody(Body):
@@ -123,7 +125,9 @@ class ObservationBody(Body):
         by: Who or what observed.
     """
 
-    positions: dict[Name, Finite] = Field(min_length=1, max_length=1000)
+    positions: dict[Name, Finite] = Field(
+        min_length=1, max_length=1000, examples=[{"iai_fridge_door_joint": 0.3}]
+    )
     time: datetime
     by: Name
 
@@ -152,5 +156,5 @@ class BranchBody(Body):
     """
 
     parent: Name | None = None
-    state: list[StateText] = Field(default_factory=list, max_length=1000)
-    edit: EditBody | None = None
+    state: list[StateText] = Field(default_factory=list, max_length=1000, examples=[STATE])
+    edit: EditBody | None = Field(default=None, examples=[EDIT])

@@ -9,6 +9,7 @@ from predicates.oracle import Replayed
 from sdt_kg.iri import local_name
 from sdt_kg.twin import Twin
 from services.physics.chain import follower
+from services.physics.figures import told_apart
 from services.physics.replay import BEYOND_STOPS, effective_bounds, spline_of, state_with
 from services.physics.stops.sweep import Block, Sweep
 from services.physics.tree import Model
@@ -45,10 +46,8 @@ def stopped(sweep: Sweep, model: Model, twin: Twin, replayed: Replayed) -> Repla
 
 def _violation(block: Block, time: float) -> Diagnosis:
     moved, other = local_name(block.moved), local_name(block.other)
-    reason = (
-        f"{moved} runs into {other}: {1e3 * block.depth:.1f} mm deep at {time:.3f} s, "
-        f"{1e3 * block.allowed:.1f} mm allowed"
-    )
+    depth, allowed = told_apart(1e3 * block.depth, 1e3 * block.allowed, 1, "f")
+    reason = f"{moved} runs into {other}: {depth} mm deep at {time:.3f} s, {allowed} mm allowed"
     evidence = Evidence(
         Quantity.DISTANCE,
         -block.depth,

@@ -63,6 +63,13 @@ BAD = {
         ("achieve", "--kitchen", "b", "--robot", "pr2", "--robot", "stretch", "--task", "open"),
         ["--robot is given 2 times, and achieve takes one"],
     ),
+    "a joint set twice": (
+        ["satisfies", "b", "--state", "iai_fridge_door=0.1", "--state", "iai_fridge_door=0.2"],
+        ["--state", "iai_fridge_door is given 2 times", "one value"],
+    ),
+    "a place that is no store's": (
+        ["table", "--save", "ftp://x"], ["'ftp://x' is no place", "FILE.trig, FILE.nq, a directory, http://HOST"],
+    ),
     "file left out": (["table", "--csv", "--json"], ["--csv is followed by --json", "FILE", "./--json"]),
     "file left out before a short option": (["graph", "b", "-o", "-o", "x.ttl"], ["-o/--output", "by -o"]),
     "file left out before the help": (["learn", "x.csv", "-o", "-h"], ["-o/--output is followed by -h"]),

@@ -277,3 +277,10 @@ def test_what_has_no_shape_to_collide_with_is_told_of_motions_that_are_found_and
         assert answer.holds
         assert {f"{told}wall", f"{told}hat"} <= {*answer.notes}
         assert "Casters, head and laser are held at 0." in answer.notes
+
+
+def test_a_search_that_could_not_begin_claims_nothing_of_grippers() -> None:
+    answer = ask(WholeBody(budget=1e-9), load_twin("b", ["pr2"]), FRIDGE)
+    none, spent = (each.reason for each in answer.diagnoses)
+    assert "no grasp was found in time that fits around the handle" in none
+    assert spent.endswith("its budget of 1e-09 s was spent")

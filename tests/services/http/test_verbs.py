@@ -173,6 +173,11 @@ def test_bad_input_is_named_and_writes_nothing(served, name: str) -> None:
         (b'["open"]', "body: a JSON object is expected", ""),
         (b'{"task": }', "body.9: this is not JSON: Expecting value", ""),
         (b'{"task": "open", "budget": "x"}', "body.budget: Input should be a valid number", ""),
+        (
+            b'{"task": "open", "state": {"low_drawer": "open"}}',
+            "body.state: a JSON array is expected",
+            'for example "state": ["iai_fridge_door=open"]',
+        ),
     ],
 )
 def test_what_is_wrong_with_a_body_is_said_in_words_about_json(
@@ -185,6 +190,26 @@ def test_what_is_wrong_with_a_body_is_said_in_words_about_json(
     assert problem.get("allowed", "").startswith(allowed)
     assert bool(problem.get("allowed")) == bool(allowed)
     assert problem["remedy"] == "/openapi.json has the details"
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "allowed"),
+    [
+        ("state", {"state": {"low_drawer": 0.2}}, 'for example "state": ["iai_fridge_door=open"]'),
+        ("branch", {"edit": {"entity": "x", "change": {}}}, "body.edit: entity, changes"),
+        (
+            "branch",
+            {"edit": {"upperLimit": 1}},
+            '"changes": {"upperLimit": 1.2}}; body.edit: entity, changes',
+        ),
+        ("branch", {"edit": "x"}, 'for example "edit": {"entity": '),
+        ("observation", {"positions": [1], "time": "2026-01-31T12:00:00Z", "by": "x"}, '"positions": {'),
+    ],
+)
+def test_the_shape_that_is_wanted_of_a_body_is_said(served, path: str, body: object, allowed: str) -> None:
+    problem = served.post(f"/api/v1/{path}", json=body, headers=BEARER).json()
+    assert problem["status"] == 422
+    assert allowed in problem["allowed"]
 
 
 @pytest.mark.parametrize(

@@ -138,6 +138,8 @@ def test_a_stop_is_as_hard_for_physics_as_for_the_certifier(beyond: float, kept:
     values = np.array([[drawer.lower], [drawer.upper + beyond]])
     replayed = PHYSICS.replay(TWIN, Motion(drawer.joint, np.array([0.0, 9.0]), values))
     assert (Quantity.POSITION not in quantities(replayed)) is kept
+    if not kept:  # the figures are not both 0.5
+        assert "is 0.50002 m (allowed 0.5)" in replayed.violations[0].reason
 
 
 def test_a_stop_is_not_passed_between_samples_either() -> None:

@@ -1,6 +1,7 @@
 """Φ stops a drawer or door at what is beside it in its own cabinet, but for its rails and its hinge."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -66,6 +67,8 @@ def opens(tmp_path: Path, parts: str, name: str) -> bool:
     answer = asked(load_twin(tmp_path / "post.urdf"), name)
     reasons = [each.reason for each in answer.diagnoses]
     assert answer.holds or any("runs into" in each for each in reasons), reasons
+    for depth, allowed in re.findall(r": ([\d.]+) mm deep at .*, ([\d.]+) mm allowed", " ".join(reasons)):
+        assert float(depth) > float(allowed), reasons
     return answer.holds
 
 
