@@ -5,9 +5,20 @@ from typing import Final
 
 from predicates.case import Outcome
 from predicates.record.facts import Facts, term
+from predicates.record.inputs import Inputs
 from predicates.record.stored import OUTCOME_TERM, read_diagnosis
 from sdt_kg.iri import LAW, PROV, RDFS, Iri, local_name
-from services.why.words import SHORT_KEY, Section, in_capitals, moved, reasons, versions, with_unit
+from services.why.words import (
+    SHORT_KEY,
+    Section,
+    in_capitals,
+    moved,
+    of_then,
+    reasons,
+    standing,
+    versions,
+    with_unit,
+)
 
 MEANS: Final = {
     Outcome.CERTIFIED: "Every step is certified, and every rule is kept along those motions, between samples "
@@ -25,10 +36,10 @@ def sections(iri: Iri, facts: Facts) -> tuple[Section, ...]:
     outcome = outcome_of(iri, facts)
     steps, rules = facts.all(iri, LAW + "stepResult"), facts.all(iri, LAW + "ruleAnswer")
     diagnoses = [read_diagnosis(facts, each) for each in facts.all(iri, LAW + "diagnosis")]
-    used = facts.all(facts.needed(iri, PROV + "wasGeneratedBy"), PROV + "used")
-    inputs = [(facts.needed(of, LAW + "name"), facts.needed(of, LAW + "inputHash")) for of in used]
+    inputs = inputs_of(iri, facts)
+    means = (MEANS[outcome], *of_then(inputs, "the verdicts of its steps keep"))
     parts = (
-        Section(f"{question(iri, facts)} {in_capitals(outcome)}", (MEANS[outcome],)),
+        Section(f"{question(iri, facts)} {standing(outcome, inputs)}", means),
         Section("Asked", tuple(_asked(iri, facts))),
         Section("Steps", tuple(line for each in steps for line in _step(each, facts))),
         Section("Rules", tuple(_rules(iri, rules, facts))),
@@ -45,6 +56,12 @@ def question(iri: Iri, facts: Facts) -> str:
     who = local_name(facts.needed(iri, LAW + "robot"))
     where = local_name(facts.needed(iri, LAW + "environment"))
     return f"Can {who} do '{facts.needed(iri, RDFS + 'label')}' in kitchen {where}?"
+
+
+def inputs_of(iri: Iri, facts: Facts) -> Inputs:
+    """All that decided the result: name → value or hash."""
+    used = facts.all(facts.needed(iri, PROV + "wasGeneratedBy"), PROV + "used")
+    return tuple((facts.needed(of, LAW + "name"), facts.needed(of, LAW + "inputHash")) for of in used)
 
 
 def outcome_of(of: Iri, facts: Facts) -> Outcome:

@@ -13,8 +13,7 @@ from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import ID, LAW, Iri, local_name
 from sdt_kg.scope import D_ARTIC
 from services.policy import USUAL_CONTACT
-from services.versions import outdated
-from services.why.words import Section, in_capitals, moved, reasons, versions, with_unit
+from services.why.words import Section, moved, of_then, reasons, standing, versions, with_unit
 
 PREDICATES = {
     "SatisfiesRequest": "does the final state meet the request?",
@@ -36,7 +35,10 @@ FORCES = {"D_artic": "no forces, no friction", "D_artic_dyn": "forces at the han
 def sections(verdict: StoredVerdict, facts: Facts) -> tuple[Section, ...]:
     """The verdict in plain words, part by part."""
     parts = (
-        Section(f"{question(verdict)} {outcome(verdict)}", (_means(verdict), *_of_then(verdict))),
+        Section(
+            f"{question(verdict)} {outcome(verdict)}",
+            (_means(verdict), *of_then(verdict.inputs, "the verdict keeps")),
+        ),
         Section("Asked", tuple(_asked(verdict, facts))),
         Section("Answers", tuple(_answers(verdict, facts))),
         Section("Reasons", tuple(reasons(verdict.diagnoses))),
@@ -52,8 +54,7 @@ def sections(verdict: StoredVerdict, facts: Facts) -> tuple[Section, ...]:
 
 def outcome(verdict: StoredVerdict) -> str:
     """CERTIFIED, NOT CERTIFIED or ABSTAINED; of what another version judged, what it was."""
-    said = in_capitals(verdict.outcome)
-    return f"OUTDATED, WAS {said}" if outdated(dict(verdict.inputs)) else said
+    return standing(verdict.outcome, verdict.inputs)
 
 
 def question(verdict: StoredVerdict) -> str:
@@ -78,16 +79,6 @@ def _means(verdict: StoredVerdict) -> str:
     if _given(verdict):
         return f"{text} Proved of the motion that was given; another motion may still do it."
     return f"{text} Proved: a sound bound excludes every motion of the class {name}, not only those tried."
-
-
-def _of_then(verdict: StoredVerdict) -> Iterator[str]:
-    """That another version judged, and what to do."""
-    others = outdated(dict(verdict.inputs))
-    if others:
-        yield (
-            f"Judged by {', '.join(others)}: this is not the answer to a question that is asked now. "
-            "Ask again, and it is judged anew; sdt recheck verifies what the verdict keeps."
-        )
 
 
 def _ground(verdict: StoredVerdict) -> str:

@@ -8,8 +8,9 @@ from urllib.parse import unquote
 
 from predicates.case import Diagnosis, Evidence, Outcome, Quantity
 from predicates.record.facts import Facts
-from predicates.record.inputs import UNKNOWN_INPUT
+from predicates.record.inputs import UNKNOWN_INPUT, Inputs
 from sdt_kg.iri import ID, LAW, Iri, local_name
+from services.versions import outdated
 
 SHORT_KEY = 12
 """[characters] Of a hash, where people read it."""
@@ -33,6 +34,22 @@ class Section:
 def in_capitals(outcome: Outcome) -> str:
     """CERTIFIED, NOT CERTIFIED or ABSTAINED."""
     return outcome.value.replace("_", " ").upper()
+
+
+def standing(outcome: Outcome, inputs: Inputs) -> str:
+    """CERTIFIED, NOT CERTIFIED or ABSTAINED; of what another version judged, what it was."""
+    said = in_capitals(outcome)
+    return f"OUTDATED, WAS {said}" if outdated(dict(inputs)) else said
+
+
+def of_then(inputs: Inputs, keeps: str) -> Iterator[str]:
+    """That another version judged, and what to do; `keeps` says who keeps what can be verified."""
+    others = outdated(dict(inputs))
+    if others:
+        yield (
+            f"Judged by {', '.join(others)}: this is not the answer to a question that is asked now. "
+            f"Ask again, and it is judged anew; sdt recheck verifies what {keeps}."
+        )
 
 
 def moved(judged: Iri, facts: Facts) -> list[str]:

@@ -18,13 +18,18 @@ from services.http.protocol.graphs import graph_quads
 from services.http.world import World
 from services.store.records import graph_of
 from services.store.workers import Asked
+from services.versions import ORACLES, outdated
 from services.why import why
 
-VERDICTS = """SELECT ?verdict ?kitchen ?robot ?container ?task ?outcome ?seconds WHERE {
+VERDICTS = """SELECT ?verdict ?kitchen ?robot ?container ?task ?outcome ?seconds ?physics ?embodiment WHERE {
   ?verdict a law:Verdict ; law:environment ?kitchen ; law:outcome ?outcome ; law:seconds ?seconds .
   OPTIONAL { ?verdict law:robot ?robot }
   OPTIONAL { ?verdict law:container ?container }
   OPTIONAL { ?verdict law:task ?asked . ?asked law:verb ?task }
+  OPTIONAL { ?verdict prov:wasGeneratedBy/prov:used ?phi . ?phi law:name "physics" ; law:inputHash ?physics }
+  OPTIONAL {
+    ?verdict prov:wasGeneratedBy/prov:used ?r . ?r law:name "embodiment" ; law:inputHash ?embodiment
+  }
 }
 ORDER BY ?verdict"""
 OUTCOMES = {"certified": "Certified", "not_certified": "NotCertified", "abstained": "Abstained"}
@@ -192,6 +197,7 @@ def _row(binding: Json) -> Json:
     row: Json = {name: local_name(binding[name]["value"]) if name in binding else None for name in names}
     row["task"] = row["task"].lower() if row["task"] else None
     row["outcome"] = SPELLED[local_name(binding["outcome"]["value"])]
+    row["outdated"] = bool(outdated({name: binding[name]["value"] for name in ORACLES if name in binding}))
     return row | {"seconds": float(binding["seconds"]["value"]), "iri": binding["verdict"]["value"]}
 
 

@@ -7,16 +7,22 @@ import pytest
 
 from predicates.case import Case
 from predicates.law import law
+from predicates.specification.read import read_specification
+from predicates.specification.record import task_record
 from sdt_kg.task import Task, Verb
+from services.app import Service
 from services.http.pages.feasibility.cells import Found
 from services.physics.oracle import Kinematics
+from services.specifications import TaskResult, achieve_task, keep
 from services.store.files import SavedVerdicts, opened
 from services.versions import KINEMATICS_VERSION
+from services.why import why
 from tests.services.http.conftest import Serve, Served
 from tests.services.pages.conftest import PAGE, text_of, verdict_link
+from tests.services.pages.test_tasks import TASK
 from tests.small import small_twin
-from tests.small.before import Before
-from tests.small.lift import Lift
+from tests.small.before import Before, LiftsBefore
+from tests.small.lift import Lift, Lifts
 
 NOW = KINEMATICS_VERSION
 
@@ -37,6 +43,20 @@ def served(serve: Serve, tmp_path_factory: pytest.TempPathFactory) -> Iterator[S
             saved.add(verdict)
     with closing(opened(path)) as archive:
         yield serve(kitchens=("a",), robots=("pr2",), archive=archive)
+
+
+@pytest.fixture(scope="module")
+def tasks(serve: Serve, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, TaskResult]]:
+    """A task whose result is there of another version and of this; and the former."""
+    twin = small_twin("a", ("pr2",))
+    asked = read_specification(twin, TASK % 1.5, "task.ttl")
+    before, now = (achieve_task(Service(twin, oracles=each), asked) for each in (LiftsBefore(), Lifts()))
+    path = tmp_path_factory.mktemp("outdated") / "tasks.nq"
+    with SavedVerdicts(str(path)) as saved:
+        keep(saved, before)
+        keep(saved, now)
+    with closing(opened(path)) as archive:
+        yield serve(kitchens=("a",), robots=("pr2",), archive=archive), before
 
 
 def test_the_matrix_counts_what_another_version_judged_as_outdated(served: Served) -> None:
@@ -81,6 +101,36 @@ def test_the_list_and_the_start_page_tell_outdated_ones_apart(served: Served) ->
     (kitchen,) = served.get("/index.json").json()["kitchens"]
     assert kitchen["verdicts"] == {"certified": 1, "outdated": 2}
     assert "2 outdated, judged by another version" in text_of(served.get("/", headers=PAGE).text)
+
+
+def test_the_json_verbs_tell_outdated_ones_apart(served: Served) -> None:
+    rows = served.get("/api/v1/verdicts").json()
+    assert sorted((each["container"], each["outdated"]) for each in rows) == [
+        ("high_drawer", True),
+        ("low_drawer", False),
+        ("low_drawer", True),
+    ]
+    for each in rows:
+        one = served.get(f"/api/v1/verdicts/{each['iri'].rsplit('/', 1)[1]}").json()
+        assert one["outdated"] is each["outdated"]
+
+
+def test_results_of_tasks_tell_outdated_ones_apart(tasks: tuple[Served, TaskResult]) -> None:
+    served, before = tasks
+    rows = served.get("/tasks.json").json()["results"]
+    assert {each["result"] == before.iri: each["outdated"] for each in rows} == {True: True, False: False}
+    assert text_of(served.get("/tasks", headers=PAGE).text).count("was certified") == 1
+
+
+def test_the_page_of_a_task_s_result_says_which_version_judged(tasks: tuple[Served, TaskResult]) -> None:
+    served, before = tasks
+    link = before.iri.removeprefix("https://example.org")
+    hero = served.get(link, headers=PAGE).text.partition('<div class="hero')[2].partition("</div>")[0]
+    assert hero.startswith(" k-outdated")
+    assert "Outdated, was certified" in hero
+    assert f"Judged by kinematics 0 (here {NOW})" in text_of(hero)
+    assert served.get(f"{link}.json").json()["outdated"] == [f"kinematics 0 (here {NOW})"]
+    assert "OUTDATED, WAS CERTIFIED" in why(task_record(before).quads(), before.iri)
 
 
 def test_what_still_answers_is_shown_before_what_does_not_even_of_a_later_version() -> None:

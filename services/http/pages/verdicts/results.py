@@ -16,9 +16,21 @@ from services.http.pages.terms import id_link
 from services.http.pages.verdicts.one import or_damaged
 from services.http.pages.view import Json, View
 from services.http.world import World
+from services.versions import outdated
 from services.why import sections, task
 
-LISTED: Final = ("kitchen", "task", "robot", "outcome", "kinds", "steps", "rules", "seconds", "result")
+LISTED: Final = (
+    "kitchen",
+    "task",
+    "robot",
+    "outcome",
+    "outdated",
+    "kinds",
+    "steps",
+    "rules",
+    "seconds",
+    "result",
+)
 PARTS: Final = ("part", "number", "what", "outcome", "how", "step", "time", "verdict")
 TOLD: Final = ("Asked", "Reasons", "Quality", "Versions and inputs", "To check again")
 """Parts of the story that are shown as they are told on the shell."""
@@ -33,6 +45,7 @@ async def results(request: Request) -> View:
             "task": row["label"],
             "robot": local_name(row["robot"]),
             "outcome": SPELLED[local_name(row["outcome"])],
+            "outdated": bool(outdated(row)),
             "kinds": [each.value.key for each in standings(local_name(row["outcome"]), row.get("kinds", ""))],
             "steps": int(row["steps"]),
             "rules": int(row["rules"]),
@@ -54,7 +67,7 @@ def _read(iri: Iri, quads: list[ox.Quad]) -> View:
     facts = Facts(quads)
     first, *others = sections(quads, iri)
     told = {each.title: list(each.lines) for each in others}
-    outcome = task.outcome_of(iri, facts)
+    outcome, others = task.outcome_of(iri, facts), outdated(dict(task.inputs_of(iri, facts)))
     diagnoses = [read_diagnosis(facts, each) for each in facts.all(iri, LAW + "diagnosis")]
     kinds = [] if outcome is Outcome.CERTIFIED else list(dict.fromkeys(each.kind.value for each in diagnoses))
     steps = [_step(each, facts) for each in facts.all(iri, LAW + "stepResult")]
@@ -64,6 +77,7 @@ def _read(iri: Iri, quads: list[ox.Quad]) -> View:
         "name": local_name(iri),
         "question": task.question(iri, facts),
         "outcome": outcome.value,
+        "outdated": list(others),
         "kinds": kinds,
         "means": " ".join(first.lines),
         "kitchen": local_name(facts.needed(iri, LAW + "environment")),
@@ -75,7 +89,7 @@ def _read(iri: Iri, quads: list[ox.Quad]) -> View:
     }
     usual = Standing.CERTIFIED if outcome is Outcome.CERTIFIED else Standing.NO_VERDICT
     shown: Json = {
-        "standing_key": (kinds or [usual.value.key])[0],
+        "standing_key": Standing.OUTDATED.value.key if others else (kinds or [usual.value.key])[0],
         "told": {name: told.get(name, []) for name in TOLD},
         "path": "/id/" + iri.removeprefix(ID),
         "graph": "/id/graph/task_result/" + local_name(iri),
