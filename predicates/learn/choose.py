@@ -1,10 +1,11 @@
 """Which joint moves an observed point: fixed, prismatic or revolute, by evidence."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
-from predicates.learn.articulation import Learned
+from predicates.learn.articulation import Articulation, Learned
 from predicates.learn.candidates import moving, still
 from predicates.learn.fitting.cells import Cells, cells_of
 from predicates.learn.fitting.curve import Frame
@@ -48,7 +49,19 @@ def learn(track: Track, up: Array | None = UP) -> Learned:
             moving(track, _family(cells, gravity, LINE, line, None), turning, cells),
             moving(track, _family(cells, gravity, ARC, arc, turning), turning, cells),
         ]
+    if cells.steady:
+        candidates = [_unsure(candidates[0], candidates[1:]), *candidates[1:]]
     return Learned(track, tuple(sorted(candidates, key=lambda each: -each.evidence)))
+
+
+def _unsure(still: Articulation, moving: list[Articulation]) -> Articulation:
+    """A point that goes steadily one way stands still on a tracker that drifts, or was moved a little.
+
+    Mechanisms that hardly move are rare, so that the evidence alone would be sure of standstill: that is
+    taken to be no likelier than not.
+    """
+    either = float(np.logaddexp.reduce([each.evidence for each in moving]))
+    return replace(still, evidence=min(still.evidence, either))
 
 
 def _family(

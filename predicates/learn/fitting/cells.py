@@ -51,6 +51,17 @@ SPIKE = 4.0
 SPIKE_LEAST = 0.02
 """[m] A nearer sample is no spike."""
 
+BLOCKS = 10
+"""[1] Parts of a track, one after the other, whose medians tell whether it goes steadily one way."""
+
+STEADY = 0.75
+"""[1] Share of their scatter that going steadily explains. White noise comes to 0.62 at most in 4,000 tracks,
+a tracker that forgets its error within a fifth of the track to 0.75 in 500; five noise levels in 200 samples
+come to 0.85 at least."""
+
+STEADY_LEAST = 0.002
+"""[m] By less a tracker may drift."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cells:
@@ -63,6 +74,7 @@ class Cells:
         extent: Diagonal of the box that holds the positions [m].
         travel: The same, turning included, less what noise alone would spread over [m].
         noise: Standard deviation of a coordinate from one sample to the next [m].
+        steady: Whether the positions go steadily one way, by more than noise and wandering explain.
     """
 
     points: Array
@@ -71,6 +83,7 @@ class Cells:
     extent: float
     travel: float
     noise: float
+    steady: bool
 
     @property
     def observations(self) -> float:
@@ -108,7 +121,8 @@ def cells_of(positions: Array, turns: Array | None = None) -> Cells:
     members[kept] = cell
     noise = min(_white_noise(seen), NOISE_MOST)
     moved = max(travel - NOISE_SPAN * noise, _calm_travel(both, noise), LEAST_TRAVEL)
-    return Cells(points, np.full(len(points), _worth(size, noise)), members, extent, moved, noise)
+    worth = np.full(len(points), _worth(size, noise))
+    return Cells(points, worth, members, extent, moved, noise, _is_steady(seen))
 
 
 def _worth(size: float, noise: float) -> float:
@@ -118,6 +132,19 @@ def _worth(size: float, noise: float) -> float:
     """
     alike = CORRELATED**2 / (CORRELATED**2 + noise**2)
     return 1 / (1 + max(0.0, CORRELATION / size - 1) * alike)
+
+
+def _is_steady(positions: Array) -> bool:
+    """Whether medians of the track's parts lie along a line in the order of time."""
+    if len(positions) < 3 * BLOCKS:
+        return False
+    parts = np.array_split(positions, BLOCKS)
+    middles: Array = np.stack([np.median(part, axis=0) for part in parts])
+    middles -= middles.mean(axis=0)
+    time = np.linspace(-0.5, 0.5, BLOCKS)
+    way = time @ middles / (time @ time)
+    explained, whole = float(way @ way * (time @ time)), float((middles**2).sum())
+    return float(np.linalg.norm(way)) > STEADY_LEAST and explained > STEADY * whole
 
 
 def _calm_travel(both: Array, noise: float) -> float:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from predicates.learn import Articulation, learn
+from predicates.learn import Articulation, Track, learn
 from sdt_kg.errors import MotionError
 from sdt_kg.mechanism import JointType
 from services.tracks import read_track
@@ -57,6 +57,36 @@ def test_what_is_taken_to_be_fixed_may_have_moved_by_less_than_is_told(travel: f
         joint = best(JointType.FIXED, drawer(stopping(travel)), seed, 0.003)
         assert travel < joint.extent < travel + 12 * 0.003
     assert best(JointType.FIXED, np.zeros((100, 3)), noise=0.0005).extent < 0.006
+
+
+@pytest.mark.parametrize("noise", [0.0005, 0.001, 0.002, 0.004])
+@pytest.mark.parametrize("samples", [200, 500])
+def test_what_goes_steadily_by_five_noise_levels_is_not_fixed_for_sure(noise: float, samples: int) -> None:
+    positions = drawer(np.linspace(0, 5 * noise, samples))
+    for seed in range(8):
+        assert standstill(seen(positions, seed, noise)) <= 0.5 + 1e-9
+
+
+@pytest.mark.parametrize("noise", [0.0002, 0.001, 0.004])
+@pytest.mark.parametrize("samples", [30, 200, 500])
+def test_what_noise_alone_moves_is_fixed_for_sure(noise: float, samples: int) -> None:
+    for seed in range(20):
+        assert standstill(seen(np.tile([1.0, 0.5, 0.8], (samples, 1)), seed, noise)) > 0.99
+
+
+def test_a_tracker_that_drifts_by_a_millimetre_is_no_motion() -> None:
+    positions = drawer(np.linspace(0, 0.001, 200))
+    assert standstill(seen(positions, noise=0.0001)) > 0.99
+
+
+def standstill(track: Track) -> float:
+    """Probability that nothing moves."""
+    found = learn(track)
+    return next(
+        p
+        for each, p in zip(found.candidates, found.probabilities, strict=True)
+        if each.joint_type is JointType.FIXED
+    )
 
 
 def test_a_few_samples_with_outliers_are_no_proof_of_standstill() -> None:
