@@ -100,16 +100,19 @@ def _absurd(joint: Joint) -> tuple[float, str, str]:
 
 
 def check_start(base: tuple[float, float, float]) -> None:
-    """A start pose of the base is in a room: no search goes a way that has no end.
+    """A start pose of the base is on the floor, and its yaw within a turn.
 
     Raises:
         InputError: With the coordinate.
     """
-    bounds = ROOM, ROOM, FULL_TURN
+    from services.physics.geometry.floor import SIDE  # noqa: PLC0415 - loads shapes, and a start is seldom given
+
+    bounds = SIDE / 2, SIDE / 2, FULL_TURN
     for (name, _, unit, _), bound, value in zip(_BASE, bounds, base, strict=True):
         if not abs(value) <= bound:
             said = f"the base starts at {name} = {value:.6g} {unit}"
-            raise InputError(said, allowed=f"{unit}, from {-bound:.4g} to {bound:.4g}")
+            ends = ", where the kitchen's floor ends" if unit == "m" else ""
+            raise InputError(said, allowed=f"{unit}, from {-bound:.4g} to {bound:.4g}{ends}")
 
 
 def check_base(poses: Array, array: str, given: Given) -> None:

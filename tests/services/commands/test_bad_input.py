@@ -44,6 +44,10 @@ BAD = {
     "base that is no pose": (
         ["achieve", "--kitchen", "b", "--robot", "pr2", "--task", "open", "--base", "1,2"], ["X,Y,YAW"],
     ),
+    "base beyond the floor": (
+        ["achieve", "--kitchen", "b", "--robot", "pr2", "--task", "open", "--base", "0,60,0"],
+        ["the base starts at y = 60 m", "from -50 to 50, where the kitchen's floor ends"],
+    ),
     "motion in a folder that is no bag": (
         ["achieve", "--kitchen", "b", "--robot", "pr2", "--task", "open", "--motion", "."], ["ROS 2 bag"],
     ),
