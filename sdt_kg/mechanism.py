@@ -5,12 +5,14 @@
 """
 
 import math
+import re
 from dataclasses import dataclass, field
 from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
 
+_FIXED_AT = re.compile(r"equal limits (\S+)\.\.\S+: imported as fixed$|imported as fixed at (\S+)$")
 TURNED = "axis turned"
 """In the note of a joint whose positions are those of its file with the other sign."""
 
@@ -153,6 +155,12 @@ class Joint:
     def turned(self) -> str:
         """The note of an import that turned the axis, so that positions count the other way; else empty."""
         return next((note for note in self.notes if TURNED in note), "")
+
+    @property
+    def fixed_at(self) -> float:
+        """Position [rad or m], to six digits, at which an import made it fixed; else 0."""
+        found = (_FIXED_AT.search(note) for note in self.notes)
+        return next((float(each[1] or each[2]) for each in found if each), 0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -159,8 +159,10 @@ def _kitchen(given: Given, kitchen: Mechanism, times: Array) -> tuple[tuple[str,
     q = given.numbers("kitchen_positions", (len(times), len(names)), names)
     v = _velocities(given, "kitchen_velocities", times, q, names)
     _check_kitchen(names, kitchen)
-    able = movable(kitchen)
-    moving = [k for k, name in enumerate(names) if name in able or np.abs(q[:, k]).max() > STILL]
+    able, fixed = movable(kitchen), {each.name: each.fixed_at for each in kitchen.joints}
+    moving = [
+        k for k, name in enumerate(names) if name in able or np.abs(q[:, k] - fixed[name]).max() > STILL
+    ]
     names, q, v = tuple(names[k] for k in moving), q[:, moving], v[:, moving]
     check_joints(names, q, kitchen, "kitchen_positions", given)
     check_leaps(names, times, q, kitchen, given)

@@ -10,7 +10,7 @@ from importlib.metadata import version
 
 KINEMATICS_VERSION = "11"
 DYNAMICS_VERSION = "4"
-EMBODIMENT_VERSION = "19"
+EMBODIMENT_VERSION = "20"
 BEARING_VERSION = "3"
 """Each is raised whenever an answer of that oracle may change."""
 

@@ -66,7 +66,9 @@ def test_equal_limits_are_a_fixed_joint_and_a_note(write: Write) -> None:
 def test_equal_limits_elsewhere_than_0_move_the_child_there(write: Write) -> None:
     model = read_mechanism(write(*hinge(f'<axis xyz="0 1 0"/>{limit(0.3, 0.3)}', "prismatic")))
     assert model.joint("hinge").origin.position == (0.0, 0.3, 0.0)
+    assert model.joint("hinge").fixed_at == 0.3
     turned = read_mechanism(write(*hinge(f'<axis xyz="0 0 1"/>{limit(math.pi / 2, math.pi / 2)}')))
+    assert turned.joint("hinge").fixed_at == pytest.approx(math.pi / 2, rel=5e-6)
     assert turned.joint("hinge").origin.orientation == pytest.approx((0, 0, math.sqrt(0.5), math.sqrt(0.5)))
 
 

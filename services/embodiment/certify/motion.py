@@ -22,6 +22,9 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
+SIX_DIGITS = 5e-6
+"""[1] What is told to six digits is farther from what it was by no more than this share."""
+
 MOST_SAMPLES = 200_000
 """[1] Of a body motion: a usual robot's are checked in 3 GB, and their certificate can be read again."""
 
@@ -105,15 +108,21 @@ def without_fixed(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> t
     kitchen, findings = scene.kitchen.mechanism, Findings()
     if scene.coordinate.keys() >= {*motion.kitchen_joints}:
         return motion, findings
-    fixed = {joint_iri(kitchen.name, each.name) for each in kitchen.joints if each.type is JointType.FIXED}
+    fixed = {
+        joint_iri(kitchen.name, each.name): each.fixed_at
+        for each in kitchen.joints
+        if each.type is JointType.FIXED
+    }
     kept = [i for i, joint in enumerate(motion.kitchen_joints) if joint not in fixed]
     for i, joint in enumerate(motion.kitchen_joints):
-        moved = np.abs(motion.kitchen_q[:, i])
-        if joint in fixed and moved.max() > tolerances.position:
-            for n in {int(np.argmax(moved > tolerances.position)), int(np.argmax(moved))}:
+        at = fixed.get(joint, 0.0)
+        moved, most = np.abs(motion.kitchen_q[:, i] - at), tolerances.position + SIX_DIGITS * abs(at)
+        if joint in fixed and moved.max() > most:
+            for n in {int(np.argmax(moved > most)), int(np.argmax(moved))}:
                 value, time = float(moved[n]), float(motion.times[n])
                 evidence = Evidence(Quantity.POSITION, value, 0.0, "1", joint, time=time)
-                reason = f"{local_name(joint)} moves by {value:.4g}, and it is fixed"
+                where = f" at {at:g}" if at else ""
+                reason = f"{local_name(joint)} moves by {value:.4g}, and it is fixed{where}"
                 findings.violations.append(
                     Violation("kitchen stands still: fixed joint", reason, evidence, value)
                 )

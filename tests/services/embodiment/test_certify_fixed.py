@@ -1,0 +1,65 @@
+"""Kitchen joints that cannot move may be listed in a motion: where they are, and nowhere else."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sdt_kg.iri import joint_iri
+from sdt_kg.motion import BodyMotion
+from services.embodiment.certify import Certified
+from services.motions import read_motion, write_motion
+from tests.services.embodiment.gantry import gantry_twin, opening
+from tests.services.embodiment.judging import judge
+
+pytestmark = pytest.mark.oracle
+
+SHELF = """<link name="shelf"/><joint name="shelf_joint" type="{}"><parent link="world"/><child link="shelf"/>
+<origin xyz="0 5 0"/><axis xyz="0 0 1"/><limit lower="{at}" upper="{at}" velocity="1" effort="1"/></joint>"""
+FOLLOWER = """<link name="flap"/><joint name="flap_joint" type="revolute"><parent link="shelf"/>
+<child link="flap"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1" effort="1"/>
+<mimic joint="shelf_joint" multiplier="-2" offset="0.1"/></joint>"""
+
+
+def listing(motion: BodyMotion, values: dict[str, float]) -> BodyMotion:
+    """The motion with these kitchen joints, too, at one position all along."""
+    still = np.tile(list(values.values()), (len(motion.times), 1))
+    return replace(
+        motion,
+        kitchen_joints=(*motion.kitchen_joints, *(joint_iri("cell", name) for name in values)),
+        kitchen_q=np.hstack((motion.kitchen_q, still)),
+        kitchen_v=np.hstack((motion.kitchen_v, np.zeros_like(still))),
+    )
+
+
+@pytest.mark.parametrize("kind", ["prismatic", "revolute"])
+@pytest.mark.parametrize(
+    ("at", "listed", "kept"),
+    [(0.2, 0.2, True), (-0.3490658503988659, -0.3490658503988659, True), (0, 0, True), (0.2, 0.2001, False),
+     (0.2, 0.0, False), (0, 0.2, False), (-0.5, 0.5, False)],
+)  # fmt: skip
+def test_a_joint_with_equal_limits_is_where_they_are(
+    tmp_path: Path, kind: str, at: float, listed: float, kept: bool
+) -> None:
+    twin = gantry_twin(tmp_path, SHELF.format(kind, at=at))
+    verdict = judge(twin, listing(opening(), {"shelf_joint": listed}))
+    assert isinstance(verdict, Certified) is kept
+    if not isinstance(verdict, Certified):
+        (found,) = verdict.diagnoses
+        assert found.reason.startswith(f"shelf_joint moves by {abs(listed - at):.4g}, and it is fixed")
+
+
+def test_a_joint_that_mimics_one_with_equal_limits_is_where_it_follows_to(tmp_path: Path) -> None:
+    twin = gantry_twin(tmp_path, SHELF.format("revolute", at=0.2) + FOLLOWER)
+    assert isinstance(judge(twin, listing(opening(), {"flap_joint": -0.3})), Certified)
+    assert not isinstance(judge(twin, listing(opening(), {"flap_joint": 0.0})), Certified)
+
+
+def test_a_file_may_list_it_too(tmp_path: Path) -> None:
+    twin = gantry_twin(tmp_path, SHELF.format("prismatic", at=0.2))
+    for listed, kept in ((0.2, True), (0.0, False)):
+        write_motion(tmp_path / "motion.npz", listing(opening(), {"shelf_joint": listed}))
+        motion = read_motion(tmp_path / "motion.npz", twin, twin.robots[0])
+        assert isinstance(motion, BodyMotion)
+        assert isinstance(judge(twin, motion), Certified) is kept
