@@ -83,7 +83,7 @@ def _clearance(x, y, robot, row, there, some, shapes, margins, largest, most, ro
             return TOUCHES
     for e in range(some[0], some[1]):
         far = best + largest
-        if _apart(low, high, count, there[2], there[3], e) >= far * far:
+        if _apart(low, high, count, there[2], there[3], e) > far * far:
             continue
         for n in range(count):
             if margins[n, e] < 0.0:
@@ -100,7 +100,7 @@ def _clearance(x, y, robot, row, there, some, shapes, margins, largest, most, ro
 def _beyond(n, e, best, split, at, there, corners, shapes, margin, work):
     """How much farther than the margin shapes n and e are apart at least, up to `best` [m]; or TOUCHES."""
     far = best + margin
-    if _apart(corners[0], corners[1], n, there[2], there[3], e) >= far * far:
+    if _apart(corners[0], corners[1], n, there[2], there[3], e) > far * far:
         return best
     gap = parted(shapes, split + n, e, at[0][n], at[1][n], there[0][e], there[1][e])
     if gap < far:

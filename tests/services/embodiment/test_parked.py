@@ -1,5 +1,6 @@
 """A parked robot that drives: free exactly where the whole scene is, pose by pose and along a drive."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +20,16 @@ BESIDE = 25
 """A front whose handle is 1.4 mm beside a gripper of the TIAGo++, parked at its start pose."""
 
 
-@pytest.mark.parametrize("robot", ["pr2", "stretch"])
-def test_a_parked_robot_stands_and_drives_where_no_pair_of_the_scene_is_too_near(robot: str) -> None:
+@pytest.mark.parametrize(("robot", "nothing"), [("pr2", False), ("stretch", False), ("stretch", True)])
+def test_a_parked_robot_stands_and_drives_where_no_pair_of_the_scene_is_too_near(
+    robot: str, nothing: bool
+) -> None:
+    """Of a described robot nothing is demanded but no contact: its shapes do not fall short."""
     twin = load_twin("b", [robot])
     world = World(Scene(twin, twin.robots[0]))
     outside = Kits(world, Margins()).outside()
+    if nothing:
+        outside = replace(outside, environment=np.minimum(outside.environment, 0.0))
     parked = Parked(world, world.scene.q((0.0, 0.0, 0.0), {}), outside)
     rng, drives = np.random.default_rng(2), {True: 0, False: 0}
     for _ in range(40):
