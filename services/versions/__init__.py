@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
 
-KINEMATICS_VERSION = "11"
+KINEMATICS_VERSION = "12"
 DYNAMICS_VERSION = "4"
 EMBODIMENT_VERSION = "20"
 BEARING_VERSION = "3"

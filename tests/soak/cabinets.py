@@ -23,7 +23,8 @@ Array = NDArray[np.float64]
 
 RAILS: Final = 0.022  # [m] beside which a drawer is looked at: 2 mm more than Φ lets it slide in
 HINGE: Final = 0.105  # [m] likewise from a hinge
-FITTED: Final = 0.003  # [m] what a drawer is drawn into deeper bears it
+RUNNERS: Final = 0.052  # [m] likewise in what it is drawn into by more than FITTED
+FITTED: Final = 0.003  # [m]
 LOOKS: Final = 60
 LEAST: Final = 0.002  # [m] thickness of what is looked at
 BEYOND: Final = 0.006  # [m] more than is allowed: Φ stops at the first step at which it is too deep
@@ -155,19 +156,46 @@ def _looked_at(cabinet: Cabinet) -> list[tuple[Box, Box, Box]]:
     """Parts of the container, that of which they are parts, and boxes that stop them."""
     pairs: list[tuple[Box, Box, Box]] = []
     for other in cabinet.others:
-        fitted = max(_depth(_solid(one), one.pose(), _solid(other), other.pose()) for one in cabinet.own)
-        if cabinet.hinged or fitted <= FITTED:
-            pairs += [(part, one, other) for one in cabinet.own for part in _cores(cabinet, one)]
+        into = [each for each in cabinet.own if _drawn(each, other) > FITTED]
+        if cabinet.hinged or not into:
+            margin = HINGE if cabinet.hinged else RAILS
+        elif other.on == "cabinet" and not any(_goes_through(each, other) for each in into):
+            margin = RUNNERS
+        else:  # its cabinet's, which houses it or through which it goes: it bears the drawer all along
+            continue
+        pairs += [(part, one, other) for one in cabinet.own for part in _cores(cabinet, one, margin)]
     return pairs
 
 
-def _cores(cabinet: Cabinet, one: Box) -> list[Box]:
+def _drawn(one: Box, other: Box) -> float:
+    return _depth(_solid(one), one.pose(), _solid(other), other.pose())
+
+
+def _goes_through(one: Box, other: Box) -> bool:
+    """Whether a box is on both sides of another along x, and within its outline."""
+    (low, high), (below, above) = (
+        (each.centre - _half(each), each.centre + _half(each)) for each in (one, other)
+    )
+    return bool(
+        low[0] < below[0]
+        and high[0] > above[0]
+        and (low[1:] >= below[1:] - 1e-3).all()
+        and (high[1:] <= above[1:] + 1e-3).all()
+    )
+
+
+def _half(box: Box) -> Array:
+    """Of the box about a box that is turned about the vertical."""
+    return np.abs(pin.rpy.rpyToMatrix(0.0, 0.0, box.yaw)) @ box.size / 2
+
+
+def _cores(cabinet: Cabinet, one: Box, margin: float) -> list[Box]:
     """What of a box is far from hinge or rails."""
     low, high = one.centre - one.size / 2, one.centre + one.size / 2
     if cabinet.hinged:
-        ways = ((low, np.minimum(high, (9.0, -HINGE, 9.0))), (np.maximum(low, (-9.0, HINGE, -9.0)), high))
+        ways = ((low, np.minimum(high, (9.0, -margin, 9.0))), (np.maximum(low, (-9.0, margin, -9.0)), high))
     else:
-        sides = np.array((-9.0, RAILS, RAILS))
+        sides = np.array((-9.0, margin, margin))
         least = np.min([each.centre - each.size / 2 for each in cabinet.own], axis=0) + sides
         most = np.max([each.centre + each.size / 2 for each in cabinet.own], axis=0) - sides
         ways = ((np.maximum(low, least), np.minimum(high, most)),)

@@ -31,6 +31,10 @@ HINGE = 0.1
 RAILS = 0.02
 """[m] How far from the sides of what slides it may slide in what is beside it: rails are less thick."""
 
+RUNNERS = 0.05
+"""[m] Likewise in what it was fitted into: fronts reach that far beyond the drawer between its runners. In
+the kitchens' sources a drawer's back meets the wedges in place of runners up to 44 mm from the sides."""
+
 
 class Bearing:
     """Which shapes of a kitchen may stop which, as they were fitted together."""
@@ -39,8 +43,8 @@ class Bearing:
         self.rest = rest
         self._known: dict[tuple[Iri, int], BodyShape | None] = {}
         self._away: dict[tuple[Iri, int], BodyShape | None] = {}
-        self._cores: dict[int, tuple[BodyShape, ...]] = {}
-        self._in: dict[tuple[int, int], bool] = {}
+        self._cores: dict[tuple[int, float], tuple[BodyShape, ...]] = {}
+        self._in: dict[tuple[int, int], list[BodyShape]] = {}
         self._housed: dict[tuple[Iri, Iri], bool] = {}
 
     def stopping(self, one: BodyShape, other: BodyShape) -> BodyShape | None:
@@ -62,12 +66,18 @@ class Bearing:
         """What of a moved shape another one stops that is beside it: what is far from its hinge or rails.
 
         At its hinge a door turns into the edges of its cabinet, on rails a drawer slides in its cabinet. With
-        its face a door stops at a wall beside it, and with its back a drawer at a pipe in its cabinet. What
-        slides is borne by what it was fitted into: the bar of a drawer in a dishwasher goes through a board.
+        its face a door stops at a wall beside it, and with its back a drawer at a pipe in its cabinet.
+        Runners into which a drawer was fitted may be thicker. It is borne all along by what it goes right
+        through, as the bars of a drawer in a dishwasher go through a board, and by what houses it.
         """
-        sliding = self.rest.joint(one).type is JointType.PRISMATIC
-        borne = other is self.rest.floor or (sliding and self._pierced(one, other))
-        return () if borne else self._cores_of(one)
+        if other is self.rest.floor:
+            return ()
+        if self.rest.joint(one).type is not JointType.PRISMATIC:
+            return self._cores_of(one, HINGE)
+        fitted = self._fitted(one, other)
+        if fitted and (other.body != one.parent or any(self.rest.is_through(e, other) for e in fitted)):
+            return ()
+        return self._cores_of(one, RUNNERS if fitted else RAILS)
 
     def away(self, mesh: BodyShape, one: BodyShape) -> BodyShape | None:
         """What of a bent mesh is farther than `FRAME` from another shape's body; None if nothing is.
@@ -91,22 +101,24 @@ class Bearing:
         """Whether something that one's joint moves reaches below the floor: there the floor is elsewhere."""
         return min(map(self.rest.height, self.rest.moved_with(one))) < -ALLOWANCE
 
-    def _pierced(self, one: BodyShape, other: BodyShape) -> bool:
-        """Whether anything that one's joint moves was fitted into the other shape."""
+    def _fitted(self, one: BodyShape, other: BodyShape) -> list[BodyShape]:
+        """What of all that one's joint moves was fitted into the other shape."""
         key = (one.joint, id(other))
         if key not in self._in:
-            self._in[key] = any(self.rest.depth(e, other) > FITTED for e in self.rest.moved_with(one))
+            self._in[key] = [e for e in self.rest.moved_with(one) if self.rest.depth(e, other) > FITTED]
         return self._in[key]
 
-    def _cores_of(self, one: BodyShape) -> tuple[BodyShape, ...]:
-        if id(one) not in self._cores:
+    def _cores_of(self, one: BodyShape, margin: float) -> tuple[BodyShape, ...]:
+        """The parts of the shape that are farther than that from hinge or rails."""
+        key = (id(one), margin)
+        if key not in self._cores:
             sliding = self.rest.joint(one).type is JointType.PRISMATIC
-            parts = self._between_rails(one) if sliding else self._off_hinge(one)
-            self._cores[id(one)] = tuple(self.rest.placed_as(one, with_piece(one, each)) for each in parts)
-        return self._cores[id(one)]
+            parts = self._between_rails(one, margin) if sliding else self._off_hinge(one, margin)
+            self._cores[key] = tuple(self.rest.placed_as(one, with_piece(one, each)) for each in parts)
+        return self._cores[key]
 
-    def _off_hinge(self, one: BodyShape) -> Iterator[Piece]:
-        """The parts of the shape that are farther than `HINGE` from the axis, on each of its four sides."""
+    def _off_hinge(self, one: BodyShape, margin: float) -> Iterator[Piece]:
+        """The parts of the shape that are farther than a margin from the axis, on each of its four sides."""
         axis = np.array(self.rest.joint(one).axis)
         axis /= np.linalg.norm(axis)
         out = sum(self.rest.about(one)) / 2
@@ -116,14 +128,14 @@ class Bearing:
             out -= (out @ axis) * axis
         out /= np.linalg.norm(out)
         side = np.cross(axis, out)
-        yield from filter(None, (_cut(one, way, HINGE) for way in (out, -out, side, -side)))
+        yield from filter(None, (_cut(one, way, margin) for way in (out, -out, side, -side)))
 
-    def _between_rails(self, one: BodyShape) -> Iterator[Piece]:
-        """The part of the shape that is farther than `RAILS` from the sides of the box about its body."""
+    def _between_rails(self, one: BodyShape, margin: float) -> Iterator[Piece]:
+        """The part of the shape that is farther than a margin from the sides of the box about its body."""
         low, high = self.rest.about(one)
         axes, piece = self.rest.axes(one), one.piece
         for k in np.flatnonzero(np.abs(axes @ np.array(self.rest.joint(one).axis)) < ALONG):
-            for way, least in ((axes[k], low[k] + RAILS), (-axes[k], RAILS - high[k])):
+            for way, least in ((axes[k], low[k] + margin), (-axes[k], margin - high[k])):
                 within = _cut(with_piece(one, piece), way, least)
                 if within is None:
                     return

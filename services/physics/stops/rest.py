@@ -99,6 +99,14 @@ class Rest:
         (low, high), (below, above) = self.about(one), self.box([other], one)
         return bool(self._goes(one, above > high + ROUNDED, below < low - ROUNDED))
 
+    def is_through(self, one: BodyShape, other: BodyShape) -> bool:
+        """Whether a shape is on both sides of another along its joint's axis, within its outline."""
+        (low, high), (below, above) = self.box([one], one), self.box([other], one)
+        along = np.arange(3) == np.argmax(np.abs(self.axes(one) @ np.array(self.joint(one).axis)))
+        inside = (low >= below - ROUNDED) & (high <= above + ROUNDED)
+        beyond = (low < below - ROUNDED) & (high > above + ROUNDED)
+        return bool(np.where(along, beyond, inside).all())
+
     def before(self, below: Array, above: Array, one: BodyShape) -> NDArray[np.bool_]:
         """Which boxes along one's joint, corners of shape (N, 3), are where its body goes, as a whole."""
         low, high = self.about(one)

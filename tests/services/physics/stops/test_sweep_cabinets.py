@@ -84,9 +84,17 @@ SLANTED = shape("0.7 0.02 0.03", "0.25 0.12 -0.105").replace("/>", ' rpy="0 0 -0
         ((SLANTED,), False),  # from beside the drawer to before it
         ((shape("0.05 0.05 0.3", "-0.15 0 0.039"),), False),  # a pipe, 1 mm in the drawer's floor
         ((shape("0.05 0.05 0.3", "-0.15 0 0.0375"),), False),
+        ((shape("0.05 0.05 0.2", "-0.4065 0 0.06"),), False),  # 4 mm in its back
+        ((shape("0.2 0.05 0.2", "-0.1165 0 0.06"),), False),  # 3.5 mm in its front, which leaves it
+        ((shape("0.05 0.05 0.3", "-0.15 0 0.03"),), False),  # 10 mm in its floor, in which it slides
+        ((shape("0.02 0.455 0.02", "-0.15 0 0"),), False),  # a bar, 5 mm in both its sides
+        ((shape("0.02 0.5 0.3", "-0.15 0 0"),), True),  # a board, through which its sides and floor go
         ((shape("0.4 0.02 0.3", "-0.2 0.2 -0.26"),), True),  # the drawer's floor slides in it
     ],
-    ids=["nothing", "pipe", "rail", "slanted", "pipe 1 mm in", "pipe 2.5 mm in", "guide"],
+    ids=[
+        *("nothing", "pipe", "rail", "slanted", "pipe 1 mm in", "pipe 2.5 mm in"),
+        *("pipe in its back", "pipe in its front", "pipe in its floor", "bar", "board", "guide"),
+    ],
 )
 def test_a_drawer_is_stopped_by_its_own_cabinet_beyond_its_rails(
     tmp_path: Path, inner: tuple[str, ...], free: bool

@@ -219,8 +219,8 @@ def test_what_was_drawn_into_its_neighbour_opens_when_it_is_moved_a_little(by: s
 
 @pytest.mark.parametrize("edit", ["furniture:cabinet=0.1,0", "pose:cabinet_joint=0.1,0,0"])
 def test_a_cabinet_that_is_moved_takes_what_was_fitted_into_it_along(tmp_path: Path, edit: str) -> None:
-    # The front is drawn 8 mm into the cabinet's bar: twice that, and 10 mm, are meant, moved or not.
-    bar = f'<link name="cabinet">{shape("0.02 0.2 0.1", "0.012 0 0.5")}</link>'
+    # The front is drawn 8 mm into the cabinet's rail, which reaches 40 mm over its lower edge, moved or not.
+    bar = f'<link name="cabinet">{shape("0.4 0.2 0.1", "0.202 0 0.39")}</link>'
     joint = '<joint name="cabinet_joint" type="fixed"><parent link="world"/><child link="cabinet"/></joint>'
     urdf = FRONT.replace("{more}", bar + joint).replace('world"/><child link="d', 'cabinet"/><child link="d')
     (tmp_path / "front.urdf").write_text(urdf)
