@@ -30,6 +30,10 @@ CONVEX_SHARE = 0.02
 """[1] By how much of its hull a component's volume may fall short to count as convex: chamfers do."""
 
 
+AROUND = 32
+"""[1] Points about what is round that stand for it where it is cut."""
+
+
 @dataclass(frozen=True, eq=False)
 class Piece:
     """A shape that is made when it is first asked for: most of a kitchen's are far from all that moves.
@@ -127,25 +131,40 @@ def bent(triangles: Array) -> Piece:
 def beyond(piece: Piece, way: Array, least: float) -> Piece | None:
     """The part of a piece that is farther along a direction than that [m]; None if there is none.
 
-    Of what is round, all or nothing.
+    Of what is round, that of points on its surface: it falls short by at most 1 % of the radius.
     """
     shape = piece.shape
     if isinstance(shape, coal.BVHModelBase):
         triangles = corners(shape)
         triangles = _clipped(triangles, triangles @ way - least)
         return bent(triangles) if len(triangles) else None
-    box = np.array(list(product(*np.stack((piece.low, piece.high), axis=1).tolist())))
-    points = np.array(shape.points()) if isinstance(shape, coal.ConvexBase) else box
+    points = np.array(shape.points()) if isinstance(shape, coal.ConvexBase) else _outermost(piece)
     along = points @ way - least
     if (along > 0).all():
         return piece
-    if not (along > 0).any() or not isinstance(shape, coal.Box | coal.ConvexBase):
+    if not (along > 0).any():
         return None
     ends, begins = points[along > 0][:, None], points[along <= 0][None]
     share = along[along > 0][:, None] / (along[along > 0][:, None] - along[along <= 0])
     cut = (ends + share[:, :, None] * (begins - ends)).reshape(-1, 3)
     kept = with_volume(np.vstack((points[along > 0], cut)))
     return Piece(kept.min(axis=0), kept.max(axis=0), partial(hull_of_solid, kept))
+
+
+def _outermost(piece: Piece) -> Array:
+    """Points of a primitive's surface, shape (K, 3), whose hull is the primitive or nearly so [m]."""
+    shape = piece.shape
+    if isinstance(shape, coal.Box):
+        return np.array(list(product(*np.stack((piece.low, piece.high), axis=1).tolist())))
+    turn = np.linspace(0.0, 2 * np.pi, AROUND, endpoint=False)
+    ring = np.stack((np.cos(turn), np.sin(turn), np.zeros(AROUND)), axis=1)
+    rise = np.linspace(-np.pi / 2, np.pi / 2, AROUND // 2 + 1)
+    ball = np.vstack(
+        [np.append(np.cos(each) * ring[:, :2], np.full((AROUND, 1), np.sin(each)), 1) for each in rise]
+    )
+    half = 0.0 if isinstance(shape, coal.Sphere) else shape.halfLength
+    about = shape.radius * (ring if isinstance(shape, coal.Cylinder) else ball)
+    return np.vstack([about + end for end in np.outer((-half, half), (0.0, 0.0, 1.0))])
 
 
 def _clipped(triangles: Array, along: Array) -> Array:

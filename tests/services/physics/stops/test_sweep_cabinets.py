@@ -4,6 +4,7 @@ import math
 import re
 from pathlib import Path
 
+import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
 import pytest
 
@@ -102,6 +103,20 @@ def test_a_drawer_is_stopped_by_its_own_cabinet_beyond_its_rails(
     assert opens(tmp_path, drawer(inner), "drawer") is free
 
 
+@pytest.mark.parametrize(
+    "back",
+    [
+        'xyz="-0.42 0 0" rpy="1.5708 0 0"/><geometry><cylinder radius="0.02" length="0.46"/></geometry>',
+        'xyz="-0.4 0 0.01"/><geometry><sphere radius="0.12"/></geometry>',
+    ],
+    ids=["rod", "ball"],
+)
+def test_a_pipe_stops_what_is_round_too(tmp_path: Path, back: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(f"{__name__}.DRAWER", (*DRAWER[:2], f"<collision><origin {back}</collision>"))
+    assert opens(tmp_path, drawer(), "drawer")
+    assert not opens(tmp_path, drawer((PIPE,)), "drawer")
+
+
 @pytest.mark.parametrize("deep", [-0.01, 0.003], ids=["clear of its back", "3 mm in its back"])
 def test_a_pipe_of_a_room_stops_a_drawer_whether_or_not_the_rooms_wall_is_drawn_into_it(
     tmp_path: Path, deep: float
@@ -177,3 +192,19 @@ def test_of_triangles_what_is_beyond_a_plane_is_cut_off_at_it() -> None:
     left = corners(part.shape)
     assert np.linalg.norm(np.cross(left[:, 1] - left[:, 0], left[:, 2] - left[:, 0]), axis=1).sum() / 2 == 3.0
     assert left[:, :, 0].min() == 0.5
+
+
+@pytest.mark.parametrize(
+    ("shape_", "high"),
+    [(coal.Cylinder(0.02, 0.4), 0.2), (coal.Capsule(0.02, 0.4), 0.22), (coal.Sphere(0.2), 0.2)],
+)
+def test_of_what_is_round_what_is_beyond_a_plane_is_cut_off_at_it(
+    shape_: coal.ShapeBase, high: float
+) -> None:
+    box = shape_.computeLocalAABB() or shape_.aabb_local
+    piece = Piece(box.min_.copy(), box.max_.copy(), lambda: shape_)
+    part = beyond(piece, np.array([0.0, 0, 1]), 0.1)
+    assert part is not None
+    np.testing.assert_allclose((part.low[2], part.high[2]), (0.1, high), atol=1e-9)
+    assert beyond(piece, np.array([0.0, 0, 1]), 0.3) is None
+    assert beyond(piece, np.array([0.0, 0, 1]), -0.3) is piece
