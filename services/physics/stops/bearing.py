@@ -13,6 +13,10 @@ from services.physics.geometry.shapes import corners
 from services.physics.stops.rest import ALLOWANCE, ALONG, Rest
 from services.physics.tree import Array
 
+SIDES = 0.25
+"""[1] Share of a slide's extent across its way that counts as one of its sides at most: of a thin board,
+and of a low drawer, the middle is left."""
+
 FITTED = 0.003
 """[m] Depth from which on what slides is drawn into what bears it; less is a slip of the drawing. In the
 bundled kitchens and their sources what slides so is more than 4 mm deep in what bears it."""
@@ -131,16 +135,24 @@ class Bearing:
         yield from filter(None, (_cut(one, way, margin) for way in (out, -out, side, -side)))
 
     def _between_rails(self, one: BodyShape, margin: float) -> Iterator[Piece]:
-        """The part of the shape that is farther than a margin from the sides of the box about its body."""
-        low, high = self.rest.about(one)
+        """The part of the shape that is farther than a margin from the sides of what slides."""
+        low, high = self._sides(one)
         axes, piece = self.rest.axes(one), one.piece
         for k in np.flatnonzero(np.abs(axes @ np.array(self.rest.joint(one).axis)) < ALONG):
-            for way, least in ((axes[k], low[k] + margin), (-axes[k], margin - high[k])):
+            off = min(margin, SIDES * float(high[k] - low[k]))
+            for way, least in ((axes[k], low[k] + off), (-axes[k], off - high[k])):
                 within = _cut(with_piece(one, piece), way, least)
                 if within is None:
                     return
                 piece = within
         yield piece
+
+    def _sides(self, one: BodyShape) -> tuple[Array, Array]:
+        """Corners of the box about one's body and the largest that its joint moves, without their handles."""
+        moved = self.rest.moved_with(one)
+        sizes = {each.body: float(np.prod(np.subtract(*self.rest.about(each)[::-1]))) for each in moved}
+        bodies = {one.body, max(sizes, key=lambda body: sizes[body])}
+        return self.rest.box([each for each in moved if each.body in bodies], one)
 
     def _not_beside(self, other: BodyShape, one: BodyShape) -> BodyShape | None:
         """The shape without what of it is beside one's body."""

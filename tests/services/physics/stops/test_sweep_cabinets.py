@@ -126,6 +126,35 @@ def test_a_pipe_of_a_room_stops_a_drawer_whether_or_not_the_rooms_wall_is_drawn_
     assert opens(tmp_path, drawer(room=(wall,)), "drawer")
 
 
+ACROSS = shape("1.1 0.02 0.1", "-0.1 0.155 0")
+"""A board of the cabinet beside a sliding door, or aslant from beside it to across its way."""
+
+
+@pytest.mark.parametrize(("slant", "free"), [(0.0, True), (0.33, False)])
+def test_a_thin_door_does_not_slide_through_what_is_aslant_beside_it(
+    tmp_path: Path, slant: float, free: bool
+) -> None:
+    parts = (
+        link("cabinet", ACROSS.replace("/>", f' rpy="0 0 {slant}"/>', 1))
+        + link("door", shape("0.5 0.02 0.6", "-0.25 0.13 0"))
+        + HANDLE,
+        moved("cabinet", "door", "prismatic", "1 0 0", 0.4) + fixed("door", "bar_handle", "-0.3 0.08 0"),
+    )
+    assert opens(tmp_path, "".join(parts), "door") is free
+
+
+@pytest.mark.parametrize(("inner", "free"), [((), True), ((shape("0.05 0.05 0.3", "-0.4065 0 0"),), False)])
+def test_a_low_drawer_does_not_slide_through_a_pipe_that_is_drawn_into_it(
+    tmp_path: Path, inner: tuple[str, ...], free: bool
+) -> None:
+    low = shape("0.02 0.5 0.09", "-0.01 0 0"), shape("0.015 0.48 0.06", "-0.435 0 0")
+    parts = (
+        link("cabinet", *SIDES, *inner) + link("drawer", *low) + HANDLE,
+        moved("cabinet", "drawer", "prismatic", "1 0 0", 0.35) + fixed("drawer", "bar_handle"),
+    )
+    assert opens(tmp_path, "".join(parts), "drawer") is free
+
+
 @pytest.mark.parametrize("yaw", [0.0, 0.7])
 @pytest.mark.parametrize(("inner", "free"), [((), True), ((shape("0.02 0.5 0.03", "0.15 0 -0.1"),), False)])
 def test_a_board_before_a_drawer_stops_it_however_its_frame_is_turned(
