@@ -72,14 +72,16 @@ class Bearing:
         At its hinge a door turns into the edges of its cabinet, on rails a drawer slides in its cabinet. With
         its face a door stops at a wall beside it, and with its back a drawer at a pipe in its cabinet.
         Runners into which a drawer was fitted may be thicker. It is borne all along by what it goes right
-        through, as the bars of a drawer in a dishwasher go through a board, and by what houses it.
+        through, as the bars of a drawer in a dishwasher go through a board; of what houses it, by all through
+        which it reaches, as the drawer below a fridge through the fridge.
         """
         if other is self.rest.floor:
             return ()
         if self.rest.joint(one).type is not JointType.PRISMATIC:
             return self._cores_of(one, HINGE)
         fitted = self._fitted(one, other)
-        if fitted and (other.body != one.parent or any(self.rest.is_through(e, other) for e in fitted)):
+        own = other.body == one.parent
+        if any(self.rest.is_through(each, other, within=own) for each in fitted):
             return ()
         return self._cores_of(one, RUNNERS if fitted else RAILS)
 

@@ -99,11 +99,11 @@ class Rest:
         (low, high), (below, above) = self.about(one), self.box([other], one)
         return bool(self._goes(one, above > high + ROUNDED, below < low - ROUNDED))
 
-    def is_through(self, one: BodyShape, other: BodyShape) -> bool:
-        """Whether a shape is on both sides of another along its joint's axis, within its outline."""
+    def is_through(self, one: BodyShape, other: BodyShape, *, within: bool) -> bool:
+        """Whether a shape is on both sides of another along its joint's axis; `within` its outline, if so."""
         (low, high), (below, above) = self.box([one], one), self.box([other], one)
         along = np.arange(3) == np.argmax(np.abs(self.axes(one) @ np.array(self.joint(one).axis)))
-        inside = (low >= below - ROUNDED) & (high <= above + ROUNDED)
+        inside = (low >= below - ROUNDED) & (high <= above + ROUNDED) | (not within)
         beyond = (low < below - ROUNDED) & (high > above + ROUNDED)
         return bool(np.where(along, beyond, inside).all())
 

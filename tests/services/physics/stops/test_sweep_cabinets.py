@@ -124,6 +124,9 @@ def test_a_pipe_of_a_room_stops_a_drawer_whether_or_not_the_rooms_wall_is_drawn_
     wall = shape("0.1 4 2", f"{-0.4425 + deep - 0.05} 0 0")
     assert not opens(tmp_path, drawer(room=(PIPE, wall)), "drawer")
     assert opens(tmp_path, drawer(room=(wall,)), "drawer")
+    around = shape("0.1 2 2", "-1 0 0"), shape("2 2 0.1", "0 0 -1"), wall  # about the drawer
+    in_its_back = shape("0.05 0.05 0.2", "-0.4065 0 0.06")
+    assert not opens(tmp_path, drawer(room=(in_its_back, *around)), "drawer")
 
 
 ACROSS = shape("1.1 0.02 0.1", "-0.1 0.155 0")
