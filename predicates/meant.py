@@ -52,6 +52,15 @@ def moved_by(twin: Twin, of: Iri) -> tuple[Container, ...]:
     return own or tuple(each for each in twin.containers() if each.active_joint == joint)
 
 
+def coupled(twin: Twin, container: Container) -> tuple[Container, ...]:
+    """Containers that move with another one, by whose handles it is moved as well."""
+    return tuple(
+        each
+        for each in twin.containers()
+        if each.active_joint == container.active_joint and each.iri != container.iri
+    )
+
+
 def _joint(twin: Twin, of: Iri) -> Iri | None:
     """The joint itself, or the nearest one that moves the body; None if nothing does."""
     mechanism, name = twin.mechanism(twin.environment), local_name(of)

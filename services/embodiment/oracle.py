@@ -8,10 +8,11 @@ from itertools import chain
 import numpy as np
 
 from predicates.case import Answer, Case, Diagnosis
+from predicates.meant import coupled
 from predicates.record.inputs import ANY_START, NEAREST, TURNED, pose_text
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import OracleRejectedError
-from sdt_kg.iri import Iri
+from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import UNKNOWN
 from sdt_kg.twin import Container, Twin
@@ -139,14 +140,32 @@ class WholeBody:
         began = time.perf_counter()
         self._warm(world, kits)
         clock.spent("compile", began)
+        answer, others = (
+            self._by_handle(case, (world, kits, roads), container, clock),
+            coupled(twin, container),
+        )
+        if answer.holds or not others:
+            return answer
+        for other in others:
+            found = self._by_handle(case, (world, kits, roads), other, clock)
+            if found.holds:
+                note = f"held by {local_name(other.handle)}: {container.name} moves with {other.name}"
+                return replace(found, notes=(*found.notes, note))
+        return _unproved(answer, others)
+
+    def _by_handle(
+        self, case: Case, models: tuple[World, Kits, Known], container: Container, clock: Clock
+    ) -> Answer:
+        """The answer about the motion of the case, if it is that container's handle that is held."""
+        world, kits, roads = models
         if isinstance(case.body_motion, BodyMotion):
             demanded = None if self.any_start else self._start(case, world, kits, container)
             return self._verified(case, world, container, demanded, clock)
         motion = self._as_values(case)
-        if motion is None:
+        if motion is None or case.robot is UNKNOWN:
             raise OracleRejectedError("CanPerform was asked without a motion")
-        drive, start = self._drive(twin, case.robot), self._start(case, world, kits, container)
         motion, own = of_own_joint(world.scene, container, motion), (kits, roads, self.tolerances)
+        drive, start = self._drive(case.twin, case.robot), self._start(case, world, kits, container)
         setting = Setting(world, container, motion, drive, start, case.robot, *own)
         return self._searched(case, setting, clock)
 
@@ -280,6 +299,17 @@ def _of_models(scene: Scene) -> tuple[str, ...]:
     """What of kitchen and robot is assumed, or missing: nothing can collide with what has no shape."""
     models = (scene.kitchen.mechanism.notes, scene.robot.mechanism.notes, scene.annotation.notes)
     return (*dict.fromkeys(chain.from_iterable(models)), *aloft(scene))
+
+
+def _unproved(answer: Answer, others: tuple[Container, ...]) -> Answer:
+    """A refusal about a container with which others move: of their handles nothing is proved."""
+    names = ", ".join(local_name(each.handle) for each in others)
+    note = f"nor by {names}, which move with it, as far as was looked; what is said is of its own handle"
+    said, proved = (*answer.notes, note), any(each.proof for each in answer.diagnoses)
+    if answer.artefact is None or not proved:
+        return replace(answer, notes=said)
+    diagnoses = tuple(replace(each, proof=False) for each in answer.diagnoses)
+    return replace(answer, diagnoses=diagnoses, notes=said, artefact=None)
 
 
 def _certified(case: Case, notes: tuple[str, ...], clock: Clock, outcome: Certified) -> Answer:

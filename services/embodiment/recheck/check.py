@@ -105,7 +105,7 @@ def recheck_verdict(
             return trial.ended()
         certificate = read_certificate(artefact.content)
         if not trial.found(claim_differs(stored, certificate)):
-            task = UNKNOWN if stored.verb is None else Task(stored.verb, certificate.container)
+            task = UNKNOWN if stored.verb is None else Task(stored.verb, stored.container or UNKNOWN)
             _certify_again(trial, certificate, task, twin_of, stored, physics or Kinematics())
     except InputError as error:
         trial.reasons.append(str(error))
@@ -150,9 +150,10 @@ def _certify_again(  # noqa: PLR0913, PLR0917 - one trial
     if stored is not None and trial.found(inputs_differ(stored, checker, physics)):
         return
     case = Case(twin, certificate.robot, task, body_motion=certificate.motion)
-    verdicts = [each for each in law(case, physics, checker) if _is_about(each, certificate.container)]
+    container = (stored and stored.container) or certificate.container
+    verdicts = [each for each in law(case, physics, checker) if _is_about(each, container)]
     if not verdicts:
-        trial.reasons.append(f"the motion meets no request about {local_name(certificate.container)}")
+        trial.reasons.append(f"the motion meets no request about {local_name(container)}")
         return
     verdict = verdicts[0]
     if verdict.outcome is not Outcome.CERTIFIED or verdict.can_perform is None:

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import fields
 
 from predicates.case import Case, Outcome
+from predicates.meant import coupled
 from predicates.oracle import Physics
 from predicates.record.inputs import inputs_of, verdict_iri
 from predicates.record.stored import StoredVerdict
@@ -71,7 +72,6 @@ def claim_differs(stored: StoredVerdict, certificate: Certificate) -> Iterator[s
     for name, said, certified in (
         ("environment", stored.environment, certificate.environment),
         ("robot", stored.robot, certificate.robot),
-        ("container", stored.container, certificate.container),
     ):
         if said != certified:
             yield f"the verdict's {name} is {_name(said)}, its certificate's {_name(certified)}"
@@ -84,7 +84,14 @@ def claim_differs(stored: StoredVerdict, certificate: Certificate) -> Iterator[s
 def inputs_differ(stored: StoredVerdict, checker: Certifier, physics: Physics) -> Iterator[str]:
     """Which inputs of the verdict are not those that the twin and the certificate give."""
     said, certificate = dict(stored.inputs), checker.certificate
-    task = Task(stored.verb, certificate.container) if stored.verb is not None else UNKNOWN
+    held = checker.twin.container(certificate.container)
+    if stored.container not in {held.iri, *(each.iri for each in coupled(checker.twin, held))}:
+        yield (
+            f"the verdict's container is {_name(stored.container)}, "
+            f"its certificate's {_name(certificate.container)}, and they do not move together"
+        )
+        return
+    task = Task(stored.verb, stored.container) if stored.verb is not None else UNKNOWN
     case = Case(checker.twin, robot=certificate.robot, task=task)
     found = dict(inputs_of(case, physics, checker))
     names = (*OF_THE_CASE, "embodiment.drive", "embodiment.tolerances")

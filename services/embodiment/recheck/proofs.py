@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from predicates.case import Outcome
+from predicates.meant import coupled
 from predicates.record.inputs import TURNED, pose_text, verdict_iri
 from predicates.record.stored import StoredVerdict
 from sdt_kg.annotation import Drive
@@ -39,6 +40,11 @@ def proof_again(content: bytes, twin_of: TwinOf, stored: StoredVerdict | None) -
     container = twin.container(claim.container)
     checked = check(twin, robot, container, content)
     reasons = list(checked.reasons)
+    if stored is not None and not claim.partial:
+        reasons += (
+            f"{each.name} moves with {container.name}, and by its handle nothing is proved"
+            for each in coupled(twin, container)
+        )
     if stored is not None and not reasons:
         reasons += _policy_differs(dict(stored.inputs), claim, twin, container)
     notes = [source, checked.statement, *checked.assumptions]

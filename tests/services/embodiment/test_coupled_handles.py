@@ -1,0 +1,79 @@
+"""Two doors of which one follows the other: either handle opens both, and a proof about one says little."""
+
+from pathlib import Path
+
+import pytest
+
+from predicates.case import Case, Outcome, Verdict
+from predicates.law import law
+from sdt_kg.annotation import Drive
+from sdt_kg.load import load_twin
+from sdt_kg.task import Task, Verb
+from sdt_kg.twin import Twin
+from services.embodiment.certify.certificate import read_certificate
+from services.embodiment.oracle import WholeBody
+from services.physics.oracle import Kinematics
+from services.store.files import SavedVerdicts
+from tests.services.embodiment.test_recheck import recheck
+
+pytestmark = pytest.mark.oracle
+
+BAR, POST = "0.012 0.012 0.16", "0.039 0.012 0.012"
+HIGH = 2.6  # [m] which no gripper of Stretch comes to
+
+
+def box(size: str, at: str) -> str:
+    return f'<collision><origin xyz="{at}"/><geometry><box size="{size}"/></geometry></collision>'
+
+
+def door(name: str, side: int, height: float, more: str = "") -> str:
+    """A door with its hinge 0.405 m to a side, and a bar near its free edge."""
+    bar = box(BAR, "-0.055 0 0") + box(POST, "-0.0295 0 0.074") + box(POST, "-0.0295 0 -0.074")
+    return f"""<link name="{name}_door">{box("0.02 0.4 0.5", f"0 {-0.2 * side} 0")}</link>
+<joint name="{name}_door_joint" type="revolute"><parent link="wall"/><child link="{name}_door"/>
+<origin xyz="0 {0.405 * side} {height}"/><axis xyz="0 0 {-side}"/>
+<limit lower="0" upper="1.4" velocity="1" effort="1"/>{more}</joint><link name="{name}_handle">{bar}</link>
+<joint name="{name}_handle_joint" type="fixed"><parent link="{name}_door"/><child link="{name}_handle"/>
+<origin xyz="0 {-0.35 * side} 0"/></joint>"""
+
+
+def pair(folder: Path, low: float) -> Twin:
+    """The right door is followed by the left one, which is too high."""
+    file = folder / "pair.urdf"
+    file.write_text(f"""<robot name="pair"><link name="world"/>
+<link name="wall">{box("0.02 6 3", "0.6 0 1.5")}</link>
+<joint name="wall_joint" type="fixed"><parent link="world"/><child link="wall"/>
+<origin xyz="1.2 0 0"/></joint>
+{door("right", -1, low)}{door("left", 1, HIGH, '<mimic joint="right_door_joint"/>')}</robot>""")
+    return load_twin(file, ["stretch"])
+
+
+def judged(twin: Twin) -> Verdict:
+    task = Task(Verb.OPEN, twin.container("left_door").iri)
+    (verdict,) = law(Case(twin, twin.robots[0], task), Kinematics(), WholeBody(Drive.OMNI))
+    return verdict
+
+
+def test_a_door_is_opened_by_the_handle_of_the_one_that_it_follows(tmp_path: Path) -> None:
+    twin = pair(tmp_path, 1.0)
+    verdict = judged(twin)
+    assert verdict.outcome is Outcome.CERTIFIED
+    assert verdict.can_perform is not None
+    assert verdict.can_perform.artefact is not None
+    assert "held by right_handle: left_door moves with right_door" in verdict.can_perform.notes
+    certificate = read_certificate(verdict.can_perform.artefact.content)
+    assert certificate.container == twin.container("right_door").iri
+    file = tmp_path / "kept.nq"
+    with SavedVerdicts(file) as saved:
+        saved.add_twin(twin)
+        saved.add(verdict)
+    assert recheck(file).reasons == ()
+
+
+def test_what_is_proved_of_one_handle_is_no_proof_about_a_door_that_another_one_opens(tmp_path: Path) -> None:
+    verdict = judged(pair(tmp_path, HIGH))
+    assert verdict.outcome is Outcome.NOT_CERTIFIED
+    assert verdict.can_perform is not None
+    assert verdict.can_perform.artefact is None
+    assert not any(each.proof for each in verdict.diagnoses)
+    assert any("right_handle" in each for each in verdict.can_perform.notes)
