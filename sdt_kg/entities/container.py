@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.store import Row
@@ -25,6 +25,7 @@ class Container:
         open_from: Threshold of open(c): 0.9 · upper.
         closed_to: Threshold of closed(c): lower + epsilon.
         velocity, acceleration: Effective limits of p_c; infinite if there are none.
+        more_handles: IRIs of its other handles.
     """
 
     iri: Iri
@@ -41,6 +42,7 @@ class Container:
     closed_to: float
     velocity: float
     acceleration: float
+    more_handles: tuple[Iri, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,10 +61,12 @@ class LeftOut:
 
 
 def containers_of(rows: Iterable[Row]) -> tuple[Container, ...]:
-    """The containers of the rows of `containers.rq`; of each its first row."""
+    """The containers of the rows of `containers.rq`; a container's first row is of its handle."""
     found: dict[Iri, Container] = {}
-    for container in map(_container, rows):
-        found.setdefault(container.iri, container)
+    for one in map(_container, rows):
+        known = found.setdefault(one.iri, one)
+        if one.handle not in {known.handle, *known.more_handles}:
+            found[one.iri] = replace(known, more_handles=(*known.more_handles, one.handle))
     return tuple(found.values())
 
 

@@ -144,14 +144,14 @@ class WholeBody:
             self._by_handle(case, (world, kits, roads), container, clock),
             coupled(twin, container),
         )
-        if answer.holds or not others:
+        if answer.holds:
             return answer
         for other in others:
             found = self._by_handle(case, (world, kits, roads), other, clock)
             if found.holds:
                 note = f"held by {local_name(other.handle)}: {container.name} moves with {other.name}"
                 return replace(found, notes=(*found.notes, note))
-        return _unproved(answer, others)
+        return _unproved(answer, container, others)
 
     def _by_handle(
         self, case: Case, models: tuple[World, Kits, Known], container: Container, clock: Clock
@@ -301,15 +301,25 @@ def _of_models(scene: Scene) -> tuple[str, ...]:
     return (*dict.fromkeys(chain.from_iterable(models)), *aloft(scene))
 
 
-def _unproved(answer: Answer, others: tuple[Container, ...]) -> Answer:
-    """A refusal about a container with which others move: of their handles nothing is proved."""
-    names = ", ".join(local_name(each.handle) for each in others)
-    note = f"nor by {names}, which move with it, as far as was looked; what is said is of its own handle"
-    said, proved = (*answer.notes, note), any(each.proof for each in answer.diagnoses)
-    if answer.artefact is None or not proved:
+def _unproved(answer: Answer, container: Container, others: tuple[Container, ...]) -> Answer:
+    """A refusal of a container; where there are other handles that move it, nothing is proved of them."""
+    looked, passed = (tuple(local_name(each) for each in some) for some in _others(container, others))
+    if not looked and not passed:
+        return answer
+    said = (f"nor by {', '.join(looked)}, which move with it, as far as was looked",) if looked else ()
+    said += (f"not looked for by {', '.join(passed)}, which move it, too",) if passed else ()
+    said = (*answer.notes, *said, f"what is said is of {local_name(container.handle)}")
+    if answer.artefact is None or not any(each.proof for each in answer.diagnoses):
         return replace(answer, notes=said)
     diagnoses = tuple(replace(each, proof=False) for each in answer.diagnoses)
     return replace(answer, diagnoses=diagnoses, notes=said, artefact=None)
+
+
+def _others(container: Container, others: tuple[Container, ...]) -> tuple[list[Iri], list[Iri]]:
+    """Handles by which containers were looked for that move with one, and those that nobody looks at."""
+    return [each.handle for each in others], [
+        more for each in (container, *others) for more in each.more_handles
+    ]
 
 
 def _certified(case: Case, notes: tuple[str, ...], clock: Clock, outcome: Certified) -> Answer:

@@ -42,8 +42,8 @@ def proof_again(content: bytes, twin_of: TwinOf, stored: StoredVerdict | None) -
     reasons = list(checked.reasons)
     if stored is not None and not claim.partial:
         reasons += (
-            f"{each.name} moves with {container.name}, and by its handle nothing is proved"
-            for each in coupled(twin, container)
+            f"{local_name(each)} moves {container.name}, too, and of it nothing is proved"
+            for each in (*container.more_handles, *(other.handle for other in coupled(twin, container)))
         )
     if stored is not None and not reasons:
         reasons += _policy_differs(dict(stored.inputs), claim, twin, container)

@@ -1,4 +1,4 @@
-"""Two doors of which one follows the other: either handle opens both, and a proof about one says little."""
+"""Doors that more than one handle opens, their own or that of a door which moves with them."""
 
 from pathlib import Path
 
@@ -77,3 +77,22 @@ def test_what_is_proved_of_one_handle_is_no_proof_about_a_door_that_another_one_
     assert verdict.can_perform.artefact is None
     assert not any(each.proof for each in verdict.diagnoses)
     assert any("right_handle" in each for each in verdict.can_perform.notes)
+
+
+def test_what_is_proved_of_one_of_two_handles_is_no_proof_about_their_door(tmp_path: Path) -> None:
+    low = f"""<link name="more_handle">{box(BAR, "0 0 0")}</link>
+<joint name="more_joint" type="fixed"><parent link="tall_door"/><child link="more_handle"/>
+<origin xyz="-0.055 -0.35 -1.3"/></joint>"""
+    high = door("tall", 1, HIGH).replace("tall_handle", "high_handle")
+    (tmp_path / "tall.urdf").write_text(f'<robot name="tall"><link name="wall"/>{high}{low}</robot>')
+    (tmp_path / "one.urdf").write_text(f'<robot name="one"><link name="wall"/>{high}</robot>')
+    for file, proved in (("one.urdf", True), ("tall.urdf", False)):
+        twin = load_twin(tmp_path / file, ["stretch"])
+        task = Task(Verb.OPEN, twin.container("tall_door").iri)
+        (verdict,) = law(Case(twin, twin.robots[0], task), Kinematics(), WholeBody(Drive.OMNI))
+        assert verdict.outcome is Outcome.NOT_CERTIFIED
+        assert any(each.proof for each in verdict.diagnoses) is proved
+        assert verdict.can_perform is not None
+        assert (verdict.can_perform.artefact is not None) is proved
+        said = "not looked for by more_handle, which move it, too"
+        assert (said in verdict.can_perform.notes) is not proved
