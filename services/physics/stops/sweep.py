@@ -43,6 +43,10 @@ KEPT = 4096
 LEAST_STEP = 5e-4
 """[m] Shortest step of a shape's fastest point."""
 
+STEP_SHARE = 0.05
+"""[1] Of two thin shapes' summed thickness that this step never exceeds: on no more than a tenth of it is one
+deeper in the other than `THROUGH` when it passes right through."""
+
 PARTS = 16
 """[1] Of a way, on each of which boxes around the shapes are compared first."""
 
@@ -279,11 +283,12 @@ class _Path:
         """
         if least == TOUCH:
             return least, LEAST_STEP
-        deep = self._rest.depth(one, other)
-        allowed, through = least + REST_FACTOR * deep, THROUGH * _thickness(one, other)
+        deep, thickness = self._rest.depth(one, other), _thickness(one, other)
+        allowed, through = least + REST_FACTOR * deep, THROUGH * thickness
+        shortest = min(LEAST_STEP, STEP_SHARE * thickness)
         if deep and allowed > through and self._rest.is_ahead(one, other):
-            return max(through, deep + LEAST_STEP), LEAST_STEP
-        return allowed, max(least / 2, LEAST_STEP)
+            return max(through, deep + shortest), shortest
+        return allowed, max(least / 2, shortest)
 
 
 def _least(one: BodyShape, other: BodyShape) -> float:

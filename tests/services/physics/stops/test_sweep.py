@@ -103,6 +103,19 @@ def test_a_post_before_a_drawer_stops_it_however_thin(tmp_path: Path, thickness:
     assert asked(with_post(tmp_path, 0.8, thickness), "drawer").holds
 
 
+@pytest.mark.parametrize("thickness", [1e-4, 3e-4])
+def test_a_sheet_does_not_go_through_another_however_far_that_is(tmp_path: Path, thickness: float) -> None:
+    sheet = DRAWER.replace("0.018 0.5 0.2", f"{thickness} 0.5 0.2").replace(" {thickness} 1", " 0.2 1")
+    for at in np.linspace(0.1, 0.4, 20):
+        (tmp_path / "post.urdf").write_text(sheet.format(at=at, thickness=thickness))
+        twin = load_twin(tmp_path / "post.urdf")
+        block = PHYSICS._sweep_of(PHYSICS._of(twin), twin).first_block(
+            twin.state, twin.container("drawer").joint, 0.45
+        )
+        assert block is not None, at
+        assert block.moved.endswith("/drawer")
+
+
 def test_a_drawer_does_not_pass_a_post_by_small_steps_either(tmp_path: Path) -> None:
     twin = with_post(tmp_path, 0.3, 0.1)
     joint, step = twin.container("drawer").joint, 0.008
