@@ -61,6 +61,12 @@ def coupled(twin: Twin, container: Container) -> tuple[Container, ...]:
     )
 
 
+def other_handles(twin: Twin, container: Container) -> tuple[Iri, ...]:
+    """Handles beside its own by which a container is moved: what is proved of that says nothing of them."""
+    every = (container, *coupled(twin, container))
+    return (*(each.handle for each in every[1:]), *(more for each in every for more in each.more_handles))
+
+
 def _joint(twin: Twin, of: Iri) -> Iri | None:
     """The joint itself, or the nearest one that moves the body; None if nothing does."""
     mechanism, name = twin.mechanism(twin.environment), local_name(of)

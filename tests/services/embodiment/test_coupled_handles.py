@@ -12,6 +12,8 @@ from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.embodiment.certify.certificate import read_certificate
 from services.embodiment.oracle import WholeBody
+from services.embodiment.place.grid import Status
+from services.embodiment.place.search import place
 from services.physics.oracle import Kinematics
 from services.store.files import SavedVerdicts
 from tests.services.embodiment.test_recheck import recheck
@@ -71,12 +73,15 @@ def test_a_door_is_opened_by_the_handle_of_the_one_that_it_follows(tmp_path: Pat
 
 
 def test_what_is_proved_of_one_handle_is_no_proof_about_a_door_that_another_one_opens(tmp_path: Path) -> None:
-    verdict = judged(pair(tmp_path, HIGH))
+    twin = pair(tmp_path, HIGH)
+    verdict = judged(twin)
     assert verdict.outcome is Outcome.NOT_CERTIFIED
     assert verdict.can_perform is not None
     assert verdict.can_perform.artefact is None
     assert not any(each.proof for each in verdict.diagnoses)
     assert any("right_handle" in each for each in verdict.can_perform.notes)
+    placed = place(twin, twin.robots[0], Task(Verb.OPEN, twin.container("left_door").iri), budget=2.0)
+    assert not any(cell.status is Status.PROVED for row in placed.rows for cell in row)
 
 
 def test_what_is_proved_of_one_of_two_handles_is_no_proof_about_their_door(tmp_path: Path) -> None:
