@@ -127,7 +127,9 @@ def _positions(twin: Twin, name: str, value: str) -> dict[Iri, float]:
         matching = [each for each in twin.containers() if each.active_joint == joint]
         if not matching:
             raise InputError(f"'{name}' is no container", allowed="a position for a joint, for example 0.2")
-        return {joint: _active(matching[0], value)}
+        # Of what moves together the one that is named: another may be open where this one is closed.
+        named = next((each for each in matching if name in {each.name, local_name(each.joint)}), matching[0])
+        return {joint: _active(named, value)}
     try:
         return {joint: float(value)}
     except ValueError:
