@@ -50,6 +50,7 @@ class Bearing:
         self._cores: dict[tuple[int, float], tuple[BodyShape, ...]] = {}
         self._in: dict[tuple[int, int], list[BodyShape]] = {}
         self._housed: dict[tuple[Iri, Iri], bool] = {}
+        self._largest: dict[int, Iri] = {}
 
     def stopping(self, one: BodyShape, other: BodyShape) -> BodyShape | None:
         """What of another shape may stop a moved one; None where it moves in or on all of it.
@@ -151,10 +152,11 @@ class Bearing:
 
     def _sides(self, one: BodyShape) -> tuple[Array, Array]:
         """Corners of the box about one's body and the largest that its joint moves, without their handles."""
-        moved = self.rest.moved_with(one)
-        sizes = {each.body: float(np.prod(np.subtract(*self.rest.about(each)[::-1]))) for each in moved}
-        bodies = {one.body, max(sizes, key=lambda body: sizes[body])}
-        return self.rest.box([each for each in moved if each.body in bodies], one)
+        if one.joint not in self._largest:
+            moved = {each.body: self.rest.about(each) for each in self.rest.moved_with(one)}
+            self._largest[one.joint] = max(moved, key=lambda body: np.prod(moved[body][1] - moved[body][0]))
+        shapes = [each for body in {one.body, self._largest[one.joint]} for each in self.rest.of(body)]
+        return self.rest.box(shapes, one)
 
     def _not_beside(self, other: BodyShape, one: BodyShape) -> BodyShape | None:
         """The shape without what of it is beside one's body."""

@@ -48,6 +48,9 @@ class Rest:
         self._placed = {
             id(each): placed(at[same.joint] * same.pose) for each, same in zip(shapes, as_drawn, strict=True)
         }
+        self._axes: dict[int, Array] = {}
+        self._boxes: dict[tuple[int, int], tuple[BodyShape, Array, Array]] = {}
+        self._abouts: dict[Iri, tuple[Array, Array]] = {}
         self._bodies: dict[Iri, list[BodyShape]] = {}
         self._moved: dict[int, list[BodyShape]] = {}
         for each in shapes:
@@ -142,29 +145,42 @@ class Rest:
 
         They are the frame's own but where something slides along none of them: then one is its axis.
         """
-        joint = self.joint(one)
-        axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
-        k = int(np.argmax(np.abs(axis)))
-        if joint.type is not JointType.PRISMATIC or abs(axis[k]) >= ALONG:
-            return np.eye(3)
-        across = np.cross(axis, np.eye(3)[k - 1])
-        across /= np.linalg.norm(across)
-        axes = np.empty((3, 3))
-        axes[k], axes[k - 2], axes[k - 1] = axis, across, np.cross(axis, across)
-        return axes
+        if one.joint not in self._axes:
+            self._axes[one.joint] = _axes(self.joint(one))
+        return self._axes[one.joint]
 
     def about(self, one: BodyShape) -> tuple[Array, Array]:
         """Corners of the box about one's body."""
-        return self.box(self._bodies[one.body], one)
+        if one.body not in self._abouts:
+            self._abouts[one.body] = self.box(self._bodies[one.body], one)
+        return self._abouts[one.body]
 
     def box(self, shapes: Sequence[BodyShape], one: BodyShape) -> tuple[Array, Array]:
         """Corners of the box about some shapes along `axes` of one's joint, shape (3,) [m]."""
-        axes = self.axes(one)
-        seen = [self._frames[one.joint].actInv(self._frames[each.joint]) for each in shapes]
-        middle = np.array([axes @ at.act(each.centre) for at, each in zip(seen, shapes, strict=True)])
-        turned = (axes @ at.rotation @ each.rotation for at, each in zip(seen, shapes, strict=True))
-        half = np.array([np.abs(turn) @ each.half for turn, each in zip(turned, shapes, strict=True)])
-        return (middle - half).min(axis=0), (middle + half).max(axis=0)
+        boxes = [self._box(each, one) for each in shapes]
+        return np.min([low for _, low, _ in boxes], axis=0), np.max([high for _, _, high in boxes], axis=0)
+
+    def _box(self, each: BodyShape, one: BodyShape) -> tuple[BodyShape, Array, Array]:
+        """A shape, which is kept so that its number is its own, and the corners of its box."""
+        key = id(each), one.joint
+        if key not in self._boxes:
+            axes, seen = self.axes(one), self._frames[one.joint].actInv(self._frames[each.joint])
+            middle = axes @ seen.act(each.centre)
+            half = np.abs(axes @ seen.rotation @ each.rotation) @ each.half
+            self._boxes[key] = each, middle - half, middle + half
+        return self._boxes[key]
+
+
+def _axes(joint: Joint) -> Array:
+    axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
+    k = int(np.argmax(np.abs(axis)))
+    if joint.type is not JointType.PRISMATIC or abs(axis[k]) >= ALONG:
+        return np.eye(3)
+    across = np.cross(axis, np.eye(3)[k - 1])
+    across /= np.linalg.norm(across)
+    axes = np.empty((3, 3))
+    axes[k], axes[k - 2], axes[k - 1] = axis, across, np.cross(axis, across)
+    return axes
 
 
 def _frames(model: Model) -> list[pin.SE3]:
