@@ -7,12 +7,11 @@ from enum import Enum
 import click
 
 from sdt_kg.errors import InputError, UnknownEntityError, meant
-from sdt_kg.urdf.folder import MODELS
 from services.configuration.read import VARIABLE, Settings, Value
 from services.configuration.shared import SHARED
 
 PREFIX = "SDT_"
-OF_ALL = frozenset({VARIABLE, "SDT_TOKEN", "SDT_REFERENCE", MODELS})
+OF_ALL = frozenset({VARIABLE, "SDT_TOKEN", "SDT_REFERENCE", "SDT_MODELS"})
 """Variables of no option: which file holds the settings, a secret, where test input and models lie."""
 
 

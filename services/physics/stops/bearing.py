@@ -48,7 +48,8 @@ class Bearing:
         self._known: dict[tuple[Iri, int], BodyShape | None] = {}
         self._away: dict[tuple[Iri, int], BodyShape | None] = {}
         self._cores: dict[tuple[int, float], tuple[BodyShape, ...]] = {}
-        self._in: dict[tuple[int, int], list[BodyShape]] = {}
+        self._in: dict[tuple[int, int], bool] = {}
+        self._right_through: dict[tuple[int, int], bool] = {}
         self._housed: dict[tuple[Iri, Iri], bool] = {}
         self._largest: dict[int, Iri] = {}
 
@@ -80,11 +81,9 @@ class Bearing:
             return ()
         if self.rest.joint(one).type is not JointType.PRISMATIC:
             return self._cores_of(one, HINGE)
-        fitted = self._fitted(one, other)
-        own = other.body == one.parent
-        if any(self.rest.is_through(each, other, within=own) for each in fitted):
-            return ()
-        return self._cores_of(one, RUNNERS if fitted else RAILS)
+        if not self._fitted(one, other):
+            return self._cores_of(one, RAILS)
+        return () if self._through(one, other) else self._cores_of(one, RUNNERS)
 
     def away(self, mesh: BodyShape, one: BodyShape) -> BodyShape | None:
         """What of a bent mesh is farther than `FRAME` from another shape's body; None if nothing is.
@@ -108,12 +107,23 @@ class Bearing:
         """Whether something that one's joint moves reaches below the floor: there the floor is elsewhere."""
         return min(map(self.rest.height, self.rest.moved_with(one))) < -ALLOWANCE
 
-    def _fitted(self, one: BodyShape, other: BodyShape) -> list[BodyShape]:
-        """What of all that one's joint moves was fitted into the other shape."""
+    def _fitted(self, one: BodyShape, other: BodyShape) -> bool:
+        """Whether anything that one's joint moves was fitted into the other shape."""
         key = (one.joint, id(other))
         if key not in self._in:
-            self._in[key] = [e for e in self.rest.moved_with(one) if self.rest.depth(e, other) > FITTED]
+            self._in[key] = any(self.rest.depth(e, other) > FITTED for e in self.rest.moved_with(one))
         return self._in[key]
+
+    def _through(self, one: BodyShape, other: BodyShape) -> bool:
+        """Whether anything of that goes right through the other shape."""
+        key = (one.joint, id(other))
+        if key not in self._right_through:
+            own = other.body == one.parent
+            self._right_through[key] = any(
+                self.rest.is_through(e, other, within=own) and self.rest.depth(e, other) > FITTED
+                for e in self.rest.moved_with(one)
+            )
+        return self._right_through[key]
 
     def _cores_of(self, one: BodyShape, margin: float) -> tuple[BodyShape, ...]:
         """The parts of the shape that are farther than that from hinge or rails."""
