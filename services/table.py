@@ -24,6 +24,7 @@ from services.sweep.worker import (
     SERVICES_KEPT,
     dear_first,
     prepare,
+    prepare_robot,
     service_of,
     stored_verdict,
     verdict_of,
@@ -154,7 +155,7 @@ def run(  # noqa: PLR0913, PLR0917  # who is told of what; the rest has defaults
     for case in firsts:
         service_of(case)  # what cannot be loaded is told before anything is judged
     begun = missing if jobs == 1 else _small_first(dear_first(missing))
-    judge, prepared = partial(_judge, keep=keep), Loading(partial(_prepare, firsts), _kitchen)
+    judge, prepared = partial(_judge, keep=keep), _loading(firsts)
     # One by one, however alike: an interrupt loses nothing but what the workers are at.
     for case, result in each_or_lost(begun, jobs, judge, prepared, _container, most=1):
         if isinstance(result, Lost):
@@ -183,6 +184,12 @@ def _small_first(cells: Sequence[Cell]) -> list[Cell]:
     """Kitchens with few cases first: the smallest is loaded soonest, and worked on while others are."""
     count = Counter(cell.kitchen for cell in cells)
     return sorted(cells, key=lambda cell: count[cell.kitchen])
+
+
+def _loading(firsts: Sequence[Cell]) -> Loading[Cell]:
+    """Kitchens one by one, and robots with all that is compiled before."""
+    robots = list({case.robot: case for case in firsts}.values())[:SERVICES_KEPT]
+    return Loading(partial(_prepare, firsts), _kitchen, lambda: list(map(prepare_robot, robots)))
 
 
 def _prepare(firsts: Sequence[Cell], asked: Cell) -> None:

@@ -21,6 +21,7 @@ from services.embodiment.body.warm import warm
 from services.embodiment.body.world import World
 from services.embodiment.certify.asked import to_keep
 from services.embodiment.certify.check import Certified, Refused, certify
+from services.embodiment.certify.limits import rolling
 from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
@@ -113,10 +114,12 @@ class WholeBody:
 
     def prepare(self, twin: Twin, robot: Iri) -> None:
         """Models and compiled loops are loaded, also those that few questions need."""
+        self.settings(twin, robot)
         world, kits, _ = self._world(twin, robot)
         self._warm(world, kits)
         cells.warm()
         boxes.warm()
+        rolling(world.scene)
 
     def scene(self, twin: Twin, robot: Iri) -> Scene:
         """The scene in which questions about the twin are answered."""

@@ -97,10 +97,13 @@ class Loading(Generic[T]):
     Attributes:
         load: Called with an item, loads what it needs.
         what: What that is; an item that needs what was loaded when its worker had begun gets a new one.
+        shared: Loads what items have in common, whatever else they need. If there is such a thing, the first
+            worker loads the rest of its own itself, as long as no other needs that: it begins sooner.
     """
 
     load: Callable[[T], None]
     what: Callable[[T], Hashable] = lambda _: None
+    shared: Callable[[], None] | None = None
 
 
 @contextmanager

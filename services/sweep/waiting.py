@@ -48,6 +48,10 @@ class Waiting(Generic[T]):
             group.extendleft(reversed(items))
             self._groups = {key: group, **self._groups}
 
+    def firsts(self) -> list[T]:
+        """The next of each group."""
+        return [group[0] for group in self._groups.values()]
+
     def next(self, last: Hashable = None, elsewhere: Collection[Hashable] = ()) -> T:
         """With what `piece` begins."""
         return self._groups[self._key(last, elsewhere)][0]

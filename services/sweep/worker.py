@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 
+import pyoxigraph as ox
+
 from predicates.case import Verdict
 from predicates.oracle import Embodiment, Physics
 from predicates.questions import questions
@@ -16,10 +18,13 @@ from predicates.record.inputs import inputs_of, verdict_iri
 from predicates.record.recall import Recall
 from sdt_kg.entities import Entities
 from sdt_kg.errors import SdtError
-from sdt_kg.iri import Iri
+from sdt_kg.iri import SDT, Iri, model_iri
 from sdt_kg.load import load_twin, model_name, read_robot, with_robot
-from sdt_kg.mechanism import JointType
+from sdt_kg.mechanism import Body, JointType, Mechanism, Pose
 from sdt_kg.scope import violations
+from sdt_kg.store import Triple
+from sdt_kg.triples import mechanism_triples
+from sdt_kg.triples.from_mechanism import pose_triples
 from sdt_kg.twin import Twin
 from services.app import Forces, Oracles, Policy, Service, whole_body
 from services.relative import Relative
@@ -72,6 +77,29 @@ def prepare(cell: Cell) -> None:
         violations(service.twin, service.twin.container(cell.container), robot)
         if isinstance(service.embodiment, WholeBody):
             service.embodiment.prepare(service.twin, robot)
+
+
+def prepare_robot(cell: Cell) -> None:
+    """What every case of the robot needs in any kitchen is loaded: its shapes, compiled loops, what checks scope.
+
+    It stands in an empty room for that. What cannot be loaded is told by the case.
+    """
+    from services.embodiment.oracle import WholeBody  # noqa: PLC0415 - see above
+
+    with suppress(SdtError):
+        service, robot = service_of(cell), robot_of(cell)
+        violations(service.twin, service.twin.container(cell.container), robot)
+        if isinstance(service.embodiment, WholeBody):
+            twin = with_robot(_empty_room(), _robot(_written(cell.robot)))
+            service.embodiment.prepare(twin, twin.robots[0])
+
+
+@lru_cache(maxsize=1)
+def _empty_room() -> Twin:
+    room, iri = Mechanism("empty_room", "room", (Body("room"),), ()), model_iri("empty_room")
+    start: Triple = (iri, SDT + "startPose", ox.NamedNode(f"{iri}/start"))
+    triples = (*mechanism_triples(room, "Environment"), start, *pose_triples(f"{iri}/start", Pose()))
+    return Twin(Entities.alone(iri, triples))
 
 
 def dear_first(cells: Sequence[Cell]) -> list[Cell]:

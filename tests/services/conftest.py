@@ -48,11 +48,7 @@ def sdt(
 
     def run(*arguments: str) -> Done:
         monkeypatch.setattr(sys, "argv", ["sdt", *arguments])
-        try:
-            cli.main()
-            code = 0
-        except SystemExit as stop:
-            code = int(stop.code or 0)
+        code = cli.program()
         captured = capsys.readouterr()
         return Done(code, captured.out, captured.err)
 
