@@ -41,9 +41,15 @@ def fanned(points: Array) -> tuple[NDArray[np.int64], Array]:
     Args:
         points: Vertices of a convex shape, shape (V, 3) [m].
     """
+    starts, rows = cones_of(points)
+    return starts, points[rows]
+
+
+def cones_of(points: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The same with rows of `points` in place of vertices, shape (K,)."""
     starts, rows = np.empty(CONES + 1, np.int64), np.empty(CONES * len(points), np.int64)
     _fan(np.ascontiguousarray(points), np.empty((len(points), 4)), starts, rows)
-    return starts, points[rows[: starts[-1]]]
+    return starts, rows[: starts[-1]]
 
 
 @kernel

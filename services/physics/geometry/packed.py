@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from services.kernel import kernel, subkernel
 from services.physics.geometry.convex import BALL, BOX, CAPSULE, CYLINDER, HULL, MESH, bounds, support
 from services.physics.geometry.fans import CONES, FEW, fanned
-from services.physics.geometry.shapes import corners
+from services.physics.geometry.shapes import Hull, corners
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -78,7 +78,8 @@ def pack(shapes: Sequence[coal.CollisionGeometry]) -> tuple:
 @lru_cache(maxsize=FANS_KEPT)
 def _fanned(shape: coal.ConvexBase) -> tuple[Indices, Array]:
     """What `fanned` says of a hull, seen from the middle of its box; kept for the next scene."""
-    return fanned(_part(shape)[3])
+    points = _part(shape)[3]
+    return (shape.starts, points[shape.rows]) if isinstance(shape, Hull) else fanned(points)
 
 
 @lru_cache(maxsize=MESHES_KEPT)

@@ -13,9 +13,10 @@ from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, ShapeType
 from sdt_kg.urdf import meshes, obj
 from sdt_kg.urdf.meshes import metres
-from services.physics.geometry import hulls
+from services.physics.geometry import fans, hulls
+from services.physics.geometry.fans import FEW, cones_of
 from services.physics.geometry.hulls import COARSE, Fineness, convex_pieces
-from services.physics.geometry.kept import kept
+from services.physics.geometry.kept import Array, kept
 
 FLAT = 1e-6  # [m] a mesh thinner than this has no volume: qhull crashes on it
 LONGEST = 100.0  # [m] of a mesh, as long as the floor: handles of 0.1 m in millimetres are longer
@@ -131,18 +132,48 @@ def _check_size(mesh_file: str, size: float) -> None:
 def _hulls(
     mesh_file: str, mesh_hash: str, scale: tuple[float, ...], fineness: Fineness
 ) -> tuple[coal.ConvexBase, ...]:
-    def cut() -> list[NDArray[np.float64]]:
+    def cut() -> list[Array]:
         pieces = convex_pieces(_corners(mesh_file, mesh_hash, scale), fineness)
-        return [np.array(hull(points).points()) for points in pieces]
+        return [array for points in pieces for array in _hulled(points)]
 
-    # Points of hulls have volume.
-    return tuple(hull_of_solid(points) for points in kept((_code(), mesh_hash, scale, fineness), cut))
+    arrays = iter(kept((_code(), mesh_hash, scale, fineness), cut))
+    return tuple(map(Hull, arrays, arrays, arrays, arrays))
+
+
+class Hull(coal.Convex):
+    """A convex hull that was made before, with the vertices of its cones (`geometry.fans`).
+
+    Attributes:
+        starts: Where those of each cone begin in `rows`, shape (CONES + 1,); empty where there are few.
+        rows: Of its points, shape (K,).
+    """
+
+    def __init__(self, points: Array, faces: Array, starts: Array, rows: Array) -> None:
+        own, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+        own.extend(points)
+        triangles.extend([coal.Triangle(*each) for each in faces.tolist()])
+        super().__init__(own, triangles)
+        self.computeLocalAABB()
+        self.starts, self.rows = starts.ravel(), rows.ravel()
+
+
+def _hulled(points: NDArray[np.float64]) -> tuple[Array, Array, Array, Array]:
+    """What a `Hull` is made of, about points, shape (K, 3)."""
+    # Twice: points of hulls have volume, and the second hull has them in the order that it keeps.
+    whole = hull_of_solid(np.array(hull(points).points()))
+    corners, box, nothing = np.array(whole.points()), whole.aabb_local, np.empty((0, 1), np.int64)
+    faces = [whole.polygons(i) for i in range(whole.num_polygons)]
+    triangles = np.array([(face[0], face[1], face[2]) for face in faces], np.int64)
+    if len(corners) <= FEW:
+        return corners, triangles, nothing, nothing
+    starts, rows = cones_of(corners - (box.min_ + box.max_) / 2)
+    return corners, triangles, starts[:, None], rows[:, None]
 
 
 @cache
 def _code() -> str:
     """Hash of the code that makes pieces, and the version of what reads meshes and makes hulls."""
-    sources = (Path(__file__), Path(hulls.__file__), Path(meshes.__file__), Path(obj.__file__))
+    sources = (Path(__file__), *(Path(str(each.__file__)) for each in (fans, hulls, meshes, obj)))
     return hashlib.sha256(b"".join(each.read_bytes() for each in sources)).hexdigest() + version("coal")
 
 

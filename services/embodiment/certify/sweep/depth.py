@@ -11,6 +11,8 @@ import coal  # pyright: ignore[reportMissingImports]  # found through a .pth fil
 import numpy as np
 from numpy.typing import NDArray
 
+from services.physics.geometry.shapes import hull_of_solid
+
 Array = NDArray[np.float64]
 
 SIDES = 64  # of the prism about a cylinder: its edges stand out by 0.12 % of the radius
@@ -77,8 +79,9 @@ def faces(shape: coal.CollisionGeometry) -> Faces | None:
 
 @lru_cache(maxsize=256)
 def _hull(shape: coal.Convex) -> Faces:
-    assert shape.num_normals_and_offsets > 0, "hulls are qhull's, which tells their faces"
-    return Faces(np.array(shape.normals()), -np.array(shape.offsets()).ravel())
+    # A hull that was kept has its points alone: qhull tells the faces.
+    whole = shape if shape.num_normals_and_offsets else hull_of_solid(np.array(shape.points()))
+    return Faces(np.array(whole.normals()), -np.array(whole.offsets()).ravel())
 
 
 def _round(half_length: float, radius: float) -> Faces:
