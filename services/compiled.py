@@ -8,6 +8,7 @@ of files: an edit of any of these compiles anew what holds it, a fresh checkout 
 
 import fcntl
 import hashlib
+import io
 import math
 import pickle
 import sys
@@ -25,6 +26,7 @@ import numpy as np
 from llvmlite import binding
 from numba.core.caching import CompileResultCacheImpl, _Cache
 from numba.core.dispatcher import Dispatcher
+from numba.core.environment import Environment, _rebuild_env, lookup_environment
 from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
 
@@ -131,6 +133,25 @@ def _parts(reduced: Any, shared: bool) -> tuple[object, ...]:  # noqa: ANN401 - 
     return ((name, kind, (machine, nothing)), *rest), names, nothing if shared else bitcode
 
 
+class _Reader(pickle.Unpickler):  # as numba reads its own
+    """What was written; numba's modules are not imported for names that only object mode asks for."""
+
+    def find_class(self, module: str, name: str) -> Any:  # noqa: ANN401 - whatever was written
+        rebuild = _rebuild_env.__module__, _rebuild_env.__name__
+        return _environment if (module, name) == rebuild else super().find_class(module, name)
+
+
+def _environment(module: str, constants: list[object], name: str) -> object:
+    """As numba makes it of what was written of it."""
+    if module in sys.modules or not module.startswith("numba."):
+        return _rebuild_env(module, constants, name)
+    known = lookup_environment(name)
+    if known is None:
+        Environment._memo[name] = known = Environment({"__name__": module})
+        known.consts[:], known.env_name = constants, name
+    return known
+
+
 class Kept(_Cache):
     """Whom numba asks for compiled code: a file for the types of each call, whose name tells what is in it.
 
@@ -170,7 +191,7 @@ class Kept(_Cache):
             content = self._path(key).read_bytes() if self._enabled else b""
         except FileNotFoundError:
             return None
-        same, needed, *parts = pickle.loads(content) if content else (None, ())  # noqa: S301 - as numba reads its own
+        same, needed, *parts = _Reader(io.BytesIO(content)).load() if content else (None, ())
         if same != key:
             return None
         callees = _called(self._function, {}) if needed else {}
