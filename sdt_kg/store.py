@@ -1,7 +1,7 @@
 """Store: named graphs and queries over them, and the in-memory form."""
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from textwrap import shorten
 from threading import Lock
@@ -99,9 +99,7 @@ class MemoryStore:
     def add(self, graph: Iri, triples: Iterable[Triple]) -> None:
         """Put triples into a named graph."""
         name = ox.NamedNode(graph)
-        self._store.extend(
-            ox.Quad(_node(subject), _node(predicate), value, name) for subject, predicate, value in triples
-        )
+        self._store.extend(_quads(name, triples))
 
     def drop(self, graph: Iri) -> None:
         """Remove a named graph."""
@@ -148,6 +146,18 @@ class MemoryStore:
         copy = ox.Store()
         copy.extend(self._store)
         return copy
+
+
+def stored(graphs: Mapping[Iri, Iterable[Triple]]) -> ox.Store:
+    """These named graphs."""
+    made = ox.Store()
+    for graph, triples in graphs.items():
+        made.extend(_quads(ox.NamedNode(graph), triples))
+    return made
+
+
+def _quads(graph: ox.NamedNode, triples: Iterable[Triple]) -> Iterator[ox.Quad]:
+    return (ox.Quad(_node(subject), _node(predicate), value, graph) for subject, predicate, value in triples)
 
 
 def checked_query(sparql: str) -> str:

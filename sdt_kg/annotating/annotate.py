@@ -15,7 +15,8 @@ import pyoxigraph as ox
 import ontology
 from sdt_kg.annotating.panels import panel_triples
 from sdt_kg.iri import ID, RDF, SDT, TEE, Iri, graph_iri, local_name
-from sdt_kg.store import Store, Triple
+from sdt_kg.store import MemoryStore, Store, Triple
+from sdt_kg.triples import Facts
 
 TEE_GRAPH: Final = TEE.removesuffix("#")
 """Named graph of the constants of D_artic."""
@@ -45,6 +46,14 @@ def tee_triples() -> tuple[Triple, ...]:
         for quad in quads
         if isinstance(quad.subject, ox.NamedNode) and isinstance(quad.object, ox.NamedNode | ox.Literal)
     )
+
+
+@cache
+def tee_facts() -> Facts:
+    """The same, as a store says it."""
+    store = MemoryStore()
+    store.add(TEE_GRAPH, tee_triples())
+    return Facts(store.triples(TEE_GRAPH))
 
 
 def annotate(store: Store, model: Iri, asserted: Iri) -> list[Iri]:

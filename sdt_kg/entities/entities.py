@@ -7,7 +7,7 @@ from functools import cached_property
 from itertools import chain
 from typing import Final, TypeVar
 
-from sdt_kg.annotating.annotate import TEE_GRAPH, annotate, tee_triples
+from sdt_kg.annotating.annotate import TEE_GRAPH, annotate, tee_facts, tee_triples
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
 from sdt_kg.entities.container import Container, containers_of
 from sdt_kg.entities.coupling import Coupling
@@ -17,11 +17,12 @@ from sdt_kg.entities.states import States
 from sdt_kg.errors import GraphError, InputError, UnknownEntityError
 from sdt_kg.iri import SDT, Iri, graph_iri, local_name
 from sdt_kg.mechanism import Mechanism
-from sdt_kg.store import MemoryStore, Store, Triple, Value, rows_of, term_of
+from sdt_kg.store import MemoryStore, Store, Triple, Value, rows_of, stored, term_of
 from sdt_kg.triples import Facts, checked_model, read_kitchen, read_mechanism_of, same
 from sdt_kg.triples.vocabulary import fits, properties
 
 T = TypeVar("T")
+Graphs = Mapping[Iri, Sequence[Triple]]
 
 _PLACE_ONLY: Final = {SDT + "meshFile"}
 """Properties that say where something lies, not what it is: not hashed."""
@@ -225,6 +226,16 @@ class Entities:
         store.add(graph, triples)
         inferred = tuple(annotate(store, model, graph))
         return Entities(store, model, (), {model: graph}, {model: inferred}, tuple(notes))
+
+    @staticmethod
+    def recalled(model: Iri, graphs: Graphs, notes: Sequence[str], content_hash: str) -> "Entities":
+        """One model alone, without containers, as it was read before; first what is asserted of it."""
+        asserted, *inferred = graphs
+        store = MemoryStore(lambda: stored({TEE_GRAPH: tee_triples(), **graphs}))
+        made = Entities(store, model, (), {model: asserted}, {model: tuple(inferred)}, tuple(notes))
+        made._facts.update({TEE_GRAPH: tee_facts(), model: Facts(chain(*graphs.values()))})
+        made._hashes[model], made._containers[model] = content_hash, ()
+        return made
 
     def beside(self, robot: "Entities") -> "Entities":
         """These entities and a robot that was alone, with what was read of it there.

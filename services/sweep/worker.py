@@ -19,7 +19,7 @@ from predicates.record.recall import Recall
 from sdt_kg.entities import Entities
 from sdt_kg.errors import SdtError
 from sdt_kg.iri import SDT, Iri, model_iri
-from sdt_kg.load import load_twin, model_name, read_robot, with_robot
+from sdt_kg.load import load_twin, model_name, with_robot
 from sdt_kg.mechanism import Body, JointType, Mechanism, Pose
 from sdt_kg.scope import violations
 from sdt_kg.store import Triple
@@ -27,6 +27,7 @@ from sdt_kg.triples import mechanism_triples
 from sdt_kg.triples.from_mechanism import pose_triples
 from sdt_kg.twin import Twin
 from services.app import Forces, Oracles, Policy, Service, whole_body
+from services.keeping.robots import read_robot
 from services.relative import Relative
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
 

@@ -13,9 +13,11 @@ from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, Pose, ShapeType
 from sdt_kg.urdf.meshes import mesh_hash
 from services.embodiment.certify.sweep.depth import faces
+from services.keeping.files import folder
 from services.physics.geometry.fans import fanned
 from services.physics.geometry.hulls import FINE
-from services.physics.geometry.kept import Array, folder, kept
+from services.physics.geometry.kept import PIECES as KIND
+from services.physics.geometry.kept import Array, kept
 from services.physics.geometry.packed import _fanned
 from services.physics.geometry.shapes import hull_of_solid, solids, surface
 
@@ -72,7 +74,7 @@ def test_anything_that_decides_them_is_part_of_the_key(made) -> None:
 def test_a_file_that_was_changed_in_one_bit_is_made_anew(made, byte: int) -> None:
     count, make = made
     kept(("mesh",), make)
-    (file,) = folder().iterdir()
+    (file,) = folder(KIND).iterdir()
     content = bytearray(file.read_bytes())
     content[byte] ^= 1
     file.write_bytes(content)
@@ -86,7 +88,7 @@ def test_a_file_that_was_changed_in_one_bit_is_made_anew(made, byte: int) -> Non
 def test_a_file_that_is_cut_off_is_made_anew(made, length: int) -> None:
     count, make = made
     kept(("mesh",), make)
-    (file,) = folder().iterdir()
+    (file,) = folder(KIND).iterdir()
     file.write_bytes(file.read_bytes()[:length])
     assert same(kept(("mesh",), make), PIECES)
     assert len(count) == 2
@@ -96,7 +98,7 @@ def test_a_file_that_is_cut_off_is_made_anew(made, length: int) -> None:
 def test_what_another_user_wrote_is_made_anew(made) -> None:
     count, make = made
     kept(("mesh",), make)
-    (file,) = folder().iterdir()
+    (file,) = folder(KIND).iterdir()
     os.chown(file, 12345, -1)
     assert same(kept(("mesh",), make), PIECES)
     assert len(count) == 2
@@ -109,7 +111,7 @@ def test_two_processes_that_make_the_same_leave_one_whole_file(made) -> None:
             kept(("mesh",), make)
             os._exit(0)
     assert [os.waitpid(-1, 0)[1] for _ in range(4)] == [0] * 4
-    (file,) = folder().iterdir()
+    (file,) = folder(KIND).iterdir()
     assert same(kept(("mesh",), lambda: []), PIECES), file
 
 
@@ -131,7 +133,7 @@ def test_a_mesh_has_the_same_hulls_whether_they_were_kept_or_not(tmp_path: Path)
     for name in ("one.stl", "same.stl"):
         bent.export(tmp_path / name)
     first, second = (solids(mesh_at(tmp_path / name), FINE) for name in ("one.stl", "same.stl"))
-    assert len(list(folder().iterdir())) == 1
+    assert len(list(folder(KIND).iterdir())) == 1
     assert len(first) > 1
     assert [np.array(each.points()).tolist() for each in first] == [
         np.array(each.points()).tolist() for each in second
@@ -178,5 +180,5 @@ def test_a_file_that_changed_since_its_model_was_read_is_refused_and_nothing_is_
     os.utime(file, ns=(1, 1))
     with pytest.raises(UrdfError, match="another file than when its model was read"):
         shapes(read)
-    assert not folder().exists()
+    assert not folder(KIND).exists()
     shapes(mesh_at(file))

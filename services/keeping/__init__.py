@@ -1,0 +1,1 @@
+"""What follows from models of robots alone, kept on disk for the processes that come after."""
