@@ -14,6 +14,7 @@ from sdt_kg.entities.coupling import Coupling
 from sdt_kg.entities.queries import query_text
 from sdt_kg.entities.replacement import Replacement
 from sdt_kg.entities.states import States
+from sdt_kg.entities.told import Told
 from sdt_kg.errors import GraphError, InputError, UnknownEntityError
 from sdt_kg.iri import SDT, Iri, graph_iri, local_name
 from sdt_kg.mechanism import Mechanism
@@ -22,7 +23,6 @@ from sdt_kg.triples import Facts, checked_model, read_kitchen, read_mechanism_of
 from sdt_kg.triples.vocabulary import fits, properties
 
 T = TypeVar("T")
-Graphs = Mapping[Iri, Sequence[Triple]]
 
 _PLACE_ONLY: Final = {SDT + "meshFile"}
 """Properties that say where something lies, not what it is: not hashed."""
@@ -51,8 +51,7 @@ class Entities:
     @cached_property
     def graphs(self) -> tuple[Iri, ...]:
         """All entity graphs, the constants of D_artic first."""
-        models = (self.environment, *self.robots)
-        return (TEE_GRAPH, *chain.from_iterable(self.graphs_of(model) for model in models))
+        return (TEE_GRAPH, *chain.from_iterable(map(self.graphs_of, (self.environment, *self.robots))))
 
     def graphs_of(self, model: Iri) -> tuple[Iri, ...]:
         """Graphs of one model."""
@@ -228,13 +227,14 @@ class Entities:
         return Entities(store, model, (), {model: graph}, {model: inferred}, tuple(notes))
 
     @staticmethod
-    def recalled(model: Iri, graphs: Graphs, notes: Sequence[str], content_hash: str) -> "Entities":
-        """One model alone, without containers, as it was read before; first what is asserted of it."""
-        asserted, *inferred = graphs
-        store = MemoryStore(lambda: stored({TEE_GRAPH: tee_triples(), **graphs}))
-        made = Entities(store, model, (), {model: asserted}, {model: tuple(inferred)}, tuple(notes))
-        made._facts.update({TEE_GRAPH: tee_facts(), model: Facts(chain(*graphs.values()))})
-        made._hashes[model], made._containers[model] = content_hash, ()
+    def recalled(told: Told) -> "Entities":
+        """One model alone, as it was read before."""
+        asserted, *inferred = told.graphs
+        store = MemoryStore(lambda: stored({TEE_GRAPH: tee_triples(), **told.graphs}))
+        graphs = {told.model: asserted}, {told.model: tuple(inferred)}
+        made = Entities(store, told.model, (), *graphs, tuple(told.notes))
+        made._facts.update({TEE_GRAPH: tee_facts(), told.model: Facts(chain(*told.graphs.values()))})
+        made._hashes[told.model], made._containers[told.model] = told.content_hash, told.containers
         return made
 
     def beside(self, robot: "Entities") -> "Entities":

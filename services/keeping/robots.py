@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -16,10 +16,9 @@ import sdt_kg
 from sdt_kg import load
 from sdt_kg.entities import Entities
 from sdt_kg.errors import UrdfError
-from sdt_kg.iri import Iri
-from sdt_kg.store import Term, Triple
 from sdt_kg.urdf.meshes import mesh_hash, mesh_path
 from services.keeping.files import place, read, write
+from services.keeping.text import recalled, told
 from services.versions import version_of
 
 ROBOTS = "robots"
@@ -27,6 +26,9 @@ ROBOTS = "robots"
 
 KEPT_OF = ".urdf"
 """Files of robots of which something is kept; a xacro reads others."""
+
+END = b"\n"
+"""Between the meshes and what is told of the robot."""
 
 Mesh = tuple[str, str, str]
 """How a URDF names it, where it lies, and the hash of its content."""
@@ -47,7 +49,7 @@ def read_robot(robot: str | Path) -> Entities:
     if found is None:
         found = load.read_robot(robot)
         if not found.containers and _follows_from(urdf) == key:  # nobody wrote the files meanwhile
-            write(path, _told(found, _meshes(urdf)))
+            write(path, json.dumps(_meshes(urdf)).encode() + END + told(found))
     return found
 
 
@@ -79,53 +81,12 @@ def _meshes(urdf: Path) -> list[Mesh]:
     return [(name, str(path), mesh_hash(path)) for name in names for path in [mesh_path(name, urdf, "")]]
 
 
-def _told(robot: Entities, meshes: Sequence[Mesh]) -> bytes:
-    """The robot as text: every name and value once, and the triples of each graph as numbers of these."""
-    names, terms = dict[Iri, int](), dict[Term, int]()
-    model, graphs = robot.environment, dict[Iri, list[int]]()
-    for graph in robot.graphs_of(model):
-        graphs[graph] = [*_numbered(robot.store.triples(graph), names, terms)]
-    values = [_text(term) for term in terms]
-    hashed = robot.content_hash(model)
-    told = model, hashed, robot.notes, meshes, list(names), values, graphs
-    return json.dumps(told).encode()
-
-
-def _numbered(
-    triples: Iterable[Triple], names: dict[Iri, int], terms: dict[Term, int]
-) -> Iterator[int]:
-    for subject, predicate, value in triples:
-        yield names.setdefault(subject, len(names))
-        yield names.setdefault(predicate, len(names))
-        yield terms.setdefault(value, len(terms))
-
-
-def _text(term: Term) -> tuple[str, ...]:
-    if isinstance(term, ox.NamedNode):
-        return (term.value,)
-    return term.value, term.datatype.value, term.language or ""
-
-
-def _term(text: Sequence[str]) -> Term:
-    if len(text) == 1:
-        return ox.NamedNode(text[0])
-    value, datatype, language = text
-    return ox.Literal(value, language=language) if language else ox.Literal(value, datatype=ox.NamedNode(datatype))
-
-
 def _recalled(content: bytes | None, urdf: Path) -> Entities | None:
     """The robot that was kept, if its meshes are the same files still."""
     if content is None:
         return None
-    model, hashed, notes, meshes, names, values, graphs = json.loads(content)
-    if not _are_there(meshes, urdf):
-        return None
-    terms = list(map(_term, values))
-    made: dict[Iri, list[Triple]] = {}
-    for graph, numbers in graphs.items():
-        one = iter(numbers)
-        made[graph] = [(names[s], names[p], terms[o]) for s, p, o in zip(one, one, one, strict=True)]
-    return Entities.recalled(model, made, notes, hashed)
+    meshes, _, said = content.partition(END)
+    return recalled(said) if _are_there(json.loads(meshes), urdf) else None
 
 
 def _are_there(meshes: Iterable[Mesh], urdf: Path) -> bool:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from importlib import import_module
 from pathlib import Path
 
 import pyoxigraph as ox
@@ -19,9 +20,10 @@ from predicates.record.recall import Recall
 from sdt_kg.entities import Entities
 from sdt_kg.errors import SdtError
 from sdt_kg.iri import SDT, Iri, model_iri
-from sdt_kg.load import load_twin, model_name, with_robot
+from sdt_kg.load import GRAPH_FORMATS, load_twin, model_name, with_robot
 from sdt_kg.mechanism import Body, JointType, Mechanism, Pose
 from sdt_kg.scope import violations
+from sdt_kg.shacl import pyshacl
 from sdt_kg.store import Triple
 from sdt_kg.triples import mechanism_triples
 from sdt_kg.triples.from_mechanism import pose_triples
@@ -29,6 +31,7 @@ from sdt_kg.twin import Twin
 from services.app import Forces, Oracles, Policy, Service, whole_body
 from services.keeping.robots import read_robot
 from services.relative import Relative
+from services.sweep.ahead import reading
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
 
 TWINS_KEPT = 16
@@ -207,9 +210,34 @@ def _robot(robot: Written) -> Entities:
     return read_robot(robot.name)
 
 
+def read_ahead(kitchens: Sequence[str], robots: Sequence[str]) -> None:
+    """Another process reads the kitchens, while this one loads the oracles and robots.
+
+    What cannot be read is told when it is asked for.
+    """
+    written = {_written(name): name for name in kitchens if Path(name).suffix not in GRAPH_FORMATS}
+    with reading(list(written.values()), load_twin) as come:
+        _load_oracles()
+        with suppress(SdtError):
+            for robot in robots:
+                _robot(_written(robot))
+        found = come()
+    _ahead.update({each: found[name] for each, name in written.items() if name in found})
+
+
+def _load_oracles() -> None:
+    for name in ("services.physics.oracle", "services.embodiment.oracle"):
+        import_module(name)
+    pyshacl()
+
+
+_ahead: dict[Written, Twin] = {}
+"""Kitchens that were read ahead, as they were written then, until they are asked for."""
+
+
 @lru_cache(maxsize=TWINS_KEPT)
 def _kitchen(kitchen: Written) -> Twin:
-    twin = load_twin(kitchen.name)
+    twin = _ahead.pop(kitchen, None) or load_twin(kitchen.name)
     twin.content_hash(twin.environment)  # what is read here, twins with robots need not read again
     return twin
 

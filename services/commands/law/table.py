@@ -28,6 +28,7 @@ from services.commands.verdicts import COLUMNS, Json, verdict_row
 from services.requests import parse_state, state_joints
 from services.store.output import write_file
 from services.sweep.cell import Cell, Unjudged
+from services.sweep.worker import read_ahead
 from services.table import CellResult, TableResult, cells, run
 
 if TYPE_CHECKING:
@@ -90,6 +91,8 @@ def table(
     if as_json and csv_file == STDOUT:
         raise click.UsageError("--json and --csv -: one of them")
     policy = Policy(Drive(drive) if drive else None, None, budget, seed)
+    if jobs > 1:
+        read_ahead(kitchens.split(","), robots.split(","))
     cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)
     # The table is told before the store is closed: a file is written then, and may not fit.
     with _kept_in(save) if save else nullcontext() as saved:

@@ -1,0 +1,92 @@
+"""Kitchens that another process reads are those that are read here."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from sdt_kg.errors import UrdfError
+from sdt_kg.load import load_twin
+from sdt_kg.twin import Twin
+from services.sweep import worker
+from services.sweep.ahead import reading
+from services.sweep.worker import kitchen_of, read_ahead
+
+
+@pytest.fixture(autouse=True)
+def nothing_read() -> None:
+    worker._kitchen.cache_clear()
+    worker._ahead.clear()
+
+
+@pytest.fixture
+def read_here(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Kitchens that this process read."""
+    names: list[str] = []
+
+    def read(name: str) -> Twin:
+        names.append(name)
+        return load_twin(name)
+
+    monkeypatch.setattr(worker, "load_twin", read)
+    return names
+
+
+@pytest.mark.parametrize("name", ["a", "b"])
+def test_it_says_the_same_as_one_that_is_read_here(name: str) -> None:
+    with reading([name], load_twin) as come:
+        found = come()
+    one, other = found[name], load_twin(name)
+    kitchen = other.environment
+    assert one.mechanism(kitchen) == other.mechanism(kitchen)
+    assert one.content_hash(kitchen) == other.content_hash(kitchen)
+    assert (one.containers(), one.kitchen(), one.state) == (other.containers(), other.kitchen(), other.state)
+    assert (one.notes, one.graphs()) == (other.notes, other.graphs())
+    facts = [list(each.entities._facts_of(kitchen).triples()) for each in (one, other)]
+    assert facts[0] == facts[1]
+    quads = [frozenset(map(str, each.entities.store.dump(each.entities.graphs))) for each in (one, other)]
+    assert quads[0] == quads[1]
+
+
+def test_what_was_read_ahead_is_not_read_here(read_here: list[str]) -> None:
+    read_ahead(["a", "b"], ["pr2"])
+    assert kitchen_of("b").name(kitchen_of("b").environment) == "b"
+    assert read_here == []
+
+
+def test_one_that_was_written_since_is_read_here(read_here: list[str], tmp_path: Path) -> None:
+    path = tmp_path / "kitchen.urdf"
+    path.write_text('<robot name="k"><link name="room"/></robot>', encoding="utf-8")
+    read_ahead([str(path)], [])
+    path.write_text('<robot name="k"><link name="house"/></robot>', encoding="utf-8")
+    os.utime(path, ns=(1, 1))
+    kitchen = kitchen_of(str(path))
+    assert read_here == [str(path)]
+    assert kitchen.mechanism(kitchen.environment).root == "house"
+
+
+def test_one_that_cannot_be_read_is_told_when_it_is_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "kitchen.urdf"
+    path.write_text("<robot", encoding="utf-8")
+    read_ahead(["b", str(path)], [])
+    assert kitchen_of("b").containers()
+    with pytest.raises(UrdfError, match="is not XML"):
+        kitchen_of(str(path))
+
+
+def _dies(_: str) -> Twin:
+    os._exit(1)
+
+
+@pytest.mark.parametrize("read", [_dies])
+def test_where_the_other_process_dies_nothing_was_read(read: Callable[[str], Twin]) -> None:
+    with reading(["a", "b"], read) as come:
+        assert come() == {}
+
+
+def test_who_does_not_wait_leaves_no_process_behind() -> None:
+    with reading(["a", "b"], load_twin):
+        pass
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
