@@ -63,7 +63,8 @@ def kernel(
     pipeline = _Shared if shared else _Pipeline
     made = _njit(pipeline_class=pipeline, no_cfunc_wrapper=True, _nrt=makes, **options)(function)
     made._cache = Kept(function, shared)  # as `cache=True` does
-    made._compilation_chain_init_hook = lambda: None  # numba looks for extensions, before it compiles at the latest
+    # Extensions of numba are looked for when it compiles; what was kept needs none.
+    made._compilation_chain_init_hook = lambda: None
     made.compile = _once(made._cache, made.targetctx, made.compile)
     return _for_all_numbers(made)
 

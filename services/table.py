@@ -189,7 +189,12 @@ def _small_first(cells: Sequence[Cell]) -> list[Cell]:
 def _loading(firsts: Sequence[Cell]) -> Loading[Cell]:
     """Kitchens one by one, and robots with all that is compiled before."""
     robots = list({case.robot: case for case in firsts}.values())[:SERVICES_KEPT]
-    return Loading(partial(_prepare, firsts), _kitchen, lambda: list(map(prepare_robot, robots)))
+    return Loading(partial(_prepare, firsts), _kitchen, partial(_prepare_robots, robots))
+
+
+def _prepare_robots(robots: Sequence[Cell]) -> None:
+    for case in robots:
+        prepare_robot(case)
 
 
 def _prepare(firsts: Sequence[Cell], asked: Cell) -> None:

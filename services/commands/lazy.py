@@ -1,5 +1,6 @@
 """A group whose subcommands are imported when they are run, so that help and completion are at once."""
 
+import gc
 from collections.abc import Iterator, Mapping, MutableMapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -23,9 +24,18 @@ class Listed:
     help: str
 
     def load(self) -> click.Command:
-        """The command, imported."""
+        """The command, imported; no garbage is looked for in what modules define."""
         module, attribute = self.place.split(":")
-        return getattr(import_module(module), attribute)
+        collects = gc.isenabled()
+        gc.disable()
+        try:
+            return getattr(import_module(module), attribute)
+        finally:
+            if not gc.get_freeze_count():
+                gc.freeze()
+                gc.unfreeze()  # all of it is old then, and seldom looked at
+            if collects:
+                gc.enable()
 
 
 class LazyGroup(click.Group):

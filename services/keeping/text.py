@@ -34,9 +34,7 @@ def recalled(content: bytes, containers: tuple[Container, ...] = ()) -> Entities
     return Entities.recalled(Told(model, made, notes, hashed, containers))
 
 
-def _numbered(
-    triples: Iterable[Triple], names: dict[Iri, int], terms: dict[Term, int]
-) -> Iterator[int]:
+def _numbered(triples: Iterable[Triple], names: dict[Iri, int], terms: dict[Term, int]) -> Iterator[int]:
     for subject, predicate, value in triples:
         yield names.setdefault(subject, len(names))
         yield names.setdefault(predicate, len(names))
@@ -53,4 +51,6 @@ def _term(text: Sequence[str]) -> Term:
     if len(text) == 1:
         return ox.NamedNode(text[0])
     value, datatype, language = text
-    return ox.Literal(value, language=language) if language else ox.Literal(value, datatype=ox.NamedNode(datatype))
+    if language:
+        return ox.Literal(value, language=language)
+    return ox.Literal(value, datatype=ox.NamedNode(datatype))

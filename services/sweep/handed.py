@@ -118,10 +118,10 @@ class Handed(Generic[T, R]):
         """The lane's workers begin with their first piece; what it needs is loaded before, others work on."""
         item = self._next(lane)
         need = self._need(item)
-        if self._loads_itself():
-            assert self._prepare is not None and self._prepare.shared is not None
+        shared = self._shared_alone()
+        if shared is not None:
             with all_kept():
-                self._prepare.shared()
+                shared()
         elif need not in self._loaded:
             self._hand_out(loading=True)
             if self._prepare is not None:
@@ -131,11 +131,13 @@ class Handed(Generic[T, R]):
         lane.open(self._loaded)
         self._submit(lane)
 
-    def _loads_itself(self) -> bool:
-        """Whether the next workers to begin are the first, and others need something else."""
-        if self._prepare is None or self._prepare.shared is None or any(each.is_open for each in self._lanes):
-            return False
-        return 1 < len(self._lanes) <= len({*map(self._need, self._waiting.firsts())})
+    def _shared_alone(self) -> Callable[[], None] | None:
+        """What alone is loaded here: the next workers are the first, and others need something else."""
+        shared = None if self._prepare is None else self._prepare.shared
+        if any(each.is_open for each in self._lanes) or len(self._lanes) == 1:
+            return None
+        needs = {*map(self._need, self._waiting.firsts())}
+        return shared if len(self._lanes) <= len(needs) else None
 
     def _hand_out(self, loading: bool = False) -> None:
         """Lanes that have begun get pieces, who has fewest first.

@@ -33,6 +33,7 @@ from services.keeping.robots import read_robot
 from services.relative import Relative
 from services.sweep.ahead import reading
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
+from services.sweep.engines import all_kept
 
 TWINS_KEPT = 16
 """Kitchens with a robot that a worker keeps."""
@@ -84,7 +85,7 @@ def prepare(cell: Cell) -> None:
 
 
 def prepare_robot(cell: Cell) -> None:
-    """What every case of the robot needs in any kitchen is loaded: its shapes, compiled loops, what checks scope.
+    """What the robot needs in any kitchen is loaded: its shapes, compiled loops, what checks scope.
 
     It stands in an empty room for that. What cannot be loaded is told by the case.
     """
@@ -216,7 +217,7 @@ def read_ahead(kitchens: Sequence[str], robots: Sequence[str]) -> None:
     What cannot be read is told when it is asked for.
     """
     written = {_written(name): name for name in kitchens if Path(name).suffix not in GRAPH_FORMATS}
-    with reading(list(written.values()), load_twin) as come:
+    with reading(list(written.values()), load_twin) as come, all_kept():
         _load_oracles()
         with suppress(SdtError):
             for robot in robots:

@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -18,10 +19,11 @@ import kitchens
 from predicates.case import Verdict
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import AnnotationError, OracleUnavailableError
+from sdt_kg.load import model_name
 from services.app import Policy
 from services.commands.exits import Exit
 from services.sweep.cell import Cell
-from services.sweep.worker import prepare, verdict_of
+from services.sweep.worker import prepare, prepare_robot, verdict_of
 from services.table import CellResult, cells, run
 from tests.small import FOLDER
 
@@ -131,8 +133,8 @@ def test_who_needs_every_verdict_is_told_that_one_is_missing() -> None:
         run(cases, 2, lambda result: None)
 
 
-def test_workers_begin_with_the_kitchen_of_fewest_cases_and_each_is_loaded_once(
-    monkeypatch: pytest.MonkeyPatch,
+def test_the_first_worker_begins_once_robots_are_loaded_and_loads_the_kitchen_of_fewest_cases(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     loaded: list[tuple[str, str]] = []
 
@@ -140,13 +142,25 @@ def test_workers_begin_with_the_kitchen_of_fewest_cases_and_each_is_loaded_once(
         loaded.append((case.kitchen, case.robot))
         prepare(case)
 
+    def prepared_robot(case: Cell) -> None:
+        loaded.append(("", case.robot))
+        prepare_robot(case)
+
+    def begun(case: Cell) -> Verdict:
+        (tmp_path / f"{time.monotonic_ns()} {model_name(case.kitchen)}").touch()
+        return verdict_of(case)
+
     monkeypatch.setattr("services.table.prepare", prepared)
+    monkeypatch.setattr("services.table.prepare_robot", prepared_robot)
+    monkeypatch.setattr("services.table.verdict_of", begun)
     small = [str(FOLDER / f"{name}.urdf") for name in ("a", "b")]
     robot = str(FOLDER / "pr2.urdf")
     cases = cells(small, [robot], "open", (), Policy(budget=0.01))
     counts = Counter(case.kitchen for case in cases)
     assert len(run(cases, 2, lambda result: None).results) == len(cases)
-    assert loaded == [(kitchen, robot) for kitchen in sorted(small, key=counts.__getitem__)]
+    few, many = sorted(small, key=counts.__getitem__)
+    assert loaded == [("", robot), (many, robot)], "in the process that begins the others"
+    assert min(each.name for each in tmp_path.iterdir()).endswith(f" {model_name(few)}")
 
 
 def test_what_judges_is_loaded_without_the_parts_of_scipy_which_take_long() -> None:

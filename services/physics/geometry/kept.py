@@ -31,7 +31,7 @@ def kept(follows_from: Sequence[object], make: Callable[[], list[Array]]) -> lis
 
 
 def _packed(arrays: list[Array]) -> bytes:
-    """One array of integers: how many there are, of each whether it is of numbers, rows, columns; then all."""
+    """One array of integers: how many; of each whether it is of numbers, its rows and columns; then all."""
     heads = [(each.dtype == np.float64, *each.shape) for each in arrays]
     parts = [np.ascontiguousarray(each).view(np.int64).ravel() for each in arrays]
     packed = io.BytesIO()

@@ -154,7 +154,7 @@ class Hull(coal.Convex):
         triangles.extend([coal.Triangle(*each) for each in faces.tolist()])
         super().__init__(own, triangles)
         self.computeLocalAABB()
-        self.starts, self.rows = starts.ravel(), rows.ravel()
+        self.starts, self.rows = (np.asarray(each, np.int64).ravel() for each in (starts, rows))
 
 
 def _hulled(points: NDArray[np.float64]) -> tuple[Array, Array, Array, Array]:
