@@ -26,6 +26,7 @@ from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
 from services.embodiment.floor import aloft, check_base, check_floor, check_start
+from services.embodiment.handles import of_one_handle
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.sets import grasp_settings
 from services.embodiment.hopeless import hopeless
@@ -143,18 +144,16 @@ class WholeBody:
         began = time.perf_counter()
         self._warm(world, kits)
         clock.spent("compile", began)
-        answer, others = (
-            self._by_handle(case, (world, kits, roads), container, clock),
-            coupled(twin, container),
-        )
+        models, others = (world, kits, roads), coupled(twin, container)
+        answer = self._by_handle(case, models, container, clock)
         if answer.holds:
             return answer
         for other in others:
-            found = self._by_handle(case, (world, kits, roads), other, clock)
+            found = self._by_handle(case, models, other, clock)
             if found.holds:
                 note = f"held by {local_name(other.handle)}: {container.name} moves with {other.name}"
                 return replace(found, notes=(*found.notes, note))
-        return _unproved(answer, container, others)
+        return of_one_handle(answer, container, others)
 
     def _by_handle(
         self, case: Case, models: tuple[World, Kits, Known], container: Container, clock: Clock
@@ -302,27 +301,6 @@ def _of_models(scene: Scene) -> tuple[str, ...]:
     """What of kitchen and robot is assumed, or missing: nothing can collide with what has no shape."""
     models = (scene.kitchen.mechanism.notes, scene.robot.mechanism.notes, scene.annotation.notes)
     return (*dict.fromkeys(chain.from_iterable(models)), *aloft(scene))
-
-
-def _unproved(answer: Answer, container: Container, others: tuple[Container, ...]) -> Answer:
-    """A refusal of a container; where there are other handles that move it, nothing is proved of them."""
-    looked, passed = (tuple(local_name(each) for each in some) for some in _others(container, others))
-    if not looked and not passed:
-        return answer
-    said = (f"nor by {', '.join(looked)}, which move with it, as far as was looked",) if looked else ()
-    said += (f"not looked for by {', '.join(passed)}, which move it, too",) if passed else ()
-    said = (*answer.notes, *said, f"what is said is of {local_name(container.handle)}")
-    if answer.artefact is None or not any(each.proof for each in answer.diagnoses):
-        return replace(answer, notes=said)
-    diagnoses = tuple(replace(each, proof=False) for each in answer.diagnoses)
-    return replace(answer, diagnoses=diagnoses, notes=said, artefact=None)
-
-
-def _others(container: Container, others: tuple[Container, ...]) -> tuple[list[Iri], list[Iri]]:
-    """Handles by which containers were looked for that move with one, and those that nobody looks at."""
-    return [each.handle for each in others], [
-        more for each in (container, *others) for more in each.more_handles
-    ]
 
 
 def _certified(case: Case, notes: tuple[str, ...], clock: Clock, outcome: Certified) -> Answer:
