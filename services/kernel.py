@@ -4,7 +4,6 @@ Most kernels are called by kernels alone. Of those (`subkernel`) no machine code
 their callers hold it.
 """
 
-import gc
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -22,6 +21,7 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import PassManager
 
 from services.compiled import LEVEL, Kept, made_of
+from services.garbage import unsought
 
 _settings: Any = config
 _njit: Any = numba.njit
@@ -247,16 +247,10 @@ def _at_level() -> Iterator[None]:
 
     To free what compiling leaves takes a tenth more: it goes to what is old, which is looked at last.
     """
-    usual, collects = _settings.OPT, gc.isenabled()
+    usual = _settings.OPT
     _settings.OPT = type(usual)(min(usual, LEVEL))
-    gc.disable()
     try:
-        yield
+        with unsought():
+            yield
     finally:
         _settings.OPT = usual
-        if collects:
-            frozen = gc.get_freeze_count()
-            gc.freeze()
-            if not frozen:
-                gc.unfreeze()  # all of it is the oldest generation then
-            gc.enable()

@@ -1,6 +1,5 @@
 """A group whose subcommands are imported when they are run, so that help and completion are at once."""
 
-import gc
 from collections.abc import Iterator, Mapping, MutableMapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -9,6 +8,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from services.commands.exits import Exit
+from services.garbage import unsought
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,16 +26,8 @@ class Listed:
     def load(self) -> click.Command:
         """The command, imported; no garbage is looked for in what modules define."""
         module, attribute = self.place.split(":")
-        collects = gc.isenabled()
-        gc.disable()
-        try:
+        with unsought():
             return getattr(import_module(module), attribute)
-        finally:
-            if not gc.get_freeze_count():
-                gc.freeze()
-                gc.unfreeze()  # all of it is old then, and seldom looked at
-            if collects:
-                gc.enable()
 
 
 class LazyGroup(click.Group):

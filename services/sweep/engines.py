@@ -1,6 +1,5 @@
 """Who judges: processes of this machine, or a Dask cluster; each as an executor that can be opened anew."""
 
-import gc
 import os
 import re
 import resource
@@ -104,19 +103,6 @@ class Loading(Generic[T]):
     load: Callable[[T], None]
     what: Callable[[T], Hashable] = lambda _: None
     shared: Callable[[], None] | None = None
-
-
-@contextmanager
-def all_kept() -> Iterator[None]:
-    """No garbage is looked for in what is loaded; what compiling leaves, 300 MB, goes with the process."""
-    collects = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        gc.freeze()
-        if collects:
-            gc.enable()
 
 
 def processes(count: int) -> Engine:

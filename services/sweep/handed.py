@@ -12,7 +12,8 @@ from types import TracebackType
 from typing import Final, Generic, TypeVar
 
 from sdt_kg.errors import InputError, OracleUnavailableError, SdtError
-from services.sweep.engines import Engine, Lane, Loading, all_kept, processes
+from services.garbage import unsought
+from services.sweep.engines import Engine, Lane, Loading, processes
 from services.sweep.waiting import MOST_TOGETHER, Waiting
 
 _log = logging.getLogger("sdt.sweep")
@@ -120,12 +121,12 @@ class Handed(Generic[T, R]):
         need = self._need(item)
         shared = self._shared_alone()
         if shared is not None:
-            with all_kept():
+            with unsought(for_good=True):
                 shared()
         elif need not in self._loaded:
             self._hand_out(loading=True)
             if self._prepare is not None:
-                with all_kept():
+                with unsought(for_good=True):
                     self._prepare.load(item)
             self._loaded.add(need)
         lane.open(self._loaded)

@@ -29,11 +29,11 @@ from sdt_kg.triples import mechanism_triples
 from sdt_kg.triples.from_mechanism import pose_triples
 from sdt_kg.twin import Twin
 from services.app import Forces, Oracles, Policy, Service, whole_body
+from services.garbage import unsought
 from services.keeping.robots import read_robot
 from services.relative import Relative
 from services.sweep.ahead import reading
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
-from services.sweep.engines import all_kept
 
 TWINS_KEPT = 16
 """Kitchens with a robot that a worker keeps."""
@@ -217,7 +217,7 @@ def read_ahead(kitchens: Sequence[str], robots: Sequence[str]) -> None:
     What cannot be read is told when it is asked for.
     """
     written = {_written(name): name for name in kitchens if Path(name).suffix not in GRAPH_FORMATS}
-    with reading(list(written.values()), load_twin) as come, all_kept():
+    with reading(list(written.values()), load_twin) as come, unsought(for_good=True):
         _load_oracles()
         with suppress(SdtError):
             for robot in robots:
