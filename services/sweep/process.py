@@ -5,9 +5,9 @@ import logging
 import multiprocessing as mp
 import os
 import pickle
-import queue
 import signal
 import threading
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future
 from contextlib import suppress
@@ -19,17 +19,19 @@ _log = logging.getLogger("sdt.sweep")
 P = ParamSpec("P")
 R = TypeVar("R")
 
-_Task = tuple["Future[Any]", Callable[..., Any], tuple[Any, ...], dict[str, Any]]
-
 KILLED_WITHIN: Final = 10.0
 """[s] In which a process is gone that was killed."""
+
+DIED: Final = "the process died"
+"""What is told of work that it had."""
 
 
 class OneProcess(Executor):
     """A copy of this process that waits for work, and ends with the one that made it.
 
-    A thread hands it the work, from the first on. An executor that is made later is copied while it waits
-    for an answer: nothing that the copy uses is locked by it.
+    Work is sent as it is given, so that the next is there when the process is free; a thread waits for
+    answers, from the first on. An executor that is made later is copied while it waits: nothing that the
+    copy uses is locked by it.
     """
 
     def __init__(self) -> None:
@@ -39,22 +41,28 @@ class OneProcess(Executor):
         self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
         self._process.start()
         theirs.close()  # with the process's own end its death is the end of what comes in
-        self._tasks: queue.SimpleQueue[_Task | None] = queue.SimpleQueue()
-        self._thread = threading.Thread(target=self._hand, daemon=True)
+        self._given: deque[Future[Any]] = deque()
+        self._sending = threading.Lock()
+        self._thread = threading.Thread(target=self._hear, daemon=True)
 
     def submit(self, fn: Callable[P, R], /, *args: P.args, **kwargs: P.kwargs) -> "Future[R]":
-        """What comes of it; a `BrokenExecutor` once the process has died."""
+        """What comes of it; a `BrokenExecutor` once the process has died. It cannot be cancelled alone."""
         future: Future[R] = Future()
-        self._tasks.put((future, fn, args, kwargs))
-        if not self._thread.ident:
-            self._thread.start()
+        future.set_running_or_notify_cancel()
+        with self._sending:
+            self._given.append(future)
+            try:
+                self._pipe.send((fn, args, kwargs))
+            except Exception as error:  # noqa: BLE001 - it cannot travel, or nobody is there; told to who asked
+                self._given.pop().set_exception(BrokenExecutor(DIED) if isinstance(error, OSError) else error)
+        self._begin_to_hear()
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """The process ends when it has done what it was given; at once, if that is cancelled."""
-        self._tasks.put(None)
-        if not self._thread.ident:
-            self._thread.start()
+        with self._sending, suppress(OSError):  # it has died, or ends already
+            self._pipe.send(None)
+        self._begin_to_hear()
         if cancel_futures:
             self._process.kill()
             self._process.join(KILLED_WITHIN)
@@ -62,24 +70,26 @@ class OneProcess(Executor):
             self._thread.join()
             self._process.join()
 
-    def _hand(self) -> None:
-        """One after the other is sent, and answered; after the process has died all are answered so."""
-        while (task := self._tasks.get()) is not None:
-            future, *work = task
-            if not future.set_running_or_notify_cancel():
-                continue
+    def _begin_to_hear(self) -> None:
+        if not self._thread.ident:
+            self._thread.start()
+
+    def _hear(self) -> None:
+        """Answers come in the order of the work; when no more can come, all that is left is told so."""
+        while True:
             try:
-                self._pipe.send(work)
                 good, answer = self._pipe.recv()
             except (EOFError, OSError):
-                future.set_exception(BrokenExecutor("the process died"))
-            except Exception as error:  # noqa: BLE001 - what cannot travel; told to who asked
-                future.set_exception(error)
+                break
+            except Exception as error:  # noqa: BLE001 - what cannot be read here; told to who asked
+                self._given.popleft().set_exception(error)
             else:
+                future = self._given.popleft()
                 future.set_result(answer) if good else future.set_exception(RuntimeError(answer))
-        with suppress(OSError):  # it has died already
-            self._pipe.send(None)
-        self._pipe.close()
+        with self._sending:
+            self._pipe.close()
+            while self._given:
+                self._given.popleft().set_exception(BrokenExecutor(DIED))
 
 
 def _serve(pipe: Connection) -> None:

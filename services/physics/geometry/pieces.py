@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from sdt_kg.mechanism import Geometry, ShapeType
 from services.kernel import kernel
 from services.physics.geometry.shapes import (
+    Triangles,
     corners,
     faces_of,
     hull_of_solid,
-    of_triangles,
     surface,
     with_volume,
 )
@@ -203,4 +203,4 @@ def _shape(triangles: Array, solid: Array, flat: bool) -> coal.CollisionGeometry
 
 def _triangles(triangles: Array) -> coal.BVHModelBase:
     points = np.ascontiguousarray(triangles.reshape(-1, 3))
-    return of_triangles(points, np.arange(len(points)).reshape(-1, 3))
+    return Triangles(points, np.arange(len(points)).reshape(-1, 3))

@@ -98,18 +98,25 @@ def _of_plain(mesh_file: str, scale: tuple[float, ...]) -> coal.BVHModelBase | N
     """The mesh of a plain OBJ file; None of any other."""
     path = Path(mesh_file)
     found = obj.plain(path.read_bytes()) if path.suffix.lower() == obj.SUFFIX and path.is_file() else None
-    return None if found is None else of_triangles(found[0] * np.array(scale), found[1])
+    return None if found is None else Triangles(found[0] * np.array(scale), found[1])
 
 
-def of_triangles(points: NDArray[np.float64], faces: NDArray[np.int64]) -> coal.BVHModelBase:
-    """A mesh of points, shape (V, 3) [m], and the three of each triangle, shape (M, 3)."""
-    mesh = coal.BVHModelOBBRSS()
-    mesh.beginModel(len(faces), len(points))
-    mesh.addVertices(points)
-    mesh.addTriangles(faces)
-    mesh.endModel()
-    mesh.computeLocalAABB()
-    return mesh
+class Triangles(coal.BVHModelOBBRSS):
+    """A mesh, with what it was made of: coal gives triangles back one by one.
+
+    Attributes:
+        points: Shape (V, 3) [m].
+        faces: The three of each triangle, shape (M, 3).
+    """
+
+    def __init__(self, points: NDArray[np.float64], faces: NDArray[np.int64]) -> None:
+        super().__init__()
+        self.points, self.faces = points, faces
+        self.beginModel(len(faces), len(points))
+        self.addVertices(points)
+        self.addTriangles(faces)
+        self.endModel()
+        self.computeLocalAABB()
 
 
 def _check_size(mesh_file: str, size: float) -> None:
@@ -195,7 +202,12 @@ def _read(mesh: coal.BVHModelBase) -> NDArray[np.float64]:
 
 
 def faces_of(mesh: coal.BVHModelBase) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    """Points of a mesh in its own frame, shape (V, 3) [m], and the three of each triangle, shape (M, 3)."""
+    """Points of a mesh in its own frame, shape (V, 3) [m], and the three of each triangle, shape (M, 3).
+
+    They may be its own, so neither is to be changed.
+    """
+    if isinstance(mesh, Triangles):
+        return mesh.points, mesh.faces
     faces = (mesh.tri_indices(i) for i in range(mesh.num_tris))
     return np.array(mesh.vertices()), np.array([(face[0], face[1], face[2]) for face in faces], np.intp)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from services.physics.geometry.pieces import Piece, beyond
-from services.physics.geometry.shapes import corners, of_triangles
+from services.physics.geometry.shapes import Triangles, corners
 from tests.services.physics.stops.test_sweep_rooms import asked, load_twin, shape
 
 
@@ -218,7 +218,7 @@ def test_of_triangles_what_is_beyond_a_plane_is_cut_off_at_it() -> None:
     # Two triangles of a square of 2 m, cut at x = 0.5: 1.5 m by 2 m are left.
     square = [[(0, 0, 0), (2, 0, 0), (2, 2, 0)], [(0, 0, 0), (2, 2, 0), (0, 2, 0)]]
     points = np.array(square, float)
-    mesh = of_triangles(points.reshape(-1, 3), np.arange(6).reshape(2, 3))
+    mesh = Triangles(points.reshape(-1, 3), np.arange(6).reshape(2, 3))
     part = beyond(Piece(points.min((0, 1)), points.max((0, 1)), lambda: mesh), np.array([1.0, 0, 0]), 0.5)
     assert part is not None
     left = corners(part.shape)
