@@ -15,7 +15,6 @@ from sdt_kg.errors import OracleUnavailableError
 from sdt_kg.load import model_name
 from sdt_kg.motion import BodyMotion
 from services.app import Policy
-from services.motions import write_motion
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
 from services.sweep.engines import Loading, cpu_seconds
 from services.sweep.handed import Lost, each_or_lost
@@ -216,5 +215,7 @@ def _kept(cell: Cell, verdict: Verdict, motions: Path | None, records: bool) -> 
     """The result, its certified body motion written to the folder."""
     body_motion = verdict.case.body_motion
     if motions is not None and verdict.outcome is Outcome.CERTIFIED and isinstance(body_motion, BodyMotion):
+        from services.motions import write_motion  # noqa: PLC0415 - slow to import; kitchens are read meanwhile
+
         write_motion(motions / cell.file_name, body_motion)
     return CellResult(cell, to_json(verdict), to_record(verdict) if records else None)
