@@ -44,7 +44,8 @@ def sdt(
     """`sdt("containers", "b")` → exit code, standard output, standard error."""
 
     monkeypatch.setenv("SDT_CONFIG", os.devnull)  # whoever runs the tests may have settings
-    monkeypatch.setenv("PYTHONSAFEPATH", "1")  # as `main` sets it; afterwards it is as it was
+    for name in ("PYTHONSAFEPATH", "OMP_NUM_THREADS"):
+        monkeypatch.setenv(name, "1")  # as `main` sets it; afterwards it is as it was
 
     def run(*arguments: str) -> Done:
         monkeypatch.setattr(sys, "argv", ["sdt", *arguments])
