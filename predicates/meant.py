@@ -61,10 +61,13 @@ def coupled(twin: Twin, container: Container) -> tuple[Container, ...]:
     )
 
 
-def other_handles(twin: Twin, container: Container) -> tuple[Iri, ...]:
-    """Handles beside its own by which a container is moved: what is proved of that says nothing of them."""
-    every = (container, *coupled(twin, container))
-    return (*(each.handle for each in every[1:]), *(more for each in every for more in each.more_handles))
+def by_other_handles(twin: Twin, container: Container) -> tuple[Container, ...]:
+    """The container, and those that move with it, by each handle but its own.
+
+    What is proved of its own says nothing of them.
+    """
+    others = (other for each in coupled(twin, container) for other in each.by_each_handle)
+    return (*container.by_each_handle[1:], *others)
 
 
 def _joint(twin: Twin, of: Iri) -> Iri | None:

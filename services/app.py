@@ -217,11 +217,12 @@ class Forces:
         """R that has to bear them."""
         from services.dynamics.robot.bearing import Bearing  # noqa: PLC0415 - only where forces are asked about
 
-        return Bearing(whole_body(policy))
+        # Forces are asked at a container's own handles: at those of others they are others.
+        return Bearing(whole_body(policy, coupled=False))
 
 
-def whole_body(policy: Policy) -> Embodiment:
-    """R of this process under a policy."""
+def whole_body(policy: Policy, *, coupled: bool = True) -> Embodiment:
+    """R of this process under a policy; see `WholeBody` for what is `coupled`."""
     from services.embodiment.oracle import WholeBody  # noqa: PLC0415 - not needed without a robot
 
     return WholeBody(
@@ -231,6 +232,7 @@ def whole_body(policy: Policy) -> Embodiment:
         seed=policy.seed,
         any_start=policy.any_start,
         contact=policy.contact,
+        coupled=coupled,
     )
 
 

@@ -44,6 +44,15 @@ class Container:
     acceleration: float
     more_handles: tuple[Iri, ...] = ()
 
+    @property
+    def by_each_handle(self) -> "tuple[Container, ...]":
+        """The same with each of its handles in place of its own, that first."""
+        every = self.handle, *self.more_handles
+        return tuple(
+            replace(self, handle=own, more_handles=tuple(each for each in every if each != own))
+            for own in every
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class LeftOut:

@@ -1,7 +1,7 @@
 """The rigid body that a container's joint moves, for one kilogram of it: inertia, weight and lever."""
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
@@ -130,16 +130,14 @@ def axis_of(model: Model, index: int) -> Array:
 
 
 def _lever(part: Part, axis: Array, container: Container) -> tuple[float, float]:
-    """Least and largest distance of the handle's shapes from the hinge's axis, by their boxes [m].
+    """Least and largest distance of its handles' shapes from the hinge's axis, by their boxes [m].
 
     A box lies within the largest of its corners' distances from its middle, seen along the axis.
     """
-    joint_T_body, shapes = _handle(part, container)
     across = np.eye(3) - np.outer(axis, axis)
     found: list[tuple[float, float]] = []
-    for geometry in shapes:
+    for joint_T_shape, geometry in _handles(part, container):
         middle, half = _box(geometry)
-        joint_T_shape = joint_T_body * se3(geometry.pose)
         spread = float(np.linalg.norm(_corners(half) @ joint_T_shape.rotation.T @ across, axis=1).max())
         at = float(np.linalg.norm(across @ joint_T_shape.act(middle)))
         found.append((max(at - spread, 0.0), at + spread))
@@ -147,25 +145,25 @@ def _lever(part: Part, axis: Array, container: Container) -> tuple[float, float]
 
 
 def handle_corners(part: Part, container: Container) -> Array:
-    """Corners of the handle's boxes in the frame of the joint that moves it, shape (8 K, 3)."""
-    joint_T_body, shapes = _handle(part, container)
+    """Corners of its handles' boxes in the frame of the joint that moves them, shape (8 K, 3)."""
     found = list[Array]()
-    for geometry in shapes:
+    for joint_T_shape, geometry in _handles(part, container):
         middle, half = _box(geometry)
-        joint_T_shape = joint_T_body * se3(geometry.pose)
         found.append((_corners(half) + middle) @ joint_T_shape.rotation.T + joint_T_shape.translation)
     return np.concatenate(found)
 
 
-def _handle(part: Part, container: Container) -> tuple[pin.SE3, tuple[Geometry, ...]]:
-    """Where the handle's body is on what moves it, and its shapes."""
-    name = local_name(container.handle)
-    body = next(each for each in part.mechanism.bodies if each.name == name)
-    if not body.collision:
-        raise OracleRejectedError(
-            f"the handle {name} has no shape, so its distance from the hinge is unknown"
-        )
-    return part.attached[name][1], body.collision
+def _handles(part: Part, container: Container) -> Iterator[tuple[pin.SE3, Geometry]]:
+    """Where each shape of each handle is on what moves it: any of them may be held."""
+    bodies = {each.name: each for each in part.mechanism.bodies}
+    for handle in (container.handle, *container.more_handles):
+        name = local_name(handle)
+        if not bodies[name].collision:
+            raise OracleRejectedError(
+                f"the handle {name} has no shape, so its distance from the hinge is unknown"
+            )
+        joint_T_body = part.attached[name][1]
+        yield from ((joint_T_body * se3(each.pose), each) for each in bodies[name].collision)
 
 
 def _corners(half: Array) -> Array:

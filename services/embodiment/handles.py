@@ -1,5 +1,6 @@
-"""What a refusal says where a container has several handles, or moves with others that have theirs."""
+"""What is said where a container has several handles, or moves with others that have theirs."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from predicates.case import Answer
@@ -7,20 +8,29 @@ from sdt_kg.iri import local_name
 from sdt_kg.twin import Container
 
 
-def of_one_handle(answer: Answer, container: Container, others: tuple[Container, ...]) -> Answer:
+def held_by(container: Container, other: Container) -> str:
+    """What a certificate of a container says that is moved by another handle than its own."""
+    handle = local_name(other.handle)
+    if other.iri == container.iri:
+        return f"held by {handle}, another handle of {container.name}"
+    return f"held by {handle}: {container.name} moves with {other.name}"
+
+
+def of_one_handle(answer: Answer, container: Container, others: Sequence[Container], left: int) -> Answer:
     """A refusal of a container; where there are other handles that move it, nothing is proved of them.
 
     Args:
-        answer: About its own handle; those of the others were looked for in vain.
+        answer: About its own handle.
         container: What is refused.
-        others: Containers that move with it.
+        others: By another handle each.
+        left: How many of them, the last ones, were not looked for; the others were, in vain.
     """
-    looked = [local_name(each.handle) for each in others]
-    passed = [local_name(more) for each in (container, *others) for more in each.more_handles]
-    if not looked and not passed:
+    if not others:
         return answer
-    said = (f"nor by {', '.join(looked)}, which move with it, as far as was looked",) if looked else ()
-    said += (f"not looked for by {', '.join(passed)}, which move it, too",) if passed else ()
+    names = [local_name(each.handle) for each in others]
+    looked, passed = ", ".join(names[: len(names) - left]), ", ".join(names[len(names) - left :])
+    said = (f"nor by {looked}, as far as was looked",) if looked else ()
+    said += (f"not looked for by {passed}, where the force would be another",) if passed else ()
     said = (*answer.notes, *said, f"what is said is of {local_name(container.handle)}")
     if answer.artefact is None or not any(each.proof for each in answer.diagnoses):
         return replace(answer, notes=said)

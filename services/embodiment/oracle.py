@@ -8,11 +8,11 @@ from itertools import chain
 import numpy as np
 
 from predicates.case import Answer, Case, Diagnosis
-from predicates.meant import coupled
+from predicates.meant import by_other_handles
 from predicates.record.inputs import ANY_START, NEAREST, TURNED, pose_text
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import OracleRejectedError
-from sdt_kg.iri import Iri, local_name
+from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import UNKNOWN
 from sdt_kg.twin import Container, Twin
@@ -26,7 +26,7 @@ from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
 from services.embodiment.floor import aloft, check_base, check_floor, check_start
-from services.embodiment.handles import of_one_handle
+from services.embodiment.handles import held_by, of_one_handle
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.sets import grasp_settings
 from services.embodiment.hopeless import hopeless
@@ -71,10 +71,12 @@ class WholeBody:
         drive: How the base moves; None takes the robot's own.
         start: Base pose x, y [m], yaw [rad]; None takes the kitchen's, turned to the handle
             (or the nearest that is free, for a robot that drives).
-        budget: Seconds of CPU for the search of one case: on a busy machine the answer is the same, later.
+        budget: Seconds of CPU for the search of one case by one handle: on a busy machine the answer is the
+            same, later.
         seed: Of the search: the same seed gives the same answer, but for the budget.
         any_start: Whether a body motion that is given may begin anywhere, in any posture.
         contact: How far a finger may be from the handle that it holds [m]; None takes the certifier's.
+        coupled: Whether a container may be held by the handle of one that moves with it.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917  # a policy
@@ -85,9 +87,10 @@ class WholeBody:
         seed: int = 0,
         any_start: bool = False,
         contact: float | None = None,
+        coupled: bool = True,
     ) -> None:
         self.drive, self.start, self.budget, self.seed = drive, start, budget, seed
-        self.any_start, self.margins = any_start, Margins()
+        self.any_start, self.margins, self.coupled = any_start, Margins(), coupled
         self.tolerances = Tolerances() if contact is None else replace(Tolerances(), contact=contact)
         self._physics = Kinematics()
         self._compiled = False
@@ -144,16 +147,16 @@ class WholeBody:
         began = time.perf_counter()
         self._warm(world, kits)
         clock.spent("compile", began)
-        models, others = (world, kits, roads), coupled(twin, container)
+        models, others = (world, kits, roads), by_other_handles(twin, container)
         answer = self._by_handle(case, models, container, clock)
         if answer.holds:
             return answer
-        for other in others:
+        looked = [each for each in others if self.coupled or each.iri == container.iri]
+        for other in looked:
             found = self._by_handle(case, models, other, clock)
             if found.holds:
-                note = f"held by {local_name(other.handle)}: {container.name} moves with {other.name}"
-                return replace(found, notes=(*found.notes, note))
-        return of_one_handle(answer, container, others)
+                return replace(found, notes=(*found.notes, held_by(container, other)))
+        return of_one_handle(answer, container, others, len(others) - len(looked))
 
     def _by_handle(
         self, case: Case, models: tuple[World, Kits, Known], container: Container, clock: Clock

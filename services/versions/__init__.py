@@ -9,8 +9,8 @@ from functools import cache
 from importlib.metadata import version
 
 KINEMATICS_VERSION = "12"
-DYNAMICS_VERSION = "4"
-EMBODIMENT_VERSION = "20"
+DYNAMICS_VERSION = "5"
+EMBODIMENT_VERSION = "21"
 BEARING_VERSION = "3"
 """Each is raised whenever an answer of that oracle may change."""
 

@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 
 from sdt_kg.annotation import Drive
-from sdt_kg.errors import InputError
+from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import Array, BodyMotion, Motion
-from sdt_kg.twin import Twin
+from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 
 SCHEMA = "sdt certificate 1"
@@ -46,6 +46,7 @@ class Certificate:
         figures: What was kept, and by how much: name → (value, unit).
         nearest: What comes nearest, one sentence for each scope; and what was not seen.
         asked: The container's motion whose times, or else whose way, had to be kept; None where any would do.
+        handle: By which it is moved; None: its own.
     """
 
     models: tuple[tuple[Iri, str], tuple[Iri, str]]
@@ -58,6 +59,7 @@ class Certificate:
     figures: Figures
     nearest: tuple[str, ...] = ()
     asked: Motion | None = None
+    handle: Iri | None = None
 
     @property
     def environment(self) -> Iri:
@@ -68,6 +70,18 @@ class Certificate:
     def robot(self) -> Iri:
         """IRI of the robot."""
         return self.models[1][0]
+
+    def held_in(self, twin: Twin) -> Container:
+        """What is moved, by the handle that is held.
+
+        Raises:
+            UnknownEntityError: The twin has no such container, or that no such handle.
+        """
+        container = twin.container(self.container)
+        handles = {each.handle: each for each in container.by_each_handle}
+        if self.handle is not None and self.handle not in handles:
+            raise UnknownEntityError(f"handle of {container.name}", self.handle, handles)
+        return container if self.handle is None else handles[self.handle]
 
     def content(self) -> bytes:
         """The bytes from which `read_certificate` makes it again."""
@@ -94,6 +108,8 @@ class Certificate:
             "figures": {name: list(figure) for name, figure in self.figures.items()},
             "nearest": list(self.nearest),
         }
+        if self.handle is not None:
+            said["handle"] = self.handle
         if self.asked is not None:
             said["asked"] = _asked_said(self.asked)
         return said
@@ -174,6 +190,7 @@ def _certificate(said: Mapping[str, Any]) -> Certificate:
         figures={str(name): (float(value), str(unit)) for name, (value, unit) in said["figures"].items()},
         nearest=tuple(map(str, said["nearest"])),
         asked=_asked(said["asked"]) if "asked" in said else None,
+        handle=str(said["handle"]) if "handle" in said else None,
     )
 
 

@@ -146,6 +146,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
         figures=findings.figures,
         nearest=tuple(findings.nearest),
         asked=asked,
+        handle=container.handle,
     )
     return Certified(findings.figures, certificate)
 

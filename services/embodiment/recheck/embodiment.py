@@ -50,7 +50,7 @@ class Certifier:
         x, y, yaw = start
         if not text.endswith(TURNED):
             return text == pose_text(x, y, yaw)
-        handle = self.twin.container(self.certificate.container).handle
+        handle = self.certificate.held_in(self.twin).handle
         at = self.scene.placement(self.scene.q((0.0, 0.0, 0.0), {}), handle).translation
         turned = float(np.arctan2(at[1] - y, at[0] - x))
         if abs(turned - yaw) >= self.certificate.tolerances.start_angle:
@@ -75,7 +75,7 @@ class Certifier:
             none,
             none,
         )
-        container = self.twin.container(one.container)
+        container = one.held_in(self.twin)
         outcome = certify(
             self.twin, one.robot, stands, container, one.tolerances, drive=one.drive, scene=self.scene
         )
@@ -91,7 +91,7 @@ class Certifier:
             self.twin,
             one.robot,
             case.body_motion,
-            self.twin.container(one.container),
+            one.held_in(self.twin),
             one.tolerances,
             drive=one.drive,
             start=one.start,

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from predicates.case import Outcome
-from predicates.meant import other_handles
+from predicates.meant import by_other_handles
 from predicates.record.inputs import TURNED, pose_text, verdict_iri
 from predicates.record.stored import StoredVerdict
 from sdt_kg.annotation import Drive
@@ -42,8 +42,8 @@ def proof_again(content: bytes, twin_of: TwinOf, stored: StoredVerdict | None) -
     reasons = list(checked.reasons)
     if stored is not None and not claim.partial:
         reasons += (
-            f"{local_name(each)} moves {container.name}, too, and of it nothing is proved"
-            for each in other_handles(twin, container)
+            f"{local_name(each.handle)} moves {container.name}, too, and of it nothing is proved"
+            for each in by_other_handles(twin, container)
         )
     if stored is not None and not reasons:
         reasons += _policy_differs(dict(stored.inputs), claim, twin, container)

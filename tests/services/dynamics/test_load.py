@@ -1,6 +1,7 @@
 """The rigid body that a joint moves, from the twin: closed forms of boxes, and Pinocchio's own gravity."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -42,6 +43,16 @@ def test_a_door_of_boxes_has_their_inertia_weight_and_lever() -> None:
     distance = math.hypot(*HANDLE_AT)
     assert load.lever[0] <= distance - 0.01 <= distance + 0.01 <= load.lever[1]
     assert load.lever[1] - load.lever[0] <= 2 * math.hypot(0.01, 0.01) + 1e-9
+
+
+def test_where_a_door_has_more_handles_its_lever_is_that_of_any() -> None:
+    twin = forced_twin()
+    door = twin.container("oven_door")
+    model = build(twin.mechanism(twin.environment))
+    one = load_of(model, twin, door.joint, door).lever
+    low, high = load_of(model, twin, door.joint, replace(door, more_handles=(door.iri,))).lever
+    assert low <= DOOR_AT[1] - 0.2  # the door itself is one, from its hinge on
+    assert high >= one[1]
 
 
 def test_a_drawer_is_mass_alone_and_its_weight_is_borne_by_its_runners() -> None:

@@ -1,5 +1,6 @@
 """Doors that more than one handle opens, their own or that of a door which moves with them."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -7,6 +8,8 @@ import pytest
 from predicates.case import Case, Outcome, Verdict
 from predicates.law import law
 from sdt_kg.annotation import Drive
+from sdt_kg.errors import UnknownEntityError
+from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
@@ -14,6 +17,7 @@ from services.embodiment.certify.certificate import read_certificate
 from services.embodiment.oracle import WholeBody
 from services.embodiment.place.grid import Status
 from services.embodiment.place.search import place
+from services.embodiment.recheck.embodiment import Certifier
 from services.physics.oracle import Kinematics
 from services.store.files import SavedVerdicts
 from tests.services.embodiment.test_recheck import recheck
@@ -84,20 +88,66 @@ def test_what_is_proved_of_one_handle_is_no_proof_about_a_door_that_another_one_
     assert not any(cell.status is Status.PROVED for row in placed.rows for cell in row)
 
 
-def test_what_is_proved_of_one_of_two_handles_is_no_proof_about_their_door(tmp_path: Path) -> None:
-    low = f"""<link name="more_handle">{box(BAR, "0 0 0")}</link>
+def tall(folder: Path, low: float | None) -> Twin:
+    """A door with a handle that is too high, and perhaps another one, so much lower."""
+    more = f"""<link name="more_handle">{box(BAR, "0 0 0")}</link>
 <joint name="more_joint" type="fixed"><parent link="tall_door"/><child link="more_handle"/>
-<origin xyz="-0.055 -0.35 -1.3"/></joint>"""
+<origin xyz="-0.055 -0.35 -{low}"/></joint>"""
     high = door("tall", 1, HIGH).replace("tall_handle", "high_handle")
-    (tmp_path / "tall.urdf").write_text(f'<robot name="tall"><link name="wall"/>{high}{low}</robot>')
-    (tmp_path / "one.urdf").write_text(f'<robot name="one"><link name="wall"/>{high}</robot>')
-    for file, proved in (("one.urdf", True), ("tall.urdf", False)):
-        twin = load_twin(tmp_path / file, ["stretch"])
-        task = Task(Verb.OPEN, twin.container("tall_door").iri)
-        (verdict,) = law(Case(twin, twin.robots[0], task), Kinematics(), WholeBody(Drive.OMNI))
-        assert verdict.outcome is Outcome.NOT_CERTIFIED
-        assert any(each.proof for each in verdict.diagnoses) is proved
-        assert verdict.can_perform is not None
-        assert (verdict.can_perform.artefact is not None) is proved
-        said = "not looked for by more_handle, which move it, too"
-        assert (said in verdict.can_perform.notes) is not proved
+    file = folder / "tall.urdf"
+    file.write_text(f'<robot name="tall"><link name="wall"/>{high}{more if low else ""}</robot>')
+    return load_twin(file, ["stretch"])
+
+
+def opened(twin: Twin, judge: WholeBody) -> Verdict:
+    (verdict,) = law(
+        Case(twin, twin.robots[0], Task(Verb.OPEN, twin.container("tall_door").iri)), Kinematics(), judge
+    )
+    return verdict
+
+
+def test_a_door_is_opened_by_the_other_of_its_handles(tmp_path: Path) -> None:
+    twin = tall(tmp_path, 1.6)
+    verdict = opened(twin, WholeBody(Drive.OMNI))
+    assert verdict.outcome is Outcome.CERTIFIED
+    assert verdict.can_perform is not None
+    assert verdict.can_perform.artefact is not None
+    assert "held by more_handle, another handle of tall_door" in verdict.can_perform.notes
+    certificate = read_certificate(verdict.can_perform.artefact.content)
+    assert local_name(certificate.held_in(twin).handle) == "more_handle"
+    with pytest.raises(UnknownEntityError, match="handle of tall_door"):
+        replace(certificate, handle=twin.container("tall_door").iri).held_in(twin)
+    given = replace(verdict.case, body_motion=certificate.motion)
+    (again,) = law(given, Kinematics(), WholeBody(Drive.OMNI))
+    assert again.outcome is Outcome.CERTIFIED
+    file = tmp_path / "kept.nq"
+    with SavedVerdicts(file) as saved:
+        saved.add_twin(twin)
+        saved.add(verdict)
+    assert recheck(file).reasons == ()
+    by_own = replace(certificate, handle=None)
+    assert Certifier(twin, by_own).perform(given).holds is False
+
+
+@pytest.mark.parametrize(("low", "proved"), [(None, True), (0.1, False)])
+def test_what_is_proved_of_one_of_two_handles_is_no_proof_about_their_door(
+    tmp_path: Path, low: float | None, proved: bool
+) -> None:
+    twin = tall(tmp_path, low)
+    verdict = opened(twin, WholeBody(Drive.OMNI))
+    assert verdict.outcome is Outcome.NOT_CERTIFIED
+    assert any(each.proof for each in verdict.diagnoses) is proved
+    assert verdict.can_perform is not None
+    assert (verdict.can_perform.artefact is not None) is proved
+    said = "nor by more_handle, as far as was looked"
+    assert (said in verdict.can_perform.notes) is not proved
+
+
+def test_where_forces_are_asked_a_door_is_held_by_none_of_another_door(tmp_path: Path) -> None:
+    twin = pair(tmp_path, 1.0)
+    task = Task(Verb.OPEN, twin.container("left_door").iri)
+    (verdict,) = law(Case(twin, twin.robots[0], task), Kinematics(), WholeBody(Drive.OMNI, coupled=False))
+    assert verdict.outcome is Outcome.NOT_CERTIFIED
+    assert verdict.can_perform is not None
+    assert "not looked for by right_handle, where the force would be another" in verdict.can_perform.notes
+    assert not any(each.proof for each in verdict.diagnoses)
