@@ -74,6 +74,6 @@ def _moved(case: Case) -> Iterator[Container]:
         span = np.ptp(case.body_motion.kitchen_q, axis=0) if len(case.body_motion.kitchen_joints) else ()
         named.update(j for j, moved in zip(case.body_motion.kitchen_joints, span, strict=True) if moved > 0)
     for one in case.twin.containers():
-        if named & {one.joint, one.active_joint, one.handle, one.iri}:
+        if named & {one.joint, one.active_joint, one.handle, *one.more_handles, one.iri}:
             yield one
     raise OracleRejectedError(f"none of {sorted(named) or 'nothing'} is a container or its joint")

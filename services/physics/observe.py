@@ -83,14 +83,19 @@ class Followed:
 
 
 def followed(model: Model, twin: Twin, track: Track, container: Container) -> Followed | None:
-    """The track as motion of a container that begins in the twin's state; None if its handle is out of reach.
+    """The track as motion of a container that begins in the twin's state; None if no handle is within reach.
 
     Args:
         model: Built from the twin's environment.
         twin: The kitchen in the state in which the track begins.
         track: In the kitchen's root frame.
-        container: Whose motion it might be.
+        container: Whose motion it might be, by the nearest of its handles.
     """
+    found = (_by_own(model, twin, track, each) for each in container.by_each_handle)
+    return min((each for each in found if each is not None), key=lambda each: each.reach, default=None)
+
+
+def _by_own(model: Model, twin: Twin, track: Track, container: Container) -> Followed | None:
     path = chain(model, container.handle, twin.state)
     joint = path.follower
     pose = path.poses(np.array([twin.state.get(joint.active, 0.0)]))[0][0]

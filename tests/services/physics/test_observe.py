@@ -1,5 +1,7 @@
 """An observed track as motion of a container: it begins where it is and ends where it was last seen."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -47,3 +49,27 @@ def test_where_a_track_rests_noise_does_not_count(name: str) -> None:
     shares = np.concatenate((np.zeros(40), np.linspace(0.0, 0.93, 60), np.full(40, 0.93)))
     found, upper = seen(name, shares, 0.002)
     assert float(found.motion.values[-1, 0]) == pytest.approx(0.93 * upper, abs=0.002)
+
+
+def test_the_track_of_another_handle_is_the_motion_of_its_door(tmp_path: Path) -> None:
+    box = '<collision><geometry><box size="{}"/></geometry></collision>'
+    handles = "".join(
+        f"""<link name="{name}_handle">{box.format("0.01 0.01 0.1")}</link>
+<joint name="{name}_joint" type="fixed"><parent link="door"/><child link="{name}_handle"/>
+<origin xyz="-0.05 0.5 {height}"/></joint>"""
+        for name, height in (("high", 0.6), ("low", -0.6))
+    )
+    (tmp_path / "tall.urdf").write_text(
+        f"""<robot name="tall"><link name="wall"/><link name="door">{box.format("0.02 0.5 1.4")}</link>
+<joint name="door_joint" type="revolute"><parent link="wall"/><child link="door"/>
+<origin xyz="1 0 1"/><axis xyz="0 0 1"/><limit lower="0" upper="1.5" velocity="1" effort="1"/></joint>
+{handles}</robot>"""
+    )
+    twin = load_twin(tmp_path / "tall.urdf")
+    door = twin.container("door")
+    model = build(twin.mechanism(twin.environment))
+    for handle in (door.handle, *door.more_handles):
+        poses = chain(model, handle, twin.state).poses(np.linspace(0.0, 1.4, 80))[0]
+        found = seen_in(twin, learn(Track(poses[:, :3, 3], np.arange(80) / 20, timed=True)), Kinematics())
+        assert found.explanation.tasks[0].container == door.iri, handle
+        assert float(found.motion.values[-1, 0]) == pytest.approx(1.4, abs=0.005)
