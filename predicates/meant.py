@@ -78,12 +78,9 @@ def _joint(twin: Twin, of: Iri) -> Iri | None:
     bodies = {each.name for each in mechanism.bodies}
     if name not in bodies:
         raise UnknownEntityError("joint or frame", name, bodies)
-    parents = {each.child: each for each in mechanism.joints}
-    while name in parents:
-        if parents[name].type is not JointType.FIXED:
-            return joint_iri(mechanism.name, parents[name].name)
-        name = parents[name].parent
-    return None
+    carrier = mechanism.carriers()[name]
+    moves = (each.name for each in mechanism.joints if each.child == carrier)
+    return next((joint_iri(mechanism.name, each) for each in moves), None)
 
 
 def tasks_meant(case: Case) -> Iterator[tuple[Task, Container]]:

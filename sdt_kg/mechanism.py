@@ -181,6 +181,13 @@ class Mechanism:
     joints: tuple[Joint, ...]
     notes: tuple[str, ...] = ()
 
+    def carriers(self) -> dict[str, str]:
+        """Body → the one above it, or itself, that a joint moves; the root where none does."""
+        found = {self.root: self.root}
+        for joint in self.joints:
+            found[joint.child] = found[joint.parent] if joint.type is JointType.FIXED else joint.child
+        return found
+
     def joint(self, name: str) -> Joint:
         """Joint of that name; KeyError is a bug of ours, input is checked where it enters."""
         return next(joint for joint in self.joints if joint.name == name)

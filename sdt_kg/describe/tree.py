@@ -35,11 +35,11 @@ class Tree:
 
     def rigid_root(self, body: str) -> str:
         """The topmost body to which this one is rigidly attached."""
-        joint = self.by_child.get(body)
-        while joint is not None and joint.type is JointType.FIXED:
-            body = joint.parent
-            joint = self.by_child.get(body)
-        return body
+        return self._carriers[body]
+
+    @cached_property
+    def _carriers(self) -> dict[str, str]:
+        return self.mechanism.carriers()
 
     def below(self, body: str) -> Iterator[str]:
         """The body and all bodies below it."""

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from sdt_kg.iri import SDT, body_iri, local_name
-from sdt_kg.mechanism import JointType, Mechanism
+from sdt_kg.mechanism import Mechanism
 from sdt_kg.store import Triple, value_of
 
 _HANDLE, _JOINT = SDT + "hasHandle", SDT + "hasJoint"
@@ -14,7 +14,7 @@ def torn(triples: Iterable[Triple], mechanism: Mechanism) -> str:
 
     A hand that held a post beside a door would be said to open it.
     """
-    carrier = _carriers(mechanism)
+    carrier = mechanism.carriers()
     names = {body_iri(mechanism.name, name): name for name in carrier}
     children = {joint.name: joint.child for joint in mechanism.joints}
     for subject, predicate, term in triples:
@@ -26,15 +26,3 @@ def torn(triples: Iterable[Triple], mechanism: Mechanism) -> str:
         if predicate == _JOINT and children.get(other) != carrier[body]:
             return f"joint '{other}' of '{body}' does not move it"
     return ""
-
-
-def _carriers(mechanism: Mechanism) -> dict[str, str]:
-    """Body → the one above it, or itself, that a joint moves; the root where none does."""
-    above = {joint.child: joint for joint in mechanism.joints}
-    found: dict[str, str] = {}
-    for body in mechanism.bodies:
-        at = body.name
-        while at in above and above[at].type is JointType.FIXED:
-            at = above[at].parent
-        found[body.name] = at
-    return found
