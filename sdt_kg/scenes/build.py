@@ -11,13 +11,16 @@ from numpy.typing import NDArray
 
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Body, Geometry, Inertia, Joint, JointType, Limits, Mechanism, Mimic, Pose
-from sdt_kg.scenes.planes import check_floor
+from sdt_kg.scenes.planes import LEVEL, floor_of
 from sdt_kg.urdf import quaternion
 from sdt_kg.urdf.document import reachable
 from sdt_kg.urdf.inertias import with_possible
 from sdt_kg.urdf.joints import checked, resolved, turned, with_fixed
 
 Matrix = NDArray[np.float64]
+
+FLOOR: Final = "on_floor"
+"""What the root is called, behind the scene's own, where that is above the floor."""
 
 HANDLE: Final = "handle"
 """In the name of a shape, in whatever case: it is one of a handle."""
@@ -60,13 +63,14 @@ def built(
     """The mechanism, its root the first part; joints parents first, checked as a URDF's are.
 
     Shapes that are called a handle, of a body that is not, become a body of their own, which is fixed to it:
-    scenes have them in the body of the door.
+    scenes have them in the body of the door. Where the floor is below z = 0, the root is a body on it, to
+    which the scene is fixed: robots stand at z = 0 of the root.
 
     Raises:
-        UrdfError: A name twice, a joint between parts that do not exist, a loop, impossible limits, or the
-            floor below z = 0.
+        UrdfError: A name twice, a joint between parts that do not exist, a loop, or impossible limits.
     """
     parts, links, apart = _with_handles(parts, links)
+    parts, links, lifted = _on_floor(parts, links)
     frames = {part.name: part.frame for part in parts}
     twice = sorted(name for name, count in Counter(part.name for part in parts).items() if count > 1)
     if twice:
@@ -86,10 +90,10 @@ def built(
         raise UrdfError(
             f"{source}: bodies form no tree: {', '.join(cut_off[:8]) or 'a loop'}", allowed="a tree"
         )
-    shapes = ((part, one) for part in parts for one in part.shapes)
-    check_floor([(part.name, part.frame @ one.pose.matrix(), one) for part, one in shapes], source)
     bodies, impossible = with_possible(Body(part.name, part.inertia, part.shapes) for part in parts)
-    return Mechanism(name, root, bodies, _ordered(turned(joints), root), (*notes, *apart, *impossible))
+    return Mechanism(
+        name, root, bodies, _ordered(turned(joints), root), (*notes, *apart, *lifted, *impossible)
+    )
 
 
 def _with_handles(parts: Sequence[Part], links: Sequence[Link]) -> tuple[list[Part], list[Link], list[str]]:
@@ -106,6 +110,22 @@ def _with_handles(parts: Sequence[Part], links: Sequence[Link]) -> tuple[list[Pa
         fixed.append(Link(f"{name}_fixed", JointType.FIXED, part.name, name))
         notes.append(f"the shapes of {part.name} that are called a handle are a link of their own, {name}")
     return found, fixed, notes
+
+
+def _on_floor(
+    parts: Sequence[Part], links: Sequence[Link]
+) -> tuple[Sequence[Part], Sequence[Link], list[str]]:
+    """The scene on a body on its floor, if that is below z = 0, and a note of it."""
+    shapes = ((part, one) for part in parts for one in part.shapes)
+    height, plane = floor_of((part.name, part.frame @ one.pose.matrix(), one) for part, one in shapes)
+    if height >= -LEVEL:
+        return parts, links, []
+    root = parts[0].name
+    ground, frame = f"{root}_{FLOOR}", np.eye(4)
+    frame[2, 3] = height
+    fixed = Link(f"{ground}_fixed", JointType.FIXED, ground, root)
+    where = f"the floor, a plane of '{plane}', is {-height:.3g} m below the scene's z = 0"
+    return [Part(ground, frame), *parts], [fixed, *links], [f"{where}: heights are from the floor"]
 
 
 def _joint(link: Link, frames: dict[str, Matrix]) -> Joint:

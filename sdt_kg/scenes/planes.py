@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -41,22 +40,12 @@ def half_space(at: Matrix, normal: Sequence[float] = (0.0, 0.0, 1.0)) -> Geometr
     return Geometry(ShapeType.BOX, Pose((px, py, pz), (qx, qy, qz, qw)), PLANE)
 
 
-def check_floor(shapes: Iterable[tuple[str, Matrix, Geometry]], source: Path) -> None:
-    """Of level planes one is where robots stand, or above.
+def floor_of(shapes: Iterable[tuple[str, Matrix, Geometry]]) -> tuple[float, str]:
+    """How high the highest level plane is [m], and whose; 0 and nobody's where there is none.
 
     Args:
         shapes: Name of a body, world_T_shape, and the shape.
-        source: The scene's file.
-
-    Raises:
-        UrdfError: All are below: the scene's floor is elsewhere.
     """
     planes = (each for each in shapes if each[2].size == PLANE)
     floors = [(float(at[2, 3]) + PLANE[2] / 2, name) for name, at, _ in planes if at[2, 2] > 1 - LEVEL]
-    height, name = max(floors, default=(0.0, ""))
-    if height < -LEVEL:
-        raise UrdfError(
-            f"{source}: the floor, a plane of '{name}', is {-height:.3g} m below z = 0, where robots stand",
-            allowed="a floor at z = 0",
-            remedy="lift the scene by as much",
-        )
+    return max(floors, default=(0.0, ""))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sdt_kg.errors import UrdfError
-from sdt_kg.mechanism import ShapeType
+from sdt_kg.mechanism import JointType, ShapeType
 from sdt_kg.scenes import read_scene
 from tests.sdt_kg.scenes.writers import shapes_in_world
 
@@ -83,19 +83,22 @@ def test_a_plane_without_a_normal_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("planes", "taken"),
+    ("planes", "height"),
     [
-        (('pos="0 0 -0.001"',), True),
-        (('pos="0 0 -0.8"',), False),  # the root frame is at a worktop
-        (('pos="0 0 -0.8"', 'pos="0 0 0"'), True),  # a pit
-        (('pos="0 0 0.3"',), True),  # robots touch it, and are told so
-        (('pos="0 2 -0.8" euler="90 0 0"',), True),  # a wall
+        (('pos="0 0 -0.001"',), 0.0),
+        (('pos="0 0 -0.8"',), 0.8),  # the scene's own root is at a worktop
+        (('pos="0 0 -0.8"', 'pos="0 0 0"'), 0.0),  # a pit
+        (('pos="0 0 0.3"',), 0.0),  # robots touch it, and are told so
+        (('pos="0 2 -0.8" euler="90 0 0"',), 0.0),  # a wall
     ],
 )
-def test_robots_stand_where_the_floor_is(tmp_path: Path, planes: tuple[str, ...], taken: bool) -> None:
-    path = mjcf(tmp_path, *planes)
-    if taken:
-        read_scene(path)
+def test_robots_stand_where_the_floor_is(tmp_path: Path, planes: tuple[str, ...], height: float) -> None:
+    scene = read_scene(mjcf(tmp_path, *planes))
+    said = "the floor, a plane of 'world', is 0.8 m below the scene's z = 0: heights are from the floor"
+    assert (said in scene.notes) == (height > 0)
+    if height == 0:
+        assert scene.root == "world"
         return
-    with pytest.raises(UrdfError, match=r"the floor, a plane of 'world', is 0.8 m below z = 0"):
-        read_scene(path)
+    (up,) = (each for each in scene.joints if each.child == "world")
+    assert (up.parent, up.type) == (scene.root, JointType.FIXED)
+    assert up.origin.position == pytest.approx((0.0, 0.0, height))
