@@ -182,7 +182,7 @@ class _Question:
         self.world = World(Scene(twin, robot))
         check_floor(self.world.scene)
         self.kits = Kits(self.world, Margins())
-        self.mechanics = Mechanics(self.world, container)
+        self.mechanics = tuple(Mechanics(self.world, each) for each in container.by_each_handle)
         self.began = worked()
         self.tried, self.enough = 0, ENOUGH
 
@@ -244,10 +244,11 @@ class _Question:
         return Spot(*pose, margin, answer.case.body_motion.gripper)
 
     def _candidates(self) -> Iterator[Pose]:
-        """Base poses of holdings during which the base stands, in turn from each gripper's batches."""
+        """Base poses of holdings during which the base stands, in turn by each handle and gripper."""
         late = self.after(DRAWN)
         kits = [self.kits.of(gripper) for gripper in self.world.scene.annotation.grippers]
-        searches = [search for kit in kits if (search := self._holdings(kit)) is not None]
+        found = (self._holdings(kit, mechanics) for mechanics in self.mechanics for kit in kits)
+        searches = [search for search in found if search is not None]
         while searches and not late():
             for search in tuple(searches):
                 pose = next(search, None)
@@ -261,15 +262,15 @@ class _Question:
         q = self.world.scene.q(pose, {})
         return self.world.contact(q[None], self.kits.outside()) is None
 
-    def _holdings(self, kit: Kit) -> Iterator[Pose] | None:
+    def _holdings(self, kit: Kit, mechanics: Mechanics) -> Iterator[Pose] | None:
         q = kit.limb.q(kit.limb.parked)
-        bar = find_bar(self.world, self.mechanics, q)
+        bar = find_bar(self.world, mechanics, q)
         if bar is None:
             return None
-        values = np.linspace(self.mechanics.start, float(self.motion.values[-1, 0]), WAYPOINTS)
-        handle_r, handle_p = self.mechanics.handle_poses(q, bar.joint, values)
-        problem = Problem(self.mechanics, values, handle_r, handle_p, handle_r[0] @ bar.outward)
-        holding = touching(self.world, kit.limb, kit.demands, (self.container.handle,))
+        values = np.linspace(mechanics.start, float(self.motion.values[-1, 0]), WAYPOINTS)
+        handle_r, handle_p = mechanics.handle_poses(q, bar.joint, values)
+        problem = Problem(mechanics, values, handle_r, handle_p, handle_r[0] @ bar.outward)
+        holding = touching(self.world, kit.limb, kit.demands, (mechanics.container.handle,))
         fitted = Fitter(kit.hand, problem, bar, (holding, kit.demands), Counter()).fitting()
         searcher = Searcher(self.world, kit.limb, problem, holding, Drive.FIXED)
         rng = np.random.default_rng(self.seed)

@@ -88,7 +88,7 @@ def test_what_is_proved_of_one_handle_is_no_proof_about_a_door_that_another_one_
     assert not any(cell.status is Status.PROVED for row in placed.rows for cell in row)
 
 
-def tall(folder: Path, low: float | None) -> Twin:
+def tall(folder: Path, low: float | None, robot: str = "stretch") -> Twin:
     """A door with a handle that is too high, and perhaps another one, so much lower."""
     more = f"""<link name="more_handle">{box(BAR, "0 0 0")}</link>
 <joint name="more_joint" type="fixed"><parent link="tall_door"/><child link="more_handle"/>
@@ -96,7 +96,7 @@ def tall(folder: Path, low: float | None) -> Twin:
     high = door("tall", 1, HIGH).replace("tall_handle", "high_handle")
     file = folder / "tall.urdf"
     file.write_text(f'<robot name="tall"><link name="wall"/>{high}{more if low else ""}</robot>')
-    return load_twin(file, ["stretch"])
+    return load_twin(file, [robot])
 
 
 def opened(twin: Twin, judge: WholeBody) -> Verdict:
@@ -127,6 +127,12 @@ def test_a_door_is_opened_by_the_other_of_its_handles(tmp_path: Path) -> None:
     assert recheck(file).reasons == ()
     by_own = replace(certificate, handle=None)
     assert Certifier(twin, by_own).perform(given).holds is False
+
+
+def test_a_base_has_its_place_by_the_other_of_the_handles(tmp_path: Path) -> None:
+    twin = tall(tmp_path, 1.6, "tiago_dual")
+    placed = place(twin, twin.robots[0], Task(Verb.OPEN, twin.container("tall_door").iri), budget=20.0)
+    assert placed.spots
 
 
 @pytest.mark.parametrize(("low", "proved"), [(None, True), (0.1, False)])
