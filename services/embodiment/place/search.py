@@ -28,6 +28,7 @@ from services.embodiment.hold.kit import Kit, Kits
 from services.embodiment.oracle import WholeBody
 from services.embodiment.place.grid import CELLS, SIDE, Cell, Excluder, Status, block, cells
 from services.embodiment.prove import Prover
+from services.embodiment.setting import of_own_joint
 from services.kernel import worked
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics
@@ -182,7 +183,9 @@ class _Question:
         self.world = World(Scene(twin, robot))
         check_floor(self.world.scene)
         self.kits = Kits(self.world, Margins())
-        self.mechanics = tuple(Mechanics(self.world, each) for each in container.by_each_handle)
+        every = (container, *by_other_handles(twin, container))
+        ends = [of_own_joint(self.world.scene, each, motion).values[-1, 0] for each in every]
+        self.ways = [(Mechanics(self.world, each), float(end)) for each, end in zip(every, ends, strict=True)]
         self.began = worked()
         self.tried, self.enough = 0, ENOUGH
 
@@ -247,7 +250,7 @@ class _Question:
         """Base poses of holdings during which the base stands, in turn by each handle and gripper."""
         late = self.after(DRAWN)
         kits = [self.kits.of(gripper) for gripper in self.world.scene.annotation.grippers]
-        found = (self._holdings(kit, mechanics) for mechanics in self.mechanics for kit in kits)
+        found = (self._holdings(kit, *way) for way in self.ways for kit in kits)
         searches = [search for search in found if search is not None]
         while searches and not late():
             for search in tuple(searches):
@@ -262,12 +265,12 @@ class _Question:
         q = self.world.scene.q(pose, {})
         return self.world.contact(q[None], self.kits.outside()) is None
 
-    def _holdings(self, kit: Kit, mechanics: Mechanics) -> Iterator[Pose] | None:
+    def _holdings(self, kit: Kit, mechanics: Mechanics, end: float) -> Iterator[Pose] | None:
         q = kit.limb.q(kit.limb.parked)
         bar = find_bar(self.world, mechanics, q)
         if bar is None:
             return None
-        values = np.linspace(mechanics.start, float(self.motion.values[-1, 0]), WAYPOINTS)
+        values = np.linspace(mechanics.start, end, WAYPOINTS)
         handle_r, handle_p = mechanics.handle_poses(q, bar.joint, values)
         problem = Problem(mechanics, values, handle_r, handle_p, handle_r[0] @ bar.outward)
         holding = touching(self.world, kit.limb, kit.demands, (mechanics.container.handle,))
