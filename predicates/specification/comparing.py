@@ -34,8 +34,8 @@ WORDS: Final = frozenset(
 
 _TOKEN: Final = re.compile(
     r"""
-    (?P<skip>\s+|\#[^\n]*)
-  | (?P<iri><[^<>"{}|^`\\\s]*>)
+    (?P<skip>\s+|\#[^\r\n]*)
+  | (?P<iri><[^<>"{}|^`\\\s&(),?$]*>)
   | (?P<string>"(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)*')
   | (?P<variable>[?$]\w+)
   | (?P<number>(?:\d+\.\d+|\.\d+|\d+)(?:[eE][+-]?\d+)?)

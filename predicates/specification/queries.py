@@ -84,7 +84,8 @@ class InGraph:
         if not joints:
             return iter([(float(leg.trajectory.times[0]), leg.twin)]), True
         others = [at for joint, at in leg.twin.state.items() if joint != joints[0]]
-        marks = np.unique([*self._comparable(rule.sparql), *others, *numbers_in(rule.sparql)])
+        # 0 by itself is false, every other number true
+        marks = np.unique([0.0, *self._comparable(rule.sparql), *others, *numbers_in(rule.sparql)])
         return _cells(leg, joints[0], positions[:, moving[0]], marks), True
 
     def _comparable(self, sparql: str) -> set[float]:

@@ -131,6 +131,25 @@ def test_a_query_that_compares_is_known_between_samples() -> None:
     assert ask(query("ASK { ?joint sdt:position 0.25e0 }"), OPENS).standing is Standing.BROKEN, "one value"
 
 
+@pytest.mark.parametrize(
+    "where",
+    [
+        "FILTER (?at<0.10001&&?at>0.1)",  # nothing between < and > is an IRI
+        "# a line ends with\rFILTER (?at > 0.1 && ?at < 0.10001)",
+    ],
+)
+def test_no_number_of_a_query_is_overlooked(where: str) -> None:
+    found = ask(query(f"ASK {{ <{LOW.joint}> sdt:position ?at {where} }}"), OPENS)
+    assert found.standing is Standing.BROKEN, "passed through between samples"
+
+
+def test_a_position_of_zero_is_neither_true_nor_passed_over() -> None:
+    twin = TWIN.at({joint: 0.1 for joint in TWIN.state} | {LOW.joint: 0.5, FOLDING.joint: 0.2})
+    shuts = leg(1, {LOW.joint: ([0.5, 0.0], [0.0, 0.0])}, twin)
+    somewhere = query(f"ASK {{ <{LOW.joint}> sdt:position ?at FILTER (?at) }}", Demand.ALWAYS)
+    assert ask(somewhere, shuts).standing is Standing.BROKEN
+
+
 def test_a_query_that_computes_is_not_told_as_kept() -> None:
     sparql = "ASK { ?joint sdt:position ?at FILTER (?at * 2 > 0.5 && ?at < 0.26) }"
     assert ask(query(sparql), OPENS).standing is Standing.UNBOUNDED, "true on the way, at no sample"
