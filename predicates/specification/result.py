@@ -10,8 +10,8 @@ from predicates.specification.rules import RuleAnswer
 from predicates.specification.step import Request
 from sdt_kg.iri import Iri, task_result_iri
 
-RULES_VERSION = "2"
-"""Raised whenever the judgement of rules or the choice by J may change."""
+RULES_VERSION = "3"
+"""Raised whenever the judgement of steps and rules or the choice by J may change."""
 
 
 @dataclass(frozen=True, slots=True)

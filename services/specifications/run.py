@@ -90,9 +90,12 @@ def achieve_task(
         requests = _requests(run.twin, step)
         expected += len(requests)
         for request in requests:
-            if not run.stopped:
+            if step.container is None and _meets(run.twin, request):
+                expected -= 1  # what moves together did it on the way
+            elif not run.stopped:
                 run.take(request)
                 told(run.steps[-1], expected + len(specification.steps) - number)
+        run.look_back(step)
         if run.stopped:
             expected += len(specification.steps) - number
             break
@@ -103,8 +106,13 @@ def _requests(twin: Twin, step: Step) -> list[Request]:
     """What a step asks in a state: every container means those that do not meet the request yet."""
     if step.container is not None:
         return [Request(step.verb, step.container, step.position)]
-    met = met_requests(twin, twin.state)
-    return [Request(step.verb, each) for each in twin.containers() if (step.verb, each.iri) not in met]
+    every = (Request(step.verb, each) for each in twin.containers())
+    return [each for each in every if not _meets(twin, each)]
+
+
+def _meets(twin: Twin, request: Request) -> bool:
+    """Whether the state meets a request that every container is asked."""
+    return (request.verb, request.container.iri) in met_requests(twin, twin.state)
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +140,7 @@ class _Run:
         self._case, self._inputs = case, task_inputs(specification, case, service.physics, service.embodiment)
         self.steps: list[StepResult] = []
         self.legs: list[Leg] = []
+        self._undone: list[Diagnosis] = []
         self._answers: list[RuleAnswer] = []
         self._queries, self._clearance = InGraph(service.twin), Swept(robot)
         self._ends: list[Rule] = [each for each in specification.rules if _at_the_end(each)]
@@ -155,10 +164,20 @@ class _Run:
         assert isinstance(best.verdict.case.final, State), "what is certified has a final state"
         self.twin = self.twin.at(best.verdict.case.final)
 
+    def look_back(self, step: Step) -> None:
+        """See what of a step for every container is undone at its end, by what moves together."""
+        if step.container is not None or self.stopped:
+            return
+        for each in _requests(self.twin, step):
+            reason = (
+                f"'{each}' is not so at the end of the step for every container: what moves with it undid it"
+            )
+            self._undone.append(Diagnosis(Kind.SEMANTIC, reason))
+
     @property
     def stopped(self) -> bool:
-        """Whether the last step that was judged is not certified, so that no other can follow."""
-        return len(self.legs) < len(self.steps)
+        """Whether what was judged last is not certified, so that no other step can follow."""
+        return len(self.legs) < len(self.steps) or bool(self._undone)
 
     def _tried(self, request: Request, seed: int) -> "_Try":
         verdict = self._judged(request, seed)
@@ -225,7 +244,7 @@ class _Run:
         outcome = self._outcome(complete, answers)
         diagnoses = [] if broken is None or broken.diagnosis is None else [broken.diagnosis]
         others = [each.diagnosis for each in answers if each is not broken and each.diagnosis is not None]
-        refused = [each for step in self.steps for each in step.verdict.diagnoses]
+        refused = [each for step in self.steps for each in step.verdict.diagnoses] + self._undone
         refused += [] if self.steps else [NOTHING_TO_DO]
         return TaskResult(
             specification=self.specification,
@@ -244,7 +263,9 @@ class _Run:
     def _outcome(self, complete: bool, answers: Sequence[RuleAnswer]) -> Outcome:
         standings = {each.standing for each in answers}
         verdicts = {step.verdict.outcome for step in self.steps}
-        if not self.steps or Standing.BROKEN in standings or Outcome.NOT_CERTIFIED in verdicts:
+        if not self.steps or self._undone:
+            return Outcome.NOT_CERTIFIED
+        if Standing.BROKEN in standings or Outcome.NOT_CERTIFIED in verdicts:
             return Outcome.NOT_CERTIFIED
         if not complete or verdicts != {Outcome.CERTIFIED}:
             return Outcome.ABSTAINED
