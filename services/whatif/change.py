@@ -125,14 +125,16 @@ def _gradual(text: str, kind: str, rest: str) -> Change:
 
 
 def _move_ends(world: World, name: str, value: str) -> tuple[np.ndarray, np.ndarray]:
-    """Position of the joint as it is, and as asked; of what moves with it, the one that is set."""
+    """Position of the named joint as it is, and as asked; of a container that of the joint that is set."""
     twin = world.service.twin
     after = parse_state(twin, [f"{name}={value}"])
-    followers = twin.entities.coupling.followers
-    moving = [joint for joint in after if after[joint] != twin.state[joint] and joint not in followers]
-    if not moving:
+    containers = {each.name: each.active_joint for each in twin.containers()}
+    joint = containers.get(name.strip(), joint_iri(twin.name(twin.environment), name.strip()))
+    if joint not in after:
+        raise InputError(f"move:{name}={value} moves several", allowed="a joint or container")
+    if after[joint] == twin.state[joint]:
         raise InputError(f"move:{name}={value} changes nothing", allowed="another position")
-    return np.array([twin.state[moving[0]]]), np.array([after[moving[0]]])
+    return np.array([twin.state[joint]]), np.array([after[joint]])
 
 
 def _set_ends(world: World, name: str, value: str) -> tuple[np.ndarray, np.ndarray]:

@@ -126,6 +126,19 @@ EDITS = st.one_of(
 )
 
 
+def test_a_joint_that_follows_another_is_moved_where_it_is_said() -> None:
+    folding = TWIN.container("folding_door")
+    text = f"move:{local_name(folding.joint)}=0.4"
+    assert parse_edit(TWIN, text).applied(TWIN).state[folding.joint] == pytest.approx(0.4)
+    change = parse_change(text)
+    assert change.at(WORLD, 1.0).service.twin.state[folding.joint] == pytest.approx(0.4)
+    half = change.at(WORLD, 0.5).service.twin
+    assert half.state[folding.joint] == pytest.approx(0.2)
+    assert half.state[folding.active_joint] == pytest.approx(0.2 / folding.multiplier)
+    with pytest.raises(InputError, match="several"):
+        parse_change("move:all=open").at(WORLD, 1.0)
+
+
 @settings(max_examples=20, suppress_health_check=[HealthCheck.too_slow])
 @given(st.lists(EDITS, min_size=2, max_size=3, unique_by=lambda each: each[0]), st.randoms())
 def test_edits_of_different_entities_commute(edits: list[tuple[str, str]], random) -> None:
