@@ -19,7 +19,7 @@ from services.bus.question import OTHER, Question, reply, understood
 from services.bus.schema import MEDIA, VOID, asyncapi
 from services.bus.sweeps import Sweeps
 from services.http.memory import Memory
-from services.judging.codec import JSON, decode, encode
+from services.judging.codec import JSON, asked_in, encode
 from services.judging.jobs import Done, Task, Waiter
 from services.judging.lane import GRACE
 from services.judging.messages import SCHEMA, HistoryRequest, QueryRequest, SweepRequest, Verb
@@ -112,18 +112,18 @@ class Server:
         payload, encoding = question.payload, question.encoding
         states = self._memory.world.kitchens[question.twin].moved
         if verb is Verb.SWEEP:
-            started = self._sweeps.start(question.twin, decode(SweepRequest, payload, encoding), states)
+            started = self._sweeps.start(question.twin, asked_in(SweepRequest, payload, encoding), states)
             waiter.answer(Done(encode(started), JSON))
             return
         if verb is Verb.HISTORY:
             assert self._herald is not None, "started"
-            self._herald.tell(question, decode(HistoryRequest, payload, encoding))
+            self._herald.tell(question, asked_in(HistoryRequest, payload, encoding))
             return
         task = Task(question.twin, verb.value, payload, encoding, question.seconds, states, question.origin)
         self._pool.submit(task, waiter, share=True)
 
     def _query(self, verb: Verb, question: Question, waiter: Waiter) -> None:
-        request = decode(QueryRequest, question.payload, question.encoding)
+        request = asked_in(QueryRequest, question.payload, question.encoding)
 
         def done(future: Future[Answered]) -> None:
             waiter.answer(_answered(future))

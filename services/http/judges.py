@@ -4,6 +4,8 @@ import asyncio
 import time
 from typing import TypeVar
 
+from pydantic_core import PydanticSerializationError
+
 from sdt_kg.errors import OracleUnavailableError, SdtError
 from services.http.problems import RefusedError
 from services.http.world import World
@@ -37,8 +39,15 @@ def question(verb: Verb, twin: str, request: Message, seconds: float, states: tu
         request: Of the verb.
         seconds: After which nobody waits, and the process is stopped.
         states: The kitchen's present state as texts.
+
+    Raises:
+        RefusedError: A text in it is half of a surrogate pair, in a motion say.
     """
-    return Task(twin, verb.value, encode(request), JSON, seconds, states, current())
+    try:
+        payload = encode(request)
+    except PydanticSerializationError as error:
+        raise RefusedError(422, f"body: {error}", allowed="text that can be written as UTF-8") from None
+    return Task(twin, verb.value, payload, JSON, seconds, states, current())
 
 
 class Judges:

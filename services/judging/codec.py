@@ -4,6 +4,7 @@ A payload is JSON, or CBOR where the encoding says so; in CBOR, arrays may be RF
 (tag 86, little-endian float64; tag 40 around it for more than one dimension).
 """
 
+import json
 from typing import Any, TypeVar
 
 import cbor2
@@ -66,6 +67,39 @@ def decode(kind: type[M], payload: bytes, encoding: str = JSON) -> M:
         where = ".".join(str(each) for each in first["loc"])
         more = f" (and {len(wrong) - 1} more)" if len(wrong) > 1 else ""
         raise InputError(f"'{where}' of {kind.__name__}: {first['msg']}{more}") from None
+
+
+def asked_in(kind: type[M], payload: bytes, encoding: str = JSON) -> M:
+    """The request in a payload, which says nothing twice.
+
+    Raises:
+        InputError: It does, or as `decode`.
+    """
+    request = decode(kind, payload, encoding)
+    if encoding != CBOR:
+        check_once(payload)
+    return request
+
+
+def check_once(payload: bytes) -> None:
+    """No object of this JSON has a name twice: which of its values is meant is not for us to choose.
+
+    Raises:
+        InputError: One has, or it is no JSON.
+    """
+    try:
+        json.loads(payload or b"{}", object_pairs_hook=_once)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"the payload is no JSON: {error}", allowed=JSON) from None
+
+
+def _once(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    said = dict(pairs)
+    if len(said) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise InputError(f"'{twice[:40]}' is there twice", allowed="every name once")
+    return said
 
 
 def _from_json(payload: bytes) -> object:

@@ -19,7 +19,7 @@ from services.app import Oracles, Policy, Service, load
 from services.compute import compute
 from services.compute.run import Bounds, Loaded
 from services.judging.answers import body_arrays, caused, motion_given, n_quads, replied, stated
-from services.judging.codec import decode
+from services.judging.codec import asked_in
 from services.judging.jobs import Done, Handler, Quads
 from services.judging.jobs import Task as Asked
 from services.judging.loaded import Models, check_same
@@ -106,7 +106,7 @@ class Judge:
     def __call__(self, task: Asked, recall: Quads) -> Done | Problem:
         """The reply to a question, or what is wrong with it."""
         try:
-            request = decode(REQUESTS[Verb(task.verb)], task.payload, task.encoding)
+            request = asked_in(REQUESTS[Verb(task.verb)], task.payload, task.encoding)
             self._recall = recall
             check_same((each.twin for each in self.services.values()), self.served)
             return self._answered(request, task)

@@ -22,7 +22,7 @@ from services.http.api.models import (
 )
 from services.http.api.read import Json, state_json, world_of
 from services.http.judges import Judges, question
-from services.http.protocol.exchange import check_parameters
+from services.http.protocol.exchange import check_body, check_parameters
 from services.http.world import World
 from services.judging.messages import AchieveRequest, CausesRequest, ComputeRequest, TaskRequest, Verb
 from services.judging.replies import CausesReply, ComputeReply, TaskReply, VerdictsReply
@@ -34,7 +34,7 @@ SOSA: Final = "http://www.w3.org/ns/sosa/"
 GRACE: Final = 120.0
 """[s] Beyond its budget, for loading and for the case that has begun."""
 
-router = APIRouter(prefix="/api/v1", dependencies=[Depends(check_parameters)])
+router = APIRouter(prefix="/api/v1", dependencies=[Depends(check_parameters), Depends(check_body)])
 
 
 @router.post("/causes")

@@ -11,6 +11,7 @@ from starlette.responses import Response
 from sdt_kg.errors import meant
 from services.http.problems import RefusedError
 from services.http.protocol.negotiate import accepted, called
+from services.judging.codec import check_once
 from services.store.workers import Answered
 from services.store.workers.evaluate import GRAPHS
 
@@ -70,6 +71,17 @@ async def check_parameters(request: Request) -> None:
             raise RefusedError(400, f"there is no parameter '{name[:100]}'", allowed=allowed)
         if name not in several:
             single(parameters, name)
+
+
+async def check_body(request: Request) -> None:
+    """A body that is JSON says nothing twice.
+
+    Raises:
+        InputError: It does, or is no JSON.
+    """
+    media = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    if media.endswith("json") and (body := await request.body()):
+        check_once(body)
 
 
 def own_url(request: Request) -> str:

@@ -16,7 +16,7 @@ from sdt_kg.errors import InputError, OracleUnavailableError
 from services.bus import examples, keys
 from services.bus.keys import Meta, Part, Verb
 from services.bus.schema import asyncapi
-from services.judging.codec import CBOR, decode, encode, encode_cbor, from_cbor, to_cbor
+from services.judging.codec import CBOR, asked_in, decode, encode, encode_cbor, from_cbor, to_cbor
 from services.judging.messages import REQUESTS, AchieveRequest, CausesRequest, Header
 from services.judging.problems import ProblemType, error_of, problem, problem_of
 from services.judging.replies import REPLIES
@@ -69,6 +69,14 @@ def test_a_misspelled_field_is_refused_for_it_would_be_another_question(
 def test_what_is_no_request_is_refused(payload: bytes) -> None:
     with pytest.raises(InputError):
         decode(CausesRequest, payload)
+
+
+def test_a_request_that_says_a_thing_twice_is_refused_at_any_depth() -> None:
+    with pytest.raises(InputError, match="'task' is there twice; allowed: every name once"):
+        asked_in(AchieveRequest, b'{"task": "open", "task": "close"}')
+    with pytest.raises(InputError, match="'times' is there twice"):
+        asked_in(AchieveRequest, b'{"task": "open", "motion": {"times": [0, 1], "times": [0, 9]}}')
+    assert asked_in(AchieveRequest, b'{"task": "open", "robot": "\\u0070r2"}').robot == "pr2"
 
 
 @pytest.mark.parametrize(

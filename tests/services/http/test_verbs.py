@@ -193,6 +193,23 @@ def test_what_is_wrong_with_a_body_is_said_in_words_about_json(
 
 
 @pytest.mark.parametrize(
+    ("body", "status", "said"),
+    [
+        (b'{"task": "open", "robot": "pr2", "task": "close"}', 400, "'task' is there twice"),
+        (b'{"task": "open", "motion": {"times": [0, 1], "times": [0, 9]}}', 400, "'times' is there twice"),
+        (b'{"task": "open", "motion": {"joint": "\\ud800"}}', 422, "body: Error serializing to JSON"),
+    ],
+)
+def test_a_body_that_says_two_things_or_half_a_letter_is_refused(
+    served, body: bytes, status: int, said: str
+) -> None:
+    headers = BEARER | {"content-type": "application/json"}
+    problem = served.post("/api/v1/achieve", content=body, headers=headers).json()
+    assert problem["status"] == status
+    assert problem["detail"].startswith(said)
+
+
+@pytest.mark.parametrize(
     ("path", "body", "allowed"),
     [
         ("state", {"state": {"low_drawer": 0.2}}, 'for example "state": ["iai_fridge_door=open"]'),
