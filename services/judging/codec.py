@@ -5,6 +5,7 @@ A payload is JSON, or CBOR where the encoding says so; in CBOR, arrays may be RF
 """
 
 import json
+from collections import Counter
 from typing import Any, TypeVar
 
 import cbor2
@@ -96,8 +97,7 @@ def check_once(payload: bytes) -> None:
 def _once(pairs: list[tuple[str, object]]) -> dict[str, object]:
     said = dict(pairs)
     if len(said) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for name in names if names.count(name) > 1)
+        ((twice, _),) = Counter(name for name, _ in pairs).most_common(1)
         raise InputError(f"'{twice[:40]}' is there twice", allowed="every name once")
     return said
 
