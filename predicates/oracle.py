@@ -11,6 +11,9 @@ from sdt_kg.scope import D_ARTIC, TeeClass
 from sdt_kg.state import Region, State
 from sdt_kg.twin import Container, Twin
 
+LET_GO = "force that may move it when let go"
+"""Name of a figure of Replayed: the container is not sure to stay where the motion ends."""
+
 
 @dataclass(frozen=True, slots=True)
 class Replayed:

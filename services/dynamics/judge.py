@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from predicates.case import Diagnosis, Evidence, Kind, Quantity
 from predicates.causes import STATE_TOLERANCE
+from predicates.oracle import LET_GO
 from predicates.scope import outside
 from sdt_kg.iri import local_name
 from sdt_kg.motion import Motion
@@ -36,8 +37,8 @@ class Forced:
 def forced(mechanics: Mechanics, container: Container, motion: Motion) -> Forced:
     """Whether the force that τ needs is allowed, and whether the container stays before and after."""
     needed = need(mechanics, motion)
-    begin = at_rest(mechanics, _inside(mechanics, float(motion.values[0, 0])))
-    end = at_rest(mechanics, _inside(mechanics, float(motion.values[-1, 0])))
+    begin = at_rest(mechanics, inside(mechanics, float(motion.values[0, 0])))
+    end = at_rest(mechanics, inside(mechanics, float(motion.values[-1, 0])))
     diagnoses = (
         *_too_much(mechanics, container, motion, needed),
         *_before(mechanics, container, begin),
@@ -51,17 +52,18 @@ def forced(mechanics: Mechanics, container: Container, motion: Motion) -> Forced
         f"{needed.least:.1f} N and {needed.most:.1f} N, {allowed:g} N allowed: {how}, for every value of "
         f"force model {models}",
     )
-    if not end.stays:
-        notes += (f"when let go {container.name} moves {_way(end)}, or may",)
     figures = {
         "handle force, at most": (needed.most, "N"),
         "handle force, at least": (needed.least, "N"),
         "handle force, allowed": (allowed, "N"),
     }
+    if not end.stays:
+        notes += (f"when let go {container.name} moves {way(end)}, or may",)
+        figures[LET_GO] = (end.pull, mechanics.unit)
     return Forced(diagnoses, notes, figures)
 
 
-def _inside(mechanics: Mechanics, q: float) -> float:
+def inside(mechanics: Mechanics, q: float) -> float:
     return min(max(q, mechanics.lower), mechanics.upper)
 
 
@@ -94,14 +96,14 @@ def _too_much(
         evidence = Evidence(
             Quantity.FORCE, needed.most, allowed, "N", entity=container.handle, time=needed.most_time
         )
-        yield _open(mechanics, what, evidence)
+        yield left_open(mechanics, what, evidence)
 
 
 def _before(mechanics: Mechanics, container: Container, rest: Rest) -> Iterator[Diagnosis]:
     """The state in which it begins is one of rest."""
     if not rest.stays:
-        what = f"{container.name} does not surely stay where it begins: it moves {_way(rest)}, or may"
-        yield _open(mechanics, what, _pull(mechanics, rest))
+        what = f"{container.name} does not surely stay where it begins: it moves {way(rest)}, or may"
+        yield left_open(mechanics, what, pull(mechanics, rest))
 
 
 def _after(mechanics: Mechanics, container: Container, motion: Motion, rest: Rest) -> Iterator[Diagnosis]:
@@ -113,11 +115,11 @@ def _after(mechanics: Mechanics, container: Container, motion: Motion, rest: Res
     where = f"{container.name} let go at {q:.3g}"
     drives = f"{rest.pull:.1f} {mechanics.unit} {{}} friction of {rest.friction:.1f} {mechanics.unit}"
     if rest.surely and driven(mechanics, q, _undone_at(container, q, rest), shut=rest.shuts):
-        reason = f"{where} does not stay: it moves {_way(rest)}, " + drives.format("against")
-        yield Diagnosis(Kind.CAUSAL, reason, _pull(mechanics, rest), proof=motion.timed)
+        reason = f"{where} does not stay: it moves {way(rest)}, " + drives.format("against")
+        yield Diagnosis(Kind.CAUSAL, reason, pull(mechanics, rest), proof=motion.timed)
     else:
-        what = f"{where} may move {_way(rest)}: up to " + drives.format("against a least")
-        yield _open(mechanics, what, _pull(mechanics, rest))
+        what = f"{where} may move {way(rest)}: up to " + drives.format("against a least")
+        yield left_open(mechanics, what, pull(mechanics, rest))
 
 
 def _undone_at(container: Container, q: float, rest: Rest) -> float:
@@ -127,15 +129,15 @@ def _undone_at(container: Container, q: float, rest: Rest) -> float:
     return container.closed_to if q <= container.closed_to else q + STATE_TOLERANCE
 
 
-def _way(rest: Rest) -> str:
+def way(rest: Rest) -> str:
     return "either way" if rest.shuts and rest.opens else ("shut" if rest.shuts else "further open")
 
 
-def _pull(mechanics: Mechanics, rest: Rest) -> Evidence:
+def pull(mechanics: Mechanics, rest: Rest) -> Evidence:
     return Evidence(Quantity.FORCE, rest.pull, rest.friction, mechanics.unit, entity=mechanics.joint)
 
 
-def _open(mechanics: Mechanics, what: str, evidence: Evidence) -> Diagnosis:
+def left_open(mechanics: Mechanics, what: str, evidence: Evidence) -> Diagnosis:
     """An abstention: I_Φ holds values for which the verdict would differ."""
     violation = Violation(mechanics.forces.iri, None, evidence.value, evidence.bound, what, UNDECIDED)
     found = outside(violation, D_ARTIC_DYN)

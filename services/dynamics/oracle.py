@@ -19,6 +19,7 @@ from services.dynamics.judge import forced
 from services.dynamics.model import Mechanics
 from services.dynamics.need import need
 from services.dynamics.parameters import mechanics_of, unfit
+from services.dynamics.unheld import unheld
 from services.physics.oracle import Kinematics
 from services.physics.tree import Model, build
 from services.versions import dynamics
@@ -47,9 +48,11 @@ class Dynamics:
         replayed = self._kinematics.replay(twin, motion)
         container = _container(twin, replayed.motion.of)
         model = self._model(twin)
-        found = forced(mechanics_of(model, twin, container), container, replayed.motion)
-        violations, open_questions = _decided((*replayed.violations, *found.diagnoses))
-        notes = (*replayed.notes, *found.notes, *open_questions)
+        mechanics = mechanics_of(model, twin, container)
+        found = forced(mechanics, container, replayed.motion)
+        moving, told = unheld(model, twin, container, mechanics)
+        violations, open_questions = _decided((*replayed.violations, *found.diagnoses, *moving))
+        notes = (*replayed.notes, *found.notes, *told, *open_questions)
         return replace(replayed, violations=violations, notes=notes, figures=found.figures)
 
     def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:

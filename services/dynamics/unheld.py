@@ -1,0 +1,69 @@
+"""Containers that a motion leaves alone: a verdict rests on their staying where the state has them."""
+
+from collections.abc import Iterator
+
+from predicates.case import Diagnosis, Evidence, Quantity
+from sdt_kg.errors import OracleRejectedError
+from sdt_kg.iri import Iri
+from sdt_kg.twin import Container, Twin
+from services.dynamics.judge import inside, left_open, pull, way
+from services.dynamics.model import Mechanics
+from services.dynamics.parameters import mechanics_of
+from services.dynamics.rest import at_rest
+from services.physics.tree import Model
+
+
+def unheld(
+    model: Model, twin: Twin, container: Container, mechanics: Mechanics
+) -> tuple[tuple[Diagnosis, ...], tuple[str, ...]]:
+    """Abstentions about those that hang on what moves or rest for no value, and notes about others in doubt.
+
+    Args:
+        model: Built from the twin's environment.
+        twin: The kitchen in the state in which the motion begins.
+        container: What the motion moves.
+        mechanics: Of that container.
+    """
+    diagnoses, doubtful, unknown = list[Diagnosis](), list[str](), list[str]()
+    carried = _carried(model, mechanics)
+    for each in _alone(twin, container):
+        if carried & {each.joint, *twin.entities.coupling.together(each.joint)}:
+            what = f"{each.name} hangs on {container.name}, and what drives it as that moves is not modelled"
+            evidence = Evidence(Quantity.COUNT, 1.0, 0.0, "1", entity=each.joint)
+            diagnoses.append(left_open(mechanics, what, evidence))
+            continue
+        try:
+            its = mechanics_of(model, twin, each)
+        except OracleRejectedError:
+            unknown.append(each.name)
+            continue
+        rest = at_rest(its, inside(its, twin.state[each.joint]))
+        if rest.surely:
+            what = f"{each.name}, which nobody holds, does not stay where it begins: it moves {way(rest)}"
+            diagnoses.append(left_open(its, what, pull(its, rest)))
+        elif not rest.stays:
+            doubtful.append(each.name)
+    return tuple(diagnoses), tuple(_notes(doubtful, unknown))
+
+
+def _alone(twin: Twin, container: Container) -> Iterator[Container]:
+    """One container of all that move together, but for those that move with this one."""
+    seen = {container.joint, *twin.entities.coupling.together(container.joint)}
+    for each in twin.containers():
+        if each.joint not in seen:
+            seen |= {each.joint, *twin.entities.coupling.together(each.joint)}
+            yield each
+
+
+def _carried(model: Model, mechanics: Mechanics) -> set[Iri]:
+    """Joints that hang on those that move."""
+    own = [each.mechanics.joint for each in mechanics.moving]
+    below = {k for joint in own for k in model.model.subtrees[model.model.getJointId(joint)]}
+    return {model.model.names[k] for k in below} - {*own}
+
+
+def _notes(doubtful: list[str], unknown: list[str]) -> Iterator[str]:
+    if doubtful:
+        yield f"taken to stay where the state has it, though it may move: {', '.join(doubtful)}"
+    if unknown:
+        yield f"not checked, for want of a force model: whether {', '.join(unknown)} stays where it is"
