@@ -60,19 +60,26 @@ def _opened_to(
             verdict_iri(inputs), outcome, asked, None, caused, None, tuple(refused), inputs, seconds
         )
     caused, performed = _answers(asked, container, position, oracles)
-    satisfied = _satisfied(caused, container, goal)
-    answers = (satisfied, caused, performed)
-    certified = all(answer.holds for answer in answers)
+    answers = (_satisfied(caused, container, goal), caused, performed)
+    found = tuple(each for answer in answers for each in answer.diagnoses)
+    outcome = _outcome(answers, found)
     final = replace(performed.case if performed.holds else caused.case, final=caused.case.final)
     return Verdict(
         verdict_iri(inputs),
-        Outcome.CERTIFIED if certified else Outcome.NOT_CERTIFIED,
+        outcome,
         replace(final, body_motion=caused.case.body_motion) if performed.holds else final,
-        *answers,
-        tuple(each for answer in answers for each in answer.diagnoses),
+        *((None, None, None) if outcome is Outcome.ABSTAINED else answers),
+        found,
         inputs,
         time.perf_counter() - began,
     )
+
+
+def _outcome(answers: tuple[Answer, ...], found: tuple[Diagnosis, ...]) -> Outcome:
+    """What the answers add up to, as in the Law: it abstains where one of them leaves the class."""
+    if any(each.kind is Kind.OUT_OF_SCOPE for each in found):
+        return Outcome.ABSTAINED
+    return Outcome.CERTIFIED if all(each.holds for each in answers) else Outcome.NOT_CERTIFIED
 
 
 def _nothing_to_cause(case: Case, container: Container, goal: Region) -> list[Diagnosis]:

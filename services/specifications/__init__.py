@@ -2,8 +2,9 @@
 
 from predicates.specification.record import task_record
 from predicates.specification.result import StepResult, TaskResult
+from services.specifications.find import ready, specification_from, specification_of
 from services.specifications.keep import keep
-from services.specifications.run import achieve_task, ready, specification_from, specification_of
+from services.specifications.run import achieve_task
 from services.specifications.told import result_json
 
 __all__ = [

@@ -3,20 +3,17 @@
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
-import ontology
 from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Verdict
+from predicates.oracle import LET_GO
 from predicates.satisfies_request import met_requests
 from predicates.specification.leg import Leg
 from predicates.specification.model import Demand, KeepsDistance, QueryRule, Rule, Specification, Step
 from predicates.specification.quality import better, measured, total
 from predicates.specification.queries import InGraph
-from predicates.specification.read import read_specification
 from predicates.specification.result import StepResult, TaskResult, task_inputs
 from predicates.specification.rules import RuleAnswer, Standing, checked, first_broken
 from predicates.specification.step import Request, judged
-from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion
 from sdt_kg.state import State
@@ -33,41 +30,6 @@ Told = Callable[[StepResult, int], None]
 NOTHING_TO_DO = Diagnosis(
     Kind.CAUSAL, "nothing to cause: every container already meets the request", proof=True
 )
-
-
-def ready() -> dict[str, Path]:
-    """Name → file of each task that comes with the project."""
-    return {path.stem: path for path in sorted(ontology.path("tasks").glob("*.ttl"))}
-
-
-def specification_of(twin: Twin, source: str) -> Specification:
-    """The specification in a file, or the ready one of that name.
-
-    Raises:
-        UnknownEntityError: No such file, and no ready task of that name.
-        InputError: See `read_specification`.
-    """
-    path = ready().get(source, Path(source))
-    if not path.is_file():
-        raise UnknownEntityError("task", source, ready(), "or give the path of a .ttl file")
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{source} cannot be read: {error}") from None
-    return read_specification(twin, text, path.name)
-
-
-def specification_from(twin: Twin, text: str) -> Specification:
-    """The ready task of that name, or the one that the text writes in Turtle: no file is read for a stranger.
-
-    Raises:
-        InputError: It is neither; see `read_specification`.
-    """
-    if text in ready():
-        return specification_of(twin, text)
-    if not any(mark in text for mark in " \n\t<"):
-        raise UnknownEntityError("task", text, ready(), "or write one in Turtle")
-    return read_specification(twin, text, "the task")
 
 
 def achieve_task(
@@ -92,7 +54,7 @@ def achieve_task(
         for request in requests:
             if step.container is None and _meets(run.twin, request):
                 expected -= 1  # what moves together did it on the way
-            elif not run.stopped:
+            elif run.may_take(request):
                 run.take(request)
                 told(run.steps[-1], expected + len(specification.steps) - number)
         run.look_back(step)
@@ -140,7 +102,9 @@ class _Run:
         self._case, self._inputs = case, task_inputs(specification, case, service.physics, service.embodiment)
         self.steps: list[StepResult] = []
         self.legs: list[Leg] = []
+        self._adrift: Request | None = None
         self._undone: list[Diagnosis] = []
+        self._unsure: list[Diagnosis] = []
         self._answers: list[RuleAnswer] = []
         self._queries, self._clearance = InGraph(service.twin), Swept(robot)
         self._ends: list[Rule] = [each for each in specification.rules if _at_the_end(each)]
@@ -163,6 +127,14 @@ class _Run:
         self._answers = best.answers
         assert isinstance(best.verdict.case.final, State), "what is certified has a final state"
         self.twin = self.twin.at(best.verdict.case.final)
+        caused = best.verdict.causes
+        self._adrift = request if caused is not None and LET_GO in caused.figures else None
+
+    def may_take(self, request: Request) -> bool:
+        """Whether one more step can be judged: it is known where the last one has left the kitchen."""
+        if self._adrift is not None and not self.stopped:
+            self._unsure.append(_drifts(self._adrift, f"nobody knows where '{request}' begins"))
+        return not self.stopped
 
     def look_back(self, step: Step) -> None:
         """See what of a step for every container is undone at its end, by what moves together."""
@@ -177,7 +149,7 @@ class _Run:
     @property
     def stopped(self) -> bool:
         """Whether what was judged last is not certified, so that no other step can follow."""
-        return len(self.legs) < len(self.steps) or bool(self._undone)
+        return len(self.legs) < len(self.steps) or bool(self._undone or self._unsure)
 
     def _tried(self, request: Request, seed: int) -> "_Try":
         verdict = self._judged(request, seed)
@@ -238,13 +210,16 @@ class _Run:
     def result(self, expected: int, seconds: float) -> TaskResult:
         """What the steps and rules add up to."""
         complete = len(self.steps) == expected and len(self.legs) == expected
+        if complete and self._adrift is not None and self.specification.rules:
+            self._unsure.append(_drifts(self._adrift, "nothing bounds what the rules are about from then on"))
         ends = self._checked(self._ends, self.legs) if complete and self.legs else []
         answers = [*self._answers, *ends]
         broken = first_broken(answers)
         outcome = self._outcome(complete, answers)
         diagnoses = [] if broken is None or broken.diagnosis is None else [broken.diagnosis]
         others = [each.diagnosis for each in answers if each is not broken and each.diagnosis is not None]
-        refused = [each for step in self.steps for each in step.verdict.diagnoses] + self._undone
+        refused = [each for step in self.steps for each in step.verdict.diagnoses]
+        refused += [*self._undone, *self._unsure]
         refused += [] if self.steps else [NOTHING_TO_DO]
         return TaskResult(
             specification=self.specification,
@@ -267,7 +242,7 @@ class _Run:
             return Outcome.NOT_CERTIFIED
         if Standing.BROKEN in standings or Outcome.NOT_CERTIFIED in verdicts:
             return Outcome.NOT_CERTIFIED
-        if not complete or verdicts != {Outcome.CERTIFIED}:
+        if not complete or self._unsure or verdicts != {Outcome.CERTIFIED}:
             return Outcome.ABSTAINED
         return Outcome.CERTIFIED if standings <= {Standing.KEPT} else Outcome.ABSTAINED
 
@@ -275,6 +250,11 @@ class _Run:
         quality, values = self.specification.quality, [step.value for step in self.steps]
         known = [value for value in values if value is not None]
         return total(quality, known) if quality is not None and len(known) == len(values) else None
+
+
+def _drifts(request: Request, so: str) -> Diagnosis:
+    reason = f"{request.container.name} may move when it is let go after '{request}', so that {so}"
+    return Diagnosis(Kind.OUT_OF_SCOPE, reason)
 
 
 def _at_the_end(rule: Rule) -> bool:

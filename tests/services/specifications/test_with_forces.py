@@ -1,0 +1,69 @@
+"""Tasks relative to D_artic_dyn: what moves when it is let go, and what the intervals leave open."""
+
+import pytest
+
+from predicates.case import Kind, Outcome
+from predicates.oracle import Embodiment, Physics
+from predicates.specification.read import read_specification
+from sdt_kg.twin import Twin
+from services.app import Policy, Service
+from services.dynamics.oracle import Dynamics
+from services.dynamics.robot.bearing import Bearing
+from services.specifications import TaskResult, achieve_task
+from tests.services.dynamics.forced import RUNNERS, edited, forced_twin
+from tests.small.lift import Lift
+
+HEAD = "@prefix law: <https://example.org/law#> . @prefix t: <https://example.org/id/t/> ."
+STEP = 't:{0} a law:Task ; law:index {0} ; law:verb law:Open ; law:containerName "{1}" {2} .'
+
+
+class Forces:
+    """Both oracles of D_artic_dyn."""
+
+    def physics(self) -> Physics:
+        return Dynamics()
+
+    def embodiment(self, policy: Policy) -> Embodiment:
+        return Bearing(Lift())
+
+
+def run(twin: Twin, *steps: tuple[str, str], keeps: str = "") -> TaskResult:
+    """The result of steps that open containers, each by its name and what else is said of it."""
+    names = " , ".join(f"t:{k}" for k in range(1, len(steps) + 1))
+    told = [STEP.format(k, *step) for k, step in enumerate(steps, 1)]
+    rule = "; law:keeps t:rule . t:rule a law:NeverBeyond ; " + keeps if keeps else ""
+    text = "\n".join([HEAD, f"t:task a law:TaskSpecification ; law:hasStep {names} {rule} .", *told])
+    service = Service(twin, oracles=Forces(), policy=Policy())
+    return achieve_task(service, read_specification(twin, text, "task.ttl"))
+
+
+DOOR, DRAWER = ("oven_door", ""), ("top_drawer", "")
+
+
+def test_no_step_begins_where_a_door_was_let_go_that_falls_further_open() -> None:
+    twin = forced_twin(("pr2",))
+    found = run(twin, DOOR, DRAWER)
+    assert [each.verdict.outcome for each in found.steps] == [Outcome.CERTIFIED]
+    assert (found.outcome, found.of) == (Outcome.ABSTAINED, 2)
+    (diagnosis,) = found.diagnoses
+    assert (diagnosis.kind, diagnosis.proof) == (Kind.OUT_OF_SCOPE, False)
+    assert "oven_door may move when it is let go after 'open oven_door'" in diagnosis.reason
+    assert run(twin, DRAWER, DOOR).outcome is Outcome.CERTIFIED, (
+        "the drawer stays, and nothing follows the door"
+    )
+
+
+@pytest.mark.parametrize(("of", "outcome"), [(DOOR, Outcome.ABSTAINED), (DRAWER, Outcome.CERTIFIED)])
+def test_rules_are_not_bounded_once_a_door_is_let_go_that_falls(
+    of: tuple[str, str], outcome: Outcome
+) -> None:
+    keeps = 'law:containerName "oven_door" ; law:limitPosition 1.4'
+    assert run(forced_twin(("pr2",)), of, keeps=keeps).outcome is outcome
+
+
+def test_a_step_to_a_position_abstains_where_the_law_does() -> None:
+    twin = edited(RUNNERS, forced_twin(("pr2",)), allowedHandleForce=6.0)  # between 4 N and 8 N are needed
+    for said in ("", "; law:goalPosition 0.3"):
+        found = run(twin, ("top_drawer", said))
+        assert (found.outcome, found.steps[0].verdict.outcome) == (Outcome.ABSTAINED, Outcome.ABSTAINED)
+        assert found.steps[0].verdict.causes is None
