@@ -10,7 +10,7 @@ from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Quantity, Ve
 from predicates.causes import causes
 from predicates.meant import moved_by
 from predicates.oracle import Embodiment, Physics
-from predicates.questions import Question, questions, with_carried
+from predicates.questions import Question, questions, unhurried, with_carried
 from predicates.record.inputs import Inputs, inputs_of, verdict_iri
 from predicates.record.recall import Recall, answers_again, nothing_stored, recalled
 from predicates.satisfies_request import satisfies_request
@@ -192,6 +192,8 @@ def _executed(performed: Answer, given: Case, physics: Physics) -> Answer:
         raise OracleRejectedError("CanPerform holds, but the embodiment oracle gave no body motion")
     container = moved_by(performed.case.twin, motion.of)[0]
     case = with_carried(replace(performed.case, final=given.final), body_motion, container, physics)
+    if given.body_motion is UNKNOWN and not (isinstance(given.motion, Motion) and given.motion.timed):
+        case = unhurried(case)
     return _timed("causes", causes(case, physics))
 
 

@@ -91,6 +91,12 @@ def with_carried(case: Case, body_motion: BodyMotion, container: Container, phys
     return replace(case, body_motion=body_motion, motion=motion)
 
 
+def unhurried(case: Case) -> Case:
+    """The case with a τ that nobody asked for as it is: what it does too fast, another may do more slowly."""
+    assert isinstance(case.motion, Motion)
+    return replace(case, motion=replace(case.motion, timed=False))
+
+
 def _moves(motion: object) -> bool:
     assert isinstance(motion, Motion)
     return bool(abs(motion.values - motion.values[0]).max() > STILL)

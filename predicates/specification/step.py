@@ -9,7 +9,7 @@ from predicates.causes import STATE_TOLERANCE, causes
 from predicates.law import law
 from predicates.meant import unit_of
 from predicates.oracle import Embodiment, Physics, tee_class_of
-from predicates.questions import with_carried
+from predicates.questions import unhurried, with_carried
 from predicates.record.inputs import inputs_of, verdict_iri
 from predicates.scope import out_of_scope
 from sdt_kg.errors import OracleRejectedError
@@ -110,7 +110,7 @@ def _answers(
         if not isinstance(body, BodyMotion) or not isinstance(motion, Motion):
             raise OracleRejectedError("CanPerform holds, but the embodiment oracle gave no body motion")
         case = with_carried(replace(performed.case, final=asked.final), body, container, physics)
-        executed = next(causes(case, physics))
+        executed = next(causes(unhurried(case), physics))
         caused = replace(executed, case=replace(executed.case, body_motion=case.body_motion))
     return caused, performed
 
