@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from predicates.case import Diagnosis, Kind
-from predicates.meant import moved_by
+from predicates.meant import coupled, moved_by
 from predicates.oracle import Replayed
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri, local_name
@@ -51,7 +51,8 @@ class Dynamics:
         mechanics = mechanics_of(model, twin, container)
         found = forced(mechanics, container, replayed.motion)
         moving, told = unheld(model, twin, container, mechanics)
-        violations, open_questions = _decided((*replayed.violations, *found.diagnoses, *moving))
+        pulled = _of_one_handle(found.diagnoses, container) if coupled(twin, container) else found.diagnoses
+        violations, open_questions = _decided((*replayed.violations, *pulled, *moving))
         notes = (*replayed.notes, *found.notes, *told, *open_questions)
         return replace(replayed, violations=violations, notes=notes, figures=found.figures)
 
@@ -89,6 +90,16 @@ def _container(twin: Twin, joint: Iri) -> Container:
     if not moved:
         raise OracleRejectedError(f"{local_name(joint)} moves no container, so no handle has a force")
     return moved[0]
+
+
+def _of_one_handle(found: tuple[Diagnosis, ...], container: Container) -> tuple[Diagnosis, ...]:
+    """The diagnoses, proving nothing of the force at a handle: another handle moves the container, too."""
+    return tuple(
+        replace(each, proof=False)
+        if each.evidence is not None and each.evidence.entity == container.handle
+        else each
+        for each in found
+    )
 
 
 def _decided(found: tuple[Diagnosis, ...]) -> tuple[tuple[Diagnosis, ...], tuple[str, ...]]:
