@@ -78,8 +78,12 @@ def _as_given(case: Case, body_motion: BodyMotion, container: Container, physics
 
 
 def with_carried(case: Case, body_motion: BodyMotion, container: Container, physics: Physics) -> Case:
-    """The case with the body motion, and τ of the container as that carries it."""
-    motion = physics.carried(case.twin, body_motion, container)
+    """The case with the body motion, and τ of the container as that carries it.
+
+    A motion of another robot than the case's carries nothing, whoever else is loaded.
+    """
+    own = case.robot in {UNKNOWN, body_motion.robot}
+    motion = physics.carried(case.twin if own else case.twin.bare, body_motion, container)
     if not {container.joint, container.active_joint} & set(body_motion.kitchen_joints):
         assert motion.velocities is not None, "Γ is a Hermite spline, so is what it carries"
         body_motion = replace(

@@ -49,7 +49,7 @@ def body_motion(given: Given, twin: Twin, asked: Iri | None) -> BodyMotion:
     check_base(base, "base", given)
     v = _velocities(given, "robot_velocities", times, q, names)
     robot = _robot(given, twin, asked, names)
-    if robot in twin.robots:
+    if asked in {None, robot}:
         names, q, v = _of_robot(given, twin, robot, times, names, q, v)
         check_base_leaps(times, base, twin.robot(robot).base_limits, given)
     joints, kitchen_q, kitchen_v = _kitchen(given, kitchen, times)

@@ -311,3 +311,12 @@ def test_a_motion_of_another_robot_is_read_as_one(tmp_path: Path) -> None:
     assert isinstance(other, BodyMotion)
     assert other.robot == model_iri("another robot")
     assert other.joints == ("shoulder", "elbow", "wrist")
+
+
+def test_a_motion_that_names_a_robot_beside_the_one_that_is_asked_about_is_of_that_one(
+    tmp_path: Path,
+) -> None:
+    other = read(tmp_path, body_motion(robot="stretch", robot_joint_names=["shoulder"]))
+    assert isinstance(other, BodyMotion)
+    assert other.robot == model_iri("stretch")
+    assert other.joints == ("shoulder",)

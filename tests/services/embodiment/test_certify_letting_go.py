@@ -9,6 +9,7 @@ import pytest
 from predicates.case import Case, Outcome, Quantity
 from predicates.law import law
 from sdt_kg.annotation import Drive
+from sdt_kg.iri import model_iri
 from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from sdt_kg.task import Task, Verb
@@ -20,6 +21,7 @@ from services.physics import carry
 from services.physics.oracle import Kinematics
 from tests.services.embodiment.gantry import FOLDER, LETTING_GO, RESTS, START, gantry_twin, opening
 from tests.services.embodiment.judging import judge, refusal
+from tests.small import FOLDER as SMALL
 
 pytestmark = pytest.mark.oracle
 
@@ -127,6 +129,24 @@ def test_a_container_goes_where_the_gripper_drags_it_until_the_fingers_open(
         WholeBody(start=START),
     )
     assert verdict.outcome is Outcome.CERTIFIED, verdict.diagnoses
+
+
+def test_a_robot_that_is_not_asked_about_drags_nothing_though_it_is_loaded(tmp_path: Path) -> None:
+    gantry_twin(tmp_path)
+    none = {"kitchen_joints": (), "kitchen_q": np.zeros((0, 0)), "kitchen_v": np.zeros((0, 0))}
+    robots = [SMALL / "pr2.urdf", FOLDER / "gantry.urdf"]
+    said: list[tuple[object, ...]] = []
+    for loaded in (robots[:1], robots):
+        twin = load_twin(tmp_path / "cell.urdf", loaded)
+        task = Task(Verb.OPEN, twin.container("drawer_main").iri)
+        case = Case(twin, model_iri("pr2"), task, body_motion=replace(letting_go(), **none))
+        (verdict,) = law(case, Kinematics(), WholeBody(start=START))
+        assert verdict.satisfies_request is not None
+        said.append(
+            (verdict.iri, verdict.satisfies_request.holds, [each.reason for each in verdict.diagnoses])
+        )
+    assert said[0] == said[1]
+    assert said[0][1] is False
 
 
 @pytest.mark.parametrize(("angle", "holds"), [(0.05, True), (0.3, False)])
