@@ -14,7 +14,7 @@ from services.mcp_server import arguments
 from services.mcp_server.desk import FIRST, Desk
 from services.mcp_server.judge import Head
 from services.mcp_server.report import LIMIT, Json, Report, size
-from services.why import MEANS, Section, sections
+from services.why import Section, means, sections
 
 MOST_MOTION: Final = 8_000_000
 """[characters] Of a motion as JSON."""
@@ -37,7 +37,8 @@ async def verify_motion(desk: Desk, asked: arguments.VerifyMotion) -> Report:
     reply = await desk.judge(head, FIRST + asked.budget)
     verdicts: list[Json] = reply["verdicts"]
     lines = [line for each in verdicts for line in verdict_lines(each)]
-    lines += [MEANS[Outcome(each)] for each in dict.fromkeys(verdict["outcome"] for verdict in verdicts)]
+    claims = dict.fromkeys((verdict["outcome"], verdict["tee_class"]) for verdict in verdicts)
+    lines += [means(Outcome(outcome), tee) for outcome, tee in claims]
     return Report(tuple(lines), fitted(verdicts), more="'diagnose' with a verdict's IRI tells all of it")
 
 

@@ -10,7 +10,7 @@ from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import LAW, RDF, Iri, local_name, task_result_iri, verdict_iri
 from services.why import task
 from services.why import verdict as of_verdict
-from services.why.verdict import MEANS, PREDICATES, outcome, question
+from services.why.verdict import PREDICATES, means, outcome, question
 from services.why.words import SHORT_KEY, Section, used
 
 REMEDY = (
@@ -19,10 +19,10 @@ REMEDY = (
 )
 
 __all__ = [
-    "MEANS",
     "PREDICATES",
     "SHORT_KEY",
     "Section",
+    "means",
     "outcome",
     "question",
     "results_of",

@@ -57,6 +57,11 @@ def outcome(verdict: StoredVerdict) -> str:
     return standing(verdict.outcome, verdict.inputs)
 
 
+def means(outcome: Outcome, tee: str) -> str:
+    """What an outcome claims, relative to the class of that name."""
+    return MEANS[outcome].format(tee=tee, forces=FORCES.get(tee, "forces as it has them"))
+
+
 def question(verdict: StoredVerdict) -> str:
     """Who, what, where."""
     who = local_name(verdict.robot) if verdict.robot else "some motion"
@@ -71,7 +76,7 @@ def question(verdict: StoredVerdict) -> str:
 def _means(verdict: StoredVerdict) -> str:
     tee = tee_class_of_hash(dict(verdict.inputs).get("tee_class", ""))
     name = "a class of another version" if tee is None else tee.name
-    text = MEANS[verdict.outcome].format(tee=name, forces=FORCES.get(name, "forces as it has them"))
+    text = means(verdict.outcome, name)
     if verdict.outcome is not Outcome.NOT_CERTIFIED:
         return text
     if not any(each.proof for each in verdict.diagnoses):

@@ -199,3 +199,4 @@ def test_what_is_late_is_stopped_and_the_next_question_is_answered(
     assert "nothing is claimed" in error["what"]
     answer = agent("verify_motion", **CASE)
     assert data(answer)["verdicts"][0]["outcome"] == "certified"
+    assert "Relative to D_artic: rigid bodies, no forces, no friction, no error of perception" in text(answer)
