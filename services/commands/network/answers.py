@@ -107,7 +107,14 @@ def _why(to: "Connection", asked: Asked, as_json: bool) -> int:
 
 
 def _health(to: "Connection", asked: Asked, as_json: bool) -> int:
-    return _rows(to.health(), as_json)
+    """A row for each server; none is no answer."""
+    found = to.health()
+    if not found:
+        from services.judging.problems import BusUnavailableError, ProblemType, problem  # noqa: PLC0415 - where needed
+
+        said = f"no server of '{to.twin}' is on the bus"
+        raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, said))
+    return _rows(found, as_json)
 
 
 def _rows(rows: list[dict[str, object]], as_json: bool, columns: tuple[str, ...] = ()) -> int:

@@ -38,3 +38,9 @@ def test_a_verb_without_its_text_and_a_verdict_that_is_not_kept_are_named(
     unknown = sdt("ask", "b", "why", "https://example.org/id/verdict/0", "--connect", bus[0])
     assert unknown.code == Exit.BAD_INPUT
     assert "no verdict <https://example.org/id/verdict/0> is kept here" in unknown.err
+
+
+def test_nobody_who_says_how_he_is_is_no_answer(sdt, bus: tuple[str, Server]) -> None:
+    nobody = sdt("ask", "c", "health", "--connect", bus[0])
+    assert nobody.code == Exit.NO_ORACLE
+    assert "no server of 'c' is on the bus" in nobody.err
