@@ -27,9 +27,11 @@ class Swept:
         pieces, _ = whole_motion(scene, leg.motion, tolerances)
         about = subject(scene, pieces, tolerances)
         solids = [k for k, one in enumerate(scene.solids) if one.body == body]
-        pairs = scene.environment_pairs[np.isin(scene.environment_pairs[:, 1], solids)]
-        if not len(pairs):
+        if not solids:
             return Approach(keeps=None)
+        # Wheels, too, which may stand on it: nothing is told as far away that touches.
+        robot = [i for i, one in enumerate(scene.solids) if one.joint > scene.base[-1]]
+        pairs = np.array([(i, k) for i in robot for k in solids], dtype=np.intp)
         least = np.full(len(pairs), distance + scene.annotation.overhang)
         sets = [Pairs(pairs, least, least, np.inf)]
         (found,) = Sweep(about.timeline, about.kinematics, about.shapes, sets).run(tolerances.resolution)

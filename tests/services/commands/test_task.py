@@ -231,6 +231,22 @@ def test_a_real_robot_that_holds_a_handle_is_near_to_it(sdt, tmp_path: Path) -> 
     assert evidence["time"] > 0
 
 
+@pytest.mark.oracle
+def test_a_robot_is_near_to_the_mat_on_which_it_stands(sdt, tmp_path: Path) -> None:
+    text = (Path(__file__).parents[1] / "dynamics" / "pair.urdf").read_text()
+    mat = """<link name="mat"><collision><geometry><box size="6 6 0.02"/></geometry></collision></link>
+      <joint name="mat_joint" type="fixed"><parent link="room"/><child link="mat"/>
+        <origin xyz="0 0 -0.01"/></joint>"""
+    kitchen, path = tmp_path / "pair.urdf", tmp_path / "task.ttl"
+    kitchen.write_text(text.replace("</robot>", mat + "</robot>"))
+    rule = 't:rule a law:KeepsDistance ; law:bodyName "mat" ; law:leastDistance 0.2 .'
+    path.write_text(task("law:keeps t:rule .", rule).replace("low_drawer", "upper_drawer"))
+    done = sdt("task", str(path), "--kitchen", str(kitchen), "--robot", "pr2", "--budget", "5", "--json")
+    assert (done.code, done.json["outcome"]) == (1, "not_certified"), done.json
+    assert [step["outcome"] for step in done.json["steps"]] == ["certified"]
+    assert [rule["standing"] for rule in done.json["rules"]] == ["broken"]
+
+
 def test_a_service_takes_a_name_or_turtle_and_reads_no_file(tmp_path: Path) -> None:
     service = small()
     result = achieve_task(service, specification_from(service.twin, task()))
