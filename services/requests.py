@@ -85,7 +85,7 @@ def named_motion(twin: Twin, motion: AnyMotion) -> AnyMotion:
 
 def state_joints(twin: Twin, texts: Sequence[str]) -> list[str]:
     """Those of the texts that name a joint or container of this kitchen (or `all`)."""
-    known = _names(twin)
+    known = named_joints(twin)
     return [text for text in texts if text.partition("=")[0].strip() in {*known, "all"}]
 
 
@@ -110,7 +110,7 @@ def _check_text(text: object, what: str, allowed: str) -> None:
         raise InputError(f"{what} that is a {type(text).__name__}", allowed=allowed)
 
 
-def _names(twin: Twin) -> dict[str, Iri]:
+def named_joints(twin: Twin) -> dict[str, Iri]:
     """Joint and container name → IRI of the joint that is set."""
     names = {local_name(joint): joint for joint in twin.state}
     return names | {container.name: container.active_joint for container in twin.containers()}
@@ -119,7 +119,7 @@ def _names(twin: Twin) -> dict[str, Iri]:
 def _positions(twin: Twin, name: str, value: str) -> dict[Iri, float]:
     if name == "all":
         return _all_positions(twin, value)
-    names = _names(twin)
+    names = named_joints(twin)
     if name not in names:
         raise UnknownEntityError("joint or container", name, names)
     joint = names[name]

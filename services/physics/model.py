@@ -221,7 +221,7 @@ class Scene:
         return bounds
 
     def _pairs(self) -> tuple[Indices, Indices]:
-        first = next((i for i, one in enumerate(self.solids) if self._is_robot(one)), len(self.solids))
+        first = next((i for i, one in enumerate(self.solids) if self.is_robot(one)), len(self.solids))
         kitchen, robot = np.arange(first), np.arange(first, len(self.solids))
         environment = np.stack(np.meshgrid(robot, kitchen, indexing="ij"), axis=-1).reshape(-1, 2)
         exempt = exempt_pairs(self.robot.mechanism, self.annotation)
@@ -235,7 +235,8 @@ class Scene:
         stands = np.isin(environment[:, 0], on_floor) & np.isin(environment[:, 1], self.ground)
         return np.array(own, dtype=np.intp).reshape(-1, 2), environment[~stands]
 
-    def _is_robot(self, one: Solid) -> bool:
+    def is_robot(self, one: Solid) -> bool:
+        """Whether a shape is the robot's."""
         return one.joint > self.base[-1]
 
     def q(

@@ -30,7 +30,7 @@ class Swept:
         if not solids:
             return Approach(keeps=None)
         # Wheels, too, which may stand on it: nothing is told as far away that touches.
-        robot = [i for i, one in enumerate(scene.solids) if one.joint > scene.base[-1]]
+        robot = [i for i, one in enumerate(scene.solids) if scene.is_robot(one)]
         pairs = np.array([(i, k) for i in robot for k in solids], dtype=np.intp)
         least = np.full(len(pairs), distance + scene.annotation.overhang)
         sets = [Pairs(pairs, least, least, np.inf)]

@@ -12,7 +12,7 @@ from sdt_kg.iri import joint_iri, local_name
 from sdt_kg.mechanism import Joint, Pose
 from sdt_kg.twin import Container, Twin
 from services.edits import EDITS, numbers_of
-from services.requests import parse_base, parse_state
+from services.requests import named_joints, parse_base, parse_state
 from services.whatif.payload import FORM
 from services.whatif.whole import WHOLE
 from services.whatif.world import World
@@ -128,9 +128,8 @@ def _move_ends(world: World, name: str, value: str) -> tuple[np.ndarray, np.ndar
     """Position of the named joint as it is, and as asked; of a container that of the joint that is set."""
     twin = world.service.twin
     after = parse_state(twin, [f"{name}={value}"])
-    containers = {each.name: each.active_joint for each in twin.containers()}
-    joint = containers.get(name.strip(), joint_iri(twin.name(twin.environment), name.strip()))
-    if joint not in after:
+    joint = named_joints(twin).get(name.strip())
+    if joint is None:
         raise InputError(f"move:{name}={value} moves several", allowed="a joint or container")
     if after[joint] == twin.state[joint]:
         raise InputError(f"move:{name}={value} changes nothing", allowed="another position")

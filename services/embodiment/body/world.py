@@ -65,7 +65,7 @@ class World:
         self.scene = scene
         self.tree = _tree(scene)
         solids = scene.solids
-        self.split = next((i for i, one in enumerate(solids) if one.joint > scene.base[-1]), len(solids))
+        self.split = next((i for i, one in enumerate(solids) if scene.is_robot(one)), len(solids))
         self.shapes = scene.outlines.convex
         kind = self.shapes[0][: len(solids)]
         assert not (kind[self.split :] == MESH).any(), "a robot's meshes are convex pieces"

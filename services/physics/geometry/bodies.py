@@ -82,10 +82,8 @@ def with_piece(one: BodyShape, piece: Piece) -> BodyShape:
 
 def _carriers(mechanism: Mechanism) -> dict[str, str]:
     """Body → parent of the joint that moves it, empty where none does."""
-    carriers = {mechanism.root: ""}
-    for joint in mechanism.joints:
-        carriers[joint.child] = carriers[joint.parent] if joint.type is JointType.FIXED else joint.parent
-    return carriers
+    parents = {joint.child: joint.parent for joint in mechanism.joints}
+    return {body: parents.get(carrier, "") for body, carrier in mechanism.carriers().items()}
 
 
 def _mounts(mechanism: Mechanism) -> dict[str, set[str]]:
