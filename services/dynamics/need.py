@@ -74,7 +74,7 @@ def _need(mechanics: Mechanics, motion: Motion, parts: int) -> Need:
     spans = cells(motion, parts)
     force = joint_force(mechanics, spans)
     size = at_handle(force.magnitude(), lever(mechanics, spans.q))
-    onset, begin = _onset(mechanics, motion, spans, parts)
+    onset, begin = _onset(mechanics, motion, spans)
     low, high = int(np.argmax(size.lo)), int(np.argmax(size.hi))
     least, at = max((float(size.lo[low]), float(spans.begin[low])), (onset, begin))
     middle = float((spans.begin[high] + spans.end[high]) / 2)
@@ -105,13 +105,13 @@ def joint_force(mechanics: Mechanics, spans: Cells) -> Interval:
     )
 
 
-def _onset(mechanics: Mechanics, motion: Motion, spans: Cells, parts: int) -> tuple[float, float]:
+def _onset(mechanics: Mechanics, motion: Motion, spans: Cells) -> tuple[float, float]:
     """Least force that leaves rest for the first time, and when; 0 where it does not begin at rest."""
     moves = np.flatnonzero(~spans.rests)
     if not moves.size:
         return 0.0, float(spans.begin[0])
     first = int(moves[0])
-    piece, begin = first // parts, float(spans.begin[first])
+    piece, begin = int(spans.piece[first]), float(spans.begin[first])
     speed = 0.0 if motion.velocities is None else float(motion.velocities[piece, 0])
     if abs(speed) > STILL:
         return 0.0, begin

@@ -1,6 +1,8 @@
 """CanPerform (Eq. 7) of D_artic_dyn: the robot performs the motion, and bears the force that it takes."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 from predicates.case import Answer, Case, Diagnosis, Kind
 from predicates.meant import moved_by
@@ -11,9 +13,10 @@ from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.scope import D_ARTIC_DYN, Violation
 from sdt_kg.twin import Container, Twin
+from services.dynamics.cells import Cells, cells, instants
 from services.dynamics.oracle import Dynamics
-from services.dynamics.robot.checks import Bound, checks
-from services.dynamics.robot.load import loads
+from services.dynamics.robot.checks import Bound, Checks, checks
+from services.dynamics.robot.load import Loads, loads
 from services.physics.model import Scene
 from services.versions import bearing
 
@@ -57,12 +60,7 @@ class Bearing:
         mechanics = self._dynamics.mechanics(twin, container)
         carried = self._dynamics.carried(twin, body, container)
         asked = checks(scene, twin, body.gripper)
-        bounds = list[Bound]()
-        for parts in PARTS if asked.of else ():
-            loaded = loads(scene, body, container, carried, mechanics, parts)
-            bounds = [each for check in asked.of for each in check(loaded)]
-            if all(each.decided for each in bounds):
-                break
+        bounds = _decided(asked, partial(loads, scene, body, mechanics), carried) if asked.of else []
         found = [each for bound in bounds for each in _judged(bound, mechanics.forces.iri)]
         refusals = tuple(each for each in found if each.kind is Kind.EMBODIMENT)
         figures = answer.figures | _nearest(bounds)
@@ -74,6 +72,21 @@ class Bearing:
         return replace(
             answer, case=case, holds=False, diagnoses=diagnoses, notes=notes, figures={}, artefact=None
         )
+
+
+def _decided(asked: Checks, loaded: Callable[[Cells], Loads], carried: Motion) -> list[Bound]:
+    """Of every check, over spans so short that they decide; of those alone that none will, if there are."""
+    bounds = list[Bound]()
+    for parts in PARTS:
+        bounds = asked.bounds(loaded(cells(carried, parts)))
+        if all(each.decided for each in bounds):
+            break
+        if parts == PARTS[0]:
+            here = zip(bounds, asked.bounds(loaded(instants(carried))), strict=True)
+            broken = [replace(over, least=at.least) for over, at in here if at.most > at.bound]
+            if broken:
+                return broken
+    return bounds
 
 
 def _judged(bound: Bound, forces: Iri) -> list[Diagnosis]:

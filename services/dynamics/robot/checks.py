@@ -87,6 +87,10 @@ class Checks:
     of: tuple[Check, ...]
     missing: tuple[str, ...]
 
+    def bounds(self, loads: Loads) -> list[Bound]:
+        """What all of them say."""
+        return [each for check in self.of for each in check(loads)]
+
 
 def checks(scene: Scene, twin: Twin, gripper: str) -> Checks:
     """All checks for which there are data."""

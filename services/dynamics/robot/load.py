@@ -11,9 +11,8 @@ import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found throug
 
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import local_name
-from sdt_kg.motion import BodyMotion, Motion
-from sdt_kg.twin import Container
-from services.dynamics.cells import cells
+from sdt_kg.motion import BodyMotion
+from services.dynamics.cells import Cells
 from services.dynamics.model import Array, Mechanics, Reach
 from services.dynamics.need import joint_force
 from services.dynamics.robot.balls import Numbers, Vectors, fixed
@@ -63,25 +62,20 @@ class Loads:
     base: Placed
 
 
-def loads(  # noqa: PLR0913, PLR0917 - of one motion of one container
-    scene: Scene, body: BodyMotion, container: Container, carried: Motion, mechanics: Mechanics, parts: int
-) -> Loads:
-    """Bounds over equal parts of each piece of the body motion.
+def loads(scene: Scene, body: BodyMotion, mechanics: Mechanics, spans: Cells) -> Loads:
+    """Bounds over spans of the body motion.
 
     Args:
         scene: Kitchen and robot, in the state in which the motion begins.
         body: The certified body motion.
-        container: What it moves.
-        carried: The container's motion under it, of the same samples.
-        mechanics: Of the container.
-        parts: Into how many spans each piece is cut.
+        mechanics: Of the container that it moves.
+        spans: Of the container's motion under it, which has the same samples.
 
     Raises:
         OracleRejectedError: The container hangs on another that moves, too.
     """
     pieces, _ = whole_motion(scene, body, Tolerances())
-    spans = cells(carried, parts)
-    along, robot = Along(pieces, np.arange(len(spans.begin)) // parts, spans.begin, spans.end), Robot(scene)
+    along, robot = Along(pieces, spans.piece, spans.begin, spans.end), Robot(scene)
     placed = robot.placed(along)
     wrenches = robot.wrenches(placed)
     frame = scene.model.frames[scene.model.getFrameId(scene.tool_frame(body.gripper))]

@@ -1,7 +1,8 @@
 """CanPerform of D_artic_dyn: a robot that follows the motion must also bear what the handle asks."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,10 +12,11 @@ from predicates.causes import causes
 from predicates.law import law
 from predicates.record import to_record
 from sdt_kg.errors import InputError
-from sdt_kg.motion import BodyMotion
+from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.app import load
+from services.dynamics.cells import Cells, cells, instants
 from services.dynamics.data import with_forces
 from services.dynamics.oracle import Dynamics
 from services.dynamics.robot.balls import Vectors
@@ -144,7 +146,7 @@ def test_wheels_hold_friction_times_weight(force: float, slips: bool) -> None:
     assert (bound.most > 0, bound.least > 0) == (slips, slips)
 
 
-def oven(parts: int) -> tuple[Scene, Loads, BodyMotion]:
+def oven(spans: Callable[[Motion], Cells]) -> tuple[Scene, Loads, BodyMotion]:
     """The lift opens the oven door: what it feels."""
     twin = forced_twin(("pr2",))
     (caused,) = causes(asked(twin, "oven_door"), PHYSICS)
@@ -153,12 +155,12 @@ def oven(parts: int) -> tuple[Scene, Loads, BodyMotion]:
     assert isinstance(body, BodyMotion)
     scene, mechanics = Scene(twin, ROBOT), PHYSICS.mechanics(twin, container)
     carried = PHYSICS.carried(twin, body, container)
-    return scene, loads(scene, body, container, carried, mechanics, parts), body
+    return scene, loads(scene, body, mechanics, spans(carried)), body
 
 
 def test_the_handle_pulls_on_the_robot_as_virtual_work_says() -> None:
     """A joint's effort for one newton is what its motion moves the tool along the handle's path."""
-    scene, found, body = oven(4)
+    scene, found, body = oven(partial(cells, parts=4))
     pieces, _ = whole_motion(scene, body, Tolerances())
     lift, frame = scene.coordinate[LIFT], scene.tool_frame("gripper")
     for i in range(0, len(found.begin), len(found.begin) // 7):
@@ -175,13 +177,25 @@ def test_the_handle_pulls_on_the_robot_as_virtual_work_says() -> None:
 
 
 def test_spans_leave_no_gap_and_finer_ones_bound_closer() -> None:
-    _, coarse, body = oven(1)
-    _, fine, _ = oven(8)
+    _, coarse, body = oven(partial(cells, parts=1))
+    _, fine, _ = oven(partial(cells, parts=8))
     for found in (coarse, fine):
         assert found.begin[0] == body.times[0]
         assert found.end[-1] == body.times[-1]
         assert found.begin[1:] == pytest.approx(found.end[:-1])
     assert (fine.beside.hi - fine.beside.lo).max() < (coarse.beside.hi - coarse.beside.lo).max() / 4
+
+
+def test_what_an_instant_leaves_open_no_span_about_it_decides() -> None:
+    _, spans, _ = oven(partial(cells, parts=8))
+    _, found, _ = oven(instants)
+    about = np.searchsorted(spans.end, found.begin)
+    assert (spans.begin[about] <= found.begin).all()
+    near = 1e-9
+    for name in ("force", "beside"):
+        at, over = getattr(found, name), getattr(spans, name)
+        assert (over.lo[about] - near <= at.lo).all()
+        assert (at.hi <= over.hi[about] + near).all()
 
 
 def standing(width: float, force: float) -> Interval:

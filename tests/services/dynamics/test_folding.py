@@ -105,6 +105,7 @@ def test_spans_hold_all_that_lies_in_them_and_the_way_of_every_point_of_the_hand
         np.sort(draw.uniform(-2, 2, (50, 2)), axis=1),
     )
     spans = Cells(
+        np.arange(50),
         np.zeros(50),
         np.ones(50),
         *(Interval(each[:, 0], each[:, 1]) for each in ends),
@@ -113,7 +114,7 @@ def test_spans_hold_all_that_lies_in_them_and_the_way_of_every_point_of_the_hand
     force, way = joint_force(ours, spans), lever(ours, spans.q)
     for _ in range(20):
         q, v, a = (each[:, 0] + draw.random(50) * (each[:, 1] - each[:, 0]) for each in ends)
-        one = joint_force(ours, Cells(spans.begin, spans.end, exact(q), exact(v), exact(a), spans.rests))
+        one = joint_force(ours, replace(spans, q=exact(q), v=exact(v), a=exact(a)))
         assert (force.lo <= one.lo).all()
         assert (one.hi <= force.hi).all()
         handle = np.linalg.norm(handle_at(q + 1e-6) - handle_at(q - 1e-6), axis=1) / 2e-6
