@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from itertools import product
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from sdt_kg.mechanism import Geometry, Pose, ShapeType
 from sdt_kg.store import Store, Triple, double, rows_of
 from sdt_kg.triples import Facts
 from sdt_kg.triples.to_mechanism import geometry_of
-from sdt_kg.urdf.meshes import metres
+from sdt_kg.urdf.meshes import triangles_of
 
 Points = NDArray[np.float64]
 
@@ -79,7 +79,7 @@ def corners(shapes: Iterable[Geometry]) -> Points:
 
 def _own_corners(shape: Geometry) -> Points:
     if shape.shape is ShapeType.MESH:
-        return _vertices(shape.mesh_file) * np.array(shape.size)
+        return _vertices(shape.mesh_file, shape.mesh_hash) * np.array(shape.size)
     if shape.shape is ShapeType.BOX:
         half = np.array(shape.size) / 2
     elif shape.shape is ShapeType.SPHERE:
@@ -92,13 +92,9 @@ def _own_corners(shape: Geometry) -> Points:
 
 
 @cache
-def _vertices(file: str) -> Points:
-    """Vertices of a mesh file, shape (n, 3) [m]."""
-    import trimesh  # noqa: PLC0415 - only where a mesh is measured
-
-    loader: Any = trimesh  # its annotations are partial
-    vertices = np.asarray(loader.load(Path(file), force="mesh").vertices, dtype=np.float64)
-    return vertices * metres(Path(file))
+def _vertices(file: str, _hash: str) -> Points:
+    """Vertices of a mesh file, shape (n, 3) [m]; one that changed is another."""
+    return triangles_of(Path(file))[0]
 
 
 def moved(points: Points, pose: Pose) -> Points:

@@ -5,7 +5,10 @@ import math
 import re
 from functools import lru_cache
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from sdt_kg.errors import UrdfError
 from sdt_kg.urdf.folder import PACKAGES, WIDER, folder_of, models_folder
@@ -15,6 +18,8 @@ FILE: Final = "file://"
 COLLADA: Final = ".dae"
 UNIT: Final = re.compile(rb"""<unit\b[^>]*?\bmeter\s*=\s*["']([^"']*)["']""")
 """A COLLADA file's unit, which its first `asset` gives; without one it is the metre."""
+
+COMMENT: Final = re.compile(rb"<!--.*?-->", re.DOTALL)
 
 
 def mesh_path(reference: str, urdf: Path, where: str) -> Path:
@@ -81,7 +86,7 @@ def metres(path: Path) -> float:
     """
     if path.suffix.lower() != COLLADA:
         return 1.0
-    said = UNIT.search(path.read_bytes())
+    said = UNIT.search(COMMENT.sub(b"", path.read_bytes()))
     try:
         unit = 1.0 if said is None else float(said[1])
     except ValueError:
@@ -89,3 +94,16 @@ def metres(path: Path) -> float:
     if not 0 < unit < math.inf:
         raise UrdfError(f"mesh {path} has a unit that is no length", allowed='<unit meter="1"/>')
     return unit
+
+
+def triangles_of(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Points of all meshes in a file, shape (V, 3) [m], and the three of each triangle, shape (M, 3)."""
+    import trimesh  # noqa: PLC0415 - slow to import, and few meshes need it
+
+    loader: Any = trimesh  # its annotations are partial
+    mesh = loader.load(path, force="mesh")
+    points = np.asarray(mesh.vertices, dtype=np.float64) * metres(path)
+    faces = np.asarray(mesh.faces, dtype=np.int64).reshape(-1, 3)
+    corners = points[faces]
+    lines = (corners == np.roll(corners, 1, axis=1)).all(axis=2).any(axis=1)
+    return points, faces[~lines]

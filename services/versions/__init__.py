@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
 
-KINEMATICS_VERSION = "12"
+KINEMATICS_VERSION = "13"
 DYNAMICS_VERSION = "5"
-EMBODIMENT_VERSION = "21"
+EMBODIMENT_VERSION = "22"
 BEARING_VERSION = "4"
 """Each is raised whenever an answer of that oracle may change."""
 

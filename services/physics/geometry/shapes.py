@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, ShapeType
 from sdt_kg.urdf import meshes, obj
-from sdt_kg.urdf.meshes import metres
+from sdt_kg.urdf.meshes import metres, triangles_of
 from services.physics.geometry import fans, hulls
 from services.physics.geometry.fans import FEW, cones_of
 from services.physics.geometry.hulls import COARSE, Fineness, convex_pieces
 from services.physics.geometry.kept import Array, kept
 
+FORMATS = (".stl", ".obj", ".dae", ".ply", ".off")  # of mesh files
+AGREED = 1e-5  # [1] share of a mesh's size by which two readers' bounds may differ: of single precision
 FLAT = 1e-6  # [m] a mesh thinner than this has no volume: qhull crashes on it
 LONGEST = 100.0  # [m] of a mesh, as long as the floor: handles of 0.1 m in millimetres are longer
 SHORTEST = 1e-3  # [m] of a mesh: walls in metres that are scaled as if in millimetres are shorter
@@ -76,9 +78,11 @@ def _loaded(
     Raises:
         UrdfError: The file is no mesh, or another one than when the model was read.
     """
+    if Path(mesh_file).suffix.lower() not in FORMATS:  # of a glTF, coal leaves out how its first node stands
+        raise UrdfError(f"mesh {mesh_file} is of another format", allowed=", ".join(FORMATS))
     try:
-        mesh = _of_plain(mesh_file, scale) or coal.MeshLoader(tree).load(
-            mesh_file, np.array(scale) * metres(Path(mesh_file))
+        mesh = _of_plain(mesh_file, scale) or _whole(
+            coal.MeshLoader(tree).load(mesh_file, np.array(scale) * metres(Path(mesh_file))), mesh_file, scale
         )
     except (RuntimeError, ValueError) as error:
         said = " ".join(str(error).rpartition("message:")[2].split())  # before it: where in coal's sources
@@ -99,6 +103,30 @@ def _of_plain(mesh_file: str, scale: tuple[float, ...]) -> coal.BVHModelBase | N
     path = Path(mesh_file)
     found = obj.plain(path.read_bytes()) if path.suffix.lower() == obj.SUFFIX and path.is_file() else None
     return None if found is None else Triangles(found[0] * np.array(scale), found[1])
+
+
+def _whole(mesh: coal.BVHModelBase, mesh_file: str, scale: tuple[float, ...]) -> coal.BVHModelBase:
+    """The mesh, each triangle between the points that its file says.
+
+    Of several meshes in a file (one for each material or node) coal has all points, but may number those of
+    a triangle from where another mesh begins: then some are of no triangle, and the file is read otherwise.
+
+    Raises:
+        UrdfError: What is read then is not where those points are.
+    """
+    theirs, numbers = faces_of(mesh)
+    if len(np.unique(numbers)) == len(theirs):
+        return mesh
+    points, faces = triangles_of(Path(mesh_file))
+    points = points * np.array(scale)
+    bounds = [(each.min(axis=0), each.max(axis=0)) for each in (theirs, points)]
+    if not np.allclose(*bounds, rtol=0, atol=AGREED * np.abs(bounds[0]).max()):
+        raise UrdfError(
+            f"mesh {mesh_file} holds several meshes, which two readers place differently",
+            allowed="one mesh in a file",
+            remedy="join them where the file was made, or export it as STL",
+        )
+    return Triangles(points, faces)
 
 
 class Triangles(coal.BVHModelOBBRSS):

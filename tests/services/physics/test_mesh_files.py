@@ -1,0 +1,90 @@
+"""Mesh files that hold several meshes, and formats that are not read as they are meant."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sdt_kg.errors import UrdfError
+from sdt_kg.mechanism import Geometry, Pose, ShapeType
+from sdt_kg.urdf.meshes import mesh_hash
+from services.physics.geometry.shapes import corners, solids, surface
+
+pytestmark = pytest.mark.oracle
+
+PART = """<triangles material="{name}" count="{count}"><input semantic="VERTEX" source="#v" offset="0"/>
+<p>{faces}</p></triangles>"""
+COLLADA = """<?xml version="1.0"?><!-- once <unit meter="0.01"/> -->
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit meter="1"/></asset>
+<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="a" count="12">
+0 0 0 1 0 0 0 2 0 0 0 3</float_array><technique_common><accessor source="#a" count="4" stride="3">
+<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/>
+</accessor></technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+{parts}</mesh></geometry></library_geometries><library_visual_scenes><visual_scene id="s">
+{nodes}</visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
+WHOLE = PART.format(name="a", count=4, faces="0 2 1 0 1 3 0 3 2 1 2 3")
+HALVES = PART.format(name="a", count=2, faces="0 2 1 0 1 3") + PART.format(
+    name="b", count=2, faces="0 3 2 1 2 3"
+)
+HERE = '<instance_geometry url="#g"/>'
+THERE = f"<node><node><translate>10 0 0</translate>{HERE}</node></node>"
+QUADS = """v 0 0 0
+v 1 0 0
+v 1 2 0
+v 0 2 0
+v 10 0 3
+v 11 0 3
+v 11 2 3
+v 10 2 3
+usemtl a
+f 1 2 3 4
+usemtl b
+f 5 6 7 8
+"""
+
+
+def mesh(file: Path, content: str, scale: tuple[float, ...] = (1.0, 1.0, 1.0)) -> Geometry:
+    file.write_text(content, encoding="utf-8")
+    return Geometry(ShapeType.MESH, Pose(), scale, str(file), mesh_hash(file))
+
+
+def triangles(geometry: Geometry) -> set[tuple[tuple[float, ...], ...]]:
+    """Triangles of a surface, each its points in order of size."""
+    (whole,) = surface(geometry)
+    found = np.round(corners(whole), 6).tolist()
+    return {tuple(sorted(map(tuple, each))) for each in found}
+
+
+def expected(shift: float) -> set[tuple[tuple[float, ...], ...]]:
+    points = [(shift, 0.0, 0.0), (shift + 1, 0.0, 0.0), (shift, 2.0, 0.0), (shift, 0.0, 3.0)]
+    return {tuple(sorted(points[:left] + points[left + 1 :])) for left in range(4)}
+
+
+@pytest.mark.parametrize(
+    ("parts", "nodes", "shifts"),
+    [
+        (HALVES, f"<node>{HERE}</node>", (0.0,)),
+        (WHOLE, f"<node>{HERE}</node>{THERE}", (0.0, 10.0)),
+        (HALVES, f"<node>{HERE}</node>{THERE}", (0.0, 10.0)),
+    ],
+    ids=["two materials", "a node in a node", "both"],
+)
+def test_every_mesh_of_a_file_is_where_the_file_has_it(
+    parts: str, nodes: str, shifts: tuple[float, ...], tmp_path: Path
+) -> None:
+    # Triangles of the second joined points of the first: half of a drawer was not there.
+    file = mesh(tmp_path / "two.dae", COLLADA.format(parts=parts, nodes=nodes))
+    assert triangles(file) == set().union(*map(expected, shifts))
+
+
+def test_the_robots_pieces_hold_every_mesh_of_a_file(tmp_path: Path) -> None:
+    file = mesh(tmp_path / "quads.obj", QUADS, (-1.0, 1.0, 2.0))
+    boxes = [piece.aabb_local for piece in solids(file)]
+    assert np.min([box.min_ for box in boxes], axis=0) == pytest.approx((-11, 0, 0), abs=1e-3)
+    assert np.max([box.max_ for box in boxes], axis=0) == pytest.approx((0, 2, 6), abs=1e-3)
+
+
+def test_a_format_whose_first_node_would_be_left_out_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UrdfError, match=r"is of another format; allowed: \.stl, \.obj, \.dae"):
+        surface(mesh(tmp_path / "mesh.gltf", "{}"))
