@@ -170,8 +170,14 @@ def _link(joint: ET.Element, tag: str) -> str:
 
 def _check_numbers(owner: ET.Element, source: Path) -> None:
     where = f"{source}: {owner.tag} '{owner.get('name')}'"
-    seen = (element for part in owner if part.tag != "visual" for element in part.iter())
+    seen = [element for part in owner if part.tag != "visual" for element in part.iter()]
     for element in seen:
+        if element.tag == "origin" and element.get("quat_xyzw") is not None:
+            raise UrdfError(
+                f"{where}: origin has quat_xyzw",
+                allowed='rpy="…"',
+                remedy="write the same orientation as roll, pitch, yaw [rad]",
+            )
         for attribute, count in NUMBERS.get(element.tag, {}).items():
             text = element.get(attribute)
             if text is not None:

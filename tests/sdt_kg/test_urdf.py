@@ -207,6 +207,10 @@ BAD: dict[str, tuple[tuple[str, ...], str]] = {
     "zero axis": (hinge(f'<axis xyz="0 0 0"/>{limit(0, 1)}'), "axis 0 0 0"),
     "not a number": (hinge(f'<origin xyz="nan 0 0"/>{limit(0, 1)}'), "is not finite"),
     "infinite limit": (hinge('<limit lower="0" upper="inf" velocity="1" effort="1"/>'), "is not finite"),
+    "quaternion": (
+        hinge(f'<origin xyz="0 0 1" quat_xyzw="0 0 0.6 0.8"/>{limit(0, 1)}'),
+        "joint 'hinge': origin has quat_xyzw; allowed: rpy=\"…\"",
+    ),
     "no number": (hinge(f'<origin xyz="a b c"/>{limit(0, 1)}'), "is not 3 number"),
     "two numbers for three": (hinge(f'<origin xyz="0 0"/>{limit(0, 1)}'), "holds 2 number"),
     "negative speed": (hinge(limit(0, 1, -1)), "negative velocity"),
