@@ -12,7 +12,7 @@ from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, Inertia, JointType, Limits, Mechanism, Mimic, ShapeType
 from sdt_kg.scenes.build import HANDLE, Link, Matrix, Part, between, built, listed, pose_of
 from sdt_kg.scenes.planes import half_space
-from sdt_kg.scenes.values import number_of, numbers_of, own_pose
+from sdt_kg.scenes.values import by_name, is_true, number_of, numbers_of, own_pose
 from sdt_kg.urdf.meshes import PACKAGE, mesh_hash, mesh_path
 
 MODEL, WORLD = "__model__", "world"
@@ -70,9 +70,8 @@ class _Model:
         self.where = f"{path}: model '{model.get('name')}'"
         self._check_placed()
         self.world_T_model = own_pose(model, self.where)
-        self.elements = {
-            each.get("name", ""): each for tag in ("link", "joint", "frame") for each in model.findall(tag)
-        }
+        named = (each for tag in ("link", "joint", "frame") for each in model.findall(tag))
+        self.elements = by_name(named, self.where)
         self.link_names = [each.get("name", "") for each in model.findall("link")]
         self.carried_by = {self._end(joint, "child"): joint for joint in model.findall("joint")}
         self.odd: list[str] = []
@@ -116,10 +115,11 @@ class _Model:
 
     def notes(self) -> list[str]:
         """What was not carried over."""
-        static = self.model.findtext("static", "false").strip() in ("1", "true")
-        free = [] if static else [str(self.model.get("name"))]
-        loose = [name for name in self.link_names if name not in self.carried_by]
-        notes = [f"imported as fixed where it stands: model {name}" for name in free if loose]
+        static, name = is_true(self.model.findtext("static", ""), self.where), self.model.get("name")
+        stands = not static and any(each not in self.carried_by for each in self.link_names)
+        notes = [f"imported as fixed where it stands: model {name}"] if stands else []
+        if static and any(joint.get("type") != "fixed" for joint in self.carried_by.values()):
+            notes.append(f"model {name} is static, which is taken of its base: its joints move")
         notes += self.odd
         for tag in LEFT_OUT_OF_MODEL:
             notes += listed(
@@ -185,7 +185,8 @@ class _Model:
         if kind is JointType.FIXED:
             return Link(self.prefix + name, kind, whole, self.prefix + child)
         limits = self._limits(axis)
-        if kind is JointType.REVOLUTE and not math.isfinite(limits.upper - limits.lower):
+        endless = kind is JointType.REVOLUTE and not math.isfinite(limits.upper - limits.lower)
+        if endless or kind is JointType.CONTINUOUS:
             kind, limits = JointType.CONTINUOUS, Limits(velocity=limits.velocity, effort=limits.effort)
         return Link(
             name=self.prefix + name,
@@ -216,7 +217,7 @@ class _Model:
         if axis is None or written is None:
             return (0.0, 0.0, 1.0)
         direction = np.array(numbers_of(written, 3, self.where))
-        in_model = axis.findtext("use_parent_model_frame", "false").strip() in ("1", "true")
+        in_model = is_true(axis.findtext("use_parent_model_frame", ""), self.where)
         frame = MODEL if in_model else written.get("expressed_in", "")
         if frame:
             joint_T_frame = between(self._at(joint.get("name", "")), self._at(frame))

@@ -1,6 +1,7 @@
-"""Numbers and poses as SDF writes them."""
+"""Names, numbers and poses as SDF writes them."""
 
 import math
+from collections.abc import Iterable
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -36,17 +37,51 @@ def number_of(element: ET.Element | None, tag: str, default: float, where: str) 
     return numbers_of(found, 1, where)[0]
 
 
+def by_name(elements: Iterable[ET.Element], where: str) -> dict[str, ET.Element]:
+    """The elements by their names, to which poses and axes are relative.
+
+    Raises:
+        UrdfError: A name twice.
+    """
+    named: dict[str, ET.Element] = {}
+    for each in elements:
+        name = each.get("name", "")
+        if name in named:
+            raise UrdfError(
+                f"{where}: <{named[name].tag}> and <{each.tag}> are both named '{name}'",
+                allowed="links, joints and frames of a model, each with a name of its own",
+                remedy="rename one of them",
+            )
+        named[name] = each
+    return named
+
+
+def is_true(text: str, where: str) -> bool:
+    """Whether a word is SDF's yes, in whatever case; nothing is no.
+
+    Raises:
+        UrdfError: It is neither.
+    """
+    word = text.strip().lower()
+    if word not in ("", "true", "1", "false", "0"):
+        raise UrdfError(f"{where}: '{text.strip()}' is no truth value", allowed="true, false, 1, 0")
+    return word in ("true", "1")
+
+
 def own_pose(element: ET.Element, where: str) -> Matrix:
     """Transform of the element's <pose>, whatever it is relative to; shape (4, 4)."""
     pose = element.find("pose")
     if pose is None or not (pose.text or "").strip():
         return np.eye(4)
-    if pose.get("rotation_format") == "quat_xyzw":
+    spelled = pose.get("rotation_format", "euler_rpy")
+    if spelled not in ("euler_rpy", "quat_xyzw"):
+        raise UrdfError(f"{where}: pose with rotation_format='{spelled}'", allowed="euler_rpy, quat_xyzw")
+    if spelled == "quat_xyzw":
         numbers = numbers_of(pose, 7, where)
         if not any(numbers[3:]):
             raise UrdfError(f"{where}: quaternion 0 0 0 0", allowed="any other")
         return matrix_of(numbers[:3], numbers[3:])
     x, y, z, roll, pitch, yaw = numbers_of(pose, 6, where)
-    scale = math.pi / 180 if pose.get("degrees") in ("true", "1") else 1.0
+    scale = math.pi / 180 if is_true(pose.get("degrees", ""), where) else 1.0
     turns = turn((0, 0, 1), yaw * scale) @ turn((0, 1, 0), pitch * scale) @ turn((1, 0, 0), roll * scale)
     return matrix_of((x, y, z)) @ turns

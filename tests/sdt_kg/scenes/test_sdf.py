@@ -1,0 +1,64 @@
+"""SDF says where links are and how joints move in ways that are easily misread."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from sdt_kg.errors import UrdfError
+from sdt_kg.mechanism import JointType, Mechanism
+from sdt_kg.scenes import read_scene
+
+LINKS = """<link name="a"/><link name="b"><pose degrees="{yes}">0 3 0 0 0 90</pose></link>"""
+JOINT = """<joint name="{name}" type="{kind}"><parent>a</parent><child>b</child><axis><xyz>1 0 0</xyz>
+<use_parent_model_frame>{yes}</use_parent_model_frame><limit><lower>0</lower><upper>1</upper></limit></axis></joint>"""
+
+
+def model(
+    tmp_path: Path, *, name: str = "j", kind: str = "prismatic", yes: str = "true", static: str = ""
+) -> Mechanism:
+    inside = LINKS.format(yes=yes) + JOINT.format(name=name, kind=kind, yes=yes)
+    path = tmp_path / "k.sdf"
+    text = f'<sdf version="1.6"><model name="m"><static>{static}</static>{inside}</model></sdf>'
+    path.write_text(text, encoding="utf-8")
+    return read_scene(path)
+
+
+@pytest.mark.parametrize("yes", ["true", "1", "True", " TRUE "])
+def test_yes_is_yes_in_whatever_case(yes: str, tmp_path: Path) -> None:
+    joint = model(tmp_path, yes=yes).joint("j")
+    assert joint.origin.orientation == pytest.approx((0, 0, math.sqrt(0.5), math.sqrt(0.5)))
+    assert joint.axis == pytest.approx((0, -1, 0))  # of the model's x, in a frame that is turned by 90°
+
+
+def test_what_is_neither_yes_nor_no_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UrdfError, match="model 'm': 'yes' is no truth value; allowed: true, false, 1, 0"):
+        model(tmp_path, yes="yes")
+
+
+def test_a_joint_with_the_name_of_a_link_is_refused(tmp_path: Path) -> None:
+    # Link a stood where the joint is, 3 m away.
+    with pytest.raises(UrdfError, match=r"<link> and <joint> are both named 'a'; .*; rename one of them"):
+        model(tmp_path, name="a")
+
+
+def test_a_continuous_joint_turns_without_end_whatever_its_limits(tmp_path: Path) -> None:
+    joint = model(tmp_path, kind="continuous").joint("j")
+    assert joint.type is JointType.CONTINUOUS
+    assert (joint.limits.lower, joint.limits.upper) == (-math.inf, math.inf)
+
+
+@pytest.mark.parametrize(("kind", "said"), [("prismatic", True), ("fixed", False)])
+def test_that_joints_of_a_static_model_are_taken_to_move_is_said(
+    kind: str, said: bool, tmp_path: Path
+) -> None:
+    note = "model m is static, which is taken of its base: its joints move"
+    assert (note in model(tmp_path, kind=kind, static="True").notes) is said
+
+
+def test_a_pose_whose_turn_is_spelled_in_another_way_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "k.sdf"
+    pose = '<pose rotation_format="quat_wxyz">0 0 0 1 0 0 0</pose>'
+    path.write_text(f'<sdf version="1.9"><model name="m">{pose}<link name="a"/></model></sdf>')
+    with pytest.raises(UrdfError, match="rotation_format='quat_wxyz'; allowed: euler_rpy, quat_xyzw"):
+        read_scene(path)
