@@ -212,7 +212,9 @@ class _Reader:
         return found
 
     def _collides(self, geom: int) -> bool:
-        return bool(self.model.geom_contype[geom] or self.model.geom_conaffinity[geom])
+        model = self.model
+        paired = geom in model.pair_geom1 or geom in model.pair_geom2
+        return bool(model.geom_contype[geom] or model.geom_conaffinity[geom] or paired)
 
     def _shape(self, geom: int, shape: ShapeType, at: Matrix) -> Geometry:
         """One shape; MuJoCo gives half sizes, and meshes in the frame of their own inertia."""
