@@ -57,6 +57,7 @@ def read_sdf(root: ET.Element, path: Path, name: str) -> Mechanism:
         links += reader.links()
         notes += reader.notes()
     if worlds:
+        notes += listed("<model> beside the world", [_label(each) for each in root.findall("model")])
         for tag in LEFT_OUT:
             notes += listed(f"<{tag}> of the world", [_label(each) for each in holder.findall(tag)])
     return built(name, parts, links, notes, path)
@@ -185,8 +186,8 @@ class _Model:
         if kind is JointType.FIXED:
             return Link(self.prefix + name, kind, whole, self.prefix + child)
         limits = self._limits(axis)
-        endless = kind is JointType.REVOLUTE and not math.isfinite(limits.upper - limits.lower)
-        if endless or kind is JointType.CONTINUOUS:
+        endless = math.isinf(limits.lower) and math.isinf(limits.upper)
+        if kind is JointType.CONTINUOUS or (kind is JointType.REVOLUTE and endless):
             kind, limits = JointType.CONTINUOUS, Limits(velocity=limits.velocity, effort=limits.effort)
         return Link(
             name=self.prefix + name,
@@ -230,9 +231,8 @@ class _Model:
         if mimic is None:
             return None
         multiplier = number_of(mimic, "multiplier", 1.0, self.where)
-        offset = number_of(mimic, "offset", 0.0, self.where) - multiplier * number_of(
-            mimic, "reference", 0.0, self.where
-        )
+        reference = number_of(mimic, "reference", 0.0, self.where)
+        offset = number_of(mimic, "offset", 0.0, self.where) - multiplier * reference
         return Mimic(self.prefix + mimic.get("joint", ""), multiplier, offset)
 
     def _inertia(self, link: ET.Element, frame_T_link: Matrix) -> Inertia | None:

@@ -11,15 +11,27 @@ from sdt_kg.scenes import read_scene
 
 LINKS = """<link name="a"/><link name="b"><pose degrees="{yes}">0 3 0 0 0 90</pose></link>"""
 JOINT = """<joint name="{name}" type="{kind}"><parent>a</parent><child>b</child><axis><xyz>1 0 0</xyz>
-<use_parent_model_frame>{yes}</use_parent_model_frame><limit><lower>0</lower><upper>1</upper></limit></axis></joint>"""
+<use_parent_model_frame>{yes}</use_parent_model_frame><limit><lower>0</lower>{upper}</limit></axis></joint>"""
+UPPER = "<upper>1</upper>"
 
 
 def model(
-    tmp_path: Path, *, name: str = "j", kind: str = "prismatic", yes: str = "true", static: str = ""
+    tmp_path: Path,
+    *,
+    name: str = "j",
+    kind: str = "prismatic",
+    yes: str = "true",
+    static: str = "",
+    upper: str = UPPER,
 ) -> Mechanism:
-    inside = LINKS.format(yes=yes) + JOINT.format(name=name, kind=kind, yes=yes)
-    path = tmp_path / "k.sdf"
-    text = f'<sdf version="1.6"><model name="m"><static>{static}</static>{inside}</model></sdf>'
+    inside = LINKS.format(yes=yes) + JOINT.format(name=name, kind=kind, yes=yes, upper=upper)
+    return read(
+        tmp_path, f'<sdf version="1.6"><model name="m"><static>{static}</static>{inside}</model></sdf>'
+    )
+
+
+def read(folder: Path, text: str) -> Mechanism:
+    path = folder / "k.sdf"
     path.write_text(text, encoding="utf-8")
     return read_scene(path)
 
@@ -56,9 +68,19 @@ def test_that_joints_of_a_static_model_are_taken_to_move_is_said(
     assert (note in model(tmp_path, kind=kind, static="True").notes) is said
 
 
+def test_a_hinge_with_one_end_keeps_it(tmp_path: Path) -> None:
+    joint = model(tmp_path, kind="revolute", upper="").joint("j")
+    assert joint.type is JointType.REVOLUTE
+    assert (joint.limits.lower, joint.limits.upper) == (0.0, math.inf)
+
+
+def test_a_model_beside_the_world_is_said_to_be_left_out(tmp_path: Path) -> None:
+    inside = '<world name="w"><model name="m"><link name="a"/></model></world><model name="wall"/>'
+    mechanism = read(tmp_path, f'<sdf version="1.9">{inside}</sdf>')
+    assert "not carried over: <model> beside the world: wall" in mechanism.notes
+
+
 def test_a_pose_whose_turn_is_spelled_in_another_way_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "k.sdf"
     pose = '<pose rotation_format="quat_wxyz">0 0 0 1 0 0 0</pose>'
-    path.write_text(f'<sdf version="1.9"><model name="m">{pose}<link name="a"/></model></sdf>')
     with pytest.raises(UrdfError, match="rotation_format='quat_wxyz'; allowed: euler_rpy, quat_xyzw"):
-        read_scene(path)
+        read(tmp_path, f'<sdf version="1.9"><model name="m">{pose}<link name="a"/></model></sdf>')
