@@ -201,6 +201,20 @@ def test_sideways_drift_below_the_velocity_is_summed_up(twin: Twin) -> None:
     assert 0.015 <= found.evidence.value <= 0.016  # a bound, from above
 
 
+def test_a_slow_drive_straight_ahead_has_not_drifted(twin: Twin) -> None:
+    motion, slower = opening(), 1e4
+    slow = replace(
+        motion,
+        times=motion.times * slower,
+        v=motion.v / slower,
+        base_v=motion.base_v / slower,
+        kitchen_v=motion.kitchen_v / slower,
+    )
+    verdict = judge(twin, slow, Drive.DIFFERENTIAL)
+    assert isinstance(verdict, Certified)
+    assert verdict.figures["sideways path"][0] < Tolerances().drift / 16
+
+
 def test_a_fixed_base_never_moves(twin: Twin) -> None:
     found = only(twin, opening(), Quantity.POSITION, Drive.FIXED)
     assert "fixed" in found[0].reason
