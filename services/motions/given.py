@@ -22,8 +22,9 @@ KNOWN = (
 
 Arrays = Mapping[str, np.ndarray]
 
-NO_REALS = "cmM"
-"""Kinds of arrays that numpy would turn into numbers, losing a part or a unit: complex, durations, dates."""
+NO_REALS = "bcmM"
+"""Kinds of arrays that numpy would turn into numbers though they are none, or lose a part or a unit: truth
+values, complex, durations, dates."""
 
 
 def by_index(sample: int) -> str:
@@ -73,7 +74,7 @@ class Given:
         array = self.arrays[name]
         if array.size != 1 or array.dtype.kind not in "US":
             raise MotionError(f"'{name}' holds {array.dtype} of shape {array.shape}", allowed="one name")
-        return str(array.astype(str).item())
+        return str(_texts(name, array).item())
 
     def flag(self, name: str, default: bool) -> bool:
         """A single truth value; the default where the file has none.
@@ -152,7 +153,7 @@ class Given:
             raise MotionError(
                 f"'{name}' holds {array.dtype} of shape {array.shape}", allowed="a list of names"
             )
-        names = tuple(str(each) for each in array.astype(str).ravel())
+        names = tuple(str(each) for each in _texts(name, array).ravel())
         repeated = sorted({each for each in names if names.count(each) > 1})
         if repeated:
             raise MotionError(f"'{name}' names {repeated[0]} twice", allowed="every name once")
@@ -176,6 +177,14 @@ class Given:
                 allowed=f"times in seconds, each {SHORTEST:g} s or more after the one before",
             )
         return times
+
+
+def _texts(name: str, array: np.ndarray) -> np.ndarray:
+    """Texts, which numpy keeps as bytes too."""
+    try:
+        return np.char.decode(array, "utf-8") if array.dtype.kind == "S" else array
+    except UnicodeDecodeError:
+        raise MotionError(f"'{name}' holds bytes that are no text", allowed="UTF-8") from None
 
 
 def _is_real(cell: object) -> bool:

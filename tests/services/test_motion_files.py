@@ -161,6 +161,8 @@ def test_a_file_written_by_us_names_its_robot(tmp_path: Path) -> None:
         (body_motion(phase_names=["follow"], phase_starts=[99]), r"phases start at \[99\]"),
         (body_motion(phase_names=["follow"], phase_starts=[3.9]), r"phases start at \[3.9\]"),
         (body_motion(robot_positions=SMOOTH[:, None] + 1j), "'robot_positions' holds complex128; .* real"),
+        (body_motion(base=np.ones((9, 3), dtype=bool)), "'base' holds bool; allowed: real numbers"),
+        (body_motion(gripper=np.array(b"\xff")), "'gripper' holds bytes that are no text; allowed: UTF-8"),
         (body_motion(times=np.arange(9).astype("M8[s]")), r"'times' holds datetime64\[s\]"),
         (body_motion(times=np.arange(9).astype("m8[s]")), r"'times' holds timedelta64\[s\]"),
         (body_motion(times=TIMES * 1e-200), "times do not increase: index 0 .* 1e-09 s or more"),
