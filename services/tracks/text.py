@@ -27,7 +27,7 @@ def read_text(path: Path) -> Track:
     except UnicodeDecodeError:
         raise MotionError(f"{path.name} is no text", allowed=ALLOWED) from None
     rows = [
-        (number, _cells(line))
+        (number, _cells(path.name, number, line))
         for number, line in enumerate(lines, 1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
@@ -42,8 +42,19 @@ def read_text(path: Path) -> Track:
     return track_of(table, names, path.name, [f"line {number}" for number, _ in rows])
 
 
-def _cells(line: str) -> list[str]:
-    """Cells of a line. A line with commas or semicolons may have empty cells."""
+def _cells(name: str, number: int, line: str) -> list[str]:
+    """Cells of a line. A line with commas or semicolons may have empty cells.
+
+    Raises:
+        MotionError: It has several dividers: the commas may be those of decimals.
+    """
+    dividers = {each.strip() or "blanks" for each in _DIVIDER.findall(line.strip())}
+    if len(dividers) > 1:
+        raise MotionError(
+            f"line {number} of {name} is divided by {' and '.join(sorted(dividers))}",
+            allowed="one of commas, semicolons and blanks",
+            remedy="write decimals with a point",
+        )
     return _DIVIDER.split(line.strip())
 
 

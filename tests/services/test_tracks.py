@@ -97,6 +97,7 @@ def test_arrays_in_npz(tmp_path: Path) -> None:
     ("text", "message"),
     [
         (rows(PLACES) + "0.1 0.2\n", "line 13 of track.csv has 2 columns; allowed: 3, as before"),
+        *((rows(PLACES[:, ::2], each).replace(".", ","), "line 1 .* divided by , and") for each in " ;"),
         (rows(PLACES) + "0.1 0.2 up\n", "line 13 of track.csv: 'up' is no number"),
         (rows(1000 * PLACES), "line 1 of track.csv: a position of 700 m, probably in millimetres"),
         (rows(PLACES[:3]), "track.csv has 3 samples"),
