@@ -1,7 +1,7 @@
 """Tracks in ROS 2 bags: PoseStamped, Odometry or TF, with WrenchStamped as force.
 
-The poses are in the message's frame; those of TF in the root frame of the tree of transforms. A wrench
-is given in the same frame, and is interpolated to the times of the poses.
+The poses are in the message's frame; those of TF in the root frame of the tree of transforms, what carries
+a frame interpolated to its times. A wrench is given in the same frame, and interpolated likewise.
 """
 
 from collections.abc import Iterator
@@ -62,17 +62,16 @@ def read_bag(path: Path, topic: str | None, frame: str | None) -> Track:
                     if c.topic.endswith(STILL) == still:
                         yield c.topic, c.msgtype, reader.deserialize(raw, c.msgtype)
 
-            known = [
-                each for _, kind, one in messages(still=True) if kind == TRANSFORMS for each in one.transforms
-            ]
-            found = _found(messages(still=False), Transforms(known), frame)
+            known, moving = (
+                [each for _, kind, one in heard if kind == TRANSFORMS for each in one.transforms]
+                for heard in (messages(still=True), messages(still=False))
+            )
+            found = _found(messages(still=False), Transforms(known, moving), frame)
     except (AnyReaderError, OSError) as error:
         raise InputError(f"{path.name} is no ROS bag: {error}", allowed=ALLOWED) from None
     chosen = _chosen(found, topic, frame, path.name)
     _check_frames(found, chosen)
-    rows = np.array(found.poses[chosen], dtype=np.float64).reshape(-1, 8)
-    _, order = np.unique(rows[:, 0], return_index=True)
-    rows, names = rows[order], ("t", *PLACE, *TURN)
+    rows, names = _in_time(found.poses[chosen], chosen), ("t", *PLACE, *TURN)
     if found.wrenches:
         rows, names = _with_forces(rows, *next(iter(found.wrenches.items()))), (*names, *FORCE)
     rows[:, 0] -= rows[0, 0]
@@ -132,16 +131,32 @@ def _check_frames(found: _Found, chosen: str) -> None:
             raise MotionError(what, allowed="wrenches in the frame of the poses", remedy="transform them")
 
 
+def _in_time(said: list[list[float]], source: str) -> Array:
+    """Rows in the order of their stamps; what is said twice, once.
+
+    Raises:
+        MotionError: Two rows of one stamp differ.
+    """
+    rows = np.unique(np.array(said, dtype=np.float64), axis=0)
+    again = np.flatnonzero(np.diff(rows[:, 0]) == 0)
+    if again.size:
+        at = rows[again[0], 0]
+        raise MotionError(
+            f"two messages of {source} are stamped {at:.9f} s, and are not the same",
+            allowed="stamps of when each was observed",
+        )
+    return rows
+
+
 def _with_forces(rows: Array, topic: str, wrenches: list[list[float]]) -> Array:
     """Rows t, pose, force: interpolated between wrenches, missing before the first and after the last.
 
     Raises:
         MotionError: No pose is seen while wrenches are.
     """
-    table = np.array(wrenches)
-    times, order = np.unique(table[:, 0], return_index=True)
-    at = rows[:, 0]
-    forces = [np.interp(at, times, table[order, k], left=np.nan, right=np.nan) for k in (1, 2, 3)]
+    table = _in_time(wrenches, topic)
+    at, times = rows[:, 0], table[:, 0]
+    forces = [np.interp(at, times, table[:, k], left=np.nan, right=np.nan) for k in (1, 2, 3)]
     if not ((at >= times[0]) & (at <= times[-1])).any():
         what = f"no pose is of the time of {topic}, {times[0]:.3f} to {times[-1]:.3f} s"
         raise MotionError(what, allowed=f"{at[0]:.3f} to {at[-1]:.3f} s, one clock for both")

@@ -68,6 +68,8 @@ def recorded(folder: Path, items: Iterable[Item]) -> Path:
 
 POSES = [pose(k) for k in range(20)]
 MARKERS = [hung(TIMES[k], "marker", "camera", PLACES[k]) for k in range(20)]
+HARDER = ("/wrench", wrench(6.0)[1], 9.0)
+HARDER[1].wrench.force.x = 8.0
 _, CAMERA, _ = hung(6.0, "camera", "map", (1.0, 0.0, 0.0), SIDEWAYS)
 
 
@@ -83,6 +85,17 @@ def test_what_carries_a_marker_says_nothing_new_of_it(tmp_path: Path) -> None:
     items = [item for k in range(20) for item in (cameras[k], *([MARKERS[k]] if k % 2 else []))]
     track = read_track(recorded(tmp_path, items), frame="marker")
     assert track.positions == pytest.approx(PLACES[1::2])
+
+
+def test_what_carries_a_marker_is_where_it_was_when_the_marker_was_seen(tmp_path: Path) -> None:
+    told = np.linspace(TIMES[0] - 0.1, TIMES[-2], 5)
+    cameras = [hung(time, "camera", "map", (time, 0, 0), (0, 0, np.sin(time), np.cos(time))) for time in told]
+    track = read_track(recorded(tmp_path, [*cameras, *MARKERS]), frame="marker")
+    at, (x, _, z) = TIMES[:-1], PLACES[:-1].T
+    assert track.missing == 1
+    assert track.positions == pytest.approx(
+        np.column_stack([at + x * np.cos(2 * at), x * np.sin(2 * at), z]), abs=1e-6
+    )
 
 
 def test_a_marker_fixed_to_what_moves_moves_with_it(tmp_path: Path) -> None:
@@ -109,6 +122,8 @@ def test_forces_are_missing_where_no_wrench_was_seen(tmp_path: Path) -> None:
         ([*POSES, *(wrench(t) for t in (105.0, 109.0))], "no pose is of the time of /wrench, 105.000 to 109"),
         ([*MARKERS[:9], hung(6, "camera", "map", (0, 0, 1)), *MARKERS[9:]], "camera at first and from map"),
         ([hung(6.0, "marker", "marker", (0.0, 0.0, 1.0))], "frame marker hangs from itself"),
+        ([*MARKERS, hung(5.0, "marker", "camera", (0, 0, 1))], "two messages of frame marker .* 5.0+ s, and"),
+        ([*POSES, wrench(6.0), wrench(7.0), HARDER], "two messages of /wrench are stamped 6.0+ s, and"),
     ],
 )  # fmt: skip
 def test_what_is_of_two_minds_is_refused(tmp_path: Path, items: list[Item], message: str) -> None:
