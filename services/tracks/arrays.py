@@ -41,13 +41,15 @@ def read_arrays(path: Path) -> Track:
         )
     if "poses" not in arrays and "positions" not in arrays:
         raise MotionError(f"{path.name} has {', '.join(arrays) or 'nothing'}", allowed=ALLOWED)
+    for one, other in (("poses", "positions"), ("poses", "orientations")):
+        if one in arrays and other in arrays:
+            raise MotionError(f"{path.name} has '{one}' and '{other}'", allowed="one of both")
     columns, names = list[Array](), list[str]()
     samples = len(np.atleast_1d(arrays["poses" if "poses" in arrays else "positions"]))
     for key, group in KEYS.items():
-        if key not in arrays or set(group) & set(names):
-            continue
-        columns.append(_column(path.name, key, arrays[key], (samples, len(group))))
-        names += group
+        if key in arrays:
+            columns.append(_column(path.name, key, arrays[key], (samples, len(group))))
+            names += group
     return track_of(np.hstack(columns), names, path.name, [f"index {k}" for k in range(samples)])
 
 

@@ -73,6 +73,14 @@ def test_an_array_that_means_nothing_is_not_left_out_silently(tmp_path: Path) ->
         read_track(tmp_path / "track.npz")
 
 
+@pytest.mark.parametrize("twice", ["positions", "orientations"])
+def test_places_and_turns_are_given_once(tmp_path: Path, twice: str) -> None:
+    arrays = {"poses": np.hstack([PLACES, TURNS]), "positions": PLACES + 1, "orientations": TURNS}
+    np.savez(tmp_path / "track.npz", poses=arrays["poses"], **{twice: arrays[twice]})
+    with pytest.raises(MotionError, match=f"has 'poses' and '{twice}'; allowed: one of both"):
+        read_track(tmp_path / "track.npz")
+
+
 def test_complex_numbers_are_no_positions(tmp_path: Path) -> None:
     np.savez(tmp_path / "track.npz", positions=np.zeros((9, 3)) * 1j)
     with pytest.raises(MotionError, match=r"holds complex128; allowed: real numbers"):
