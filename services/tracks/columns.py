@@ -6,6 +6,7 @@ import numpy as np
 
 from predicates.learn.track import Array, Track, checked
 from sdt_kg.errors import MotionError
+from sdt_kg.motion import LARGEST
 
 PLACE, TURN, FORCE = ("x", "y", "z"), ("qx", "qy", "qz", "qw"), ("fx", "fy", "fz")
 KNOWN = ("t", *PLACE, *TURN, *FORCE)
@@ -119,6 +120,14 @@ def _check_room(positions: Array, places: Sequence[str], name: str) -> None:
 
 
 def _check_times(times: Array, places: Sequence[str], name: str) -> None:
+    beyond = np.flatnonzero(np.abs(times) > LARGEST)
+    if beyond.size:
+        k = int(beyond[0])
+        raise MotionError(
+            f"{places[k]} of {name}: the time {times[k]:.6g} s, probably in nanoseconds",
+            allowed=f"s, up to {LARGEST:g}",
+            remedy="convert to s",
+        )
     falling = np.flatnonzero(np.diff(times) <= 0)
     if falling.size:
         k = int(falling[0]) + 1

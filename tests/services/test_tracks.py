@@ -111,6 +111,7 @@ def test_arrays_in_npz(tmp_path: Path) -> None:
         (rows(PLACES[:3]), "track.csv has 3 samples"),
         (rows(np.hstack([PLACES, PLACES])[:, :5]), "track.csv has 5 columns and no header"),
         (rows(np.hstack([PLACES[::-1], 2 * TURNS])), "7 columns that are neither"),
+        (rows(np.hstack([TIMES + 1.7e18, PLACES])), r"line 1 .* the time 1.7e.18 s, probably in nanosec"),
         (rows(np.hstack([TIMES[::-1], PLACES])), r"line 2 of track.csv: the time .* is not after"),
         ("x y z qx\n" + rows(np.hstack([PLACES, TIMES])), "the header of track.csv lacks qy, qz, qw"),
         ("x y z speed\n" + rows(np.hstack([PLACES, TIMES])), "an unknown column 'speed'"),
