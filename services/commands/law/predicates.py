@@ -129,7 +129,7 @@ def _answer_row(answer: Answer) -> Json:
     diagnoses = [diagnosis_json(each) for each in answer.diagnoses]
     row["outcome"] = outcome_of(answer.holds, diagnoses)
     if isinstance(case.motion, Motion) and not case.motion.is_poses:
-        values = case.motion.values[:, 0]
-        row |= {"start": float(values[0]), "end": float(values[-1]), "duration": float(case.motion.times[-1])}
+        values, times = case.motion.values[:, 0], case.motion.times
+        row |= {"start": float(values[0]), "end": float(values[-1]), "duration": float(times[-1] - times[0])}
     row |= {"figures": dict(answer.figures), "notes": list(answer.notes)}
     return row | {"diagnoses": diagnoses}

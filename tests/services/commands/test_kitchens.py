@@ -121,6 +121,13 @@ def test_causes_makes_a_motion_and_judges_it_again(sdt, tmp_path: Path) -> None:
     assert made["end"] == judged["end"] >= 0.9 * 1.57079632679
 
 
+def test_a_motion_takes_as_long_whatever_its_clock_says(sdt, tmp_path: Path) -> None:
+    path = tmp_path / "recorded.csv"
+    path.write_text("# joint: iai_fridge_door_joint\ntime,value\n1700000000,0\n1700000006,1.5\n")
+    (judged,) = sdt("causes", "b", "--task", "open:iai_fridge_door", "--motion", str(path), "--json").json
+    assert (judged["outcome"], judged["duration"]) == ("causes", 6.0)
+
+
 def test_what_is_open_cannot_be_caused_to_open(sdt) -> None:
     done = sdt("causes", "b", "--task", "open:iai_fridge_door", "--state", "iai_fridge_door=open", "--json")
     assert done.code == 1
