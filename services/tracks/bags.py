@@ -33,7 +33,7 @@ class _Found:
     Attributes:
         poses: Topic (or frame of TF) → rows t x y z qx qy qz qw.
         wrenches: Topic → rows t fx fy fz.
-        frames: Topic → the frames in which it is given; none for TF, whose root may have any name.
+        frames: Topic (or frame of TF) → the frames in which it is given.
     """
 
     poses: dict[str, list[list[float]]] = field(default_factory=dict[str, list[list[float]]])
@@ -92,6 +92,7 @@ def _found(messages: Messages, transforms: Transforms, frame: str | None) -> _Fo
         elif kind == TRANSFORMS:
             for name, row in transforms.rows(message.transforms, frame).items():
                 found.poses.setdefault(f"frame {name}", []).append(row)
+                found.frames.setdefault(f"frame {name}", set()).add(transforms.roots[name])
         if kind in {POSE, ODOMETRY, WRENCH}:
             found.frames.setdefault(topic, set()).add(message.header.frame_id)
     return found
@@ -120,10 +121,10 @@ def _check_frames(found: _Found, chosen: str) -> None:
         topics = ", ".join(sorted(found.wrenches))
         raise MotionError(f"wrenches of {topics}", allowed="one topic of WrenchStamped")
     for topic in (chosen, *found.wrenches):
-        if len(frames := found.frames.get(topic, {""})) > 1:
+        if len(frames := found.frames[topic]) > 1:
             what = f"{topic} is given in several frames: {', '.join(sorted(frames))}"
             raise MotionError(what, allowed="one frame, that of the world")
-    if found.wrenches and chosen in found.frames:
+    if found.wrenches:
         (topic,), (poses,) = found.wrenches, found.frames[chosen]
         (wrenches,) = found.frames[topic]
         if poses != wrenches:

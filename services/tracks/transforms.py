@@ -22,7 +22,8 @@ class Transforms:
         for each in still:
             self._hang(each)
         self._still = set(self._tree)
-        self._roots: dict[str, str] = {}
+        #: Frame → the root in which its rows are.
+        self.roots: dict[str, str] = {}
         self._told = defaultdict[tuple[str, str], list[tuple[float, Array, Rotation]]](list)
         for each in sorted(moving, key=lambda one: seconds(one.header)):
             told = self._told[each.child_frame_id, each.header.frame_id]
@@ -63,9 +64,9 @@ class Transforms:
         return chain
 
     def _check_root(self, frame: str, root: str) -> None:
-        if self._roots.setdefault(frame, root) != root:
+        if self.roots.setdefault(frame, root) != root:
             raise MotionError(
-                f"frame {frame} hangs from {self._roots[frame]} at first and from {root} later",
+                f"frame {frame} hangs from {self.roots[frame]} at first and from {root} later",
                 allowed="one root for the whole track",
                 remedy="record /tf_static too, or begin when all frames are told",
             )

@@ -121,6 +121,7 @@ def test_forces_are_missing_where_no_wrench_was_seen(tmp_path: Path) -> None:
         ([*POSES, *(wrench(t, frame="wrist") for t in (5.0, 9.0))], "in the frame 'wrist', /handle in 'map'"),
         ([*POSES, *(wrench(t) for t in (105.0, 109.0))], "no pose is of the time of /wrench, 105.000 to 109"),
         ([*MARKERS[:9], hung(6, "camera", "map", (0, 0, 1)), *MARKERS[9:]], "camera at first and from map"),
+        ([wrench(5.0, frame="wrist"), *MARKERS], "in the frame 'wrist', frame marker in 'camera'"),
         ([hung(6.0, "marker", "marker", (0.0, 0.0, 1.0))], "frame marker hangs from itself"),
         ([*MARKERS, hung(5.0, "marker", "camera", (0, 0, 1))], "two messages of frame marker .* 5.0+ s, and"),
         ([*POSES, wrench(6.0), wrench(7.0), HARDER], "two messages of /wrench are stamped 6.0+ s, and"),
