@@ -45,11 +45,11 @@ def read_bag(path: Path, topic: str | None, frame: str | None) -> Track:
     """The track in a bag.
 
     Raises:
-        InputError: rosbags is not installed, or no bag.
+        InputError: rosbags is not installed, or no bag that can be read.
         MotionError: No poses, those of several topics and none was chosen, or in several frames.
     """
     try:
-        from rosbags.highlevel import AnyReader, AnyReaderError  # noqa: PLC0415 - an extra
+        from rosbags.highlevel import AnyReader  # noqa: PLC0415 - an extra
         from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - an extra
     except ImportError:
         raise InputError("ROS bags need rosbags", remedy="pip install 'sdt-kg[ros]'") from None
@@ -62,12 +62,15 @@ def read_bag(path: Path, topic: str | None, frame: str | None) -> Track:
                     if c.topic.endswith(STILL) == still:
                         yield c.topic, c.msgtype, reader.deserialize(raw, c.msgtype)
 
+            _check_whole(reader, path.name)
             known, moving = (
                 [each for _, kind, one in heard if kind == TRANSFORMS for each in one.transforms]
                 for heard in (messages(still=True), messages(still=False))
             )
             found = _found(messages(still=False), Transforms(known, moving), frame)
-    except (AnyReaderError, OSError) as error:
+    except MotionError:
+        raise
+    except Exception as error:  # noqa: BLE001 - whatever a foreign, damaged file makes the library raise
         raise InputError(f"{path.name} is no ROS bag: {error}", allowed=ALLOWED) from None
     chosen = _chosen(found, topic, frame, path.name)
     _check_frames(found, chosen)
@@ -76,6 +79,17 @@ def read_bag(path: Path, topic: str | None, frame: str | None) -> Track:
         rows, names = _with_forces(rows, *next(iter(found.wrenches.items()))), (*names, *FORCE)
     rows[:, 0] -= rows[0, 0]
     return track_of(rows, names, f"{chosen} of {path.name}", [f"message {k + 1}" for k in range(len(rows))])
+
+
+def _check_whole(reader: Any, name: str) -> None:  # noqa: ANN401 - of a library that may not be there
+    """The bag has as many messages as it says.
+
+    Raises:
+        MotionError: It has others.
+    """
+    count, said = sum(1 for _ in reader.messages()), reader.message_count
+    if count != said:
+        raise MotionError(f"{name} has {count} messages, and says that it has {said}", allowed="a whole bag")
 
 
 def _found(messages: Messages, transforms: Transforms, frame: str | None) -> _Found:

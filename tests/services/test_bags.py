@@ -136,3 +136,22 @@ def test_what_is_of_two_minds_is_refused(tmp_path: Path, items: list[Item], mess
 def test_a_folder_without_a_bag_is_told_so(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no ROS bag"):
         read_track(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "message"),
+    [
+        (b"geometry_msgs/msg/PoseStamped", b"\xffeometry_msgs/msg/PoseStamped", "bag is no ROS bag: 'utf-8'"),
+        (
+            b"message_count: 20",
+            b"message_count: 21",
+            "bag has 20 messages, and says that it has 21; .* whole",
+        ),
+    ],
+)
+def test_a_damaged_bag_is_told_so(tmp_path: Path, was: bytes, now: bytes, message: str) -> None:
+    bag = recorded(tmp_path, POSES)
+    for file in bag.iterdir():
+        file.write_bytes(file.read_bytes().replace(was, now))
+    with pytest.raises(InputError, match=message):
+        read_track(bag)
