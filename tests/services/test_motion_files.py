@@ -234,6 +234,16 @@ def test_pickled_objects_are_not_loaded(tmp_path: Path) -> None:
         read_motion(path, TWIN)
 
 
+def test_an_archive_that_cannot_be_unpacked_is_told_so(tmp_path: Path) -> None:
+    path = tmp_path / "motion.npz"
+    np.savez_compressed(path, times=TIMES)
+    packed = bytearray(path.read_bytes())
+    packed[packed.index(b"PK\x01\x02") + 10] = 99  # how it is packed
+    path.write_bytes(packed)
+    with pytest.raises(MotionError, match=r"is no \.npz of plain arrays: That compression method"):
+        read_motion(path, TWIN)
+
+
 def test_a_missing_file_is_told_so(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no file at"):
         read_motion(tmp_path / "none.npz", TWIN)

@@ -81,6 +81,16 @@ def test_places_and_turns_are_given_once(tmp_path: Path, twice: str) -> None:
         read_track(tmp_path / "track.npz")
 
 
+def test_an_archive_packed_in_an_unknown_way_is_told_so(tmp_path: Path) -> None:
+    path = tmp_path / "track.npz"
+    np.savez_compressed(path, positions=PLACES)
+    packed = bytearray(path.read_bytes())
+    packed[packed.index(b"PK\x01\x02") + 10] = 99
+    path.write_bytes(packed)
+    with pytest.raises(MotionError, match=r"is no \.npz of plain arrays: That compression method"):
+        read_track(path)
+
+
 def test_complex_numbers_are_no_positions(tmp_path: Path) -> None:
     np.savez(tmp_path / "track.npz", positions=np.zeros((9, 3)) * 1j)
     with pytest.raises(MotionError, match=r"holds complex128; allowed: real numbers"):
