@@ -43,7 +43,7 @@ def inputs_of(case: Case, physics: Physics, embodiment: Embodiment | None) -> In
         ("environment", f"{twin.environment} {twin.content_hash(twin.environment)}"),
         ("state", state_hash(twin.state)),
         ("robot", f"{robot} {twin.content_hash(robot)}" if isinstance(robot, str) else UNKNOWN_INPUT),
-        ("task", _task_text(case.task)),
+        ("task", task_text(case.task)),
         ("motion", _motion_hash(case.motion)),
         ("body_motion", _body_motion_hash(case.body_motion)),
         ("final", _final_hash(case.final)),
@@ -82,7 +82,8 @@ def state_hash(state: State) -> str:
     return _digest(f"{joint} {float(position).hex()}\n" for joint, position in sorted(state.positions))
 
 
-def _task_text(task: Task | Unknown) -> str:
+def task_text(task: Task | Unknown) -> str:
+    """What the input of a task says."""
     if isinstance(task, Unknown):
         return UNKNOWN_INPUT
     container = UNKNOWN_INPUT if isinstance(task.container, Unknown) else task.container

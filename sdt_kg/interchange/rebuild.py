@@ -39,6 +39,17 @@ def rebuilt(
 ) -> tuple[Entities, State]:
     """Entities and state of the twin whose graphs these are; see `Twin.from_quads`."""
     graphs = _Graphs(quads)
+    entities = _entities(graphs, environment, robots)
+    _check_hashes(entities, hashes)
+    return entities, _state(graphs, entities, state)
+
+
+def rebuilt_entities(quads: Quads, environment: Iri, robots: Sequence[Iri]) -> Entities:
+    """Entities of these models, whatever states the graphs hold; raises as `Twin.from_quads`."""
+    return _entities(_Graphs(quads), environment, robots)
+
+
+def _entities(graphs: "_Graphs", environment: Iri | None, robots: Sequence[Iri] | None) -> Entities:
     environment = _environment(graphs, environment)
     chosen = sorted(graphs.models("Robot")) if robots is None else list(robots)
     store = MemoryStore()
@@ -56,9 +67,7 @@ def rebuilt(
         inferred[model] = tuple(annotate(store, model, asserted[model]))
         _check_inferred(graphs, store, model, inferred[model])
         notes += _notes(triples, model, mechanism)
-    entities = Entities(store, environment, tuple(chosen), asserted, inferred, tuple(notes))
-    _check_hashes(entities, hashes)
-    return entities, _state(graphs, entities, state)
+    return Entities(store, environment, tuple(chosen), asserted, inferred, tuple(notes))
 
 
 def stored(quads: Quads) -> ox.Store:

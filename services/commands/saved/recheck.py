@@ -18,7 +18,7 @@ from services.commands.exits import Exit
 from services.commands.options import csv_flag, json_flag
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.embodiment.recheck import Rechecked, Saved, recheck_artefact, recheck_verdict
-from services.embodiment.recheck.check import TwinOf
+from services.embodiment.recheck.models import TwinOf
 from services.embodiment.recheck.saved import by_name
 from services.store.files import is_saved_graph
 
@@ -52,8 +52,9 @@ def recheck(
     IRI is a verdict in --store; FILE is a .trig or .nq file, and STORE a store directory or the address of
     a SPARQL server, all of whose verdicts are meant; or FILE is a certificate that `sdt achieve
     --certificate` wrote. A verdict without certificate or proof shows nothing and is only counted.
+    One about other models of these names than those at hand is not checked.
 
-    Exit 0 everything holds, 1 something does not, 2 bad input.
+    Exit 0 everything holds, 1 something does not or was not checked, 2 bad input.
     """
     given = _given(kitchen, robot, annotation)
     results, without = _results(source, store, given)
@@ -66,7 +67,7 @@ def recheck(
         print_json([_json(each) for each in results])
     elif csv_is_asked():
         rows = [{**_json(each), "reasons": "; ".join(each.reasons)} for each in results]
-        print_rows(rows, ("of", "about", "kind", "holds", "reasons", "seconds"))
+        print_rows(rows, ("of", "about", "kind", "holds", "about_other_models", "reasons", "seconds"))
     else:
         _print(results, without)
     raise SystemExit(0 if all(each.holds for each in results) else Exit.NO)
@@ -80,10 +81,8 @@ def _given(kitchen: str | None, robot: str | None, annotation: str | None) -> Tw
         raise InputError("one model alone", allowed="--kitchen and --robot together")
 
     def twin_of(environment: Iri, machine: Iri, state: State) -> tuple[Twin, str]:
-        del environment, machine
-        return load_twin(kitchen, [robot], annotation=annotation).at(
-            dict(state)
-        ), f"models {kitchen}, {robot}"
+        del environment, machine, state
+        return load_twin(kitchen, [robot], annotation=annotation), f"models {kitchen}, {robot}"
 
     return twin_of
 
@@ -126,13 +125,14 @@ def _physics(stored: StoredVerdict) -> Physics | None:
 def _print(results: Sequence[Rechecked], without: int) -> None:
     for each in results:
         kind = "unreadable" if each.kind is None else each.kind.value
-        verdict = "holds" if each.holds else "DOES NOT HOLD"
+        verdict = "holds" if each.holds else "NOT CHECKED" if each.about_others else "DOES NOT HOLD"
         click.echo(f"{verdict}: {kind}, {each.about or 'verdict'} ({each.seconds:.1f} s)")
         click.echo(f"  {each.of}")
         for line in (*each.reasons, *each.notes):
             click.echo(f"  {line}")
-    held = sum(each.holds for each in results)
-    click.echo(f"{held} of {len(results)} hold; {without} verdict(s) without certificate or proof")
+    held, others = sum(each.holds for each in results), sum(each.about_others for each in results)
+    unchecked = f"{others} about other models, not checked; " if others else ""
+    click.echo(f"{held} of {len(results)} hold; {unchecked}{without} verdict(s) without certificate or proof")
 
 
 def _json(each: Rechecked) -> dict[str, object]:
@@ -140,7 +140,8 @@ def _json(each: Rechecked) -> dict[str, object]:
         "of": each.of,
         "about": each.about,
         "kind": None if each.kind is None else each.kind.value,
-        "holds": each.holds,
+        "holds": None if each.about_others else each.holds,
+        "about_other_models": each.about_others,
         "reasons": list(each.reasons),
         "notes": list(each.notes),
         "seconds": round(each.seconds, 3),

@@ -12,7 +12,6 @@ from predicates.record.stored import StoredVerdict
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.scope import D_ARTIC
-from sdt_kg.state import State
 from sdt_kg.task import UNKNOWN, Task, Unknown
 from services.embodiment.certify.certificate import Certificate, read_certificate
 from services.embodiment.certify.tolerances import Tolerances
@@ -25,7 +24,8 @@ from services.embodiment.recheck.claim import (
     twin_differs,
 )
 from services.embodiment.recheck.embodiment import Certifier, is_at
-from services.embodiment.recheck.proofs import TwinOf, about, proof_again
+from services.embodiment.recheck.models import OtherModelsError, TwinOf, at_hand
+from services.embodiment.recheck.proofs import about, proof_again
 from services.physics.oracle import Kinematics
 
 NOT_GIVEN = "unknown"
@@ -43,6 +43,8 @@ class Rechecked:
         reasons: Why it does not hold; empty if it does.
         notes: What was checked how, and what was not.
         seconds: Of checking.
+        about_others: Whether it is about models of another content than those at hand: what it claims was
+            not checked, and nothing speaks against it.
     """
 
     of: str
@@ -51,10 +53,11 @@ class Rechecked:
     reasons: tuple[str, ...]
     notes: tuple[str, ...]
     seconds: float
+    about_others: bool = False
 
     @property
     def holds(self) -> bool:
-        """Whether nothing speaks against it."""
+        """Whether it was checked, and nothing speaks against it."""
         return not self.reasons
 
 
@@ -67,6 +70,7 @@ class _Trial:
     kind: ArtefactKind | None = None
     reasons: list[str] = field(default_factory=list[str])
     notes: list[str] = field(default_factory=list[str])
+    about_others: bool = False
     began: float = field(default_factory=time.perf_counter)
 
     def found(self, differences: Iterable[str]) -> bool:
@@ -75,9 +79,14 @@ class _Trial:
         self.reasons += differences
         return len(self.reasons) > before
 
+    def failed(self, error: InputError) -> None:
+        """What could not be read or had is a reason."""
+        self.about_others = isinstance(error, OtherModelsError)
+        self.reasons.append(str(error))
+
     def ended(self) -> Rechecked:
-        seconds = time.perf_counter() - self.began
-        return Rechecked(self.of, self.about, self.kind, tuple(self.reasons), tuple(self.notes), seconds)
+        seconds, found = time.perf_counter() - self.began, (tuple(self.reasons), tuple(self.notes))
+        return Rechecked(self.of, self.about, self.kind, *found, seconds, self.about_others)
 
 
 def recheck_verdict(
@@ -85,7 +94,8 @@ def recheck_verdict(
 ) -> Rechecked:
     """Whether a stored verdict says what its artefact shows, and the artefact holds.
 
-    A part that cannot be read, and models that are gone or changed, are reasons why it does not.
+    A part that cannot be read, and models that are gone, are reasons why it does not; with models of
+    another content it is not checked.
 
     Args:
         stored: The verdict.
@@ -108,7 +118,7 @@ def recheck_verdict(
             task = UNKNOWN if stored.verb is None else Task(stored.verb, stored.container or UNKNOWN)
             _certify_again(trial, certificate, task, twin_of, stored, physics or Kinematics())
     except InputError as error:
-        trial.reasons.append(str(error))
+        trial.failed(error)
     return trial.ended()
 
 
@@ -127,7 +137,7 @@ def recheck_artefact(name: str, content: bytes, twin_of: TwinOf) -> Rechecked:
         trial.about = f"motion of {local_name(certificate.container)}, {robot} in {kitchen}"
         _certify_again(trial, certificate, UNKNOWN, twin_of, None, Kinematics())
     except InputError as error:
-        trial.reasons.append(str(error))
+        trial.failed(error)
     return trial.ended()
 
 
@@ -142,7 +152,7 @@ def _certify_again(  # noqa: PLR0913, PLR0917 - one trial
     """The Law about the stored motion, by the certifier alone; and the same figures as before."""
     if trial.found(loosened(certificate.tolerances)):
         return
-    twin, source = twin_of(certificate.environment, certificate.robot, State.of(certificate.state))
+    twin, source = at_hand(twin_of, certificate.models, certificate.state)
     trial.notes.append(source)
     checker = Certifier(twin, certificate)
     if trial.found(twin_differs(checker)):

@@ -1,25 +1,30 @@
 """Stored proofs against their verdicts and the twin; `proof_check` says whether they hold."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
 from predicates.case import Outcome
 from predicates.meant import by_other_handles
-from predicates.record.inputs import TURNED, pose_text, verdict_iri
+from predicates.record.inputs import (
+    TURNED,
+    UNKNOWN_INPUT,
+    pose_text,
+    state_hash,
+    task_text,
+    verdict_iri,
+)
 from predicates.record.stored import StoredVerdict
 from sdt_kg.annotation import Drive
-from sdt_kg.iri import Iri, local_name
-from sdt_kg.state import State
+from sdt_kg.iri import local_name
+from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container, Twin
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.claim import Claim
 from services.embodiment.proof_check.content import read_proof
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.recheck.embodiment import is_at
-
-TwinOf = Callable[[Iri, Iri, State], tuple[Twin, str]]
-"""Environment, robot and state → their twin, and in words where it is from."""
+from services.embodiment.recheck.models import TwinOf, at_hand, models_differ
 
 NOT_GIVEN = "unknown"
 """What a verdict's input says of a motion that was not given."""
@@ -32,11 +37,11 @@ def proof_again(content: bytes, twin_of: TwinOf, stored: StoredVerdict | None) -
         InputError: It is no proof, or its models cannot be had.
     """
     claim = read_proof(content).claim
-    (environment, _), (robot, _) = claim.models
     reasons = [] if stored is None else [*_claim_differs(stored, claim)]
     if reasons:
         return reasons, []
-    twin, source = twin_of(environment, robot, State.of(claim.state))
+    twin, source = at_hand(twin_of, claim.models, claim.state)
+    robot, _ = claim.models[1]
     container = twin.container(claim.container)
     checked = check(twin, robot, container, content)
     reasons = list(checked.reasons)
@@ -46,6 +51,7 @@ def proof_again(content: bytes, twin_of: TwinOf, stored: StoredVerdict | None) -
             for each in by_other_handles(twin, container)
         )
     if stored is not None and not reasons:
+        reasons += _question_differs(stored, claim, twin)
         reasons += _policy_differs(dict(stored.inputs), claim, twin, container)
     notes = [source, checked.statement, *checked.assumptions]
     notes += [f"boxes refuted one by one: {checked.leaves}"] if checked.leaves else []
@@ -82,6 +88,24 @@ def _claim_differs(stored: StoredVerdict, claim: Claim) -> Iterator[str]:
     ):
         if said != proved:
             yield f"the verdict's {name} is {said and local_name(said)}, its proof's {local_name(proved)}"
+    yield from models_differ(stored, claim.models, "proof")
+
+
+def _question_differs(stored: StoredVerdict, claim: Claim, twin: Twin) -> Iterator[str]:
+    """In what the verdict's state and request are not those about which the proof says something."""
+    said, (low, high) = dict(stored.inputs), claim.span
+    if said.get("state") != state_hash(twin.state):
+        yield "the verdict's input 'state' is not the state of its proof"
+    if stored.verb is None or stored.container is None:
+        return
+    asked = task_text(Task(stored.verb, stored.container))
+    if said.get("task") not in {asked, UNKNOWN_INPUT}:
+        yield f"the verdict's input 'task' is {said.get('task')}, and it says {asked}"
+    at = claim.state[twin.container(claim.container).joint]
+    passed = low >= at if stored.verb is Verb.OPEN else high <= at
+    if low < high and not passed:
+        passes = f"{low:.4g} to {high:.4g}, and it is at {at:.4g}"
+        yield f"the proof is not about how it would {stored.verb.value}: it is about {passes}"
 
 
 def _policy_differs(said: dict[str, str], claim: Claim, twin: Twin, container: Container) -> Iterator[str]:

@@ -9,8 +9,8 @@ import pyoxigraph as ox
 from predicates.case import Artefact
 from predicates.record import StoredVerdict, read_artefact, read_verdict
 from predicates.record.seal import check_seal
-from sdt_kg.entities import state_iri
 from sdt_kg.errors import InputError, StoreUnavailableError
+from sdt_kg.interchange.rebuild import rebuilt_entities
 from sdt_kg.iri import LAW, RDF, Iri, graph_iri, local_name, verdict_iri
 from sdt_kg.load import load_twin
 from sdt_kg.state import State
@@ -97,6 +97,8 @@ class Saved:
     def twin(self, environment: Iri, robot: Iri, state: State) -> tuple[Twin, str]:
         """The twin, of the saved graphs if they have both models, else of the bundled ones of their names.
 
+        It is where its models start: of which of them the saved states are is not known yet.
+
         Raises:
             InputError: The graphs were changed, or nothing has that name.
         """
@@ -104,18 +106,15 @@ class Saved:
             graph = ox.NamedNode(graph_iri("asserted", local_name(model)))
             if not self.store.contains_named_graph(graph):
                 return by_name(environment, robot, state)
-        twin = Twin.from_quads(self.store, environment, [robot], state=self._state(environment, state))
-        return twin.at(dict(state)), "models of the saved graphs"
-
-    def _state(self, environment: Iri, state: State) -> Iri | None:
-        graph = state_iri(environment, state)
-        return graph if self.store.contains_named_graph(ox.NamedNode(graph)) else None
+        entities = rebuilt_entities(self.store, environment, [robot])
+        return Twin(entities, entities.coupling.start()), "models of the saved graphs"
 
 
 def by_name(environment: Iri, robot: Iri, state: State) -> tuple[Twin, str]:
     """The twin of the bundled models of these names."""
+    del state
     kitchen, machine = local_name(environment), local_name(robot)
-    return load_twin(kitchen, [machine]).at(dict(state)), "models loaded by name: only names were saved"
+    return load_twin(kitchen, [machine]), "models loaded by name: only names were saved"
 
 
 def is_place_of_server(place: Path | str) -> bool:

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from predicates.case import Artefact, ArtefactKind, Outcome
+from predicates.record.inputs import verdict_iri
 from sdt_kg.annotation import Drive
+from sdt_kg.task import Verb
 from services.app import Policy, load
 from services.embodiment.proof_check.content import IN_HAND
 from services.embodiment.prove import Prover
@@ -59,6 +61,36 @@ def test_a_verdict_that_says_something_else_than_its_proof_does_not_hold(entry: 
         assert not recheck_verdict(other, artefact, by_name).holds
     damaged = Artefact(ArtefactKind.PROOF, artefact.content[:-9])
     assert not recheck_verdict(stored, damaged, by_name).holds
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("environment", "https://example.org/id/b 0", "input 'environment'"),
+        ("robot", "https://example.org/id/tiago_dual 0", "input 'robot'"),
+        ("state", "0", "input 'state'"),
+        ("task", "close https://example.org/id/b/body/iai_fridge_door", "input 'task'"),
+    ],
+)
+def test_a_verdict_about_another_question_than_its_proof_does_not_hold(
+    entry: Entry, name: str, value: str, said: str
+) -> None:
+    assert entry.stored is not None
+    assert entry.artefact is not None
+    inputs = tuple((key, value if key == name else was) for key, was in entry.stored.inputs)
+    other = replace(entry.stored, inputs=inputs, iri=verdict_iri(inputs))
+    found = recheck_verdict(other, entry.artefact, by_name)
+    assert said in "; ".join(found.reasons)
+
+
+def test_a_proof_that_a_door_cannot_open_shows_nothing_about_closing_it(entry: Entry) -> None:
+    assert entry.stored is not None
+    assert entry.artefact is not None
+    closing = f"close {entry.stored.container}"
+    inputs = tuple((key, closing if key == "task" else was) for key, was in entry.stored.inputs)
+    other = replace(entry.stored, verb=Verb.CLOSE, inputs=inputs, iri=verdict_iri(inputs))
+    found = recheck_verdict(other, entry.artefact, by_name)
+    assert "the proof is not about how it would close" in "; ".join(found.reasons)
 
 
 @pytest.fixture(scope="module")

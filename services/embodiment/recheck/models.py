@@ -1,0 +1,51 @@
+"""Whether the models at hand are those that an artefact, and its verdict, are about."""
+
+from collections.abc import Callable, Iterator
+
+from predicates.record.stored import StoredVerdict
+from sdt_kg.errors import InputError
+from sdt_kg.iri import Iri, local_name
+from sdt_kg.state import State
+from sdt_kg.twin import Twin
+
+TwinOf = Callable[[Iri, Iri, State], tuple[Twin, str]]
+"""Environment, robot and state → their twin in whatever state, and in words where it is from."""
+
+Models = tuple[tuple[Iri, str], tuple[Iri, str]]
+"""Environment, then robot: IRI and content hash."""
+
+
+class OtherModelsError(InputError):
+    """What is at hand under the name of a model has another content: nothing can be checked with it."""
+
+    def __init__(self, model: Iri, stated: str, found: str, source: str) -> None:
+        self.model, self.stated, self.found = model, stated, found
+        super().__init__(
+            f"it is about another {local_name(model)}, of content hash {stated[:16]}…, not {found[:16]}… "
+            f"({source})",
+            remedy="name the models that it is about with --kitchen and --robot",
+        )
+
+
+def at_hand(twin_of: TwinOf, models: Models, state: dict[Iri, float]) -> tuple[Twin, str]:
+    """The twin of these models in this state, and where it is from.
+
+    Raises:
+        OtherModelsError: A model of that name is there, of another content.
+        InputError: The models cannot be had, or not in this state.
+    """
+    (environment, _), (robot, _) = models
+    twin, source = twin_of(environment, robot, State.of(state))
+    for model, stated in models:
+        found = twin.content_hash(model)
+        if found != stated:
+            raise OtherModelsError(model, stated, found, source)
+    return twin.at(state), source
+
+
+def models_differ(stored: StoredVerdict, models: Models, whose: str) -> Iterator[str]:
+    """Which models of a verdict's inputs are not, with their content, those of its artefact."""
+    said = dict(stored.inputs)
+    for name, model in zip(("environment", "robot"), models, strict=True):
+        if said.get(name) != " ".join(model):
+            yield f"the verdict's input '{name}' is {said.get(name)}, its {whose}'s {' '.join(model)}"
