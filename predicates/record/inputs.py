@@ -11,6 +11,7 @@ from sdt_kg.iri import verdict_iri as iri_of
 from sdt_kg.motion import Array, BodyMotion, Motion
 from sdt_kg.state import Region, State
 from sdt_kg.task import Task, Unknown
+from sdt_kg.twin import Twin
 
 BUDGET_INPUT = "embodiment.budget"
 """Seconds of search that the embodiment oracle was allowed."""
@@ -40,9 +41,9 @@ def inputs_of(case: Case, physics: Physics, embodiment: Embodiment | None) -> In
     """Name → value or hash of each input, as asked, before anything is solved."""
     twin, robot = case.twin, case.robot
     inputs = [
-        ("environment", f"{twin.environment} {twin.content_hash(twin.environment)}"),
+        ("environment", model_input(twin, twin.environment)),
         ("state", state_hash(twin.state)),
-        ("robot", f"{robot} {twin.content_hash(robot)}" if isinstance(robot, str) else UNKNOWN_INPUT),
+        ("robot", model_input(twin, robot) if isinstance(robot, str) else UNKNOWN_INPUT),
         ("task", task_text(case.task)),
         ("motion", _motion_hash(case.motion)),
         ("body_motion", _body_motion_hash(case.body_motion)),
@@ -54,6 +55,11 @@ def inputs_of(case: Case, physics: Physics, embodiment: Embodiment | None) -> In
         inputs.append(("embodiment", embodiment.version))
         inputs += [(f"embodiment.{name}", value) for name, value in embodiment.settings(twin, robot)]
     return tuple(inputs)
+
+
+def model_input(twin: Twin, model: Iri) -> str:
+    """What the input of a kitchen or robot says: which one, and the hash of its content."""
+    return f"{model} {twin.content_hash(model)}"
 
 
 def verdict_iri(inputs: Inputs) -> Iri:

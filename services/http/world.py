@@ -10,6 +10,7 @@ import pyoxigraph as ox
 
 import ontology
 from predicates.record import Record
+from predicates.record.inputs import UNKNOWN_INPUT, model_input
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import Branch, Edit, Trajectory, moved
 from sdt_kg.history.records import record_graph
@@ -90,6 +91,19 @@ class World:
         name = ox.NamedNode(graph)
         parsed = ox.parse(held.body, format=ox.RdfFormat.N_TRIPLES)
         return lines(ox.Quad(each.subject, each.predicate, each.object, name) for each in parsed)
+
+    def serves(self, environment: str, robot: str) -> bool:
+        """Whether these models, as inputs of a verdict name them, are served with this content now.
+
+        Args:
+            environment: IRI, blank, content hash.
+            robot: Likewise; or that none is given.
+        """
+        for kitchen in self.kitchens.values():
+            twin = kitchen.twin
+            if environment == model_input(twin, twin.environment):
+                return robot == UNKNOWN_INPUT or robot in {model_input(twin, each) for each in twin.robots}
+        return False
 
     def kitchen(self, name: str | None) -> Kitchen:
         """A kitchen by name; may be left out where there is one.

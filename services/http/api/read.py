@@ -3,11 +3,13 @@
 import asyncio
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query, Request
 
+from predicates.record.inputs import UNKNOWN_INPUT
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.history.diff import twin_difference
 from sdt_kg.iri import Iri, local_name, verdict_iri
@@ -21,7 +23,8 @@ from services.store.workers import Asked
 from services.versions import ORACLES, outdated
 from services.why import why
 
-VERDICTS = """SELECT ?verdict ?kitchen ?robot ?container ?task ?outcome ?seconds ?physics ?embodiment WHERE {
+VERDICTS = """SELECT ?verdict ?kitchen ?robot ?container ?task ?outcome ?seconds ?physics ?embodiment
+  ?environment_model ?robot_model WHERE {
   ?verdict a law:Verdict ; law:environment ?kitchen ; law:outcome ?outcome ; law:seconds ?seconds .
   OPTIONAL { ?verdict law:robot ?robot }
   OPTIONAL { ?verdict law:container ?container }
@@ -29,6 +32,12 @@ VERDICTS = """SELECT ?verdict ?kitchen ?robot ?container ?task ?outcome ?seconds
   OPTIONAL { ?verdict prov:wasGeneratedBy/prov:used ?phi . ?phi law:name "physics" ; law:inputHash ?physics }
   OPTIONAL {
     ?verdict prov:wasGeneratedBy/prov:used ?r . ?r law:name "embodiment" ; law:inputHash ?embodiment
+  }
+  OPTIONAL {
+    ?verdict prov:wasGeneratedBy/prov:used ?e . ?e law:name "environment" ; law:inputHash ?environment_model
+  }
+  OPTIONAL {
+    ?verdict prov:wasGeneratedBy/prov:used ?m . ?m law:name "robot" ; law:inputHash ?robot_model
   }
 }
 ORDER BY ?verdict"""
@@ -142,7 +151,10 @@ async def verdicts(
     container: str | None = None,
     outcome: str | None = None,
 ) -> list[Json]:
-    """Verdicts that are kept; names of a robot, kitchen, container or outcome select."""
+    """Verdicts that are kept; names of a robot, kitchen, container or outcome select.
+
+    `outdated`: another version judged. `about_served`: its kitchen and robot are served as they were then.
+    """
     if outcome is not None and outcome not in OUTCOMES:
         raise UnknownEntityError("outcome", outcome, OUTCOMES)
     wanted = {"kitchen": kitchen, "robot": robot, "container": container, "outcome": outcome}
@@ -175,7 +187,8 @@ async def _told(world: World, iri: Iri) -> str:
 async def _rows(world: World) -> list[Json]:
     media = "application/sparql-results+json"
     answered = await world.workers.ask(Asked("query", VERDICTS, accepted=(media,)))
-    return [_row(each) for each in json.loads(answered.body)["results"]["bindings"]]
+    bindings = json.loads(answered.body)["results"]["bindings"]
+    return await asyncio.to_thread(lambda: [_row(world, each) for each in bindings])
 
 
 def _fits(row: Json, wanted: dict[str, str | None]) -> bool:
@@ -192,13 +205,29 @@ def state_json(kitchen: Kitchen) -> Json:
     }
 
 
-def _row(binding: Json) -> Json:
+def _row(world: World, binding: Json) -> Json:
     names = ("kitchen", "robot", "container", "task")
     row: Json = {name: local_name(binding[name]["value"]) if name in binding else None for name in names}
     row["task"] = row["task"].lower() if row["task"] else None
     row["outcome"] = SPELLED[local_name(binding["outcome"]["value"])]
     row["outdated"] = bool(outdated({name: binding[name]["value"] for name in ORACLES if name in binding}))
+    row |= of_models(world, {name: term["value"] for name, term in binding.items()})
     return row | {"seconds": float(binding["seconds"]["value"]), "iri": binding["verdict"]["value"]}
+
+
+def of_models(world: World, row: Mapping[str, str]) -> Json:
+    """Hashes of the models that a verdict is about, and whether these are the ones that are served now.
+
+    Args:
+        world: What is served.
+        row: With `environment_model` and `robot_model`, inputs of the verdict, where bound.
+    """
+    environment, robot = row.get("environment_model", ""), row.get("robot_model", UNKNOWN_INPUT)
+    return {
+        "kitchen_hash": environment.partition(" ")[2] or None,
+        "robot_hash": robot.partition(" ")[2] or None,
+        "about_served": world.serves(environment, robot),
+    }
 
 
 def finite(value: object) -> object:

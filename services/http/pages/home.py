@@ -1,11 +1,12 @@
 """The start page: what is served, how much of it is judged, and where to go from here."""
 
+import asyncio
 from collections import Counter, defaultdict
 
 from starlette.requests import Request
 
 from sdt_kg.iri import Iri, local_name
-from services.http.api.read import SPELLED
+from services.http.api.read import SPELLED, of_models
 from services.http.pages.stored import rows
 from services.http.pages.view import Json, View
 from services.http.world import World
@@ -16,8 +17,13 @@ async def home(request: Request) -> View:
     """Kitchens with their robots, and how many verdicts are kept about each."""
     world: World = request.app.state.world
     counts: dict[Iri, Counter[str]] = defaultdict(Counter)
-    for row in await rows(world, "outcomes"):
+    served = {kitchen.twin.environment for kitchen in world.kitchens.values()}
+    found = await rows(world, "outcomes")
+    models = await asyncio.to_thread(lambda: [of_models(world, row) for row in found])
+    for row, about in zip(found, models, strict=True):
         said = "outdated" if outdated(row) else SPELLED[local_name(row["outcome"])]
+        if row["environment"] in served and not about["about_served"]:
+            said = "other_models"
         counts[row["environment"]][said] += int(row["verdicts"])
     kitchens: list[Json] = [
         {
@@ -33,6 +39,16 @@ async def home(request: Request) -> View:
     others: list[Json] = [
         {"name": local_name(iri), "iri": iri, "verdicts": found} for iri, found in sorted(counts.items())
     ]
-    columns = ("name", "iri", "containers", "robots", "certified", "not_certified", "abstained", "outdated")
+    columns = (
+        "name",
+        "iri",
+        "containers",
+        "robots",
+        "certified",
+        "not_certified",
+        "abstained",
+        "outdated",
+        "other_models",
+    )
     listed = [each | each["verdicts"] for each in (*kitchens, *others)]
     return View("home", {"kitchens": kitchens, "not_served": others}, listed, columns)

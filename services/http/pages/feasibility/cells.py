@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Final
 
-from predicates.record.inputs import START_INPUT, TURNED, UNKNOWN_INPUT, state_hash
+from predicates.record.inputs import START_INPUT, TURNED, UNKNOWN_INPUT, model_input, state_hash
 from predicates.scope import tee_class_hash, verb_iri
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.scope import TEE_CLASSES
@@ -132,7 +132,7 @@ async def kept_verdicts(world: World, asked: Asked) -> Kept:
 
 def _models(twin: Twin) -> dict[str, str]:
     """IRI of each model → the input by which verdicts name it with its content."""
-    return {model: f"{model} {twin.content_hash(model)}" for model in (twin.environment, *twin.robots)}
+    return {model: model_input(twin, model) for model in (twin.environment, *twin.robots)}
 
 
 def _is_about(found: Found, asked: Asked) -> bool:

@@ -1,5 +1,6 @@
 """The list of verdicts, some at a time."""
 
+import asyncio
 from typing import Any, Final
 from urllib.parse import quote
 
@@ -9,7 +10,7 @@ from predicates.scope import verb_iri
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import LAW, Iri, body_iri, local_name, model_iri
 from sdt_kg.task import Verb
-from services.http.api.read import OUTCOMES, SPELLED
+from services.http.api.read import OUTCOMES, SPELLED, of_models
 from services.http.pages.kinds import standings
 from services.http.pages.stored import rows
 from services.http.pages.view import Json, View, here, sorted_by
@@ -20,8 +21,8 @@ from services.versions import outdated
 PAGE: Final = 200
 """Verdicts at a time; the query asks for one more, to know whether there are more."""
 COLUMNS: Final = (
-    "kitchen", "robot", "task", "container", "outcome", "outdated", "kinds", "proved", "drive", "seconds",
-    "verdict",
+    "kitchen", "robot", "task", "container", "outcome", "outdated", "about_served", "kinds", "proved",
+    "drive", "seconds", "kitchen_hash", "robot_hash", "verdict",
 )  # fmt: skip
 SORTS: Final = ("kitchen", "robot", "task", "outcome", "drive", "seconds")
 """Columns to sort by, each in one direction: texts from a to z, seconds from the longest."""
@@ -38,7 +39,7 @@ async def listing(request: Request) -> View:
     known = {"by": ("text", "" if by == SORTS[0] else by)}
     known |= {f"of_{name}": ("text", value) for name, value in _iris(world, wanted).items()}
     found = await rows(world, "verdicts", after=("text", after), **known)
-    listed = [_row(each) for each in found[:PAGE]]
+    listed = await asyncio.to_thread(lambda: [_row(world, each) for each in found[:PAGE]])
     more = found[PAGE - 1]["key"] if len(found) > PAGE else None
     following = here(request, after=more) if more else None
     data: Json = {"filters": wanted, "sort": by, "verdicts": listed, "next": following}
@@ -99,7 +100,7 @@ def _container(world: World, kitchen: str, container: str) -> Iri:
     return body_iri(having[0] if having else next(iter(world.kitchens)), container)
 
 
-def _row(row: dict[str, str]) -> Json:
+def _row(world: World, row: dict[str, str]) -> Json:
     found: dict[str, Any] = {
         "kitchen": local_name(row["environment"]),
         "robot": local_name(row["robot"]) if "robot" in row else None,
@@ -117,4 +118,4 @@ def _row(row: dict[str, str]) -> Json:
         "seconds": round(float(row["seconds"]), 3),
         "verdict": row["verdict"],
     }
-    return found | {"link": "/id/verdict/" + quote(local_name(row["verdict"]))}
+    return found | of_models(world, row) | {"link": "/id/verdict/" + quote(local_name(row["verdict"]))}

@@ -14,7 +14,7 @@ from predicates.record.inputs import START_INPUT, TURNED, UNKNOWN_INPUT
 from predicates.scope import tee_class_of_hash
 from sdt_kg.errors import InputError
 from sdt_kg.iri import ID, LAW, Iri, local_name
-from services.http.api.read import finite
+from services.http.api.read import finite, of_models
 from services.http.pages.kinds import VERDICT_STANDINGS, Standing
 from services.http.pages.terms import Cell, iri_cell
 from services.http.pages.view import Json, View
@@ -55,6 +55,8 @@ def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
     stored, facts = read_verdict(quads, iri), Facts(quads)
     told = {each.title: list(each.lines) for each in sections(quads, iri)}
     data: Json = _data(stored, facts, told) | {"recheck": rechecks(request).known(iri, quads)}
+    models = {f"{name}_model": value for name, value in stored.inputs if name in {"environment", "robot"}}
+    data |= of_models(request.app.state.world, models)
     shown: Json = {
         "outcome_words": outcome(stored),
         "standings": _standings(stored),

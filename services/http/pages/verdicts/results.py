@@ -1,5 +1,6 @@
 """Results of task specifications: the list of them, and one with its steps and rules."""
 
+import asyncio
 from typing import Final
 
 import pyoxigraph as ox
@@ -9,7 +10,7 @@ from predicates.case import Outcome
 from predicates.record.facts import Facts
 from predicates.record.stored import read_diagnosis
 from sdt_kg.iri import ID, LAW, RDFS, Iri, local_name
-from services.http.api.read import SPELLED
+from services.http.api.read import SPELLED, of_models
 from services.http.pages.kinds import Standing, standings
 from services.http.pages.stored import rows
 from services.http.pages.terms import id_link
@@ -25,10 +26,13 @@ LISTED: Final = (
     "robot",
     "outcome",
     "outdated",
+    "about_served",
     "kinds",
     "steps",
     "rules",
     "seconds",
+    "kitchen_hash",
+    "robot_hash",
     "result",
 )
 PARTS: Final = ("part", "number", "what", "outcome", "how", "step", "time", "verdict")
@@ -39,23 +43,25 @@ TOLD: Final = ("Asked", "Reasons", "Quality", "Versions and inputs", "To check a
 async def results(request: Request) -> View:
     """Every result that is kept, by kitchen, task and robot."""
     world: World = request.app.state.world
-    listed: list[Json] = [
-        {
-            "kitchen": local_name(row["environment"]),
-            "task": row["label"],
-            "robot": local_name(row["robot"]),
-            "outcome": SPELLED[local_name(row["outcome"])],
-            "outdated": bool(outdated(row)),
-            "kinds": [each.value.key for each in standings(local_name(row["outcome"]), row.get("kinds", ""))],
-            "steps": int(row["steps"]),
-            "rules": int(row["rules"]),
-            "seconds": round(float(row["seconds"]), 3),
-            "result": row["result"],
-            "link": id_link(row["result"]),
-        }
-        for row in await rows(world, "task_results")
-    ]
+    found = await rows(world, "task_results")
+    listed = await asyncio.to_thread(lambda: [_listed(world, each) for each in found])
     return View("tasks", {"results": listed}, listed, LISTED)
+
+
+def _listed(world: World, row: dict[str, str]) -> Json:
+    return {
+        "kitchen": local_name(row["environment"]),
+        "task": row["label"],
+        "robot": local_name(row["robot"]),
+        "outcome": SPELLED[local_name(row["outcome"])],
+        "outdated": bool(outdated(row)),
+        "kinds": [each.value.key for each in standings(local_name(row["outcome"]), row.get("kinds", ""))],
+        "steps": int(row["steps"]),
+        "rules": int(row["rules"]),
+        "seconds": round(float(row["seconds"]), 3),
+        "result": row["result"],
+        "link": id_link(row["result"]),
+    } | of_models(world, row)
 
 
 def result(iri: Iri, quads: list[ox.Quad]) -> View:
