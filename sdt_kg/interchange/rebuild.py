@@ -22,7 +22,7 @@ from sdt_kg.state import State
 from sdt_kg.store import MemoryStore, Triple, value_of
 from sdt_kg.triples import Facts, checked_model
 from sdt_kg.triples.to_mechanism import notes_of
-from sdt_kg.urdf.meshes import mesh_hash
+from sdt_kg.urdf.meshes import check_whole, mesh_hash
 
 _ASSERTED: Final = graph_iri("asserted", "")
 _REMEDY: Final = "save the twin again: sdt graph KITCHEN --robot ROBOT -o FILE.nq"
@@ -146,6 +146,7 @@ def _check_meshes(mechanism: Mechanism) -> None:
             where = f"mesh '{shape.mesh_file}' of body '{body.name}' of '{mechanism.name}'"
             if not Path(shape.mesh_file).is_file():
                 raise GraphError(f"{where} is not there", remedy="put the file back: only its hash was saved")
+            check_whole(Path(shape.mesh_file), where)
             if mesh_hash(Path(shape.mesh_file)) != shape.mesh_hash:
                 raise GraphError(f"{where} is another file than the one that was saved", remedy="put it back")
 

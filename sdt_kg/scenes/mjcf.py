@@ -26,7 +26,7 @@ from sdt_kg.scenes.build import (
 )
 from sdt_kg.scenes.planes import half_space
 from sdt_kg.urdf.folder import folder_of
-from sdt_kg.urdf.meshes import mesh_hash, mesh_path
+from sdt_kg.urdf.meshes import collision_file, mesh_hash
 
 # MuJoCo's stubs name no attribute of a compiled model: what it gives enters here.
 Model = Any
@@ -233,7 +233,7 @@ class _Reader:
                 f"{where} is a mesh without file", allowed="a mesh file", remedy="write it to one"
             )
         reference = model.paths[start:].split(b"\0", 1)[0].decode()
-        file = mesh_path(reference, self.path, where)
+        file = collision_file(reference, self.path, where)
         file_T_geom = matrix_of(model.mesh_pos[mesh], _xyzw(model.mesh_quat[mesh]))
         scale = tuple(float(part) for part in model.mesh_scale[mesh])
         pose = pose_of(at @ between(file_T_geom, np.eye(4)))

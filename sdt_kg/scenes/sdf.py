@@ -13,7 +13,7 @@ from sdt_kg.mechanism import Geometry, Inertia, JointType, Limits, Mechanism, Mi
 from sdt_kg.scenes.build import HANDLE, Link, Matrix, Part, between, built, listed, pose_of
 from sdt_kg.scenes.planes import half_space
 from sdt_kg.scenes.values import by_name, is_true, number_of, numbers_of, own_pose
-from sdt_kg.urdf.meshes import PACKAGE, mesh_hash, mesh_path
+from sdt_kg.urdf.meshes import PACKAGE, collision_file, mesh_hash
 
 MODEL, WORLD = "__model__", "world"
 OLDEST: Final = (1, 5)
@@ -285,7 +285,7 @@ class _Model:
         reference = shape.findtext("uri", "").strip().replace("model://", PACKAGE, 1)
         if shape.find("submesh") is not None:
             raise UrdfError(f"{self.path}: {where} is a part of a mesh", allowed="whole mesh files")
-        file = mesh_path(reference, self.path, f"{self.path}: {where}")
+        file = collision_file(reference, self.path, f"{self.path}: {where}")
         scale = shape.find("scale")
         sizes = (1.0, 1.0, 1.0) if scale is None else tuple(numbers_of(scale, 3, self.where))
         return Geometry(ShapeType.MESH, pose_of(at), sizes, str(file), mesh_hash(file))

@@ -16,6 +16,8 @@ from sdt_kg.urdf.folder import PACKAGES, WIDER, folder_of, models_folder
 PACKAGE: Final = "package://"
 FILE: Final = "file://"
 COLLADA: Final = ".dae"
+WHOLE: Final = (".dae", ".obj", ".ply", ".stl")
+"""Suffixes of files that hold all of a mesh's shape; what others name besides is in no hash."""
 UNIT: Final = re.compile(rb"""<unit\b[^>]*?\bmeter\s*=\s*["']([^"']*)["']""")
 """A COLLADA file's unit, which its first `asset` gives; without one it is the metre."""
 
@@ -47,6 +49,31 @@ def mesh_path(reference: str, urdf: Path, where: str) -> Path:
             + (f"; {PACKAGES}" if reference.startswith(PACKAGE) else ""),
         )
     return path
+
+
+def collision_file(reference: str, urdf: Path, where: str) -> Path:
+    """File of the mesh of a collision shape, which holds all of it.
+
+    Raises:
+        UrdfError: As `mesh_path`; or its format may keep the shape in other files.
+    """
+    path = mesh_path(reference, urdf, where)
+    check_whole(path, where)
+    return path
+
+
+def check_whole(path: Path, where: str) -> None:
+    """The file of a collision shape is of a format that holds all of it.
+
+    Raises:
+        UrdfError: It is of another.
+    """
+    if path.suffix.lower() not in WHOLE:
+        raise UrdfError(
+            f"{where}: the shape of mesh '{path.name}' may lie in other files too, which no hash tells",
+            allowed=", ".join(WHOLE),
+            remedy="convert it to one of these",
+        )
 
 
 def _split(reference: str, urdf: Path) -> tuple[Path, str, Path]:

@@ -29,7 +29,7 @@ from sdt_kg.urdf.document import parse_xml
 from sdt_kg.urdf.inertias import with_possible
 from sdt_kg.urdf.joints import checked, resolved, turned, with_fixed
 from sdt_kg.urdf.loader import yourdfpy
-from sdt_kg.urdf.meshes import mesh_hash, mesh_path
+from sdt_kg.urdf.meshes import collision_file, mesh_hash
 from sdt_kg.urdf.xacro import expanded
 
 XACRO: Final = ".xacro"
@@ -174,7 +174,7 @@ def _geometry(collision: Parsed, source: Path, where: str) -> Geometry:
         return Geometry(ShapeType.CYLINDER, pose, size)
     if shape.sphere is not None:
         return Geometry(ShapeType.SPHERE, pose, (float(shape.sphere.radius),))
-    path = mesh_path(str(shape.mesh.filename), source, where)
+    path = collision_file(str(shape.mesh.filename), source, where)
     return Geometry(ShapeType.MESH, pose, _scale(shape.mesh.scale), str(path), mesh_hash(path))
 
 

@@ -86,7 +86,7 @@ def _loaded(
         )
     except (RuntimeError, ValueError) as error:
         said = " ".join(str(error).rpartition("message:")[2].split())  # before it: where in coal's sources
-        raise UrdfError(f"mesh {mesh_file} cannot be read: {said}", allowed="STL, OBJ, DAE") from error
+        raise UrdfError(f"mesh {mesh_file} cannot be read: {said}", allowed="STL, OBJ, DAE, PLY") from error
     if not np.isfinite(mesh.vertices()).all():  # its triangle would touch nothing
         raise UrdfError(f"mesh {mesh_file} has a vertex that is no point", allowed="finite coordinates")
     _check_size(mesh_file, float(np.ptp(mesh.vertices(), axis=0).max()))
