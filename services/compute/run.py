@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Protocol
 
 from predicates.record import Record, StoredVerdict
+from predicates.record.inputs import model_input
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name, model_iri
 from sdt_kg.load import load_twin, model_name
@@ -84,6 +85,7 @@ class Computed:
         left_out: Cases that the query can touch and that were not run, with the reason.
         not_judged: Classes of records that the query asks for and that no judging makes.
         seconds: Wall time [s].
+        models: Of what was loaded, as inputs of verdicts name it with its content.
     """
 
     plan: Plan
@@ -92,6 +94,7 @@ class Computed:
     left_out: list[tuple[Request, str]] = field(default_factory=list[tuple[Request, str]])
     not_judged: tuple[Iri, ...] = ()
     seconds: float = 0.0
+    models: frozenset[str] = frozenset()
 
     def to_json(self) -> dict[str, object]:
         """What `sdt query --compute --json` says beside the rows."""
@@ -152,6 +155,8 @@ def compute(sparql: str, loaded: Loaded, bounds: Bounds, keeper: Keeper, runner:
     loaded = _narrowed(loaded, patterns)
     services = _services(loaded)
     computed = Computed(planned(patterns, list(services.values()), keeper.stored), not_judged=beyond)
+    twins = [service.twin for service in services.values()]
+    computed.models = frozenset(model_input(twin, each) for twin in twins for each in twin.entities.asserted)
     cells = {_cell(each, loaded, services): each for each in computed.plan.missing}
     for environment in {request.environment: None for request in cells.values()}:
         keeper.add_twin(_of(services, environment)[1].twin)

@@ -1,6 +1,7 @@
 """`sdt query --compute`: verdicts that a query asks for and nobody has computed yet, made before it runs."""
 
 import os
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -19,6 +20,17 @@ from services.commands.show import print_json, print_rows
 from services.compute import Bounds, Computed, Loaded, compute
 from services.store.embedded import EmbeddedStore
 from services.store.files import SavedVerdicts, is_saved_graph
+from services.versions import outdated
+
+BESIDES = """SELECT ?environment ?robot ?physics ?embodiment (COUNT(?verdict) AS ?verdicts) WHERE {
+  ?verdict a law:Verdict ; prov:wasGeneratedBy ?judging .
+  ?judging prov:used ?e . ?e law:name "environment" ; law:inputHash ?environment .
+  OPTIONAL { ?judging prov:used ?m . ?m law:name "robot" ; law:inputHash ?robot }
+  OPTIONAL { ?judging prov:used ?p . ?p law:name "physics" ; law:inputHash ?physics }
+  OPTIONAL { ?judging prov:used ?r . ?r law:name "embodiment" ; law:inputHash ?embodiment }
+}
+GROUP BY ?environment ?robot ?physics ?embodiment"""
+"""How many verdicts are kept about which models, and of whom."""
 
 ALL_KITCHENS, ALL_ROBOTS = ("a", "b"), ("pr2", "tiago_dual", "stretch")
 
@@ -99,17 +111,22 @@ def refuse_without_compute(asked: Asked) -> None:
 
 def print_computed(source: str, sparql: str, asked: Asked, *, as_json: bool) -> None:
     """Rows as `print_rows` does, and what was computed: within the JSON, else on standard error."""
-    columns, rows, done = computed_rows(source, sparql, asked)
+    columns, rows, done, besides = computed_rows(source, sparql, asked)
     if as_json:
         found = [{column: row.get(column) for column in columns} for row in rows]
-        print_json({"rows": found, "computed": done.to_json()})
+        print_json({"rows": found, "computed": done.to_json() | {"besides": besides}})
     else:
         print_rows(rows, columns)
     click.echo(done.told(), err=True)
+    for which, count in besides.items():
+        what = f"{count} verdicts there are {which.replace('_', ' ')}"
+        click.echo(f"note: {what}: a query that names no input counts them too", err=True)
 
 
-def computed_rows(source: str, sparql: str, asked: Asked) -> tuple[list[str], list[Row], Computed]:
-    """Columns and rows of the query after what it needs was run, and what that was.
+def computed_rows(
+    source: str, sparql: str, asked: Asked
+) -> tuple[list[str], list[Row], Computed, dict[str, int]]:
+    """Columns and rows of the query after what it needs was run, what that was, and what else is there.
 
     Args:
         source: Where verdicts are kept, old and new; or a kitchen, whose verdicts are then not kept.
@@ -129,7 +146,21 @@ def computed_rows(source: str, sparql: str, asked: Asked) -> tuple[list[str], li
             saved.add_twin(load_twin(source))
         done = compute(text, loaded, Bounds(asked.budget, asked.limit, asked.jobs), saved)
         columns, rows = rows_of(saved.store.query(text))
-    return columns, rows, done
+        kept = rows_of(saved.store.query(BESIDES))[1] if done.models else []
+    return columns, rows, done, dict(_besides(kept, done.models))
+
+
+def _besides(kept: list[Row], models: frozenset[str]) -> Counter[str]:
+    """How many verdicts answer nothing that is asked now: of other versions, or models of the same names."""
+    here, counts = {each.partition(" ")[0] for each in models}, Counter[str]()
+    for row in kept:
+        said = {name: str(value) for name, value in row.items() if value is not None}
+        of = [said[name] for name in ("environment", "robot") if name in said]
+        if outdated(said):
+            counts["outdated"] += int(said["verdicts"])
+        elif any(each.partition(" ")[0] in here and each not in models for each in of):
+            counts["about_other_models"] += int(said["verdicts"])
+    return counts
 
 
 def _is_kitchen(source: str) -> bool:

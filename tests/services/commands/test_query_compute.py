@@ -25,6 +25,16 @@ def test_rows_and_what_was_computed_come_as_json(sdt: Callable[..., Done], tmp_p
     assert sdt("query", store, CLOSED, "--json").json == sdt(*command, "--json").json["rows"]
 
 
+def test_what_is_about_another_kitchen_of_that_name_is_told(sdt: Callable[..., Done], tmp_path: Path) -> None:
+    other, store = tmp_path / "b.urdf", str(tmp_path / "store")
+    other.write_text(Path(KITCHEN).read_text(encoding="utf-8").replace('velocity="1"', 'velocity="0.9"'))
+    for kitchen, besides in ((KITCHEN, {}), (str(other), {"about_other_models": 2})):
+        command = ("query", store, CLOSED, "--compute", "--kitchen", kitchen, "--robot", ROBOT, "--jobs", "1")
+        done = sdt(*command, "--json")
+        assert done.json["computed"]["besides"] == besides
+    assert "2 verdicts there are about other models: a query that names no input counts them too" in done.err
+
+
 def test_a_kitchen_is_asked_with_verdicts_that_are_not_kept(sdt: Callable[..., Done]) -> None:
     done = sdt("query", KITCHEN, CLOSED, "--compute", "--robot", ROBOT, "--jobs", "1", "--csv")
     assert len(done.out.splitlines()) == 3
