@@ -1,11 +1,14 @@
 """Kitchens that are served: the Law over each, its present state and its branches."""
 
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import pyoxigraph as ox
 
+from predicates.record.inputs import UNKNOWN_INPUT, model_input
 from sdt_kg.errors import InputError
 from sdt_kg.history import Branch, Edit, History, Trajectory, continued, has_history
 from sdt_kg.iri import SDT, Iri, graph_iri, local_name
@@ -13,6 +16,7 @@ from sdt_kg.load import model_name
 from sdt_kg.store import MemoryStore, Triple
 from sdt_kg.twin import Twin
 from services.app import Service, load
+from services.dynamics.data import with_forces
 
 PRESENT: Final = SDT + "presentBranch"
 """Of the branch with which a history begins: the one that holds now."""
@@ -62,6 +66,18 @@ class Kitchen:
     def name(self) -> str:
         """As people and processes call it."""
         return model_name(self.source)
+
+    @cached_property
+    def models(self) -> frozenset[tuple[str, str]]:
+        """Kitchen and robot or none, as inputs of verdicts name them: as served, and with bundled forces."""
+        twins = [self.twin]
+        with suppress(InputError):  # forces do not fit a kitchen that was edited: nothing is asked with them
+            twins.append(with_forces(self.twin))
+        return frozenset(
+            (model_input(twin, twin.environment), robot)
+            for twin in twins
+            for robot in (UNKNOWN_INPUT, *(model_input(twin, each) for each in twin.robots))
+        )
 
     @property
     def state_graph(self) -> Iri:

@@ -10,7 +10,6 @@ import pyoxigraph as ox
 
 import ontology
 from predicates.record import Record
-from predicates.record.inputs import UNKNOWN_INPUT, model_input
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import Branch, Edit, Trajectory, moved
 from sdt_kg.history.records import record_graph
@@ -99,11 +98,7 @@ class World:
             environment: IRI, blank, content hash.
             robot: Likewise; or that none is given.
         """
-        for kitchen in self.kitchens.values():
-            twin = kitchen.twin
-            if environment == model_input(twin, twin.environment):
-                return robot == UNKNOWN_INPUT or robot in {model_input(twin, each) for each in twin.robots}
-        return False
+        return any((environment, robot) in kitchen.models for kitchen in self.kitchens.values())
 
     def kitchen(self, name: str | None) -> Kitchen:
         """A kitchen by name; may be left out where there is one.

@@ -7,7 +7,9 @@ import pytest
 
 from predicates.case import Case
 from predicates.law import law
+from predicates.record.inputs import model_input
 from sdt_kg.task import Task, Verb
+from services.http.kitchens import open_kitchens
 from services.physics.oracle import Kinematics
 from services.store.files import SavedVerdicts, opened
 from tests.services.http.conftest import Serve, Served
@@ -49,6 +51,17 @@ def test_the_lists_say_which_are_about_what_is_served(served: Served, address: s
     assert kitchens["low_drawer"] == kitchens["swing_door"] != kitchens["high_drawer"]
     robots = {name: each["robot_hash"] for name, each in rows.items()}
     assert robots["low_drawer"] == robots["high_drawer"] != robots["swing_door"]
+
+
+def test_a_kitchen_with_the_forces_bundled_for_it_is_what_is_served() -> None:
+    (kitchen,) = open_kitchens(("b",), ("pr2",)).values()
+    forced = kitchen.service.with_forces()
+    assert forced.twin.content_hash(forced.twin.environment) != kitchen.twin.content_hash(
+        kitchen.twin.environment
+    )
+    for twin, served in ((forced.twin, True), (kitchen.service.with_forces(handle_force=5.0).twin, False)):
+        asked = (model_input(twin, twin.environment), model_input(twin, twin.robots[0]))
+        assert (asked in kitchen.models) is served
 
 
 def test_pages_say_so_in_words(served: Served) -> None:
