@@ -16,8 +16,9 @@ from sdt_kg.urdf.folder import PACKAGES, WIDER, folder_of, models_folder
 PACKAGE: Final = "package://"
 FILE: Final = "file://"
 COLLADA: Final = ".dae"
-WHOLE: Final = (".dae", ".obj", ".ply", ".stl")
-"""Suffixes of files that hold all of a mesh's shape; what others name besides is in no hash."""
+WHOLE: Final = (".dae", ".obj", ".off", ".ply", ".stl")
+"""Suffixes of files that hold all of a mesh's shape. What others name besides is in no hash, and coal
+leaves out how the first node of a glTF stands."""
 UNIT: Final = re.compile(rb"""<unit\b[^>]*?\bmeter\s*=\s*["']([^"']*)["']""")
 """A COLLADA file's unit, which its first `asset` gives; without one it is the metre."""
 

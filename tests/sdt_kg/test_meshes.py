@@ -22,6 +22,6 @@ def test_a_mesh_whose_shape_may_lie_in_other_files_is_refused(tmp_path: Path, me
         read_mechanism(urdf(tmp_path, mesh))
 
 
-@pytest.mark.parametrize("mesh", ["a.stl", "a.OBJ", "a.dae", "a.ply"])
+@pytest.mark.parametrize("mesh", ["a.stl", "a.OBJ", "a.dae", "a.ply", "a.off"])
 def test_a_mesh_that_is_one_file_is_read(tmp_path: Path, mesh: str) -> None:
     assert read_mechanism(urdf(tmp_path, mesh)).bodies[0].collision[0].mesh_file == str(tmp_path / mesh)

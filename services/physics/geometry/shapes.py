@@ -18,7 +18,6 @@ from services.physics.geometry.fans import FEW, cones_of
 from services.physics.geometry.hulls import COARSE, Fineness, convex_pieces
 from services.physics.geometry.kept import Array, kept
 
-FORMATS = (".stl", ".obj", ".dae", ".ply", ".off")  # of mesh files
 AGREED = 1e-5  # [1] share of a mesh's size by which two readers' bounds may differ: of single precision
 FLAT = 1e-6  # [m] a mesh thinner than this has no volume: qhull crashes on it
 LONGEST = 100.0  # [m] of a mesh, as long as the floor: handles of 0.1 m in millimetres are longer
@@ -78,15 +77,16 @@ def _loaded(
     Raises:
         UrdfError: The file is no mesh, or another one than when the model was read.
     """
-    if Path(mesh_file).suffix.lower() not in FORMATS:  # of a glTF, coal leaves out how its first node stands
-        raise UrdfError(f"mesh {mesh_file} is of another format", allowed=", ".join(FORMATS))
+    meshes.check_whole(Path(mesh_file), mesh_file)
     try:
         mesh = _of_plain(mesh_file, scale) or _whole(
             coal.MeshLoader(tree).load(mesh_file, np.array(scale) * metres(Path(mesh_file))), mesh_file, scale
         )
     except (RuntimeError, ValueError) as error:
         said = " ".join(str(error).rpartition("message:")[2].split())  # before it: where in coal's sources
-        raise UrdfError(f"mesh {mesh_file} cannot be read: {said}", allowed="STL, OBJ, DAE, PLY") from error
+        raise UrdfError(
+            f"mesh {mesh_file} cannot be read: {said}", allowed=", ".join(meshes.WHOLE)
+        ) from error
     if not np.isfinite(mesh.vertices()).all():  # its triangle would touch nothing
         raise UrdfError(f"mesh {mesh_file} has a vertex that is no point", allowed="finite coordinates")
     _check_size(mesh_file, float(np.ptp(mesh.vertices(), axis=0).max()))
