@@ -114,6 +114,7 @@ class WholeBody:
             ("grasp set", grasps),
             ("budget", f"{self.budget:g} s"),
             ("seed", str(self.seed)),
+            *(() if self.coupled else (("handles", "the container's own"),)),
         )
 
     def prepare(self, twin: Twin, robot: Iri) -> None:

@@ -10,6 +10,7 @@ from predicates.law import law
 from predicates.record.inputs import model_input
 from sdt_kg.task import Task, Verb
 from services.http.kitchens import open_kitchens
+from services.http.pages.feasibility.cells import Found, is_current
 from services.physics.oracle import Kinematics
 from services.store.files import SavedVerdicts, opened
 from tests.services.http.conftest import Serve, Served
@@ -62,6 +63,10 @@ def test_a_kitchen_with_the_forces_bundled_for_it_is_what_is_served() -> None:
     for twin, served in ((forced.twin, True), (kitchen.service.with_forces(handle_force=5.0).twin, False)):
         asked = (model_input(twin, twin.environment), model_input(twin, twin.robots[0]))
         assert (asked in kitchen.models) is served
+        inputs = dict(zip(("environment", "robot"), asked, strict=True))
+        for robot, counts in ((twin.robots[0], served), ("https://example.org/id/other", served)):
+            cell = Found("v", robot, "c", "omni", "certified", "", False, "", inputs)
+            assert is_current(cell, kitchen.models) is counts, "the matrix says the same"
 
 
 def test_pages_say_so_in_words(served: Served) -> None:

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Final
 
-from predicates.record.inputs import START_INPUT, TURNED, UNKNOWN_INPUT, model_input, state_hash
+from predicates.record.inputs import START_INPUT, TURNED, UNKNOWN_INPUT, state_hash
 from predicates.scope import tee_class_hash, verb_iri
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.scope import TEE_CLASSES
-from sdt_kg.twin import Twin
 from services.http.api.read import SPELLED
 from services.http.pages.asking import Asking, Wish
 from services.http.pages.feasibility.asked import Asked
@@ -102,7 +101,7 @@ async def kept_verdicts(world: World, asked: Asked) -> Kept:
     verdicts, inputs, models = await asyncio.gather(
         rows(world, "matrix", state=state, task=("iri", verb_iri(asked.verb))),
         rows(world, "matrix_inputs", state=state),
-        asyncio.to_thread(_models, asked.twin),
+        asyncio.to_thread(lambda: asked.kitchen.models),
     )
     used: dict[Iri, dict[str, str]] = defaultdict(dict)
     for row in inputs:
@@ -122,17 +121,12 @@ async def kept_verdicts(world: World, asked: Asked) -> Kept:
         for row in verdicts
     ]
     about = [each for each in found if _is_about(each, asked)]
-    current = [each for each in about if _is_current(each, models) and each.tee is not None]
+    current = [each for each in about if is_current(each, models) and each.tee is not None]
     ours = [each for each in current if each.tee == asked.tee.name]
     shown = [each for each in ours if asked.drive_of(each.robot) in {None, each.drive}]
     drives = Counter(each.drive for each in ours) - Counter(each.drive for each in shown)
     classes = Counter(str(each.tee) for each in current if each.tee != asked.tee.name)
     return Kept(shown, dict(sorted(drives.items())), dict(sorted(classes.items())), len(about) - len(current))
-
-
-def _models(twin: Twin) -> dict[str, str]:
-    """IRI of each model → the input by which verdicts name it with its content."""
-    return {model: model_input(twin, model) for model in (twin.environment, *twin.robots)}
 
 
 def _is_about(found: Found, asked: Asked) -> bool:
@@ -144,12 +138,12 @@ def _is_about(found: Found, asked: Asked) -> bool:
     return found.inputs.get(START_INPUT, TURNED).endswith(TURNED)
 
 
-def _is_current(found: Found, models: dict[str, str]) -> bool:
-    """Whether it is about the models as they are served."""
-    environment, robot = found.inputs.get("environment", ""), found.inputs.get("robot", "")
-    if environment != models[environment.partition(" ")[0]]:
-        return False
-    return robot == models.get(found.robot, robot)
+def is_current(found: Found, models: frozenset[tuple[str, str]]) -> bool:
+    """Whether it is about the models as they are served; the robot may be one that is not."""
+    about = found.inputs.get("environment", ""), found.inputs.get("robot", "")
+    served = {robot.partition(" ")[0] for _, robot in models}
+    others = found.robot not in served and about[0] in {environment for environment, _ in models}
+    return others or about in models
 
 
 def _chosen(found: Iterable[Found]) -> dict[tuple[Iri, Iri], list[Found]]:
