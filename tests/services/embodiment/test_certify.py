@@ -19,6 +19,7 @@ from services.embodiment.certify import Certified, Refused, Tolerances
 from services.motions.files import arrays_of, motion_of
 from tests.services.embodiment.gantry import DRAWER, RESTS, gantry_twin, opening
 from tests.services.embodiment.judging import judge, only, refusal, with_rests
+from tests.services.embodiment.mutations import paced
 
 pytestmark = pytest.mark.oracle
 
@@ -202,15 +203,7 @@ def test_sideways_drift_below_the_velocity_is_summed_up(twin: Twin) -> None:
 
 
 def test_a_slow_drive_straight_ahead_has_not_drifted(twin: Twin) -> None:
-    motion, slower = opening(), 1e4
-    slow = replace(
-        motion,
-        times=motion.times * slower,
-        v=motion.v / slower,
-        base_v=motion.base_v / slower,
-        kitchen_v=motion.kitchen_v / slower,
-    )
-    verdict = judge(twin, slow, Drive.DIFFERENTIAL)
+    verdict = judge(twin, paced(opening(), 1e4), Drive.DIFFERENTIAL)
     assert isinstance(verdict, Certified)
     assert verdict.figures["sideways path"][0] < Tolerances().drift / 16
 
