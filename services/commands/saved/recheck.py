@@ -12,7 +12,6 @@ from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
 from sdt_kg.load import load_twin
 from sdt_kg.scope import D_ARTIC_DYN
-from sdt_kg.state import State
 from sdt_kg.twin import Twin
 from services.commands.exits import Exit
 from services.commands.options import csv_flag, json_flag
@@ -80,8 +79,8 @@ def _given(kitchen: str | None, robot: str | None, annotation: str | None) -> Tw
     if kitchen is None or robot is None:
         raise InputError("one model alone", allowed="--kitchen and --robot together")
 
-    def twin_of(environment: Iri, machine: Iri, state: State) -> tuple[Twin, str]:
-        del environment, machine, state
+    def twin_of(environment: Iri, machine: Iri) -> tuple[Twin, str]:
+        del environment, machine
         return load_twin(kitchen, [robot], annotation=annotation), f"models {kitchen}, {robot}"
 
     return twin_of

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from predicates.case import Artefact, ArtefactKind, Case, Outcome, Verdict
 from predicates.law import law
 from predicates.oracle import Physics, tee_class_of
-from predicates.record.inputs import NEAREST, START_INPUT, inputs_of
+from predicates.record.inputs import NEAREST, START_INPUT, UNKNOWN_INPUT, inputs_of
 from predicates.record.stored import StoredVerdict
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
@@ -27,9 +27,6 @@ from services.embodiment.recheck.embodiment import Certifier, is_at
 from services.embodiment.recheck.models import OtherModelsError, TwinOf, at_hand
 from services.embodiment.recheck.proofs import about, proof_again
 from services.physics.oracle import Kinematics
-
-NOT_GIVEN = "unknown"
-"""What a verdict's input says of a motion that was not given."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,7 +196,7 @@ def _notes(checker: Certifier, stored: StoredVerdict | None, physics: Physics) -
         )
     if tee_class_of(physics) is not D_ARTIC:
         notes.append("forces at the handle were bounded again; what the robot bears was not checked again")
-    if said.get("motion", NOT_GIVEN) not in {NOT_GIVEN, _asked(checker, physics)}:
+    if said.get("motion", UNKNOWN_INPUT) not in {UNKNOWN_INPUT, _asked(checker, physics)}:
         notes.append(
             "a motion of the container was asked for; that the body motion keeps its times was not compared"
         )
@@ -210,7 +207,7 @@ def _asked(checker: Certifier, physics: Physics) -> str:
     """What a verdict's inputs say of the motion that was compared with the certificate's."""
     asked = checker.certificate.asked
     if asked is None:
-        return NOT_GIVEN
+        return UNKNOWN_INPUT
     return dict(inputs_of(Case(checker.twin, motion=asked), physics, None))["motion"]
 
 

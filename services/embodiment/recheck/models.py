@@ -5,11 +5,10 @@ from collections.abc import Callable, Iterator
 from predicates.record.stored import StoredVerdict
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
-from sdt_kg.state import State
 from sdt_kg.twin import Twin
 
-TwinOf = Callable[[Iri, Iri, State], tuple[Twin, str]]
-"""Environment, robot and state → their twin in whatever state, and in words where it is from."""
+TwinOf = Callable[[Iri, Iri], tuple[Twin, str]]
+"""Environment and robot → their twin in whatever state, and in words where it is from."""
 
 Models = tuple[tuple[Iri, str], tuple[Iri, str]]
 """Environment, then robot: IRI and content hash."""
@@ -35,7 +34,7 @@ def at_hand(twin_of: TwinOf, models: Models, state: dict[Iri, float]) -> tuple[T
         InputError: The models cannot be had, or not in this state.
     """
     (environment, _), (robot, _) = models
-    twin, source = twin_of(environment, robot, State.of(state))
+    twin, source = twin_of(environment, robot)
     for model, stated in models:
         found = twin.content_hash(model)
         if found != stated:

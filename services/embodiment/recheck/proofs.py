@@ -26,9 +26,6 @@ from services.embodiment.proof_check.statement import Statement
 from services.embodiment.recheck.embodiment import is_at
 from services.embodiment.recheck.models import TwinOf, at_hand, models_differ
 
-NOT_GIVEN = "unknown"
-"""What a verdict's input says of a motion that was not given."""
-
 
 def proof_again(content: bytes, twin_of: TwinOf, stored: StoredVerdict | None) -> tuple[list[str], list[str]]:
     """Why a proof does not hold, or does not say what its verdict says; and what was checked how.
@@ -134,7 +131,7 @@ def _starts_as(text: str, claim: Claim, twin: Twin, container: Container) -> boo
 def _notes(stored: StoredVerdict | None) -> list[str]:
     if stored is None:
         return ["there is no verdict with it: what its inputs claimed was not compared"]
-    if dict(stored.inputs).get("motion", NOT_GIVEN) != NOT_GIVEN:
+    if dict(stored.inputs).get("motion", UNKNOWN_INPUT) != UNKNOWN_INPUT:
         return [
             "a motion of the container was asked for; that it passes the refuted values, or has the times "
             "that are too short, was not compared"

@@ -13,7 +13,6 @@ from sdt_kg.errors import InputError, StoreUnavailableError
 from sdt_kg.interchange.rebuild import rebuilt_entities
 from sdt_kg.iri import LAW, RDF, Iri, graph_iri, local_name, verdict_iri
 from sdt_kg.load import load_twin
-from sdt_kg.state import State
 from sdt_kg.twin import Twin
 from services.store.files import readable
 from services.store.on_disk import JOURNAL, in_folder
@@ -94,7 +93,7 @@ class Saved:
         except InputError as error:
             return Entry(iri, None, None, str(error))
 
-    def twin(self, environment: Iri, robot: Iri, state: State) -> tuple[Twin, str]:
+    def twin(self, environment: Iri, robot: Iri) -> tuple[Twin, str]:
         """The twin, of the saved graphs if they have both models, else of the bundled ones of their names.
 
         It is where its models start: of which of them the saved states are is not known yet.
@@ -105,14 +104,13 @@ class Saved:
         for model in (environment, robot):
             graph = ox.NamedNode(graph_iri("asserted", local_name(model)))
             if not self.store.contains_named_graph(graph):
-                return by_name(environment, robot, state)
+                return by_name(environment, robot)
         entities = rebuilt_entities(self.store, environment, [robot])
         return Twin(entities, entities.coupling.start()), "models of the saved graphs"
 
 
-def by_name(environment: Iri, robot: Iri, state: State) -> tuple[Twin, str]:
+def by_name(environment: Iri, robot: Iri) -> tuple[Twin, str]:
     """The twin of the bundled models of these names."""
-    del state
     kitchen, machine = local_name(environment), local_name(robot)
     return load_twin(kitchen, [machine]), "models loaded by name: only names were saved"
 
