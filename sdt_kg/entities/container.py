@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.store import Row
 
@@ -52,6 +53,17 @@ class Container:
             replace(self, handle=own, more_handles=tuple(each for each in every if each != own))
             for own in every
         )
+
+    def held_by(self, handle: Iri | None) -> "Container":
+        """The same by one of its handles; None: by its own.
+
+        Raises:
+            UnknownEntityError: It has no such handle.
+        """
+        handles = {each.handle: each for each in self.by_each_handle}
+        if handle is not None and handle not in handles:
+            raise UnknownEntityError(f"handle of {self.name}", handle, handles)
+        return self if handle is None else handles[handle]
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,36 +3,58 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from predicates.case import Answer
+from predicates.case import Answer, Artefact, ArtefactKind
 from sdt_kg.iri import local_name
-from sdt_kg.twin import Container
+from sdt_kg.task import UNKNOWN
+from sdt_kg.twin import Container, Twin
+from services.embodiment.proof_check import check
+from services.embodiment.proof_check.content import read_proof, to_bytes
 
 
-def held_by(container: Container, other: Container) -> str:
+def held_by(container: Container, held: Container) -> tuple[str, ...]:
     """What a certificate of a container says that is moved by another handle than its own."""
-    handle = local_name(other.handle)
-    if other.iri == container.iri:
-        return f"held by {handle}, another handle of {container.name}"
-    return f"held by {handle}: {container.name} moves with {other.name}"
+    handle = local_name(held.handle)
+    if held.iri != container.iri:
+        return (f"held by {handle}: {container.name} moves with {held.name}",)
+    return () if held == container else (f"held by {handle}, another handle of {container.name}",)
 
 
-def of_one_handle(answer: Answer, container: Container, others: Sequence[Container], left: int) -> Answer:
-    """A refusal of a container; where there are other handles that move it, nothing is proved of them.
+def refused(twin: Twin, answers: Sequence[Answer], by: Sequence[Container]) -> Answer:
+    """The refusal of a container: proved, where it is by each handle that moves it.
 
     Args:
-        answer: About its own handle.
-        container: What is refused.
-        others: By another handle each.
-        left: How many of them, the last ones, were not looked for; the others were, in vain.
+        twin: Of the case.
+        answers: By its own handle, then by each other one that was looked for, perhaps not the last ones.
+        by: The container by its own handle, then what is moved by each other one.
     """
+    (answer, *more), (container, *others) = answers, by
     if not others:
         return answer
     names = [local_name(each.handle) for each in others]
-    looked, passed = ", ".join(names[: len(names) - left]), ", ".join(names[len(names) - left :])
+    looked, passed = ", ".join(names[: len(more)]), ", ".join(names[len(more) :])
+    if not passed and (artefact := _joined(twin, answers, container)) is not None:
+        diagnoses = tuple(each for one in answers for each in one.diagnoses)
+        said = (*answer.notes, f"proved of {local_name(container.handle)} and of {looked}")
+        return replace(answer, diagnoses=diagnoses, notes=said, artefact=artefact)
     said = (f"nor by {looked}, as far as was looked",) if looked else ()
     said += (f"not looked for by {passed}, where the force would be another",) if passed else ()
     said = (*answer.notes, *said, f"what is said is of {local_name(container.handle)}")
-    if answer.artefact is None or not any(each.proof for each in answer.diagnoses):
+    if _proved(answer) is None:
         return replace(answer, notes=said)
     diagnoses = tuple(replace(each, proof=False) for each in answer.diagnoses)
     return replace(answer, diagnoses=diagnoses, notes=said, artefact=None)
+
+
+def _proved(answer: Answer) -> Artefact | None:
+    """The answer's proof, if it has a whole one."""
+    return answer.artefact if any(each.proof for each in answer.diagnoses) else None
+
+
+def _joined(twin: Twin, answers: Sequence[Answer], container: Container) -> Artefact | None:
+    """One proof by all handles, if there is one by each, and together they hold."""
+    found = [read_proof(each.content) for each in map(_proved, answers) if each is not None]
+    robot = answers[0].case.robot
+    if len(found) < len(answers) or robot is UNKNOWN:
+        return None
+    content = to_bytes(replace(found[0], others=tuple(found[1:])))
+    return Artefact(ArtefactKind.PROOF, content) if check(twin, robot, container, content).holds else None

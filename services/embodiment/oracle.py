@@ -26,7 +26,7 @@ from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
 from services.embodiment.floor import aloft, check_base, check_floor, check_start
-from services.embodiment.handles import held_by, of_one_handle
+from services.embodiment.handles import held_by, refused
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.sets import grasp_settings
 from services.embodiment.hopeless import hopeless
@@ -148,16 +148,15 @@ class WholeBody:
         began = time.perf_counter()
         self._warm(world, kits)
         clock.spent("compile", began)
-        models, others = (world, kits, roads), by_other_handles(twin, container)
-        answer = self._by_handle(case, models, container, clock)
-        if answer.holds:
-            return answer
-        looked = [each for each in others if self.coupled or each.iri == container.iri]
-        for other in looked:
-            found = self._by_handle(case, models, other, clock)
+        models, every = (world, kits, roads), (container, *by_other_handles(twin, container))
+        looked = [each for each in every if self.coupled or each.iri == container.iri]
+        answers = list[Answer]()
+        for held in looked:
+            found = self._by_handle(case, models, held, clock)
             if found.holds:
-                return replace(found, notes=(*found.notes, held_by(container, other)))
-        return of_one_handle(answer, container, others, len(others) - len(looked))
+                return replace(found, notes=(*found.notes, *held_by(container, held)))
+            answers.append(found)
+        return refused(twin, answers, every)
 
     def _by_handle(
         self, case: Case, models: tuple[World, Kits, Known], container: Container, clock: Clock

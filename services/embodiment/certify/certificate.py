@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from sdt_kg.annotation import Drive
-from sdt_kg.errors import InputError, UnknownEntityError
+from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import Array, BodyMotion, Motion
 from sdt_kg.twin import Container, Twin
@@ -77,11 +77,7 @@ class Certificate:
         Raises:
             UnknownEntityError: The twin has no such container, or that no such handle.
         """
-        container = twin.container(self.container)
-        handles = {each.handle: each for each in container.by_each_handle}
-        if self.handle is not None and self.handle not in handles:
-            raise UnknownEntityError(f"handle of {container.name}", self.handle, handles)
-        return container if self.handle is None else handles[self.handle]
+        return twin.container(self.container).held_by(self.handle)
 
     def content(self) -> bytes:
         """The bytes from which `read_certificate` makes it again."""

@@ -6,13 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from predicates.meant import by_other_handles
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
-from services.embodiment.proof_check.claim import Claim, Timing
+from services.embodiment.proof_check.claim import Claim, Timing, other_handle
 from services.embodiment.proof_check.content import IN_HAND, Proof, Refutation, read_proof
+from services.embodiment.proof_check.handles import another_question
 from services.embodiment.proof_check.haste import too_fast
 from services.embodiment.proof_check.pinch.fingers import handle_span
 from services.embodiment.proof_check.pinch.refuted import refuted_pinches
@@ -51,10 +53,35 @@ class Checked:
 def check(twin: Twin, robot: Iri, container: Container, content: bytes) -> Checked:
     """Whether a proof shows, for this twin, that no certified motion opens or closes the container.
 
+    Unless it is `partial`, by none of the handles that move it.
+
     Raises:
         InputError: The content is no proof, or damaged.
     """
     proof = read_proof(content)
+    found = _by_handle(twin, robot, container, proof)
+    if proof.claim.partial:
+        return found
+    given = {(one.claim.container, one.claim.handle): one for one in proof.others}
+    for other in by_other_handles(twin, container):
+        one = given.get((other.iri, other_handle(twin, other)))
+        handle = local_name(other.handle)
+        if one is None:
+            reason = f"{handle} moves {container.name}, too, and of it nothing is proved"
+            found = replace(found, reasons=(*found.reasons, reason))
+            continue
+        more, asked = _by_handle(twin, robot, other, one), another_question(twin, container, proof, one)
+        found = Checked(
+            (*found.reasons, *(f"of {handle}: {reason}" for reason in (*asked, *more.reasons))),
+            f"{found.statement}; held by {handle}: {more.statement}",
+            tuple(dict.fromkeys((*found.assumptions, *more.assumptions))),
+            found.leaves + more.leaves,
+        )
+    return found
+
+
+def _by_handle(twin: Twin, robot: Iri, container: Container, proof: Proof) -> Checked:
+    """The same of the one handle that the container is meant by."""
     claim = proof.claim
     reasons = [*_differs(twin, robot, container, claim)]
     leaves = 0
@@ -89,13 +116,7 @@ def _hurried(statement: Statement, proof: Proof, timing: Timing) -> list[str]:
 
 def _differs(twin: Twin, robot: Iri, container: Container, claim: Claim) -> Iterator[str]:
     """Where the claim is about something else than what it is checked for."""
-    for model, (claimed, known) in zip((twin.environment, robot), claim.models, strict=True):
-        if claimed != model:
-            yield f"the proof is about {local_name(claimed)}, not about {local_name(model)}"
-        elif twin.content_hash(model) != known:
-            yield f"{local_name(model)} has changed since the proof was made"
-    if claim.container != container.iri:
-        yield f"the proof is about {local_name(claim.container)}, not about {container.name}"
+    yield from _other_models(twin, robot, container, claim)
     if dict(twin.state) != claim.state:
         yield "the proof is about another state of the kitchen"
     if claim.tolerances != Tolerances():
@@ -103,6 +124,19 @@ def _differs(twin: Twin, robot: Iri, container: Container, claim: Claim) -> Iter
     if claim.within is not None and (claim.within != IN_HAND or claim.timing is not None):
         yield f"the proof is about holds within {claim.within:g} m, in hand are those within {IN_HAND:g} m"
     yield from _not_needed(container, twin.state[container.joint], claim.span)
+
+
+def _other_models(twin: Twin, robot: Iri, container: Container, claim: Claim) -> Iterator[str]:
+    """Where the claim is about another kitchen, robot, container or handle."""
+    for model, (claimed, known) in zip((twin.environment, robot), claim.models, strict=True):
+        if claimed != model:
+            yield f"the proof is about {local_name(claimed)}, not about {local_name(model)}"
+        elif twin.content_hash(model) != known:
+            yield f"{local_name(model)} has changed since the proof was made"
+    if claim.container != container.iri:
+        yield f"the proof is about {local_name(claim.container)}, not about {container.name}"
+    elif claim.handle != other_handle(twin, container):
+        yield f"the proof is not about {local_name(container.handle)}, but about another handle"
 
 
 def _not_needed(container: Container, at: float, span: tuple[float, float]) -> Iterator[str]:

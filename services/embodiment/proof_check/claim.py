@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import Iri
-from sdt_kg.twin import Twin
+from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 
 Start = tuple[float, float, float]
@@ -32,6 +32,7 @@ class Claim:
         within: How far the tool's origin is at most from a box about the handle when it is grasped, of the
             holds that are meant [m]; None: every hold that certification accepts is.
         declared: Whether the robot's bodies are its collision shapes, which may be more than the bodies.
+        handle: By which of its handles, where it is not the container's own.
     """
 
     models: tuple[tuple[Iri, str], tuple[Iri, str]]
@@ -44,6 +45,7 @@ class Claim:
     timing: Timing | None = None
     within: float | None = None
     declared: bool = False
+    handle: Iri | None = None
 
     @property
     def partial(self) -> bool:
@@ -78,7 +80,7 @@ class Claim:
 def claim_about(  # noqa: PLR0913, PLR0917  # the parts of a claim
     twin: Twin,
     robot: Iri,
-    container: Iri,
+    container: Container,
     span: tuple[float, float],
     drive: Drive,
     start: Start,
@@ -86,7 +88,12 @@ def claim_about(  # noqa: PLR0913, PLR0917  # the parts of a claim
     within: float | None = None,
     declared: bool = False,
 ) -> Claim:
-    """The claim about a robot and a container of a twin, with this version's tolerances."""
+    """The claim about a robot and a container of a twin, by its handle, with this version's tolerances."""
     models = ((twin.environment, twin.content_hash(twin.environment)), (robot, twin.content_hash(robot)))
-    about = models, dict(twin.state), container, span, drive, start, Tolerances()
-    return Claim(*about, timing, within, declared)
+    about = models, dict(twin.state), container.iri, span, drive, start, Tolerances()
+    return Claim(*about, timing, within, declared, other_handle(twin, container))
+
+
+def other_handle(twin: Twin, container: Container) -> Iri | None:
+    """By which of its handles the container is meant, where it is not its own."""
+    return None if container.handle == twin.container(container.iri).handle else container.handle

@@ -13,8 +13,10 @@ finger that may come to the handle (`pinch/`). From 7 on, behind all these numbe
 the bodies `beside` the arm; after such a node comes a tree of the joints that carry this body, whose leaves
 name cores on them, numbered in the same way (`arm.py`). From 8 on a refutation may be of the
 handle `between` two fingers, a box about it and a slab in place of its shapes and the grasp box (`pinch/`).
-From 9 on joints of bodies beside the arm that no certified motion moves may be `parked`. Written is
-"sdt proof 10": a refutation may go up `steps`, a value for each part of the lift (`steps.py`).
+From 9 on joints of bodies beside the arm that no certified motion moves may be `parked`. From 10 on
+a refutation may go up `steps`, a value for each part of the lift (`steps.py`). Written is "sdt proof 11":
+where the container is moved by several handles, a claim may be about one that is not its own, and the
+proof of its own has those of the `others` with it.
 """
 
 import base64
@@ -22,7 +24,7 @@ import binascii
 import json
 import math
 import zlib
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 from sdt_kg.annotation import Drive
@@ -30,9 +32,9 @@ from sdt_kg.errors import InputError
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.claim import Claim, Timing
 
-SCHEMA = "sdt proof 10"
+SCHEMA = "sdt proof 11"
 BY_PLACES = "sdt proof 4"
-SINCE_DECLARED = ("sdt proof 6", "sdt proof 7", "sdt proof 8", "sdt proof 9", SCHEMA)
+SINCE_DECLARED = ("sdt proof 6", "sdt proof 7", "sdt proof 8", "sdt proof 9", "sdt proof 10", SCHEMA)
 SINCE_SOME_HOLDS = ("sdt proof 3", BY_PLACES, "sdt proof 5", *SINCE_DECLARED)
 READ = ("sdt proof 1", "sdt proof 2", *SINCE_SOME_HOLDS)
 IN_HAND = 0.02
@@ -123,11 +125,13 @@ class Proof:
 
     Attributes:
         window: First and last sample of the timing between which no gripper follows; None without one.
+        others: The same by each other handle that moves the container.
     """
 
     claim: Claim
     refutations: tuple[Refutation, ...]
     window: tuple[int, int] | None = None
+    others: "tuple[Proof, ...]" = ()
 
     def assumptions(self) -> tuple[str, ...]:
         """What the claim is relative to, one sentence each."""
@@ -161,18 +165,21 @@ class Proof:
 
 def to_bytes(proof: Proof) -> bytes:
     """The proof as an artefact's content; the same proof gives the same bytes."""
-    claim = asdict(proof.claim) | {"drive": proof.claim.drive.value}
+    whole = {"schema": SCHEMA, **_told(proof), "others": [_told(each) for each in proof.others]}
+    return zlib.compress(json.dumps(whole, sort_keys=True).encode(), 9)
+
+
+def _told(proof: Proof) -> dict[str, object]:
+    """The proof by one handle as JSON has it."""
     refutations = [
         asdict(one) | {"tree": base64.b64encode(one.tree).decode("ascii")} for one in proof.refutations
     ]
-    whole = {
-        "schema": SCHEMA,
-        "claim": claim,
+    return {
+        "claim": asdict(proof.claim) | {"drive": proof.claim.drive.value},
         "assumptions": proof.assumptions(),
         "refutations": refutations,
         "window": proof.window,
     }
-    return zlib.compress(json.dumps(whole, sort_keys=True).encode(), 9)
 
 
 def is_proof(content: bytes) -> bool:
@@ -193,10 +200,16 @@ def read_proof(content: bytes) -> Proof:
     if whole.get("schema") not in READ:
         raise InputError(f"a proof of the schema '{whole.get('schema')}'", allowed=" or ".join(READ))
     try:
-        refutations = tuple(_refutation(one) for one in whole["refutations"])
-        return Proof(_claim(whole["claim"], whole["schema"]), refutations, _window(whole.get("window")))
+        others = tuple(_proof(each, whole["schema"]) for each in whole.get("others", ()))
+        return replace(_proof(whole, whole["schema"]), others=others)
     except (KeyError, TypeError, ValueError, AttributeError, binascii.Error) as error:
         raise InputError(f"the proof is damaged: {error!r}", allowed=f"a whole {SCHEMA}") from None
+
+
+def _proof(given: dict[str, Any], schema: str) -> Proof:  # Any: JSON
+    """The proof by one handle."""
+    refutations = tuple(_refutation(one) for one in given["refutations"])
+    return Proof(_claim(given["claim"], schema), refutations, _window(given.get("window")))
 
 
 def _unpacked(content: bytes) -> dict[str, Any]:  # Any: JSON
@@ -235,6 +248,7 @@ def _claim(given: dict[str, Any], schema: str) -> Claim:  # Any: JSON
         _timing(given.get("timing")),
         None if given.get("within") is None else _number(given["within"]),
         given.get("declared", False),
+        None if given.get("handle") is None else str(given["handle"]),
     )
 
 

@@ -107,7 +107,7 @@ class Prover:
         if found is None or self.span is None:
             return None
         refutations, leaves = found
-        about = self.twin, self.robot, self.container.iri, self.span, self.drive, self.start
+        about = self.twin, self.robot, self.container, self.span, self.drive, self.start
         claim = claim_about(*about, within=self.statement.within, declared=self.statement.declared)
         artefact = Artefact(ArtefactKind.PROOF, to_bytes(Proof(claim, tuple(refutations))))
         return Proved(self._diagnosis(refutations, leaves), artefact, leaves)
@@ -131,7 +131,7 @@ class Prover:
         timing = Timing(tuple(times.tolist()), tuple(values.tolist()))
         if [*too_fast(self.statement, self.drive, timing, found.ends)]:
             return None
-        about = self.twin, self.robot, self.container.iri, self.span, self.drive, self.start, timing
+        about = self.twin, self.robot, self.container, self.span, self.drive, self.start, timing
         artefact = Artefact(ArtefactKind.PROOF, to_bytes(Proof(claim_about(*about), (), found.ends)))
         first, last = (float(times[k]) for k in found.ends)
         robot, handle = local_name(self.robot), local_name(self.container.handle)

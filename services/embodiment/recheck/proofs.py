@@ -5,7 +5,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from predicates.case import Outcome
-from predicates.meant import by_other_handles
 from predicates.record.inputs import (
     TURNED,
     UNKNOWN_INPUT,
@@ -33,7 +32,8 @@ def proof_again(content: bytes, twin_of: TwinOf, stored: StoredVerdict | None) -
     Raises:
         InputError: It is no proof, or its models cannot be had.
     """
-    claim = read_proof(content).claim
+    proof = read_proof(content)
+    claim = proof.claim
     reasons = [] if stored is None else [*_claim_differs(stored, claim)]
     if reasons:
         return reasons, []
@@ -42,14 +42,11 @@ def proof_again(content: bytes, twin_of: TwinOf, stored: StoredVerdict | None) -
     container = twin.container(claim.container)
     checked = check(twin, robot, container, content)
     reasons = list(checked.reasons)
-    if stored is not None and not claim.partial:
-        reasons += (
-            f"{local_name(each.handle)} moves {container.name}, too, and of it nothing is proved"
-            for each in by_other_handles(twin, container)
-        )
     if stored is not None and not reasons:
         reasons += _question_differs(stored, claim, twin)
-        reasons += _policy_differs(dict(stored.inputs), claim, twin, container)
+        for one in (claim, *(each.claim for each in proof.others)):
+            held = twin.container(one.container).held_by(one.handle)
+            reasons += _policy_differs(dict(stored.inputs), one, twin, held)
     notes = [source, checked.statement, *checked.assumptions]
     notes += [f"boxes refuted one by one: {checked.leaves}"] if checked.leaves else []
     return reasons, [*notes, *_notes(stored)]

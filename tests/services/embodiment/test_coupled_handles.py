@@ -17,6 +17,9 @@ from services.embodiment.certify.certificate import read_certificate
 from services.embodiment.oracle import WholeBody
 from services.embodiment.place.grid import Status
 from services.embodiment.place.search import place
+from services.embodiment.proof_check import check
+from services.embodiment.proof_check.content import Proof, read_proof, to_bytes
+from services.embodiment.recheck import recheck_artefact
 from services.embodiment.recheck.embodiment import Certifier
 from services.physics.oracle import Kinematics
 from services.store.files import SavedVerdicts
@@ -60,6 +63,14 @@ def judged(twin: Twin) -> Verdict:
     return verdict
 
 
+def kept(folder: Path, verdict: Verdict) -> Path:
+    file = folder / "kept.nq"
+    with SavedVerdicts(file) as saved:
+        saved.add_twin(verdict.case.twin)
+        saved.add(verdict)
+    return file
+
+
 def test_a_door_is_opened_by_the_handle_of_the_one_that_it_follows(tmp_path: Path) -> None:
     twin = pair(tmp_path, 1.0)
     verdict = judged(twin)
@@ -69,28 +80,44 @@ def test_a_door_is_opened_by_the_handle_of_the_one_that_it_follows(tmp_path: Pat
     assert "held by right_handle: left_door moves with right_door" in verdict.can_perform.notes
     certificate = read_certificate(verdict.can_perform.artefact.content)
     assert certificate.container == twin.container("right_door").iri
-    file = tmp_path / "kept.nq"
-    with SavedVerdicts(file) as saved:
-        saved.add_twin(twin)
-        saved.add(verdict)
-    assert recheck(file).reasons == ()
+    assert recheck(kept(tmp_path, verdict)).reasons == ()
 
 
-def test_what_is_proved_of_one_handle_is_no_proof_about_a_door_that_another_one_opens(tmp_path: Path) -> None:
-    twin = pair(tmp_path, HIGH)
-    verdict = judged(twin)
+def proof_of(verdict: Verdict) -> Proof:
     assert verdict.outcome is Outcome.NOT_CERTIFIED
     assert verdict.can_perform is not None
-    assert verdict.can_perform.artefact is None
-    assert not any(each.proof for each in verdict.diagnoses)
-    assert any("right_handle" in each for each in verdict.can_perform.notes)
+    assert verdict.can_perform.artefact is not None
+    assert all(each.proof for each in verdict.diagnoses)
+    return read_proof(verdict.can_perform.artefact.content)
+
+
+def test_of_doors_that_move_together_each_handle_is_proved_too_high(tmp_path: Path) -> None:
+    twin = pair(tmp_path, HIGH)
+    verdict = judged(twin)
+    proof, left = proof_of(verdict), twin.container("left_door")
+    assert [one.claim.container for one in proof.others] == [twin.container("right_door").iri]
+    assert recheck(kept(tmp_path, verdict)).reasons == ()
+    (other,) = proof.others
+    low, high = other.claim.span
+    for changed, reason in (
+        ((), "right_handle moves left_door, too, and of it nothing is proved"),
+        ((replace(other, refutations=()),), "of right_handle: gripper"),
+        ((replace(other, claim=replace(other.claim, container=left.iri)),), "of it nothing is proved"),
+        ((replace(other, claim=replace(other.claim, drive=Drive.FIXED)),), "for the base policy fixed"),
+        ((replace(other, claim=replace(other.claim, declared=True)),), "alone"),
+        ((replace(other, claim=replace(other.claim, span=(low - 0.1, high))),), "need not pass all of"),
+        ((replace(other, claim=replace(other.claim, span=(low, high + 0.1))),), "need not pass all of"),
+    ):
+        content = to_bytes(replace(proof, others=changed))
+        found = recheck_artefact("changed", content, lambda *_: (twin, "given"))
+        assert any(reason in each for each in found.reasons), found.reasons
     placed = place(twin, twin.robots[0], Task(Verb.OPEN, twin.container("left_door").iri), budget=2.0)
     assert not any(cell.status is Status.PROVED for row in placed.rows for cell in row)
 
 
-def tall(folder: Path, low: float | None, robot: str = "stretch") -> Twin:
+def tall(folder: Path, low: float | None, robot: str = "stretch", size: str = BAR) -> Twin:
     """A door with a handle that is too high, and perhaps another one, so much lower."""
-    more = f"""<link name="more_handle">{box(BAR, "0 0 0")}</link>
+    more = f"""<link name="more_handle">{box(size, "0 0 0")}</link>
 <joint name="more_joint" type="fixed"><parent link="tall_door"/><child link="more_handle"/>
 <origin xyz="-0.055 -0.35 -{low}"/></joint>"""
     high = door("tall", 1, HIGH).replace("tall_handle", "high_handle")
@@ -120,11 +147,7 @@ def test_a_door_is_opened_by_the_other_of_its_handles(tmp_path: Path) -> None:
     given = replace(verdict.case, body_motion=certificate.motion)
     (again,) = law(given, Kinematics(), WholeBody(Drive.OMNI))
     assert again.outcome is Outcome.CERTIFIED
-    file = tmp_path / "kept.nq"
-    with SavedVerdicts(file) as saved:
-        saved.add_twin(twin)
-        saved.add(verdict)
-    assert recheck(file).reasons == ()
+    assert recheck(kept(tmp_path, verdict)).reasons == ()
     by_own = replace(certificate, handle=None)
     assert Certifier(twin, by_own).perform(given).holds is False
 
@@ -135,18 +158,35 @@ def test_a_base_has_its_place_by_another_handle(tmp_path: Path) -> None:
         assert place(twin, twin.robots[0], Task(Verb.OPEN, twin.container(name).iri), budget=20.0).spots
 
 
-@pytest.mark.parametrize(("low", "proved"), [(None, True), (0.1, False)])
-def test_what_is_proved_of_one_of_two_handles_is_no_proof_about_their_door(
-    tmp_path: Path, low: float | None, proved: bool
+@pytest.mark.parametrize("drive", [Drive.OMNI, Drive.FIXED])
+@pytest.mark.parametrize(("low", "others"), [(None, 0), (0.1, 1)])
+def test_each_of_two_handles_is_proved_too_high(
+    tmp_path: Path, low: float | None, others: int, drive: Drive
 ) -> None:
-    twin = tall(tmp_path, low)
-    verdict = opened(twin, WholeBody(Drive.OMNI))
+    verdict = opened(tall(tmp_path, low), WholeBody(drive))
+    proof = proof_of(verdict)
+    assert len(proof.others) == others
+    found = recheck(kept(tmp_path, verdict))
+    assert found.reasons == ()
+    assert any("held by more_handle" in each for each in found.notes) is bool(others)
+
+
+def test_a_proof_of_one_handle_does_not_stand_in_for_another(tmp_path: Path) -> None:
+    twin = tall(tmp_path, 0.1)
+    proof = proof_of(opened(twin, WholeBody(Drive.OMNI)))
+    (other,) = proof.others
+    container = twin.container("tall_door")
+    for changed in (replace(proof, others=(proof,)), other, replace(other, others=(proof,))):
+        assert not check(twin, twin.robots[0], container, to_bytes(changed)).holds
+
+
+def test_what_is_proved_of_one_of_two_handles_is_no_proof_about_their_door(tmp_path: Path) -> None:
+    verdict = opened(tall(tmp_path, 1.6, size="0.3 0.3 0.3"), WholeBody(Drive.OMNI))
     assert verdict.outcome is Outcome.NOT_CERTIFIED
-    assert any(each.proof for each in verdict.diagnoses) is proved
+    assert not any(each.proof for each in verdict.diagnoses)
     assert verdict.can_perform is not None
-    assert (verdict.can_perform.artefact is not None) is proved
-    said = "nor by more_handle, as far as was looked"
-    assert (said in verdict.can_perform.notes) is not proved
+    assert verdict.can_perform.artefact is None
+    assert "nor by more_handle, as far as was looked" in verdict.can_perform.notes
 
 
 def test_where_forces_are_asked_a_door_is_held_by_none_of_another_door(tmp_path: Path) -> None:
