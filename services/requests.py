@@ -16,6 +16,8 @@ from sdt_kg.twin import Container, Twin
 ARRAYS = ("times", "values", "velocities", "base", "q", "v", "base_v", "kitchen_q", "kitchen_v")
 """Of motions."""
 AnyMotion = TypeVar("AnyMotion", bound=Motion | BodyMotion)
+ASKED = "asked"
+"""In states of many cases: the container that each is about."""
 HALF_OPEN_MARGIN = 0.1
 """[1] Half-open positions keep this share of the way between closed and open from either end."""
 
@@ -84,9 +86,20 @@ def named_motion(twin: Twin, motion: AnyMotion) -> AnyMotion:
 
 
 def state_joints(twin: Twin, texts: Sequence[str]) -> list[str]:
-    """Those of the texts that name a joint or container of this kitchen (or `all`)."""
+    """Those of the texts that name a joint or container of this kitchen (or `all`, or `asked`)."""
     known = named_joints(twin)
-    return [text for text in texts if text.partition("=")[0].strip() in {*known, "all"}]
+    return [text for text in texts if _name_in(text) in {*known, "all", ASKED}]
+
+
+def state_of_asked(texts: Sequence[str], container: str) -> tuple[str, ...]:
+    """The texts of a case about that container, which `asked` stands for: `asked=open`."""
+    return tuple(
+        f"{container}={text.partition('=')[2]}" if _name_in(text) == ASKED else text for text in texts
+    )
+
+
+def _name_in(text: str) -> str:
+    return text.partition("=")[0].strip()
 
 
 def parse_base(text: str | None) -> tuple[float, float, float] | None:
@@ -120,6 +133,12 @@ def _positions(twin: Twin, name: str, value: str) -> dict[Iri, float]:
     if name == "all":
         return _all_positions(twin, value)
     names = named_joints(twin)
+    if name == ASKED:
+        raise InputError(
+            f"'{ASKED}={value}', and no container is asked about",
+            allowed="CONTAINER=open|closed",
+            remedy=f"sdt table and sdt sweep ask about one after the other, and take {ASKED}={value}",
+        )
     if name not in names:
         raise UnknownEntityError("joint or container", name, names)
     joint = names[name]

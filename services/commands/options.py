@@ -101,7 +101,8 @@ states_option = click.option(
     callback=_once,
     metavar="JOINT=VALUE",
     help="Start state: a joint or container at a position [rad or m], open or closed; all=open, all=closed, "
-    "all=half-open:SEED. Repeatable. Without it everything is closed; a server has its own state.",
+    "all=half-open:SEED; in a table or sweep also asked=VALUE, of the container that each case is about. "
+    "Repeatable. Without it everything is closed; a server has its own state.",
 )
 drive_option = click.option(
     "--drive",

@@ -15,7 +15,7 @@ from sdt_kg.task import Verb
 from sdt_kg.twin import Twin
 from services.app import DEFAULT_BUDGET, Policy
 from services.relative import KINEMATIC, Relative, tee_of
-from services.requests import parse_state, parse_task, state_joints
+from services.requests import parse_state, parse_task, state_joints, state_of_asked
 from services.sweep.cell import Cell
 from services.sweep.worker import kitchen_of
 
@@ -30,7 +30,8 @@ class Axes:
 
     Attributes:
         tasks: `open`, `close` for every container, or `open:CONTAINER`.
-        states: `JOINT=VALUE` texts of each start state; the empty one is everything closed.
+        states: `JOINT=VALUE` texts of each start state; the empty one is everything closed. `asked` stands
+            for the container of each case.
         policies: Drive, base pose, budget and seed.
         classes: That verdicts are relative to.
     """
@@ -81,7 +82,15 @@ class Combined:
         axes = self.axes
         loaded = product(self.robots, axes.classes, axes.states, axes.policies)
         for (robot, relative, states, policy), task in product(loaded, axes.tasks):
-            yield Cell(self.kitchen, robot, task, states, policy, relative)
+            yield cell_about(self.kitchen, robot, task, states, policy, relative)
+
+
+def cell_about(  # noqa: PLR0913, PLR0917  # the parts of a case
+    kitchen: str, robot: str, task: str, states: States, policy: Policy, relative: Relative
+) -> Cell:
+    """A case, `asked` in its states being the container of its task."""
+    own = state_of_asked(states, task.partition(":")[2])
+    return Cell(kitchen, robot, task, own, policy, relative)
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,8 +239,8 @@ def _part(twin: Twin, kitchen: str, robots: tuple[str, ...], axes: Axes) -> Comb
     containers = tuple(container.name for container in ordered)
     here = tuple(text for text in axes.tasks if ":" not in text or text.partition(":")[2] in containers)
     states = tuple(tuple(state_joints(twin, texts)) for texts in axes.states)
-    for texts in states:
-        parse_state(twin, texts)
+    for texts, name in product(states, containers):
+        parse_state(twin, state_of_asked(texts, name))
     varied = Axes(here, states, axes.policies, axes.classes)
     return combined(Models(kitchen, robots, containers), varied)
 

@@ -18,7 +18,7 @@ from services.relative import Relative, tee_of
 from services.requests import parse_base
 from services.store.files import query_saved
 from services.sweep.cell import Cell
-from services.sweep.plan import Axes, Known, Plan
+from services.sweep.plan import Axes, Known, Plan, cell_about
 
 COLUMNS: Final = (
     *("kitchen", "robot", "container", "task", "state", "drive", "base", "budget", "seed"),
@@ -70,7 +70,7 @@ class Listed:
                 for states in _states(row, self.axes):
                     for policy, relative in product(self.axes.policies, _classes(row, self.axes)):
                         for task in self._tasks(row, kitchen):
-                            yield Cell(kitchen, robot, task, states, _policy(row, policy), relative)
+                            yield cell_about(kitchen, robot, task, states, _policy(row, policy), relative)
 
     def _tasks(self, row: Row, kitchen: str) -> Iterator[str]:
         """The row's task about its container, or about each where it names none."""

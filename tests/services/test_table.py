@@ -68,6 +68,22 @@ def test_a_kitchen_that_cannot_be_read_stops_it_too(sdt, tmp_path: Path) -> None
     assert "kitchen.urdf: is not XML" in done.err
 
 
+def test_each_container_is_closed_from_where_it_alone_is_open(sdt, tmp_path: Path) -> None:
+    store = str(tmp_path / "kept.nq")
+    asked = "--kitchens", "b", "--robots", "stretch", "--drive", "omni", "--task", "close", "--save", store
+    found = json.loads(sdt("table", *asked, "--state", "asked=open", "--json").out)
+    assert found["cells"] == {"b": {"stretch": [17, 17]}}
+    rechecked = sdt("recheck", store, "--json")
+    assert rechecked.code == 0
+    assert [each["holds"] for each in json.loads(rechecked.out)] == [True] * 17
+
+
+def test_a_state_of_what_is_asked_about_needs_something_asked_about(sdt) -> None:
+    done = sdt("achieve", "--kitchen", "b", "--robot", "stretch", "--task", "close", "--state", "asked=open")
+    assert done.code == Exit.BAD_INPUT
+    assert "no container is asked about" in done.err
+
+
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_what_a_worker_finds_wrong_with_a_model_comes_out_in_its_own_words(
     sdt, tmp_path: Path, jobs: str

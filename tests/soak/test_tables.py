@@ -103,6 +103,18 @@ def test_ten_times_the_search_opens_nothing_more(reference: Path, monkeypatch: p
     assert found == [], f"of {len(searched)} refused without a proof"
 
 
+CLOSED = {"a": (23, 25, 23), "b": (17, 17, 17)}
+"""How many each robot closes from where they alone are open."""
+
+
+@pytest.mark.parametrize("kitchen", PAPER)
+def test_what_is_open_alone_is_closed_by_each_robot(kitchen: str) -> None:
+    result = table(kitchen, ROBOTS, "close", ("asked=open",), Policy(drive=Drive.OMNI))
+    (row,) = result.cells().values()
+    assert [one for one, least in zip(row.values(), CLOSED[kitchen], strict=True) if one[0] < least] == []
+    assert unexplained(result) == []
+
+
 @pytest.mark.parametrize("drive", [Drive.OMNI, None])
 @pytest.mark.parametrize("state", ["all=open", "all=half-open:7"])
 @pytest.mark.parametrize("kitchen", PAPER)

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import click
 from click.shell_completion import CompletionItem
 
-STATES = ("all=open", "all=closed", "all=half-open:0")
+STATES = ("all=open", "all=closed", "all=half-open:0", "asked=open")
 VERBS = ("open", "close")
 
 

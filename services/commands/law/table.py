@@ -25,7 +25,7 @@ from services.commands.options import (
 )
 from services.commands.show import csv_text, print_json, print_rows, progress
 from services.commands.verdicts import COLUMNS, Json, verdict_row
-from services.requests import parse_state, state_joints
+from services.requests import ASKED, parse_state, state_joints, state_of_asked
 from services.store.output import write_file
 from services.sweep.cell import Cell, Unjudged
 from services.sweep.worker import read_ahead
@@ -90,6 +90,10 @@ def table(
     """
     if as_json and csv_file == STDOUT:
         raise click.UsageError("--json and --csv -: one of them")
+    if verb == "close" and not states:
+        click.echo(
+            f"everything is closed already; --state {ASKED}=open closes each from where it is", err=True
+        )
     policy = Policy(Drive(drive) if drive else None, None, budget, seed)
     if jobs > 1:
         read_ahead(kitchens.split(","), robots.split(","))
@@ -161,7 +165,12 @@ def _add_twins(
     """The kitchens, each in the state in which it is judged."""
     for kitchen in kitchens:
         twin = load_twin(kitchen, robots)
-        saved.add_twin(twin.at(parse_state(twin, state_joints(twin, states))))
+        own = {
+            state_of_asked(state_joints(twin, states), container.name): None
+            for container in twin.containers()
+        }
+        for each in own:
+            saved.add_twin(twin.at(parse_state(twin, each)))
 
 
 def _print_table(result: TableResult, objects: Sequence[dict[str, object]]) -> None:

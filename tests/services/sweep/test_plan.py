@@ -52,6 +52,16 @@ def test_a_state_that_a_kitchen_has_not_is_left_out_there_and_refused_where_none
         grid(["a"], ["pr2"], Axes(states=((f"{DOOR}=open",),)))
 
 
+def test_asked_is_the_container_of_each_case(tmp_path: Path) -> None:
+    plan = grid(["a", "b"], ["pr2"], Axes(("close",), (("asked=open",),)))
+    assert plan.total == 44
+    assert all(cell.states == (f"{cell.container}=open",) for cell in plan.cells)
+    (row,) = rows_of(tmp_path, f"robot,task,state\npr2,close:{DOOR},asked=0.5\n")
+    assert row.states == (f"{DOOR}=0.5",)
+    with pytest.raises(InputError, match="outside its limits"):
+        grid(["a", "b"], ["pr2"], Axes(("close",), (("asked=9",),)))
+
+
 def test_a_row_takes_from_the_options_what_it_leaves_out(tmp_path: Path) -> None:
     found = rows_of(tmp_path, f"robot,container,seed,state\npr2,{DOOR},7,{DOOR}=0.1; all=closed\n,{DOOR},,\n")
     assert found[0].states == (f"{DOOR}=0.1", "all=closed")
