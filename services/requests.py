@@ -98,6 +98,11 @@ def state_of_asked(texts: Sequence[str], container: str) -> tuple[str, ...]:
     )
 
 
+def states_of_all(texts: Sequence[str]) -> tuple[str, ...]:
+    """Those of the texts that are not about the container that is `asked` about."""
+    return tuple(text for text in texts if _name_in(text) != ASKED)
+
+
 def _name_in(text: str) -> str:
     return text.partition("=")[0].strip()
 

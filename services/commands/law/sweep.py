@@ -52,7 +52,7 @@ from services.sweep.worker import as_asked, stored, twin_of
     "starts",
     multiple=True,
     metavar="JOINT=VALUE[;…]",
-    help="A start state, as for --state of 'sdt achieve'. Repeatable: each is a case. [default: all closed]",
+    help="A start state, as for --state of 'sdt table'. Repeatable: each is a case. [default: all closed]",
 )
 @click.option(
     "--drive",

@@ -18,7 +18,7 @@ from services.app import DEFAULT_BUDGET, Policy, Service, load
 from services.physics.model import Scene
 from services.reports.scene.clip import Clip, body_clip
 from services.reports.scene.view import View, view_of
-from services.requests import parse_task
+from services.requests import parse_task, state_of_asked, states_of_all
 from services.store.embedded import EmbeddedStore
 from services.store.files import SavedVerdicts
 from services.sweep.cell import Cell as Case
@@ -125,24 +125,26 @@ def judged(  # noqa: PLR0913 - the options of sdt table
     """
     names, states = _parts(robots), _parts(state)
     policy = policy_of(drive, budget=budget)
-    service = load(kitchen, names, state=states, policy=policy)
+    service = load(kitchen, names, state=states_of_all(states), policy=policy)
     verb, _, chosen = task.partition(":")
     parse_task(service.twin, verb)
     containers = [service.twin.container(each) for each in _parts(chosen)] or list(counted(service.twin))
     with opened(store) as saved:
         service = replace(service, recall=saved.stored)
-        asked = [(name, one) for name in names for one in containers]
+        own = {one: state_of_asked(states, one.name) for one in containers}
+        asked = [(name, one, service.at(*own[one])) for name in names for one in containers]
         missing = [
-            Case(kitchen, name, f"{verb}:{one.name}", tuple(states), policy)
-            for name, one in asked
-            if service.stored(f"{verb}:{one.name}", model_name(name)) is None
+            (Case(kitchen, name, f"{verb}:{one.name}", own[one], policy), there.twin)
+            for name, one, there in asked
+            if there.stored(f"{verb}:{one.name}", model_name(name)) is None
         ]
+        for twin in {twin.state: twin for _, twin in missing}.values():
+            saved.add_twin(twin)
         if missing:
-            saved.add_twin(service.twin)
-            run(missing, jobs, lambda result: _keep(saved, result))
+            run([case for case, _ in missing], jobs, lambda result: _keep(saved, result))
         found = [
-            Judged(model_name(name), one, next(service.achieve(f"{verb}:{one.name}", model_name(name))))
-            for name, one in asked
+            Judged(model_name(name), one, next(there.achieve(f"{verb}:{one.name}", model_name(name))))
+            for name, one, there in asked
         ]
     return Judgements(service, verb, tuple(map(model_name, names)), tuple(found), len(missing))
 

@@ -70,6 +70,14 @@ def test_a_second_report_is_answered_from_the_store(written: Written) -> None:
     assert [each.certified for each in found.all] == [True]
 
 
+def test_each_container_is_judged_from_where_it_alone_is_open() -> None:
+    asked = f"close:{DRAWER},iai_fridge_door"
+    found = judged("b", "stretch", asked, state="asked=open", drive="omni", budget=5.0)
+    states = [[each for each in one.verdict.case.twin.state.values() if each] for one in found.all]
+    assert [len(each) for each in states] == [1, 1]
+    assert [each.certified for each in found.all] == [True, True]
+
+
 def test_assets_are_what_papers_take(written: Written) -> None:
     names = {each.name for each in written.assets.iterdir()}
     assert {"feasibility_matrix.svg", "feasibility_matrix.pdf", "feasibility_counts.csv"} <= names
