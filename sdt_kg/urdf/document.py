@@ -9,6 +9,7 @@ from xml.etree import ElementTree as ET
 from xml.parsers import expat
 
 from sdt_kg.errors import UrdfError
+from sdt_kg.urdf.spelling import check_spelling
 
 MAX_BYTES: Final = 50_000_000
 """[byte] Larger files are refused; the largest robot that we know of is below 1 MB."""
@@ -52,6 +53,7 @@ def parse_xml(text: bytes, source: Path) -> ET.Element:
     root = ET.fromstring(text)  # noqa: S314 - no DTD, hence no entity, is left in the text
     if root.tag != "robot":
         raise UrdfError(f"{source}: the root element is <{root.tag}>", allowed="<robot>")
+    check_spelling(root, source)
     _check_names(root, source)
     for joint in root.findall("joint"):
         _check_joint(joint, source)

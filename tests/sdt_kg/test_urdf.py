@@ -251,6 +251,15 @@ BAD: dict[str, tuple[tuple[str, ...], str]] = {
         "outside of",
     ),
     "absolute mesh": ((link("world", MESH.format("file:///etc/passwd")),), "outside of"),
+    "capital element": (
+        ('<link name="a"><Collision/></link>',),
+        "link 'a' has <Collision>; allowed: inertial",
+    ),
+    "misspelled element": (hinge(f'<orgin xyz="0 0 1"/>{limit(0, 1)}'), "has <orgin>"),
+    "misspelled shape": ((link("a", '<Box size="1 1 1"/>'),), "geometry has <Box>"),
+    "swapped letters": (hinge(f'<origin xzy="0 0 1"/>{limit(0, 1)}'), 'origin has xzy="0 0 1"'),
+    "misspelled number": (hinge('<limit lower="0" uper="1"/>'), 'has uper="1"; allowed: lower, upper'),
+    "misspelled link": (("<Link/>", link("a")), "has <Link>"),
     "empty": ((), "has no link"),
     "nameless link": (("<link/>",), "a link has no name"),
 }
@@ -263,6 +272,11 @@ def test_a_bad_urdf_is_refused_with_its_reason(write: Write, case: str) -> None:
         read_mechanism(write(*parts))
     assert reason in str(caught.value)
     assert "k.urdf" in str(caught.value)
+
+
+def test_what_other_tools_add_is_passed_over(write: Write) -> None:
+    more = '<limit lower="0" upper="1" acceleration="2"/><visual><Geometry/></visual><hardware/>'
+    assert read_mechanism(write(*hinge(more), "<ros2_control/>")).joint("hinge").limits.upper == 1
 
 
 @pytest.mark.parametrize("name", ["k.urdf", "k.urdf.xacro"])
