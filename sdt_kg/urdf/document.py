@@ -32,6 +32,9 @@ NUMBERS: Final[dict[str, dict[str, int]]] = {
     "mesh": {"scale": 3},
     "mimic": {"multiplier": 1, "offset": 1},
     "origin": {"xyz": 3, "rpy": 3},
+    "safety_controller": dict.fromkeys(
+        ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"), 1
+    ),
     "sphere": {"radius": 1},
 }
 LARGEST: Final = 1e6

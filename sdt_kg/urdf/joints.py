@@ -41,6 +41,28 @@ def checked(joint: Joint, source: Path) -> Joint:
     return replace(joint, axis=(x / length, y / length, z / length), notes=(*joint.notes, note))
 
 
+def within_soft_limits(joint: Joint, soft: tuple[float, float] | None, source: Path) -> Joint:
+    """The joint, ended where its safety controller ends it: it turns back what comes beyond.
+
+    Raises:
+        UrdfError: No position is within both limits.
+    """
+    limits = joint.limits
+    if soft is None or joint.type not in {JointType.REVOLUTE, JointType.PRISMATIC}:
+        return joint
+    lower, upper = max(limits.lower, soft[0]), min(limits.upper, soft[1])
+    if (lower, upper) == (limits.lower, limits.upper):
+        return joint
+    if lower > upper:
+        raise UrdfError(
+            f"{source}: joint '{joint.name}' has the soft limits {soft[0]:g} to {soft[1]:g}",
+            allowed=f"a part of {limits.lower:g} to {limits.upper:g}",
+            remedy="mend <safety_controller>, or leave it out",
+        )
+    note = f"ended by its safety controller, short of {limits.lower:g} to {limits.upper:g}"
+    return replace(joint, limits=replace(limits, lower=lower, upper=upper), notes=(*joint.notes, note))
+
+
 def resolved(joints: Iterable[Joint], source: Path) -> list[Joint]:
     """The joints, each mimic naming an independent joint: a chain of mimics becomes one step.
 

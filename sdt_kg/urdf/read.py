@@ -27,7 +27,7 @@ from sdt_kg.mechanism import (
 )
 from sdt_kg.urdf.document import parse_xml
 from sdt_kg.urdf.inertias import with_possible
-from sdt_kg.urdf.joints import checked, resolved, turned, with_fixed
+from sdt_kg.urdf.joints import checked, resolved, turned, with_fixed, within_soft_limits
 from sdt_kg.urdf.loader import yourdfpy
 from sdt_kg.urdf.meshes import collision_file, mesh_hash
 from sdt_kg.urdf.xacro import expanded
@@ -46,8 +46,9 @@ def read_mechanism(path: str | Path, *, name: str | None = None, turn_axes: bool
     Args:
         path: `NAME.urdf`, `NAME.xacro` or `NAME.urdf.xacro`.
         name: Name of the model; by default the stem of the file.
-        turn_axes: For kitchens: joints with limits like [-π/2, 0] are turned to [0, π/2].
-            Robots keep their signs, since their motions come from elsewhere.
+        turn_axes: For kitchens: joints with limits like [-π/2, 0] are turned to [0, π/2], and nothing but
+            their stops ends them. Robots keep their signs, since their motions come from elsewhere; a
+            `safety_controller` of theirs ends a joint at its soft limits, short of the stops.
 
     Raises:
         UrdfError: Not a valid, tree-shaped URDF, or a collision mesh is missing.
@@ -57,6 +58,9 @@ def read_mechanism(path: str | Path, *, name: str | None = None, turn_axes: bool
     root = parse_xml(text, source)
     robot = _parsed(root, source)
     joints = [checked(_joint(joint), source) for joint in robot.joints]
+    if not turn_axes:
+        soft = {str(joint.name): joint.safety_controller for joint in robot.joints}
+        joints = [within_soft_limits(joint, _soft_limits(soft[joint.name]), source) for joint in joints]
     joints = with_fixed(resolved(joints, source))
     if turn_axes:
         joints = turned(joints)
@@ -138,6 +142,16 @@ def _limits(kind: JointType, limit: Parsed) -> Limits:
     if kind is JointType.CONTINUOUS:
         return Limits(velocity=velocity, effort=effort)
     return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)
+
+
+def _soft_limits(safety: Parsed) -> tuple[float, float] | None:
+    """Those of a safety controller, 0 where it gives one of them only; URDF has none to be 0 and 0."""
+    if safety is None:
+        return None
+    lower, upper = (
+        0.0 if bound is None else float(bound) for bound in (safety.soft_lower_limit, safety.soft_upper_limit)
+    )
+    return (lower, upper) if (lower, upper) != (0.0, 0.0) else None
 
 
 def _mimic(mimic: Parsed) -> Mimic | None:

@@ -36,6 +36,7 @@ ATTRIBUTES: Final[Mapping[str, tuple[str, ...]]] = {
     "mimic": ("joint", "multiplier", "offset"),
     "origin": ("xyz", "rpy"),
     "parent": ("link",),
+    "safety_controller": ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"),
     "sphere": ("radius",),
 }
 

@@ -119,6 +119,29 @@ def test_limits_on_both_sides_of_0_are_left_as_they_are(write: Write) -> None:
     assert model.joint("hinge").limits.lower == -1.0
 
 
+@pytest.mark.parametrize(
+    ("soft", "lower", "upper"),
+    [
+        ('soft_lower_limit="-0.9" soft_upper_limit="0.5"', -0.9, 0.5),
+        ('soft_lower_limit="-3" soft_upper_limit="0.5"', -1, 0.5),
+        ('soft_upper_limit="0.5"', 0, 0.5),
+        ('soft_lower_limit="0" soft_upper_limit="0"', -1, 1),
+        ("", -1, 1),
+    ],
+)
+def test_a_robots_joint_ends_at_the_soft_limits_of_its_safety_controller(
+    write: Write, soft: str, lower: float, upper: float
+) -> None:
+    parts = hinge(f'{limit(-1, 1)}<safety_controller k_position="20" k_velocity="1" {soft}/>')
+    found = read_mechanism(write(*parts)).joint("hinge")
+    assert (found.limits.lower, found.limits.upper) == (lower, upper)
+    assert any("safety controller, short of -1 to 1" in each for each in found.notes) is (
+        (lower, upper) != (-1, 1)
+    )
+    stops = read_mechanism(write(*parts), turn_axes=True).joint("hinge").limits  # of a kitchen
+    assert (stops.lower, stops.upper) == (-1, 1)
+
+
 def test_a_chain_of_mimics_becomes_one_step(write: Write) -> None:
     second = joint(
         "b", "revolute", "door", "l2", f'<mimic joint="hinge" multiplier="2" offset="1"/>{limit(0, 9)}'
@@ -251,6 +274,10 @@ BAD: dict[str, tuple[tuple[str, ...], str]] = {
         "outside of",
     ),
     "absolute mesh": ((link("world", MESH.format("file:///etc/passwd")),), "outside of"),
+    "soft limits elsewhere": (
+        hinge(f'{limit(0, 1)}<safety_controller soft_lower_limit="2" soft_upper_limit="3" k_velocity="1"/>'),
+        "joint 'hinge' has the soft limits 2 to 3; allowed: a part of 0 to 1",
+    ),
     "capital element": (
         ('<link name="a"><Collision/></link>',),
         "link 'a' has <Collision>; allowed: inertial",
