@@ -1,7 +1,7 @@
 """A peer's motion, repaired by hand: slower, the drawer still until the hand has closed, the base led along.
 
 What stays is the peer's: the drive, the arm's way, where it grasps and how far it opens. What changes:
-samples are thinned and slowed until accelerations hold; the drawer rests while the hand comes and
+wrists begin inside their limits; samples are thinned and slowed until accelerations hold; the drawer rests while the hand comes and
 closes; then the base (and the torso) make up for what the tool slips on the handle.
 """
 
@@ -9,16 +9,17 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 
 from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Container
 from services.physics.model import Scene
-from services.physics.spline import at_rest_velocities
 
 Array = NDArray[np.float64]
 
 CLOSING = 3.0  # [s]
-THIN = 14  # samples from one waypoint to the next
+THIN = 10  # samples from one waypoint to the next
+INSIDE = 0.005  # [rad or m] inside its limits keeps a joint that begins beyond them: the peer's wrists
 LED = 0.35  # share of the way to the handle on which the correction of the base grows
 
 
@@ -59,7 +60,10 @@ def repaired(
         lift[k] = part * (aim - tools[k])[2, 3]
     finger = next(each for each in scene.annotation.grippers if each.name == name)
     joints = [each.joint for each in finger.finger_joints]
-    q = motion.q.copy()
+    limits = [scene.robot.mechanism.joint(joint).limits for joint in motion.joints]
+    lower, upper = (np.array([getattr(each, end) for each in limits]) for end in ("lower", "upper"))
+    beyond = (motion.q[0] < lower) | (motion.q[0] > upper)
+    q = np.where(beyond, np.clip(motion.q, lower + INSIDE, upper - INSIDE), motion.q)
     q[:, motion.joints.index("torso_lift_joint")] += lift
     fingers = [motion.joints.index(joint) for joint in joints]
     q[: grasp + 1, fingers] = [each.open for each in finger.finger_joints]
@@ -102,10 +106,12 @@ def _handle(scene: Scene, container: Container, position: float) -> Array:
 
 
 def _leg(times: Array, rows: Array) -> tuple[Array, Array, Array]:
-    """Every so many samples, from rest to rest."""
+    """Every so many samples, from rest to rest, with nothing beyond them between two."""
     kept = np.unique(np.append(np.arange(0, len(times), THIN), len(times) - 1))
     times = times[kept] - times[kept[0]]
-    return times, rows[kept], at_rest_velocities(times, rows[kept])
+    speeds = PchipInterpolator(times, rows[kept]).derivative()(times)
+    speeds[[0, -1]] = 0
+    return times, rows[kept], speeds
 
 
 def _joined(*legs: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
