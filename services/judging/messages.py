@@ -1,7 +1,7 @@
 """What can be asked: the same over Zenoh and over HTTP.
 
 Unknown fields are tolerated unless they look like a known one misspelled; an unknown major version of the
-schema is refused.
+schema is refused. A truth or a text is no number, and nothing else is a truth.
 """
 
 from enum import Enum
@@ -16,6 +16,8 @@ SCHEMA = "1.0"
 DriveName = Literal["omni", "differential", "fixed"]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
+BasePose = Annotated[tuple[Finite, Finite, Finite], Field(strict=False)]
+"""x, y [m], yaw [rad]; an array of JSON is no tuple yet, and the numbers in it are read as strictly as others."""
 
 
 class Verb(Enum):
@@ -54,6 +56,8 @@ class Header(Message):
         traceparent: W3C trace context, passed on as it is.
     """
 
+    model_config = ConfigDict(strict=True)
+
     id: str = Field(default="", max_length=128)
     deadline_ms: int = Field(default=60_000, ge=1, le=86_400_000)
     traceparent: str = Field(default="", max_length=256)
@@ -61,6 +65,8 @@ class Header(Message):
 
 class Request(Message):
     """A question: without a field that was meant it would be another one."""
+
+    model_config = ConfigDict(strict=True)
 
     @model_validator(mode="before")
     @classmethod
@@ -142,7 +148,7 @@ class Performed(Classed):
 
     robot: str | None = Field(default=None, max_length=500)
     drive: DriveName | None = None
-    base: tuple[Finite, Finite, Finite] | None = None
+    base: BasePose | None = None
     budget: float = Field(default=20.0, gt=0, le=3600)
     seed: Seed = 0
     quads: bool = False

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Final
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from services.judging.messages import Finite, Seed
+from services.judging.messages import BasePose, Seed
 
 MOST_BUDGET: Final = 120.0
 """[s] Of search that a call may ask for."""
@@ -36,7 +36,7 @@ States = Annotated[
 class Arguments(BaseModel):
     """Of one tool."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", strict=True)
 
 
 class Lookup(Arguments):
@@ -95,7 +95,7 @@ class Judged(Arguments):
     drive: str | None = Field(
         None, description="How the base moves: omni, differential or fixed; default: as its hardware does."
     )
-    base: tuple[Finite, Finite, Finite] | None = Field(
+    base: BasePose | None = Field(
         None, description="Start of the base: x, y [m], yaw [rad]; default: the kitchen's."
     )
     budget: float = Field(20.0, gt=0, le=MOST_BUDGET, description="Seconds of search before giving up.")

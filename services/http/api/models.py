@@ -3,14 +3,24 @@
 from datetime import datetime
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
-from services.judging.messages import DriveName, Finite, Seed, TeeName
+from services.judging.messages import BasePose, DriveName, Finite, Seed, TeeName
 
 Name = Annotated[str, Field(min_length=1, max_length=500)]
 StateText = Annotated[str, Field(min_length=3, max_length=500, examples=["iai_fridge_door=open"])]
 STATE = ["iai_fridge_door=open"]
 EDIT = {"entity": "https://example.org/id/b/joint/iai_fridge_door_joint", "changes": {"upperLimit": 1.2}}
+
+
+def _told(time: object) -> object:
+    """The time is a text: a number alone would be seconds since 1970."""
+    if isinstance(time, str) and ":" in time:
+        return time
+    raise ValueError("a text as 2026-01-31T12:00:00Z is expected")
+
+
+Moment = Annotated[datetime, Field(strict=False), BeforeValidator(_told)]
 
 
 class Body(BaseModel):
@@ -20,7 +30,7 @@ class Body(BaseModel):
         kitchen: Name; may be left out where one kitchen is served.
     """
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", strict=True)
 
     kitchen: Name | None = None
 
@@ -53,7 +63,7 @@ class Performed(Asked):
 
     robot: Name | None = None
     drive: DriveName | None = None
-    base: tuple[Finite, Finite, Finite] | None = Field(default=None, examples=[[0.0, 0.0, 1.57]])
+    base: BasePose | None = Field(default=None, examples=[[0.0, 0.0, 1.57]])
     budget: float = Field(default=20.0, gt=0, le=600)
     seed: Seed = 0
 
@@ -99,7 +109,7 @@ class QueryBody(BaseModel):
         limit: Cases.
     """
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", strict=True)
 
     query: str = Field(min_length=1, max_length=200_000)
     budget: float = Field(default=60.0, gt=0, le=600)
@@ -128,7 +138,7 @@ class ObservationBody(Body):
     positions: dict[Name, Finite] = Field(
         min_length=1, max_length=1000, examples=[{"iai_fridge_door_joint": 0.3}]
     )
-    time: datetime
+    time: Moment
     by: Name
 
 
@@ -140,7 +150,7 @@ class EditBody(BaseModel):
         changes: Local name of a property of `sdt.ttl` → value; null removes.
     """
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", strict=True)
 
     entity: Name
     changes: dict[Name, str | bool | int | Finite | None] = Field(min_length=1, max_length=100)

@@ -16,6 +16,8 @@ from services.store.workers import Answered
 from services.store.workers.evaluate import GRAPHS
 
 Pairs = list[tuple[str, str]]
+UTF_8 = frozenset({"", "utf-8", "utf8"})
+"""Charsets of a request that is read; it may name none."""
 
 
 def pairs(text: str | bytes) -> Pairs:
@@ -34,6 +36,13 @@ def pairs(text: str | bytes) -> Pairs:
 def query_string(request: Request) -> Pairs:
     """The parameters of the URL."""
     return pairs(request.scope["query_string"])
+
+
+def content_type(request: Request) -> tuple[str, str]:
+    """Media type and charset that the request names, in small letters; empty where it names none."""
+    media, *parameters = request.headers.get("content-type", "").split(";")
+    charsets = [each.partition("=")[2] for each in parameters if each.strip().lower().startswith("charset=")]
+    return media.strip().lower(), (charsets[0].strip(' "').lower() if charsets else "")
 
 
 def single(parameters: Pairs, name: str) -> str | None:
@@ -74,12 +83,15 @@ async def check_parameters(request: Request) -> None:
 
 
 async def check_body(request: Request) -> None:
-    """A body that is JSON says nothing twice.
+    """A body that is JSON is in UTF-8 and says nothing twice.
 
     Raises:
-        InputError: It does, or is no JSON.
+        RefusedError: It is in another charset.
+        InputError: It says something twice, or is no JSON.
     """
-    media = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    media, charset = content_type(request)
+    if charset not in UTF_8:
+        raise RefusedError(415, f"the body is in {charset}", allowed="UTF-8")
     if media.endswith("json") and (body := await request.body()):
         check_once(body)
 

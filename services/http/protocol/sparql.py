@@ -7,9 +7,11 @@ from sdt_kg.iri import Iri
 from services.http.problems import RefusedError
 from services.http.protocol.describe import description
 from services.http.protocol.exchange import (
+    UTF_8,
     Pairs,
     check_acceptable,
     check_spelling,
+    content_type,
     own_url,
     pairs,
     query_string,
@@ -53,7 +55,7 @@ async def sparql(request: Request) -> Response:
 
 async def _posted(request: Request, url: Pairs) -> tuple[str, Pairs]:
     """The query of a POST, and all parameters; 2.1.2 and 2.1.3 of the recommendation."""
-    media, charset = _content_type(request)
+    media, charset = content_type(request)
     if media not in {FORM, QUERY, UPDATE}:
         raise RefusedError(
             415,
@@ -61,7 +63,7 @@ async def _posted(request: Request, url: Pairs) -> tuple[str, Pairs]:
             allowed=f"{FORM}, {QUERY}",
             headers={"Accept-Post": f"{FORM}, {QUERY}"},
         )
-    if charset not in {"", "utf-8", "utf8"}:
+    if charset not in UTF_8:
         raise RefusedError(415, f"the query is in {charset}", allowed="UTF-8")
     if media == UPDATE:
         raise RefusedError(403, "this endpoint does no updates", remedy=NO_UPDATE)
@@ -78,12 +80,6 @@ async def _posted(request: Request, url: Pairs) -> tuple[str, Pairs]:
         return body.decode("utf-8"), url
     except UnicodeDecodeError:
         raise RefusedError(400, "the query is not UTF-8", allowed="UTF-8") from None
-
-
-def _content_type(request: Request) -> tuple[str, str]:
-    media, *parameters = request.headers.get("content-type", "").split(";")
-    charsets = [each.partition("=")[2] for each in parameters if each.strip().lower().startswith("charset=")]
-    return media.strip().lower(), (charsets[0].strip(' "').lower() if charsets else "")
 
 
 def _query_of(parameters: Pairs, *, posted: bool = False) -> str | None:

@@ -16,7 +16,7 @@ from sdt_kg.errors import InputError, OracleUnavailableError
 from services.bus import examples, keys
 from services.bus.keys import Meta, Part, Verb
 from services.bus.schema import asyncapi
-from services.judging.codec import CBOR, asked_in, decode, encode, encode_cbor, from_cbor, to_cbor
+from services.judging.codec import CBOR, JSON, asked_in, decode, encode, encode_cbor, from_cbor, to_cbor
 from services.judging.messages import REQUESTS, AchieveRequest, CausesRequest, Header
 from services.judging.problems import ProblemType, error_of, problem, problem_of
 from services.judging.replies import REPLIES
@@ -69,6 +69,16 @@ def test_a_misspelled_field_is_refused_for_it_would_be_another_question(
 def test_what_is_no_request_is_refused(payload: bytes) -> None:
     with pytest.raises(InputError):
         decode(CausesRequest, payload)
+
+
+@pytest.mark.parametrize(
+    "said", [{"budget": "20"}, {"seed": True}, {"base": [0, "0", 0]}, {"motions": "no"}, {"quads": 1}]
+)
+def test_a_text_or_truth_is_no_number_and_nothing_else_a_truth(said: dict[str, object]) -> None:
+    for payload, encoding in ((json.dumps, JSON), (cbor2.dumps, CBOR)):
+        raw = payload({"task": "open", **said})
+        with pytest.raises(InputError, match="Input should be a valid"):
+            decode(AchieveRequest, raw.encode() if isinstance(raw, str) else raw, encoding)
 
 
 def test_a_request_that_says_a_thing_twice_is_refused_at_any_depth() -> None:

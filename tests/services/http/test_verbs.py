@@ -148,6 +148,11 @@ BAD = {
     "a seed below 0": ("achieve", {"task": "open", "seed": -1}, 422),
     "a seed that cannot be kept": ("task", {"task": "open_then_close", "seed": 2**63}, 422),
     "another question in the URL": ("achieve?robot=stretch", {"task": "open"}, 400),
+    "a text for a number": ("achieve", {"task": "open", "seconds": "20"}, 422),
+    "a truth for a number": ("observation", WRITES["/api/v1/observation"] | {"positions": {"x": True}}, 422),
+    "a text for a truth": ("achieve", {"task": "open", "motions": "no"}, 422),
+    "texts in a base": ("achieve", {"task": "open", "base": ["0", "0", "0"]}, 422),
+    "seconds for a time": ("observation", WRITES["/api/v1/observation"] | {"time": 0}, 422),
     "no number of seconds": ("achieve", {"task": "open", "seconds": 1e9}, 422),
 }
 
@@ -207,6 +212,12 @@ def test_a_body_that_says_two_things_or_half_a_letter_is_refused(
     problem = served.post("/api/v1/achieve", content=body, headers=headers).json()
     assert problem["status"] == status
     assert problem["detail"].startswith(said)
+
+
+def test_a_body_in_another_charset_is_refused_where_it_would_be_read_as_other_letters(served) -> None:
+    headers = BEARER | {"content-type": "application/json; charset=latin-1"}
+    problem = served.post("/api/v1/state", content=b'{"state": ["all=open"]}', headers=headers).json()
+    assert (problem["status"], problem["detail"]) == (415, "the body is in latin-1")
 
 
 @pytest.mark.parametrize(
