@@ -18,6 +18,8 @@ ARRAYS = ("times", "values", "velocities", "base", "q", "v", "base_v", "kitchen_
 AnyMotion = TypeVar("AnyMotion", bound=Motion | BodyMotion)
 ASKED = "asked"
 """In states of many cases: the container that each is about."""
+SAME = 1e-9
+"""[rad or m] Two texts put a joint at one place: of doors that move together, each computes it by itself."""
 HALF_OPEN_MARGIN = 0.1
 """[1] Half-open positions keep this share of the way between closed and open from either end."""
 
@@ -44,14 +46,19 @@ def parse_task(twin: Twin, text: str) -> Task:
 
 
 def parse_state(twin: Twin, texts: Iterable[str]) -> State:
-    """State of the twin's kitchen under `JOINT=VALUE` texts, later ones winning.
+    """State of the twin's kitchen under `JOINT=VALUE` texts.
 
-    JOINT is a joint or a container; `all` stands for every container. VALUE is a position
-    [rad or m] of the joint that is set (for a folding door the one that it follows), `open`
-    (upper limit), `closed` (lower limit), or for `all` also `half-open:SEED`: each container
-    somewhere between closed and open, drawn with that seed.
+    JOINT is a joint or a container; `all` stands for every container, but for those that are named
+    after it. VALUE is a position [rad or m] of the joint that is set (for a folding door the one that
+    it follows), `open` (upper limit), `closed` (lower limit), or for `all` also `half-open:SEED`: each
+    container somewhere between closed and open, drawn with that seed.
+
+    Raises:
+        InputError: A text is none of these, or puts a joint elsewhere than one before it that names it.
+        UnknownEntityError: There is no such joint or container.
+        StateError: The state is outside of limits.
     """
-    positions = dict(twin.state)
+    positions, named = dict(twin.state), dict[Iri, str]()
     for text in texts:
         _check_text(text, "a state", "texts: JOINT=VALUE, CONTAINER=open|closed")
         name, equals, value = (part.strip() for part in text.partition("="))
@@ -60,8 +67,23 @@ def parse_state(twin: Twin, texts: Iterable[str]) -> State:
                 f"'{text}' is not a joint value",
                 allowed="JOINT=VALUE, CONTAINER=open|closed, all=open|closed|half-open:SEED",
             )
-        positions.update(_positions(twin, name, value))
+        found = _positions(twin, name, value)
+        moved = {joint for joint, at in found.items() if not math.isclose(at, positions[joint], abs_tol=SAME)}
+        for joint in named.keys() & moved:
+            raise InputError(
+                f"'{named[joint]}' and '{text}' put one joint at two places",
+                allowed="each joint once; 'all=…' before those that are elsewhere",
+            )
+        positions.update(found)
+        named |= dict.fromkeys(found if name != "all" else (), text)
     return twin.at(positions).state
+
+
+def state_texts(twin: Twin) -> tuple[str, ...]:
+    """The state of the twin as texts, for a process that loads its kitchen anew."""
+    followers = twin.entities.coupling.followers
+    free = (joint for joint in twin.state if joint not in followers)
+    return tuple(f"{local_name(joint)}={twin.state[joint]!r}" for joint in free)
 
 
 def named_motion(twin: Twin, motion: AnyMotion) -> AnyMotion:

@@ -17,6 +17,7 @@ from sdt_kg.store import MemoryStore, Triple
 from sdt_kg.twin import Twin
 from services.app import Service, load
 from services.dynamics.data import with_forces
+from services.requests import state_texts
 
 PRESENT: Final = SDT + "presentBranch"
 """Of the branch with which a history begins: the one that holds now."""
@@ -85,16 +86,9 @@ class Kitchen:
         return self.twin.graphs()[-1]
 
     @property
-    def states(self) -> tuple[str, ...]:
-        """The present state as texts, for a process that loads the kitchen anew."""
-        followers = self.twin.entities.coupling.followers
-        free = (joint for joint in self.twin.state if joint not in followers)
-        return tuple(f"{local_name(joint)}={self.twin.state[joint]!r}" for joint in free)
-
-    @property
     def moved(self) -> tuple[str, ...]:
         """The present state as texts, if something was moved; else none, and the kitchen is as loaded."""
-        return () if self.present is None else self.states
+        return () if self.present is None else state_texts(self.twin)
 
     @property
     def present_graph(self) -> Iri:

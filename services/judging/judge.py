@@ -52,7 +52,8 @@ STATES_KEPT = 64
 LEAST_BUDGET = 0.01
 """[s] Of search, however near the deadline is."""
 
-Key = tuple[str, tuple[str, ...], Policy, str, float | None]
+States = tuple[str, ...]
+Key = tuple[str, States, States, Policy, str, float | None]
 
 
 def nothing(iri: Iri) -> None:
@@ -98,8 +99,8 @@ class Judge:
     loaded: Loaded
     served: Models
     _kept: dict[Key, Service] = field(default_factory=dict[Key, Service])
-    _met: dict[tuple[str, tuple[str, ...], str], Done] = field(
-        default_factory=dict[tuple[str, tuple[str, ...], str], Done]
+    _met: dict[tuple[str, States, States, str], Done] = field(
+        default_factory=dict[tuple[str, States, States, str], Done]
     )
     _recall: Quads = nothing
 
@@ -143,12 +144,12 @@ class Judge:
 
     def _at(self, asked: Asked, state: list[str]) -> Service:
         """The kitchen as it is now, moved on to the state."""
-        service, texts = self._service(asked.twin), (*asked.states, *state)
-        return service.at(*texts) if texts else service
+        service = self._service(asked.twin)
+        return service.at(*asked.states).at(*state) if asked.states or state else service
 
     def _stated(self, request: SatisfiesRequest, asked: Asked) -> Done:
         """The requests that a state meets; twins do not change, so it meets the same when asked again."""
-        key = asked.twin, (*asked.states, *request.state), asked.encoding
+        key = asked.twin, asked.states, tuple(request.state), asked.encoding
         if key not in self._met:
             while len(self._met) >= STATES_KEPT:
                 del self._met[next(iter(self._met))]
@@ -227,11 +228,10 @@ class Judge:
         budget = min(request.budget, max(asked.seconds, LEAST_BUDGET))
         drive = Drive(request.drive) if request.drive else None
         policy = Policy(drive, request.base, budget, request.seed)
-        state = (*asked.states, *request.state)
-        key = (asked.twin, state, policy, request.tee, request.handle_force)
+        key = (asked.twin, asked.states, tuple(request.state), policy, request.tee, request.handle_force)
         kept = self._kept.pop(key, None)
         if kept is None:
-            kept = replace(self._service(asked.twin).at(*state), policy=policy, recall=self._stored)
+            kept = replace(self._at(asked, request.state), policy=policy, recall=self._stored)
             kept = request.relative.of(kept)
         while len(self._kept) >= SERVICES_KEPT:
             del self._kept[next(iter(self._kept))]

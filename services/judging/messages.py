@@ -17,7 +17,7 @@ DriveName = Literal["omni", "differential", "fixed"]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
 BasePose = Annotated[tuple[Finite, Finite, Finite], Field(strict=False)]
-"""x, y [m], yaw [rad]; an array of JSON is no tuple yet, and the numbers in it are read as strictly as others."""
+"""x, y [m], yaw [rad]; an array of JSON is no tuple yet, but the numbers in it are read strictly."""
 
 
 class Verb(Enum):

@@ -1,10 +1,12 @@
-"""A state names a container: of two doors that move together it is that one which is open."""
+"""A state names a container: of two doors that move together that one which is open. It names none twice."""
 
 from pathlib import Path
 
 import pytest
 
+from sdt_kg.errors import InputError
 from sdt_kg.load import load_twin
+from sdt_kg.twin import Twin
 from services.requests import parse_state
 
 DOOR = """<link name="{0}_door"/><link name="{0}_handle"/>
@@ -12,6 +14,12 @@ DOOR = """<link name="{0}_door"/><link name="{0}_handle"/>
 <joint name="{0}_door_joint" type="revolute"><parent link="world"/><child link="{0}_door"/><axis xyz="0 0 1"/>
 <limit lower="0" upper="1.4" velocity="1" effort="1"/>{1}</joint>"""
 OPPOSITE = '<mimic joint="a_door_joint" multiplier="-1" offset="1.4"/>'
+
+
+def pair(folder: Path) -> Twin:
+    doors = DOOR.format("a", "") + DOOR.format("b", OPPOSITE)
+    (folder / "pair.urdf").write_text(f'<robot name="pair"><link name="world"/>{doors}</robot>')
+    return load_twin(folder / "pair.urdf")
 
 
 @pytest.mark.parametrize(
@@ -25,8 +33,26 @@ OPPOSITE = '<mimic joint="a_door_joint" multiplier="-1" offset="1.4"/>'
     ],
 )
 def test_of_two_doors_the_named_one_is_open(tmp_path: Path, text: str, at: tuple[float, float]) -> None:
-    doors = DOOR.format("a", "") + DOOR.format("b", OPPOSITE)
-    (tmp_path / "pair.urdf").write_text(f'<robot name="pair"><link name="world"/>{doors}</robot>')
-    twin = load_twin(tmp_path / "pair.urdf")
+    twin = pair(tmp_path)
     state = parse_state(twin, [text])
     assert tuple(state[twin.container(each).joint] for each in ("a_door", "b_door")) == pytest.approx(at)
+
+
+@pytest.mark.parametrize(
+    "texts",
+    [
+        ("a_door=0.3", "a_door=0.5"),
+        ("a_door=0.3", "a_door_joint=0.5"),
+        ("a_door=open", "b_door=open"),
+        ("a_door=0.3", "all=closed"),
+    ],
+)
+def test_a_state_that_puts_a_joint_at_two_places_is_refused(tmp_path: Path, texts: tuple[str, str]) -> None:
+    with pytest.raises(InputError, match=f"'{texts[0]}' and '{texts[1]}' put one joint at two places"):
+        parse_state(pair(tmp_path), texts)
+
+
+def test_a_joint_may_be_elsewhere_than_all_and_be_told_twice_where_it_is(tmp_path: Path) -> None:
+    twin = pair(tmp_path)
+    state = parse_state(twin, ["all=closed", "a_door=0.3", "a_door_joint=0.3"])
+    assert state[twin.container("a_door").joint] == pytest.approx(0.3)

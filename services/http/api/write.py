@@ -107,7 +107,7 @@ async def query(request: Request, body: QueryBody) -> Json:
             allowed="one kitchen, or all as they were loaded",
             remedy="POST /api/v1/achieve about one case at a time",
         )
-    states = tuple(text for name in moved_ones for text in world.kitchens[name].states)
+    states = tuple(text for name in moved_ones for text in world.kitchens[name].moved)
     wanted = ComputeRequest(**body.model_dump())
     judges: Judges = request.app.state.judges
     reply = await judges.ask(question(Verb.COMPUTE, "", wanted, body.budget + GRACE, states), ComputeReply)

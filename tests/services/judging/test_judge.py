@@ -42,9 +42,9 @@ def test_a_state_is_asked_about_once_and_another_is_another(monkeypatch: pytest.
     assert met(judging) == closed
     assert len(asked) == 1
     opened = met(judging, "iai_fridge_door=open")
+    assert len(asked) == 2
     assert opened == met(judging, present=("iai_fridge_door=open",))
     assert opened ^ closed == {("close", "iai_fridge_door"), ("open", "iai_fridge_door")}
-    assert len(asked) == 2
 
 
 def test_what_is_computed_is_of_the_kitchen_that_is_asked_and_in_its_state() -> None:

@@ -63,8 +63,8 @@ def test_asked_is_the_container_of_each_case(tmp_path: Path) -> None:
 
 
 def test_a_row_takes_from_the_options_what_it_leaves_out(tmp_path: Path) -> None:
-    found = rows_of(tmp_path, f"robot,container,seed,state\npr2,{DOOR},7,{DOOR}=0.1; all=closed\n,{DOOR},,\n")
-    assert found[0].states == (f"{DOOR}=0.1", "all=closed")
+    found = rows_of(tmp_path, f"robot,container,seed,state\npr2,{DOOR},7,all=closed; {DOOR}=0.1\n,{DOOR},,\n")
+    assert found[0].states == ("all=closed", f"{DOOR}=0.1")
     assert found[0].policy.seed == 7
     assert [(cell.robot, cell.task) for cell in found[1:]] == [
         ("pr2", f"open:{DOOR}"),

@@ -17,6 +17,7 @@ from services.http.kitchens import Kitchen
 from services.http.pages.asking import Wish
 from services.http.protocol.exchange import check_spelling
 from services.http.world import World
+from services.requests import state_texts
 
 T = TypeVar("T")
 
@@ -54,9 +55,8 @@ class Asked:
         """One case of it, to be judged; None for a class that the judges of this service do not ask about."""
         if self.tee != D_ARTIC or robot not in map(local_name, self.twin.robots):
             return None
-        pinned = (*self.kitchen.states, *self.states)
         drive = None if self.drive is None else self.drive.value
-        return Wish(self.kitchen.name, robot, f"{self.verb.value}:{container}", pinned, drive)
+        return Wish(self.kitchen.name, robot, f"{self.verb.value}:{container}", state_texts(self.twin), drive)
 
 
 def asked_of(request: Request, world: World) -> Asked:
