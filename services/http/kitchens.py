@@ -80,6 +80,17 @@ class Kitchen:
             for robot in (UNKNOWN_INPUT, *(model_input(twin, each) for each in twin.robots))
         )
 
+    def is_subject(self, environment: str, robot: str) -> bool:
+        """Whether a verdict is about this kitchen as it is, and not about a robot that is served as another.
+
+        Args:
+            environment: Input of the verdict: IRI, blank, content hash.
+            robot: Likewise, or that none is given; it may be one that is not served.
+        """
+        served = {each.partition(" ")[0] for _, each in self.models}
+        others = robot.partition(" ")[0] not in served and environment in {each for each, _ in self.models}
+        return others or (environment, robot) in self.models
+
     @property
     def state_graph(self) -> Iri:
         """Named graph of the present state."""

@@ -13,7 +13,7 @@ from predicates.record import Record
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import Branch, Edit, Trajectory, moved
 from sdt_kg.history.records import record_graph
-from sdt_kg.iri import ID, Iri
+from sdt_kg.iri import ID, Iri, local_name
 from sdt_kg.twin import Twin
 from services.http.kitchens import Kitchen, Recording
 from services.requests import parse_state
@@ -99,6 +99,15 @@ class World:
             robot: Likewise; or that none is given.
         """
         return any((environment, robot) in kitchen.models for kitchen in self.kitchens.values())
+
+    def names(self) -> dict[str, set[str]]:
+        """Names of the kitchens, robots and containers that are served."""
+        twins = [kitchen.twin for kitchen in self.kitchens.values()]
+        return {
+            "kitchen": {twin.name(twin.environment) for twin in twins},
+            "robot": {local_name(robot) for twin in twins for robot in twin.robots},
+            "container": {container.name for twin in twins for container in twin.containers()},
+        }
 
     def kitchen(self, name: str | None) -> Kitchen:
         """A kitchen by name; may be left out where there is one.

@@ -15,6 +15,7 @@ from sdt_kg.history.diff import twin_difference
 from sdt_kg.iri import Iri, local_name, verdict_iri
 from sdt_kg.task import Task
 from services.http.kitchens import Kitchen
+from services.http.problems import RefusedError
 from services.http.protocol.exchange import check_parameters
 from services.http.protocol.graphs import graph_quads
 from services.http.world import World
@@ -153,12 +154,18 @@ async def verdicts(
 ) -> list[Json]:
     """Verdicts that are kept; names of a robot, kitchen, container or outcome select.
 
-    `outdated`: another version judged. `about_served`: its kitchen and robot are served as they were then.
+    A name is one of what is served, or of what a verdict is about. `outdated`: another version judged.
+    `about_served`: its kitchen and robot are served as they were then.
     """
     if outcome is not None and outcome not in OUTCOMES:
         raise UnknownEntityError("outcome", outcome, OUTCOMES)
     wanted = {"kitchen": kitchen, "robot": robot, "container": container, "outcome": outcome}
-    return [row for row in await _rows(world_of(request)) if _fits(row, wanted)]
+    rows, served = await _rows(world_of(request)), world_of(request).names()
+    for name in ("kitchen", "robot", "container"):
+        known = served[name] | {row[name] for row in rows if row[name] is not None}
+        if wanted[name] not in {None, *known}:
+            raise UnknownEntityError(name, str(wanted[name]), known)
+    return [row for row in rows if _fits(row, wanted)]
 
 
 @router.get("/verdicts/{key}")
@@ -168,7 +175,7 @@ async def verdict(request: Request, key: str) -> Json:
     for row in await _rows(world_of(request)):
         if row["iri"] == iri:
             return row | {"why": await _told(world_of(request), iri)}
-    raise UnknownEntityError("verdict", iri, (), "GET /api/v1/verdicts lists them")
+    raise _no_verdict(iri)
 
 
 @router.get("/why")
@@ -180,8 +187,18 @@ async def why_verdict(request: Request, iri: str) -> Json:
 async def _told(world: World, iri: Iri) -> str:
     quads = await graph_quads(world.workers, graph_of(iri))
     if not quads:
-        raise UnknownEntityError("verdict", iri, (), "GET /api/v1/verdicts lists them")
+        raise _no_verdict(iri)
     return await asyncio.to_thread(why, quads, iri)
+
+
+def _no_verdict(iri: str) -> RefusedError:
+    """What is said of an IRI that is none of the thousands that may be kept."""
+    return RefusedError(
+        404,
+        f"no verdict <{iri[:200]}> is kept here",
+        allowed="the IRI of one that is",
+        remedy="GET /api/v1/verdicts lists them",
+    )
 
 
 async def _rows(world: World) -> list[Json]:

@@ -5,8 +5,10 @@ from collections import Counter, defaultdict
 
 from starlette.requests import Request
 
+from predicates.record.inputs import UNKNOWN_INPUT
 from sdt_kg.iri import Iri, local_name
-from services.http.api.read import SPELLED, of_models
+from services.http.api.read import SPELLED
+from services.http.kitchens import Kitchen
 from services.http.pages.stored import rows
 from services.http.pages.view import Json, View
 from services.http.world import World
@@ -17,13 +19,12 @@ async def home(request: Request) -> View:
     """Kitchens with their robots, and how many verdicts are kept about each."""
     world: World = request.app.state.world
     counts: dict[Iri, Counter[str]] = defaultdict(Counter)
-    served = {kitchen.twin.environment for kitchen in world.kitchens.values()}
+    served = {kitchen.twin.environment: kitchen for kitchen in world.kitchens.values()}
     found = await rows(world, "outcomes")
-    models = await asyncio.to_thread(lambda: [of_models(world, row) for row in found])
-    for row, about in zip(found, models, strict=True):
-        said = "outdated" if outdated(row) else SPELLED[local_name(row["outcome"])]
-        if row["environment"] in served and not about["about_served"]:
-            said = "other_models"
+    standings = await asyncio.to_thread(
+        lambda: [_standing(served.get(row["environment"]), row) for row in found]
+    )
+    for row, said in zip(found, standings, strict=True):
         counts[row["environment"]][said] += int(row["verdicts"])
     kitchens: list[Json] = [
         {
@@ -52,3 +53,11 @@ async def home(request: Request) -> View:
     )
     listed = [each | each["verdicts"] for each in (*kitchens, *others)]
     return View("home", {"kitchens": kitchens, "not_served": others}, listed, columns)
+
+
+def _standing(kitchen: Kitchen | None, row: dict[str, str]) -> str:
+    """What verdicts count as: as in the matrix of their kitchen, if that is served, no robot need be."""
+    models = row.get("environment_model", ""), row.get("robot_model", UNKNOWN_INPUT)
+    if kitchen is not None and not kitchen.is_subject(*models):
+        return "other_models"
+    return "outdated" if outdated(row) else SPELLED[local_name(row["outcome"])]

@@ -256,6 +256,19 @@ def test_a_parameter_that_a_verb_does_not_know_is_refused(served, question: str,
     assert served.get("/api/v1/satisfies?state=all%3Dopen&state=all%3Dclosed").status_code == 200
 
 
+@pytest.mark.parametrize("name", ["kitchen", "robot", "container"])
+def test_a_list_of_verdicts_about_what_there_is_not_is_no_empty_list(served, name: str) -> None:
+    problem = served.get(f"/api/v1/verdicts?{name}=nobody").json()
+    assert (problem["status"], problem["detail"]) == (404, f"no {name} named 'nobody'")
+    assert served.get("/api/v1/verdicts?kitchen=a&robot=pr2&container=swing_door").status_code == 200
+
+
+def test_of_a_verdict_that_is_not_kept_nobody_says_that_there_are_none(served) -> None:
+    for path in ("why?iri=x", "verdicts/x"):
+        problem = served.get(f"/api/v1/{path}").json()
+        assert (problem["status"], problem["allowed"]) == (404, "the IRI of one that is")
+
+
 def test_what_is_posted_is_data_and_is_never_fetched(served, drawer) -> None:
     joint = drawer["joint"].rsplit("/", 1)[1]
     with singing() as canary:

@@ -98,7 +98,7 @@ def _in_order(reasons: str) -> str:
 async def kept_verdicts(world: World, asked: Asked) -> Kept:
     """Verdicts about the cells, and what else there is."""
     state = ("text", state_hash(asked.twin.state))
-    verdicts, inputs, models = await asyncio.gather(
+    verdicts, inputs, _ = await asyncio.gather(
         rows(world, "matrix", state=state, task=("iri", verb_iri(asked.verb))),
         rows(world, "matrix_inputs", state=state),
         asyncio.to_thread(lambda: asked.kitchen.models),
@@ -121,7 +121,7 @@ async def kept_verdicts(world: World, asked: Asked) -> Kept:
         for row in verdicts
     ]
     about = [each for each in found if _is_about(each, asked)]
-    current = [each for each in about if is_current(each, models) and each.tee is not None]
+    current = [each for each in about if _is_current(each, asked) and each.tee is not None]
     ours = [each for each in current if each.tee == asked.tee.name]
     shown = [each for each in ours if asked.drive_of(each.robot) in {None, each.drive}]
     drives = Counter(each.drive for each in ours) - Counter(each.drive for each in shown)
@@ -138,12 +138,11 @@ def _is_about(found: Found, asked: Asked) -> bool:
     return found.inputs.get(START_INPUT, TURNED).endswith(TURNED)
 
 
-def is_current(found: Found, models: frozenset[tuple[str, str]]) -> bool:
+def _is_current(found: Found, asked: Asked) -> bool:
     """Whether it is about the models as they are served; the robot may be one that is not."""
-    about = found.inputs.get("environment", ""), found.inputs.get("robot", "")
-    served = {robot.partition(" ")[0] for _, robot in models}
-    others = found.robot not in served and about[0] in {environment for environment, _ in models}
-    return others or about in models
+    return asked.kitchen.is_subject(
+        found.inputs.get("environment", ""), found.inputs.get("robot", found.robot)
+    )
 
 
 def _chosen(found: Iterable[Found]) -> dict[tuple[Iri, Iri], list[Found]]:
