@@ -123,7 +123,7 @@ class Gate:
         return self._settings.upload if path.startswith(GUARDED) else self._settings.body
 
     def _finished(self, send: Send, headers: Headers) -> Send:
-        """Security headers on every answer; CORS headers for the origins that are named."""
+        """Security headers on every answer; CORS headers for the origins that are named; how long it holds."""
         origin = headers.get("origin")
 
         async def finished(message: Message) -> None:
@@ -131,6 +131,7 @@ class Gate:
                 out = MutableHeaders(scope=message)
                 for name, value in SECURITY_HEADERS.items():
                     out.setdefault(name, value)
+                out.setdefault("Cache-Control", "no-cache")  # a cache may not guess for how long it holds
                 if origin is not None and origin in self._settings.origins:
                     out["Access-Control-Allow-Origin"] = origin
                     out["Cross-Origin-Resource-Policy"] = "cross-origin"

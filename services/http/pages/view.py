@@ -107,7 +107,7 @@ async def _viewed(viewing: Viewing, table: bool, media: str | None, request: Req
 
 def answered(request: Request, view: View, media: str) -> Response:
     """A view as HTML, JSON or CSV."""
-    headers = {"Vary": "Accept", "Cache-Control": "no-cache"}
+    headers = {"Vary": "Accept"}
     if media == JSON:
         return JSONResponse(view.data, headers=headers)
     if media == CSV and view.rows is not None:

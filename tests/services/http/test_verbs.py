@@ -68,6 +68,13 @@ def test_reading_needs_no_token(served) -> None:
         assert served.get(f"/api/v1/{path}").status_code == 200, path
 
 
+@pytest.mark.parametrize(
+    "path", ["/api/v1/state", "/api/v1/verdicts", "/sparql?query=ASK{}", "/graphs?default", "/"]
+)
+def test_no_cache_may_guess_for_how_long_an_answer_holds(served, path: str) -> None:
+    assert served.get(path).headers["cache-control"] == "no-cache"
+
+
 def test_a_state_becomes_the_present_and_the_past_stays(served, drawer) -> None:
     before = served.get("/api/v1/state").json()
     after = moved(served, drawer, "open").json()
