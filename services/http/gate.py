@@ -123,7 +123,7 @@ class Gate:
         return self._settings.upload if path.startswith(GUARDED) else self._settings.body
 
     def _finished(self, send: Send, headers: Headers) -> Send:
-        """Security headers on every answer; CORS headers for the origins that are named; how long it holds."""
+        """Security headers on every answer; for origins that are named those of CORS; how long it holds."""
         origin = headers.get("origin")
 
         async def finished(message: Message) -> None:

@@ -49,6 +49,13 @@ class Done:
 
 
 @dataclass(frozen=True, slots=True)
+class Unfit:
+    """What a worker sends back that can answer nothing, and ends: the next question finds another."""
+
+    problem: Problem
+
+
+@dataclass(frozen=True, slots=True)
 class Wanted:
     """What a worker asks on the way: the quads stored under a verdict's IRI."""
 
@@ -59,7 +66,11 @@ class Handler(Protocol):
     """What a worker does with a task; made once in the worker's process."""
 
     def __call__(self, task: Task, recall: Quads) -> Done | Problem:
-        """Answer the task; `recall` asks the parent for a verdict's stored N-Quads."""
+        """Answer the task; `recall` asks the parent for a verdict's stored N-Quads.
+
+        Raises:
+            OtherModelsError: The worker has read other models than are served.
+        """
         ...
 
 

@@ -106,10 +106,10 @@ class Judge:
 
     def __call__(self, task: Asked, recall: Quads) -> Done | Problem:
         """The reply to a question, or what is wrong with it."""
+        check_same((each.twin for each in self.services.values()), self.served)
         try:
             request = asked_in(REQUESTS[Verb(task.verb)], task.payload, task.encoding)
             self._recall = recall
-            check_same((each.twin for each in self.services.values()), self.served)
             return self._answered(request, task)
         except SdtError as error:
             return problem_of(error)

@@ -16,7 +16,8 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from sdt_kg.errors import SdtError
-from services.judging.jobs import Counts, Done, Handler, Job, Keeper, Wanted
+from services.judging.jobs import Counts, Done, Handler, Job, Keeper, Unfit, Wanted
+from services.judging.loaded import OtherModelsError
 from services.judging.problems import Problem, ProblemType, problem, problem_of
 from services.sweep.process import end_with_parent
 from services.telemetry import logs
@@ -162,7 +163,11 @@ class Lane(threading.Thread):
             return True
         return False
 
-    def _finish(self, job: Job, said: Done | Problem) -> None:
+    def _finish(self, job: Job, said: Done | Problem | Unfit) -> None:
+        if isinstance(said, Unfit):
+            self._kill()
+            job.answer(said.problem)
+            return
         if isinstance(said, Done) and said.records:
             self._memory.keep(said.records)
         if isinstance(said, Done):
@@ -221,4 +226,8 @@ def work(pipe: Connection, make_handler: Callable[[], Handler], json_logs: bool)
         except EOFError:
             return
         with within(task.origin):
-            pipe.send(handler(task, recall))
+            try:
+                pipe.send(handler(task, recall))
+            except OtherModelsError as error:
+                pipe.send(Unfit(problem_of(error)))
+                return

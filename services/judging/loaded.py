@@ -17,15 +17,19 @@ def models_of(twins: Iterable[Twin]) -> Models:
     )
 
 
+class OtherModelsError(OracleUnavailableError):
+    """What a process has read is not what is served: no answer of it counts, and another has to read anew."""
+
+
 def check_same(twins: Iterable[Twin], served: Models) -> None:
     """The twins are made of what is served.
 
     Raises:
-        OracleUnavailableError: Files have changed since then: a verdict would be about other models.
+        OtherModelsError: Files have changed since then: a verdict would be about other models.
     """
     other = sorted(local_name(model) for model, _ in models_of(twins) - served)
     if other:
         names = ", ".join(other)
-        raise OracleUnavailableError(
-            f"the files of {names} have changed since this service began: start it again"
+        raise OtherModelsError(
+            f"the files of {names} have changed since this service began: start it again, or put them back"
         )

@@ -76,8 +76,8 @@ class Judge:
     def __call__(self, task: Task, recall: Quads) -> Done | Problem:
         """The answer as JSON, or what is wrong with the question."""
         self._quads = recall
+        check_same((each.twin for each in self.services.values()), self.served)
         try:
-            check_same((each.twin for each in self.services.values()), self.served)
             head = json.loads(task.payload)
             found, records = self.what_if(head) if task.verb == "what_if" else self.verify(head)
             return Done(json.dumps(found).encode(), JSON, records)

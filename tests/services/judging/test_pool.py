@@ -6,7 +6,7 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 import pytest
@@ -16,7 +16,7 @@ from services.judging import lane
 from services.judging.jobs import Done, Kept, Task, Waiter
 from services.judging.pool import Pool
 from services.judging.problems import Problem, ProblemType
-from tests.services.judging.handlers import Interrupted, Loading, obedient
+from tests.services.judging.handlers import Interrupted, Loading, Reader, obedient
 
 SOON = 60.0
 """[s] Long after everything here is over."""
@@ -120,6 +120,15 @@ def test_a_question_whose_worker_dies_once_is_answered(asker: Asker, tmp_path: P
 def test_a_question_that_kills_its_worker_twice_fails_and_the_pool_lives_on(asker: Asker) -> None:
     assert kind(asker.ask("die")) is ProblemType.INTERNAL
     assert text(asker.ask("alive")) == "alive "
+
+
+def test_a_worker_that_has_read_other_files_gives_way_to_one_that_reads_them_anew() -> None:
+    with closing(Pool(Reader, 1, Shelf(), 8)) as pool:
+        asker = Asker(pool)
+        before = text(asker.ask("who"))
+        assert kind(asker.ask("changed")) is ProblemType.UNAVAILABLE
+        assert text(asker.ask("who")) != before
+        assert pool.counts.crashed == 0
 
 
 def test_two_equal_questions_at_once_are_computed_once(asker: Asker, tmp_path: Path) -> None:
