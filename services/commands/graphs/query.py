@@ -2,7 +2,7 @@
 
 import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -10,13 +10,15 @@ import click
 import pyoxigraph as ox
 
 from sdt_kg.errors import InputError
-from sdt_kg.iri import PREFIXES
+from sdt_kg.iri import LAW, PREFIXES
+from sdt_kg.store import Row, checked_query, rows_of
 from services.app import load
 from services.commands.graphs.computing import Asked, compute_options, print_computed, refuse_without_compute
 from services.commands.options import csv_flag, json_flag, query_text
+from services.commands.saved.mixed import mixed_models
 from services.commands.show import print_rows
 from services.ontology_page.spelling import unknown_terms
-from services.store.files import is_saved_graph, query_saved
+from services.store.files import is_saved_graph, readable
 from services.store.known import restricted
 
 
@@ -63,9 +65,21 @@ def query(
         return
     refuse_without_compute(Asked(**options))
     with _stopped_at_once():
-        columns, rows = query_saved(source, text) if is_saved_graph(source) else load(source).query(text)
+        (columns, rows), notes = (
+            _saved(source, text) if is_saved_graph(source) else (load(source).query(text), ())
+        )
     print_rows(rows, columns, as_json=as_json)
     _tell_unknown(text)
+    for note in notes:
+        click.echo(f"note: {note}", err=True)
+
+
+def _saved(place: str, sparql: str) -> tuple[tuple[list[str], list[Row]], list[str]]:
+    """Columns and rows, and what of the verdicts that a query counts together is about different models."""
+    text = checked_query(sparql)
+    with closing(readable(place)) as store:
+        about_verdicts = "law:" in text or LAW in text
+        return rows_of(store.query(text)), list(mixed_models(store)) if about_verdicts else []
 
 
 def _tell_unknown(text: str) -> None:

@@ -3,21 +3,20 @@
 import shlex
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from typing import Final
 
 import click
 
 from predicates.case import ArtefactKind
-from predicates.record.inputs import UNKNOWN_INPUT
 from predicates.record.stored import StoredVerdict
 from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from services.commands.options import csv_flag, json_flag
+from services.commands.saved.mixed import mixed
 from services.commands.saved.why import without_twins
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.store.files import is_saved_graph
 from services.store.records import all_recalled
-from services.versions import ORACLES, outdated
+from services.versions import outdated
 
 COLUMNS = (
     "kitchen",
@@ -30,10 +29,6 @@ COLUMNS = (
     "certificates",
     "proofs",
 )
-MODELS: Final = frozenset({"environment", "robot"})
-"""Inputs that say which model, of which content."""
-SHOWN_HASH: Final = 12
-"""[characters] Of a model's content hash."""
 QUERY = "SELECT ?container {{ ?v law:outcome law:{} ; law:container ?container }}"
 
 Row = dict[str, object]
@@ -62,14 +57,14 @@ def open_command(context: click.Context, *, store: str, pages: bool, as_json: bo
             remedy="sdt achieve … --save FILE keeps a verdict",
         )
     verdicts, damaged = all_recalled(without_twins(store))
-    rows, mixed = _rows(verdicts), [*_of_then(shlex.quote(store), verdicts), *_mixed(verdicts)]
+    rows, notes = _rows(verdicts), [*_of_then(shlex.quote(store), verdicts), *mixed(verdicts)]
     following = _following(store, rows)
     if as_json:
-        found = {"store": store, "verdicts": len(verdicts), "cases": rows, "mixed": mixed, "next": following}
+        found = {"store": store, "verdicts": len(verdicts), "cases": rows, "mixed": notes, "next": following}
         print_json(found | {"damaged": damaged})
     else:
         print_rows(rows, COLUMNS)
-        for line in mixed:
+        for line in notes:
             click.echo(f"note: {line}", err=True)
         for why in damaged.values():
             click.echo(
@@ -95,22 +90,6 @@ def _rows(verdicts: Sequence[StoredVerdict]) -> list[Row]:
         dict(zip(COLUMNS, (*case, *(count[name] for name in names)), strict=True))
         for case, count in sorted(counts.items())
     ]
-
-
-def _mixed(verdicts: Sequence[StoredVerdict]) -> Iterator[str]:
-    """What differs between verdicts that rows, and queries by name, count together."""
-    counts: dict[str, Counter[str]] = {}
-    for each, name, value in ((verdict, *pair) for verdict in verdicts for pair in verdict.inputs):
-        if name in MODELS and value != UNKNOWN_INPUT:
-            model, _, content = value.partition(" ")
-            about = f"'{local_name(model)}' is there as several models of that name"
-            counts.setdefault(about, Counter())[f"about {content[:SHOWN_HASH]}"] += 1
-        elif name in ORACLES and not outdated(dict(each.inputs)):
-            counts.setdefault(f"judged by several versions of {name}", Counter())[f"by {value}"] += 1
-    for what, found in counts.items():
-        if len(found) > 1:
-            told = ", ".join(f"{count} {which}" for which, count in found.most_common())
-            yield f"{what}: {told}; sdt recheck tells which hold for what is kept"
 
 
 def _of_then(store: str, verdicts: Sequence[StoredVerdict]) -> Iterator[str]:

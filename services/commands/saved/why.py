@@ -8,6 +8,7 @@ from sdt_kg.errors import InputError
 from sdt_kg.iri import LAW, local_name
 from sdt_kg.store import rows_of
 from services.commands.options import csv_flag, json_flag
+from services.commands.saved.mixed import mixed
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.store.files import is_saved_graph, readable
 from services.store.records import all_recalled
@@ -66,6 +67,8 @@ def _list(saved: ox.Store, as_json: bool) -> None:
     if not rows:
         raise InputError("there is no verdict in it", remedy="sdt achieve … --save FILE keeps one")
     print_rows(rows, ("verdict", "question", "outcome"), as_json=as_json)
+    for note in mixed(verdicts):
+        click.echo(f"note: {note}", err=True)
 
 
 def without_twins(source: str) -> ox.Store:

@@ -23,6 +23,10 @@ def test_models_and_versions_that_are_counted_together_are_told(sdt, tmp_path: P
     assert said.startswith("'a' is there as several models of that name: 1 about ")
     assert twin.content_hash(twin.environment)[:12] in said
     assert f"note: {said}" in sdt("open", str(place)).err
+    assert f"note: {said}" in sdt("why", str(place)).err
+    counts = "SELECT (COUNT(?v) AS ?n) { ?v law:outcome law:Certified }"
+    assert f"note: {said}" in sdt("query", str(place), counts).err
+    assert not sdt("query", str(place), "SELECT ?d { ?d a sdt:Door }").err
 
 
 def test_what_is_of_one_model_and_version_is_not_told_apart(sdt, tmp_path: Path) -> None:
@@ -32,6 +36,7 @@ def test_what_is_of_one_model_and_version_is_not_told_apart(sdt, tmp_path: Path)
             for verdict in Service(twin, oracles=Lifts()).achieve("open", robot):
                 saved.add(verdict)
     assert sdt("open", str(tmp_path / "kept.trig"), "--json").json["mixed"] == []
+    assert not sdt("query", str(tmp_path / "kept.trig"), "SELECT ?v { ?v a law:Verdict }").err
 
 
 def test_a_changed_record_is_named_and_not_counted(sdt, tmp_path: Path) -> None:
