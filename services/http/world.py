@@ -19,7 +19,7 @@ from services.http.kitchens import Kitchen, Recording
 from services.requests import parse_state
 from services.store.quads import QuadStore
 from services.store.records import changed_since, graph_of, is_kept, is_result, keep
-from services.store.workers import Asked, Delta, Workers, bulk, hide, put, show
+from services.store.workers import Asked, Delta, Workers, bulk, put
 
 VOCABULARIES: Final = {
     "https://example.org/sdt": "sdt.ttl",
@@ -134,10 +134,8 @@ class World:
             derived, branch = await asyncio.to_thread(before.derived, moved(changed))
             after = derived.at(branch)
             await self._keep_history(after)
-            await self._keep(after.present_graph, [after.present_triple()])
-            await self.workers.apply(show(after.state_graph))
-            if after.state_graph != before.state_graph:
-                await self.workers.apply(hide(before.state_graph))
+            turned = after.state_graph, before.state_graph
+            await self._keep(after.present_graph, [after.present_triple()], turned=turned)
             self.kitchens[after.name] = after
             for mover in self.movers:
                 mover(after)
@@ -191,7 +189,7 @@ class World:
             is_new = self.archive is None or await asyncio.to_thread(keep, self.archive, record)
             if self.archive is not None and not is_new:  # somebody else's, who shares the store, is better
                 fresh = await asyncio.to_thread(self.archive.graph, record.graph)
-            await self._serve(record.graph, [quad.triple for quad in fresh])
+            await self._serve(put(record.graph, lines(quad.triple for quad in fresh), instead=True))
         if not is_new:
             return False
         if is_result(record.verdict):
@@ -200,18 +198,24 @@ class World:
             listener(record)
         return True
 
-    async def _keep(self, graph: Iri, triples: list[ox.Triple], *, shown: bool = True) -> None:
+    async def _keep(
+        self,
+        graph: Iri,
+        triples: list[ox.Triple],
+        *,
+        shown: bool = True,
+        turned: tuple[Iri, Iri] | None = None,
+    ) -> None:
         """First kept, then served: what was acknowledged is not lost."""
         if self.archive is not None:
             node = ox.NamedNode(graph)
             quads = [ox.Quad(each.subject, each.predicate, each.object, node) for each in triples]
             await asyncio.to_thread(self.archive.replace, graph, quads)
-        await self._serve(graph, triples, shown=shown)
+        await self._serve(put(graph, lines(triples), shown=shown, instead=True, turned=turned))
 
-    async def _serve(self, graph: Iri, triples: list[ox.Triple], *, shown: bool = True) -> None:
+    async def _serve(self, delta: Delta) -> None:
         """Queries see it."""
-        body = lines(triples)
-        await self.workers.apply(put(graph, body, shown=shown, instead=True))
+        await self.workers.apply(delta)
         self.version += 1
 
     def _damaged(self, kept: ox.Store) -> set[Iri]:

@@ -1,6 +1,6 @@
 """Queries in processes that can be killed: no network, bounded time, memory and answers."""
 
-from services.store.workers.deltas import DEFAULT_GRAPH, Delta, bulk, drop, hide, put, show
+from services.store.workers.deltas import DEFAULT_GRAPH, Delta, bulk, drop, put
 from services.store.workers.errors import (
     BusyError,
     CrashedQueryError,
@@ -27,7 +27,5 @@ __all__ = [
     "WorkersGoneError",
     "bulk",
     "drop",
-    "hide",
     "put",
-    "show",
 ]

@@ -34,12 +34,26 @@ class Delta:
     body: bytes = field(default=b"", repr=False)
 
 
-def put(graph: Iri, triples: bytes, *, shown: bool = True, instead: bool = False) -> Delta:
+def put(
+    graph: Iri,
+    triples: bytes,
+    *,
+    shown: bool = True,
+    instead: bool = False,
+    turned: tuple[Iri, Iri] | None = None,
+) -> Delta:
     """Add N-Triples to a graph, or put them there `instead` of what it has; an empty graph then exists.
 
-    `shown` puts them into the default graph too.
+    Args:
+        graph: Its name.
+        triples: N-Triples.
+        shown: They are put into the default graph too.
+        instead: Nothing else is in the graph.
+        turned: Graphs of which the first is in the default graph from then on, and the second only by name:
+            no query sees both, or neither.
     """
-    return Delta({"do": "put", "graph": graph, "shown": shown, "instead": instead}, triples)
+    said = {"do": "put", "graph": graph, "shown": shown, "instead": instead, "turned": turned}
+    return Delta(said, triples)
 
 
 def bulk(quads: bytes, apart: Iterable[Iri] = ()) -> Delta:
@@ -50,16 +64,6 @@ def bulk(quads: bytes, apart: Iterable[Iri] = ()) -> Delta:
 def drop(graph: Iri) -> Delta:
     """Remove a graph, from the default graph too."""
     return Delta({"do": "drop", "graph": graph})
-
-
-def show(graph: Iri) -> Delta:
-    """Have a graph in the default graph."""
-    return Delta({"do": "show", "graph": graph})
-
-
-def hide(graph: Iri) -> Delta:
-    """Have a graph only by name."""
-    return Delta({"do": "hide", "graph": graph})
 
 
 class Held:
@@ -95,6 +99,11 @@ class Held:
         if delta.head["shown"]:
             self._shown.add(graph)
             self._load(delta.body, None)
+        if delta.head["turned"]:
+            after, before = delta.head["turned"]
+            self._merge(ox.NamedNode(after))
+            if after != before:
+                self._hide(before)
 
     def _load(self, triples: bytes, graph: ox.NamedNode | None) -> None:
         self.store.load(triples, format=ox.RdfFormat.N_TRIPLES, to_graph=graph)
@@ -120,11 +129,8 @@ class Held:
         self.store.update(f"INSERT {{ ?s ?p ?o }} WHERE {{ GRAPH ?g {{ ?s ?p ?o }} {chosen} }}")
 
     def _drop(self, delta: Delta) -> None:
-        self._hide(delta)
+        self._hide(delta.head["graph"])
         self.store.remove_graph(ox.NamedNode(delta.head["graph"]))
-
-    def _show(self, delta: Delta) -> None:
-        self._merge(ox.NamedNode(delta.head["graph"]))
 
     def _merge(self, graph: ox.NamedNode) -> None:
         self._shown.add(graph.value)
@@ -133,11 +139,10 @@ class Held:
             for quad in self.store.quads_for_pattern(None, None, None, graph)
         )
 
-    def _hide(self, delta: Delta) -> None:
+    def _hide(self, graph: Iri) -> None:
         """Take its triples out of the default graph, but for those which another shown graph has."""
-        self._shown.discard(delta.head["graph"])
-        graph = ox.NamedNode(delta.head["graph"])
-        for quad in list(self.store.quads_for_pattern(None, None, None, graph)):
+        self._shown.discard(graph)
+        for quad in list(self.store.quads_for_pattern(None, None, None, ox.NamedNode(graph))):
             held = self.store.quads_for_pattern(quad.subject, quad.predicate, quad.object, None)
             names = (each.graph_name for each in held)
             if not any(isinstance(name, ox.NamedNode) and name.value in self._shown for name in names):

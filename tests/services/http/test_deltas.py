@@ -3,7 +3,7 @@
 import pyoxigraph as ox
 import pytest
 
-from services.store.workers import bulk, deltas, drop, hide, put, show
+from services.store.workers import bulk, deltas, drop, put
 from services.store.workers.deltas import Held
 
 A, B, C = "http://e/a", "http://e/b", "http://e/c"
@@ -34,9 +34,9 @@ def test_bulk_merges_all_but_what_is_apart(
 def test_hiding_a_graph_leaves_what_another_shown_graph_says_too() -> None:
     held = Held()
     held.apply(bulk(quads(("1", A), ("1", B), ("2", B), ("2", C)), [C]))
-    held.apply(hide(B))
+    held.apply(put(A, b"", turned=(A, B)))
     assert merged(held) == {"1"}
-    held.apply(show(C))
+    held.apply(put(A, b"", turned=(C, C)))
     assert merged(held) == {"1", "2"}
     held.apply(drop(A))
     assert (merged(held), held.is_graph(A), held.is_graph(B)) == ({"2"}, False, True)

@@ -7,6 +7,7 @@ import pytest
 
 from sdt_kg.iri import ID
 from services.store.files import opened
+from services.store.workers import Asked, Delta
 from tests.services.http.canary import singing
 
 TOKEN = "a-token-of-decent-length"  # noqa: S105 - of a test
@@ -88,6 +89,28 @@ def test_a_state_becomes_the_present_and_the_past_stays(served, drawer) -> None:
     assert moved(served, drawer, "closed").status_code == 200
     assert position(served, drawer) == [pytest.approx(drawer["lower"])]
     assert served.get("/api/v1/state").json()["graph"] == before["graph"]
+
+
+def test_no_query_sees_two_states_or_a_branch_that_is_not_the_state(
+    served, drawer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert moved(served, drawer, "open").status_code == 200
+    there = f"""SELECT ?at ?said WHERE {{ <{drawer["joint"]}> sdt:position ?at .
+      ?first sdt:presentBranch/sdt:stateGraph ?state .
+      GRAPH ?state {{ <{drawer["joint"]}> sdt:position ?said }} }}"""
+    workers, seen = served.world.workers, list[list[str]]()
+    apply = workers.apply
+
+    async def watched(delta: Delta) -> None:
+        await apply(delta)
+        answered = await workers.ask(Asked("query", there, accepted=("text/csv",)))
+        seen.append(answered.body.decode().split()[1:])
+
+    monkeypatch.setattr(workers, "apply", watched)
+    assert moved(served, drawer, "closed").status_code == 200
+    assert [len(rows) for rows in seen] == [1] * len(seen)
+    assert [row.split(",")[0] == row.split(",")[1] for (row,) in seen] == [True] * len(seen)
+    assert seen[0] != seen[-1]
 
 
 def test_a_branch_changes_nothing_but_can_be_asked(served, drawer) -> None:
