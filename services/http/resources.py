@@ -4,13 +4,13 @@ import pyoxigraph as ox
 from starlette.requests import Request
 from starlette.responses import Response
 
-from sdt_kg.iri import ID, LAW, PREFIXES, RDF, Iri
+from sdt_kg.iri import ID, LAW, RDF, Iri
 from services.http.pages.graph.entity import entity
 from services.http.pages.verdicts.one import verdict
 from services.http.pages.verdicts.results import result
 from services.http.pages.view import MEDIA, View, answered
 from services.http.problems import RefusedError
-from services.http.protocol.exchange import check_acceptable, respond, serialized
+from services.http.protocol.exchange import check_acceptable, respond
 from services.http.protocol.graphs import graph_quads, graph_response
 from services.http.protocol.negotiate import HTML
 from services.store.workers import Asked, Workers
@@ -48,8 +48,20 @@ async def identified(request: Request) -> Response:
         raise RefusedError(404, f"nothing is known about <{iri}>", remedy="/sparql answers what is")
     if taken[0] == HTML:
         return answered(request, await _view(request, iri, quads), HTML)
-    triples = list(dict.fromkeys(quad.triple for quad in quads))
-    return respond(request, serialized(triples, taken[0], PREFIXES))
+    return await _present(request, iri, taken[0])
+
+
+async def _present(request: Request, iri: Iri, media: str) -> Response:
+    """What holds now of the resource: other states, models and branches are there by name alone."""
+    workers: Workers = request.app.state.world.workers
+    found = await workers.ask(Asked("present", iri, accepted=(media,)))
+    if not found.found:
+        raise RefusedError(
+            404,
+            f"nothing holds now of <{iri}>: it is in named graphs alone, of another state or branch say",
+            remedy="its page, or SELECT with GRAPH ?g at /sparql, says in which; /graphs?graph=IRI has each",
+        )
+    return respond(request, found)
 
 
 async def _graph_in(request: Request, iri: Iri, stem: Iri, media: str | None) -> Response:

@@ -4,6 +4,7 @@ import csv
 import io
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import Any, Final, Self
 
 import pyoxigraph as ox
@@ -40,7 +41,8 @@ class Asked:
     """One question.
 
     Attributes:
-        do: `query`, `graph` (a whole one) or `about` (all quads that mention an IRI).
+        do: `query`, `graph` (a whole one), `about` (quads of all named graphs that mention an IRI) or
+            `present` (all triples of the default graph that do).
         text: The query, or the IRI of the graph or entity; the default graph is the empty text.
         accepted: Media types that the asker takes, best first.
         base: IRI against which relative IRIs are resolved.
@@ -97,7 +99,7 @@ def answer(held: Held, asked: Asked) -> Answered:
         NotAcceptableError: The answer has none of the accepted formats.
         LimitError: Too many rows or bytes.
     """
-    return {"query": _query, "graph": _graph, "about": _about}[asked.do](held, asked)
+    return {"query": _query, "graph": _graph, "about": _about, "present": _present}[asked.do](held, asked)
 
 
 class _Bounded(io.BytesIO):
@@ -216,6 +218,18 @@ def _about(held: Held, asked: Asked) -> Answered:
     out = _Bounded(asked.size)
     ox.serialize(quads, out, ox.RdfFormat.N_QUADS)
     return Answered(QUADS, out.getvalue(), bool(quads))
+
+
+def _present(held: Held, asked: Asked) -> Answered:
+    """Triples of the default graph that have the IRI as subject or object: no other state or branch."""
+    node, graph = ox.NamedNode(asked.text), ox.DefaultGraph()
+    quads = chain(
+        held.store.quads_for_pattern(node, None, None, graph),
+        held.store.quads_for_pattern(None, None, node, graph),
+    )
+    triples = _counted((quad.triple for quad in quads), asked)
+    answered = _triples(triples, asked)
+    return Answered(answered.media, answered.body, bool(triples))
 
 
 def error_head(error: InputError) -> Head:

@@ -5,9 +5,9 @@ from contextlib import closing
 import pyoxigraph as ox
 import pytest
 
-from sdt_kg.iri import ID
+from sdt_kg.iri import ID, SDT
 from services.store.files import opened
-from services.store.workers import Asked, Delta
+from services.store.workers import Asked, Delta, put
 from tests.services.http.canary import singing
 
 TOKEN = "a-token-of-decent-length"  # noqa: S105 - of a test
@@ -345,6 +345,35 @@ def test_resources_resolve_as_pages_and_as_rdf(served, drawer) -> None:
     turtle = served.get(path, headers={"accept": "text/turtle"})
     about = {str(quad.subject) for quad in ox.parse(turtle.content, format=ox.RdfFormat.TURTLE)}
     assert f"<{drawer['iri']}>" in about
+
+
+def test_rdf_of_a_resource_is_what_holds_now_and_its_page_says_what_is_said_where(served, drawer) -> None:
+    limit = {"entity": drawer["joint"], "changes": {"upperLimit": drawer["upper"] / 2}}
+    assert moved(served, drawer, "closed").status_code == 200
+    assert served.post("/api/v1/branch", json={"edit": limit}, headers=BEARER).status_code == 201
+    assert moved(served, drawer, "open").status_code == 200
+    path = "/id/" + drawer["joint"].removeprefix(ID)
+    for media, form in (("text/turtle", ox.RdfFormat.TURTLE), ("application/ld+json", ox.RdfFormat.JSON_LD)):
+        said = list(ox.parse(served.get(path, headers={"accept": media}).content, format=form))
+        for name, value in (("position", drawer["upper"]), ("upperLimit", drawer["upper"])):
+            found = [each.object.value for each in said if each.predicate.value == SDT + name]
+            assert list(map(float, found)) == [value], name
+    rows = served.get(f"{path}.json").json()["about"]
+    assert len({each["graph"] for each in rows if each["predicate"] == SDT + "position"}) > 1
+
+
+def test_what_holds_no_more_is_no_rdf_of_now(served) -> None:
+    served.apply(put(f"{ID}graph/state/then", f'<{ID}a/ghost> <{SDT}position> "1" .'.encode(), shown=False))
+    problem = served.get("/id/a/ghost", headers={"accept": "text/turtle"})
+    assert (problem.status_code, "nothing holds now of" in problem.json()["detail"]) == (404, True)
+    assert served.get("/id/a/ghost", headers={"accept": "text/html"}).status_code == 200
+
+
+def test_rdf_of_a_resource_is_whole_or_refused(served) -> None:
+    many = "".join(f"<{ID}v/{number}> <{SDT}about> <{ID}a/busy> .\n" for number in range(2500))
+    served.apply(put(f"{ID}graph/verdict/many", many.encode()))
+    answer = served.get("/id/a/busy", headers={"accept": "application/n-triples"})
+    assert len(answer.text.splitlines()) == 2500
 
 
 def test_writes_outlive_the_service_where_there_is_an_archive(serve, tmp_path, drawer) -> None:
