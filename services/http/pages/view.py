@@ -102,6 +102,7 @@ async def _viewed(viewing: Viewing, table: bool, media: str | None, request: Req
         if not taken:
             raise RefusedError(406, "none of the accepted media types is offered", allowed=", ".join(offers))
         media = taken[0]
+    request.state.media = media
     return answered(request, await viewing(request), media)
 
 

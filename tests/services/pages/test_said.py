@@ -16,6 +16,7 @@ from predicates.law import law
 from sdt_kg.motion import Motion
 from sdt_kg.task import Task, Verb
 from services.http.pages.graph.console import examples, with_prefixes
+from services.http.pages.verdicts import listing
 from services.http.world import lines
 from services.physics.oracle import Kinematics
 from services.store.files import SavedVerdicts, opened
@@ -149,6 +150,23 @@ def test_verdicts_are_selected_and_listed_some_at_a_time(served) -> None:
     later = found(after=key)
     assert later == every[len(every) - len(later) :]
     assert 0 < len(later) < len(every)
+
+
+@pytest.mark.parametrize("sort", listing.SORTS)
+def test_the_table_of_verdicts_to_take_along_is_whole_and_pages_lead_through_all_of_it(
+    served, monkeypatch: pytest.MonkeyPatch, sort: str
+) -> None:
+    every = [each["verdict"] for each in served.get(f"/verdicts.json?sort={sort}").json()["verdicts"]]
+    monkeypatch.setattr(listing, "PAGE", 3)
+    rows = csv.DictReader(io.StringIO(served.get(f"/verdicts.csv?sort={sort}").text))
+    assert [row["verdict"] for row in rows] == every
+    led, following = list[str](), f"/verdicts.json?sort={sort}"
+    while following:
+        page = served.get(following).json()
+        led, following = led + [each["verdict"] for each in page["verdicts"]], page["next"]
+    assert led == every
+    monkeypatch.setattr(listing, "MOST", 7)
+    assert served.get(f"/verdicts.csv?sort={sort}").status_code == 413
 
 
 def test_verdicts_are_sorted_by_the_column_that_the_address_names(served) -> None:

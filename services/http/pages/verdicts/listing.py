@@ -12,8 +12,9 @@ from sdt_kg.iri import LAW, Iri, body_iri, local_name, model_iri
 from sdt_kg.task import Verb
 from services.http.api.read import OUTCOMES, SPELLED, of_models
 from services.http.pages.kinds import standings
-from services.http.pages.stored import rows
-from services.http.pages.view import Json, View, here, sorted_by
+from services.http.pages.stored import MOST, Known, rows
+from services.http.pages.view import CSV, Json, View, here, sorted_by
+from services.http.problems import RefusedError
 from services.http.protocol.exchange import check_spelling
 from services.http.world import World
 from services.versions import outdated
@@ -36,11 +37,19 @@ async def listing(request: Request) -> View:
     wanted = {name: request.query_params.get(name, "").strip() for name in FILTERS}
     after = request.query_params.get("after", "")
     by = sorted_by(request, SORTS)
-    known = {"by": ("text", "" if by == SORTS[0] else by)}
+    known: dict[str, Known] = {"by": ("text", "" if by == SORTS[0] else by)}
     known |= {f"of_{name}": ("text", value) for name, value in _iris(world, wanted).items()}
-    found = await rows(world, "verdicts", after=("text", after), **known)
-    listed = await asyncio.to_thread(lambda: [_row(world, each) for each in found[:PAGE]])
-    more = found[PAGE - 1]["key"] if len(found) > PAGE else None
+    found, more = await _page(world, after, known)
+    while more and request.state.media == CSV:  # a table to take along is whole
+        rest, more = await _page(world, more, known)
+        found += rest
+        if len(found) > MOST:
+            raise RefusedError(
+                413,
+                f"there are more than {MOST} such verdicts",
+                remedy="name a kitchen or robot, or ask /sparql",
+            )
+    listed = await asyncio.to_thread(lambda: [_row(world, each) for each in found])
     following = here(request, after=more) if more else None
     data: Json = {"filters": wanted, "sort": by, "verdicts": listed, "next": following}
     shown: Json = {
@@ -57,6 +66,12 @@ async def listing(request: Request) -> View:
         "sorts": {each: here(request, sort=each, after=None) for each in SORTS},
     }
     return View("verdicts", data, listed, COLUMNS, shown)
+
+
+async def _page(world: World, after: str, known: dict[str, Known]) -> tuple[list[dict[str, str]], str | None]:
+    """Rows that come after a key, and the key after which there are more."""
+    found = await rows(world, "verdicts", after=("text", after), **known)
+    return found[:PAGE], found[PAGE - 1]["key"] if len(found) > PAGE else None
 
 
 def _iris(world: World, wanted: dict[str, str]) -> dict[str, Iri]:
