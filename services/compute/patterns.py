@@ -24,6 +24,7 @@ from services.compute.terms import (
     is_about_verdicts,
     is_of_verdict,
     kinds_made_otherwise,
+    takes_back,
 )
 
 Bound = frozenset[str] | None
@@ -95,6 +96,11 @@ def verdict_patterns(sparql: str) -> tuple[Pattern, ...]:
 def not_judged(sparql: str) -> tuple[Iri, ...]:
     """Classes of records that the query asks for and that no judging makes; raises as `verdict_patterns`."""
     return kinds_made_otherwise(_translated(sparql))
+
+
+def may_take_back(sparql: str) -> bool:
+    """Whether one more verdict can make an answer of the query false; raises as `verdict_patterns`."""
+    return takes_back(_translated(sparql))
 
 
 def _translated(sparql: str) -> Algebra:

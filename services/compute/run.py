@@ -13,12 +13,15 @@ from sdt_kg.iri import Iri, local_name, model_iri
 from sdt_kg.load import load_twin, model_name
 from sdt_kg.twin import Twin
 from services.app import Policy, Service, load
-from services.compute.patterns import Bound, Pattern, not_judged, verdict_patterns
+from services.compute.patterns import Bound, Pattern, may_take_back, not_judged, verdict_patterns
 from services.compute.plan import Plan, Request, planned, policy_of
 from services.compute.terms import MADE_BY
 from services.requests import state_joints
 from services.table import Cell, CellResult, run
 
+NOT_JUDGED_IS_NOT_NO = (
+    "the query counts, or asks for what is not there: what has no verdict is taken for failed"
+)
 NO_QUESTION = "nothing to compute: no pattern of the query asks about a verdict; what is there was searched"
 
 SHOWN = 10
@@ -84,6 +87,7 @@ class Computed:
         ran: JSON objects of the verdicts that were made, as `sdt achieve --json` prints them.
         left_out: Cases that the query can touch and that were not run, with the reason.
         not_judged: Classes of records that the query asks for and that no judging makes.
+        takes_back: Whether one more verdict can make an answer false: the query asks for what is not there.
         seconds: Wall time [s].
         models: Of what was loaded, as inputs of verdicts name it with its content.
     """
@@ -93,8 +97,14 @@ class Computed:
     ran: list[dict[str, object]] = field(default_factory=list[dict[str, object]])
     left_out: list[tuple[Request, str]] = field(default_factory=list[tuple[Request, str]])
     not_judged: tuple[Iri, ...] = ()
+    takes_back: bool = False
     seconds: float = 0.0
     models: frozenset[str] = frozenset()
+
+    @property
+    def holds(self) -> bool:
+        """Whether what the query answers stays true, whatever comes of the cases that have no verdict."""
+        return not self.takes_back or not (self.left_out or self.plan.unplanned)
 
     def to_json(self) -> dict[str, object]:
         """What `sdt query --compute --json` says beside the rows."""
@@ -106,6 +116,7 @@ class Computed:
             "not_loaded": [asdict(each) for each in self.plan.unplanned],
             "not_judged": [{"class": each, "made_by": MADE_BY[each]} for each in self.not_judged],
             "about_verdicts": self.about_verdicts,
+            "holds": self.holds,
             "seconds": round(self.seconds, 3),
         }
 
@@ -125,6 +136,8 @@ class Computed:
             lines += [f"  and {len(names) - SHOWN} more, which --json names"] if len(names) > SHOWN else []
         for each in self.plan.unplanned:
             lines.append(f"nothing computed about {each.kind} {local_name(each.iri)}: {each.why}")
+        if not self.holds:
+            lines.append(NOT_JUDGED_IS_NOT_NO)
         return "\n".join([*lines, *self._beyond()])
 
     def _beyond(self) -> list[str]:
@@ -154,7 +167,8 @@ def compute(sparql: str, loaded: Loaded, bounds: Bounds, keeper: Keeper, runner:
     loaded = replace(loaded, policy=replace(policy, budget=min(policy.budget, bounds.budget)))
     loaded = _narrowed(loaded, patterns)
     services = _services(loaded)
-    computed = Computed(planned(patterns, list(services.values()), keeper.stored), not_judged=beyond)
+    plan = planned(patterns, list(services.values()), keeper.stored)
+    computed = Computed(plan, not_judged=beyond, takes_back=may_take_back(sparql))
     twins = [service.twin for service in services.values()]
     computed.models = frozenset(model_input(twin, each) for twin in twins for each in twin.entities.asserted)
     cells = {_cell(each, loaded, services): each for each in computed.plan.missing}

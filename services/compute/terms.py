@@ -37,6 +37,15 @@ _UNREAD: Final = "InversePath"
 """rdflib's parser forgets what stands behind ^ in !(…)."""
 
 
+_TAKING_BACK: Final = frozenset(
+    {
+        *("AskQuery", "LeftJoin", "Minus", "AggregateJoin", "Group", "Slice"),
+        *("Builtin_EXISTS", "Builtin_NOTEXISTS", "GroupGraphPatternSub"),
+    }
+)
+"""Parts of rdflib's algebra of which one more solution can take an answer away."""
+
+
 def is_about_verdicts(node: object) -> bool:
     """Whether a term of law:, or the IRI of a verdict or its graph, is in it, in a text too."""
     return any(
@@ -97,6 +106,14 @@ def _mentioned(node: object) -> Iterator[object]:
     elif isinstance(node, list | tuple | set | frozenset):
         for part in node:
             yield from _mentioned(part)
+
+
+def takes_back(part: object) -> bool:
+    """Whether a query may answer something only because a verdict is not there: no such thing, fewer, no."""
+    if isinstance(part, CompValue) and part.name in _TAKING_BACK:
+        return True
+    parts = list(part.values()) if isinstance(part, Mapping) else part
+    return isinstance(parts, list | tuple) and any(map(takes_back, parts))
 
 
 def _is_negated(path: object) -> bool:

@@ -11,7 +11,7 @@ from sdt_kg.iri import ID, LAW, local_name
 from sdt_kg.store import rows_of
 from services.app import Policy
 from services.compute import Bounds, Computed, Loaded, compute
-from services.compute.run import NO_QUESTION, Report
+from services.compute.run import NO_QUESTION, NOT_JUDGED_IS_NOT_NO, Report
 from services.store.files import SavedVerdicts
 from services.table import Cell, run
 
@@ -79,6 +79,44 @@ def test_beyond_the_limit_is_left_out_and_said(saved: SavedVerdicts) -> None:
     assert "left out 1 cases, beyond the limit of 1 cases: the answer may lack them" in done.told()
     assert done.to_json()["left_out"] == [request.to_json() | {"why": why}]
     assert computed(saved, CLOSED, limit=0).ran == []
+
+
+@pytest.mark.parametrize(
+    ("sparql", "holds"),
+    [
+        ("SELECT ?v { ?v law:robot id:pr2 ; law:outcome law:Certified }", True),
+        (
+            "SELECT DISTINCT ?v { { ?v law:robot id:pr2 } UNION { ?v law:robot id:stretch } } ORDER BY ?v",
+            True,
+        ),
+        (
+            "SELECT ?c { ?c a sdt:Door FILTER NOT EXISTS { ?v law:container ?c } }",
+            False,
+        ),
+        ("SELECT ?c { ?c a sdt:Door FILTER (!EXISTS { ?v law:container ?c }) }", False),
+        ("SELECT ?c { ?c a sdt:Door MINUS { ?v law:container ?c } }", False),
+        ("SELECT ?c { ?c a sdt:Door OPTIONAL { ?v law:container ?c } FILTER (!BOUND(?v)) }", False),
+        ("SELECT (COUNT(?v) AS ?n) { ?v a law:Verdict }", False),
+        ("SELECT ?v { ?v law:seconds ?s } ORDER BY ?s LIMIT 1", False),
+        ("ASK { ?v law:outcome law:Certified }", False),
+        (
+            "SELECT * { { SELECT ?c (COUNT(?v) AS ?n) { ?v law:container ?c } GROUP BY ?c } }",
+            False,
+        ),
+    ],
+)
+def test_what_has_no_verdict_yet_is_not_taken_for_failed_without_a_word(
+    saved: SavedVerdicts, sparql: str, holds: bool
+) -> None:
+    partly = computed(saved, sparql, limit=0)
+    assert partly.left_out
+    assert partly.to_json()["holds"] is holds
+    assert (NOT_JUDGED_IS_NOT_NO in partly.told()) is not holds
+
+
+def test_what_is_judged_whole_holds(saved: SavedVerdicts) -> None:
+    assert computed(saved, CLOSED).holds
+    assert computed(saved, f"ASK {CLOSED[CLOSED.index('{') :]}").holds
 
 
 def test_beyond_the_budget_is_left_out_and_said(saved: SavedVerdicts) -> None:
