@@ -1,7 +1,6 @@
 """`sdt query --compute`: verdicts that a query asks for and nobody has computed yet, made before it runs."""
 
 import os
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -18,19 +17,9 @@ from services.commands.completion.types import KITCHEN, ROBOT
 from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange, drive_option, states_option
 from services.commands.show import print_json, print_rows
 from services.compute import Bounds, Computed, Loaded, compute
+from services.compute.besides import BESIDES, besides
 from services.store.embedded import EmbeddedStore
 from services.store.files import SavedVerdicts, is_saved_graph
-from services.versions import outdated
-
-BESIDES = """SELECT ?environment ?robot ?physics ?embodiment (COUNT(?verdict) AS ?verdicts) WHERE {
-  ?verdict a law:Verdict ; prov:wasGeneratedBy ?judging .
-  ?judging prov:used ?e . ?e law:name "environment" ; law:inputHash ?environment .
-  OPTIONAL { ?judging prov:used ?m . ?m law:name "robot" ; law:inputHash ?robot }
-  OPTIONAL { ?judging prov:used ?p . ?p law:name "physics" ; law:inputHash ?physics }
-  OPTIONAL { ?judging prov:used ?r . ?r law:name "embodiment" ; law:inputHash ?embodiment }
-}
-GROUP BY ?environment ?robot ?physics ?embodiment"""
-"""How many verdicts are kept about which models, and of whom."""
 
 ALL_KITCHENS, ALL_ROBOTS = ("a", "b"), ("pr2", "tiago_dual", "stretch")
 
@@ -147,20 +136,8 @@ def computed_rows(
         done = compute(text, loaded, Bounds(asked.budget, asked.limit, asked.jobs), saved)
         columns, rows = rows_of(saved.store.query(text))
         kept = rows_of(saved.store.query(BESIDES))[1] if done.models else []
-    return columns, rows, done, dict(_besides(kept, done.models))
-
-
-def _besides(kept: list[Row], models: frozenset[str]) -> Counter[str]:
-    """How many verdicts answer nothing that is asked now: of other versions, or models of the same names."""
-    here, counts = {each.partition(" ")[0] for each in models}, Counter[str]()
-    for row in kept:
-        said = {name: str(value) for name, value in row.items() if value is not None}
-        of = [said[name] for name in ("environment", "robot") if name in said]
-        if outdated(said):
-            counts["outdated"] += int(said["verdicts"])
-        elif any(each.partition(" ")[0] in here and each not in models for each in of):
-            counts["about_other_models"] += int(said["verdicts"])
-    return counts
+    said = [{name: str(value) for name, value in row.items() if value is not None} for row in kept]
+    return columns, rows, done, dict(besides(said, done.models))
 
 
 def _is_kitchen(source: str) -> bool:

@@ -1,16 +1,20 @@
 """Verbs that compute or write, each into its own graph: causes, achieve, state, observation, branch."""
 
+import asyncio
 import hashlib
 import json
+from itertools import chain
 from typing import Final
 
 import pyoxigraph as ox
 from fastapi import APIRouter, Depends, FastAPI, Request
 
+from predicates.record.inputs import UNKNOWN_INPUT
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import Edit, changed, moved
 from sdt_kg.iri import DCTERMS, ID, RDF, SDT, XSD, Iri, graph_iri, local_name, part_iri
 from sdt_kg.twin import Twin
+from services.compute.besides import BESIDES, besides
 from services.http.api.models import (
     AchieveBody,
     BranchBody,
@@ -113,7 +117,18 @@ async def query(request: Request, body: QueryBody) -> Json:
     reply = await judges.ask(question(Verb.COMPUTE, "", wanted, body.budget + GRACE, states), ComputeReply)
     answered = await world.workers.ask(asked)
     results = json.loads(answered.body) if "json" in answered.media else answered.body.decode()
-    return {"computed": reply.computed, "results": results}
+    return {"computed": reply.computed | {"besides": await _besides(world)}, "results": results}
+
+
+async def _besides(world: World) -> dict[str, int]:
+    """How many verdicts a query that names no input counts too, and that answer nothing that is asked now."""
+    answered = await world.workers.ask(Asked("query", BESIDES, accepted=("application/sparql-results+json",)))
+    rows = json.loads(answered.body)["results"]["bindings"]
+    kitchens = list(world.kitchens.values())
+    pairs = await asyncio.to_thread(lambda: list(chain.from_iterable(each.models for each in kitchens)))
+    models = frozenset(chain.from_iterable(pairs))
+    kept = [{name: term["value"] for name, term in row.items()} for row in rows]
+    return dict(besides(kept, models - {UNKNOWN_INPUT}))
 
 
 @router.post("/state")

@@ -55,6 +55,12 @@ def test_the_lists_say_which_are_about_what_is_served(served: Served, address: s
     assert robots["low_drawer"] == robots["high_drawer"] != robots["swing_door"]
 
 
+def test_a_query_that_computes_says_how_many_it_counts_that_are_about_others(served: Served) -> None:
+    nobody = "SELECT ?v { ?v law:container id:nobody }"
+    answer = served.post("/api/v1/query", json={"query": nobody}).json()
+    assert (answer["computed"]["ran"], answer["computed"]["besides"]) == ([], {"about_other_models": 2})
+
+
 def test_a_kitchen_with_the_forces_bundled_for_it_is_what_is_served() -> None:
     (kitchen,) = open_kitchens(("b",), ("pr2",)).values()
     forced = kitchen.service.with_forces()
