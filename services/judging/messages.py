@@ -7,6 +7,7 @@ schema is refused. A truth or a text is no number, and nothing else is a truth.
 from enum import Enum
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from sdt_kg.errors import meant
@@ -63,6 +64,13 @@ class Header(Message):
     traceparent: str = Field(default="", max_length=256)
 
 
+def _plain(value: object) -> object:
+    """A number of numpy as Python's own, by itself or in a list: clients of ours count with such."""
+    if isinstance(value, list):
+        return [_plain(each) for each in value]
+    return value.item() if isinstance(value, np.generic) else value
+
+
 class Request(Message):
     """A question: without a field that was meant it would be another one."""
 
@@ -77,7 +85,7 @@ class Request(Message):
         for name in (str(each) for each in fields if each not in cls.model_fields):
             if near := meant(name.lower(), missing):
                 raise ValueError(f"no field '{name[:80]}'; did you mean '{near}'?")
-        return said
+        return {name: _plain(value) for name, value in said.items()} if isinstance(said, dict) else said
 
 
 class Stated(Request):

@@ -17,7 +17,7 @@ from services.bus import examples, keys
 from services.bus.keys import Meta, Part, Verb
 from services.bus.schema import asyncapi
 from services.judging.codec import CBOR, JSON, asked_in, decode, encode, encode_cbor, from_cbor, to_cbor
-from services.judging.messages import REQUESTS, AchieveRequest, CausesRequest, Header
+from services.judging.messages import REQUESTS, AchieveRequest, CausesRequest, Header, SweepRequest
 from services.judging.problems import ProblemType, error_of, problem, problem_of
 from services.judging.replies import REPLIES
 
@@ -35,6 +35,12 @@ def test_a_request_travels_as_json_and_as_cbor() -> None:
     request = AchieveRequest(task="open:d", robot="pr2", state=["a=1"], base=(1.0, 2.0, 3.0))
     assert decode(AchieveRequest, encode(request)) == request
     assert decode(AchieveRequest, encode_cbor(request), CBOR) == request
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    asked = AchieveRequest.model_validate({"task": "open", "seed": np.int64(3), "budget": np.int64(2)})
+    assert (asked.seed, asked.budget) == (3, 2.0)
+    assert SweepRequest.model_validate({"seeds": list(np.arange(2))}).seeds == [0, 1]
 
 
 def test_unknown_fields_pass_and_another_major_version_does_not() -> None:
