@@ -1,8 +1,8 @@
 """A peer's motion, repaired by hand: slower, the drawer still until the hand has closed, the base led along.
 
 What stays is the peer's: the drive, the arm's way, where it grasps and how far it opens. What changes:
-wrists begin inside their limits; samples are thinned and slowed until accelerations hold; the drawer rests while the hand comes and
-closes; then the base (and the torso) make up for what the tool slips on the handle.
+wrists begin inside their limits; samples are thinned and slowed until accelerations hold; the drawer
+rests while the hand comes and closes; then the base (and the torso) make up for what the tool slips on the handle.
 """
 
 from dataclasses import replace
