@@ -90,12 +90,14 @@ def _question_differs(stored: StoredVerdict, claim: Claim, twin: Twin) -> Iterat
     said, (low, high) = dict(stored.inputs), claim.span
     if said.get("state") != state_hash(twin.state):
         yield "the verdict's input 'state' is not the state of its proof"
+    if claim.timing is not None and said.get("motion", UNKNOWN_INPUT) == UNKNOWN_INPUT:
+        yield "the proof is about times, and the verdict about no motion that has any"
+    at = claim.state[twin.container(claim.container).joint]
     if stored.verb is None or stored.container is None:
         return
     asked = task_text(Task(stored.verb, stored.container))
     if said.get("task") not in {asked, UNKNOWN_INPUT}:
         yield f"the verdict's input 'task' is {said.get('task')}, and it says {asked}"
-    at = claim.state[twin.container(claim.container).joint]
     passed = low >= at if stored.verb is Verb.OPEN else high <= at
     if low < high and not passed:
         passes = f"{low:.4g} to {high:.4g}, and it is at {at:.4g}"

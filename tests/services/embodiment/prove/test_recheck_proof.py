@@ -10,7 +10,8 @@ from predicates.record.inputs import verdict_iri
 from sdt_kg.annotation import Drive
 from sdt_kg.task import Verb
 from services.app import Policy, load
-from services.embodiment.proof_check.content import IN_HAND
+from services.embodiment.proof_check.claim import Timing
+from services.embodiment.proof_check.content import IN_HAND, Proof, read_proof, to_bytes
 from services.embodiment.prove import Prover
 from services.embodiment.recheck import Saved, recheck_artefact, recheck_verdict
 from services.embodiment.recheck.saved import Entry, by_name
@@ -91,6 +92,17 @@ def test_a_proof_that_a_door_cannot_open_shows_nothing_about_closing_it(entry: E
     other = replace(entry.stored, verb=Verb.CLOSE, inputs=inputs, iri=verdict_iri(inputs))
     found = recheck_verdict(other, entry.artefact, by_name)
     assert "the proof is not about how it would close" in "; ".join(found.reasons)
+
+
+def test_a_proof_about_times_shows_nothing_of_a_verdict_about_no_motion_that_has_any(entry: Entry) -> None:
+    assert entry.stored is not None
+    assert entry.artefact is not None
+    claim = read_proof(entry.artefact.content).claim
+    hurried = Proof(replace(claim, timing=Timing((0.0, 1e-3), claim.span)), (), (0, 1))
+    artefact = Artefact(ArtefactKind.PROOF, to_bytes(hurried))
+    assert recheck_artefact("proof", artefact.content, by_name).holds
+    found = recheck_verdict(entry.stored, artefact, by_name)
+    assert found.reasons == ("the proof is about times, and the verdict about no motion that has any",)
 
 
 @pytest.fixture(scope="module")
