@@ -6,10 +6,11 @@ from collections.abc import Iterable
 from predicates.case import Case
 from predicates.oracle import Embodiment, Physics, tee_class_of
 from predicates.scope import tee_class_hash
+from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
 from sdt_kg.iri import verdict_iri as iri_of
 from sdt_kg.motion import Array, BodyMotion, Motion
-from sdt_kg.state import Region, State
+from sdt_kg.state import Interval, Region, State
 from sdt_kg.task import Task, Unknown
 from sdt_kg.twin import Twin
 
@@ -47,7 +48,7 @@ def inputs_of(case: Case, physics: Physics, embodiment: Embodiment | None) -> In
         ("task", task_text(case.task)),
         ("motion", _motion_hash(case.motion)),
         ("body_motion", _body_motion_hash(case.body_motion)),
-        ("final", _final_hash(case.final)),
+        ("final", _final_text(case.final)),
         ("tee_class", tee_class_hash(tee_class_of(physics))),
         ("physics", physics.version),
     ]
@@ -119,9 +120,33 @@ def _body_motion_hash(motion: BodyMotion | Unknown) -> str:
     return _digest([*(f"{name}\n" for name in names), *map(_array_text, arrays)])
 
 
-def _final_hash(final: State | Region | Unknown) -> str:
+def _final_text(final: State | Region | Unknown) -> str:
     if isinstance(final, Unknown):
         return UNKNOWN_INPUT
     if isinstance(final, State):
         return state_hash(final)
-    return _digest(f"{joint} {each.lower.hex()} {each.upper.hex()}\n" for joint, each in final.intervals)
+    return ", ".join(
+        f"{joint} {float(each.lower)!r} to {float(each.upper)!r}" for joint, each in final.intervals
+    )
+
+
+def goal_of(text: str) -> Region | None:
+    """The region that the input `final` names; None where none was asked for.
+
+    Raises:
+        InputError: It names none, but is the hash of a state, or of a region as earlier versions had it.
+    """
+    if text == UNKNOWN_INPUT:
+        return None
+    try:
+        parts = (each.split(" ") for each in text.split(", "))
+        found = Region(tuple((of, Interval(float(low), float(high))) for of, low, _, high in parts))
+    except ValueError:
+        found = None
+    if found is None or _final_text(found) != text:
+        raise InputError(
+            f"the verdict's input 'final' is {text}, and not the goal itself",
+            allowed="JOINT LOWER to UPPER",
+            remedy="ask its question again",
+        )
+    return found

@@ -42,6 +42,18 @@ def judged(request: Request, twin: Twin, robot: Iri, physics: Physics, embodimen
     return _opened_to(request.container, request.position, Case(twin, robot=robot), (physics, embodiment))
 
 
+def reaches(
+    goal: Region, container: Container, case: Case, physics: Physics, embodiment: Embodiment
+) -> tuple[Answer, Answer, Answer]:
+    """The three relations about a body motion that is given, and a goal of the container's own joint."""
+    assert isinstance(case.body_motion, BodyMotion)
+    given = with_carried(replace(case, final=goal), case.body_motion, container, physics)
+    caused = next(causes(unhurried(given), physics))
+    refused = (*caused.diagnoses, *_nothing_to_cause(given, container, goal))
+    caused = replace(caused, holds=not refused, diagnoses=refused)
+    return _satisfied(caused, container, goal), caused, next(can_perform(given, embodiment))
+
+
 def _opened_to(
     container: Container, position: float, case: Case, oracles: tuple[Physics, Embodiment]
 ) -> Verdict:

@@ -4,15 +4,18 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from predicates.case import Artefact, ArtefactKind, Case, Outcome, Verdict
+from predicates.case import Answer, Artefact, ArtefactKind, Case, Outcome, Verdict
 from predicates.law import law
 from predicates.oracle import Physics, tee_class_of
-from predicates.record.inputs import NEAREST, START_INPUT, UNKNOWN_INPUT, inputs_of
+from predicates.record.inputs import NEAREST, START_INPUT, UNKNOWN_INPUT, goal_of, inputs_of
 from predicates.record.stored import StoredVerdict
+from predicates.specification.step import reaches
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.scope import D_ARTIC
+from sdt_kg.state import Region
 from sdt_kg.task import UNKNOWN, Task, Unknown
+from sdt_kg.twin import Container
 from services.embodiment.certify.certificate import Certificate, read_certificate
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.content import is_proof
@@ -156,21 +159,37 @@ def _certify_again(  # noqa: PLR0913, PLR0917 - one trial
         return
     if stored is not None and trial.found(inputs_differ(stored, checker, physics)):
         return
-    case = Case(twin, certificate.robot, task, body_motion=certificate.motion)
+    goal = None if stored is None else goal_of(dict(stored.inputs).get("final", ""))
+    final = UNKNOWN if goal is None else goal
+    case = Case(twin, certificate.robot, task, body_motion=certificate.motion, final=final)
     container = (stored and stored.container) or certificate.container
-    verdicts = [each for each in law(case, physics, checker) if _is_about(each, container)]
-    if not verdicts:
-        trial.reasons.append(f"the motion meets no request about {local_name(container)}")
+    performed = _performed_again(trial, case, twin.container(container), physics, checker)
+    if performed is None:
         return
+    trial.found(figures_differ(certificate.figures, performed.figures, "the certificate", "the recheck"))
+    trial.notes += _notes(checker, stored, physics)
+    said = [each for each in performed.notes if each not in certificate.nearest]
+    trial.notes += [f"the certificate does not say: {each}" for each in said]
+
+
+def _performed_again(
+    trial: _Trial, case: Case, container: Container, physics: Physics, checker: Certifier
+) -> Answer | None:
+    """The answer of CanPerform where all three relations hold again; else None, and why is noted."""
+    if case.task is UNKNOWN and isinstance(case.final, Region):
+        answers = reaches(case.final, container, case, physics, checker)
+        if trial.found(each.reason for answer in answers for each in answer.diagnoses):
+            return None
+        return answers[-1]
+    verdicts = [each for each in law(case, physics, checker) if _is_about(each, container.iri)]
+    if not verdicts:
+        trial.reasons.append(f"the motion meets no request about {container.name}")
+        return None
     verdict = verdicts[0]
     if verdict.outcome is not Outcome.CERTIFIED or verdict.can_perform is None:
         trial.reasons += [each.reason for each in verdict.diagnoses] or ["it is not certified again"]
-        return
-    again = verdict.can_perform.figures
-    trial.found(figures_differ(certificate.figures, again, "the certificate", "the recheck"))
-    trial.notes += _notes(checker, stored, physics)
-    said = [each for each in verdict.can_perform.notes if each not in certificate.nearest]
-    trial.notes += [f"the certificate does not say: {each}" for each in said]
+        return None
+    return verdict.can_perform
 
 
 def _is_about(verdict: Verdict, container: Iri) -> bool:

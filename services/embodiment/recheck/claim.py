@@ -2,12 +2,14 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import fields
+from dataclasses import fields, replace
+
+import numpy as np
 
 from predicates.case import Case, Outcome
 from predicates.meant import coupled
 from predicates.oracle import Physics
-from predicates.record.inputs import inputs_of, verdict_iri
+from predicates.record.inputs import UNKNOWN_INPUT, inputs_of, verdict_iri
 from predicates.record.stored import StoredVerdict
 from sdt_kg.iri import local_name
 from sdt_kg.task import UNKNOWN, Task
@@ -95,8 +97,20 @@ def inputs_differ(stored: StoredVerdict, checker: Certifier, physics: Physics) -
     for name in names:
         if said.get(name) != found[name]:
             yield f"the verdict's input '{name}' is {said.get(name)}, and rechecked is {found[name]}"
+    if said.get("body_motion") not in {UNKNOWN_INPUT, *_as_given(checker, physics)}:
+        yield "the verdict is about a body motion that was given, and its certificate has another one"
     if not checker.starts_as(said.get("embodiment.start")):
         yield f"the verdict's start is {said.get('embodiment.start')}, its certificate's {certificate.start}"
+
+
+def _as_given(checker: Certifier, physics: Physics) -> Iterator[str]:
+    """What a verdict's inputs say of the certified motion, and of it without what it carries."""
+    motion = checker.certificate.motion
+    yield dict(inputs_of(Case(checker.twin, body_motion=motion), physics, None))["body_motion"]
+    for rows in (len(motion.times), 0):
+        none = np.zeros((rows, 0))
+        bare = replace(motion, kitchen_joints=(), kitchen_q=none, kitchen_v=none)
+        yield dict(inputs_of(Case(checker.twin, body_motion=bare), physics, None))["body_motion"]
 
 
 def figures_differ(one: Figures, other: Figures, whose: str, others: str) -> Iterator[str]:

@@ -8,6 +8,7 @@ from predicates.case import Outcome
 from predicates.record.inputs import (
     TURNED,
     UNKNOWN_INPUT,
+    goal_of,
     pose_text,
     state_hash,
     task_text,
@@ -16,6 +17,7 @@ from predicates.record.inputs import (
 from predicates.record.stored import StoredVerdict
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import local_name
+from sdt_kg.state import Region
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container, Twin
 from services.embodiment.proof_check import check
@@ -24,6 +26,8 @@ from services.embodiment.proof_check.content import read_proof
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.recheck.embodiment import is_at
 from services.embodiment.recheck.models import TwinOf, at_hand, models_differ
+
+ROUNDING = 1e-9  # [rad or m] of a goal's middle
 
 
 def proof_again(content: bytes, twin_of: TwinOf, stored: StoredVerdict | None) -> tuple[list[str], list[str]]:
@@ -93,6 +97,9 @@ def _question_differs(stored: StoredVerdict, claim: Claim, twin: Twin) -> Iterat
     if claim.timing is not None and said.get("motion", UNKNOWN_INPUT) == UNKNOWN_INPUT:
         yield "the proof is about times, and the verdict about no motion that has any"
     at = claim.state[twin.container(claim.container).joint]
+    goal = goal_of(said.get("final", ""))
+    if goal is not None and low < high:
+        yield from _beyond_goal(claim, at, goal, twin.container(claim.container))
     if stored.verb is None or stored.container is None:
         return
     asked = task_text(Task(stored.verb, stored.container))
@@ -102,6 +109,17 @@ def _question_differs(stored: StoredVerdict, claim: Claim, twin: Twin) -> Iterat
     if low < high and not passed:
         passes = f"{low:.4g} to {high:.4g}, and it is at {at:.4g}"
         yield f"the proof is not about how it would {stored.verb.value}: it is about {passes}"
+
+
+def _beyond_goal(claim: Claim, at: float, goal: Region, container: Container) -> Iterator[str]:
+    """Whether the proof is about more than the way to the middle of a goal."""
+    middle = {joint: (each.lower + each.upper) / 2 for joint, each in goal.intervals}.get(container.joint, at)
+    low, high = claim.span
+    if not min(at, middle) - ROUNDING <= low <= high <= max(at, middle) + ROUNDING:
+        yield (
+            f"the proof is about more than the way to the verdict's goal, from {at:.4g} to {middle:.4g}: "
+            f"it is about {low:.4g} to {high:.4g}"
+        )
 
 
 def _policy_differs(said: dict[str, str], claim: Claim, twin: Twin, container: Container) -> Iterator[str]:

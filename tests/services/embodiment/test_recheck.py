@@ -229,7 +229,7 @@ def improve(said: Said) -> None:
 @pytest.mark.parametrize(
     ("edit", "said"),
     [
-        (shift_a_waypoint, "acceleration"),
+        (shift_a_waypoint, "another one"),
         (lambda said: said["tolerances"].update(contact=0.05), "embodiment.tolerances"),
         (improve, "'tool slip'"),
         (lambda said: said.update(drive="fixed"), "embodiment.drive"),
@@ -258,6 +258,11 @@ def test_a_better_figure_in_verdict_and_certificate_does_not_hold(kept: Kept, tm
 
     found = changed(kept, tmp_path, both)
     assert "in the recheck" in found.reasons[0]
+
+
+def test_a_shifted_waypoint_does_not_hold_without_a_verdict_either(kept: Kept) -> None:
+    found = recheck_artefact("shifted", rewritten(kept, shift_a_waypoint), Saved(kept.file).twin)
+    assert "acceleration" in "; ".join(found.reasons)
 
 
 def test_an_artefact_alone_holds_for_its_models_and_for_no_others(kept: Kept) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from predicates.case import Artefact, ArtefactKind, Outcome
-from predicates.record.inputs import verdict_iri
+from predicates.record.inputs import UNKNOWN_INPUT, verdict_iri
 from sdt_kg.annotation import Drive
 from sdt_kg.task import Verb
 from services.app import Policy, load
@@ -103,6 +103,21 @@ def test_a_proof_about_times_shows_nothing_of_a_verdict_about_no_motion_that_has
     assert recheck_artefact("proof", artefact.content, by_name).holds
     found = recheck_verdict(entry.stored, artefact, by_name)
     assert found.reasons == ("the proof is about times, and the verdict about no motion that has any",)
+
+
+@pytest.mark.parametrize(("lower", "holds"), [(0.1, False), (1.5, True)])
+def test_a_proof_of_the_whole_way_shows_nothing_of_a_goal_before_its_end(
+    entry: Entry, lower: float, holds: bool
+) -> None:
+    assert entry.stored is not None
+    assert entry.artefact is not None
+    goal = f"https://example.org/id/b/joint/iai_fridge_door_joint {lower} to {lower + 0.004}"
+    told = {"final": goal, "task": UNKNOWN_INPUT}
+    inputs = tuple((key, told.get(key, was)) for key, was in entry.stored.inputs)
+    other = replace(entry.stored, verb=None, inputs=inputs, iri=verdict_iri(inputs))
+    found = recheck_verdict(other, entry.artefact, by_name)
+    assert found.holds is holds
+    assert holds or "more than the way to the verdict's goal" in found.reasons[0]
 
 
 @pytest.fixture(scope="module")
