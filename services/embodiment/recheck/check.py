@@ -1,7 +1,7 @@
 """Artefact and twin → whether what was claimed holds."""
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from predicates.case import Answer, Artefact, ArtefactKind, Case, Outcome, Verdict
@@ -163,33 +163,30 @@ def _certify_again(  # noqa: PLR0913, PLR0917 - one trial
     final = UNKNOWN if goal is None else goal
     case = Case(twin, certificate.robot, task, body_motion=certificate.motion, final=final)
     container = (stored and stored.container) or certificate.container
-    performed = _performed_again(trial, case, twin.container(container), physics, checker)
-    if performed is None:
+    answers, reasons = _judged_again(case, twin.container(container), physics, checker)
+    holding = (True,) * 3 if stored is None else (stored.satisfies_request, stored.causes, stored.can_perform)
+    performed = answers[-1]
+    if performed is None or holding != tuple(each and each.holds for each in answers):
+        trial.reasons += reasons or ["the predicates that hold are not those of which the verdict says so"]
         return
     trial.found(figures_differ(certificate.figures, performed.figures, "the certificate", "the recheck"))
-    trial.notes += _notes(checker, stored, physics)
+    trial.notes += [*_notes(checker, stored, physics), *_refused(stored)]
     said = [each for each in performed.notes if each not in certificate.nearest]
     trial.notes += [f"the certificate does not say: {each}" for each in said]
 
 
-def _performed_again(
-    trial: _Trial, case: Case, container: Container, physics: Physics, checker: Certifier
-) -> Answer | None:
-    """The answer of CanPerform where all three relations hold again; else None, and why is noted."""
+def _judged_again(
+    case: Case, container: Container, physics: Physics, checker: Certifier
+) -> tuple[tuple[Answer | None, ...], list[str]]:
+    """The three answers about the motion, and why they are not all yes."""
     if case.task is UNKNOWN and isinstance(case.final, Region):
         answers = reaches(case.final, container, case, physics, checker)
-        if trial.found(each.reason for answer in answers for each in answer.diagnoses):
-            return None
-        return answers[-1]
-    verdicts = [each for each in law(case, physics, checker) if _is_about(each, container.iri)]
-    if not verdicts:
-        trial.reasons.append(f"the motion meets no request about {container.name}")
-        return None
-    verdict = verdicts[0]
-    if verdict.outcome is not Outcome.CERTIFIED or verdict.can_perform is None:
-        trial.reasons += [each.reason for each in verdict.diagnoses] or ["it is not certified again"]
-        return None
-    return verdict.can_perform
+        return answers, [each.reason for answer in answers for each in answer.diagnoses]
+    for each in law(case, physics, checker):
+        if _is_about(each, container.iri):
+            reasons = [one.reason for one in each.diagnoses]
+            return (each.satisfies_request, each.causes, each.can_perform), reasons
+    return (None,) * 3, [f"the motion meets no request about {container.name}"]
 
 
 def _is_about(verdict: Verdict, container: Iri) -> bool:
@@ -220,6 +217,14 @@ def _notes(checker: Certifier, stored: StoredVerdict | None, physics: Physics) -
             "a motion of the container was asked for; that the body motion keeps its times was not compared"
         )
     return notes
+
+
+def _refused(stored: StoredVerdict | None) -> Iterator[str]:
+    """What was not checked of a verdict that is not certified, and has a certificate of CanPerform."""
+    if stored is not None and stored.outcome is Outcome.NOT_CERTIFIED:
+        yield "not certified, as the verdict says: what holds is that the robot can move so"
+        if any(each.proof for each in stored.diagnoses):
+            yield "that another motion would not do either, as the verdict has it, was not checked"
 
 
 def _asked(checker: Certifier, physics: Physics) -> str:

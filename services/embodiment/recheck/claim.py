@@ -63,9 +63,11 @@ def claim_differs(stored: StoredVerdict, certificate: Certificate) -> Iterator[s
     """In what a stored verdict contradicts itself or its certificate."""
     if verdict_iri(stored.inputs) != stored.iri:
         yield "the verdict's IRI is not the hash of its inputs: one of them was changed"
-    if stored.outcome is not Outcome.CERTIFIED or stored.diagnoses:
+    all_hold = stored.satisfies_request and stored.causes and stored.can_perform
+    refused = stored.outcome is Outcome.NOT_CERTIFIED and stored.can_perform and not all_hold
+    if (stored.outcome is not Outcome.CERTIFIED or stored.diagnoses) and not refused:
         yield f"the verdict says {stored.outcome.value}, and has a certificate"
-    if not (stored.satisfies_request and stored.causes and stored.can_perform):
+    if not all_hold and not refused:
         yield "the verdict does not say that all three predicates hold"
     for name, said, certified in (
         ("environment", stored.environment, certificate.environment),

@@ -41,19 +41,27 @@ def certified(tmp_path_factory: pytest.TempPathFactory) -> Answer:
 
 
 def recheck(
-    certified: Answer, final: Region | State | Unknown = UNKNOWN, body_motion: BodyMotion | Unknown = UNKNOWN
+    certified: Answer,
+    final: Region | State | Unknown = UNKNOWN,
+    body_motion: BodyMotion | Unknown = UNKNOWN,
+    refused: bool = False,
 ) -> Rechecked:
-    """Of the verdict that was asked for this goal and this motion, with that certificate."""
+    """Of the verdict that was asked for this goal and this motion, with that certificate.
+
+    Where it is `refused`, CanPerform is said to hold alone.
+    """
     twin = certified.case.twin
     inputs = inputs_of(Case(twin, twin.robots[0], final=final, body_motion=body_motion), PHYSICS, ROBOT)
     stored = StoredVerdict(
         iri=verdict_iri(inputs),
-        outcome=Outcome.CERTIFIED,
+        outcome=Outcome.NOT_CERTIFIED if refused else Outcome.CERTIFIED,
         environment=twin.environment,
         robot=twin.robots[0],
         verb=None,
         container=twin.container("drawer_main").iri,
-        **dict.fromkeys(("satisfies_request", "causes", "can_perform"), True),
+        satisfies_request=not refused,
+        causes=not refused,
+        can_perform=True,
         diagnoses=(),
         notes=(),
         figures=certified.figures,
@@ -71,6 +79,14 @@ def test_the_certificate_of_a_drawer_that_was_to_be_half_open_holds(certified: A
 def test_it_shows_nothing_of_a_goal_where_the_drawer_does_not_end(certified: Answer) -> None:
     found = recheck(certified, goal(0.35))
     assert "drawer_main_joint ends at 0.3, not in [0.348, 0.352]" in found.reasons
+
+
+def test_a_verdict_that_the_robot_can_move_so_and_does_not_reach_the_goal_holds(certified: Answer) -> None:
+    found = recheck(certified, goal(0.35), refused=True)
+    assert found.reasons == ()
+    assert "not certified, as the verdict says: what holds is that the robot can move so" in found.notes
+    other = recheck(certified, goal(HALF_WAY), refused=True)
+    assert other.reasons == ("the predicates that hold are not those of which the verdict says so",)
 
 
 def test_a_goal_that_is_told_by_a_hash_alone_is_compared_with_nothing(certified: Answer) -> None:
