@@ -25,6 +25,7 @@ from sdt_kg.history import (
 from sdt_kg.iri import Iri, body_iri, joint_iri, local_name
 from sdt_kg.load import load_twin, model_name
 from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, Pose, ShapeType
+from sdt_kg.numbers import number_in
 from sdt_kg.scenes.build import pose_of
 from sdt_kg.twin import Twin
 from sdt_kg.urdf.meshes import mesh_hash
@@ -252,7 +253,7 @@ def numbers_of(text: str, counts: tuple[int, ...], whole: str) -> list[float]:
         InputError: They are not so many, or not numbers.
     """
     try:
-        numbers = [float(part) for part in text.split(",")]
+        numbers = [number_in(part) for part in text.split(",")]
     except ValueError:
         numbers = []
     if len(numbers) not in counts or not all(map(math.isfinite, numbers)):

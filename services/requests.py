@@ -9,6 +9,7 @@ from typing import TypeVar
 from sdt_kg.errors import InputError, StateError, UnknownEntityError
 from sdt_kg.iri import Iri, body_iri, joint_iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.numbers import number_in
 from sdt_kg.state import State
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container, Twin
@@ -134,7 +135,7 @@ def parse_base(text: str | None) -> tuple[float, float, float] | None:
     if text is None:
         return None
     try:
-        x, y, yaw = (float(part) for part in text.split(","))
+        x, y, yaw = (number_in(part) for part in text.split(","))
     except ValueError:
         raise InputError(
             f"'{text}' is not a base pose", allowed="X,Y,YAW in m, m, rad, for example 0,0,1.57"
@@ -177,7 +178,7 @@ def _positions(twin: Twin, name: str, value: str) -> dict[Iri, float]:
         named = next((each for each in matching if name in {each.name, local_name(each.joint)}), matching[0])
         return {joint: _active(named, value)}
     try:
-        return {joint: float(value)}
+        return {joint: number_in(value)}
     except ValueError:
         raise StateError(f"'{name}={value}' has no number", allowed="a position in rad or m") from None
 

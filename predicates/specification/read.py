@@ -26,6 +26,7 @@ from predicates.specification.model import (
 )
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import LAW, PREFIXES, body_iri, local_name
+from sdt_kg.numbers import number_in
 from sdt_kg.store import checked_query
 from sdt_kg.task import Verb
 from sdt_kg.twin import Container, Twin
@@ -255,12 +256,12 @@ class _Reader:
     def _number(self, node: Node, name: str) -> float:
         text = self._text(node, name)
         try:
-            number = float(text)
+            found = number_in(text)
         except ValueError:
-            number = math.nan
-        if not math.isfinite(number):
+            found = math.nan
+        if not math.isfinite(found):
             raise self._error(f"law:{name} of {_name(node)} is '{text}'", allowed="a finite number")
-        return number
+        return found
 
     def _position(self, node: Node, name: str, container: Container) -> float:
         position = self._number(node, name)

@@ -7,6 +7,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from sdt_kg.errors import UrdfError
+from sdt_kg.numbers import number_in
 from sdt_kg.scenes.build import Matrix, matrix_of, turn
 
 
@@ -18,7 +19,7 @@ def numbers_of(element: ET.Element, count: int, where: str) -> list[float]:
     """
     text = element.text or ""
     try:
-        numbers = [float(word) for word in text.split()]
+        numbers = [number_in(word) for word in text.split()]
     except ValueError:
         numbers = []
     if len(numbers) != count or not all(map(math.isfinite, numbers)):

@@ -9,6 +9,7 @@ from xml.etree import ElementTree as ET
 from xml.parsers import expat
 
 from sdt_kg.errors import UrdfError
+from sdt_kg.numbers import number_in
 from sdt_kg.urdf.spelling import check_spelling
 
 MAX_BYTES: Final = 50_000_000
@@ -194,7 +195,7 @@ def _check_numbers(owner: ET.Element, source: Path) -> None:
 
 def _check_number(where: str, tag: str, attribute: str, text: str, count: int) -> None:
     try:
-        values = [float(word) for word in text.split()]
+        values = [number_in(word) for word in text.split()]
     except ValueError:
         raise UrdfError(f"{where} is not {count} number(s)") from None
     if len(values) != count:

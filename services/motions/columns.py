@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from sdt_kg.errors import MotionError, meant
+from sdt_kg.numbers import number_in
 from services.motions.given import Given
 from services.store.output import write_file
 
@@ -97,7 +98,7 @@ def _names(cells: list[str], number: int) -> list[str]:
 
 def _is_number(cell: str) -> bool:
     try:
-        float(cell)
+        number_in(cell)
     except ValueError:
         return False
     return True
@@ -109,7 +110,7 @@ def _row(cells: list[str], columns: list[str], number: int) -> list[float]:
     row: list[float] = []
     for cell, column in zip(cells, columns, strict=True):
         try:
-            row.append(float(cell))
+            row.append(number_in(cell))
         except ValueError:
             raise MotionError(
                 f"'{cell[:40]}' in the column {column} of line {number} is no number", allowed="numbers"

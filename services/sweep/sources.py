@@ -13,6 +13,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin, model_name
+from sdt_kg.numbers import number_in
 from services.app import Policy
 from services.relative import Relative, tee_of
 from services.requests import parse_base
@@ -163,7 +164,7 @@ def _policy(row: Row, policy: Policy) -> Policy:
         if "drive" in row:
             policy = replace(policy, drive=Drive(row["drive"]))
         if "budget" in row:
-            policy = replace(policy, budget=float(row["budget"]))
+            policy = replace(policy, budget=number_in(row["budget"]))
         if "seed" in row:
             policy = replace(policy, seed=int(row["seed"]))
     except ValueError as error:
@@ -182,6 +183,6 @@ def _classes(row: Row, axes: Axes) -> Sequence[Relative]:
     if "handle_force" not in row:
         return found
     try:
-        return [replace(each, handle_force=float(row["handle_force"])) for each in found]
+        return [replace(each, handle_force=number_in(row["handle_force"])) for each in found]
     except ValueError as error:
         raise InputError(str(error), allowed="handle_force: N") from None

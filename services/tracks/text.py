@@ -8,6 +8,7 @@ import numpy as np
 
 from predicates.learn.track import Track
 from sdt_kg.errors import MotionError
+from sdt_kg.numbers import number_in
 from services.tracks.columns import ALLOWED, names_of, track_of
 
 MISSING = {"", "nan", "na", "none", "null", "-"}
@@ -66,7 +67,7 @@ def _numbers(name: str, number: int, cells: Sequence[str], width: int) -> list[f
         if cell.lower() in MISSING:
             found.append(np.nan)
         elif _is_number(cell):
-            found.append(float(cell))
+            found.append(number_in(cell))
         else:
             raise MotionError(f"line {number} of {name}: '{cell[:40]}' is no number", allowed=ALLOWED)
     return found
@@ -76,7 +77,7 @@ def _is_number(cell: str) -> bool:
     if cell.lower() in MISSING:
         return cell.lower() == "nan"
     try:
-        float(cell)
+        number_in(cell)
     except ValueError:
         return False
     return True

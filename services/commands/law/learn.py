@@ -11,6 +11,7 @@ from predicates.learn.coupled import coupled
 from predicates.learn.phases import Plain
 from sdt_kg.errors import InputError
 from sdt_kg.mechanism import Pose
+from sdt_kg.numbers import number_in
 from services.app import Service, load
 from services.commands.completion.types import CONTAINER, KITCHEN
 from services.commands.exits import Exit
@@ -247,6 +248,6 @@ def parse_pose(text: str) -> Pose:
 
 def _numbers(text: str) -> np.ndarray:
     try:
-        return np.array([float(part) for part in text.split(",")])
+        return np.array([number_in(part) for part in text.split(",")])
     except ValueError:
         return np.zeros(0)

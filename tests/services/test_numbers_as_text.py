@@ -1,0 +1,43 @@
+"""Numbers are plain: what Python alone reads as one, 0_1 as 1, is refused in what is typed and in files."""
+
+from pathlib import Path
+
+import pytest
+
+from predicates.specification.read import read_specification
+from sdt_kg.errors import InputError
+from sdt_kg.load import load_twin
+from sdt_kg.numbers import number_in
+from services.edits import numbers_of
+from services.motions.columns import read_csv
+from services.requests import parse_base, parse_state
+from services.tracks.text import read_text
+
+PYTHONS = ("0_1", "０.１", "0.١")
+TASK = """@prefix law: <https://example.org/law#> .
+<a:task> a law:TaskSpecification ; law:hasStep <a:step> .
+<a:step> a law:Task ; law:index 1 ; law:verb law:Open ;
+  law:containerName "iai_fridge_door" ; law:goalPosition "{}" ."""
+
+
+@pytest.mark.parametrize("text", PYTHONS)
+def test_what_python_alone_reads_as_a_number_is_none(text: str, tmp_path: Path) -> None:
+    twin, table = load_twin("b"), tmp_path / "table.csv"
+    with pytest.raises(InputError):
+        parse_base(f"{text},0,0")
+    with pytest.raises(InputError):
+        parse_state(twin, [f"iai_fridge_door={text}"])
+    with pytest.raises(InputError):
+        numbers_of(text, (1,), "mass")
+    with pytest.raises(InputError):
+        read_specification(twin, TASK.format(text), "task")
+    table.write_text(f"t,x,y,z\n1,{text},0,0\n", encoding="utf-8")
+    with pytest.raises(InputError, match="no number"):
+        read_text(table)
+    table.write_text(f"# joint: a\ntime,value\n0,0\n1,{text}\n", encoding="utf-8")
+    with pytest.raises(InputError, match="no number"):
+        read_csv(table)
+
+
+def test_plain_numbers_are_read() -> None:
+    assert [number_in(text) for text in ("0.1", " -1e-3 ", "+2")] == [0.1, -1e-3, 2.0]
