@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from predicates.case import Outcome
 from predicates.record import diagnosis_json, to_json
 from predicates.specification.quality import UNITS
 from predicates.specification.result import StepResult, TaskResult
@@ -14,6 +15,10 @@ BETWEEN = (
     "each step is certified by itself: the robot begins it at its start pose, parked; its way back there "
     "from the step before is not part of any certificate"
 )
+ORDER = (
+    "a step for every container asks them one by one, in the order of their names: that they could not be "
+    "opened or closed in another order is not shown, whatever is proved of one of them"
+)
 NOMINAL = (
     "rules hold of the motion as certified: the container may be elsewhere by what the tool may slip (2 mm)"
 )
@@ -23,6 +28,9 @@ def result_json(result: TaskResult) -> Json:
     """The result as a JSON object, in it the verdict of each step as `predicates.record.to_json` has it."""
     quality = result.specification.quality
     notes = [BETWEEN] if result.of > 1 else []
+    every = any(each.container is None for each in result.specification.steps)
+    if every and result.of > 1 and result.outcome is Outcome.NOT_CERTIFIED:
+        notes.append(ORDER)
     return {
         "task": result.specification.label,
         "iri": result.specification.iri,

@@ -9,7 +9,8 @@ from predicates.case import Kind, Outcome
 from predicates.specification.read import read_specification
 from sdt_kg.load import load_twin
 from services.app import Policy, Service
-from services.specifications import TaskResult, achieve_task
+from services.specifications import TaskResult, achieve_task, result_json
+from services.specifications.told import ORDER
 from tests.small.lift import Lifts
 
 PAIR = Path(__file__).parents[1] / "dynamics" / "pair.urdf"
@@ -49,3 +50,8 @@ def test_every_container_is_open_at_the_end_or_the_step_is_not_certified(run) ->
     (undone,) = found.diagnoses
     assert (undone.kind, undone.proof) == (Kind.SEMANTIC, False)
     assert "open lower_drawer" in undone.reason
+
+
+def test_a_refused_step_for_every_container_says_that_another_order_was_not_tried(run) -> None:
+    assert ORDER in result_json(run('multiplier="-0.5" offset="0.25"'))["notes"]
+    assert ORDER not in result_json(run('multiplier="0.5"'))["notes"]
