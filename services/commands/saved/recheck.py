@@ -99,6 +99,12 @@ def _results(source: str, store: str | None, given: TwinOf | None) -> tuple[list
     saved = Saved(store or source)
     if saved.left_out:
         click.echo(f"note: {saved.left_out}", err=True)
+    if store is None and (tasks := saved.task_results()):
+        click.echo(
+            f"note: of {tasks} result(s) of tasks the steps' verdicts are rechecked; that each step begins "
+            "where the one before ended, and the rules, are not",
+            err=True,
+        )
     entries = saved.entries() if store is None else iter([saved.entry(source)])
     results, without = [], 0
     for entry in entries:

@@ -65,6 +65,11 @@ class Saved:
         for iri in sorted(found):
             yield self._entry(iri)
 
+    def task_results(self) -> int:
+        """How many results of tasks there are, of which only the verdicts of their steps are entries."""
+        found = self._of(ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + "TaskResult"))
+        return len({quad.subject for quad in found})
+
     def entry(self, iri: Iri) -> Entry:
         """The verdict of this IRI, or of this hash.
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pyoxigraph as ox
 import pytest
+from click.testing import CliRunner
 
 from predicates.case import Outcome
 from predicates.record.facts import Facts
@@ -12,6 +13,7 @@ from predicates.specification.read import read_specification
 from predicates.specification.record import gives_way, task_record
 from sdt_kg.iri import LAW, local_name
 from services.app import Policy, Service
+from services.commands.saved.recheck import recheck
 from services.specifications import TaskResult, achieve_task, keep
 from services.store.files import SavedVerdicts, readable
 from services.why import why
@@ -43,6 +45,14 @@ def broken() -> TaskResult:
 @pytest.fixture(scope="module")
 def kept() -> TaskResult:
     return run(1.5)
+
+
+def test_a_recheck_says_that_of_a_task_it_looks_at_the_steps_alone(kept: TaskResult, tmp_path: Path) -> None:
+    place = tmp_path / "kept.trig"
+    with SavedVerdicts(place) as saved:
+        assert keep(saved, kept)
+    asked = CliRunner().invoke(recheck, [str(place)])
+    assert "of 1 result(s) of tasks the steps' verdicts are rechecked" in asked.stderr
 
 
 def test_the_rule_that_broke_is_told_with_step_time_and_state(broken: TaskResult, tmp_path: Path) -> None:
