@@ -155,7 +155,7 @@ def read_certificate(content: bytes) -> Certificate:
     said = said_in(content)
     try:
         return _certificate(said)
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise InputError(
             f"the certificate lacks a part, or has one of the wrong kind: {type(error).__name__} {error}",
             remedy="certify the motion again",

@@ -202,7 +202,7 @@ def read_proof(content: bytes) -> Proof:
     try:
         others = tuple(_proof(each, whole["schema"]) for each in whole.get("others", ()))
         return replace(_proof(whole, whole["schema"]), others=others)
-    except (KeyError, TypeError, ValueError, AttributeError, binascii.Error) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError, binascii.Error) as error:
         raise InputError(f"the proof is damaged: {error!r}", allowed=f"a whole {SCHEMA}") from None
 
 
@@ -217,7 +217,7 @@ def _unpacked(content: bytes) -> dict[str, Any]:  # Any: JSON
     try:
         text = unzip.decompress(content, MOST_BYTES)
         whole = json.loads(text)
-    except (zlib.error, ValueError) as error:
+    except (zlib.error, ValueError, RecursionError) as error:
         raise InputError(f"the proof cannot be read: {error}", allowed="JSON compressed by zlib") from None
     if not isinstance(whole, dict) or unzip.unconsumed_tail or unzip.unused_data or not unzip.eof:
         raise InputError("the proof cannot be read", allowed="one JSON object of at most 20 MB")

@@ -239,6 +239,7 @@ def improve(said: Said) -> None:
         (lambda said: said.pop("motion"), "lacks a part"),
         (lambda said: said["motion"]["q"].update(shape=[-1, 4]), "ValueError the shape"),
         (lambda said: said.update(start=[*said["start"][:2], float("nan")]), "NaN"),
+        (lambda said: said.update(start=[*said["start"][:2], 10**400]), "OverflowError"),
     ],
 )
 def test_a_changed_certificate_with_the_right_hash_does_not_hold(

@@ -1,5 +1,7 @@
 """`sdt recheck` of a stored proof: the verdict says what the proof shows, or it does not hold."""
 
+import json
+import zlib
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +10,7 @@ import pytest
 from predicates.case import Artefact, ArtefactKind, Outcome
 from predicates.record.inputs import UNKNOWN_INPUT, verdict_iri
 from sdt_kg.annotation import Drive
+from sdt_kg.errors import InputError
 from sdt_kg.task import Verb
 from services.app import Policy, load
 from services.embodiment.proof_check.claim import Timing
@@ -103,6 +106,20 @@ def test_a_proof_about_times_shows_nothing_of_a_verdict_about_no_motion_that_has
     assert recheck_artefact("proof", artefact.content, by_name).holds
     found = recheck_verdict(entry.stored, artefact, by_name)
     assert found.reasons == ("the proof is about times, and the verdict about no motion that has any",)
+
+
+@pytest.mark.parametrize("part", ["span", "start"])
+def test_a_number_larger_than_any_does_not_end_the_recheck(entry: Entry, part: str) -> None:
+    assert entry.artefact is not None
+    whole = json.loads(zlib.decompress(entry.artefact.content))
+    whole["claim"][part][1] = 10**400
+    found = recheck_artefact("large", zlib.compress(json.dumps(whole).encode()), by_name)
+    assert "the proof is damaged" in found.reasons[0]
+
+
+def test_lists_within_lists_without_end_do_not_end_the_recheck() -> None:
+    with pytest.raises(InputError, match="cannot be read"):
+        read_proof(zlib.compress(b"[" * 200_000))
 
 
 @pytest.mark.parametrize(("lower", "holds"), [(0.1, False), (1.5, True)])
