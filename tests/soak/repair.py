@@ -2,7 +2,8 @@
 
 What stays is the peer's: the drive, the arm's way, where it grasps and how far it opens. What changes:
 wrists begin inside their limits; samples are thinned and slowed until accelerations hold; the drawer
-rests while the hand comes and closes; then the base (and the torso) make up for what the tool slips on the handle.
+rests while the hand comes and closes; then the base (and the torso) make up for what the tool slips
+on the handle.
 """
 
 from dataclasses import replace
