@@ -1,6 +1,6 @@
 """Named arrays as a file gives them, checked where they are first looked at."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,14 +48,14 @@ class Given:
         return name in self.arrays
 
     def check_names(self) -> None:
-        """No array that is optional is left out because its name is misspelled.
+        """No array that is optional is left out because its name is misspelled, or abbreviated.
 
         Raises:
             MotionError: One may be.
         """
         missing = [name for name in KNOWN if name not in self.arrays]
         for name in self.arrays:
-            near = None if name in KNOWN else meant(name, missing)
+            near = None if name in KNOWN else meant(name, missing) or _abbreviated(name, missing)
             if near:
                 raise MotionError(
                     f"there is an array '{name}', which means nothing",
@@ -177,6 +177,17 @@ class Given:
                 allowed=f"times in seconds, each {SHORTEST:g} s or more after the one before",
             )
         return times
+
+
+def _abbreviated(name: str, known: Iterable[str]) -> str | None:
+    """The known name whose words this one begins, if there is one: robot_vel; a letter alone is none."""
+    words = name.lower().split("_")
+    for each in known:
+        whole = each.split("_")
+        alike = len(whole) == len(words) and all(map(str.startswith, whole, words))
+        if alike and all(words) and len(name) > 2:
+            return each
+    return None
 
 
 def _texts(name: str, array: np.ndarray) -> np.ndarray:

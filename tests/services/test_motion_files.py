@@ -140,6 +140,7 @@ def test_a_file_written_by_us_names_its_robot(tmp_path: Path) -> None:
         (container_motion(values=["a"] * 9), "motion.npz: 'values' is 'a' at index 0; allowed: real numbers"),
         (container_motion(velocity=SMOOTH), "an array 'velocity', .* did you mean 'velocities'"),
         (body_motion(robot_velocites=SMOOTH[:, None]), "'robot_velocites', .* mean 'robot_velocities'"),
+        (body_motion(robot_vel=SMOOTH[:, None]), "'robot_vel', .* did you mean 'robot_velocities'"),
         (
             body_motion(times=TIMES * 1000, robot_velocities=SMOOTH[:, None] / 4),
             "lift_joint, the fastest joint, .* milliseconds",
