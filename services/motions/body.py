@@ -11,7 +11,14 @@ from sdt_kg.motion import Array, BodyMotion
 from sdt_kg.twin import Twin
 from services.motions.container import check_known, movable
 from services.motions.given import Given
-from services.motions.units import check_base, check_base_leaps, check_joints, check_leaps, check_times
+from services.motions.units import (
+    check_base,
+    check_base_leaps,
+    check_joints,
+    check_leaps,
+    check_times,
+    drives,
+)
 from services.physics.spline import at_rest_velocities
 
 KEYS = ("times", "base", "robot_joint_names", "robot_positions")
@@ -51,7 +58,11 @@ def body_motion(given: Given, twin: Twin, asked: Iri | None) -> BodyMotion:
     robot = _robot(given, twin, asked, names)
     if asked in {None, robot}:
         names, q, v = _of_robot(given, twin, robot, times, names, q, v)
-        check_base_leaps(times, base, twin.robot(robot).base_limits, given)
+        limits = twin.robot(robot).base_limits
+        check_base_leaps(times, base, limits, given)
+        if not drives(times, base, limits):
+            told = v if "robot_velocities" in given else None
+            check_times(times, names, q, told, twin.mechanism(robot))
     joints, kitchen_q, kitchen_v = _kitchen(given, kitchen, times)
     return BodyMotion(
         robot=robot,
@@ -137,7 +148,6 @@ def _of_robot(  # noqa: PLR0913, PLR0917  # a motion's parts
                 f"the motion has no '{missing[0]}', which shares a motor with joints that it has",
                 allowed=f"all of {', '.join(group)}, or none",
             )
-    check_times(times, names, q, body)
     check_leaps(names, times, q, body, given)
     return names, q, v
 

@@ -24,7 +24,7 @@ def joint_motion(given: Given, twin: Twin) -> Motion:
     values = given.column("values", len(times))
     velocities = given.column("velocities", len(times)) if "velocities" in given else None
     check_joints((name,), values, kitchen, "values", given)
-    check_times(times, (name,), values, kitchen)
+    check_times(times, (name,), values, velocities, kitchen)
     check_leaps((name,), times, values, kitchen, given)
     return Motion(joint_iri(kitchen.name, name), times, values, given.flag("timed", default=True), velocities)
 

@@ -33,8 +33,11 @@ _BASE = (
 SLOW_SPACING = 1.0
 """[s] Samples farther apart than this, in a motion that nearly stands still, look like milliseconds."""
 
-SLOW_SHARE = 0.01
-"""[1] Share of a joint's velocity limit below which a motion nearly stands still."""
+FAST = 2.0
+"""[1] Times its velocity limit: a motion that is faster in milliseconds is not given in these."""
+
+AGREES = 2.0
+"""[1] Velocities that add up to a joint's way within this factor are in the unit of the times."""
 
 MANY_SAMPLES = 5
 """[1] A few samples may well be waypoints far apart."""
@@ -140,29 +143,51 @@ def check_base(poses: Array, array: str, given: Given) -> None:
         )
 
 
-def check_times(times: Array, names: tuple[str, ...], positions: Array, mechanism: Mechanism) -> None:
-    """Times are not in milliseconds: no joint comes near its speed and samples are far apart.
+def check_times(
+    times: Array, names: tuple[str, ...], positions: Array, velocities: Array | None, mechanism: Mechanism
+) -> None:
+    """Times are not in milliseconds: samples are far apart, and read so the joints keep to their speeds.
 
-    Velocities that the file may have say nothing of that: they can be right where times are wrong.
+    Velocities that the file gives, and that add up to the ways, show that they are in seconds.
 
     Raises:
         MotionError: With the spacing, and the joint that moves fastest.
     """
-    spacing = float(np.median(np.diff(times)))
-    if len(times) < MANY_SAMPLES or spacing < SLOW_SPACING or not names:
+    limits = {joint.name: joint.limits.velocity for joint in mechanism.joints}
+    fastest, share = _fastest(times, positions, [limits[name] for name in names])
+    if fastest is None or (velocities is not None and _add_up(times, positions, velocities)):
         return
-    joints = {joint.name: joint for joint in mechanism.joints}
-    limits = np.array([joints[name].limits.velocity for name in names])
+    raise MotionError(
+        f"'times' are {np.median(np.diff(times)):.4g} s apart and {names[fastest]}, the fastest joint, uses"
+        f" {share:.2%} of its speed: probably milliseconds",
+        allowed="seconds; times so far apart with velocities in rad/s or m/s that add up to the motion",
+        remedy=f"divide times by {MILLI:.0f}",
+    )
+
+
+def drives(times: Array, poses: Array, limits: BaseLimits) -> bool:
+    """Whether the base moves as fast as times in seconds let it, so that joints may well hardly move."""
+    fastest = [limits.linear_velocity, limits.linear_velocity, limits.angular_velocity]
+    return bool((poses != poses[0]).any()) and _fastest(times, poses, fastest)[0] is None
+
+
+def _fastest(times: Array, positions: Array, limits: list[float]) -> tuple[int | None, float]:
+    """Which column uses the largest share of its speed, and which; None if times may well be in seconds."""
+    if len(times) < MANY_SAMPLES or np.median(np.diff(times)) < SLOW_SPACING or not limits:
+        return None, 0.0
+    bounds = np.array(limits)
     rates = np.abs(np.diff(positions, axis=0)) / np.diff(times)[:, None]
-    shares = rates.max(axis=0) / np.where(np.isfinite(limits) & (limits > 0), limits, 1.0)
+    shares = rates.max(axis=0) / np.where(np.isfinite(bounds) & (bounds > 0), bounds, 1.0)
     fastest = int(np.argmax(shares))
-    if 0 < shares[fastest] < SLOW_SHARE:
-        raise MotionError(
-            f"'times' are {spacing:.4g} s apart and {names[fastest]}, the fastest joint, uses"
-            f" {shares[fastest]:.2%} of its speed: probably milliseconds",
-            allowed="seconds",
-            remedy=f"divide times by {MILLI:.0f}",
-        )
+    share = float(shares[fastest])
+    return (fastest, share) if 0 < share < FAST / MILLI else (None, share)
+
+
+def _add_up(times: Array, positions: Array, velocities: Array) -> bool:
+    speeds = np.abs(velocities)
+    ways = float(np.abs(np.diff(positions, axis=0)).sum())
+    told = float(((speeds[1:] + speeds[:-1]) / 2 * np.diff(times)[:, None]).sum())
+    return ways / AGREES < told < ways * AGREES
 
 
 def check_leaps(

@@ -105,6 +105,21 @@ def test_a_body_motion_may_say_how_the_kitchen_moves(tmp_path: Path) -> None:
     assert motion.kitchen_q[-1, 0] == 0.46
 
 
+@pytest.mark.parametrize(
+    "arrays",
+    [
+        container_motion(times=TIMES * 100),  # in milliseconds the drawer would be at five times its speed
+        container_motion(times=TIMES * 1000, velocities=SMOOTH * 0 + 0.46 / 4000),
+        body_motion(times=TIMES * 1000, robot_velocities=np.full((9, 1), 0.5 / 4000)),
+        body_motion(
+            times=TIMES * 20, robot_positions=SMOOTH[:, None] / 1e4, base=SMOOTH[:, None] * [9, 0, 0]
+        ),
+    ],
+)
+def test_what_moves_slowly_may_have_samples_far_apart(tmp_path: Path, arrays: Arrays) -> None:
+    assert len(read(tmp_path, arrays).times) == len(TIMES)
+
+
 @pytest.mark.parametrize("arrays", [container_motion(), body_motion()])
 def test_what_is_written_is_read_back(tmp_path: Path, arrays: Arrays) -> None:
     motion = read(tmp_path, arrays)
