@@ -1,6 +1,6 @@
 """Mode 3 put together: a track, a kitchen, what the Law says of it, and Φ′ where Φ does not replay it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +8,7 @@ import pyoxigraph as ox
 from scipy.spatial.transform import Rotation
 
 from predicates.learn import Learned, Track
+from predicates.learn.articulation import SURE
 from predicates.learn.coupled import coupled
 from predicates.learn.explain import Explanation, explain
 from predicates.learn.following import Following, follow, following_triples, in_joints, key_of
@@ -115,6 +116,10 @@ def proposal_for(twin: Twin, learned: Learned, seen: Seen, physics: Physics) -> 
     moving = [each for each in learned.candidates if each.joint_type is not JointType.FIXED]
     best = learned.best if not moving else moving[0]
     proposal = propose(twin, seen.followed.container, best)
+    share = learned.probabilities[learned.candidates.index(best)]
+    if share < SURE:
+        unsure = f"the joint is {best.joint_type.value}, with the probability {share:.2f} only"
+        proposal = replace(proposal, assumptions=(unsure, *proposal.assumptions))
     _check_counts(proposal)
     return proposal, seen_in(proposal.twin, learned, physics, seen.followed.container.iri)
 

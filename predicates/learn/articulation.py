@@ -11,6 +11,12 @@ from predicates.learn.fitting.vectors import cross
 from predicates.learn.track import Array, Track
 from sdt_kg.mechanism import JointType
 
+SURE = 0.95
+"""[1] Below this probability a track does not tell its joint: the best one is only the likeliest."""
+
+SCATTER, SHARE_OFF = 0.01, 0.25
+"""[m], [1] Where more lies off the path, or farther, few samples tell the joint, whatever its probability."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Articulation:
@@ -29,6 +35,8 @@ class Articulation:
         deviations: Name → standard deviation: axis [rad], origin [m], radius [m], limits [rad or m].
         evidence: Log evidence, comparable among the candidates of one track.
         plumb: How the axis was taken to lie.
+        swung: By what that turned the axis from where the track alone shows it, and the standard deviation
+            of that [rad]; zeros where it was not.
         curve: The path; None if fixed.
         extent: Diagonal of the box that holds all samples but spikes [m]: the point moved by less.
     """
@@ -45,6 +53,7 @@ class Articulation:
     deviations: dict[str, float]
     evidence: float
     plumb: Plumb
+    swung: tuple[float, float]
     curve: Curves | None
     extent: float
 
@@ -99,3 +108,13 @@ class Learned:
         evidence = np.array([each.evidence for each in self.candidates])
         weights = np.exp(evidence - evidence.max())
         return tuple(float(each) for each in weights / weights.sum())
+
+    @property
+    def poor(self) -> bool:
+        """Whether too few samples lie on the path to show what moves."""
+        return self.best.scale > SCATTER or self.best.outliers > SHARE_OFF * len(self.track.positions)
+
+    @property
+    def sure(self) -> bool:
+        """Whether the track tells its joint."""
+        return self.probabilities[0] >= SURE and not self.poor

@@ -27,6 +27,10 @@ OUTLIER = 5.0
 SMOOTHING = 7
 """[1] Samples whose median bounds a limit, so that noise does not widen it."""
 
+CONTRADICTED = 2.0
+"""[1] Standard deviations from where the track alone shows an axis, beyond which that speaks against gravity:
+then the axis is as uncertain as the two are apart."""
+
 ROUNDS = 30
 """[1] Rounds of reweighting of a point that stands still."""
 
@@ -51,8 +55,8 @@ def still(track: Track, cells: Cells, turning: Turning | None) -> Articulation:
     distances = np.linalg.norm(track.positions - origin, axis=1)
     return Articulation(
         JointType.FIXED, np.zeros(3), origin, 0.0, np.zeros(len(distances)), (0.0, 0.0), distances,
-        scale, int((distances > OUTLIER * scale).sum()), {"origin": spread}, evidence, Plumb.FREE, None,
-        cells.extent,
+        scale, int((distances > OUTLIER * scale).sum()), {"origin": spread}, evidence, Plumb.FREE, (0.0, 0.0),
+        None, cells.extent,
     )  # fmt: skip
 
 
@@ -67,7 +71,7 @@ def moving(
     distances = np.linalg.norm(curve.residuals(track.positions)[0], axis=1)
     along = curve.progress(track.positions)[0]
     radius = 1 / float(curve.curvature[0]) if revolute else 0.0
-    axis = curve.normal[0] if revolute else curve.tangent[0]
+    axis = _axis(best)
     unsure = best.scale / radius if revolute else 0.0
     steady = distances <= OUTLIER * best.scale
     steady = steady if steady.any() else np.ones_like(steady)
@@ -77,7 +81,10 @@ def moving(
     positions = raw - zero
     if -positions[steady].min() > positions[steady].max():
         axis, positions, curve, zero = -axis, -positions, _reversed(curve), -zero
-    deviations = _deviations(best, radius, len(track.positions), cells) | {"zero": zero}
+    deviations = _deviations(best, len(track.positions), cells) | {"zero": zero}
+    swung = _swung(best, family[0][1], len(track.positions), cells)
+    if swung[0] > CONTRADICTED * swung[1]:
+        deviations["axis"] = math.hypot(deviations["axis"], swung[0])
     anchor = curve.anchor[0]
     origin = anchor + radius * curve.inward[0] if revolute else anchor + zero * axis
     smooth = _smooth(positions[steady])
@@ -88,7 +95,7 @@ def moving(
     kind = JointType.REVOLUTE if revolute else JointType.PRISMATIC
     return Articulation(
         kind, axis, origin, radius, positions, limits, distances, best.scale, int((~steady).sum()),
-        deviations, evidence, plumb, curve, cells.extent,
+        deviations, evidence, plumb, swung, curve, cells.extent,
     )  # fmt: skip
 
 
@@ -141,7 +148,19 @@ def _reversed(curve: Curves) -> Curves:
     return Curves(curve.anchor, -curve.tangent, curve.inward, curve.curvature)
 
 
-def _deviations(best: Fit, radius: float, samples: int, cells: Cells) -> dict[str, float]:
+def _axis(one: Fit) -> Array:
+    return one.curve.normal[0] if one.free == ARC else one.curve.tangent[0]
+
+
+def _swung(best: Fit, free: Fit, samples: int, cells: Cells) -> tuple[float, float]:
+    """Angle from the axis that the track alone shows, and its standard deviation [rad]."""
+    if best is free:
+        return 0.0, 0.0
+    angle = math.acos(min(1.0, abs(float(_axis(best) @ _axis(free)))))
+    return angle, _deviations(free, samples, cells)["axis"]
+
+
+def _deviations(best: Fit, samples: int, cells: Cells) -> dict[str, float]:
     """Standard deviations of what people read, from the covariance of the parameters."""
     variance = np.diag(best.covariance)
     per_cell = samples / max(len(cells.points), 1)
@@ -149,6 +168,7 @@ def _deviations(best: Fit, radius: float, samples: int, cells: Cells) -> dict[st
     if best.free == LINE:
         lateral = float(np.sqrt(variance[0:2].max()))
         return {"axis": float(np.sqrt(variance[2:4].max())), "origin": lateral, "limits": end}
+    radius = 1 / float(best.curve.curvature[0])
     direction = best.parameters[4:6] * radius
     spread = radius**2 * math.sqrt(float(direction @ best.covariance[4:6, 4:6] @ direction))
     across = np.array([-direction[1], direction[0]])

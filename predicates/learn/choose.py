@@ -10,7 +10,7 @@ from predicates.learn.candidates import moving, still
 from predicates.learn.fitting.cells import Cells, cells_of
 from predicates.learn.fitting.curve import Frame
 from predicates.learn.fitting.fit import ARC, LINE, Fit, Problem, fit
-from predicates.learn.fitting.priors import SCALE, Gravity, Plumb
+from predicates.learn.fitting.priors import LARGE_RADIUS, SCALE, Gravity, Plumb
 from predicates.learn.fitting.starts import Start, starts
 from predicates.learn.fitting.turning import Turning, turning_of, turns_of
 from predicates.learn.fitting.vectors import cross
@@ -18,6 +18,9 @@ from predicates.learn.track import Array, Track, checked
 
 UP: Array = np.array([0.0, 0.0, 1.0])
 """Up in a ROS frame (REP 103)."""
+
+BENT = 3.0
+"""[1] Standard deviations by which a bend differs from noise."""
 
 LEAST_SLANT = 0.1
 """[1] Sine of the angle between a path and gravity below which gravity says nothing of the path's plane."""
@@ -49,13 +52,27 @@ def learn(track: Track, up: Array | None = UP) -> Learned:
             moving(track, _family(cells, gravity, LINE, line, None), turning, cells),
             moving(track, _family(cells, gravity, ARC, arc, turning), turning, cells),
         ]
-    if cells.steady:
+        if turning is None and _hides_arc(candidates[1], cells):
+            # typical radii alone would make it sure of a drawer
+            candidates[1] = replace(
+                candidates[1], evidence=min(candidates[1].evidence, candidates[2].evidence)
+            )
+    if cells.may_shift:
         candidates = [_unsure(candidates[0], candidates[1:]), *candidates[1:]]
     return Learned(track, tuple(sorted(candidates, key=lambda each: -each.evidence)))
 
 
+def _hides_arc(line: Articulation, cells: Cells) -> bool:
+    """Whether noise of single samples would hide that a line is an arc of a large radius."""
+    along = line.positions[cells.members >= 0]
+    rows = np.stack([np.ones_like(along), along], axis=1)
+    bend = along**2 / (2 * LARGE_RADIUS)
+    bend = bend - rows @ np.linalg.lstsq(rows, bend, rcond=None)[0]
+    return float(np.linalg.norm(bend)) < BENT * cells.noise
+
+
 def _unsure(still: Articulation, moving: list[Articulation]) -> Articulation:
-    """A point that goes steadily one way stands still on a tracker that drifts, or was moved a little.
+    """A point that shifts, or may, stands still on a tracker that wanders, or was moved a little.
 
     Mechanisms that hardly move are rare, so that the evidence alone would be sure of standstill: that is
     taken to be no likelier than not.

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from predicates.learn.fitting.shifts import is_blind, shifts
 from predicates.learn.track import Array
 
 CELL = 0.005
@@ -45,22 +46,14 @@ WINDOW = 11
 NOISE_OF_MEDIAN = math.sqrt(math.pi / 2)
 """[1] Standard deviation of the median of many samples, over that of their mean."""
 
+PASSES = 3
+"""[1] How often spikes are looked for among what is left."""
+
 SPIKE = 4.0
 """[1] Median distances from the window's middle beyond which a sample is a spike."""
 
 SPIKE_LEAST = 0.02
 """[m] A nearer sample is no spike."""
-
-BLOCKS = 10
-"""[1] Parts of a track, one after the other, whose medians tell whether it goes steadily one way."""
-
-STEADY = 0.75
-"""[1] Share of their scatter that going steadily explains. White noise comes to 0.62 at most in 4,000 tracks,
-a tracker that forgets its error within a fifth of the track to 0.75 in 500; five noise levels in 200 samples
-come to 0.85 at least."""
-
-STEADY_LEAST = 0.002
-"""[m] By less a tracker may drift."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +67,7 @@ class Cells:
         extent: Diagonal of the box that holds the positions [m].
         travel: The same, turning included, less what noise alone would spread over [m].
         noise: Standard deviation of a coordinate from one sample to the next [m].
-        steady: Whether the positions go steadily one way, by more than noise and wandering explain.
+        may_shift: Whether the samples shift in time by more than noise explains, or noise would hide it.
     """
 
     points: Array
@@ -83,7 +76,7 @@ class Cells:
     extent: float
     travel: float
     noise: float
-    steady: bool
+    may_shift: bool
 
     @property
     def observations(self) -> float:
@@ -122,7 +115,8 @@ def cells_of(positions: Array, turns: Array | None = None) -> Cells:
     noise = min(_white_noise(seen), NOISE_MOST)
     moved = max(travel - NOISE_SPAN * noise, _calm_travel(both, noise), LEAST_TRAVEL)
     worth = np.full(len(points), _worth(size, noise))
-    return Cells(points, worth, members, extent, moved, noise, _is_steady(seen))
+    may_shift = shifts(both) or is_blind(seen)
+    return Cells(points, worth, members, extent, moved, noise, may_shift)
 
 
 def _worth(size: float, noise: float) -> float:
@@ -132,19 +126,6 @@ def _worth(size: float, noise: float) -> float:
     """
     alike = CORRELATED**2 / (CORRELATED**2 + noise**2)
     return 1 / (1 + max(0.0, CORRELATION / size - 1) * alike)
-
-
-def _is_steady(positions: Array) -> bool:
-    """Whether medians of the track's parts lie along a line in the order of time."""
-    if len(positions) < 3 * BLOCKS:
-        return False
-    parts = np.array_split(positions, BLOCKS)
-    middles: Array = np.stack([np.median(part, axis=0) for part in parts])
-    middles -= middles.mean(axis=0)
-    time = np.linspace(-0.5, 0.5, BLOCKS)
-    way = time @ middles / (time @ time)
-    explained, whole = float(way @ way * (time @ time)), float((middles**2).sum())
-    return float(np.linalg.norm(way)) > STEADY_LEAST and explained > STEADY * whole
 
 
 def _calm_travel(both: Array, noise: float) -> float:
@@ -169,13 +150,24 @@ def _white_noise(positions: Array) -> float:
 
 
 def spikes(positions: Array) -> np.ndarray:
-    """Which samples lie far from those just before and after them, shape (T,)."""
+    """Which samples lie far from those just before and after them, shape (T,).
+
+    Several in one window hide each other: the rest is looked at again.
+    """
+    found = np.zeros(len(positions), dtype=bool)
+    for _ in range(PASSES):
+        left = np.flatnonzero(~found)
+        found[left] = _lone(positions[left])
+    return found
+
+
+def _lone(positions: Array) -> np.ndarray:
     if len(positions) < WINDOW:
         return np.zeros(len(positions), dtype=bool)
-    half = WINDOW // 2
-    padded = np.pad(positions, ((half, half), (0, 0)), mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(padded, WINDOW, axis=0)
+    windows = np.lib.stride_tricks.sliding_window_view(positions, WINDOW, axis=0)
     middle = np.median(windows, axis=2)
     usual = np.median(np.linalg.norm(windows - middle[:, :, None], axis=1), axis=1)
-    away = np.linalg.norm(positions - middle, axis=1)
-    return away > np.maximum(SPIKE * usual, SPIKE_LEAST)
+    # at both ends the first and the last whole window tell: an end repeated would be its own middle
+    nearest = np.clip(np.arange(len(positions)) - WINDOW // 2, 0, len(windows) - 1)
+    away = np.linalg.norm(positions - middle[nearest], axis=1)
+    return away > np.maximum(SPIKE * usual[nearest], SPIKE_LEAST)

@@ -20,6 +20,9 @@ RADIUS = 0.45
 RADIUS_SPREAD = 0.5
 """[1] Standard deviation of the logarithm of the radius: 95 % lie in 0.17 to 1.2 m."""
 
+LARGE_RADIUS = 1.2
+"""[m] One that few handles exceed, see above."""
+
 KNOBS = 0.01
 """[1] Share of joints whose handle is near the axis, per unit of log radius: only orientations show them."""
 

@@ -6,6 +6,7 @@ from dataclasses import asdict
 import click
 
 from predicates.learn import Articulation, Learned
+from predicates.learn.articulation import SURE
 from predicates.learn.phases import Latch, Plain, PushToOpen
 from predicates.learn.proposal import Proposal
 from sdt_kg.iri import local_name
@@ -21,11 +22,8 @@ KINDS = {Plain: "plain", Latch: "latch", PushToOpen: "push_to_open"}
 
 UNIT = {JointType.FIXED: "m", JointType.PRISMATIC: "m", JointType.REVOLUTE: "rad"}
 
-SURE = 0.95
-"""[1] Below this probability the report says which other joint it may be."""
-
-SCATTER, SHARE_OFF = 0.01, 0.25
-"""[m], [1] Where more lies off the path, or farther, few samples tell the joint, whatever its probability."""
+SWUNG = math.radians(1)
+"""[rad] By what gravity may turn an axis from where the track alone shows it, without being told."""
 
 
 def learned_row(learned: Learned, phase: Latch | PushToOpen | Plain | None) -> Json:
@@ -37,6 +35,7 @@ def learned_row(learned: Learned, phase: Latch | PushToOpen | Plain | None) -> J
     ]
     return {
         **_joint_row(best),
+        "sure": learned.sure,
         "samples": len(track.positions),
         "missing": track.missing,
         "outliers": best.outliers,
@@ -80,14 +79,24 @@ def _notes(learned: Learned) -> list[str]:
         notes.append(f"unsure: {second} has the probability {learned.probabilities[1]:.2f}")
     if best.joint_type is JointType.FIXED:
         notes.append(f"a motion of less than {best.extent * 1000:.0f} mm is not excluded")
-    if best.scale > SCATTER or best.outliers > SHARE_OFF * len(learned.track.positions):
+    if learned.poor:
         notes.append(
             f"unsure: {best.outliers} of {len(learned.track.positions)} samples lie off the path, "
             f"the others scatter by {best.scale * 1000:.1f} mm; too few show what moves"
         )
+    notes += _swung(best)
     if best.joint_type is not JointType.FIXED:
         notes.append("limits are what was seen, not where the joint stops")
     return notes
+
+
+def _swung(best: Articulation) -> list[str]:
+    """What gravity says of the axis beside what the track does."""
+    angle, spread = (math.degrees(each) for each in best.swung)
+    if best.swung[0] <= SWUNG:
+        return []
+    shown = f"the track alone shows it {angle:.1f} ± {spread:.1f} degrees from there"
+    return [f"the axis is taken to be {best.plumb.value}; {shown}: --up none takes that"]
 
 
 def _held(mechanism: Json | None) -> str | None:
@@ -118,7 +127,9 @@ def show_learned(row: Json) -> None:
     """Print what was learned, for people."""
     unit, deviations = row["unit"], row["standard_deviations"]
     lines = {
-        "joint": row["joint_type"] + _moved(row["moved_less_than"]),
+        "joint": ("" if row["sure"] else "cannot tell; likeliest ")
+        + row["joint_type"]
+        + _moved(row["moved_less_than"]),
         "axis": _vector(row["axis"], deviations.get("axis"), "rad"),
         "origin": _vector(row["origin"], deviations.get("origin"), "m"),
         "radius": _figure(row["radius"], deviations.get("radius"), "m"),

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from predicates.learn import Articulation, Track, learn
+from predicates.learn.fitting.priors import Plumb
 from sdt_kg.errors import MotionError
 from sdt_kg.mechanism import JointType
 from services.tracks import read_track
@@ -72,6 +74,38 @@ def test_what_goes_steadily_by_five_noise_levels_is_not_fixed_for_sure(noise: fl
 def test_what_noise_alone_moves_is_fixed_for_sure(noise: float, samples: int) -> None:
     for seed in range(20):
         assert standstill(seen(np.tile([1.0, 0.5, 0.8], (samples, 1)), seed, noise)) > 0.99
+
+
+@pytest.mark.parametrize(
+    ("travel", "noise", "samples"),
+    [(0.02, 0.005, 60), (0.005, 0.0005, 60), (0.01, 0.0005, 20), (0.0015, 0.0002, 60), (0.05, 0.005, 20)],
+)
+@pytest.mark.parametrize("way", ["there", "there and back", "twice"])
+def test_what_is_moved_a_little_is_not_fixed_for_sure(
+    travel: float, noise: float, samples: int, way: str
+) -> None:
+    time = np.linspace(0, 1, samples)
+    share = {"there": time, "there and back": np.sin(np.pi * time), "twice": np.sin(2 * np.pi * time) ** 2}
+    found = [standstill(seen(drawer(travel * share[way]), seed, noise)) for seed in range(5)]
+    assert max(found) <= 0.5 + 1e-9
+
+
+def test_standstill_is_not_sure_where_noise_would_hide_two_centimetres() -> None:
+    still = np.tile([1.0, 0.5, 0.8], (20, 1))
+    assert not any(learn(seen(still, seed, 0.008)).sure for seed in range(8))
+
+
+@pytest.mark.parametrize(("radius", "way"), [(0.9, 0.2), (1.2, 0.1)])
+def test_a_wide_arc_that_noise_may_hide_is_no_drawer_for_sure(radius: float, way: float) -> None:
+    positions = door(np.linspace(0, way / radius, 60), radius)
+    assert not any(learn(seen(positions, seed, 0.005)).sure for seed in range(20))
+
+
+@pytest.mark.parametrize("samples", [60, 300])
+def test_outliers_about_what_stands_still_are_no_motion(samples: int) -> None:
+    still = np.tile([1.0, 0.5, 0.8], (samples, 1))
+    found = [learn(seen(still, seed, 0.0005, outliers=0.2)).best.joint_type for seed in range(20)]
+    assert found == [JointType.FIXED] * 20
 
 
 def test_a_tracker_that_drifts_by_a_millimetre_is_no_motion() -> None:
@@ -185,6 +219,19 @@ def test_without_a_known_up_a_slanted_hinge_is_found() -> None:
     for learned in (learn(track, up=None), learn(track)):
         assert learned.best.joint_type is JointType.REVOLUTE
         assert abs(learned.best.axis @ slant[:, 2]) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_an_axis_that_gravity_turns_is_as_uncertain_as_it_was_turned() -> None:
+    """A short arc about an axis 20 degrees from level: gravity would have it level."""
+    slant = Rotation.from_euler("y", 70, degrees=True) * Rotation.from_euler("z", 40, degrees=True)
+    points = slant.apply(door(np.linspace(0, 0.45, 100), 0.45))
+    found = [learn(seen(points, seed, 0.003)).best for seed in range(8)]
+    turned = [each for each in found if each.plumb is Plumb.HORIZONTAL]
+    assert turned, "or this tests nothing"
+    for each in turned:
+        off = math.acos(abs(each.axis @ slant.apply([0.0, 0.0, 1.0])))
+        assert off < 3 * each.deviations["axis"]
+        assert each.swung[0] == pytest.approx(off, abs=4 * each.swung[1])
 
 
 def test_deviations_cover_the_truth() -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pyoxigraph as ox
 import pytest
 from click.testing import CliRunner
+from scipy.spatial.transform import Rotation
 
 from predicates.case import Case
 from predicates.causes import causes
@@ -68,8 +69,16 @@ def test_fixed_is_told_with_what_it_does_not_exclude(tmp_path: Path) -> None:
     assert (row["joint_type"], row["limits"]) == ("fixed", None)
     assert 0.01 < row["moved_less_than"] < 0.05
     assert f"a motion of less than {row['moved_less_than'] * 1000:.0f} mm is not excluded" in row["notes"]
+    assert row["sure"] is False
     shown = CliRunner().invoke(sdt, ["learn", str(path)]).output
-    assert f"fixed, or moved less than {row['moved_less_than'] * 1000:.0f} mm" in shown
+    assert f"cannot tell; likeliest fixed, or moved less than {row['moved_less_than'] * 1000:.0f} mm" in shown
+
+
+def test_what_gravity_makes_of_an_axis_is_told_beside_what_the_track_shows(tmp_path: Path) -> None:
+    path, slant = tmp_path / "slanted.csv", Rotation.from_euler("x", 3, degrees=True)
+    np.savetxt(path, seen(slant.apply(door(np.linspace(0, 0.45, 100), 0.45)), 0).positions)
+    (note,) = (each for each in run(str(path))["notes"] if "vertical" in each)
+    assert "the track alone shows it 4.6 ± 7.3 degrees from there: --up none takes that" in note
 
 
 def test_a_joint_that_few_samples_show_is_told_to_be_unsure(tmp_path: Path) -> None:
