@@ -36,7 +36,7 @@ from services.store.histories import kept_history
 
 EDITS: Final = {
     "move": "move:JOINT=VALUE (a position, open or closed)",
-    "set": "set:JOINT.PROPERTY=NUMBER (upperLimit, velocityLimit …)",
+    "set": "set:JOINT.PROPERTY=NUMBER (upperLimit, velocityLimit …; of a robot ROBOT/JOINT)",
     "pose": "pose:JOINT=X,Y,Z[,ROLL,PITCH,YAW]",
     "furniture": "furniture:NAME=DX,DY[,DZ[,YAW]] (a body with all on it, or what a container is part of)",
     "box": "box:NAME=SX,SY,SZ@X,Y,Z[,YAW]",
@@ -142,11 +142,11 @@ def _set(twin: Twin, name: str, value: str, text: str) -> Edit:
     if not dot:
         raise InputError(f"'{text}' names no property", allowed=EDITS["set"])
     (number,) = numbers_of(value, (1,), text)
-    return changed(twin, _joint(twin, whole), **{what: number})
+    return changed(twin, joint_called(twin, whole), **{what: number})
 
 
 def _posed(twin: Twin, name: str, value: str, text: str) -> Edit:
-    return posed(twin, _joint(twin, name), _pose(numbers_of(value, POSE_NUMBERS, text)))
+    return posed(twin, joint_called(twin, name), _pose(numbers_of(value, POSE_NUMBERS, text)))
 
 
 def _furniture(twin: Twin, name: str, value: str, text: str) -> Edit:
@@ -228,7 +228,7 @@ _MAKERS: Final[dict[str, Callable[[Twin, str, str, str], Edit]]] = {
 }
 
 
-def _joint(twin: Twin, name: str) -> Iri:
+def joint_called(twin: Twin, name: str) -> Iri:
     """A joint of the kitchen or, as ROBOT/JOINT, of a robot."""
     model, slash, joint = name.rpartition("/")
     models = {twin.name(each): each for each in (twin.environment, *twin.robots)}

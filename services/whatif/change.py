@@ -8,10 +8,10 @@ import numpy as np
 
 from sdt_kg.errors import InputError
 from sdt_kg.history import posed
-from sdt_kg.iri import joint_iri, local_name
+from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.mechanism import Joint, Pose
 from sdt_kg.twin import Container, Twin
-from services.edits import EDITS, numbers_of
+from services.edits import EDITS, joint_called, numbers_of
 from services.requests import named_joints, parse_base, parse_state
 from services.whatif.payload import FORM
 from services.whatif.whole import WHOLE
@@ -140,7 +140,7 @@ def _set_ends(world: World, name: str, value: str) -> tuple[np.ndarray, np.ndarr
     joint_name, _, what = name.rpartition(".")
     twin = world.service.twin
     (end,) = numbers_of(value, (1,), f"set:{name}={value}")
-    joint = _joint_named(twin, joint_name)
+    joint = _joint_at(twin, joint_called(twin, joint_name))
     now = {
         "lowerLimit": joint.limits.lower,
         "upperLimit": joint.limits.upper,
@@ -207,8 +207,12 @@ def _carrying(twin: Twin, container: Container) -> Joint:
     return joints[0]
 
 
-def _joint_named(twin: Twin, name: str) -> Joint:
-    joints = {each.name: each for each in twin.mechanism(twin.environment).joints}
-    if name not in joints:
-        raise InputError(f"no joint '{name}' in the kitchen", allowed="a joint of sdt containers --all")
-    return joints[name]
+def _joint_at(twin: Twin, iri: Iri) -> Joint:
+    """A joint of the kitchen or of a robot."""
+    (joint,) = (
+        each
+        for model in (twin.environment, *twin.robots)
+        for each in twin.mechanism(model).joints
+        if joint_iri(twin.name(model), each.name) == iri
+    )
+    return joint

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from predicates.record.inputs import inputs_of, verdict_iri
-from sdt_kg.errors import InputError
+from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import History
 from sdt_kg.iri import body_iri, local_name
 from sdt_kg.mechanism import JointType, Mechanism
@@ -61,6 +61,18 @@ def test_furniture_is_moved_and_turned_where_it_stands_with_all_on_it() -> None:
     if child is not None:
         relative = np.linalg.inv(before_T) @ place_of(kitchen, child)
         np.testing.assert_allclose(np.linalg.inv(after_T) @ place_of(moved, child), relative, atol=1e-12)
+
+
+def test_a_limit_of_the_robot_may_be_otherwise_by_a_share_too() -> None:
+    change = parse_change("set:pr2/lift_joint.upperLimit=0.1")
+    (pr2,) = TWIN.robots
+    uppers = [
+        changed(WORLD, (change,), share).service.twin.mechanism(pr2).joint("lift_joint").limits.upper
+        for share in (0.0, 0.5, 1.0)
+    ]
+    assert uppers == pytest.approx([1.5, 0.8, 0.1])
+    with pytest.raises(UnknownEntityError, match="no joint named 'lift_jnt'; did you mean 'lift_joint'"):
+        changed(WORLD, (parse_change("set:pr2/lift_jnt.upperLimit=0.1"),))
 
 
 def test_what_hangs_on_a_door_is_no_furniture() -> None:
