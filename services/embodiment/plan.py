@@ -35,6 +35,7 @@ Array = NDArray[np.float64]
 MORE_ROUNDS = 48  # the same, where postures were found but no way on from them
 ALONE = 3  # rounds of single paths before many postures search together; a few do so after the first of them
 TRIES = 4  # holdings of one batch that are approached
+SWEPT = 0.5  # [1] of the time that is left may go into it; what it takes beyond comes after the search
 SWEEP = 5.0  # [s] that are left for a proof that the container comes into the robot; else the search has them
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
 
@@ -100,10 +101,12 @@ class Planner:
                     continue
                 if self.late():
                     self._give_up()
+                    self._look_at_last()
                     return
                 yield from self._round(attempt, number)
         self._give_up()
         yield from self._at_last()
+        self._look_at_last()
 
     def _at_last(self) -> Iterator[Planned]:
         """Plans that many postures find together once more, and from bred grasps.
@@ -151,7 +154,14 @@ class Planner:
         """Look for proofs after the first round."""
         if not any(attempt.searcher.tally.solved for attempt in self.attempts):
             self.proofs.look(EARLY_BOXES)
-        if worked() + SWEEP < self.deadline:
+        now = worked()
+        if now + SWEEP < self.deadline:
+            until = now + SWEPT * (self.deadline - now)
+            self.proofs.look_at_sweep(lambda: worked() > until)
+
+    def _look_at_last(self) -> None:
+        """Look for what the search was given the time of."""
+        if self.proofs.is_cut:
             self.proofs.look_at_sweep()
 
     def _prove_at_once(self, limbs: list[Limb]) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sdt_kg.annotation import Drive
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.content import IN_HAND
-from services.embodiment.prove import Proved, Prover, in_hand
+from services.embodiment.prove import Proved, Prover, in_hand, never
 from services.embodiment.setting import Setting
 
 Array = NDArray[np.float64]
@@ -26,11 +26,13 @@ class Proofs:
         whole: That no gripper can hold the handle all along, if one was found and verified.
         partial: The same of holds with the handle in hand, as all listed grasps have it; or of the robot's
             collision shapes in place of its bodies.
+        is_cut: Whether time ended before all was looked at that the container might come into.
     """
 
     def __init__(self, setting: Setting, spent: Callable[[str, float], None]) -> None:
         self.whole: Proved | None = None
         self.partial: Proved | None = None
+        self.is_cut = False
         self._setting, self._spent = setting, spent
         self._prover: Prover | None = None
         self._stands = setting.drive is Drive.FIXED
@@ -52,13 +54,18 @@ class Proofs:
             self.whole = self._prover.prove(boxes)
         self._spent("proof", at)
 
-    def look_at_sweep(self) -> None:
-        """Look whether the container would come into a robot that stands, or into its collision shapes."""
+    def look_at_sweep(self, late: Callable[[], bool] = never) -> None:
+        """Look whether the container would come into a robot that stands, or into its collision shapes.
+
+        Args:
+            late: Whether time is up: then it was not looked at in full, see `is_cut`.
+        """
         at = time.perf_counter()
         if self._stands and self.whole is None and self._setting.tolerances == Tolerances():
-            self.whole = self._about().swept()
+            self.whole = self._about().swept(late)
             if self.whole is None:
-                self.partial = self._about(declared=True).swept()
+                self.partial = self._about(declared=True).swept(late)
+            self.is_cut = not self.ended and late()
         self._spent("proof", at)
 
     def look_at_holds(self, tools: list[Array], bred: int, late: Callable[[], bool]) -> None:

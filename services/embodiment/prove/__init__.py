@@ -2,6 +2,7 @@
 
 from services.embodiment.prove.heights import out_of_reach
 from services.embodiment.prove.in_hand import in_hand
+from services.embodiment.prove.limbs.beside import never
 from services.embodiment.prove.prover import Proved, Prover
 
-__all__ = ["Proved", "Prover", "in_hand", "out_of_reach"]
+__all__ = ["Proved", "Prover", "in_hand", "never", "out_of_reach"]

@@ -1,6 +1,6 @@
 """Proofs that no certified motion takes a container past a value: found in floats, verified in intervals."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 
@@ -26,7 +26,7 @@ from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove.boxes import LEAF
 from services.embodiment.prove.divided import divided
-from services.embodiment.prove.limbs.beside import Limbs
+from services.embodiment.prove.limbs.beside import Limbs, never
 from services.embodiment.prove.pinch import by_fingers
 from services.embodiment.prove.places import by_places
 from services.embodiment.prove.values import needed, spread
@@ -87,6 +87,7 @@ class Prover:
         self._arms: dict[tuple[str, bool | None], tuple[Statement, Arm | None]] = {}
         self._pinched: dict[str, Refutation | None] = {}
         self._limbs: Limbs | None = None
+        self._late: Callable[[], bool] = never
 
     def standing(self, start: tuple[float, float, float], room: tuple[float, float, float]) -> "Prover":
         """The same, with the fixed base anywhere in a room about another pose; for `excludes`."""
@@ -112,12 +113,12 @@ class Prover:
         artefact = Artefact(ArtefactKind.PROOF, to_bytes(Proof(claim, tuple(refutations))))
         return Proved(self._diagnosis(refutations, leaves), artefact, leaves)
 
-    def swept(self) -> Proved | None:
-        """The same where the container comes into what stands, lifts or turns: looked for at many values."""
+    def swept(self, late: Callable[[], bool] = never) -> Proved | None:
+        """The same where the container comes into what the base carries: at many values, until it is late."""
         other = copy(self)
-        other.count = MANY
+        other.count, other._late = MANY, late
         if self.span is not None:
-            other._limbs = Limbs(self.statement, sorted(other._values()))
+            other._limbs = Limbs(self.statement, sorted(other._values()), late)
         return other.prove(SWEPT)
 
     def hurried(self, motion: Motion) -> Proved | None:
@@ -171,7 +172,7 @@ class Prover:
             return
         for value in self._values():
             between, statement, arm = self._meant(gripper, value)
-            if arm is None:
+            if arm is None or self._late():
                 return
             low, high = arm.chain.ranges()
             tree = divided(at_value(statement, arm, value), low, high, nodes)
@@ -206,7 +207,7 @@ class Prover:
 
     def _by_limbs(self, gripper: Gripper) -> Refutation | None:
         """A refutation of one gripper by bodies beside its arm, where such are looked for."""
-        if self._limbs is None or not self.statement.handle_boxes():
+        if self._limbs is None or self._late() or not self.statement.handle_boxes():
             return None
         _, arm = self._of(gripper, None)
         if arm is None:

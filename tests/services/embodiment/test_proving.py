@@ -78,6 +78,14 @@ def test_a_door_that_comes_into_a_standing_robot_ends_the_search(
     assert (known.partial is not None) is not whole
 
 
+def test_what_there_is_no_time_to_look_at_is_looked_at_later(tmp_path: Path) -> None:
+    known = proofs(setting(tmp_path, STANDING, "tiago_dual", Drive.FIXED))
+    known.look_at_sweep(late=lambda: True)
+    assert (known.ended, known.is_cut) == (False, True)
+    known.look_at_sweep()
+    assert (known.ended, known.is_cut) == (True, False)
+
+
 def test_of_a_robot_that_may_drive_away_that_is_not_asked(tmp_path: Path) -> None:
     known = proofs(setting(tmp_path, STANDING, "tiago_dual", Drive.OMNI))
     known.look_at_sweep()

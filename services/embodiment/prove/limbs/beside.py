@@ -1,6 +1,6 @@
 """Where bodies beside the arm are in the way with the container at a value, whatever the gripper does."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,15 +29,22 @@ Parts = Met | tuple["Parts", "Parts"] | None
 """Of the lift: what is in the way there, or in its lower and upper half; None where nothing is."""
 
 
+def never() -> bool:
+    """Time is not up."""
+    return False
+
+
 class Limbs:
     """Looks where limbs of one robot are in the way; what it finds counts for all its grippers.
 
     Args:
         statement: What is to be refuted, with a fixed base.
         values: Of the container at which is looked, in order [rad or m].
+        late: Whether time is up.
     """
 
-    def __init__(self, statement: Statement, values: list[float]) -> None:
+    def __init__(self, statement: Statement, values: list[float], late: Callable[[], bool]) -> None:
+        self._late = late
         self._statement, self._bodies = statement, _ends(statement)
         self._values, self._known = values, dict[float, Parts]()
         self._climb: Climb | None = None
@@ -53,6 +60,8 @@ class Limbs:
             nodes: Of the arm's tree in each part that is left.
         """
         for value in self._values[::SPARSE]:
+            if self._late():
+                return
             self._look(arm, value)
         best = max(self._known, key=self._rank, default=None)
         if best is not None and self._rank(best)[0]:
