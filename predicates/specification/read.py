@@ -128,7 +128,9 @@ class _Reader:
         if (every := self._one(node, "everyContainer")) is not None:
             if not (isinstance(every, rdflib.Literal) and every.toPython() is True):
                 raise self._error(f"law:everyContainer of {_name(node)} is {every}", allowed="true")
-            if any(self._one(node, name) for name in ("container", "containerName", "goalPosition")):
+            if any(
+                self._one(node, name) is not None for name in ("container", "containerName", "goalPosition")
+            ):
                 raise self._error(f"{_name(node)} is about every container, and about one")
             return Step(verb, None)
         container = self._container(node)

@@ -7,6 +7,7 @@ import pytest
 import tests.small
 from predicates.case import Kind, Outcome
 from predicates.specification.read import read_specification
+from sdt_kg.errors import InputError
 from sdt_kg.load import load_twin
 from services.app import Policy, Service
 from services.specifications import TaskResult, achieve_task, result_json
@@ -55,3 +56,9 @@ def test_every_container_is_open_at_the_end_or_the_step_is_not_certified(run) ->
 def test_a_refused_step_for_every_container_says_that_another_order_was_not_tried(run) -> None:
     assert ORDER in result_json(run('multiplier="-0.5" offset="0.25"'))["notes"]
     assert ORDER not in result_json(run('multiplier="0.5"'))["notes"]
+
+
+def test_a_step_for_every_container_has_no_goal_position_not_even_0() -> None:
+    text = EVERY.replace("true .", "true ; law:goalPosition 0.0 .")
+    with pytest.raises(InputError, match="about every container, and about one"):
+        read_specification(load_twin(str(PAIR)), text, "every.ttl")
