@@ -53,13 +53,18 @@ def learn(track: Track, up: Array | None = UP) -> Learned:
             moving(track, _family(cells, gravity, ARC, arc, turning), turning, cells),
         ]
         if turning is None and _hides_arc(candidates[1], cells):
-            # typical radii alone would make it sure of a drawer
-            candidates[1] = replace(
-                candidates[1], evidence=min(candidates[1].evidence, candidates[2].evidence)
-            )
+            candidates[1:] = _either(*candidates[1:])
     if cells.may_shift:
         candidates = [_unsure(candidates[0], candidates[1:]), *candidates[1:]]
     return Learned(track, tuple(sorted(candidates, key=lambda each: -each.evidence)))
+
+
+def _either(line: Articulation, arc: Articulation) -> list[Articulation]:
+    """Both, a line no likelier than an arc: typical radii alone would make it sure of a drawer."""
+    if line.evidence <= arc.evidence:
+        return [line, arc]
+    half = float(np.logaddexp(line.evidence, arc.evidence)) - math.log(2)
+    return [replace(each, evidence=half) for each in (line, arc)]
 
 
 def _hides_arc(line: Articulation, cells: Cells) -> bool:
