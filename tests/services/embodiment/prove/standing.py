@@ -1,6 +1,7 @@
 """Fronts before a robot that stands, proofs that the container comes into it, and checks of changed ones."""
 
 import json
+import re
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from sdt_kg.annotation import Drive
-from sdt_kg.load import load_twin
+from sdt_kg.load import load_twin, model_path
 from sdt_kg.twin import Twin
 from services.embodiment.proof_check import check
 from services.embodiment.prove.prover import Proved, Prover
@@ -25,6 +26,14 @@ def front(folder: Path, robot: str, what: int | Front) -> Twin:
     """A front, or the one that is drawn from a seed, with the robot."""
     drawn = draw(np.random.default_rng(what)) if isinstance(what, int) else what
     return load_twin(write(drawn, folder, "front"), [robot])
+
+
+def up_to_its_stops(folder: Path, robot: str) -> str:
+    """A bundled robot whose joints have no limits but their stops."""
+    urdf, annotation = (model_path("robot", robot).with_suffix(end) for end in (".urdf", ".ttl"))
+    (folder / urdf.name).write_text(re.sub(r"<safety_controller [^>]*/>", "", urdf.read_text()))
+    (folder / annotation.name).write_text(annotation.read_text())
+    return str(folder / urdf.name)
 
 
 def swept(twin: Twin, declared: bool = False) -> Proved | None:

@@ -23,7 +23,16 @@ from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.steps import LIFT
 from services.embodiment.prove.limbs.steps import Climb
 from services.physics.model import Scene
-from tests.services.embodiment.prove.standing import HERE, Change, Known, again, front, refuted_front, swept
+from tests.services.embodiment.prove.standing import (
+    HERE,
+    Change,
+    Known,
+    again,
+    front,
+    refuted_front,
+    swept,
+    up_to_its_stops,
+)
 from tests.soak.doors import draw, write
 
 TIPS = 106
@@ -33,7 +42,8 @@ POSTURES = 20  # at each place of a step
 
 @pytest.fixture(scope="module")
 def tipped(tmp_path_factory: pytest.TempPathFactory) -> Known:
-    return refuted_front(tmp_path_factory.mktemp("front"), "pr2", TIPS)
+    folder = tmp_path_factory.mktemp("front")
+    return refuted_front(folder, up_to_its_stops(folder, "pr2"), TIPS)
 
 
 def about(twin: Twin) -> Statement:
