@@ -10,7 +10,7 @@ from xml.parsers import expat
 
 from sdt_kg.errors import UrdfError
 from sdt_kg.numbers import number_in
-from sdt_kg.urdf.spelling import check_spelling
+from sdt_kg.urdf.spelling import NUMBERS, SHAPES, check_spelling, solid_parts
 
 MAX_BYTES: Final = 50_000_000
 """[byte] Larger files are refused; the largest robot that we know of is below 1 MB."""
@@ -20,24 +20,6 @@ MAX_DEPTH: Final = 100
 
 MOVABLE_TYPES: Final = ("prismatic", "revolute", "continuous")
 JOINT_TYPES: Final = ("fixed", *MOVABLE_TYPES)
-SHAPES: Final = ("box", "cylinder", "sphere", "mesh")
-
-# Tag → numeric attributes and how many numbers each holds.
-NUMBERS: Final[dict[str, dict[str, int]]] = {
-    "axis": {"xyz": 3},
-    "box": {"size": 3},
-    "cylinder": {"radius": 1, "length": 1},
-    "inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), 1),
-    "limit": dict.fromkeys(("lower", "upper", "velocity", "effort"), 1),
-    "mass": {"value": 1},
-    "mesh": {"scale": 3},
-    "mimic": {"multiplier": 1, "offset": 1},
-    "origin": {"xyz": 3, "rpy": 3},
-    "safety_controller": dict.fromkeys(
-        ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"), 1
-    ),
-    "sphere": {"radius": 1},
-}
 LARGEST: Final = 1e6
 """[m or rad] Of a pose, a size or an axis: no kitchen's or robot's is larger, and no product overflows."""
 
@@ -176,8 +158,7 @@ def _link(joint: ET.Element, tag: str) -> str:
 
 def _check_numbers(owner: ET.Element, source: Path) -> None:
     where = f"{source}: {owner.tag} '{owner.get('name')}'"
-    seen = [element for part in owner if part.tag != "visual" for element in part.iter()]
-    for element in seen:
+    for element in solid_parts(owner):
         if element.tag == "origin" and element.get("quat_xyzw") is not None:
             raise UrdfError(
                 f"{where}: origin has quat_xyzw",

@@ -11,6 +11,25 @@ from xml.etree import ElementTree as ET
 
 from sdt_kg.errors import UrdfError, meant
 
+SHAPES: Final = ("box", "cylinder", "sphere", "mesh")
+
+# Tag → numeric attributes and how many numbers each holds.
+NUMBERS: Final[dict[str, dict[str, int]]] = {
+    "axis": {"xyz": 3},
+    "box": {"size": 3},
+    "cylinder": {"radius": 1, "length": 1},
+    "inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), 1),
+    "limit": dict.fromkeys(("lower", "upper", "velocity", "effort"), 1),
+    "mass": {"value": 1},
+    "mesh": {"scale": 3},
+    "mimic": {"multiplier": 1, "offset": 1},
+    "origin": {"xyz": 3, "rpy": 3},
+    "safety_controller": dict.fromkeys(
+        ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"), 1
+    ),
+    "sphere": {"radius": 1},
+}
+
 PARTS: Final[Mapping[str, tuple[str, ...]]] = {
     "robot": ("link", "joint", "material", "transmission", "gazebo"),
     "link": ("inertial", "visual", "collision"),
@@ -20,25 +39,17 @@ PARTS: Final[Mapping[str, tuple[str, ...]]] = {
     ),
     "inertial": ("origin", "mass", "inertia"),
     "collision": ("origin", "geometry"),
-    "geometry": ("box", "cylinder", "sphere", "mesh"),
+    "geometry": SHAPES,
 }
 """Element → elements in it, http://wiki.ros.org/urdf/XML."""
 
-ATTRIBUTES: Final[Mapping[str, tuple[str, ...]]] = {
-    "axis": ("xyz",),
-    "box": ("size",),
+TEXTS: Final[Mapping[str, tuple[str, ...]]] = {
     "child": ("link",),
-    "cylinder": ("radius", "length"),
-    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
-    "limit": ("lower", "upper", "velocity", "effort"),
-    "mass": ("value",),
-    "mesh": ("filename", "scale"),
-    "mimic": ("joint", "multiplier", "offset"),
-    "origin": ("xyz", "rpy"),
+    "mesh": ("filename",),
+    "mimic": ("joint",),
     "parent": ("link",),
-    "safety_controller": ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"),
-    "sphere": ("radius",),
 }
+ATTRIBUTES: Final = {tag: (*TEXTS.get(tag, ()), *NUMBERS.get(tag, ())) for tag in (*TEXTS, *NUMBERS)}
 
 
 def check_spelling(root: ET.Element, source: Path) -> None:
@@ -65,9 +76,12 @@ def _looked_at(root: ET.Element) -> Iterator[ET.Element]:
     yield root
     for owner in (*root.findall("link"), *root.findall("joint")):
         yield owner
-        for part in owner:
-            if part.tag != "visual":
-                yield from part.iter()
+        yield from solid_parts(owner)
+
+
+def solid_parts(owner: ET.Element) -> Iterator[ET.Element]:
+    """All elements in a link or joint but what is only seen."""
+    return (element for part in owner if part.tag != "visual" for element in part.iter())
 
 
 def _slip_of(name: str, known: tuple[str, ...]) -> str | None:

@@ -165,11 +165,8 @@ def _add_twins(
     """The kitchens, each in the state in which it is judged."""
     for kitchen in kitchens:
         twin = load_twin(kitchen, robots)
-        own = {
-            state_of_asked(state_joints(twin, states), container.name): None
-            for container in twin.containers()
-        }
-        for each in own:
+        texts = state_joints(twin, states)
+        for each in {state_of_asked(texts, container.name) for container in twin.containers()}:
             saved.add_twin(twin.at(parse_state(twin, each)))
 
 

@@ -19,12 +19,12 @@ def another_question(twin: Twin, container: Container, own: Proof, other: Proof)
         yield f"its proof is for the base policy {one.drive.value}, not {claim.drive.value}"
     if one.timing is not None and (one.timing != claim.timing or one.container != claim.container):
         yield "its proof is about times that are not those asked for"
+    low, high, slack = *claim.span, 0.0
     if one.container != claim.container:
         low, high = _passed(twin, container, claim.span, twin.container(one.container))
-        if one.span[0] < low - LIMIT_TOLERANCE or one.span[1] > high + LIMIT_TOLERANCE:
-            yield f"its container need not pass all of {one.span[0]:.4g} to {one.span[1]:.4g}"
-    elif one.span[0] < claim.span[0] or one.span[1] > claim.span[1]:
-        yield f"the container need not pass all of {one.span[0]:.4g} to {one.span[1]:.4g}"
+        slack = LIMIT_TOLERANCE
+    if one.span[0] < low - slack or one.span[1] > high + slack:
+        yield f"its container need not pass all of {one.span[0]:.4g} to {one.span[1]:.4g}"
 
 
 def _passed(
