@@ -121,6 +121,8 @@ class Limits:
 
     Attributes:
         acceleration: `inf` on import: URDF has none; annotation gives it (see `Annotation`).
+        gain: Of a safety controller: the joint moves towards a position limit at most this fast for
+            each rad or m that is left [1/s]. 0 is none, as in URDF.
     """
 
     lower: float = -math.inf
@@ -128,6 +130,7 @@ class Limits:
     velocity: float = math.inf
     acceleration: float = math.inf
     effort: float = math.inf
+    gain: float = math.inf
 
 
 @dataclass(frozen=True, slots=True)

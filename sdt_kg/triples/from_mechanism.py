@@ -39,6 +39,7 @@ LIMITS: Final = {
     "velocity": "velocityLimit",
     "acceleration": "accelerationLimit",
     "effort": "effortLimit",
+    "gain": "softLimitGain",
 }
 
 

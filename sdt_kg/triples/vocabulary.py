@@ -41,6 +41,7 @@ AMOUNTS = frozenset(
         "sizeX",
         "sizeY",
         "sizeZ",
+        "softLimitGain",
         "velocityLimit",
     )
 )

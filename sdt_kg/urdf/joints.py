@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from sdt_kg.errors import UrdfError
-from sdt_kg.mechanism import TURNED, Joint, JointType, Mimic, Pose
+from sdt_kg.mechanism import TURNED, Joint, JointType, Limits, Mimic, Pose
 
 AXIS_TOLERANCE: Final = 1e-9
 """[1] An axis whose length differs from 1 by less is taken as it is; eight written digits do not reach it."""
@@ -41,26 +41,35 @@ def checked(joint: Joint, source: Path) -> Joint:
     return replace(joint, axis=(x / length, y / length, z / length), notes=(*joint.notes, note))
 
 
-def within_soft_limits(joint: Joint, soft: tuple[float, float] | None, source: Path) -> Joint:
-    """The joint, ended where its safety controller ends it: it turns back what comes beyond.
+def within_soft_limits(joint: Joint, soft: Limits | None, source: Path) -> Joint:
+    """The joint, ended where its safety controller turns back what comes beyond, slowed where it slows it.
 
     Raises:
-        UrdfError: No position is within both limits.
+        UrdfError: No position is within both limits, or the controller speeds up what comes near.
     """
     limits = joint.limits
     if soft is None or joint.type not in {JointType.REVOLUTE, JointType.PRISMATIC}:
         return joint
-    lower, upper = max(limits.lower, soft[0]), min(limits.upper, soft[1])
-    if (lower, upper) == (limits.lower, limits.upper):
-        return joint
+    remedy = "mend <safety_controller>, or leave it out"
+    if not soft.gain > 0:
+        raise UrdfError(
+            f"{source}: joint '{joint.name}' has k_position {soft.gain:g}",
+            allowed="0 (it is not slowed) or above",
+            remedy=remedy,
+        )
+    lower, upper = max(limits.lower, soft.lower), min(limits.upper, soft.upper)
     if lower > upper:
         raise UrdfError(
-            f"{source}: joint '{joint.name}' has the soft limits {soft[0]:g} to {soft[1]:g}",
+            f"{source}: joint '{joint.name}' has the soft limits {soft.lower:g} to {soft.upper:g}",
             allowed=f"a part of {limits.lower:g} to {limits.upper:g}",
-            remedy="mend <safety_controller>, or leave it out",
+            remedy=remedy,
         )
-    note = f"ended by its safety controller, short of {limits.lower:g} to {limits.upper:g}"
-    return replace(joint, limits=replace(limits, lower=lower, upper=upper), notes=(*joint.notes, note))
+    notes = joint.notes
+    if (lower, upper) != (limits.lower, limits.upper):
+        notes += (f"ended by its safety controller, short of {limits.lower:g} to {limits.upper:g}",)
+    reached = soft.lower >= limits.lower or soft.upper <= limits.upper
+    gain = soft.gain if reached else math.inf
+    return replace(joint, limits=replace(limits, lower=lower, upper=upper, gain=gain), notes=notes)
 
 
 def resolved(joints: Iterable[Joint], source: Path) -> list[Joint]:

@@ -48,7 +48,8 @@ def read_mechanism(path: str | Path, *, name: str | None = None, turn_axes: bool
         name: Name of the model; by default the stem of the file.
         turn_axes: For kitchens: joints with limits like [-π/2, 0] are turned to [0, π/2], and nothing but
             their stops ends them. Robots keep their signs, since their motions come from elsewhere; a
-            `safety_controller` of theirs ends a joint at its soft limits, short of the stops.
+            `safety_controller` of theirs ends a joint at its soft limits, short of the stops, and slows
+            it before them.
 
     Raises:
         UrdfError: Not a valid, tree-shaped URDF, or a collision mesh is missing.
@@ -144,14 +145,15 @@ def _limits(kind: JointType, limit: Parsed) -> Limits:
     return Limits(lower=lower, upper=upper, velocity=velocity, effort=effort)
 
 
-def _soft_limits(safety: Parsed) -> tuple[float, float] | None:
+def _soft_limits(safety: Parsed) -> Limits | None:
     """Those of a safety controller, 0 where it gives one of them only; URDF has none to be 0 and 0."""
     if safety is None:
         return None
-    lower, upper = (
-        0.0 if bound is None else float(bound) for bound in (safety.soft_lower_limit, safety.soft_upper_limit)
+    lower, upper, gain = (
+        0.0 if one is None else float(one)
+        for one in (safety.soft_lower_limit, safety.soft_upper_limit, safety.k_position)
     )
-    return (lower, upper) if (lower, upper) != (0.0, 0.0) else None
+    return Limits(lower, upper, gain=gain or math.inf) if (lower, upper) != (0.0, 0.0) else None
 
 
 def _mimic(mimic: Parsed) -> Mimic | None:

@@ -201,7 +201,7 @@ class Scene:
 
     def _bounds(self) -> Bounds:
         nq, base = self.model.nq, self.annotation.base_limits
-        bounds = Bounds(np.full(nq, -np.inf), np.full(nq, np.inf), np.full(nq, np.inf), np.full(nq, np.inf))
+        bounds = Bounds(np.full(nq, -np.inf), *(np.full(nq, np.inf) for _ in range(4)))
         annotated = (
             (self.kitchen, self.twin.kitchen().acceleration),
             (self.robot, self.annotation.acceleration),
@@ -210,7 +210,7 @@ class Scene:
             for k, joint in enumerate(part.joints, part.first):
                 if joint.type is not JointType.CONTINUOUS:
                     bounds.lower[k], bounds.upper[k] = joint.limits.lower, joint.limits.upper
-                bounds.velocity[k] = joint.limits.velocity
+                bounds.velocity[k], bounds.gain[k] = joint.limits.velocity, joint.limits.gain or np.inf
                 bounds.acceleration[k] = min(joint.limits.acceleration, acceleration.get(joint.name, np.inf))
         bounds.velocity[self.base] = base.linear_velocity, base.linear_velocity, base.angular_velocity
         bounds.acceleration[self.base] = (

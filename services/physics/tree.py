@@ -69,12 +69,17 @@ class Coupling:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bounds:
-    """Limits of each coordinate, shape (nq,), in rad or m and seconds; `inf` where there is none."""
+    """Limits of each coordinate, shape (nq,), in rad or m and seconds; `inf` where there is none.
+
+    Attributes:
+        gain: See `sdt_kg.mechanism.Limits` [1/s].
+    """
 
     lower: Array
     upper: Array
     velocity: Array
     acceleration: Array
+    gain: Array
 
 
 def add(model: pin.Model, mechanism: Mechanism, parent: int, joint_T_root: pin.SE3) -> Part:

@@ -147,6 +147,7 @@ def _set_ends(world: World, name: str, value: str) -> tuple[np.ndarray, np.ndarr
         "velocityLimit": joint.limits.velocity,
         "accelerationLimit": joint.limits.acceleration,
         "effortLimit": joint.limits.effort,
+        "softLimitGain": joint.limits.gain,
     }.get(what)
     if now is None or not np.isfinite(now):
         raise InputError(f"'{name}' has no finite value to start from", allowed="a limit that the joint has")

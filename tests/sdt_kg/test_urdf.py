@@ -142,6 +142,24 @@ def test_a_robots_joint_ends_at_the_soft_limits_of_its_safety_controller(
     assert (stops.lower, stops.upper) == (-1, 1)
 
 
+@pytest.mark.parametrize(
+    ("gain", "soft", "kept"),
+    [
+        ('k_position="20"', (-0.9, 0.5), 20),
+        ('k_position="20"', (-1, 1), 20),
+        ('k_position="20"', (-3, 3), math.inf),
+        ('k_position="0"', (-0.9, 0.5), math.inf),
+        ("", (-0.9, 0.5), math.inf),
+    ],
+)
+def test_a_safety_controller_slows_a_joint_before_its_limits(
+    write: Write, gain: str, soft: tuple[float, float], kept: float
+) -> None:
+    ends = f'soft_lower_limit="{soft[0]}" soft_upper_limit="{soft[1]}"'
+    parts = hinge(f'{limit(-1, 1)}<safety_controller {gain} k_velocity="1" {ends}/>')
+    assert read_mechanism(write(*parts)).joint("hinge").limits.gain == kept
+
+
 def test_a_chain_of_mimics_becomes_one_step(write: Write) -> None:
     second = joint(
         "b", "revolute", "door", "l2", f'<mimic joint="hinge" multiplier="2" offset="1"/>{limit(0, 9)}'
@@ -277,6 +295,10 @@ BAD: dict[str, tuple[tuple[str, ...], str]] = {
     "soft limits elsewhere": (
         hinge(f'{limit(0, 1)}<safety_controller soft_lower_limit="2" soft_upper_limit="3" k_velocity="1"/>'),
         "joint 'hinge' has the soft limits 2 to 3; allowed: a part of 0 to 1",
+    ),
+    "slowed backwards": (
+        hinge(f'{limit(0, 1)}<safety_controller k_position="-2" soft_upper_limit="1" k_velocity="1"/>'),
+        "joint 'hinge' has k_position -2; allowed: 0",
     ),
     "capital element": (
         ('<link name="a"><Collision/></link>',),

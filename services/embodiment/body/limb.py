@@ -28,7 +28,7 @@ class Limb:
         variables: Scene coordinate of each variable (of the first of a coupled group), shape (n,).
         expansion: Shape (nq, n).
         rest: Scene configuration at x = 0, everything else parked, fingers open, shape (nq,).
-        lower, upper, velocity, acceleration: Shape (n,); the base's positions are unbounded.
+        lower, upper, velocity, acceleration, gain: Shape (n,); the base's positions are unbounded.
         parked: x when parked, its base at 0, shape (n,).
         chain: What `ik` takes.
         palm: Bodies of the gripper that move with the tool, fingers left out.
@@ -43,6 +43,7 @@ class Limb:
     upper: Array
     velocity: Array
     acceleration: Array
+    gain: Array
     parked: Array
     chain: tuple
     palm: tuple[str, ...]
@@ -86,6 +87,7 @@ def make_limb(world: World, gripper: Gripper) -> Limb:
     for k in range(3, len(variables)):
         lower[k], upper[k] = _coupled_limits(scene, expansion[:, k], rest, lower[k], upper[k])
     velocity, acceleration = _rates(scene, expansion)
+    gain = np.where(expansion != 0, bounds.gain[:, None], np.inf).min(axis=0)
     palm = _palm(scene, gripper, frame.parentJoint)
     fingers = tuple(body_iri(scene.robot.mechanism.name, body) for body in gripper.fingers)
     chain = _chain(world, frame, support, rest, expansion)
@@ -98,6 +100,7 @@ def make_limb(world: World, gripper: Gripper) -> Limb:
         upper,
         velocity,
         acceleration,
+        gain,
         parked,
         chain,
         palm,

@@ -14,7 +14,14 @@ from sdt_kg.mechanism import JointType
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.sweep.kinematics import joint_axes, unit_of
-from services.embodiment.certify.sweep.pieces import Pieces, accelerations, positions, sideways, velocities
+from services.embodiment.certify.sweep.pieces import (
+    Pieces,
+    accelerations,
+    ahead,
+    positions,
+    sideways,
+    velocities,
+)
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.figures import told_apart
 from services.physics.model import Scene
@@ -30,6 +37,7 @@ def joint_limits(scene: Scene, pieces: Pieces, container: Container, tolerances:
     """Every coordinate keeps its limits; the base's linear ones hold for the length of the vector too."""
     findings, bounds = Findings(), _bounds(scene, container)
     findings.add(position_limits(scene, pieces, container, tolerances))
+    findings.add(_slowing(scene, pieces, tolerances))
     own, moved = pieces.moving, pieces.moved
     rated = (
         (Quantity.VELOCITY, velocities(moved), bounds.velocity[own]),
@@ -65,6 +73,34 @@ def position_limits(scene: Scene, pieces: Pieces, container: Container, toleranc
     return findings
 
 
+def _slowing(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
+    """What a safety controller slows near its limits is slow enough there not to lag behind.
+
+    Where the gain is k, v ≤ k (upper − q): the joint stays within its limits where it would be in 1/k at
+    this speed. A joint that may be `tolerances.lag` beyond them then is never farther behind the motion,
+    since it comes nearer at k times what it is farther.
+    """
+    findings, bounds = Findings(), scene.bounds
+    own = pieces.moving[np.isfinite(bounds.gain[pieces.moving])]
+    values, s = positions(ahead(pieces.columns(own), 1.0 / bounds.gain[own]))
+    lower, upper = bounds.lower[own], bounds.upper[own]
+    excess = np.maximum(lower - values, values - upper)
+    for j, i, n in _first_and_worst(excess > tolerances.lag, excess):
+        k, at = int(own[j]), float(s[i, n, j])
+        q, v, _ = pieces.at(np.array([n]), np.array([at]))
+        room = (upper[j] - q[0, k]) if values[i, n, j] > upper[j] else (q[0, k] - lower[j])
+        speed, least = abs(float(v[0, k])), float(max(room, 0.0) * bounds.gain[k])
+        unit, time = unit_of(scene, k), float(pieces.start[n] + at)
+        reason = (
+            f"{local_name(scene.names[k])} moves at {speed:.4g} {unit}/s, {max(room, 0.0):.3g} {unit} before "
+            f"its limit, where its safety controller lets it move at {least:.4g} {unit}/s"
+        )
+        evidence = Evidence(Quantity.VELOCITY, speed, least, f"{unit}/s", scene.names[k], time=time)
+        violation = Violation("slowed near its limit: robot", reason, evidence, float(excess[i, n, j]))
+        findings.violations.append(violation)
+    return findings
+
+
 def _unbounded(scene: Scene, pieces: Pieces, own: int, bounds: Bounds) -> Findings:
     """The container and each joint of the robot that moves have limits, or those of what they mimic."""
     most = {
@@ -97,7 +133,7 @@ def _bounds(scene: Scene, container: Container) -> Bounds:
     velocity, acceleration = bounds.velocity.copy(), bounds.acceleration.copy()
     velocity[k] = min(velocity[k], container.velocity)
     acceleration[k] = min(acceleration[k], container.acceleration)
-    return Bounds(bounds.lower, bounds.upper, velocity, acceleration)
+    return replace(bounds, velocity=velocity, acceleration=acceleration)
 
 
 def _ratio(value: Array, most: Array) -> Array:

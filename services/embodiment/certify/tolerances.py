@@ -26,6 +26,8 @@ class Tolerances:
         tool_angle: How far it may turn on the handle [rad].
         position: Beyond position limits [rad or m]: rounding, no more.
         rate: Beyond limits of velocity and acceleration, as a fraction of them.
+        lag: Behind the motion, of a joint that its safety controller slows near a limit [rad or m]:
+            a tenth of what it may be off at the start.
         start_position: Of the base and of prismatic joints at the start [m].
         start_angle: Of the base and of other joints at the start [rad].
         rest: Speed at the first and the last sample [rad/s or m/s].
@@ -45,6 +47,7 @@ class Tolerances:
     tool_angle: float = math.radians(1.0)
     position: float = BEYOND_STOPS
     rate: float = 1e-3
+    lag: float = 1e-4
     start_position: float = 1e-3
     start_angle: float = 1e-3
     rest: float = 1e-3

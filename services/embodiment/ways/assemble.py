@@ -12,8 +12,9 @@ from services.embodiment.body.world import World
 from services.embodiment.hold.holding import Holding, Problem
 from services.embodiment.ways import timing
 from services.embodiment.ways.approach import Approach
+from services.embodiment.ways.bound import Bound, Timed
 from services.embodiment.ways.spaces import reaches
-from services.embodiment.ways.timing import Bound, Followed, Timed
+from services.embodiment.ways.timing import Followed
 
 Array = NDArray[np.float64]
 
@@ -50,11 +51,8 @@ class Assembler:
         self.open = np.array([one.open for one in fingers])
         parked = scene.q((0.0, 0.0, 0.0), {})
         self.parked = parked[self.fingers]
-        bound = self._finger_bound()
-        self.bound = Bound(
-            np.append(limb.velocity, bound.velocity), np.append(limb.acceleration, bound.acceleration)
-        )
-        self.body_bound = Bound(limb.velocity, limb.acceleration)
+        self.body_bound = Bound(limb.velocity, limb.acceleration, limb.lower, limb.upper, limb.gain)
+        self.bound = self.body_bound.beside(self._finger_bound())
         self.reach = np.append(reaches(limb), np.full(len(fingers), FINGER_REACH))
         self.reach[BASE] = 1.0
 
@@ -66,7 +64,9 @@ class Assembler:
         with np.errstate(divide="ignore", invalid="ignore"):
             velocity = np.where(share > 0, scene.bounds.velocity / share, np.inf).min(axis=1)
             acceleration = np.where(share > 0, scene.bounds.acceleration / share, np.inf).min(axis=1)
-        return Bound(velocity, acceleration)
+        gain = np.where(share > 0, scene.bounds.gain, np.inf).min(axis=1)
+        own = scene.bounds.lower[self.fingers], scene.bounds.upper[self.fingers]
+        return Bound(velocity, acceleration, *own, gain)
 
     def assemble(self, approach: Approach, holding: Holding) -> Assembled:
         """The whole motion."""

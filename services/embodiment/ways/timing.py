@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.motion import Motion
 from sdt_kg.twin import Container
+from services.embodiment.ways.bound import Bound, Timed
 from services.physics.replay import spline_of, velocities_of
 from services.physics.spline import Cubic, free_velocities
 
@@ -22,23 +23,6 @@ BASE_LINEAR = slice(0, 2)
 TURNS = (
     2e-3  # [rad or m] back and forth by less, τ counts as going straight to its end: twice what it may be off
 )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Timed:
-    """Samples of a path: times (T,) [s], positions (T, n), velocities (T, n)."""
-
-    times: Array
-    x: Array
-    v: Array
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Bound:
-    """Limits of velocity and acceleration, shape (n,); the first two columns are bounded together."""
-
-    velocity: Array
-    acceleration: Array
 
 
 def joined(parts: list[Timed]) -> Timed:
@@ -75,7 +59,8 @@ def straight(start: Array, end: Array, bound: Bound, spacing: float) -> Timed | 
     switches = np.array([0.0, t_ramp, t_ramp + t_flat, 2 * t_ramp + t_flat])
     times = _refined(switches, max(2, int(np.ceil(1.0 / spacing))))
     share, rate = _trapezoid(times, switches, speed, ramp)
-    return Timed(times, start + share[:, None] * way, rate[:, None] * way)
+    timed = Timed(times, start + share[:, None] * way, rate[:, None] * way)
+    return timed.slower(bound.haste(timed))
 
 
 def _refined(switches: Array, count: int) -> Array:
@@ -183,7 +168,9 @@ def slowed(
         np.sqrt(abs(span) * np.abs(law[2]).max() / container[1]),
     )
     duration = factor / SLACK
-    return Timed(u * duration, x, v / duration), path.values[0] + span * law[0], span * law[1] / duration
+    timed = Timed(u * duration, x, v / duration)
+    slower = bound.haste(timed)
+    return timed.slower(slower), path.values[0] + span * law[0], span * law[1] / (duration * slower)
 
 
 def _hermite_accelerations(u: Array, x: Array, v: Array) -> tuple[Array, Array]:
@@ -199,7 +186,8 @@ def excess(timed: Timed, bound: Bound) -> tuple[float, float]:
     h = np.diff(timed.times)[:, None]
     middles = 1.5 * np.diff(timed.x, axis=0) / h - (timed.v[1:] + timed.v[:-1]) / 4
     speeds, accelerations = np.concatenate([timed.v, middles]), np.concatenate([first, second])
-    return 1.0 / _slowest(speeds, bound.velocity), 1.0 / _slowest(accelerations, bound.acceleration)
+    speed, haste = 1.0 / _slowest(speeds, bound.velocity), bound.haste(timed)
+    return max(speed, haste) if haste > 1 else speed, 1.0 / _slowest(accelerations, bound.acceleration)
 
 
 def as_timed(motion: Motion, samples: int) -> tuple[Array, Array, Array]:
@@ -236,10 +224,13 @@ def stretched(
     `container` holds the velocity and acceleration limit of the container's joint.
     """
     values, rates = (np.stack([each, np.zeros_like(each)], axis=1) for each in alone)
-    own = Bound(np.array(container[:1]), np.array(container[1:]))
+    far = np.full(2, np.inf)
+    own = Bound(np.array(container[:1]), np.array(container[1:]), -far, far, far)
     ratios = excess(timed, bound), excess(Timed(timed.times, values, rates), own)
     factor = max(max(speed, np.sqrt(acceleration)) for speed, acceleration in ratios) / SLACK
-    return Timed(timed.times * factor, timed.x, timed.v / factor), alone[0], alone[1] / factor
+    timed = timed.slower(factor)
+    slower = bound.haste(timed)
+    return timed.slower(slower), alone[0], alone[1] / (factor * slower)
 
 
 def at_values(path: Followed, times: Array, values: Array, rates: Array) -> Timed:

@@ -98,6 +98,13 @@ def positions(pieces: Pieces) -> tuple[Array, Array]:
     return pieces.extremes
 
 
+def ahead(pieces: Pieces, seconds: Array) -> Pieces:
+    """Where each coordinate would be some seconds later, shape (nq,), if it kept the velocity that it has."""
+    c = pieces.c.copy()
+    c[:3] += np.arange(1, 4)[:, None, None] * pieces.c[1:] * seconds
+    return Pieces(pieces.start, pieces.duration, c)
+
+
 def velocities(pieces: Pieces) -> tuple[Array, Array]:
     """Exact candidates for the extreme velocities of each piece, shape (3, N, nq), and their s [s]."""
     _, c1, c2, c3 = pieces.c
