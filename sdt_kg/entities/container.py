@@ -54,7 +54,7 @@ class Container:
             for own in every
         )
 
-    def held_by(self, handle: Iri | None) -> "Container":
+    def by_handle(self, handle: Iri | None) -> "Container":
         """The same by one of its handles; None: by its own.
 
         Raises:

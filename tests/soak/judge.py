@@ -10,7 +10,8 @@ from predicates.case import ArtefactKind, Outcome
 from sdt_kg.annotation import Drive
 from services.app import Policy, Service, load
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.content import IN_HAND, read_proof
+from services.embodiment.proof_check.content import IN_HAND
+from services.embodiment.proof_check.written import read_proof
 from services.embodiment.prove import Prover
 from tests.soak.doors import draw, write
 

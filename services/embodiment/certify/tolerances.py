@@ -1,6 +1,7 @@
 """What certification allows; part of every verdict's inputs."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 from sdt_kg.errors import InputError
@@ -64,6 +65,17 @@ class Tolerances:
         for field in fields(self):
             if math.isnan(getattr(self, field.name)):
                 raise InputError(f"the tolerance '{field.name}' is not a number", allowed="0 or above")
+
+    @classmethod
+    def told(cls, given: Mapping[str, float]) -> "Tolerances":
+        """Those of an artefact; `lag`, which some do not have yet, is as ever.
+
+        Raises:
+            ValueError: Others are missing, or unknown.
+        """
+        if wrong := {field.name for field in fields(cls)} ^ {*given, "lag"}:
+            raise ValueError(f"tolerances {sorted(wrong)}, which are missing or unknown")
+        return cls(**given)
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.claim import Claim, Timing, other_handle
-from services.embodiment.proof_check.content import IN_HAND, Proof, Refutation, read_proof
+from services.embodiment.proof_check.content import IN_HAND, Proof, Refutation
 from services.embodiment.proof_check.handles import another_question
 from services.embodiment.proof_check.haste import too_fast
 from services.embodiment.proof_check.pinch.fingers import handle_span
@@ -22,6 +22,7 @@ from services.embodiment.proof_check.places import at_value, refuted_places
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.steps import refuted_steps
 from services.embodiment.proof_check.tree import refuted_boxes
+from services.embodiment.proof_check.written import read_proof
 
 Array = NDArray[np.float64]
 

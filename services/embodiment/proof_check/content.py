@@ -1,49 +1,15 @@
-"""A proof as bytes: what it claims, what it assumes, and one tree of boxes for each gripper.
+"""A proof: what it claims, what it assumes, and one tree of boxes for each gripper."""
 
-The bytes are JSON compressed by zlib. A tree is written in preorder, one byte for each node: below 128
-it is the joint whose interval is halved there, lower half first; from 128 on the node is a leaf, and
-the rest of the byte is the joint whose origin is too far from the handle in all of the leaf's box, or the
-number n of joints where the grasp box itself is apart from it, or n + 1 + c where the arm's core c meets
-something solid. A proof about times has no tree but the window of samples that is too fast. "sdt proof 1"
-had neither, and is read as it is. "sdt proof 3" is a proof about some holds alone: those `within` a distance.
-From 4 on a refutation may have `places`: then its tree is one of cells of them, with trees of joints in it
-(`places.py`), and n + 1 + C + k, behind the C cores, says that joint k is too far from the cell. From 5 on
-the floor refutes too, from 6 on one may be `pinched`, the fingers' joints last, and a leaf then names the one
-finger that may come to the handle (`pinch/`). From 7 on, behind all these numbers are those of
-the bodies `beside` the arm; after such a node comes a tree of the joints that carry this body, whose leaves
-name cores on them, numbered in the same way (`arm.py`). From 8 on a refutation may be of the
-handle `between` two fingers, a box about it and a slab in place of its shapes and the grasp box (`pinch/`).
-From 9 on joints of bodies beside the arm that no certified motion moves may be `parked`. From 10 on
-a refutation may go up `steps`, a value for each part of the lift (`steps.py`). Written is "sdt proof 11":
-where the container is moved by several handles, a claim may be about one that is not its own, and the
-proof of its own has those of the `others` with it.
-"""
-
-import base64
-import binascii
-import json
-import math
-import zlib
-from dataclasses import asdict, dataclass, fields, replace
-from typing import Any
+from dataclasses import dataclass
 
 from sdt_kg.annotation import Drive
-from sdt_kg.errors import InputError
-from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.claim import Claim, Timing
+from services.embodiment.proof_check.claim import Claim
 
-SCHEMA = "sdt proof 11"
-BY_PLACES = "sdt proof 4"
-SINCE_DECLARED = ("sdt proof 6", "sdt proof 7", "sdt proof 8", "sdt proof 9", "sdt proof 10", SCHEMA)
-SINCE_SOME_HOLDS = ("sdt proof 3", BY_PLACES, "sdt proof 5", *SINCE_DECLARED)
-READ = ("sdt proof 1", "sdt proof 2", *SINCE_SOME_HOLDS)
 IN_HAND = 0.02
 """[m] Ours: in hand is a handle whose box is so near to the tool's origin, amid the fingertips, at the grasp;
 the search has it there to within 16 mm."""
 LEAF = 128
 NO_HOLD = 255
-MOST_BYTES = 20_000_000
-"""[bytes] More than any proof's; a small file cannot claim a memory of its choice."""
 
 PINCHED = (
     "fingers: two of them are at the handle at once, so both come as high as it; those that one motor drives "
@@ -91,7 +57,7 @@ class Refutation:
             `steps`, the first.
         joints: Names of the chain's joints, from the world on.
         box: Interval of each joint [rad or m].
-        tree: Its division; see above.
+        tree: Its division, see `written.py`.
         places: Where one hold at several values is refuted, and not all holds at one.
         pinched: Whether it is refuted that two fingers come to the handle together.
         beside: Bodies that other joints carry, to whose trees the tree may go over.
@@ -161,146 +127,3 @@ class Proof:
             f"base, boxes inside {claim.bodies}, inside the kitchen's boxes, cylinders "
             "and spheres as they are declared, and below the floor",
         )
-
-
-def to_bytes(proof: Proof) -> bytes:
-    """The proof as an artefact's content; the same proof gives the same bytes."""
-    whole = {"schema": SCHEMA, **_told(proof), "others": [_told(each) for each in proof.others]}
-    return zlib.compress(json.dumps(whole, sort_keys=True).encode(), 9)
-
-
-def _told(proof: Proof) -> dict[str, object]:
-    """The proof by one handle as JSON has it."""
-    refutations = [
-        asdict(one) | {"tree": base64.b64encode(one.tree).decode("ascii")} for one in proof.refutations
-    ]
-    return {
-        "claim": asdict(proof.claim) | {"drive": proof.claim.drive.value},
-        "assumptions": proof.assumptions(),
-        "refutations": refutations,
-        "window": proof.window,
-    }
-
-
-def is_proof(content: bytes) -> bool:
-    """Whether the bytes are a proof's, as far as their beginning tells."""
-    try:
-        return _unpacked(content).get("schema") in READ
-    except InputError:
-        return False
-
-
-def read_proof(content: bytes) -> Proof:
-    """The proof of an artefact's content.
-
-    Raises:
-        InputError: It is none, or damaged.
-    """
-    whole = _unpacked(content)
-    if whole.get("schema") not in READ:
-        raise InputError(f"a proof of the schema '{whole.get('schema')}'", allowed=" or ".join(READ))
-    try:
-        others = tuple(_proof(each, whole["schema"]) for each in whole.get("others", ()))
-        return replace(_proof(whole, whole["schema"]), others=others)
-    except (KeyError, TypeError, ValueError, AttributeError, OverflowError, binascii.Error) as error:
-        raise InputError(f"the proof is damaged: {error!r}", allowed=f"a whole {SCHEMA}") from None
-
-
-def _proof(given: dict[str, Any], schema: str) -> Proof:  # Any: JSON
-    """The proof by one handle."""
-    refutations = tuple(_refutation(one) for one in given["refutations"])
-    return Proof(_claim(given["claim"], schema), refutations, _window(given.get("window")))
-
-
-def _unpacked(content: bytes) -> dict[str, Any]:  # Any: JSON
-    unzip = zlib.decompressobj()
-    try:
-        text = unzip.decompress(content, MOST_BYTES)
-        whole = json.loads(text)
-    except (zlib.error, ValueError, RecursionError) as error:
-        raise InputError(f"the proof cannot be read: {error}", allowed="JSON compressed by zlib") from None
-    if not isinstance(whole, dict) or unzip.unconsumed_tail or unzip.unused_data or not unzip.eof:
-        raise InputError("the proof cannot be read", allowed="one JSON object of at most 20 MB")
-    return whole
-
-
-def _claim(given: dict[str, Any], schema: str) -> Claim:  # Any: JSON
-    if schema != BY_PLACES and ("within" in given) is not (schema in SINCE_SOME_HOLDS):
-        raise ValueError(f"which holds are meant is not told in {schema}")
-    if ("declared" in given) is not (schema in SINCE_DECLARED) or type(
-        given.get("declared", False)
-    ) is not bool:
-        raise ValueError(f"how the robot's bodies are taken is not told in {schema}")
-    environment, robot = ((str(iri), str(known)) for iri, known in given["models"])
-    low, high = (_number(each) for each in given["span"])
-    x, y, yaw = (_number(each) for each in given["start"])
-    allowed = {field.name for field in fields(Tolerances)}
-    if given["tolerances"].keys() != allowed:
-        raise ValueError("tolerances are missing or unknown")
-    return Claim(
-        (environment, robot),
-        {str(joint): _number(value) for joint, value in given["state"].items()},
-        str(given["container"]),
-        (low, high),
-        Drive(given["drive"]),
-        (x, y, yaw),
-        Tolerances(**{name: _number(value) for name, value in given["tolerances"].items()}),
-        _timing(given.get("timing")),
-        None if given.get("within") is None else _number(given["within"]),
-        given.get("declared", False),
-        None if given.get("handle") is None else str(given["handle"]),
-    )
-
-
-def _timing(given: dict[str, Any] | None) -> Timing | None:  # Any: JSON
-    if given is None:
-        return None
-    times, values = (tuple(_number(one) for one in given[name]) for name in ("times", "values"))
-    if len(times) != len(values):
-        raise ValueError("as many times as values")
-    return Timing(times, values)
-
-
-def _window(given: list[Any] | None) -> tuple[int, int] | None:  # Any: JSON
-    if given is None:
-        return None
-    first, last = given
-    if type(first) is not int or type(last) is not int:
-        raise ValueError(f"{given!r} is no window")
-    return first, last
-
-
-def _refutation(given: dict[str, Any]) -> Refutation:  # Any: JSON
-    places = given.get("places")
-    return Refutation(
-        str(given["gripper"]),
-        _number(given["value"]),
-        tuple(str(each) for each in given["joints"]),
-        _box(given["box"]),
-        base64.b64decode(given["tree"], validate=True),
-        None if places is None else Places(tuple(map(_number, places["values"])), _box(places["box"])),
-        given.get("pinched") is True,
-        tuple(str(each) for each in given.get("beside", ())),
-        given.get("between") is True,
-        given.get("parked") is True,
-        _steps(given.get("steps")),
-    )
-
-
-def _steps(given: dict[str, Any] | None) -> Steps | None:  # Any: JSON
-    if given is None:
-        return None
-    pieces = tuple(given["pieces"])
-    if any(type(one) is not int or one < 0 for one in pieces):
-        raise ValueError(f"{pieces!r} are no numbers of pieces")
-    return Steps(tuple(map(_number, given["values"])), pieces)
-
-
-def _box(given: list[list[object]]) -> tuple[tuple[float, float], ...]:
-    return tuple((_number(low), _number(high)) for low, high in given)
-
-
-def _number(given: object) -> float:
-    if isinstance(given, bool) or not isinstance(given, int | float) or not math.isfinite(given):
-        raise ValueError(f"{given!r} is no finite number")
-    return float(given)

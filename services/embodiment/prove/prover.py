@@ -18,12 +18,13 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.check import leaves_of_one, refuted
 from services.embodiment.proof_check.claim import Timing, claim_about
-from services.embodiment.proof_check.content import Proof, Refutation, to_bytes
+from services.embodiment.proof_check.content import Proof, Refutation
 from services.embodiment.proof_check.haste import too_fast
 from services.embodiment.proof_check.mechanics import Tree
 from services.embodiment.proof_check.parked import stands
 from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import Statement
+from services.embodiment.proof_check.written import to_bytes
 from services.embodiment.prove.boxes import LEAF
 from services.embodiment.prove.divided import divided
 from services.embodiment.prove.limbs.beside import Limbs, never

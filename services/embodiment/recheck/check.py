@@ -18,7 +18,7 @@ from sdt_kg.task import UNKNOWN, Task, Unknown
 from sdt_kg.twin import Container
 from services.embodiment.certify.certificate import Certificate, read_certificate
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.content import is_proof
+from services.embodiment.proof_check.written import is_proof
 from services.embodiment.recheck.claim import (
     claim_differs,
     figures_differ,

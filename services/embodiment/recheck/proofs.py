@@ -22,8 +22,8 @@ from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container, Twin
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.claim import Claim
-from services.embodiment.proof_check.content import read_proof
 from services.embodiment.proof_check.statement import Statement
+from services.embodiment.proof_check.written import read_proof
 from services.embodiment.recheck.embodiment import is_at
 from services.embodiment.recheck.models import TwinOf, at_hand, models_differ
 
@@ -49,7 +49,7 @@ def proof_again(content: bytes, twin_of: TwinOf, stored: StoredVerdict | None) -
     if stored is not None and not reasons:
         reasons += _question_differs(stored, claim, twin)
         for one in (claim, *(each.claim for each in proof.others)):
-            held = twin.container(one.container).held_by(one.handle)
+            held = twin.container(one.container).by_handle(one.handle)
             reasons += _policy_differs(dict(stored.inputs), one, twin, held)
     notes = [source, checked.statement, *checked.assumptions]
     notes += [f"boxes refuted one by one: {checked.leaves}"] if checked.leaves else []

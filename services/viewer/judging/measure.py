@@ -13,8 +13,8 @@ from predicates.case import Artefact, ArtefactKind
 from sdt_kg.iri import Iri
 from sdt_kg.twin import Twin
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.content import read_proof
 from services.embodiment.proof_check.statement import Statement
+from services.embodiment.proof_check.written import read_proof
 from services.physics.model import Scene
 from services.viewer.picture.marks import Box, Mark, Point, What
 from services.viewer.picture.timeline import Posture

@@ -1,5 +1,7 @@
 """Joints that a safety controller slows near their limits: what it would slow is not certified."""
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 
@@ -79,3 +81,12 @@ def test_a_robot_comes_slowly_near_its_limits(gain: float) -> None:
     limits = [twin.mechanism(twin.robots[0]).joint(name).limits for name in body.joints]
     lower, upper = np.array([[each.lower, each.upper] for each in limits]).T
     assert (lag(body, lower, upper, gain) <= Tolerances().lag).all()
+
+
+def test_tolerances_of_older_artefacts_are_read_and_damaged_ones_are_not() -> None:
+    told = asdict(Tolerances())
+    older = {name: value for name, value in told.items() if name != "lag"}
+    assert Tolerances.told(told) == Tolerances.told(older) == Tolerances()
+    for wrong in ({**told, "lags": 1.0}, {name: value for name, value in told.items() if name != "rate"}):
+        with pytest.raises(ValueError, match="missing or unknown"):
+            Tolerances.told(wrong)

@@ -12,8 +12,9 @@ from sdt_kg.errors import InputError
 from services.embodiment.body.limb import Margins, make_limb, rules
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
-from services.embodiment.proof_check.content import BESIDE, LEAF, read_proof
+from services.embodiment.proof_check.content import BESIDE, LEAF
 from services.embodiment.proof_check.statement import Statement
+from services.embodiment.proof_check.written import read_proof
 from services.physics.model import Scene
 from tests.services.embodiment.prove.standing import HERE, Change, Known, again, front, refuted_front, swept
 

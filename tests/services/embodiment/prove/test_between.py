@@ -22,7 +22,7 @@ from services.app import Policy, load
 from services.embodiment.certify.held import moved
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
-from services.embodiment.proof_check.content import BETWEEN, IN_HAND, read_proof
+from services.embodiment.proof_check.content import BETWEEN, IN_HAND
 from services.embodiment.proof_check.interval import exact
 from services.embodiment.proof_check.mechanics import HERE as SAME
 from services.embodiment.proof_check.mechanics import Placement, Tree
@@ -32,6 +32,7 @@ from services.embodiment.proof_check.pinch.fingers import groups
 from services.embodiment.proof_check.shapes import finger_box
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.tree import all_far
+from services.embodiment.proof_check.written import read_proof
 from services.embodiment.prove import Proved, Prover
 from tests.soak.doors import draw, write
 

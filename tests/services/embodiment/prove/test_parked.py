@@ -14,9 +14,10 @@ from sdt_kg.motion import BodyMotion
 from services.embodiment.body.limb import Margins, make_limb, rules
 from services.embodiment.body.world import World
 from services.embodiment.certify import Refused, Tolerances, certify
-from services.embodiment.proof_check.content import PARKED, read_proof
+from services.embodiment.proof_check.content import PARKED
 from services.embodiment.proof_check.parked import stands
 from services.embodiment.proof_check.statement import Statement
+from services.embodiment.proof_check.written import read_proof
 from services.physics.model import Scene
 from tests.services.embodiment.prove.standing import HERE, Change, Known, again, refuted_front, swept
 

@@ -14,7 +14,8 @@ from sdt_kg.errors import InputError
 from sdt_kg.task import Verb
 from services.app import Policy, load
 from services.embodiment.proof_check.claim import Timing
-from services.embodiment.proof_check.content import IN_HAND, Proof, read_proof, to_bytes
+from services.embodiment.proof_check.content import IN_HAND, Proof
+from services.embodiment.proof_check.written import read_proof, to_bytes
 from services.embodiment.prove import Prover
 from services.embodiment.recheck import Saved, recheck_artefact, recheck_verdict
 from services.embodiment.recheck.saved import Entry, by_name

@@ -17,10 +17,11 @@ from services.embodiment.body.limb import Margins, make_limb, rules
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.check import leaves_of_one
-from services.embodiment.proof_check.content import STEPPED, Steps, read_proof
+from services.embodiment.proof_check.content import STEPPED, Steps
 from services.embodiment.proof_check.inside.cores import FLOOR
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.steps import LIFT
+from services.embodiment.proof_check.written import read_proof
 from services.embodiment.prove.limbs.steps import Climb
 from services.physics.model import Scene
 from tests.services.embodiment.prove.standing import (
