@@ -111,7 +111,7 @@ class Assembler:
 
     def _reach(self, approach: Approach) -> Timed:
         path = Followed.through(np.linspace(0.0, 1.0, len(approach.reach)), approach.reach)
-        return timing.slowed(path, self.body_bound, (np.inf, np.inf), REACH_SAMPLES)[0]
+        return timing.fastest(path, self.body_bound, (np.inf, np.inf), REACH_SAMPLES)[0]
 
     def _grasp(self, x: Array, opened: Array, closed: Array) -> Timed:
         corners = np.stack([np.append(x, opened), np.append(x, closed)])
@@ -123,7 +123,7 @@ class Assembler:
         container = self.problem.mechanics.container
         most = container.velocity, container.acceleration
         if not self.motion.timed and not timing.turns_back(self.motion):
-            timed, values, rates = timing.slowed(path, self.body_bound, most, FOLLOW_SAMPLES)
+            timed, values, rates = timing.fastest(path, self.body_bound, most, FOLLOW_SAMPLES)
             return timed, values, rates, timing.excess(timed, self.body_bound)
         times, values, rates = timing.as_timed(self.motion, FOLLOW_SAMPLES)
         timed = timing.at_values(path, times, values, rates)

@@ -40,6 +40,12 @@ class Bound:
     upper: Array
     gain: Array
 
+    @staticmethod
+    def alone(velocity: Array, acceleration: Array) -> "Bound":
+        """Of what is nowhere slowed."""
+        far = np.full(len(velocity), np.inf)
+        return Bound(velocity, acceleration, -far, far, far)
+
     def beside(self, other: "Bound") -> "Bound":
         """The limits of these variables, then those of the others."""
         pairs = ((getattr(self, each.name), getattr(other, each.name)) for each in fields(self))

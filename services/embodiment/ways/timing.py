@@ -12,13 +12,15 @@ from numpy.typing import NDArray
 
 from sdt_kg.motion import Motion
 from sdt_kg.twin import Container
-from services.embodiment.ways.bound import Bound, Timed
+from services.embodiment.ways.bound import LAG, Bound, Timed
 from services.physics.replay import spline_of, velocities_of
 from services.physics.spline import Cubic, free_velocities
 
 Array = NDArray[np.float64]
 
 SLACK = 0.98  # [1] of every limit is used
+BENT = 0.5  # [1] of an acceleration limit that what turns on its way may take
+UNBOUNDED = 1e6  # [1/s2] of the share of a way that nothing bounds
 BASE_LINEAR = slice(0, 2)
 TURNS = (
     2e-3  # [rad or m] back and forth by less, τ counts as going straight to its end: twice what it may be off
@@ -102,26 +104,6 @@ def along(corners: Array, bound: Bound, reach: Array, spacing: float) -> Timed:
     return joined(parts) if parts else still
 
 
-def smooth(u: Array) -> Array:
-    """Way, speed and acceleration of a law from 0 to 1 in unit time at u (T,), shape (3, T).
-
-    Speed rises as a smoothstep over the first 30 %, is constant, and falls likewise: acceleration is
-    continuous, so that a spline through samples stays near the law.
-    """
-    ramp = 0.3
-    top = 1.0 / (1.0 - ramp)
-
-    def rise(s: Array) -> tuple[Array, Array, Array]:
-        return top * ramp * (s**3 - s**4 / 2), top * (3 * s**2 - 2 * s**3), top / ramp * (6 * s - 6 * s**2)
-
-    up, down = rise(np.clip(u / ramp, 0, 1)), rise(np.clip((1 - u) / ramp, 0, 1))
-    early, late = u < ramp, u > 1 - ramp
-    way = np.where(early, up[0], np.where(late, 1 - down[0], top * ramp / 2 + top * (u - ramp)))
-    speed = np.where(early, up[1], np.where(late, down[1], top))
-    acceleration = np.where(early, up[2], np.where(late, -down[2], 0.0))
-    return np.stack([way, speed, acceleration])
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Followed:
     """A robot path over a container's value: x(p), C² in p.
@@ -145,32 +127,55 @@ class Followed:
         return x, slope * rate[:, None]
 
 
-def slowed(
+def fastest(
     path: Followed, bound: Bound, container: tuple[float, float], samples: int
 ) -> tuple[Timed, Array, Array]:
-    """The path as fast as all limits allow with the law `smooth`, and the container's values and rates.
+    """The path about as fast as all limits allow at each of its points, and the container's values and rates.
 
-    `container` holds the velocity and acceleration limit of the container's joint.
+    Let b be the square of the speed along the way. The least acceleration that is left at two samples says by
+    how much b differs from one to the other; b is the largest that keeps to that and to its bounds, and is 0
+    at both ends (Bobrow, Dubowsky and Gibson 1985). What is left is taken for the fastest that may be there,
+    so one pass each way finds b; then `stretched` uses up the limits.
+
+    Args:
+        path: What is followed.
+        bound: Of the robot.
+        container: Velocity and acceleration limit of the container's joint.
+        samples: How many, in even steps of the way.
     """
-    u = np.linspace(0.0, 1.0, samples)
-    law = smooth(u)
+    share = np.linspace(0.0, 1.0, samples)
     span = float(path.values[-1] - path.values[0])
-    x, v = path.at(law[0], law[1])
-    first, second = _hermite_accelerations(u, x, v)
-    accelerations = np.concatenate([first, second])
-    # Hermite pieces can be faster inside than at their ends; the middle is the extreme if there is one.
-    middles = 1.5 * np.diff(x, axis=0) / np.diff(u)[:, None] - (v[1:] + v[:-1]) / 4
-    speeds = np.concatenate([v, middles])
-    factor = max(
-        1.0 / _slowest(speeds, bound.velocity),
-        1.0 / np.sqrt(_slowest(accelerations, bound.acceleration)),
-        abs(span) * law[1].max() / container[0],
-        np.sqrt(abs(span) * np.abs(law[2]).max() / container[1]),
+    x, slope = path.at(share, np.ones(samples))
+    turns = np.abs(np.diff(slope, axis=0)) / share[1]
+    bend = np.maximum(np.vstack((turns[:1], turns)), np.vstack((turns, turns[-1:])))
+    still = np.zeros(samples)
+    rates, bends = _each(slope, still + abs(span)), _each(bend, still)
+    velocity, acceleration = (
+        np.hstack((most[0], most[2:], own))
+        for most, own in zip((bound.velocity, bound.acceleration), container, strict=True)
     )
-    duration = factor / SLACK
-    timed = Timed(u * duration, x, v / duration)
-    slower = bound.haste(timed)
-    return timed.slower(slower), path.values[0] + span * law[0], span * law[1] / (duration * slower)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        square = np.fmin.reduce((velocity / rates) ** 2, axis=1, initial=UNBOUNDED)
+        square = np.fmin(square, np.fmin.reduce(BENT * acceleration / bends, axis=1, initial=UNBOUNDED))
+        room = np.where(slope > 0, bound.upper - x, x - bound.lower) + LAG
+        slowed = np.fmin.reduce((bound.gain * room / np.abs(slope)) ** 2, axis=1, initial=UNBOUNDED)
+        left = (acceleration - bends * square[:, None]) / rates
+    square = np.fmin(square, slowed)
+    square[[0, -1]] = 0.0
+    gain = np.fmin.reduce(left, axis=1, initial=UNBOUNDED)
+    climb = np.append(0.0, np.cumsum(2 * share[1] * np.minimum(gain[1:], gain[:-1])))
+    square = climb + np.minimum.accumulate(square - climb)
+    square = np.minimum.accumulate((square + climb)[::-1])[::-1] - climb
+    rate = np.sqrt(np.maximum(square, 0.0))
+    times = np.append(0.0, np.cumsum(2 * share[1] / (rate[1:] + rate[:-1])))
+    timed = Timed(times, x, slope * rate[:, None])
+    return stretched(timed, bound, (path.values[0] + span * share, span * rate), container)
+
+
+def _each(robot: Array, container: Array) -> Array:
+    """What has limits of its own, shape (T, n): the base in its plane, the other variables, the container."""
+    plane = np.linalg.norm(robot[:, BASE_LINEAR], axis=1, keepdims=True)
+    return np.hstack((plane, np.abs(robot[:, 2:]), container[:, None]))
 
 
 def _hermite_accelerations(u: Array, x: Array, v: Array) -> tuple[Array, Array]:
@@ -224,10 +229,9 @@ def stretched(
     `container` holds the velocity and acceleration limit of the container's joint.
     """
     values, rates = (np.stack([each, np.zeros_like(each)], axis=1) for each in alone)
-    far = np.full(2, np.inf)
-    own = Bound(np.array(container[:1]), np.array(container[1:]), -far, far, far)
+    own = Bound.alone(np.array(container[:1]), np.array(container[1:]))
     ratios = excess(timed, bound), excess(Timed(timed.times, values, rates), own)
-    factor = max(max(speed, np.sqrt(acceleration)) for speed, acceleration in ratios) / SLACK
+    factor = max(max(speed / SLACK, np.sqrt(acceleration / SLACK)) for speed, acceleration in ratios)
     timed = timed.slower(factor)
     slower = bound.haste(timed)
     return timed.slower(slower), alone[0], alone[1] / (factor * slower)

@@ -12,8 +12,6 @@ from services.embodiment.body.world import World
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.sets import PITCHES, grasp_set
 from services.embodiment.prove.heights import span
-from services.embodiment.ways import timing
-from services.embodiment.ways.timing import Bound
 from services.physics.model import Scene
 
 pytestmark = pytest.mark.oracle
@@ -151,29 +149,6 @@ def test_the_bar_of_a_handle_is_found_with_its_axis_and_thickness() -> None:
     assert bar.width == pytest.approx(0.016, abs=0.002)
     np.testing.assert_allclose(np.abs(bar.along), [0, 1, 0], atol=1e-3)
     np.testing.assert_allclose(bar.outward, [1, 0, 0], atol=1e-3)
-
-
-def test_a_straight_segment_uses_its_limits_and_keeps_them() -> None:
-    bound = Bound(np.array([0.2, 0.2, 0.5]), np.array([0.4, 0.4, 1.0]))
-    timed = timing.straight(np.zeros(3), np.array([3.0, 4.0, 0.1]), bound, 0.05)
-    assert timed is not None
-    speed, acceleration = timing.excess(timed, bound)
-    assert speed == pytest.approx(timing.SLACK)
-    assert acceleration == pytest.approx(timing.SLACK)
-    # 5 m at 0.196 m/s, and half a second each to speed up and slow down at 0.392 m/s².
-    assert timed.times[-1] == pytest.approx(5 / 0.196 + 0.196 / 0.392)
-    np.testing.assert_allclose(timed.x[-1], [3.0, 4.0, 0.1], atol=1e-12)
-    assert not timed.v[[0, -1]].any()
-
-
-def test_the_law_of_following_starts_and_ends_at_rest_without_a_jump_of_acceleration() -> None:
-    u = np.linspace(0, 1, 2001)
-    way, speed, acceleration = timing.smooth(u)
-    assert way[[0, -1]] == pytest.approx([0.0, 1.0])
-    assert speed[[0, -1]] == pytest.approx([0.0, 0.0])
-    assert acceleration[[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-12)
-    assert np.abs(np.diff(acceleration)).max() < 0.05
-    np.testing.assert_allclose(np.gradient(way, u)[1:-1], speed[1:-1], atol=1e-4)
 
 
 def test_steep_grasps_are_the_same_set_with_those_from_far_above_and_below_first() -> None:
