@@ -10,7 +10,7 @@ from xml.parsers import expat
 
 from sdt_kg.errors import UrdfError
 from sdt_kg.numbers import number_in
-from sdt_kg.urdf.spelling import NUMBERS, SHAPES, check_spelling, solid_parts
+from sdt_kg.urdf.spelling import NUMBERS, SHAPES, check_expanded, check_once, check_spelling, solid_parts
 
 MAX_BYTES: Final = 50_000_000
 """[byte] Larger files are refused; the largest robot that we know of is below 1 MB."""
@@ -39,7 +39,9 @@ def parse_xml(text: bytes, source: Path) -> ET.Element:
     root = ET.fromstring(text)  # noqa: S314 - no DTD, hence no entity, is left in the text
     if root.tag != "robot":
         raise UrdfError(f"{source}: the root element is <{root.tag}>", allowed="<robot>")
+    check_expanded(root, source)
     check_spelling(root, source)
+    check_once(root, source)
     _check_names(root, source)
     for joint in root.findall("joint"):
         _check_joint(joint, source)

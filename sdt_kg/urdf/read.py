@@ -30,6 +30,7 @@ from sdt_kg.urdf.inertias import with_possible
 from sdt_kg.urdf.joints import checked, resolved, turned, with_fixed, within_soft_limits
 from sdt_kg.urdf.loader import yourdfpy
 from sdt_kg.urdf.meshes import collision_file, mesh_hash
+from sdt_kg.urdf.spelling import limits_given_twice
 from sdt_kg.urdf.xacro import expanded
 
 XACRO: Final = ".xacro"
@@ -72,7 +73,7 @@ def read_mechanism(path: str | Path, *, name: str | None = None, turn_axes: bool
         root=next(body.name for body in bodies if body.name not in children),
         bodies=bodies,
         joints=_ordered(joints),
-        notes=(*_visual_only(root), *notes),
+        notes=(*_visual_only(root), *limits_given_twice(root), *notes),
     )
 
 

@@ -1,7 +1,7 @@
-"""Elements and attributes that URDF does not have, and that look like ones that it has.
+"""What readers of URDF pass over: misspelled elements and attributes, parts given twice, other files.
 
-Readers of URDF pass over what they do not know: a `<Collision>` would be nothing that can be met, and
-`xzy="…"` no place.
+A `<Collision>` would be nothing that can be met, nor a second `<geometry>`, nor what `<xacro:cabinet/>`
+stands for; `xzy="…"` would be no place.
 """
 
 from collections.abc import Iterator, Mapping
@@ -49,6 +49,9 @@ TEXTS: Final[Mapping[str, tuple[str, ...]]] = {
     "mimic": ("joint",),
     "parent": ("link",),
 }
+UNREAD: Final = ("dynamics", "calibration", "limit")
+"""Parts of a joint that no verdict looks at, or that are told (`limits_given_twice`)."""
+
 ATTRIBUTES: Final = {tag: (*TEXTS.get(tag, ()), *NUMBERS.get(tag, ())) for tag in (*TEXTS, *NUMBERS)}
 
 
@@ -70,6 +73,55 @@ def check_spelling(root: ET.Element, source: Path) -> None:
             if slip := _slip_of(name, known):
                 what = f'{where} has {name}="{value}"'
                 raise UrdfError(what, allowed=", ".join(known), remedy=f"write {slip}")
+
+
+def check_expanded(root: ET.Element, source: Path) -> None:
+    """Nothing stands for what is written elsewhere: no xacro, no other file.
+
+    Raises:
+        UrdfError: Something does.
+    """
+    for element in root.iter():
+        space, _, tag = element.tag.rpartition("}")
+        if space.endswith("xacro"):
+            raise UrdfError(
+                f"{source}: has <xacro:{tag}>, which only xacro reads",
+                allowed="URDF in a file .urdf, xacro in a file .xacro",
+                remedy="name the file .xacro, or expand it: xacro FILE.xacro > FILE.urdf",
+            )
+        if tag == "include" and (space or element in root):
+            raise UrdfError(
+                f"{source}: has <include>, which URDF does not read",
+                allowed="one file with all links and joints, or <xacro:include> in a file .xacro",
+                remedy="put in what it includes",
+            )
+
+
+def check_once(root: ET.Element, source: Path) -> None:
+    """No part of a link or joint is given twice where one is read.
+
+    Raises:
+        UrdfError: One is.
+    """
+    for element in _looked_at(root):
+        once = ("inertial",) if element.tag == "link" else PARTS.get(element.tag, ())
+        for tag in once if element.tag in ("link", "joint", "inertial", "collision") else ():
+            if tag not in UNREAD and len(element.findall(tag)) > 1:
+                where = f" '{element.get('name')}'" if element.get("name") else ""
+                raise UrdfError(
+                    f"{source}: {element.tag}{where} has <{tag}> more than once",
+                    allowed="one",
+                    remedy="leave all but one out; a link may have several <collision>",
+                )
+
+
+def limits_given_twice(root: ET.Element) -> list[str]:
+    """A note on each joint with several `<limit>`: the first holds, as everywhere in ROS."""
+    return [
+        f"joint '{joint.get('name')}' has <limit> more than once: the first is taken"
+        for joint in root.findall("joint")
+        if len(joint.findall("limit")) > 1
+    ]
 
 
 def _looked_at(root: ET.Element) -> Iterator[ET.Element]:
