@@ -1,7 +1,7 @@
-"""Terms of the ontology in a query that are none: they match nothing, and nothing is no "no"."""
+"""What in a query can match nothing, since it is misspelled or not there: nothing is no "no"."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from typing import Final
 
@@ -9,16 +9,40 @@ import pyoxigraph as ox
 
 import ontology
 from sdt_kg.errors import meant
-from sdt_kg.iri import LAW, SDT, TEE, local_name
+from sdt_kg.iri import ID, LAW, OWL, PREFIXES, SDT, TEE, local_name
 
 _NAMESPACES: Final = {"law": LAW, "sdt": SDT, "tee": TEE}
 _TERM: Final = re.compile(
     r"(?<![\w:?$-])(law|sdt|tee):([A-Za-z]\w*)|<https://example\.org/(law|sdt|tee)#(\w+)>"
 )
+_TEXT: Final = re.compile(r"(?<![\w:?$-])(law|sdt|tee):([A-Za-z]\w*)\s+([\"'])")
+_DECLARED: Final = re.compile(r"\bPREFIX\s+(\w+):\s*<([^>]*)>", re.IGNORECASE)
+_ENTITY: Final = re.compile(
+    r"(?<![\w:?$-])id:((?:[\w%-]|\\.|\.(?=\w))+)|<https://example\.org/id/([^>\s]*[^>\s/])>"
+)
+_THERE: Final = "ASK {{ {{ {0} ?p ?o }} UNION {{ ?s ?p {0} }} UNION {{ GRAPH {0} {{ ?s ?p ?o }} }} }}"
+
+
+def matching_nothing(sparql: str, ask: Callable[[str], object]) -> Iterator[str]:
+    """A sentence about all in the text that can match nothing; `ask` answers an ASK of what is queried."""
+    yield from unknown_terms(sparql)
+    if dict(_DECLARED.findall(sparql)).get("id", ID) != ID:
+        return
+    for name in dict.fromkeys(
+        re.sub(r"\\(.)", r"\1", each[1] or "") or each[2] for each in _ENTITY.finditer(sparql)
+    ):
+        if not ask(_THERE.format(f"<{ID}{name}>")):
+            yield f"nothing here is called id:{name}: what asks for it finds nothing, which is no 'no'"
 
 
 def unknown_terms(sparql: str) -> Iterator[str]:
-    """A sentence about each term of law:, sdt: or tee: in the text that the ontology does not have."""
+    """A sentence about each term of law:, sdt: or tee: in the text that the ontology does not have.
+
+    Also about a prefix that is another here, and a text where such a term leads to an IRI.
+    """
+    for prefix, iri in _DECLARED.findall(sparql):
+        if prefix in _NAMESPACES and iri != PREFIXES[prefix]:
+            yield f"{prefix}: is <{PREFIXES[prefix]}> here, not <{iri}>, of which nothing is said"
     found = dict.fromkeys((each[1] or each[3], each[2] or each[4]) for each in _TERM.finditer(sparql))
     for prefix, name in found:
         known = _names(prefix)
@@ -26,6 +50,22 @@ def unknown_terms(sparql: str) -> Iterator[str]:
             near = meant(name, known)
             hint = f"did you mean {prefix}:{near}?" if near else "sdt ontology lists them"
             yield f"{prefix}:{name} is no term of the ontology, and nothing has it; {hint}"
+    for prefix, name, _ in dict.fromkeys(_TEXT.findall(sparql)):
+        if name in _leading_to_iris(prefix):
+            what = f"{prefix}:{name} leads to an IRI, and no text is one"
+            yield f"{what}: write id:NAME or {prefix}:NAME, without quotes"
+
+
+@cache
+def _leading_to_iris(prefix: str) -> frozenset[str]:
+    """Local names of the object properties that a file of the ontology defines."""
+    data = ox.parse(ontology.path(f"{prefix}.ttl").read_bytes(), format=ox.RdfFormat.TURTLE)
+    kind = ox.NamedNode(f"{OWL}ObjectProperty")
+    return frozenset(
+        local_name(quad.subject.value)
+        for quad in data
+        if quad.object == kind and isinstance(quad.subject, ox.NamedNode)
+    )
 
 
 @cache

@@ -17,7 +17,7 @@ from services.commands.graphs.computing import Asked, compute_options, print_com
 from services.commands.options import csv_flag, json_flag, query_text
 from services.commands.saved.mixed import mixed_models
 from services.commands.show import print_rows
-from services.ontology_page.spelling import unknown_terms
+from services.ontology_page.spelling import matching_nothing, unknown_terms
 from services.store.files import is_saved_graph, readable
 from services.store.known import restricted
 
@@ -65,21 +65,30 @@ def query(
         return
     refuse_without_compute(Asked(**options))
     with _stopped_at_once():
-        (columns, rows), notes = (
-            _saved(source, text) if is_saved_graph(source) else (load(source).query(text), ())
-        )
+        (columns, rows), notes = (_saved if is_saved_graph(source) else _of_twin)(source, text)
     print_rows(rows, columns, as_json=as_json)
-    _tell_unknown(text)
     for note in notes:
         click.echo(f"note: {note}", err=True)
 
 
-def _saved(place: str, sparql: str) -> tuple[tuple[list[str], list[Row]], list[str]]:
-    """Columns and rows, and what of the verdicts that a query counts together is about different models."""
+Told = tuple[tuple[list[str], list[Row]], list[str]]
+"""Columns and rows, and notes on them."""
+
+
+def _of_twin(source: str, sparql: str) -> Told:
+    kitchen = load(source)
+    found = kitchen.query(sparql)
+    return found, list(matching_nothing(sparql, lambda ask: kitchen.query(ask)[1][0]["answer"]))
+
+
+def _saved(place: str, sparql: str) -> Told:
+    """Also what of the verdicts that a query counts together is about different models."""
     text = checked_query(sparql)
     with closing(readable(place)) as store:
+        rows = rows_of(store.query(text))
+        notes = matching_nothing(sparql, lambda ask: bool(store.query(checked_query(ask))))
         about_verdicts = "law:" in text or LAW in text
-        return rows_of(store.query(text)), list(mixed_models(store)) if about_verdicts else []
+        return rows, [*notes, *(mixed_models(store) if about_verdicts else ())]
 
 
 def _tell_unknown(text: str) -> None:

@@ -20,6 +20,43 @@ def test_a_term_that_the_ontology_does_not_have_is_told_beside_the_answer(sdt) -
     assert "sdt:Dor is no term" in done.err
 
 
+@pytest.mark.parametrize(
+    ("query", "note"),
+    [
+        ("SELECT ?p { id:r2d2 ?p ?o }", "nothing here is called id:r2d2"),
+        (r"SELECT ?p { id:b\/body\/dor ?p ?o }", "nothing here is called id:b/body/dor"),
+        ("SELECT ?p { <https://example.org/id/c> ?p ?o }", "nothing here is called id:c"),
+        ('SELECT ?d { ?d sdt:hasJoint "door" }', "sdt:hasJoint leads to an IRI, and no text is one"),
+        ("PREFIX sdt: <urn:x:> SELECT ?d { ?d a sdt:Door }", "sdt: is <https://example.org/sdt#> here"),
+    ],
+)
+def test_what_matches_nothing_is_told_beside_the_answer(sdt, query: str, note: str) -> None:
+    done = sdt("query", "b", query, "--json")
+    assert (done.code, done.json) == (0, [])
+    assert note in done.err
+
+
+@pytest.mark.parametrize(
+    "query",
+    [
+        r"SELECT ?p { id:b\/body\/iai_fridge_door ?p ?o . id:b ?q ?r } LIMIT 1",
+        "PREFIX body: <https://example.org/id/b/body/> SELECT ?p { body:iai_fridge_door ?p ?o } LIMIT 1",
+        "PREFIX id: <urn:x:> SELECT ?p { ?s ?p ?o . FILTER(?o != id:r2d2) } LIMIT 1",
+    ],
+)
+def test_of_what_is_there_nothing_is_told(sdt, query: str) -> None:
+    done = sdt("query", "b", query, "--json")
+    assert (len(done.json), "is called" in done.err) == (1, False)
+
+
+def test_what_no_saved_verdict_is_about_is_told(sdt, tmp_path: Path) -> None:
+    store = tmp_path / "v.trig"
+    store.write_text("<urn:v> <urn:p> <https://example.org/id/pr2> .", encoding="utf-8")
+    asked = "SELECT ?v {{ ?v ?p id:{} }}"
+    assert "is called id:tiago:" in sdt("query", str(store), asked.format("tiago")).err
+    assert "is called" not in sdt("query", str(store), asked.format("pr2")).err
+
+
 def test_a_prefix_that_is_not_declared_is_told(sdt) -> None:
     done = sdt("query", "b", "SELECT ?d { ?d my:likes ?h }")
     assert done.code == 2
