@@ -47,13 +47,14 @@ else
 	$(PYTHON) -m venv --clear .venv
 	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -c constraints.txt -e '.[dev]'
 endif
-	@# The inner loops are compiled once, here, so that no question waits for it.
-	$(BIN)/sdt achieve --kitchen b --robot pr2 --task open:sink_area_left_middle_drawer_main >/dev/null
-	@# And those of proofs: a robot that must not drive does not come to that door, hence exit 1.
-	$(BIN)/sdt achieve --kitchen b --robot stretch --drive fixed --task open:iai_fridge_door >/dev/null || test $$? = 1
-	@# Bytecode of our own modules, and of what servers and pages import; of packages only what is used.
-	$(BIN)/python -m compileall -q kitchens ontology predicates robots sdt_kg services
-	$(BIN)/python -c 'import services.http.app, services.viewer.session, services.bus.server, services.bus.client'
+	@# Side by side: the inner loops are compiled once, here, so that no question waits for it (those of proofs
+	@# by a robot that must not drive and does not come to that door, hence exit 1); and bytecode of our own
+	@# modules, and of what servers and pages import; of packages only what is used.
+	{ $(BIN)/python -m compileall -q kitchens ontology predicates robots sdt_kg services && \
+	  $(BIN)/python -c 'import services.http.app, services.viewer.session, services.bus.server, services.bus.client'; } & \
+	$(BIN)/sdt achieve --kitchen b --robot pr2 --task open:sink_area_left_middle_drawer_main >/dev/null && \
+	{ $(BIN)/sdt achieve --kitchen b --robot stretch --drive fixed --task open:iai_fridge_door >/dev/null || test $$? = 1; } && \
+	wait $$!
 	@touch .venv
 
 clean:

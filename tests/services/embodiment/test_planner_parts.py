@@ -47,7 +47,7 @@ def test_free_means_that_every_pair_keeps_its_margin(limb_world: tuple[World, Li
     world, limb = limb_world
     demands = rules(world, limb, Margins())
     found = {True: 0, False: 0}
-    for x in draw(limb, 20, 1):
+    for x in draw(limb, 10, 1):
         q = limb.q(x)
         r, p = world.frames(q)
         contact = world.contact(q[None], demands)

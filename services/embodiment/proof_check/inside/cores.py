@@ -185,27 +185,48 @@ def _pierced(
     middle, half = boxes
     origins, axes, at = Chain(links, core.middle).frames(middle)
     turns = np.array([link.turns for link in links], dtype=np.bool_)
-    moved, every = _moved(at.translation, origins, axes, links, half), np.flatnonzero(keeps)[None]
+    moved = _moved(at.translation, origins, axes, links, half)
     swing = Swing(origins, axes, half, turns)
-    points, near = _points(at, core.half, solids, every, moved[:, None], ROUNDS)
-    rows, best = np.arange(len(middle)), near.argmax(axis=1)
-    depth = _depth(core, at, swing, solids, (points[rows, best], every[0, best]))
-    for s in range(every.shape[1]):
+    met = _near(at, core.half, solids) & keeps
+    points, near = np.zeros((*met.shape, 3)), np.full(met.shape, -np.inf)
+    where, those = np.nonzero(met)
+    points[met], near[met] = _points(at.some(where), core.half, solids, those, moved[where, None], ROUNDS)
+    depth, rows, best = np.full(len(middle), -np.inf), np.flatnonzero(met.any(axis=1)), near.argmax(axis=1)
+    depth[rows] = _depth(
+        core, at.some(rows), _some(swing, rows), solids, (points[rows, best[rows]], best[rows])
+    )
+    for s in np.flatnonzero(met.any(axis=0)):
         left = np.flatnonzero((depth <= 0) & (near[:, s] > -NEARLY))
         if len(left):
-            there, which = at.some(left), every[:, [s]]
+            there, which, still = at.some(left), np.full(len(left), s), _some(swing, left)
             less = np.minimum(moved[left], max(float(core.half.min()) - NEARLY, 0.0))
-            points, _ = _points(there, core.half, solids, which, less[:, None], MORE_ROUNDS)
-            still = Swing(origins[left], axes[left], half[left], turns)
-            found = points[:, 0], np.broadcast_to(which[0], len(left))
-            depth[left] = _depth(core, there, still, solids, found)
+            found, _ = _points(there, core.half, solids, which, less[:, None], MORE_ROUNDS)
+            depth[left] = _depth(core, there, still, solids, (found, which))
             if (depth[left] <= 0).any():  # less deep where it moves less
-                points, _ = _points(
-                    there, core.half, solids, which, still.seen(exact(points[:, 0]), there), MORE_ROUNDS
-                )
-                found = points[:, 0], found[1]
-                depth[left] = np.maximum(depth[left], _depth(core, there, still, solids, found))
+                less = still.seen(exact(found), there)
+                found, _ = _points(there, core.half, solids, which, less, MORE_ROUNDS)
+                depth[left] = np.maximum(depth[left], _depth(core, there, still, solids, (found, which)))
     return depth
+
+
+def _near(at: Placement, half: Array, solids: Solids) -> NDArray[np.bool_]:
+    """Which solids may come as near as `NEARLY` to a core, shape (L, S): no face of one of them divides both.
+
+    Where one does, no point can be found. In floats.
+    """
+    turn, other = _middle(at.rotation)[:, None], _middle(solids.at.rotation)[None]
+    between = np.matmul(turn.swapaxes(-1, -2), other)
+    way = (_middle(solids.at.translation)[None] - _middle(at.translation)[:, None])[..., None]
+    own, its = (np.abs(np.matmul(one.swapaxes(-1, -2), way))[..., 0] for one in (turn, other))
+    size = np.abs(between)
+    own -= half + np.matmul(size, solids.half[None, :, :, None])[..., 0]
+    its -= solids.half + np.matmul(half, size)
+    return np.maximum(own.max(axis=-1), its.max(axis=-1)) < 2 * NEARLY  # √3 · NEARLY, across a corner
+
+
+def _some(swing: Swing, chosen: NDArray[np.intp]) -> Swing:
+    """Those boxes of several."""
+    return Swing(swing.origins[chosen], swing.axes[chosen], swing.half[chosen], swing.turns)
 
 
 def _depth(
@@ -230,32 +251,33 @@ def _moved(point: Interval, origins: Interval, axes: Interval, links: tuple[Link
 def _points(  # noqa: PLR0913, PLR0917  # where a box is, what it may meet, and how far it is looked
     at: Placement, half: Array, solids: Solids, which: NDArray[np.intp], moved: Array, rounds: int
 ) -> tuple[Array, Array]:
-    """A point of each solid in each box (L, S, 3), and how deep it lies there (L, S); to be checked.
+    """A point of a solid in each box (L, 3), and how deep it lies there (L,); to be checked.
 
-    The solids are those of `which`, shape (1, S); it is looked for where a box is smaller by `moved`, shape
+    The solids are those of `which`, shape (L,); it is looked for where a box is smaller by `moved`, shape
     (L, 1) or (L, 3). In floats.
     """
-    turn, place = _middle(at.rotation), _middle(at.translation)[:, None]
+    turn, place = _middle(at.rotation), _middle(at.translation)
     other, there = _middle(solids.at.rotation)[which], _middle(solids.at.translation)[which]
-    own = np.maximum(half - moved, 0.0)[:, None]
+    own = np.maximum(half - moved, 0.0)
     room = solids.half[which] * (1 - 1e-9) - 2 * ROUNDING
-    point = np.repeat(place, which.shape[1], axis=1)
-    last = np.zeros(point.shape[:2])
+    # Seen from the solid, whose box is then along the axes.
+    turn = np.matmul(other.swapaxes(1, 2), turn)
+    place = np.matmul((place - there)[:, None], other)[:, 0]
+    point, last = place, np.zeros(len(place))
     for n in range(rounds):
         before = point
-        seen = np.einsum("lji,lsj->lsi", turn, point - place)
-        point = np.einsum("lij,lsj->lsi", turn, np.clip(seen, -own, own)) + place
-        local = np.clip(np.einsum("lsji,lsj->lsi", other, point - there), -room, room)
-        point = np.einsum("lsij,lsj->lsi", other, local) + there
-        step = np.linalg.norm(point - before, axis=2)
+        seen = np.matmul((point - place)[:, None], turn)[:, 0]
+        point = np.matmul(turn, np.clip(seen, -own, own)[..., None])[..., 0] + place
+        point = np.clip(point, -room, room)
+        step = np.linalg.norm(point - before, axis=1)
         if (
             n % LEAP == LEAP - 1 and n + 1 < rounds
         ):  # between two faces each step is a share of the one before
             far = np.where(step < last, step / np.maximum(last - step, NEARBY * last + ROUNDING), 0.0)
-            point = point + (point - before) * far[:, :, None]
+            point = point + (point - before) * far[:, None]
         last = step
-    seen = np.einsum("lji,lsj->lsi", turn, point - place)
-    return point, (half - np.abs(seen)).min(axis=2)
+    seen = np.matmul((point - place)[:, None], turn)[:, 0]
+    return np.matmul(other, point[..., None])[..., 0] + there, (half - np.abs(seen)).min(axis=1)
 
 
 def _placed(iri: Iri, chain: Chain, q: Array, geometries: list[Geometry], slack: Array) -> Solids:

@@ -44,6 +44,7 @@ def prover(twin: Twin, robot: str, drive: Drive, start: tuple[float, float, floa
     return Prover(twin, iri, door, drive, start, np.array([0.0, 0.92 * door.upper]))
 
 
+@pytest.fixture(scope="module")
 def far(twin: Twin) -> Proved:
     """No hand of a TIAGo comes from that base to the fridge."""
     found = prover(twin, "tiago_dual", Drive.FIXED, BASE).prove(BOXES)
@@ -101,18 +102,17 @@ def test_joints_are_where_pinocchio_has_them_and_no_finger_is_farther_than_the_r
                 assert held.apart(grasp, arm.half, STILL, level=True) < 0
 
 
-def test_a_proof_is_found_verified_and_says_what_it_assumes(twin: Twin) -> None:
-    found = far(twin)
+def test_a_proof_is_found_verified_and_says_what_it_assumes(twin: Twin, far: Proved) -> None:
     (tiago,) = (one for one in twin.robots if twin.name(one) == "tiago_dual")
-    checked = check(twin, tiago, twin.container(DOOR), found.artefact.content)
+    checked = check(twin, tiago, twin.container(DOOR), far.artefact.content)
     assert checked.holds, checked.reasons
-    assert checked.leaves == found.boxes
+    assert checked.leaves == far.boxes
     assert any("fixed" in each for each in checked.assumptions)
-    assert found.diagnosis.proof
+    assert far.diagnosis.proof
 
 
 @pytest.mark.parametrize("schema", ["sdt proof 2", "sdt proof 4"])
-def test_a_proof_of_an_older_version_is_read_and_holds(twin: Twin, schema: str) -> None:
+def test_a_proof_of_an_older_version_is_read_and_holds(twin: Twin, far: Proved, schema: str) -> None:
     def older(whole: dict[str, Any]) -> None:
         whole["schema"] = schema
         del whole["claim"]["within"], whole["claim"]["declared"]
@@ -120,7 +120,7 @@ def test_a_proof_of_an_older_version_is_read_and_holds(twin: Twin, schema: str) 
             del one["places"], one["pinched"]
 
     (tiago,) = (one for one in twin.robots if twin.name(one) == "tiago_dual")
-    content = changed(far(twin).artefact.content, older)
+    content = changed(far.artefact.content, older)
     assert check(twin, tiago, twin.container(DOOR), content).holds
 
 
@@ -228,8 +228,10 @@ CHANGES = (
 
 
 @pytest.mark.parametrize("change", CHANGES)
-def test_a_changed_proof_does_not_hold(twin: Twin, change: Callable[[dict[str, Any]], None]) -> None:
-    content = far(twin).artefact.content
+def test_a_changed_proof_does_not_hold(
+    twin: Twin, far: Proved, change: Callable[[dict[str, Any]], None]
+) -> None:
+    content = far.artefact.content
     (tiago,) = (one for one in twin.robots if twin.name(one) == "tiago_dual")
     assert not check(twin, tiago, twin.container(DOOR), changed(content, change)).holds
 
@@ -242,8 +244,8 @@ def test_what_is_no_proof_is_refused_by_name(twin: Twin, content: bytes) -> None
         check(twin, twin.robots[0], twin.container(DOOR), content)
 
 
-def test_flipped_bytes_never_hold(twin: Twin) -> None:
-    content = far(twin).artefact.content
+def test_flipped_bytes_never_hold(twin: Twin, far: Proved) -> None:
+    content = far.artefact.content
     (tiago,) = (one for one in twin.robots if twin.name(one) == "tiago_dual")
     rng = np.random.default_rng(5)
     for at in rng.choice(len(content), 40, replace=False):
