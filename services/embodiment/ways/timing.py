@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 SLACK = 0.98  # [1] of every limit is used
 BENT = 0.5  # [1] of an acceleration limit that what turns on its way may take
 UNBOUNDED = 1e6  # [1/s2] of the share of a way that nothing bounds
+LEAST = 1e-12  # [1/s2] the square of a speed along a way, where rounding leaves none
 BASE_LINEAR = slice(0, 2)
 TURNS = (
     2e-3  # [rad or m] back and forth by less, τ counts as going straight to its end: twice what it may be off
@@ -166,7 +167,7 @@ def fastest(
     climb = np.append(0.0, np.cumsum(2 * share[1] * np.minimum(gain[1:], gain[:-1])))
     square = climb + np.minimum.accumulate(square - climb)
     square = np.minimum.accumulate((square + climb)[::-1])[::-1] - climb
-    rate = np.sqrt(np.maximum(square, 0.0))
+    rate = np.sqrt(np.append(np.append(0.0, np.maximum(square[1:-1], LEAST)), 0.0))
     times = np.append(0.0, np.cumsum(2 * share[1] / (rate[1:] + rate[:-1])))
     timed = Timed(times, x, slope * rate[:, None])
     return stretched(timed, bound, (path.values[0] + span * share, span * rate), container)

@@ -70,3 +70,14 @@ def test_a_way_along_one_joint_takes_as_long_as_a_trapezoid() -> None:
         timed, _, _ = timing.fastest(Followed.through(np.linspace(0, 1, 2), ends), bound, FREE, 121)
         assert best is not None
         assert timed.times[-1] == pytest.approx(best.times[-1], rel=0.02)
+
+
+@pytest.mark.parametrize("velocity", [1e-9, 1e-3, 1e6])
+def test_a_limit_however_small_or_large_is_kept(velocity: float) -> None:
+    path = random_path(np.random.default_rng(3))
+    bound = Bound.alone(np.full(8, velocity), np.full(8, 1e3))
+    timed, values, rates = timing.fastest(path, bound, (1.0, 1e3), 121)
+    assert (np.diff(timed.times) > 0).all()
+    assert max(timing.excess(timed, bound)) <= 1
+    assert abs(rates).max() <= 1
+    assert np.isfinite(values).all()
