@@ -86,8 +86,6 @@ def make_limb(world: World, gripper: Gripper) -> Limb:
     lower[BASE], upper[BASE] = -np.inf, np.inf
     for k in range(3, len(variables)):
         lower[k], upper[k] = _coupled_limits(scene, expansion[:, k], rest, lower[k], upper[k])
-    velocity, acceleration = _rates(scene, expansion)
-    gain = np.where(expansion != 0, bounds.gain[:, None], np.inf).min(axis=0)
     palm = _palm(scene, gripper, frame.parentJoint)
     fingers = tuple(body_iri(scene.robot.mechanism.name, body) for body in gripper.fingers)
     chain = _chain(world, frame, support, rest, expansion)
@@ -98,9 +96,7 @@ def make_limb(world: World, gripper: Gripper) -> Limb:
         rest,
         lower,
         upper,
-        velocity,
-        acceleration,
-        gain,
+        *rate_limits(scene, expansion),
         parked,
         chain,
         palm,
@@ -136,7 +132,7 @@ def _expansion(scene: Scene, gripper: Gripper, support: list[int]) -> tuple[NDAr
         members = groups.get(iri, [k])
         taken.update(members)
         column = scene.coupling.rates(np.isin(np.arange(scene.model.nq), members).astype(np.float64))
-        if min(float(most[0]) for most in _rates(scene, column[:, None])) > 0:  # else it may not move
+        if min(float(most[0]) for most in rate_limits(scene, column[:, None])) > 0:  # else it may not move
             variables.append(k)
             columns.append(column)
     return np.array(variables, dtype=np.intp), np.stack(columns, axis=1)
@@ -158,13 +154,15 @@ def _coupled_limits(
     return lower, upper
 
 
-def _rates(scene: Scene, expansion: Array) -> tuple[Array, Array]:
-    """Velocity and acceleration limits of the variables, shape (n,) each."""
-    share = np.abs(expansion)
+def rate_limits(scene: Scene, expansion: Array) -> tuple[Array, Array, Array]:
+    """Limits of velocity and acceleration, and gains, of variables with an expansion, shape (n,) each."""
+    share, bounds = np.abs(expansion), scene.bounds
     with np.errstate(divide="ignore", invalid="ignore"):
-        velocity = np.where(share > 0, scene.bounds.velocity[:, None] / share, np.inf).min(axis=0)
-        acceleration = np.where(share > 0, scene.bounds.acceleration[:, None] / share, np.inf).min(axis=0)
-    return velocity, acceleration
+        velocity, acceleration = (
+            np.where(share > 0, most[:, None] / share, np.inf).min(axis=0)
+            for most in (bounds.velocity, bounds.acceleration)
+        )
+    return velocity, acceleration, np.where(share > 0, bounds.gain[:, None], np.inf).min(axis=0)
 
 
 def _palm(scene: Scene, gripper: Gripper, joint: int) -> tuple[str, ...]:

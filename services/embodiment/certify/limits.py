@@ -88,11 +88,11 @@ def _slowing(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
     for j, i, n in _first_and_worst(excess > tolerances.lag, excess):
         k, at = int(own[j]), float(s[i, n, j])
         q, v, _ = pieces.at(np.array([n]), np.array([at]))
-        room = (upper[j] - q[0, k]) if values[i, n, j] > upper[j] else (q[0, k] - lower[j])
-        speed, least = abs(float(v[0, k])), float(max(room, 0.0) * bounds.gain[k])
+        room = max(float(upper[j] - q[0, k] if values[i, n, j] > upper[j] else q[0, k] - lower[j]), 0.0)
+        speed, least = abs(float(v[0, k])), room * float(bounds.gain[k])
         unit, time = unit_of(scene, k), float(pieces.start[n] + at)
         reason = (
-            f"{local_name(scene.names[k])} moves at {speed:.4g} {unit}/s, {max(room, 0.0):.3g} {unit} before "
+            f"{local_name(scene.names[k])} moves at {speed:.4g} {unit}/s, {room:.3g} {unit} before "
             f"its limit, where its safety controller lets it move at {least:.4g} {unit}/s"
         )
         evidence = Evidence(Quantity.VELOCITY, speed, least, f"{unit}/s", scene.names[k], time=time)

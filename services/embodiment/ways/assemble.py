@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
-from services.embodiment.body.limb import BASE, Limb
+from services.embodiment.body.limb import BASE, Limb, rate_limits
 from services.embodiment.body.world import World
 from services.embodiment.hold.holding import Holding, Problem
 from services.embodiment.ways import timing
@@ -60,11 +60,7 @@ class Assembler:
         scene = self.world.scene
         units = np.zeros((len(self.fingers), scene.model.nq))
         units[np.arange(len(self.fingers)), self.fingers] = 1.0
-        share = np.abs(scene.coupling.rates(units))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            velocity = np.where(share > 0, scene.bounds.velocity / share, np.inf).min(axis=1)
-            acceleration = np.where(share > 0, scene.bounds.acceleration / share, np.inf).min(axis=1)
-        gain = np.where(share > 0, scene.bounds.gain, np.inf).min(axis=1)
+        velocity, acceleration, gain = rate_limits(scene, scene.coupling.rates(units).T)
         own = scene.bounds.lower[self.fingers], scene.bounds.upper[self.fingers]
         return Bound(velocity, acceleration, *own, gain)
 
