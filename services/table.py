@@ -17,7 +17,8 @@ from sdt_kg.motion import BodyMotion
 from services.app import Policy
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
 from services.sweep.engines import Loading, cpu_seconds
-from services.sweep.handed import Lost, each_or_lost
+from services.sweep.handed import each_or_lost
+from services.sweep.piece import Lost
 from services.sweep.plan import Axes, grid
 from services.sweep.worker import (
     SERVICES_KEPT,

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -16,13 +17,17 @@ SDT = "from services.cli import main; main()"
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder into which a freshly built wheel is unpacked."""
+    """Folder into which a freshly built wheel is unpacked, with such machine code as was compiled before."""
     out = tmp_path_factory.mktemp("wheel")
     subprocess.run(
         [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(out)], cwd=PROJECT, check=True
     )
     (wheel,) = out.glob("sdt_kg-*.whl")
     zipfile.ZipFile(wheel).extractall(out / "site")
+    for kept in (PROJECT / "services").rglob("*.nbc"):  # found by what is in them, not by where they are
+        there = out / "site" / kept.relative_to(PROJECT)
+        there.parent.mkdir(exist_ok=True)
+        shutil.copy(kept, there)
     return out / "site"
 
 

@@ -19,7 +19,8 @@ from services.codesign.judge import Judge, judged_as_it_is
 from services.relative import Relative, in_class, tee_of
 from services.requests import state_joints
 from services.sweep.engines import Loading, cpu_seconds
-from services.sweep.handed import Lost, each_or_lost
+from services.sweep.handed import each_or_lost
+from services.sweep.piece import Lost
 from services.whatif import World, changed, depends_on_robot, parse_change
 
 Key = tuple[str, str, str]

@@ -2,18 +2,16 @@
 
 import gc
 import logging
-import time
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
-from dataclasses import dataclass
 from functools import partial
 from types import TracebackType
 from typing import Final, Generic, TypeVar
 
-from sdt_kg.errors import InputError, OracleUnavailableError, SdtError
 from services.garbage import unsought
 from services.sweep.engines import Engine, Lane, Loading, processes
+from services.sweep.piece import Lost, work_off
 from services.sweep.waiting import MOST_TOGETHER, Waiting
 
 _log = logging.getLogger("sdt.sweep")
@@ -25,26 +23,6 @@ AHEAD: Final = 2
 """Pieces for each worker that are handed out at once: one is worked on, one waits."""
 MEANWHILE: Final = 8
 """Likewise before something is loaded here: meanwhile nobody hands out."""
-TURN: Final = 10.0
-"""[s] After which no further item of a piece is begun: what a killed process takes with it, and how seldom
-progress is told."""
-
-
-@dataclass(frozen=True, slots=True)
-class Lost:
-    """Nothing came of an item.
-
-    Attributes:
-        reason: Why.
-        is_input: Whether it is the caller's to mend.
-    """
-
-    reason: str
-    is_input: bool = False
-
-    def error(self, what: str) -> SdtError:
-        """The same to be raised, said of what it happened to."""
-        return InputError(self.reason) if self.is_input else OracleUnavailableError(f"{what}: {self.reason}")
 
 
 class Handed(Generic[T, R]):
@@ -68,7 +46,7 @@ class Handed(Generic[T, R]):
         prepare: Loading[T] | None = None,
         most: int = MOST_TOGETHER,
     ) -> None:
-        self._engine, self._work, self._alike = engine, partial(_each, work), alike
+        self._engine, self._work, self._alike = engine, partial(work_off, work), alike
         self._prepare = prepare if engine.copies else None
         self._lanes, self._loaded = [Lane(engine) for _ in range(engine.lanes)], set[Hashable]()
         self._waiting: Waiting[T] = Waiting(engine.workers, alike, most)
@@ -283,28 +261,3 @@ def _mended(done: tuple[T, R | Lost]) -> tuple[T, R | Lost]:
     if isinstance(result, Lost) and result.is_input:
         raise result.error(str(item))
     return done
-
-
-def _each(work: Callable[[T], R], piece: Sequence[T]) -> list[R | Lost]:
-    """What came of each item of a piece that was begun in time, in the worker.
-
-    One that fails takes none with it. An error travels as text: not every one of ours can be made anew from
-    what it says.
-    """
-    until = time.monotonic() + TURN
-    results: list[R | Lost] = []
-    for item in piece:
-        if results and time.monotonic() >= until:
-            break
-        results.append(_one(work, item))
-    return results
-
-
-def _one(work: Callable[[T], R], item: T) -> R | Lost:
-    try:
-        return work(item)
-    except SdtError as error:
-        return Lost(str(error), isinstance(error, InputError))
-    except Exception as error:  # noqa: BLE001 - the edge of a worker: logged, and answered as a failure
-        _log.exception("%s failed", item)
-        return Lost(f"its worker failed: {type(error).__name__}")

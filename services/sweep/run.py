@@ -5,7 +5,8 @@ from collections.abc import Callable, Generator, Iterable
 from predicates.record.recall import Recall, nothing_stored
 from services.sweep.cell import Cell, Found, Unjudged
 from services.sweep.engines import Engine, Loading
-from services.sweep.handed import Handed, Lost
+from services.sweep.handed import Handed
+from services.sweep.piece import Lost
 from services.sweep.worker import judge, prepare, stored
 
 Judge = Callable[[Cell], Found]

@@ -57,9 +57,10 @@ def random_subject(scene: Scene, seed: int) -> Subject:
     return subject(scene, pieces, Tolerances())
 
 
-def at(pieces: Pieces, time: float) -> Array:
-    piece = min(int(np.searchsorted(pieces.start, time, side="right")) - 1, len(pieces.start) - 1)
-    return pieces.at(np.array([piece]), np.array([time - pieces.start[piece]]))[0][0]
+def at(pieces: Pieces, times: Array) -> Array:
+    """Positions, shape (M, nq)."""
+    piece = np.minimum(np.searchsorted(pieces.start, times, side="right"), len(pieces.start)) - 1
+    return pieces.at(piece, times - pieces.start[piece])[0]
 
 
 def test_pieces_are_the_cubic_hermite_spline_and_their_extrema_exact() -> None:
@@ -89,7 +90,7 @@ def test_spans_bound_the_motion_at_every_level(count: int) -> None:
         assert spans.end.max() == timeline.end
         np.testing.assert_allclose((spans.end - spans.start).sum(), timeline.end - pieces.start[0])
         for u in range(len(spans.start)):
-            dense = np.array([at(pieces, t) for t in np.linspace(spans.start[u], spans.end[u], 50)])
+            dense = at(pieces, np.linspace(spans.start[u], spans.end[u], 50))
             assert (np.abs(dense - spans.q[u]) <= spans.shift[u] + 1e-9).all()
 
 
@@ -99,8 +100,8 @@ def test_kinematics_are_pinocchios(scene: Scene) -> None:
     spans = timeline.spans(timeline.depth, np.array([0, 1]))
     placed = checked.kinematics.place(spans.q, spans.v)
     solids = np.arange(len(scene.solids))
-    for u, time in enumerate(spans.middle):
-        pin.forwardKinematics(scene.model, data, at(checked.pieces, float(time)))
+    for u, q in enumerate(at(checked.pieces, spans.middle)):
+        pin.forwardKinematics(scene.model, data, q)
         centres = checked.shapes.centres(placed, np.full(len(solids), u), solids)
         for one, centre in zip(scene.solids, centres, strict=True):
             np.testing.assert_allclose(centre, data.oMi[one.joint].act(one.centre), atol=1e-9)
@@ -130,15 +131,16 @@ def farthest(  # noqa: PLR0917
     """Farthest that a ball's points moved against another body since the middle, and its turn."""
     data, (i, j) = scene.model.createData(), (scene.solids[one].joint, scene.solids[other].joint)
 
-    def relative(time: float) -> Array:
-        pin.forwardKinematics(scene.model, data, at(pieces, time))
+    def relative(q: Array) -> Array:
+        pin.forwardKinematics(scene.model, data, q)
         return data.oMi[j].actInv(data.oMi[i]).homogeneous
 
     direction = rng.normal(size=(20, 3))
     direction *= scene.solids[one].radius / np.linalg.norm(direction, axis=1)[:, None]
     points = np.hstack((scene.solids[one].centre + direction, np.ones((20, 1)))).T
-    middle = relative((start + end) / 2)
-    change = [relative(t) - middle for t in np.linspace(start, end, 9)]
+    qs = at(pieces, np.linspace(start, end, 9))
+    middle = relative(qs[4])
+    change = [relative(q) - middle for q in qs]
     moved = max(float(np.linalg.norm((x @ points)[:3], axis=0).max()) for x in change)
     return moved, max(float(np.linalg.norm(x[:3, :3], 2)) for x in change)
 
@@ -152,11 +154,11 @@ def test_the_sweep_finds_what_dense_sampling_finds(scene: Scene, seed: int) -> N
     sets = [Pairs(shapes, zero, zero, np.inf)]
     (found,) = Sweep(checked.timeline, checked.kinematics, checked.shapes, sets).run(1e-4)
     times = np.linspace(checked.pieces.start[0], checked.timeline.end, 60)
-    dense = min(densely(scene, at(checked.pieces, t), shapes) for t in times)
+    dense = min(densely(scene, q, shapes) for q in at(checked.pieces, times))
     assert found.slack <= dense + PRECISION
     assert (found.first is not None) or dense >= 0
     if found.worst is not None:  # and what it reports is so
-        q = at(checked.pieces, found.worst.time)
+        (q,) = at(checked.pieces, np.array([found.worst.time]))
         assert densely(scene, q, np.array([found.worst.pair])) == pytest.approx(found.worst.value, abs=1e-5)
 
 
@@ -164,12 +166,15 @@ def densely(scene: Scene, q: Array, pairs: NDArray[np.intp]) -> float:
     """Smallest distance of the pairs at q, by Pinocchio's kinematics, cut off where balls are apart."""
     data = scene.model.createData()
     pin.forwardKinematics(scene.model, data, q)
-    centres = [data.oMi[one.joint].act(one.centre) for one in scene.solids]
+    centres = np.array([data.oMi[one.joint].act(one.centre) for one in scene.solids])
+    radii = np.array([one.radius for one in scene.solids])
+    a, b = pairs.T
+    apart = np.linalg.norm(centres[a] - centres[b], axis=1) - radii[a] - radii[b]
     smallest = NEAR
-    for i, j in pairs:
-        one, other = scene.solids[i], scene.solids[j]
-        if np.linalg.norm(centres[i] - centres[j]) - one.radius - other.radius > smallest:
-            continue
+    for k in np.argsort(apart):
+        if apart[k] > smallest:
+            break
+        one, other = scene.solids[a[k]], scene.solids[b[k]]
         frames = [data.oMi[x.joint] * x.joint_T_shape for x in (one, other)]
         placed = [coal.Transform3s(frame.rotation, frame.translation) for frame in frames]
         kinds = {type(one.shape), type(other.shape)}

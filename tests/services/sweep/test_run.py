@@ -15,7 +15,7 @@ import pytest
 
 from sdt_kg.errors import InputError, OracleUnavailableError, UnknownEntityError
 from services.app import Policy
-from services.sweep import handed
+from services.sweep import handed, piece
 from services.sweep.cell import Cell, CellResult, Found, Unjudged
 from services.sweep.engines import Engine, Loading, processes
 from services.sweep.handed import AHEAD, each, each_or_lost
@@ -254,7 +254,7 @@ def test_what_is_left_of_a_piece_is_next() -> None:
 def test_after_its_turn_a_worker_begins_no_more_and_what_is_left_is_done_later(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(handed, "TURN", 0.0)
+    monkeypatch.setattr(piece, "TURN", 0.0)
     began: list[int] = []
     engine = Engine(lambda: ThreadPoolExecutor(1), 1, lambda executor: executor.shutdown())
     with handed.Handed(engine, began.append, lambda _: None) as working:
