@@ -6,7 +6,9 @@ A payload is JSON, or CBOR where the encoding says so; in CBOR, arrays may be RF
 
 import json
 from collections import Counter
-from typing import Any, TypeVar
+from collections.abc import Callable
+from io import BytesIO
+from typing import Any, NoReturn, TypeVar
 
 import cbor2
 import numpy as np
@@ -27,6 +29,18 @@ MAX_CELLS = 4_000_000
 """Numbers in one array."""
 
 _MULTI_DIMENSIONAL, _FLOAT64_LE = 40, 86
+
+
+def _refused(*_: object) -> NoReturn:
+    """A tag that is not ours."""
+    raise ValueError(f"allowed are the tags {_MULTI_DIMENSIONAL} and {_FLOAT64_LE}")
+
+
+_NOT_OURS: dict[int, Callable[..., NoReturn]] = dict.fromkeys(
+    (0, 1, 2, 3, 4, 5, 25, 28, 29, 30, 35, 36, 37, 52, 54, 100, 256, 258, 260, 261, 1004, 43000, 55799),
+    _refused,
+)
+"""Tags that cbor2 reads by itself; with 28 and 29, shared references, 400 bytes are a list of 2⁶⁰ items."""
 
 
 def encode(message: BaseModel) -> bytes:
@@ -114,12 +128,19 @@ def from_cbor(payload: bytes) -> Any:  # noqa: ANN401 - what CBOR carries
     """Plain values and float64 arrays.
 
     Raises:
-        InputError: The bytes are no CBOR, or have a tag that is not ours.
+        InputError: The bytes are no CBOR, have a tag that is not ours, a name twice, or more after the end.
     """
+    stream = BytesIO(payload)
     try:
-        return cbor2.loads(payload, tag_hook=_array_from_cbor)
+        said = cbor2.load(
+            stream, tag_hook=_array_from_cbor, semantic_decoders=_NOT_OURS, allow_duplicate_keys=False
+        )
     except (cbor2.CBORError, ValueError, RecursionError) as error:
-        raise InputError(f"the payload is no CBOR: {error}", allowed=f"{JSON} or {CBOR}") from None
+        why = f": {error.__cause__}" if error.__cause__ else ""
+        raise InputError(f"the payload is no CBOR: {error}{why}", allowed=f"{JSON} or {CBOR}") from None
+    if after := len(payload) - stream.tell():
+        raise InputError(f"{after} bytes come after the end of the message", allowed="one message")
+    return said
 
 
 def _array_to_cbor(encoder: Any, value: object) -> None:  # noqa: ANN401 - cbor2's encoder has no public protocol

@@ -104,11 +104,38 @@ def test_a_request_that_says_a_thing_twice_is_refused_at_any_depth() -> None:
         cbor2.dumps(cbor2.CBORTag(40, [[10**9, 10**9], cbor2.CBORTag(86, b"\0" * 8)])),
         cbor2.dumps(cbor2.CBORTag(86, b"\0" * 7)),
         cbor2.dumps(cbor2.CBORTag(30, [1, 3])),
+        cbor2.dumps({"task": "open"}) + cbor2.dumps({"task": "close"}),
     ],
 )
 def test_what_is_no_cbor_request_is_refused(payload: bytes) -> None:
     with pytest.raises(InputError):
         decode(CausesRequest, payload, CBOR)
+
+
+def test_a_name_that_is_there_twice_is_refused_in_cbor_too() -> None:
+    once = cbor2.dumps({"task": "open"})[1:]
+    with pytest.raises(InputError, match="Duplicate map key: 'task'"):
+        asked_in(CausesRequest, b"\xa2" + once + once, CBOR)
+
+
+def test_cbor_has_no_tags_but_those_of_arrays() -> None:
+    for tag in range(2**16):
+        payload = b"\xda" + tag.to_bytes(4, "big") + b"\xf6"
+        with pytest.raises(InputError):
+            from_cbor(payload)
+
+
+def doubling(depth: int) -> bytes:
+    """A list of two lists of two lists …, each list there once and named by a reference the second time."""
+    lists = b"\x80"
+    for level in reversed(range(depth)):
+        lists = b"\x82\xd8\x1c" + lists + b"\xd8\x1d\x18" + bytes([level])
+    return lists
+
+
+def test_a_few_bytes_are_no_list_that_never_ends() -> None:
+    with pytest.raises(InputError, match="allowed are the tags 40 and 86"):
+        asked_in(CausesRequest, b"\xa1\x64task" + doubling(60), CBOR)
 
 
 @pytest.mark.parametrize("kind", ProblemType)
