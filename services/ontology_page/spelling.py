@@ -26,13 +26,16 @@ _THERE: Final = "ASK {{ {{ {0} ?p ?o }} UNION {{ ?s ?p {0} }} UNION {{ GRAPH {0}
 def matching_nothing(sparql: str, ask: Callable[[str], object]) -> Iterator[str]:
     """A sentence about all in the text that can match nothing; `ask` answers an ASK of what is queried."""
     yield from unknown_terms(sparql)
+    yield from (absent for asked, absent in entities_of(sparql).items() if not ask(asked))
+
+
+def entities_of(sparql: str) -> dict[str, str]:
+    """An ASK for each entity that the text names by `id:`, and a sentence for when the answer is no."""
     if dict(_DECLARED.findall(sparql)).get("id", ID) != ID:
-        return
-    for name in dict.fromkeys(
-        re.sub(r"\\(.)", r"\1", each[1] or "") or each[2] for each in _ENTITY.finditer(sparql)
-    ):
-        if not ask(_THERE.format(f"<{ID}{name}>")):
-            yield f"nothing here is called id:{name}: what asks for it finds nothing, which is no 'no'"
+        return {}
+    found = (re.sub(r"\\(.)", r"\1", each[1] or "") or each[2] for each in _ENTITY.finditer(sparql))
+    absent = "nothing here is called id:{}: what asks for it finds nothing, which is no 'no'"
+    return {_THERE.format(f"<{ID}{name}>"): absent.format(name) for name in found}
 
 
 def unknown_terms(sparql: str) -> Iterator[str]:

@@ -18,6 +18,7 @@ from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange, dri
 from services.commands.show import print_json, print_rows
 from services.compute import Bounds, Computed, Loaded, compute
 from services.compute.besides import BESIDES, besides
+from services.ontology_page.spelling import matching_nothing
 from services.store.embedded import EmbeddedStore
 from services.store.files import SavedVerdicts, is_saved_graph
 
@@ -100,7 +101,7 @@ def refuse_without_compute(asked: Asked) -> None:
 
 def print_computed(source: str, sparql: str, asked: Asked, *, as_json: bool) -> None:
     """Rows as `print_rows` does, and what was computed: within the JSON, else on standard error."""
-    columns, rows, done, besides = computed_rows(source, sparql, asked)
+    columns, rows, done, besides, notes = computed_rows(source, sparql, asked)
     if as_json:
         found = [{column: row.get(column) for column in columns} for row in rows]
         print_json({"rows": found, "computed": done.to_json() | {"besides": besides}})
@@ -110,12 +111,14 @@ def print_computed(source: str, sparql: str, asked: Asked, *, as_json: bool) -> 
     for which, count in besides.items():
         what = f"{count} verdicts there are {which.replace('_', ' ')}"
         click.echo(f"note: {what}: a query that names no input counts them too", err=True)
+    for note in notes:
+        click.echo(f"note: {note}", err=True)
 
 
 def computed_rows(
     source: str, sparql: str, asked: Asked
-) -> tuple[list[str], list[Row], Computed, dict[str, int]]:
-    """Columns and rows of the query after what it needs was run, what that was, and what else is there.
+) -> tuple[list[str], list[Row], Computed, dict[str, int], list[str]]:
+    """Columns and rows of the query after what it needs was run, what that was, what is beside it, notes.
 
     Args:
         source: Where verdicts are kept, old and new; or a kitchen, whose verdicts are then not kept.
@@ -136,8 +139,9 @@ def computed_rows(
         done = compute(text, loaded, Bounds(asked.budget, asked.limit, asked.jobs), saved)
         columns, rows = rows_of(saved.store.query(text))
         kept = rows_of(saved.store.query(BESIDES))[1] if done.models else []
+        notes = list(matching_nothing(sparql, lambda ask: bool(saved.store.query(checked_query(ask)))))
     said = [{name: str(value) for name, value in row.items() if value is not None} for row in kept]
-    return columns, rows, done, dict(besides(said, done.models))
+    return columns, rows, done, dict(besides(said, done.models)), notes
 
 
 def _is_kitchen(source: str) -> bool:

@@ -17,7 +17,7 @@ from services.commands.graphs.computing import Asked, compute_options, print_com
 from services.commands.options import csv_flag, json_flag, query_text
 from services.commands.saved.mixed import mixed_models
 from services.commands.show import print_rows
-from services.ontology_page.spelling import matching_nothing, unknown_terms
+from services.ontology_page.spelling import matching_nothing
 from services.store.files import is_saved_graph, readable
 from services.store.known import restricted
 
@@ -61,7 +61,6 @@ def query(
     text = restricted(query_text(query_file) if query_file else str(sparql), dict(map(_known, known)))
     if computes:
         print_computed(source, text, Asked(**options), as_json=as_json)
-        _tell_unknown(text)
         return
     refuse_without_compute(Asked(**options))
     with _stopped_at_once():
@@ -89,11 +88,6 @@ def _saved(place: str, sparql: str) -> Told:
         notes = matching_nothing(sparql, lambda ask: bool(store.query(checked_query(ask))))
         about_verdicts = "law:" in text or LAW in text
         return rows, [*notes, *(mixed_models(store) if about_verdicts else ())]
-
-
-def _tell_unknown(text: str) -> None:
-    for each in unknown_terms(text):
-        click.echo(f"note: {each}", err=True)
 
 
 @contextmanager

@@ -57,6 +57,14 @@ def test_what_no_saved_verdict_is_about_is_told(sdt, tmp_path: Path) -> None:
     assert "is called" not in sdt("query", str(store), asked.format("pr2")).err
 
 
+def test_with_compute_too_it_is_told_that_nothing_is_called_so(sdt) -> None:
+    asked = "SELECT ?p { id:r2d2 ?p ?o . id:b ?q ?r }"
+    done = sdt("query", "b", asked, "--compute", "--json")
+    assert (done.code, done.json["rows"]) == (0, [])
+    assert "nothing here is called id:r2d2" in done.err
+    assert "called id:b:" not in done.err
+
+
 def test_a_prefix_that_is_not_declared_is_told(sdt) -> None:
     done = sdt("query", "b", "SELECT ?d { ?d my:likes ?h }")
     assert done.code == 2
