@@ -187,7 +187,7 @@ def _all_positions(twin: Twin, value: str) -> dict[Iri, float]:
     if value in {"open", "closed"}:
         return {each.active_joint: _active(each, value) for each in twin.containers()}
     kind, _, seed = value.partition(":")
-    if kind != "half-open" or not seed.isdecimal():
+    if kind != "half-open" or not (seed.isdecimal() and seed.isascii()):
         raise InputError(f"'all={value}' is not a state", allowed="all=open, all=closed, all=half-open:SEED")
     draw = random.Random(int(seed))  # noqa: S311 - a test state, not a secret
     positions: dict[Iri, float] = {}

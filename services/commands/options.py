@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from sdt_kg.errors import InputError
+from sdt_kg.numbers import check_written
 from services.commands.completion.types import KITCHEN, STATE
 from services.commands.show import CSV
 
@@ -27,15 +28,34 @@ def query_text(file: Path) -> str:
         raise InputError(f"{file} cannot be read: {error}", allowed="SPARQL in UTF-8") from None
 
 
+class WholeRange(click.IntRange):
+    """A whole number inside a range, written as people write it: of `1_0` Python makes 10."""
+
+    def convert(self, value: int, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """The number."""
+        _check_written(self, value, param, ctx)
+        return super().convert(value, param, ctx)
+
+
 class FiniteRange(click.FloatRange):
     """A number inside a range; what is no number is outside every range, and Python would let it in."""
 
     def convert(self, value: float, param: click.Parameter | None, ctx: click.Context | None) -> float:
         """The number."""
+        _check_written(self, value, param, ctx)
         number = super().convert(value, param, ctx)
         if not math.isfinite(number):
             self.fail(f"{value} is not in the range {self._describe_range()}.", param, ctx)
         return number
+
+
+def _check_written(
+    kind: click.ParamType, value: object, param: click.Parameter | None, ctx: click.Context | None
+) -> None:
+    try:
+        check_written(str(value))
+    except ValueError as error:
+        kind.fail(f"{error}.", param, ctx)
 
 
 class OutFile(click.Path):
@@ -117,11 +137,11 @@ budget_option = click.option(
     help="Seconds of CPU that the search for each container may take before it gives up.",
 )
 seed_option = click.option(
-    "--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True, help="Seed of the search."
+    "--seed", type=WholeRange(0, 2**63 - 1), default=0, show_default=True, help="Seed of the search."
 )
 jobs_option = click.option(
     "--jobs",
-    type=click.IntRange(min=1),
+    type=WholeRange(min=1),
     default=os.cpu_count() or 1,
     show_default="all cores",
     help="Worker processes.",

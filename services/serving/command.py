@@ -11,7 +11,7 @@ from sdt_kg.errors import InputError
 from services.commands.completion.types import KITCHEN, ROBOT
 from services.commands.importing import importing
 from services.commands.network.bus import ENDPOINT
-from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange
+from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange, WholeRange
 
 
 @click.command()
@@ -75,7 +75,7 @@ from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange
     help="The 3D page too, 127.0.0.1:8090 say, for the same kitchens and robots; pages link to it.",
 )
 @click.option(
-    "--judges", type=click.IntRange(min=1), default=1, show_default=True, help="Processes that judge cases."
+    "--judges", type=WholeRange(min=1), default=1, show_default=True, help="Processes that judge cases."
 )
 @click.option(
     "--log",

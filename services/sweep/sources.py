@@ -13,7 +13,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin, model_name
-from sdt_kg.numbers import number_in
+from sdt_kg.numbers import number_in, whole_in
 from services.app import Policy
 from services.relative import Relative, tee_of
 from services.requests import parse_base
@@ -166,7 +166,7 @@ def _policy(row: Row, policy: Policy) -> Policy:
         if "budget" in row:
             policy = replace(policy, budget=number_in(row["budget"]))
         if "seed" in row:
-            policy = replace(policy, seed=int(row["seed"]))
+            policy = replace(policy, seed=whole_in(row["seed"]))
     except ValueError as error:
         drives = ", ".join(each.value for each in Drive)
         allowed = f"drive: {drives}; budget: seconds; seed: a whole number"

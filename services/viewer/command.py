@@ -6,7 +6,7 @@ import threading
 import click
 
 from services.commands.completion.types import KITCHEN, ROBOT
-from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange
+from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange, WholeRange
 from services.viewer.beside import check_extra
 
 KITCHENS = ("b", "a")
@@ -41,9 +41,7 @@ LOADING = 5.0
     show_default=True,
     help="Seconds of a search.",
 )
-@click.option(
-    "--judges", type=click.IntRange(1, 16), default=1, show_default=True, help="Processes that judge."
-)
+@click.option("--judges", type=WholeRange(1, 16), default=1, show_default=True, help="Processes that judge.")
 @click.option(
     "--allow-host", "hosts", multiple=True, metavar="NAME", help="Another name of this service. Repeatable."
 )

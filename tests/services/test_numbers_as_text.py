@@ -2,12 +2,15 @@
 
 from pathlib import Path
 
+import click
 import pytest
 
 from predicates.specification.read import read_specification
 from sdt_kg.errors import InputError
 from sdt_kg.load import load_twin
 from sdt_kg.numbers import number_in
+from services.cli import sdt as cli
+from services.configuration.settle import options
 from services.edits import numbers_of
 from services.motions.columns import read_csv
 from services.requests import parse_base, parse_state
@@ -41,3 +44,22 @@ def test_what_python_alone_reads_as_a_number_is_none(text: str, tmp_path: Path) 
 
 def test_plain_numbers_are_read() -> None:
     assert [number_in(text) for text in ("0.1", " -1e-3 ", "+2")] == [0.1, -1e-3, 2.0]
+
+
+@pytest.mark.parametrize("option", ["--seed", "--budget", "--jobs"])
+def test_options_too_take_plain_numbers_only(sdt, option: str) -> None:
+    done = sdt("table", "--kitchens", "b", "--robots", "pr2", option, "1_0")
+    assert (done.code, done.out) == (2, "")
+    assert "'1_0' is no number" in done.err
+
+
+def test_seeds_of_a_sweep_are_plain_numbers(sdt) -> None:
+    assert (
+        "'1_0' is no seed"
+        in sdt("sweep", "--kitchens", "b", "--robots", "pr2", "--seeds", "1_0", "--plan").err
+    )
+
+
+def test_every_option_that_takes_a_number_takes_plain_ones() -> None:
+    kinds = {type(each.type) for name in cli.commands for _, each in options(cli.commands[name])}
+    assert not kinds & {click.IntRange, click.FloatRange, type(click.INT), type(click.FLOAT)}

@@ -22,6 +22,7 @@ from services.commands.options import (
     ROBOT_HELP,
     FiniteRange,
     OutFile,
+    WholeRange,
     budget_option,
     drive_option,
     forces_option,
@@ -61,7 +62,7 @@ TOLERANCE = 0.01
 )
 @click.option(
     "--jobs",
-    type=click.IntRange(min=1),
+    type=WholeRange(min=1),
     default=1,
     show_default=True,
     help="Processes of a grid, or of --turn.",

@@ -14,7 +14,14 @@ from sdt_kg.load import load_twin, model_path
 from sdt_kg.store import Row, checked_query, rows_of
 from services.app import Policy
 from services.commands.completion.types import KITCHEN, ROBOT
-from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange, drive_option, states_option
+from services.commands.options import (
+    KITCHEN_HELP,
+    ROBOT_HELP,
+    FiniteRange,
+    WholeRange,
+    drive_option,
+    states_option,
+)
 from services.commands.show import print_json, print_rows
 from services.compute import Bounds, Computed, Loaded, compute
 from services.compute.besides import BESIDES, besides
@@ -69,14 +76,14 @@ def compute_options(command: Callable[..., Any]) -> Callable[..., Any]:  # a cli
         ),
         click.option(
             "--limit",
-            type=click.IntRange(min=0),
+            type=WholeRange(min=0),
             default=DEFAULT_LIMIT,
             show_default=True,
             help="Cases at most.",
         ),
         click.option(
             "--jobs",
-            type=click.IntRange(min=1),
+            type=WholeRange(min=1),
             default=os.cpu_count() or 1,
             show_default="all cores",
             help="Worker processes.",

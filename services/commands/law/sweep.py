@@ -10,6 +10,7 @@ from predicates.record.recall import Recall, nothing_stored
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.load import model_name
+from sdt_kg.numbers import whole_in
 from services.app import DEFAULT_BUDGET
 from services.commands.exits import Exit
 from services.commands.options import (
@@ -229,7 +230,7 @@ def _texts(start: str) -> tuple[str, ...]:
 def _seeds(text: str) -> range:
     first, _, last = text.partition("..")
     try:
-        found = range(int(first), int(last or first) + 1)
+        found = range(whole_in(first), whole_in(last or first) + 1)
     except ValueError:
         found = range(0)
     if not found:

@@ -9,7 +9,7 @@ import click
 
 from sdt_kg.errors import InputError
 from services.commands.network.answers import ANSWERS, Asked
-from services.commands.options import FiniteRange, csv_flag, json_flag, states_option, tee_option
+from services.commands.options import FiniteRange, WholeRange, csv_flag, json_flag, states_option, tee_option
 
 ENDPOINT = "tcp/127.0.0.1:7447"
 
@@ -135,7 +135,7 @@ def _check(twin: str, verb: str, text: str, said: tuple[object, ...]) -> None:
 @click.argument("kind", type=click.Choice(["causes", "canperform"]))
 @connect_option
 @config_option
-@click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
+@click.option("--workers", type=WholeRange(min=1), default=1, show_default=True, help="Processes.")
 def oracle(*, kind: str, connect: str, config: Path | None, workers: int) -> None:
     """Answer for KIND on the bus until interrupted; a server with --oracles shares its work among all."""
     from services.bus.keys import Oracle  # noqa: PLC0415 - other commands need no bus
