@@ -16,6 +16,9 @@ LARGEST = 1e10
 SHORTEST = 1e-9
 """[s] Samples of a motion are no nearer to each other: splines between them then stay finite."""
 
+ANOTHER = "another robot"
+"""Robot of a motion that names none, and most of whose joints the robot that is asked about lacks."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:

@@ -7,7 +7,7 @@ import numpy as np
 from sdt_kg.errors import MotionError
 from sdt_kg.iri import Iri, joint_iri, local_name, model_iri
 from sdt_kg.mechanism import Mechanism
-from sdt_kg.motion import Array, BodyMotion
+from sdt_kg.motion import ANOTHER, Array, BodyMotion
 from sdt_kg.twin import Twin
 from services.motions.container import check_known, movable
 from services.motions.given import Given
@@ -31,9 +31,6 @@ STILL = 1e-3
 
 STANDS = 1e-9
 """[rad or m] What differs by no more from one sample to the next stands still."""
-
-ANOTHER = "another robot"
-"""Robot of a motion that names none, and most of whose joints the robot that is asked about lacks."""
 
 MOST = 0.5
 """[1] Share of joints that a robot must have for a motion to be one of it, misspelled perhaps."""

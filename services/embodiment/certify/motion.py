@@ -11,7 +11,7 @@ from predicates.case import Evidence, Quantity
 from sdt_kg.errors import MotionError, UnknownEntityError
 from sdt_kg.iri import joint_iri, local_name
 from sdt_kg.mechanism import Joint, JointType, Mechanism
-from sdt_kg.motion import BodyMotion, check_numbers, check_times
+from sdt_kg.motion import ANOTHER, BodyMotion, check_numbers, check_times
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.sweep.kinematics import joint_axes, unit_of
 from services.embodiment.certify.sweep.pieces import Pieces, hermite, positions
@@ -36,10 +36,9 @@ def of_another_robot(scene: Scene, motion: BodyMotion) -> Findings:
     own = {joint.name for joint in scene.robot.joints}
     shared = sum(name in own for name in motion.joints)
     robot = local_name(scene.robot_iri)
-    reason = (
-        f"the motion is of {local_name(motion.robot)}, not of {robot}: "
-        f"of its {len(motion.joints)} joints {robot} has {shared}"
-    )
+    named = local_name(motion.robot)
+    whose = f"of another robot than {robot}" if named == ANOTHER else f"said to be of {named}, not of {robot}"
+    reason = f"the motion is {whose}: {robot} has {shared} of its {len(motion.joints)} joints"
     evidence = Evidence(Quantity.COUNT, float(shared), float(len(motion.joints)), "1", entity=scene.robot_iri)
     return Findings([Violation("robot", reason, evidence, 0.0)])
 

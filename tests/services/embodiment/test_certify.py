@@ -70,10 +70,14 @@ def test_nothing_of_the_verdict_depends_on_the_phases_that_a_planner_names(twin:
     assert verdicts[0].figures == verdicts[1].figures
 
 
-def test_a_motion_of_another_robot_is_refused_for_that_alone(twin: Twin) -> None:
-    other = replace(opening(), robot=model_iri("crane"), joints=("boom", "jib", "hoist", "hook"))
+@pytest.mark.parametrize(
+    ("named", "whose"),
+    [("crane", "said to be of crane, not of gantry"), ("another robot", "of another robot than gantry")],
+)
+def test_a_motion_of_another_robot_is_refused_for_that_alone(twin: Twin, named: str, whose: str) -> None:
+    other = replace(opening(), robot=model_iri(named), joints=("boom", "jib", "hoist", "hook"))
     (reason,) = refusal(twin, other, Quantity.COUNT)
-    assert reason.reason == "the motion is of crane, not of gantry: of its 4 joints gantry has 0"
+    assert reason.reason == f"the motion is {whose}: gantry has 0 of its 4 joints"
 
 
 def test_a_wall_of_1_mm_between_two_samples_is_seen(tmp_path: Path) -> None:
