@@ -1,6 +1,6 @@
 """What is said where a container has several handles, or moves with others that have theirs."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from predicates.case import Answer, Artefact, ArtefactKind
@@ -9,6 +9,9 @@ from sdt_kg.task import UNKNOWN
 from sdt_kg.twin import Container, Twin
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.written import read_proof, to_bytes
+
+START = "start: "
+"""How the note begins that says where the robot starts."""
 
 
 def held_by(container: Container, held: Container) -> tuple[str, ...]:
@@ -34,15 +37,26 @@ def refused(twin: Twin, answers: Sequence[Answer], by: Sequence[Container]) -> A
     looked, passed = ", ".join(names[: len(more)]), ", ".join(names[len(more) :])
     if not passed and (artefact := _joined(twin, answers, container)) is not None:
         diagnoses = tuple(each for one in answers for each in one.diagnoses)
-        said = (*answer.notes, f"proved of {local_name(container.handle)} and of {looked}")
+        proved = f"proved of {local_name(container.handle)} and of {looked}"
+        said = (*answer.notes, *_starts(answers, names), proved)
         return replace(answer, diagnoses=diagnoses, notes=said, artefact=artefact)
-    said = (f"nor by {looked}, as far as was looked",) if looked else ()
+    said = (*_starts(answers, names), *((f"nor by {looked}, as far as was looked",) if looked else ()))
     said += (f"not looked for by {passed}, where the force would be another",) if passed else ()
     said = (*answer.notes, *said, f"what is said is of {local_name(container.handle)}")
     if _proved(answer) is None:
         return replace(answer, notes=said)
     diagnoses = tuple(replace(each, proof=False) for each in answer.diagnoses)
     return replace(answer, diagnoses=diagnoses, notes=said, artefact=None)
+
+
+def _starts(answers: Sequence[Answer], others: Sequence[str]) -> Iterator[str]:
+    """Where the robot started for each other handle, if elsewhere: it is turned to the one that is held."""
+    for answer, handle in zip(answers[1:], others, strict=False):
+        yield from (
+            f"for {handle} {note}"
+            for note in answer.notes
+            if note.startswith(START) and note not in answers[0].notes
+        )
 
 
 def _proved(answer: Answer) -> Artefact | None:

@@ -26,7 +26,7 @@ from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
 from services.embodiment.floor import aloft, check_base, check_floor, check_start
-from services.embodiment.handles import held_by, refused
+from services.embodiment.handles import START, held_by, refused
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.sets import grasp_settings
 from services.embodiment.hopeless import hopeless
@@ -223,7 +223,7 @@ class WholeBody:
         )
         clock.spent("certify", at)
         notes = (f"drive: {drive.value}", "the body motion was given; it was only checked")
-        notes += (f"start: {ANY_START}",) if self.any_start else ()
+        notes += (START + ANY_START,) if self.any_start else ()
         notes += (*self.tolerances.notes, *_of_models(world.scene))
         parked = left_out(world.scene, case.body_motion)
         notes += (f"not listed in the motion, so parked: {', '.join(parked)}",) if parked else ()
@@ -249,7 +249,7 @@ class WholeBody:
         x, y, yaw = setting.start
         notes = [
             f"drive: {setting.drive.value}",
-            f"start: x {x:.3f} m, y {y:.3f} m, yaw {yaw:.3f} rad, parked",
+            f"{START}x {x:.3f} m, y {y:.3f} m, yaw {yaw:.3f} rad, parked",
         ]
         usual = setting.world.scene.twin.kitchen().start
         if self.start is None and usual[:2] != (x, y):

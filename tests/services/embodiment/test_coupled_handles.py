@@ -170,6 +170,9 @@ def test_each_of_two_handles_is_proved_too_high(
     found = recheck(kept(tmp_path, verdict))
     assert found.reasons == ()
     assert any("held by more_handle" in each for each in found.notes) is bool(others)
+    assert verdict.can_perform is not None
+    turned = [each for each in verdict.can_perform.notes if each.startswith("for more_handle start: x ")]
+    assert len(turned) == others
 
 
 def test_a_proof_of_one_handle_does_not_stand_in_for_another(tmp_path: Path) -> None:
