@@ -65,12 +65,12 @@ def check_spelling(root: ET.Element, source: Path) -> None:
         where = f"{source}: {element.tag}" + (f" '{element.get('name')}'" if element.get("name") else "")
         known = PARTS.get(element.tag, ())
         for part in element:
-            if slip := _slip_of(part.tag, known):
+            if slip := slip_of(part.tag, known):
                 what = f"{where} has <{part.tag}>"
                 raise UrdfError(what, allowed=", ".join(known), remedy=f"write <{slip}>")
         known = ATTRIBUTES.get(element.tag, ())
         for name, value in element.attrib.items():
-            if slip := _slip_of(name, known):
+            if slip := slip_of(name, known):
                 what = f'{where} has {name}="{value}"'
                 raise UrdfError(what, allowed=", ".join(known), remedy=f"write {slip}")
 
@@ -136,7 +136,7 @@ def solid_parts(owner: ET.Element) -> Iterator[ET.Element]:
     return (element for part in owner if part.tag != "visual" for element in part.iter())
 
 
-def _slip_of(name: str, known: tuple[str, ...]) -> str | None:
+def slip_of(name: str, known: tuple[str, ...]) -> str | None:
     """The known name that an unknown one is a slip of, if it is like one."""
     if name in known:
         return None

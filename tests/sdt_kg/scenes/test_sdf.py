@@ -84,3 +84,32 @@ def test_a_pose_whose_turn_is_spelled_in_another_way_is_refused(tmp_path: Path) 
     pose = '<pose rotation_format="quat_wxyz">0 0 0 1 0 0 0</pose>'
     with pytest.raises(UrdfError, match="rotation_format='quat_wxyz'; allowed: euler_rpy, quat_xyzw"):
         read(tmp_path, f'<sdf version="1.9"><model name="m">{pose}<link name="a"/></model></sdf>')
+
+
+BOX = "<geometry><box><size>1 1 1</size></box></geometry>"
+WRONG = {
+    "<Collision": ("<Collision name='c'/>", "link 'a' has <Collision>; .*; write <collision>"),
+    "<colision": ("<colision name='c'/>", "write <collision>"),
+    "<Pose": ("<Pose>0 0 1 0 0 0</Pose>", "write <pose>"),
+    "relative-to": ("<pose relative-to='j'>0 0 1 0 0 0</pose>", "write relative_to"),
+    "<Box": ("<collision name='c'><geometry><Box/></geometry></collision>", "write <box>"),
+    "two geometries": (f"<collision name='c'>{BOX}{BOX}</collision>", "<geometry> more than once"),
+    "two poses": ("<pose>0 0 1 0 0 0</pose><pose>0 0 2 0 0 0</pose>", "<pose> more than once"),
+    "two shapes": (
+        f"<collision name='c'>{BOX.replace('</geometry>', '<sphere><radius>1</radius></sphere></geometry>')}"
+        "</collision>",
+        "has 2 shapes: box, sphere",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_would_be_passed_over_is_refused(name: str, tmp_path: Path) -> None:
+    inside, message = WRONG[name]
+    with pytest.raises(UrdfError, match=message):
+        read(tmp_path, f'<sdf version="1.9"><model name="m"><link name="a">{inside}</link></model></sdf>')
+
+
+def test_what_is_only_seen_or_another_programs_may_be_spelled_as_it_likes(tmp_path: Path) -> None:
+    inside = "<visual name='v'><Geometry/></visual><plugin name='p'><pos>1</pos><pos>2</pos></plugin>"
+    read(tmp_path, f'<sdf version="1.9"><model name="m"><link name="a">{inside}</link></model></sdf>')

@@ -1,0 +1,115 @@
+"""What a reader of SDF passes over: misspelled elements and attributes, parts given twice.
+
+A `<Collision>` would be nothing that can be met, nor a second shape in a `<geometry>`.
+"""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Final
+from xml.etree import ElementTree as ET
+
+from sdt_kg.errors import UrdfError
+from sdt_kg.urdf.spelling import slip_of
+
+SHAPES: Final = (
+    *("empty", "box", "capsule", "cone", "cylinder", "ellipsoid", "heightmap", "image", "mesh", "plane"),
+    *("polyline", "sphere"),
+)
+PARTS: Final[Mapping[str, tuple[str, ...]]] = {
+    "sdf": ("world", "model", "actor", "light"),
+    "world": (
+        *("audio", "wind", "include", "gravity", "magnetic_field", "atmosphere", "gui", "physics", "scene"),
+        *("light", "frame", "model", "actor", "plugin", "joint", "road", "population", "state"),
+        "spherical_coordinates",
+    ),
+    "model": (
+        *("static", "self_collide", "allow_auto_disable", "include", "model", "enable_wind", "frame", "pose"),
+        *("link", "joint", "plugin", "gripper"),
+    ),
+    "link": (
+        *("gravity", "enable_wind", "self_collide", "kinematic", "must_be_base_link", "velocity_decay"),
+        *("frame", "pose", "inertial", "collision", "visual", "sensor", "projector", "audio_sink"),
+        *("audio_source", "battery", "light", "particle_emitter", "plugin"),
+    ),
+    "joint": (
+        *("parent", "child", "gearbox_ratio", "gearbox_reference_body", "thread_pitch", "screw_thread_pitch"),
+        *("axis", "axis2", "physics", "frame", "pose", "sensor"),
+    ),
+    "frame": ("pose",),
+    "axis": ("initial_position", "xyz", "use_parent_model_frame", "dynamics", "limit", "mimic"),
+    "limit": ("lower", "upper", "effort", "velocity", "stiffness", "dissipation"),
+    "mimic": ("multiplier", "offset", "reference"),
+    "inertial": ("mass", "density", "auto_inertia_params", "frame", "pose", "inertia", "fluid_added_mass"),
+    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
+    "collision": (
+        *("laser_retro", "max_contacts", "density", "auto_inertia_params", "frame", "pose", "geometry"),
+        "surface",
+    ),
+    "geometry": SHAPES,
+    "box": ("size",),
+    "capsule": ("radius", "length"),
+    "cylinder": ("radius", "length"),
+    "mesh": ("uri", "submesh", "scale", "convex_decomposition"),
+    "plane": ("normal", "size"),
+    "sphere": ("radius",),
+}
+"""Element → elements in it, http://sdformat.org/spec (1.12)."""
+
+ATTRIBUTES: Final[Mapping[str, tuple[str, ...]]] = {
+    "frame": ("name", "attached_to"),
+    "mimic": ("joint", "axis"),
+    "model": ("name", "canonical_link", "placement_frame"),
+    "pose": ("relative_to", "frame", "degrees", "rotation_format"),
+    "xyz": ("expressed_in",),
+}
+SEVERAL: Final = ("sdf", "world", "model", "link", "frame")
+"""Elements of which some parts may be there several times; of the others, each once."""
+
+ONCE: Final = ("static", "pose", "inertial")
+"""Parts that are there once even so."""
+
+OFTEN: Final = ("frame", "sensor")
+"""Parts that may be there several times in the others, too."""
+
+
+def check_written(root: ET.Element, source: Path) -> None:
+    """No element or attribute is misspelled, and nothing is given twice where one is read.
+
+    Raises:
+        UrdfError: Something is; it says what may be meant.
+    """
+    for element in _looked_at(root):
+        where = f"{source}: {element.tag}" + (f" '{element.get('name')}'" if element.get("name") else "")
+        known = PARTS.get(element.tag, ())
+        for part in element:
+            if slip := slip_of(part.tag, known):
+                raise UrdfError(
+                    f"{where} has <{part.tag}>", allowed=", ".join(known), remedy=f"write <{slip}>"
+                )
+        attributes = ATTRIBUTES.get(element.tag, ())
+        for name, value in element.attrib.items():
+            if slip := slip_of(name, attributes):
+                what = f'{where} has {name}="{value}"'
+                raise UrdfError(what, allowed=", ".join(attributes), remedy=f"write {slip}")
+        _check_once(element, known, where)
+
+
+def _check_once(element: ET.Element, known: tuple[str, ...], where: str) -> None:
+    for tag in ONCE if element.tag in SEVERAL else known:
+        if tag not in OFTEN and len(element.findall(tag)) > 1:
+            raise UrdfError(f"{where} has <{tag}> more than once", allowed="one")
+    shapes = [part.tag for part in element if part.tag in SHAPES] if element.tag == "geometry" else []
+    if len(shapes) > 1:
+        raise UrdfError(
+            f"{where} has {len(shapes)} shapes: {', '.join(shapes)}",
+            allowed="one",
+            remedy="give each a <collision> of its own; a link may have several",
+        )
+
+
+def _looked_at(element: ET.Element) -> Iterator[ET.Element]:
+    """The element and those in it that are read; visuals, sensors and plugins are not."""
+    yield element
+    for part in element:
+        if part.tag in PARTS or part.tag in ATTRIBUTES:
+            yield from _looked_at(part)
