@@ -1,6 +1,8 @@
 """Kitchen and robots, by bundled name or path, → Twin."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -22,6 +24,8 @@ from sdt_kg.urdf import model_stem, read_mechanism
 
 GRAPH_FORMATS: Final = {".nq": ox.RdfFormat.N_QUADS, ".trig": ox.RdfFormat.TRIG}
 MODEL_SUFFIXES: Final = (".urdf", ".xacro")
+FAR: Final = 30.0
+"""[m] From one part of a kitchen to the next; of one in centimetres or inches, some are farther apart."""
 _FOLDERS: Final = {"kitchen": kitchens.path, "robot": bundled_robots.path}
 
 
@@ -141,7 +145,19 @@ def _kitchen(name: str | Path, explicit: Path | None) -> tuple[Mechanism, str, C
     path = model_path("kitchen", name)
     scene = path.suffix in SCENE_SUFFIXES
     mechanism = read_scene(path) if scene else read_mechanism(path, turn_axes=True)
+    mechanism = replace(mechanism, notes=(*mechanism.notes, *_of_lengths(mechanism)))
     return mechanism, "Environment", chosen_kitchen(mechanism, path, explicit)
+
+
+def _of_lengths(mechanism: Mechanism) -> Iterator[str]:
+    """That the model is too large for a kitchen, if it is."""
+    away = {joint: math.hypot(*joint.origin.position) for joint in mechanism.joints}
+    joint = max(away, key=away.__getitem__, default=None)
+    if joint is not None and away[joint] > FAR:
+        yield (
+            f"joint '{joint.name}' lies {away[joint]:.4g} m from '{joint.parent}': "
+            "lengths are read in metres, and these may be millimetres, centimetres or inches"
+        )
 
 
 def _robot(name: str | Path, explicit: Path | None) -> tuple[Mechanism, str, Chosen]:

@@ -86,6 +86,15 @@ def test_a_kitchen_without_annotation_starts_at_the_origin_and_says_so(drawer: P
     assert any("assumed to start at x = 0" in note for note in twin.kitchen().notes)
 
 
+@pytest.mark.parametrize(("out", "said"), [("0.22", False), ("220", True)])
+def test_a_kitchen_that_may_be_in_millimetres_is_said_to_be_read_in_metres(
+    drawer: Path, out: str, said: bool
+) -> None:
+    drawer.write_text(drawer.read_text(encoding="utf-8").replace("0.22", out), encoding="utf-8")
+    note = "joint 'mount' lies 220 m from 'cupboard_drawer': lengths are read in metres"
+    assert any(note in each for each in load_twin(drawer).notes) is said
+
+
 def test_the_annotation_beside_the_model_is_taken(drawer: Path) -> None:
     joint_line = "<https://example.org/id/k/joint/slide> sdt:accelerationLimit 0.5 .\n"
     drawer.with_suffix(".ttl").write_text(KITCHEN + joint_line, encoding="utf-8")
