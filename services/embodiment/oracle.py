@@ -25,7 +25,7 @@ from services.embodiment.certify.limits import rolling
 from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
-from services.embodiment.floor import aloft, check_base, check_floor, check_start
+from services.embodiment.floor import aloft, check_base, check_start
 from services.embodiment.handles import START, held_by, refused
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.sets import grasp_settings
@@ -35,8 +35,8 @@ from services.embodiment.prove import boxes
 from services.embodiment.report import refusal
 from services.embodiment.setting import Setting, container_of, of_own_joint
 from services.embodiment.ways import cells
-from services.embodiment.ways.roads import Known
 from services.embodiment.ways.start import near, turned
+from services.embodiment.worlds import Models, Worlds
 from services.kernel import worked
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics
@@ -48,9 +48,6 @@ MOVED_START = (
     "the parked robot touches the kitchen at its start pose, x {:g} m, y {:g} m: it starts {:.1f} m beside"
 )
 """Said where the kitchen's start pose is not free."""
-
-SCENES_KEPT = 4
-"""[1] Scenes (kitchen, robot and state) that are kept between questions."""
 
 
 @dataclass(slots=True)
@@ -93,8 +90,7 @@ class WholeBody:
         self.any_start, self.margins, self.coupled = any_start, Margins(), coupled
         self.tolerances = Tolerances() if contact is None else replace(Tolerances(), contact=contact)
         self._physics = Kinematics()
-        self._compiled = False
-        self._worlds: list[tuple[object, tuple[object, ...], tuple[World, Kits, Known]]] = []
+        self._compiled, self._worlds = False, Worlds(self.margins)
 
     @property
     def version(self) -> str:
@@ -120,7 +116,7 @@ class WholeBody:
     def prepare(self, twin: Twin, robot: Iri) -> None:
         """Models and compiled loops are loaded, also those that few questions need."""
         self.settings(twin, robot)
-        world, kits, _ = self._world(twin, robot)
+        world, kits, _ = self._worlds.of(twin, robot)
         self._warm(world, kits)
         cells.warm()
         boxes.warm()
@@ -128,13 +124,13 @@ class WholeBody:
 
     def scene(self, twin: Twin, robot: Iri) -> Scene:
         """The scene in which questions about the twin are answered."""
-        return self._world(twin, robot)[0].scene
+        return self._worlds.of(twin, robot)[0].scene
 
     def start_pose(self, case: Case) -> Start:
         """Where the robot of a case starts."""
         if case.robot is UNKNOWN:
             raise OracleRejectedError("a start was asked for without a robot")
-        world, kits, _ = self._world(case.twin, case.robot)
+        world, kits, _ = self._worlds.of(case.twin, case.robot)
         return self._start(case, world, kits, container_of(case))
 
     def perform(self, case: Case) -> Answer:
@@ -142,7 +138,7 @@ class WholeBody:
         if case.robot is UNKNOWN:
             raise OracleRejectedError("CanPerform was asked without a robot")
         twin, container = case.twin, container_of(case)
-        world, kits, roads = self._world(twin, case.robot)
+        world, kits, roads = self._worlds.of(twin, case.robot)
         check_base(world.scene, self._drive(twin, case.robot))
         clock.spent("model", began)
         began = time.perf_counter()
@@ -158,9 +154,7 @@ class WholeBody:
             answers.append(found)
         return refused(twin, answers, every)
 
-    def _by_handle(
-        self, case: Case, models: tuple[World, Kits, Known], container: Container, clock: Clock
-    ) -> Answer:
+    def _by_handle(self, case: Case, models: Models, container: Container, clock: Clock) -> Answer:
         """The answer about the motion of the case, if it is that container's handle that is held."""
         world, kits, roads = models
         if isinstance(case.body_motion, BodyMotion):
@@ -286,18 +280,6 @@ class WholeBody:
             warm(world, kits.of(world.scene.annotation.grippers[0]).limb)
             warm_certifier(world.scene)
             self._compiled = True
-
-    def _world(self, twin: Twin, robot: Iri) -> tuple[World, Kits, Known]:
-        own = (twin.mechanism(twin.environment), twin.mechanism(robot), twin.robot(robot))
-        key = (twin.state, twin.kitchen())
-        for known, models, kept in self._worlds:
-            if known == key and all(one is other for one, other in zip(models, own, strict=True)):
-                return kept
-        world = World(Scene(twin, robot))
-        check_floor(world.scene)
-        made = world, Kits(world, self.margins), Known()
-        self._worlds = [(key, own, made), *self._worlds[: SCENES_KEPT - 1]]
-        return made
 
 
 def _of_models(scene: Scene) -> tuple[str, ...]:
