@@ -8,13 +8,16 @@ from pathlib import Path
 import pytest
 
 from sdt_kg.annotation import Drive
-from tests.soak.judge import POLICIES, ROBOTS, result, summary
+from tests.services.embodiment.prove.standing import up_to_its_stops
+from tests.soak.judge import POLICIES, ROBOTS, Result, result, summary
 
 pytestmark = [pytest.mark.oracle, pytest.mark.slow]
 
 FRONTS = int(os.environ.get("SDT_DOORS", "1000"))
 BUDGET = float(os.environ.get("SDT_DOORS_BUDGET", "20"))  # [s] of search for one front
 WORKERS = 2
+UNDER = 164  # a door that tips over; its bar is then 0.1 m above the floor, under the door
+BESIDE = 35  # a door with an upright bar, 1.8 m above the floor and 0.52 m beside the robot
 
 
 @pytest.mark.parametrize("drive", POLICIES)
@@ -28,3 +31,12 @@ def test_no_random_front_is_both_certified_and_refuted(
     with capsys.disabled():
         print(f"\n{summary(robot, drive, results)}")  # noqa: T201 - the figure is what is asked for
     assert len(results) == FRONTS
+
+
+def test_a_bar_under_its_door_is_held_by_a_post(tmp_path: Path) -> None:
+    assert result(tmp_path, UNDER, "pr2", Drive.OMNI, 20.0) is Result.CERTIFIED
+
+
+def test_a_door_of_which_only_a_post_can_be_held_all_along_is_opened(tmp_path: Path) -> None:
+    robot = up_to_its_stops(tmp_path, "pr2")
+    assert result(tmp_path, BESIDE, robot, Drive.FIXED, 30.0) is Result.CERTIFIED

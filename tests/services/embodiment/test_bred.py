@@ -18,7 +18,6 @@ from services.embodiment.hold.parts import around, parts
 from services.embodiment.hold.pool import FIRST_BRED, anyhow
 from services.embodiment.hold.sets import ANY_MOST, BEYOND, FREE_MOST, grasp_set, grasp_settings
 from tests.services.embodiment.front import free_grasp, front
-from tests.services.embodiment.prove.standing import up_to_its_stops
 from tests.soak.doors import BAR as BAR_WIDTH
 from tests.soak.doors import STAND_OFF
 from tests.soak.judge import Result, result
@@ -31,8 +30,6 @@ QUICK = 5  # another such door
 HIGH = 311  # a door with an upright bar, 1.305 to 1.417 m above the floor; the tool of Stretch comes to 1.362
 LOW = 490  # a door that tips over; its bar is then 0.1 m above the floor
 UNDER = 140  # a door that tips over; its bar is then 0.1 m above the floor, under the door
-ANOTHER = 164  # one more, which is in reach of a PR2 within its soft limits
-BESIDE = 35  # a door with an upright bar, 1.8 m above the floor and 0.52 m beside the robot
 RIGHT = 1  # of the grippers
 BAR = Bar(1, np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([-1.0, 0.0, 0.0]), 0.2, 0.012, 0.012)
 
@@ -155,15 +152,6 @@ def test_a_bar_of_which_only_the_lower_end_is_in_reach_is_held_there(tmp_path: P
 
 def test_a_door_at_whose_end_one_of_thousands_of_postures_is_free_is_opened(tmp_path: Path) -> None:
     assert result(tmp_path, LOW, "pr2", Drive.OMNI, 20.0) is Result.CERTIFIED
-
-
-def test_a_bar_under_its_door_is_held_by_a_post(tmp_path: Path) -> None:
-    assert result(tmp_path, ANOTHER, "pr2", Drive.OMNI, 20.0) is Result.CERTIFIED
-
-
-def test_a_door_of_which_only_a_post_can_be_held_all_along_is_opened(tmp_path: Path) -> None:
-    robot = up_to_its_stops(tmp_path, "pr2")
-    assert result(tmp_path, BESIDE, robot, Drive.FIXED, 30.0) is Result.CERTIFIED
 
 
 def test_stretch_opens_the_oven_with_a_bred_grasp() -> None:

@@ -22,16 +22,16 @@ def test_other_code_finds_the_motion_right(rests: np.ndarray) -> None:
 
 
 @pytest.mark.parametrize("rests", [RESTS, LETTING_GO], ids=["held", "let go"])
-def test_of_60_mutations_the_wrong_are_refused_and_the_right_certified(
+def test_of_30_mutations_the_wrong_are_refused_and_the_right_certified(
     tmp_path: Path, rests: np.ndarray
 ) -> None:
     judge, counts, odd = Judge(tmp_path), Counter[str](), []
-    for k, mutation in enumerate(mutations(7, 60, rests)):
+    for k, mutation in enumerate(mutations(7, 30, rests)):
         truth = judged(mutation.world, mutation.motion, COARSE)
         certified = isinstance(judge(mutation), Certified)
         counts["wrong" if truth.wrong else "right" if truth.right else "between"] += 1
         if (truth.wrong and certified) or (truth.right and not certified):
             odd.append((k, mutation.name, certified, truth.slack))
     assert not odd
-    assert counts["wrong"] > 12
-    assert counts["right"] > 12
+    assert counts["wrong"] > 6
+    assert counts["right"] > 6

@@ -156,7 +156,8 @@ def test_a_door_is_opened_by_the_other_of_its_handles(tmp_path: Path) -> None:
 def test_a_base_has_its_place_by_another_handle(tmp_path: Path) -> None:
     two, moved = tall(tmp_path, 1.6, "tiago_dual"), pair(tmp_path, 1.0, "tiago_dual")
     for twin, name in ((two, "tall_door"), (moved, "left_door")):
-        assert place(twin, twin.robots[0], Task(Verb.OPEN, twin.container(name).iri), budget=20.0).spots
+        task = Task(Verb.OPEN, twin.container(name).iri)
+        assert place(twin, twin.robots[0], task, budget=20.0, enough=1).spots
 
 
 @pytest.mark.parametrize("drive", [Drive.OMNI, Drive.FIXED])

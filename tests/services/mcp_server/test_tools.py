@@ -77,9 +77,7 @@ def test_every_example_works_on_what_is_loaded(agent: Agent) -> None:
     assert "notes" not in rows
     (note,) = data(agent("select", query="SELECT ?d { ?d sdt:hasHandel ?h }"))["notes"]
     assert "did you mean sdt:hasHandle?" in note
-    (note,) = data(agent("select", query="SELECT ?v { ?v law:robot id:tiago, id:pr2 }"))[
-        "notes"
-    ]
+    (note,) = data(agent("select", query="SELECT ?v { ?v law:robot id:tiago, id:pr2 }"))["notes"]
     assert "nothing here is called id:tiago" in note
     assert text(agent("diagnose", verdict=iri[-64:-50])).startswith(
         f"Can pr2 open {DRAWER} in kitchen b? CERTIFIED"

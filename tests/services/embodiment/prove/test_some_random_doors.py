@@ -12,7 +12,7 @@ pytestmark = pytest.mark.oracle
 BUDGET = 4.0  # [s] of search for one front
 
 PROVED = ((0, "stretch", Drive.FIXED), (2, "stretch", Drive.FIXED), (80, "stretch", Drive.FIXED))
-ANY = ((3, "pr2", Drive.FIXED), (5, "tiago_dual", Drive.FIXED), (6, "stretch", Drive.OMNI))
+ANY = ((5, "tiago_dual", Drive.FIXED), (6, "stretch", Drive.OMNI))
 
 
 @pytest.mark.parametrize(("seed", "robot", "drive"), PROVED)
