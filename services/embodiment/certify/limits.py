@@ -78,7 +78,8 @@ def _slowing(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
 
     Where the gain is k, v ≤ k (upper − q): the joint stays within its limits where it would be in 1/k at
     this speed. A joint that may be `tolerances.lag` beyond them then is never farther behind the motion,
-    since it comes nearer at k times what it is farther.
+    since it comes nearer at k times what it is farther. One that is beyond its limits, and goes no farther,
+    is told by `position_limits`.
     """
     findings, bounds = Findings(), scene.bounds
     own = pieces.moving[np.isfinite(bounds.gain[pieces.moving])]
@@ -87,9 +88,12 @@ def _slowing(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
     excess = np.maximum(lower - values, values - upper)
     for j, i, n in _first_and_worst(excess > tolerances.lag, excess):
         k, at = int(own[j]), float(s[i, n, j])
-        q, v, _ = pieces.at(np.array([n]), np.array([at]))
-        room = max(float(upper[j] - q[0, k] if values[i, n, j] > upper[j] else q[0, k] - lower[j]), 0.0)
-        speed, least = abs(float(v[0, k])), room * float(bounds.gain[k])
+        q, v, _ = (float(each[0, k]) for each in pieces.at(np.array([n]), np.array([at])))
+        room, speed = (upper[j] - q, v) if values[i, n, j] > upper[j] else (q - lower[j], -v)
+        if room < -tolerances.position and speed <= tolerances.lag * bounds.gain[k]:
+            continue
+        room = max(float(room), 0.0)
+        least = room * float(bounds.gain[k])
         unit, time = unit_of(scene, k), float(pieces.start[n] + at)
         reason = (
             f"{local_name(scene.names[k])} moves at {speed:.4g} {unit}/s, {room:.3g} {unit} before "

@@ -66,6 +66,15 @@ def test_a_refusal_says_which_joint_would_be_slowed_and_where(twin: Twin) -> Non
     )
 
 
+def test_a_joint_that_rests_beyond_its_limit_is_told_to_be_there_and_not_to_be_too_fast(twin: Twin) -> None:
+    low = float(opening().q[0, opening().joints.index("arm_joint")]) + 0.01
+    verdict = judge(twin.with_edit(ARM, lowerLimit=low, upperLimit=10.0, softLimitGain=2.0), opening())
+    assert isinstance(verdict, Refused)
+    reasons = [each.reason for each in verdict.diagnoses]
+    assert any("arm_joint reaches position" in each for each in reasons)
+    assert not any("moves at" in each for each in reasons)
+
+
 def test_a_gain_of_0_is_none(twin: Twin) -> None:
     assert isinstance(judge(twin.with_edit(ARM, softLimitGain=0.0), opening()), Certified)
 
