@@ -22,7 +22,7 @@ from tests.soak.doors import draw, write
 
 ROBOTS = ("pr2", "tiago_dual")
 HALF = 0.05  # [m] of a box that is held near the floor
-POSTURES = 2000
+POSTURES = 600
 
 
 def asked(folder: Path, robot: str) -> tuple[Twin, Arm, Around]:
