@@ -1,5 +1,6 @@
 """CanPerform of one body motion, under the conditions of its certificate: only checked, never searched."""
 
+import math
 from functools import cached_property
 
 import numpy as np
@@ -14,6 +15,8 @@ from services.embodiment.certify.certificate import Certificate
 from services.embodiment.certify.check import Certified, certify
 from services.embodiment.floor import check_base, check_floor
 from services.physics.model import Scene
+
+ROUNDING = 1e-9  # [rad] by which two who compute it differ in where a handle is
 
 
 class Certifier:
@@ -52,8 +55,7 @@ class Certifier:
             return text == pose_text(x, y, yaw)
         handle = self.certificate.held_in(self.twin).handle
         at = self.scene.placement(self.scene.q((0.0, 0.0, 0.0), {}), handle).translation
-        turned = float(np.arctan2(at[1] - y, at[0] - x))
-        if abs(turned - yaw) >= self.certificate.tolerances.start_angle:
+        if not faces(start, at):
             return False
         return is_at(start, text) or (NEAREST in text and self._moved_from(text, at))
 
@@ -101,6 +103,12 @@ class Certifier:
         if isinstance(outcome, Certified):
             return Answer(case, True, notes=outcome.nearest, figures=outcome.figures)
         return Answer(case, False, outcome.diagnoses, figures=outcome.figures)
+
+
+def faces(start: tuple[float, float, float], handle: Array) -> bool:
+    """Whether a start pose is turned to a handle, world position (3,): to another one no less exactly."""
+    x, y, yaw = start
+    return abs(math.remainder(yaw - math.atan2(handle[1] - y, handle[0] - x), math.tau)) < ROUNDING
 
 
 def is_at(start: tuple[float, float, float], text: str) -> bool:

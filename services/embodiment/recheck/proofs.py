@@ -2,8 +2,6 @@
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from predicates.case import Outcome
 from predicates.record.inputs import (
     TURNED,
@@ -24,7 +22,7 @@ from services.embodiment.proof_check import check
 from services.embodiment.proof_check.claim import Claim
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.written import read_proof
-from services.embodiment.recheck.embodiment import is_at
+from services.embodiment.recheck.embodiment import faces, is_at
 from services.embodiment.recheck.models import TwinOf, at_hand, models_differ
 
 ROUNDING = 1e-9  # [rad or m] of a goal's middle
@@ -140,9 +138,7 @@ def _starts_as(text: str, claim: Claim, twin: Twin, container: Container) -> boo
     if not text.endswith(TURNED):
         return text == pose_text(x, y, yaw)
     statement = Statement(twin, claim.models[1][0], container, claim.drive, claim.start, claim.tolerances)
-    handle = statement.handle_origin()
-    turned = float(np.arctan2(handle[1] - y, handle[0] - x))
-    return is_at(claim.start, text) and abs(turned - yaw) < claim.tolerances.start_angle
+    return is_at(claim.start, text) and faces(claim.start, statement.handle_origin())
 
 
 def _notes(stored: StoredVerdict | None) -> list[str]:

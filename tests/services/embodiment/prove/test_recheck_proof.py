@@ -1,6 +1,7 @@
 """`sdt recheck` of a stored proof: the verdict says what the proof shows, or it does not hold."""
 
 import json
+import math
 import zlib
 from dataclasses import replace
 
@@ -18,6 +19,7 @@ from services.embodiment.proof_check.content import IN_HAND, Proof
 from services.embodiment.proof_check.written import read_proof, to_bytes
 from services.embodiment.prove import Prover
 from services.embodiment.recheck import Saved, recheck_artefact, recheck_verdict
+from services.embodiment.recheck.models import at_hand
 from services.embodiment.recheck.saved import Entry, by_name
 from services.store.files import SavedVerdicts
 from tests.soak.doors import draw, write
@@ -86,6 +88,22 @@ def test_a_verdict_about_another_question_than_its_proof_does_not_hold(
     other = replace(entry.stored, inputs=inputs, iri=verdict_iri(inputs))
     found = recheck_verdict(other, entry.artefact, by_name)
     assert said in "; ".join(found.reasons)
+
+
+@pytest.mark.parametrize(("turned", "holds"), [(0.0, True), (-math.tau, True), (9e-4, False)])
+def test_a_proof_of_a_base_that_faces_the_handle_less_exactly_shows_nothing_of_one_that_does(
+    entry: Entry, turned: float, holds: bool
+) -> None:
+    assert entry.stored is not None
+    assert entry.artefact is not None
+    claim = read_proof(entry.artefact.content).claim
+    (twin, _), (x, y, yaw) = at_hand(by_name, claim.models, claim.state), claim.start
+    about = twin, twin.robots[0], twin.container(claim.container), Drive.FIXED, (x, y, yaw + turned)
+    proved = Prover(*about, np.array(claim.span)).prove(BOXES)
+    assert proved is not None
+    found = recheck_verdict(entry.stored, proved.artefact, by_name)
+    assert found.holds is holds
+    assert holds or "the verdict's start is" in found.reasons[0]
 
 
 def test_a_proof_that_a_door_cannot_open_shows_nothing_about_closing_it(entry: Entry) -> None:
