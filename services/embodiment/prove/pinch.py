@@ -239,7 +239,7 @@ def _arrays(part: Part) -> _Arrays:
 def by_fingers(statement: Statement, hand: Hand, value: float) -> Refutation | None:
     """A refutation of one gripper at a value of the container: no two fingers come to the handle together."""
     target = statement.target(value)
-    if not len(target.boxes) or any(not part.pieces for finger in hand.fingers for part in finger):
+    if not len(target.boxes):
         return None
     near, (lowest, highest) = statement.near(hand, value), handle_span(target)
     tree = Search(hand, (lowest - near, highest + near)).tree()

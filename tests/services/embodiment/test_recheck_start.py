@@ -54,5 +54,5 @@ def test_a_start_beside_the_kitchens_is_refused_where_that_one_is_free(kept_besi
     opened = twin.at(State.of(certificate.state))
     assert Certifier(opened, certificate).starts_as(said)
     assert not Certifier(twin, certificate).starts_as(said)  # everything is closed: nothing is in the way
-    turned = replace(certificate, start=(*certificate.start[:2], certificate.start[2] + 0.1))
+    turned = replace(certificate, start=(*certificate.start[:2], certificate.start[2] + 9e-4))
     assert not Certifier(opened, turned).starts_as(said)

@@ -156,10 +156,15 @@ def _upright(arm: Arm) -> tuple[int, float]:
 
 
 def groups(tree: Tree, gripper: Gripper) -> dict[str, dict[str, list[str]]]:
-    """Bodies by finger, and by the body that carries them: a finger begins where all have parted."""
+    """Bodies by finger, and by the body that carries them: a finger begins where all have parted.
+
+    One without a shape touches nothing: it is no finger for certification, and parts none.
+    """
+    shaped = {body.name for body in tree.mechanism.bodies if body.collision}
     paths = {
         body: [joint.child for joint in tree.path(body) if joint.type is not JointType.FIXED]
         for body in gripper.fingers
+        if body in shaped
     }
     least = min(map(len, paths.values()), default=0)
     shared = next((k for k in range(least) if len({path[k] for path in paths.values()}) > 1), least)
