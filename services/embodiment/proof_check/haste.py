@@ -76,17 +76,16 @@ def fastest(statement: Statement, drive: Drive, gripper: Gripper) -> float:
         return np.inf
     arms, rate = arms_of(arm), 1 + statement.tolerances.rate
     speed = 0.0
-    own = [k for k, link in enumerate(arm.chain.links) if link.name not in BASE]
-    for k in own:
-        link = arm.chain.links[k]
+    first = 0 if statement.level else len(BASE)  # by place: a joint of the robot may have a name of these
+    for k, link in enumerate(arm.chain.links[first:], first):
         most = statement.joint_velocity(link.name) * rate
         speed += most * (arms[k] if link.turns else 1.0)
     if drive is not Drive.FIXED:
         base = statement.base_limits
-        first = arm.chain.links[own[0]]
-        out = float(arm.reach[own[0]]) + float(first.before.translation.norm().hi)
-        if not first.turns:
-            out += max(abs(first.lower), abs(first.upper))
+        inmost = arm.chain.links[first]
+        out = float(arm.reach[first]) + float(inmost.before.translation.norm().hi)
+        if not inmost.turns:
+            out += max(abs(inmost.lower), abs(inmost.upper))
         sideways = statement.tolerances.sideways
         speed += base.linear_velocity * rate + sideways + base.angular_velocity * rate * out
     return speed * (1 + 1e-9)

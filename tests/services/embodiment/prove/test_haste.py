@@ -3,6 +3,7 @@
 import json
 import zlib
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from services.embodiment.proof_check.arm import ROUNDING
 from services.embodiment.proof_check.haste import arms_of, fastest, travelled
 from services.embodiment.proof_check.statement import BASE, Statement
 from services.embodiment.prove.prover import Proved, Prover
+from tests.services.embodiment.gantry import FOLDER
 
 DRAWER = "sink_area_left_middle_drawer_main"
 ROBOTS = ("pr2", "tiago_dual", "stretch")
@@ -95,6 +97,23 @@ def test_no_motion_within_the_limits_moves_a_point_of_the_grasp_box_faster(twin:
         speed = np.linalg.norm(way, axis=1).max()
         bound = fastest(about, Drive.FIXED, gripper)
         assert bound / 3 < speed < bound < fastest(about, Drive.OMNI, gripper)
+
+
+@pytest.mark.parametrize("drive", [Drive.FIXED, Drive.OMNI])
+@pytest.mark.parametrize("name", BASE)
+def test_a_joint_of_the_robot_that_has_a_name_of_the_bases_moves_its_hand_as_before(
+    tmp_path: Path, drive: Drive, name: str
+) -> None:
+    speeds: list[float] = []
+    for folder, joint in ((tmp_path / "usual", "arm_joint"), (tmp_path / "renamed", name)):
+        folder.mkdir()
+        for file in ("gantry.urdf", "gantry.ttl", "cell.urdf"):
+            (folder / file).write_text((FOLDER / file).read_text().replace("arm_joint", joint))
+        twin = load_twin(folder / "cell.urdf", [folder / "gantry.urdf"])
+        about = Statement(twin, twin.robots[0], twin.container("drawer_main"), drive, HERE, Tolerances())
+        (hand,) = (gripper for gripper in about.grippers if gripper.name == "hand")
+        speeds.append(fastest(about, drive, hand))
+    assert speeds[0] == speeds[1]
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
