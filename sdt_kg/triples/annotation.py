@@ -108,10 +108,17 @@ GRIPPER_NEEDS = (RDFS + "label", "toolBody", "toolFrame", "hasFinger", "hasFinge
 def missing_of(facts: Facts, model: Iri, kind: str) -> list[str]:
     """What the annotation of an `Environment` or `Robot` needs and lacks: subject and property, by name."""
     needed = [(model, name) for name in (ROBOT_NEEDS if kind == "Robot" else ("startPose",))]
-    for gripper in facts.iris(model, "hasGripper"):
+    grippers, named = sorted(facts.iris(model, "hasGripper")), dict[str, Iri]()
+    for gripper in grippers:
         needed += [(gripper, name) for name in GRIPPER_NEEDS]
         for joint in facts.iris(gripper, "hasFingerJoint"):
             needed += [(joint, "openPosition"), (joint, "closedPosition")]
-    return [
+    lacking = [
         f"{local_name(iri)} sdt:{local_name(name)}" for iri, name in needed if facts.one(iri, name) is None
+    ]
+    return lacking + [
+        f"{local_name(gripper)} rdfs:label of its own ('{label}' is that of {local_name(first)})"
+        for gripper in grippers
+        if (label := facts.one(gripper, RDFS + "label")) is not None
+        and (first := named.setdefault(str(label), gripper)) != gripper
     ]

@@ -236,6 +236,19 @@ def test_a_joint_whose_velocity_limit_is_0_is_asked_for_one(tmp_path: Path) -> N
         load_twin("b", [path])
 
 
+def test_two_grippers_of_one_name_are_refused_since_what_is_said_of_one_would_be_of_both(
+    tmp_path: Path,
+) -> None:
+    path = copied("pr2", tmp_path, "pr2")
+    text = bundled("robot", "pr2").with_suffix(".ttl").read_text(encoding="utf-8")
+    for side in ("left", "right"):
+        assert f'rdfs:label "{side}"' in text
+        text = text.replace(f'rdfs:label "{side}"', 'rdfs:label "hand"')
+    path.with_suffix(".ttl").write_text(text, encoding="utf-8")
+    with pytest.raises(AnnotationError, match=r"lacks: right .*label of its own \('hand' is that of left\)"):
+        load_twin("b", [path])
+
+
 def test_a_finger_that_follows_another_needs_a_velocity_above_0_too(tmp_path: Path) -> None:
     path = copied("pr2", tmp_path, "pr2")
     path.with_suffix(".ttl").write_bytes(bundled("robot", "pr2").with_suffix(".ttl").read_bytes())
