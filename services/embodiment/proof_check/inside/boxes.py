@@ -100,12 +100,15 @@ def _annotated(tree: Tree, annotation: RobotAnnotation) -> list[tuple[str, Insid
 
 @lru_cache(maxsize=1024)
 def _holds(shapes: tuple[Geometry, ...], core: Geometry) -> bool:
-    """Whether every corner of a box lies in one of the shapes, or in the hull of a part of a mesh."""
-    signs = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T
+    """Whether a box lies in the shapes, or hulls of parts of a mesh: its corners, and points amid them.
+
+    Amid two corners, each in a part of its own, there may be nothing, as between two posts.
+    """
+    signs = np.array(np.meshgrid(*[(-1.0, 0.0, 1.0)] * 3)).reshape(3, -1).T
     pose = core.pose.matrix()
-    corners = (signs * np.array(core.size) / 2) @ pose[:3, :3].T + pose[:3, 3]
+    points = (signs * np.array(core.size) / 2) @ pose[:3, :3].T + pose[:3, 3]
     parts = [(_at(one), part) for one in shapes for part in solids(one)]
-    return all(any(_meets(at, part, corner) for at, part in parts) for corner in corners)
+    return all(any(_meets(at, part, point) for at, part in parts) for point in points)
 
 
 def _meets(at: coal.Transform3s, part: coal.CollisionGeometry, point: Array) -> bool:

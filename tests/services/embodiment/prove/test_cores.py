@@ -142,11 +142,21 @@ def test_a_robot_without_cores_is_refuted_by_reach_alone(tmp_path: Path) -> None
     assert about.around(arm, 0.0) == ()
 
 
-@pytest.mark.parametrize("aside", [0.0, 0.2])
-def test_a_core_that_sticks_out_of_its_body_refutes_nothing(tmp_path: Path, aside: float) -> None:
+WHOLE = '<collision><geometry><box size="0.2 0.2 0.6"/></geometry></collision>'
+POST = '<collision><origin xyz="0 {} 0"/><geometry><box size="0.2 0.06 0.6"/></geometry></collision>'
+POSTS = POST.format(-0.07) + POST.format(0.07)
+"""As far apart as the tower is wide: all corners of a core lie in them, and nothing is amid them."""
+
+
+@pytest.mark.parametrize(
+    ("shapes", "aside", "is_inside"), [(WHOLE, 0.0, True), (WHOLE, 0.2, False), (POSTS, 0.0, False)]
+)
+def test_a_core_that_sticks_out_of_its_body_refutes_nothing(
+    tmp_path: Path, shapes: str, aside: float, is_inside: bool
+) -> None:
     # What it meets, certification, which knows of shapes alone, would let pass.
     urdf = (FOLDER / "gantry.urdf").read_text()
-    tower = '<link name="tower"><collision><geometry><box size="0.2 0.2 0.6"/></geometry></collision></link>'
+    tower = f'<link name="tower">{shapes}</link>'
     fixed = '<joint name="tower_joint" type="fixed"><parent link="base"/><child link="tower"/></joint>'
     (tmp_path / "gantry.urdf").write_text(urdf.replace("</robot>", f"{tower}{fixed}</robot>"))
     core = f"""
@@ -161,4 +171,4 @@ b:tower sdt:hasCore <https://example.org/id/gantry/core> .
     about = Statement(twin, twin.robots[0], twin.container("drawer_main"), Drive.FIXED, HERE, Tolerances())
     arm = about.arm(about.grippers[0])
     assert arm is not None
-    assert [each.body for each in arm.cores] == (["tower"] if aside == 0 else [])
+    assert [each.body for each in arm.cores] == (["tower"] if is_inside else [])
