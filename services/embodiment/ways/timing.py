@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 
 SLACK = 0.98  # [1] of every limit is used
 BENT = 0.5  # [1] of an acceleration limit that what turns on its way may take
+BRIEFEST = 1e-5  # [1] of the way's time at full speed that speeding up takes at least
 UNBOUNDED = 1e6  # [1/s2] of the share of a way that nothing bounds
 LEAST = 1e-12  # [1/s2] the square of a speed along a way, where rounding leaves none
 BASE_LINEAR = slice(0, 2)
@@ -58,6 +59,7 @@ def straight(start: Array, end: Array, bound: Bound, spacing: float) -> Timed | 
     speed = SLACK * _slowest(way, bound.velocity)
     ramp = SLACK * _slowest(way, bound.acceleration)
     speed = min(speed, np.sqrt(ramp))
+    ramp = min(ramp, speed**2 / BRIEFEST)
     t_ramp, t_flat = speed / ramp, max(1.0 / speed - speed / ramp, 0.0)
     switches = np.array([0.0, t_ramp, t_ramp + t_flat, 2 * t_ramp + t_flat])
     times = _refined(switches, max(2, int(np.ceil(1.0 / spacing))))
@@ -190,8 +192,10 @@ def excess(timed: Timed, bound: Bound) -> tuple[float, float]:
     """Largest ratio of velocity and of acceleration to its limit, between samples too."""
     first, second = _hermite_accelerations(timed.times, timed.x, timed.v)
     h = np.diff(timed.times)[:, None]
-    middles = 1.5 * np.diff(timed.x, axis=0) / h - (timed.v[1:] + timed.v[:-1]) / 4
-    speeds, accelerations = np.concatenate([timed.v, middles]), np.concatenate([first, second])
+    part = np.divide(first, first - second, out=np.zeros_like(first), where=first * second < 0)
+    turning = timed.v[:-1] + h * part * first / 2  # of each variable where it is fastest
+    middle = (timed.v[1:] + timed.v[:-1]) / 2 + h * (first - second) / 8  # the base may be, of both together
+    speeds, accelerations = np.concatenate([timed.v, turning, middle]), np.concatenate([first, second])
     speed, haste = 1.0 / _slowest(speeds, bound.velocity), bound.haste(timed)
     return max(speed, haste) if haste > 1 else speed, 1.0 / _slowest(accelerations, bound.acceleration)
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline
 
 from services.embodiment.ways import timing
 from services.embodiment.ways.bound import Bound
@@ -66,10 +67,33 @@ def test_a_way_along_one_joint_takes_as_long_as_a_trapezoid() -> None:
         bound = Bound.alone(np.array([1.0, 1.0, velocity]), np.array([1.0, 1.0, acceleration]))
         ends = np.zeros((2, 3))
         ends[1, 2] = 0.8
-        best = timing.straight(*ends, bound, 0.01)
+        best = timing.straight(ends[0], ends[1], bound, 0.01)
         timed, _, _ = timing.fastest(Followed.through(np.linspace(0, 1, 2), ends), bound, FREE, 121)
         assert best is not None
         assert timed.times[-1] == pytest.approx(best.times[-1], rel=0.02)
+
+
+@pytest.mark.parametrize("seed", [18, 427, 442])
+def test_speeds_are_largest_anywhere_between_two_samples_not_only_halfway(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    path = random_path(rng)
+    bound = Bound.alone(rng.uniform(0.1, 2, 8), rng.uniform(0.3, 5, 8) * 10 ** rng.uniform(-1, 2))
+    timed, _, _ = timing.fastest(path, bound, FREE, 121 if seed % 2 else 25)
+    looks = timed.times[:-1] + np.linspace(0, 1, 33)[:, None] * np.diff(timed.times)
+    speeds = CubicHermiteSpline(timed.times, timed.x, timed.v).derivative()(looks)
+    assert np.linalg.norm(speeds[..., :2], axis=-1).max() <= bound.velocity[0]
+    assert (np.abs(speeds[..., 2:]).max(axis=(0, 1)) <= bound.velocity[2:]).all()
+
+
+@pytest.mark.parametrize(("velocity", "acceleration"), [(0.2, 1e6), (0.2, 1e12), (1e-5, 1.0)])
+def test_full_speed_that_is_reached_at_once_is_no_more_than_the_limit(
+    velocity: float, acceleration: float
+) -> None:
+    bound = Bound.alone(np.full(3, velocity), np.full(3, acceleration))
+    timed = timing.straight(np.zeros(3), np.ones(3), bound, 0.5)
+    assert timed is not None
+    assert timed.times[0] == 0
+    assert max(timing.excess(timed, bound)) == pytest.approx(timing.SLACK)
 
 
 @pytest.mark.parametrize("velocity", [1e-9, 1e-3, 1e6])
