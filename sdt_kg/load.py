@@ -13,7 +13,7 @@ import robots as bundled_robots
 from sdt_kg.annotating.annotate import TEE_GRAPH, annotate, tee_triples
 from sdt_kg.annotating.files import Chosen, chosen_kitchen, chosen_robot, described, with_annotation
 from sdt_kg.entities import Entities
-from sdt_kg.errors import AnnotationError, GraphError, InputError, UnknownEntityError
+from sdt_kg.errors import AnnotationError, GraphError, InputError, UnknownEntityError, UrdfError
 from sdt_kg.iri import Iri, graph_iri, local_name, model_iri
 from sdt_kg.mechanism import Mechanism
 from sdt_kg.scenes import SCENE_SUFFIXES, read_scene, scene_stem
@@ -145,8 +145,18 @@ def _kitchen(name: str | Path, explicit: Path | None) -> tuple[Mechanism, str, C
     path = model_path("kitchen", name)
     scene = path.suffix in SCENE_SUFFIXES
     mechanism = read_scene(path) if scene else read_mechanism(path, turn_axes=True)
+    _check_names(mechanism, path)
     mechanism = replace(mechanism, notes=(*mechanism.notes, *_of_lengths(mechanism)))
     return mechanism, "Environment", chosen_kitchen(mechanism, path, explicit)
+
+
+def _check_names(mechanism: Mechanism, path: Path) -> None:
+    if unseen := mechanism.unseen():
+        raise UrdfError(
+            f"{str(path)!r}: the name {unseen} has what cannot be seen",
+            allowed="names without line breaks, control characters, and spaces at an end",
+            remedy="rename it",
+        )
 
 
 def _of_lengths(mechanism: Mechanism) -> Iterator[str]:
@@ -163,6 +173,7 @@ def _of_lengths(mechanism: Mechanism) -> Iterator[str]:
 def _robot(name: str | Path, explicit: Path | None) -> tuple[Mechanism, str, Chosen]:
     path = model_path("robot", name)
     mechanism = read_mechanism(path)
+    _check_names(mechanism, path)
     return mechanism, "Robot", chosen_robot(mechanism, path, explicit)
 
 

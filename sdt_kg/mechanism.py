@@ -166,6 +166,10 @@ class Joint:
         return next((float(each[1] or each[2]) for each in found if each), 0.0)
 
 
+SHOWN_NAME = 200
+"""[characters] Of a name that is refused."""
+
+
 @dataclass(frozen=True, slots=True)
 class Mechanism:
     """A kinematic tree.
@@ -194,3 +198,9 @@ class Mechanism:
     def joint(self, name: str) -> Joint:
         """Joint of that name; KeyError is a bug of ours, input is checked where it enters."""
         return next(joint for joint in self.joints if joint.name == name)
+
+    def unseen(self) -> str | None:
+        """A name that has what cannot be seen, quoted, if there is one: a line break may forge a verdict."""
+        names = (self.name, *(each.name for each in (*self.bodies, *self.joints)))
+        hidden = (name for name in names if not name.isprintable() or name != name.strip())
+        return next((repr(name[:SHOWN_NAME]) for name in hidden), None)

@@ -54,6 +54,8 @@ def checked_model(triples: Sequence[Triple], model: Iri, kind: str, before: Same
     if lost:
         raise GraphError(f"'{name}' is not whole: it lacks {lost[0]}" + _more(lost))
     _check_tree(mechanism)
+    if unseen := mechanism.unseen():
+        raise GraphError(f"the name {unseen} has what cannot be seen", allowed="names that can be read")
     if wrong := torn(triples, mechanism):
         raise GraphError(f"'{name}': {wrong}")
     return mechanism

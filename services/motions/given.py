@@ -191,11 +191,15 @@ def _abbreviated(name: str, known: Iterable[str]) -> str | None:
 
 
 def _texts(name: str, array: np.ndarray) -> np.ndarray:
-    """Texts, which numpy keeps as bytes too."""
+    """Texts that can be read, which numpy keeps as bytes too."""
     try:
-        return np.char.decode(array, "utf-8") if array.dtype.kind == "S" else array
+        texts = np.char.decode(array, "utf-8") if array.dtype.kind == "S" else array
     except UnicodeDecodeError:
         raise MotionError(f"'{name}' holds bytes that are no text", allowed="UTF-8") from None
+    unseen = next((each for each in texts.ravel().tolist() if not each.isprintable()), None)
+    if unseen is not None:  # it would be told as it is, and a line break may forge a verdict
+        raise MotionError(f"'{name}' holds {unseen[:80]!r}", allowed="names without control characters")
+    return texts
 
 
 def _is_real(cell: object) -> bool:
