@@ -53,7 +53,7 @@ class View:
 
     def _repr_html_(self) -> str:
         """The view with playback: canvas, data and viewer in one piece of HTML that loads nothing."""
-        data = json.dumps(payload(self), separators=(",", ":")).replace("</", "<\\/")
+        data = json.dumps(payload(self), separators=(",", ":")).replace("<", "\\u003c")
         return (
             f'<figure class="sdt-view"><style>{_file("viewer.css")}</style>'
             f'<div class="sdt-stage"></div><figcaption>{html.escape(self.title)}</figcaption>'

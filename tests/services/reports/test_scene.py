@@ -1,5 +1,7 @@
 """What is drawn is where the physics has it."""
 
+import json
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -154,3 +156,10 @@ def test_rotations_of_a_tree_are_right_handed(scene: Scene) -> None:
     yaw[2] = np.pi / 2
     frame = tree.frames(yaw)[2]
     assert Rotation.from_matrix(frame[:3, :3]).as_rotvec() == pytest.approx([0, 0, np.pi / 2])
+
+
+def test_no_name_ends_or_comments_out_the_data_of_a_view(twin: Twin) -> None:
+    shown = view_of(twin, [], "</script><!--<script>")._repr_html_()
+    data = shown.partition('<script type="application/json">')[2].partition("</script>")[0]
+    assert "<" not in data
+    assert json.loads(data)["title"] == "</script><!--<script>"
