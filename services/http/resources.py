@@ -8,7 +8,7 @@ from sdt_kg.iri import ID, LAW, RDF, Iri
 from services.http.pages.graph.entity import entity
 from services.http.pages.verdicts.one import verdict
 from services.http.pages.verdicts.results import result
-from services.http.pages.view import MEDIA, View, answered
+from services.http.pages.view import MEDIA, View, answered, path_of
 from services.http.problems import RefusedError
 from services.http.protocol.exchange import check_acceptable, respond
 from services.http.protocol.graphs import graph_quads, graph_response
@@ -30,8 +30,7 @@ MOST = 2000
 async def identified(request: Request) -> Response:
     """The resource whose IRI ends like this URL; with `.json` or `.csv` after it, the data of its page."""
     workers: Workers = request.app.state.world.workers
-    raw: bytes = request.scope.get("raw_path") or request.scope["path"].encode()
-    iri = ID + raw.decode("ascii", "replace").partition("?")[0].removeprefix("/id/")
+    iri = ID + path_of(request).removeprefix("/id/")
     taken = check_acceptable(request, (*GRAPHS, HTML))
     stem, _, ending = iri.rpartition(".")
     if iri.startswith(f"{ID}graph/") and taken[0] != HTML:

@@ -121,11 +121,11 @@ def answered(request: Request, view: View, media: str) -> Response:
 def page(request: Request, view: View) -> str:
     """A view as HTML."""
     forms = ["json"] if view.rows is None else ["json", "csv"]
-    here = request.scope["path"]
+    here = path_of(request)
     stem = "/index" if here == "/" else here
     more = f"?{request.scope['query_string'].decode('latin-1')}" if request.scope["query_string"] else ""
     return template(view.template).render(
-        {"forms": [(form, f"{quote(stem)}.{form}{more}") for form in forms]}
+        {"forms": [(form, f"{stem}.{form}{more}") for form in forms]}
         | view.data
         | view.shown
         | around(request)
@@ -151,7 +151,13 @@ def here(request: Request, **changes: str | Sequence[str] | None) -> str:
     for name, value in changes.items():
         values = [value] if isinstance(value, str) else (value or [])
         kept += [(name, each) for each in values if each]
-    return quote(request.scope["path"]) + (f"?{urlencode(kept)}" if kept else "")
+    return path_of(request) + (f"?{urlencode(kept)}" if kept else "")
+
+
+def path_of(request: Request) -> str:
+    """This view's path as it was asked for: a slash in a name, `%2F`, parts nothing."""
+    raw: bytes = request.scope.get("raw_path") or quote(request.scope["path"]).encode()
+    return raw.decode("ascii", "replace").partition("?")[0]
 
 
 def sorted_by(request: Request, columns: Sequence[str]) -> str:

@@ -1,6 +1,7 @@
 """One resource: what the graphs say about it, and what mentions it."""
 
 from typing import Final
+from urllib.parse import quote, urlencode
 
 import pyoxigraph as ox
 from starlette.requests import Request
@@ -48,6 +49,7 @@ def entity(request: Request, iri: Iri, quads: list[ox.Quad], most: int) -> View:
         "most": most,
         "leads": _leads(request.app.state.world, iri, {kind.strip("<>") for kind in kinds}),
         "is_graph": iri.startswith(f"{ID}graph/"),
+        "is_own": iri.startswith(ID),
     }
     return View("entity", data, [*data["about"], *data["mentions"]], COLUMNS, shown)
 
@@ -65,11 +67,12 @@ def _leads(world: World, iri: Iri, kinds: set[Iri]) -> list[tuple[str, str]]:
         None,
     )
     if kitchen is not None:
-        leads.append((f"Feasibility in kitchen {kitchen.name}", f"/kitchens/{kitchen.name}"))
-        leads.append((f"Containers of kitchen {kitchen.name}", f"/kitchens/{kitchen.name}/containers"))
+        place = f"/kitchens/{quote(kitchen.name)}"
+        leads.append((f"Feasibility in kitchen {kitchen.name}", place))
+        leads.append((f"Containers of kitchen {kitchen.name}", f"{place}/containers"))
     for kind, parameter in (("Container", "container"), ("Robot", "robot"), ("Environment", "kitchen")):
         if SDT + kind in kinds:
-            leads.append(("Verdicts about it", f"/verdicts?{parameter}={name}"))
+            leads.append(("Verdicts about it", f"/verdicts?{urlencode({parameter: name})}"))
     return leads
 
 
