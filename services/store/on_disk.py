@@ -2,6 +2,7 @@
 
 import fcntl
 import os
+import re
 import time
 from pathlib import Path
 from typing import IO
@@ -24,6 +25,9 @@ ATTEMPTS = 5
 WAIT = 0.2
 """[s] Between attempts to get what another process holds: a query is soon done."""
 
+BEGUN = re.compile(r"LOCK|LOG|IDENTITY|MANIFEST-000001|\d{6}\.dbtmp")
+"""Files of a directory in which nothing was written yet."""
+
 HELD = ("No locks available", "Resource temporarily unavailable")
 """RocksDB's words for a directory that this process, or another one, has open."""
 
@@ -39,7 +43,7 @@ def in_folder(folder: Path) -> FolderStore:
         StoreUnavailableError: Another process has it open.
         StoreRejectedError: It is damaged.
     """
-    if folder.exists() and not is_store_folder(folder) and (not folder.is_dir() or any(folder.iterdir())):
+    if folder.exists() and not is_store_folder(folder) and not _is_bare(folder):
         raise InputError(
             f"{folder} holds something else than a store",
             allowed="a new or empty directory, or one that --save made",
@@ -62,6 +66,11 @@ def in_folder(folder: Path) -> FolderStore:
         "is open in another process",
         remedy="wait until that is done, or share it between processes: oxigraph serve -l DIRECTORY",
     )
+
+
+def _is_bare(folder: Path) -> bool:
+    """Whether a directory has nothing, or what RocksDB had made before it was killed or had no room."""
+    return folder.is_dir() and all(BEGUN.fullmatch(each.name) for each in folder.iterdir())
 
 
 def is_store_folder(folder: Path) -> bool:

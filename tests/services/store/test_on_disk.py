@@ -137,6 +137,18 @@ def test_a_file_is_as_it_was_when_its_process_is_killed(tmp_path: Path) -> None:
     assert [each.name for each in tmp_path.iterdir()] == ["verdicts.nq"]
 
 
+@pytest.mark.parametrize(
+    "left", [("LOCK", "LOG"), ("000001.dbtmp", "IDENTITY", "LOCK", "LOG", "MANIFEST-000001")]
+)
+def test_a_directory_whose_making_was_cut_off_becomes_a_store(tmp_path: Path, left: tuple[str, ...]) -> None:
+    for name in left:
+        (tmp_path / name).touch()
+    store = in_folder(tmp_path)
+    store.add([ox.Quad(*(ox.NamedNode(f"urn:{each}") for each in "spog"))])
+    store.close()
+    assert len(in_folder(tmp_path).graph("urn:g")) == 1
+
+
 def damaged(folder: Path) -> None:
     in_folder(folder).close()
     (folder / "CURRENT").write_text("garbage")
