@@ -12,10 +12,9 @@ import io
 import math
 import pickle
 import sys
-import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache, cached_property
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
@@ -30,6 +29,8 @@ from numba.core.environment import Environment, _rebuild_env, lookup_environment
 from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
 
+from services.keeping import files
+
 FORMER = 4
 """[1] Files of former code that are kept of a function: one goes to and fro between branches."""
 
@@ -39,7 +40,7 @@ LIBRARIES = {"math", "numpy"}
 LEVEL = 2
 """[1] LLVM's level of optimisation. At numba's 3 compiling takes a third longer, and loops run no faster."""
 
-FORM = 3
+FORM = 4
 """[1] Raised when what is written of compiled code changes its form."""
 
 DIGITS = 24
@@ -173,24 +174,20 @@ class Kept(_Cache):
         if not self._enabled or path.with_suffix(".nbc").exists():
             yield
             return
-        self._placed.locator.ensure_cache_path()
-        with path.open("w") as file:
-            with suppress(OSError):  # where files cannot be locked: each then compiles for itself
+        with ExitStack() as held:
+            with suppress(OSError):  # where files cannot be made or locked: each then compiles for itself
+                self._placed.locator.ensure_cache_path()
+                file = held.enter_context(path.open("w"))
+                held.callback(path.unlink, missing_ok=True)
                 fcntl.flock(file, fcntl.LOCK_EX)
-            try:
-                yield
-            finally:
-                path.unlink(missing_ok=True)
+            yield
 
     def load_overload(self, sig: object, target_context: Any) -> object:  # noqa: ANN401 - numba's
-        """What was compiled for these types, or None."""
+        """What was compiled for these types, byte for byte as it was kept, or None."""
         # Loading needs numba's memory alone; all that numba can compile it looks up before it compiles.
         rtsys.initialize(target_context)
         key = self._key(sig, target_context.codegen())
-        try:
-            content = self._path(key).read_bytes() if self._enabled else b""
-        except FileNotFoundError:
-            return None
+        content = files.read(self._path(key)) if self._enabled else None
         same, needed, *parts = _Reader(io.BytesIO(content)).load() if content else (None, ())
         if same != key:
             return None
@@ -203,13 +200,12 @@ class Kept(_Cache):
         """It is kept, and of the function as it was before only what is newest."""
         if not self._enabled or not self._placed.check_cachable(data):
             return
-        self._placed.locator.ensure_cache_path()
         for each in sorted(self._former(), key=_age)[FORMER:]:
-            each.unlink(missing_ok=True)
+            with suppress(OSError):
+                each.unlink()
         key = self._key(sig, data.codegen)
-        with tempfile.NamedTemporaryFile(dir=self._folder, suffix=".tmp", delete=False) as file:
-            file.write(dumps((key, self._needed(data), *_parts(self._placed.reduce(data), self.shared))))
-        Path(file.name).replace(self._path(key))
+        parts = _parts(self._placed.reduce(data), self.shared)
+        files.write(self._path(key), dumps((key, self._needed(data), *parts)))
 
     def _needed(self, data: Any) -> list[tuple[str, object]]:  # noqa: ANN401 - numba's
         """Names and types of kernels that such code calls and does not hold."""

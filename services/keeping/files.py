@@ -8,6 +8,7 @@ wrote. Only what follows from robots is kept, no scene, path or verdict.
 import hashlib
 import os
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 _DIGEST = hashlib.sha256().digest_size
@@ -43,4 +44,5 @@ def write(path: Path, content: bytes) -> None:
         own.write_bytes(hashlib.sha256(content).digest() + content)
         own.replace(path)
     except OSError:
-        return
+        with suppress(OSError):
+            own.unlink(missing_ok=True)

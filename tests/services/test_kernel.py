@@ -3,6 +3,7 @@
 import gc
 import importlib.util
 import multiprocessing
+import resource
 import subprocess
 import sys
 import time
@@ -215,6 +216,29 @@ def test_of_processes_that_ask_at_the_same_time_one_compiles(loaded: Loader) -> 
         each.join()
     assert sorted(told.get() for _ in asking) == [(0, 1, 2.0), (1, 0, 2.0)]
     assert not list(kept(outer)[0].parent.glob("*.lock"))
+
+
+@pytest.mark.parametrize(
+    "damaged", [lambda was: was[:-99], lambda was: was[:-99] + b"0" * 99, lambda was: b""]
+)
+def test_what_is_not_there_as_it_was_written_is_compiled_anew(loaded: Loader, damaged) -> None:
+    assert loaded().outer(1.0) == 2.0
+    (file,) = kept(sys.modules["edited_outer"].outer)
+    file.write_bytes(damaged(file.read_bytes()))
+    for hits in (0, 1):
+        again = loaded().outer
+        assert again(1.0) == 2.0
+        assert sum(again.stats.cache_hits.values()) == hits
+
+
+def test_where_there_is_no_room_each_process_compiles_for_itself(loaded: Loader) -> None:
+    outer, limits = loaded().outer, resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, limits[1]))
+    try:
+        assert outer(1.0) == 2.0
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert kept(outer) == []
 
 
 def test_who_could_not_compile_keeps_nobody_waiting(loaded: Loader) -> None:
