@@ -75,6 +75,7 @@ class Plan:
         steps: In the order in which greed took them; everything was judged in the world of all so far.
         missing: Name and first reason of what is still not certified.
         candidates: Edits that were looked at.
+        even: Those that gain something in the world of all steps, and lose as much or more.
     """
 
     kitchen: str
@@ -83,6 +84,7 @@ class Plan:
     steps: tuple[Step, ...]
     missing: tuple[tuple[str, str], ...]
     candidates: tuple[str, ...]
+    even: tuple[Step, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,25 +196,24 @@ def _planned(asked: Asked, cover: Cover, founds: Founds, candidates: tuple[str, 
     policy = replace(asked.policy, budget=min(asked.policy.budget, FOR_CANDIDATE))
     service = load(cover.kitchen, [cover.robot], state=asked.states, policy=policy)
     world = World(in_class(service, asked.tee, asked.forces), cover.robot)
-    steps: list[Step] = []
-    left = list(candidates)
+    steps, even, left = list[Step](), list[Step](), list(candidates)
     while left and len(steps) < MOST_EDITS and not all(each.is_certified for each in founds.values()):
-        step = _best_step(world, asked.verb, founds, left)
+        step, even = _best_step(world, asked.verb, founds, left)
         if step is None:
             break
         edit, world, after = step
         left.remove(edit)
         steps.append(_step(edit, founds, after))
-        founds = after
+        founds, even = after, []
     missing = tuple((name, _reason(each)) for name, each in founds.items() if not each.is_certified)
-    return Plan(cover.kitchen, cover.robot, len(founds), tuple(steps), missing, candidates)
+    return Plan(cover.kitchen, cover.robot, len(founds), tuple(steps), missing, candidates, tuple(even))
 
 
 def _best_step(
     world: World, verb: str, founds: Founds, candidates: Sequence[str]
-) -> tuple[str, World, Founds] | None:
-    """The edit after which most is certified; None if none gains."""
-    now, best = _count(founds), None
+) -> tuple[tuple[str, World, Founds] | None, list[Step]]:
+    """The edit after which most is certified; None if none gains more than it loses, and those that gain."""
+    now, best, even = _count(founds), None, list[Step]()
     for edit in candidates:
         try:
             after = changed(world, made_at_once(edit))
@@ -228,7 +229,9 @@ def _best_step(
         whole = {name: gained[name] if name in gained else judged(name, founds[name]) for name in founds}
         if _count(whole) > least:
             best = (edit, after, whole)
-    return best
+        else:
+            even.append(_step(edit, founds, whole))
+    return best, even
 
 
 def _judged(judge: Judge, verb: str, container: str, base: Found) -> Found:
@@ -272,6 +275,7 @@ def to_json(design: Design) -> dict[str, object]:
                 "steps": list(map(_step_json, each.steps)),
                 "missing": [{"container": name, "why": reason} for name, reason in each.missing],
                 "candidates": list(each.candidates),
+                "even": list(map(_step_json, each.even)),
             }
             for each in design.plans
         ],

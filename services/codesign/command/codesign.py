@@ -128,6 +128,8 @@ def _print_plan(plan: Plan) -> None:
         lost = f"; no longer {', '.join(step.lost)}" if step.lost else ""
         click.echo(f"  {step.what}: {', '.join(step.gained)}{lost}  → {step.covered} of {plan.of}")
     if not plan.steps:
-        click.echo(f"  none of {len(plan.candidates)} candidates gains anything")
+        click.echo(f"  none of {len(plan.candidates)} candidates gains more than it loses")
+    for step in plan.even:
+        click.echo(f"  not taken: {step.what}: {', '.join(step.gained)}; no longer {', '.join(step.lost)}")
     for name, reason in plan.missing:
         click.echo(f"  still not certified: {name}: {reason}")

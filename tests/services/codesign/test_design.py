@@ -1,8 +1,13 @@
 """Covers are greedy over what is certified; a plan's edits are judged in one world, one after the other."""
 
+import pytest
+
 from predicates.case import Outcome
-from services.codesign.design import covers_of, together_in
+from sdt_kg.annotation import Drive
+from services.app import Policy
+from services.codesign.design import covers_of, designed, together_in
 from services.codesign.entries import Entry, Found, Grid, How
+from services.codesign.grid import Asked
 from services.codesign.report import counts, reuse, turned_rows
 
 REASON = (
@@ -64,3 +69,14 @@ def test_a_refusal_says_whether_it_was_proved_measured_or_only_searched() -> Non
     assert basis(searched, measured) == "measured"
     assert basis(searched, measured, proved) == "proved"
     assert not basis(measured, outcome=Outcome.ABSTAINED)
+
+
+@pytest.mark.oracle
+def test_what_gains_no_more_than_it_loses_is_not_taken_and_told() -> None:
+    drawer, door = "dishwasher_drawer_middle", "cabinet7_door_bottom_left"
+    asked = Asked(("a",), ("pr2",), "open", (), Policy(Drive.OMNI, budget=5), (), (drawer, door))
+    (plan,) = designed(asked, 1, (f"clear:{door}",)).plans
+    assert plan.steps == ()
+    assert [(each.what, each.gained, each.lost) for each in plan.even] == [
+        (f"clear:{door}", (drawer,), (door,))
+    ]
