@@ -15,11 +15,12 @@ from predicates.record.inputs import (
 from predicates.record.stored import StoredVerdict
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import local_name
-from sdt_kg.state import Region
+from sdt_kg.state import Interval, Region
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container, Twin
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.claim import Claim
+from services.embodiment.proof_check.content import Proof
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.written import read_proof
 from services.embodiment.recheck.embodiment import faces, is_at
@@ -45,7 +46,7 @@ def proof_again(content: bytes, twin_of: TwinOf, stored: StoredVerdict | None) -
     checked = check(twin, robot, container, content)
     reasons = list(checked.reasons)
     if stored is not None and not reasons:
-        reasons += _question_differs(stored, claim, twin)
+        reasons += _question_differs(stored, proof, twin)
         for one in (claim, *(each.claim for each in proof.others)):
             held = twin.container(one.container).by_handle(one.handle)
             reasons += _policy_differs(dict(stored.inputs), one, twin, held)
@@ -87,9 +88,10 @@ def _claim_differs(stored: StoredVerdict, claim: Claim) -> Iterator[str]:
     yield from models_differ(stored, claim.models, "proof")
 
 
-def _question_differs(stored: StoredVerdict, claim: Claim, twin: Twin) -> Iterator[str]:
+def _question_differs(stored: StoredVerdict, proof: Proof, twin: Twin) -> Iterator[str]:
     """In what the verdict's state and request are not those about which the proof says something."""
-    said, (low, high) = dict(stored.inputs), claim.span
+    said, claim = dict(stored.inputs), proof.claim
+    low, high = claim.span
     if said.get("state") != state_hash(twin.state):
         yield "the verdict's input 'state' is not the state of its proof"
     if claim.timing is not None and said.get("motion", UNKNOWN_INPUT) == UNKNOWN_INPUT:
@@ -97,7 +99,8 @@ def _question_differs(stored: StoredVerdict, claim: Claim, twin: Twin) -> Iterat
     at = claim.state[twin.container(claim.container).joint]
     goal = goal_of(said.get("final", ""))
     if goal is not None and low < high:
-        yield from _beyond_goal(claim, at, goal, twin.container(claim.container))
+        for one in (proof, *(each for each in proof.others if each.claim.container == claim.container)):
+            yield from _beyond_goal(one, at, goal, twin.container(claim.container))
     if stored.verb is None or stored.container is None:
         return
     asked = task_text(Task(stored.verb, stored.container))
@@ -109,15 +112,19 @@ def _question_differs(stored: StoredVerdict, claim: Claim, twin: Twin) -> Iterat
         yield f"the proof is not about how it would {stored.verb.value}: it is about {passes}"
 
 
-def _beyond_goal(claim: Claim, at: float, goal: Region, container: Container) -> Iterator[str]:
-    """Whether the proof is about more than the way to the middle of a goal."""
-    middle = {joint: (each.lower + each.upper) / 2 for joint, each in goal.intervals}.get(container.joint, at)
-    low, high = claim.span
+def _beyond_goal(proof: Proof, at: float, goal: Region, container: Container) -> Iterator[str]:
+    """Whether the proof is about more than the way to the middle of a goal, or beyond where it begins."""
+    interval = dict(goal.intervals).get(container.joint, Interval(at, at))
+    middle, near = (interval.lower + interval.upper) / 2, min(max(at, interval.lower), interval.upper)
+    low, high = proof.claim.span
     if not min(at, middle) - ROUNDING <= low <= high <= max(at, middle) + ROUNDING:
         yield (
             f"the proof is about more than the way to the verdict's goal, from {at:.4g} to {middle:.4g}: "
             f"it is about {low:.4g} to {high:.4g}"
         )
+    for value in sorted({each for one in proof.refutations for each in one.values}):
+        if not min(at, near) - ROUNDING <= value <= max(at, near) + ROUNDING:
+            yield f"the verdict's goal begins at {near:.5g}, so {value:.5g} need not be passed"
 
 
 def _policy_differs(said: dict[str, str], claim: Claim, twin: Twin, container: Container) -> Iterator[str]:

@@ -156,6 +156,26 @@ def test_a_proof_of_the_whole_way_shows_nothing_of_a_goal_before_its_end(
     assert holds or "more than the way to the verdict's goal" in found.reasons[0]
 
 
+@pytest.mark.parametrize(("value", "holds"), [(0.018, True), (0.02, False)])
+def test_a_proof_where_a_goal_is_met_already_shows_nothing_of_reaching_it(
+    entry: Entry, value: float, holds: bool
+) -> None:
+    assert entry.stored is not None
+    assert entry.artefact is not None
+    whole = json.loads(zlib.decompress(entry.artefact.content))
+    whole["claim"]["span"] = [0.0, 0.02]
+    for one in whole["refutations"]:
+        one["value"] = value
+    goal = "https://example.org/id/b/joint/iai_fridge_door_joint 0.018 to 0.022"
+    told = {"final": goal, "task": UNKNOWN_INPUT}
+    inputs = tuple((key, told.get(key, was)) for key, was in entry.stored.inputs)
+    other = replace(entry.stored, verb=None, inputs=inputs, iri=verdict_iri(inputs))
+    changed = Artefact(ArtefactKind.PROOF, zlib.compress(json.dumps(whole).encode()))
+    found = recheck_verdict(other, changed, by_name)
+    assert found.holds is holds, found.reasons
+    assert holds or "need not be passed" in found.reasons[0]
+
+
 @pytest.fixture(scope="module")
 def in_hand(tmp_path_factory: pytest.TempPathFactory) -> tuple[Entry, Saved]:
     """A standing TIAGo++ before a door, and a proof of holds in hand kept in place of one of every hold."""
