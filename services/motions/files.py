@@ -12,6 +12,7 @@ from sdt_kg.errors import InputError, MotionError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Twin
+from services.motions.archive import arrays_in
 from services.motions.body import body_arrays, body_motion
 from services.motions.columns import read_csv, write_csv
 from services.motions.container import container_arrays, frame_motion, joint_motion
@@ -98,10 +99,9 @@ def _read_npz(path: Path) -> Given:
     if not zipfile.is_zipfile(path):
         raise MotionError("it is no .npz: its bytes are no zip archive", allowed=ALLOWED)
     try:
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
-            return Given({name: file[name] for name in file.files})
-    except Exception as error:  # noqa: BLE001 - whatever a damaged archive makes zip, zlib or numpy raise
-        raise MotionError(f"it is no .npz of plain arrays: {error}", allowed=ALLOWED) from None
+        return Given(arrays_in(path))
+    except ValueError as error:
+        raise MotionError(str(error), allowed=ALLOWED) from None
 
 
 def _write_npz(path: Path, arrays: dict[str, np.ndarray]) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 
 from predicates.learn.track import Array, Track
 from sdt_kg.errors import MotionError
+from services.motions.archive import arrays_in
 from services.tracks.columns import FORCE, PLACE, TURN, track_of
 
 ALLOWED = "positions (T, 3) or poses (T, 7), optional times (T,), orientations (T, 4), forces (T, 3)"
@@ -27,10 +28,9 @@ def read_arrays(path: Path) -> Track:
         MotionError: No .npz, arrays of another shape, or a sample that is wrong, with its index.
     """
     try:
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
-            arrays = {name: np.asarray(file[name]) for name in file.files}
-    except Exception as error:  # noqa: BLE001 - whatever a damaged archive makes zip, zlib or numpy raise
-        raise MotionError(f"{path.name} is no .npz of plain arrays: {error}", allowed=ALLOWED) from None
+        arrays = arrays_in(path)
+    except ValueError as error:
+        raise MotionError(f"{path.name}: {error}", allowed=ALLOWED) from None
     if unknown := sorted(arrays.keys() - KEYS.keys()):
         is_motion = not arrays.keys().isdisjoint({"joint", "robot"})
         raise MotionError(
