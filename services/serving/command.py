@@ -158,7 +158,7 @@ def serve(
             port = listening.getsockname()[1]
             click.echo(f"http://{where.host}:{port}  kitchens: {names}; {_writing(settings.token)}", err=True)
             if bus is not None:
-                click.echo(f"bus at {bus}", err=True)
+                click.echo(f"bus at {bus}; {_on_bus(bus_config)}", err=True)
             if viewer is not None:
                 click.echo(f"3D page at {viewer}", err=True)
 
@@ -172,3 +172,10 @@ def _ended(number: int, _: object) -> None:
 
 def _writing(token: str | None) -> str:
     return "writing needs the token" if token else "whoever can reach it may write (no token is set)"
+
+
+def _on_bus(config: Path | None) -> str:
+    """Who may ask there: the token is HTTP's."""
+    return (
+        f"who may ask says {config.name}" if config else "whoever can reach it may ask, and verdicts are kept"
+    )

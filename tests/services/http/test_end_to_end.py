@@ -52,6 +52,8 @@ def service(tmp_path: Path, endpoint: str) -> Iterator[httpx.Client]:
         said = process.stderr.readline()
         found = re.match(r"http://127\.0\.0\.1:\d+", said)
         assert found, said
+        # The token is HTTP's.
+        assert f"bus at {endpoint}; whoever can reach it may ask" in process.stderr.readline()
         headers = {"authorization": f"Bearer {TOKEN}"}
         with httpx.Client(base_url=found[0], headers=headers, timeout=180) as client:
             yield client
