@@ -284,3 +284,12 @@ def test_a_page_asks_a_bounded_number_of_queries(served, monkeypatch) -> None:
         asked.clear()
         assert served.get(address, headers=PAGE).status_code == 200
         assert len(asked) <= most, address
+
+
+def test_the_console_tells_names_that_are_not_there_beside_its_answer(served) -> None:
+    def told(query: str) -> str:
+        return text_of(served.get("/console?" + urlencode({"query": query}), headers=PAGE).text)
+
+    assert "nothing here is called id:tiago:" in told("SELECT ?v { ?v law:robot id:tiago, id:pr2 }")
+    assert "law:outcom is no term of the ontology" in told("SELECT ?v { ?v law:outcom ?o }")
+    assert "is called" not in told("SELECT ?v { ?v law:robot id:pr2 }")

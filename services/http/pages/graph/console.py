@@ -4,6 +4,7 @@ import json
 import re
 from dataclasses import dataclass
 from functools import cache, partial
+from itertools import islice
 from typing import Any, Final
 from urllib.parse import urlencode
 
@@ -20,6 +21,7 @@ from services.http.pages.view import SCRIPTED, Json, View, page
 from services.http.problems import RefusedError, status_of
 from services.http.protocol.exchange import query_string, respond, single
 from services.http.world import World
+from services.ontology_page.spelling import entities_of, unknown_terms
 from services.store.workers import Answered, Asked, LimitError
 
 FORMS: Final = {
@@ -37,6 +39,8 @@ MOST: Final = 5000
 """Rows or triples that a page takes; downloads take as many as the service does."""
 SIZE: Final = 8 * 2**20
 """[bytes] Of the answer on a page."""
+ENTITIES: Final = 20
+"""That a query names and that are looked for, to tell what is not there."""
 PAGE: Final = 200
 """Rows shown at a time."""
 START: Final = """SELECT ?container ?robot ?outcome WHERE {
@@ -92,11 +96,12 @@ async def _console(request: Request) -> Response:
     """The page; a query that is wrong or too much is told on it, with the status that it has elsewhere."""
     text = _query(request)
     shown: Json = {"query": with_prefixes(START if text is None else text), "examples": examples()}
-    shown |= {"example_links": _example_links(), "answer": None, "problem": None, "forms": []}
+    shown |= {"example_links": _example_links(), "answer": None, "problem": None, "forms": [], "notes": []}
     status = 200
     if text is not None and text.strip():
         try:
             shown["answer"] = await _answer(request, shown["query"])
+            shown["notes"] = await _notes(request, shown["query"])
         except LimitError as error:
             status, shown["problem"] = status_of(error), _told(error)
             shown["problem"]["download"] = _links(shown["query"], (*TABLE_FORMS[:2], GRAPH_FORMS[0]))
@@ -126,6 +131,15 @@ async def _answer(request: Request, text: str) -> Json:
     columns = [variable.value for variable in found.variables]
     rows = [[None if each[name] is None else cell(each[name]) for name in columns] for each in found]
     return _page_of(request, "rows", columns, rows, _links(text, TABLE_FORMS))
+
+
+async def _notes(request: Request, text: str) -> list[str]:
+    """What in a query can match nothing: no rows about that are no "no"."""
+    workers, notes = request.app.state.world.workers, list(unknown_terms(text))
+    for ask, absent in islice(entities_of(text).items(), ENTITIES):
+        found = await workers.ask(Asked("query", ask, accepted=(FORMS["json"],)))
+        notes += [] if json.loads(found.body)["boolean"] else [absent]
+    return notes
 
 
 def _triples(answered: Answered) -> list[list[Any]]:
