@@ -36,7 +36,7 @@ from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import ROUNDING, Arm, Beside, beside, chain_to, make_arm, upright
 from services.embodiment.proof_check.inside.boxes import Core, cores_on
-from services.embodiment.proof_check.inside.cores import (
+from services.embodiment.proof_check.inside.solids import (
     Around,
     Solids,
     Surroundings,

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from sdt_kg.errors import InputError
 from services.embodiment.proof_check.arm import ROUNDING, Arm, Beside
 from services.embodiment.proof_check.content import LEAF
-from services.embodiment.proof_check.inside.cores import Around, pierced
+from services.embodiment.proof_check.inside.cores import pierced
+from services.embodiment.proof_check.inside.solids import Around
 from services.embodiment.proof_check.interval import apply, exact
 from services.embodiment.proof_check.mechanics import HERE, Placement, Swing
 from services.embodiment.proof_check.target import Target

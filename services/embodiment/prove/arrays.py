@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.inside.boxes import Core
-from services.embodiment.proof_check.inside.cores import Around
+from services.embodiment.proof_check.inside.solids import Around
 from services.embodiment.proof_check.interval import Interval
 from services.embodiment.proof_check.target import Target
 

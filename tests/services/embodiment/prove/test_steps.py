@@ -18,7 +18,7 @@ from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.check import leaves_of_one
 from services.embodiment.proof_check.content import STEPPED, Steps
-from services.embodiment.proof_check.inside.cores import FLOOR
+from services.embodiment.proof_check.inside.solids import FLOOR
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.steps import LIFT
 from services.embodiment.proof_check.written import read_proof
