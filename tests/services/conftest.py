@@ -29,9 +29,11 @@ class Done:
 
 @pytest.fixture
 def loggers() -> Iterator[None]:
-    """Loggers write as before again after the test, whatever a server set."""
+    """Loggers write nowhere before the test, whatever an earlier one left, and as before again after it."""
     ours = [logging.getLogger(name) for name in LOGGERS]
     before = [(each.handlers[:], each.level, each.propagate) for each in ours]
+    for each in ours:
+        each.handlers.clear()
     yield
     for each, known in zip(ours, before, strict=True):
         each.handlers[:], each.level, each.propagate = known
