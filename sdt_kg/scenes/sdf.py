@@ -12,7 +12,7 @@ from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, Inertia, JointType, Limits, Mechanism, Mimic, ShapeType
 from sdt_kg.scenes.build import HANDLE, Link, Matrix, Part, between, built, listed, pose_of
 from sdt_kg.scenes.planes import half_space
-from sdt_kg.scenes.spelling import check_written
+from sdt_kg.scenes.spelling import check_spelling
 from sdt_kg.scenes.values import by_name, is_true, number_of, numbers_of, own_pose
 from sdt_kg.urdf.meshes import PACKAGE, collision_file, mesh_hash
 
@@ -44,7 +44,7 @@ def read_sdf(root: ET.Element, path: Path, name: str) -> Mechanism:
     version = root.get("version", "")
     if not version.replace(".", "", 1).isdecimal() or tuple(map(int, version.split("."))) < OLDEST:
         raise UrdfError(f"{path}: SDF version '{version}'", allowed="1.5 or later")
-    check_written(root, path)
+    check_spelling(root, path)
     worlds = root.findall("world")
     if len(worlds) > 1:
         raise UrdfError(f"{path}: {len(worlds)} worlds", allowed="one")

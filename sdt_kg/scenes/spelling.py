@@ -9,7 +9,7 @@ from typing import Final
 from xml.etree import ElementTree as ET
 
 from sdt_kg.errors import UrdfError
-from sdt_kg.urdf.spelling import slip_of
+from sdt_kg.urdf.spelling import check_slips, place_of
 
 SHAPES: Final = (
     *("empty", "box", "capsule", "cone", "cylinder", "ellipsoid", "heightmap", "image", "mesh", "plane"),
@@ -72,36 +72,25 @@ OFTEN: Final = ("frame", "sensor")
 """Parts that may be there several times in the others, too."""
 
 
-def check_written(root: ET.Element, source: Path) -> None:
+def check_spelling(root: ET.Element, source: Path) -> None:
     """No element or attribute is misspelled, and nothing is given twice where one is read.
 
     Raises:
         UrdfError: Something is; it says what may be meant.
     """
+    check_slips(_looked_at(root), PARTS, ATTRIBUTES, source)
     for element in _looked_at(root):
-        where = f"{source}: {element.tag}" + (f" '{element.get('name')}'" if element.get("name") else "")
-        known = PARTS.get(element.tag, ())
-        for part in element:
-            if slip := slip_of(part.tag, known):
-                raise UrdfError(
-                    f"{where} has <{part.tag}>", allowed=", ".join(known), remedy=f"write <{slip}>"
-                )
-        attributes = ATTRIBUTES.get(element.tag, ())
-        for name, value in element.attrib.items():
-            if slip := slip_of(name, attributes):
-                what = f'{where} has {name}="{value}"'
-                raise UrdfError(what, allowed=", ".join(attributes), remedy=f"write {slip}")
-        _check_once(element, known, where)
+        _check_once(element, source)
 
 
-def _check_once(element: ET.Element, known: tuple[str, ...], where: str) -> None:
-    for tag in ONCE if element.tag in SEVERAL else known:
+def _check_once(element: ET.Element, source: Path) -> None:
+    for tag in ONCE if element.tag in SEVERAL else PARTS.get(element.tag, ()):
         if tag not in OFTEN and len(element.findall(tag)) > 1:
-            raise UrdfError(f"{where} has <{tag}> more than once", allowed="one")
+            raise UrdfError(f"{place_of(element, source)} has <{tag}> more than once", allowed="one")
     shapes = [part.tag for part in element if part.tag in SHAPES] if element.tag == "geometry" else []
     if len(shapes) > 1:
         raise UrdfError(
-            f"{where} has {len(shapes)} shapes: {', '.join(shapes)}",
+            f"{place_of(element, source)} has {len(shapes)} shapes: {', '.join(shapes)}",
             allowed="one",
             remedy="give each a <collision> of its own; a link may have several",
         )

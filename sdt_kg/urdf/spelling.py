@@ -4,7 +4,7 @@ A `<Collision>` would be nothing that can be met, nor a second `<geometry>`, nor
 stands for; `xzy="…"` would be no place.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Final
 from xml.etree import ElementTree as ET
@@ -61,18 +61,42 @@ def check_spelling(root: ET.Element, source: Path) -> None:
     Raises:
         UrdfError: One is; it says what may be meant.
     """
-    for element in _looked_at(root):
-        where = f"{source}: {element.tag}" + (f" '{element.get('name')}'" if element.get("name") else "")
-        known = PARTS.get(element.tag, ())
+    check_slips(_looked_at(root), PARTS, ATTRIBUTES, source)
+
+
+def check_slips(
+    elements: Iterable[ET.Element],
+    parts: Mapping[str, tuple[str, ...]],
+    attributes: Mapping[str, tuple[str, ...]],
+    source: Path,
+) -> None:
+    """No element has a part, or an attribute, that is a slip of one which it may have.
+
+    Args:
+        elements: That are looked at, each by itself.
+        parts: Element → elements that it may have.
+        attributes: Element → attributes that it may have.
+        source: Where they are written.
+
+    Raises:
+        UrdfError: One has; it says what may be meant.
+    """
+    for element in elements:
+        known = parts.get(element.tag, ())
         for part in element:
-            if slip := slip_of(part.tag, known):
-                what = f"{where} has <{part.tag}>"
+            if slip := _slip_of(part.tag, known):
+                what = f"{place_of(element, source)} has <{part.tag}>"
                 raise UrdfError(what, allowed=", ".join(known), remedy=f"write <{slip}>")
-        known = ATTRIBUTES.get(element.tag, ())
+        known = attributes.get(element.tag, ())
         for name, value in element.attrib.items():
-            if slip := slip_of(name, known):
-                what = f'{where} has {name}="{value}"'
+            if slip := _slip_of(name, known):
+                what = f'{place_of(element, source)} has {name}="{value}"'
                 raise UrdfError(what, allowed=", ".join(known), remedy=f"write {slip}")
+
+
+def place_of(element: ET.Element, source: Path) -> str:
+    """Where it is written, and which it is."""
+    return f"{source}: {element.tag}" + (f" '{element.get('name')}'" if element.get("name") else "")
 
 
 def check_expanded(root: ET.Element, source: Path) -> None:
@@ -107,9 +131,8 @@ def check_once(root: ET.Element, source: Path) -> None:
         once = ("inertial",) if element.tag == "link" else PARTS.get(element.tag, ())
         for tag in once if element.tag in ("link", "joint", "inertial", "collision") else ():
             if tag not in UNREAD and len(element.findall(tag)) > 1:
-                where = f" '{element.get('name')}'" if element.get("name") else ""
                 raise UrdfError(
-                    f"{source}: {element.tag}{where} has <{tag}> more than once",
+                    f"{place_of(element, source)} has <{tag}> more than once",
                     allowed="one",
                     remedy="leave all but one out; a link may have several <collision>",
                 )
@@ -136,7 +159,7 @@ def solid_parts(owner: ET.Element) -> Iterator[ET.Element]:
     return (element for part in owner if part.tag != "visual" for element in part.iter())
 
 
-def slip_of(name: str, known: tuple[str, ...]) -> str | None:
+def _slip_of(name: str, known: tuple[str, ...]) -> str | None:
     """The known name that an unknown one is a slip of, if it is like one."""
     if name in known:
         return None
