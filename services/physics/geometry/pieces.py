@@ -61,8 +61,16 @@ class Piece:
         shape = self.shape
         if not isinstance(shape, coal.Convex):
             return float((self.high - self.low).min())
-        along = np.array(shape.points()) @ np.array(shape.normals()).T
-        return float(np.ptp(along, axis=0).min())
+        return float(np.ptp(self.corners @ np.array(shape.normals()).T, axis=0).min())
+
+    @cached_property
+    def corners(self) -> Array:
+        """Points whose hull is the shape, shape (K, 3) [m]; none of what is round or triangles."""
+        if isinstance(self.shape, coal.ConvexBase):
+            return np.array(self.shape.points())
+        if isinstance(self.shape, coal.Box):
+            return np.array(list(product(*np.stack((self.low, self.high), axis=1).tolist())))
+        return np.empty((0, 3))
 
 
 def pieces(geometry: Geometry) -> tuple[Piece, ...]:
@@ -133,12 +141,17 @@ def beyond(piece: Piece, way: Array, least: float) -> Piece | None:
 
     Of what is round, that of points on its surface: it falls short by at most 1 % of the radius.
     """
+    middle, reach = way @ (piece.low + piece.high) / 2, np.abs(way) @ (piece.high - piece.low) / 2
+    if middle - reach > least:
+        return piece
+    if middle + reach <= least:
+        return None
     shape = piece.shape
     if isinstance(shape, coal.BVHModelBase):
         triangles = corners(shape)
         triangles = _clipped(triangles, triangles @ way - least)
         return bent(triangles) if len(triangles) else None
-    points = np.array(shape.points()) if isinstance(shape, coal.ConvexBase) else _outermost(piece)
+    points = piece.corners if len(piece.corners) else _outermost(shape)
     along = points @ way - least
     if (along > 0).all():
         return piece
@@ -151,11 +164,8 @@ def beyond(piece: Piece, way: Array, least: float) -> Piece | None:
     return Piece(kept.min(axis=0), kept.max(axis=0), partial(hull_of_solid, kept))
 
 
-def _outermost(piece: Piece) -> Array:
-    """Points of a primitive's surface, shape (K, 3), whose hull is the primitive or nearly so [m]."""
-    shape = piece.shape
-    if isinstance(shape, coal.Box):
-        return np.array(list(product(*np.stack((piece.low, piece.high), axis=1).tolist())))
+def _outermost(shape: coal.CollisionGeometry) -> Array:
+    """Points of the surface of what is round, shape (K, 3), whose hull it is nearly [m]."""
     turn = np.linspace(0.0, 2 * np.pi, AROUND, endpoint=False)
     ring = np.stack((np.cos(turn), np.sin(turn), np.zeros(AROUND)), axis=1)
     rise = np.linspace(-np.pi / 2, np.pi / 2, AROUND // 2 + 1)

@@ -34,35 +34,35 @@ class Boxes:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Way:
-    """One joint on its way, by pieces of equal length.
+    """That of the one joint that moves.
 
     Attributes:
         axis: Of the joint in the world, of length 1, shape (3,).
         origin: A point of it, shape (3,) [m].
         slides: Whether it is prismatic.
-        half: Half of a piece [rad or m].
+        rate: [rad or m per unit of the actuated joint] How fast it goes, negative where it goes back.
     """
 
     axis: Array
     origin: Array
     slides: bool
-    half: float
+    rate: float
 
-    def shift(self, directions: Array, boxes: Boxes) -> Array:
-        """How far points of the boxes move along directions (…, 3, k) in half a piece, shape (…, k) [m].
+    def shift(self, directions: Array, boxes: Boxes, part: float) -> Array:
+        """How far points of the boxes move along directions (…, 3, k) on a part of it, shape (…, k) [m].
 
         A point at a distance ρ from the axis ω moves along n by at most |n × ω| ρ for each radian.
         """
-        along = self.axis @ directions
+        along, part = self.axis @ directions, part * abs(self.rate)
         if self.slides:
-            return np.abs(along) * self.half
+            return np.abs(along) * part
         arm = boxes.middle - self.origin
         arm = arm - (arm @ self.axis)[..., None] * self.axis
         reach: Array = np.linalg.norm(arm, axis=-1) + np.linalg.norm(boxes.half, axis=-1)
-        return np.sqrt(np.maximum(1.0 - along**2, 0.0)) * reach[..., None] * self.half
+        return np.sqrt(np.maximum(1.0 - along**2, 0.0)) * reach[..., None] * part
 
 
-def may_meet(way: Way, moved: Boxes, resting: Boxes, least: Array) -> NDArray[np.bool_]:
+def may_meet(way: Way, half: float, moved: Boxes, resting: Boxes, least: Array) -> NDArray[np.bool_]:
     """On which pieces of the way a moved box may be deeper than `least` in a resting one, shape (N, P).
 
     On a piece they are not if they are parted along an axis of one of the two: in its middle by more than
@@ -70,6 +70,7 @@ def may_meet(way: Way, moved: Boxes, resting: Boxes, least: Array) -> NDArray[np
 
     Args:
         way: How one of them moves.
+        half: Half of a piece [unit of the actuated joint].
         moved: One for each pair in the middle of each piece, shape (N, P).
         resting: Those against which they move, shape (P,).
         least: Depth that is allowed, shape (P,) [m].
@@ -80,5 +81,5 @@ def may_meet(way: Way, moved: Boxes, resting: Boxes, least: Array) -> NDArray[np
     for own, other in ((resting, moved), (moved, resting)):
         gap = np.abs((between @ own.rotation)[..., 0, :]) - own.half
         gap -= (np.abs(np.swapaxes(own.rotation, -1, -2) @ other.rotation) @ other.half[..., None])[..., 0]
-        widest = np.maximum(widest, (gap - way.shift(own.rotation, other)).max(axis=-1))
+        widest = np.maximum(widest, (gap - way.shift(own.rotation, other, half)).max(axis=-1))
     return widest < -least

@@ -95,7 +95,7 @@ class Rest:
         """[m] Between the shapes as they were fitted; without end where one was put there later."""
         if not self._put.isdisjoint((one.body, other.body)):
             return np.inf
-        return gap_between(one, self._placed[id(one)], other, self._placed[id(other)])
+        return gap_between(one, self._placed[id(one)], other, self._placed[id(other)])[0]
 
     def is_ahead(self, one: BodyShape, other: BodyShape) -> bool:
         """Whether the other shape reaches farther than one's body to where that goes."""
@@ -192,11 +192,12 @@ def _frames(model: Model) -> list[pin.SE3]:
 
 def gap_between(
     one: BodyShape, one_at: coal.Transform3s, other: BodyShape, other_at: coal.Transform3s
-) -> float:
-    """Distance of two shapes [m], negative where they penetrate."""
+) -> tuple[float, Array]:
+    """Distance of two shapes [m], negative where they penetrate, and from one to the other its direction."""
     # Request and result of its own for each call: a cached guess gives wrong answers.
     request, result = coal.DistanceRequest(), coal.DistanceResult()
-    return float(coal.distance(one.piece.shape, one_at, other.piece.shape, other_at, request, result))
+    gap = float(coal.distance(one.piece.shape, one_at, other.piece.shape, other_at, request, result))
+    return gap, result.normal
 
 
 def _start(limits: Limits) -> float:

@@ -18,6 +18,7 @@ from sdt_kg.mechanism import JointType
 from sdt_kg.state import State
 from services.physics.geometry.bodies import BodyShape, shapes_of
 from services.physics.stops.bearing import Bearing
+from services.physics.stops.course import Course
 from services.physics.stops.passing import Boxes, Way, may_meet
 from services.physics.stops.rest import ALLOWANCE, Rest, gap_between, placed
 from services.physics.tree import Array, Indices, Model
@@ -136,6 +137,7 @@ class _Path:
         joints, sources = range(1, model.model.njoints), model.coupling.source.tolist()
         self._follows = {i for i in joints if sources[model.model.idx_qs[i]] == self._k}
         self._moving = {i for i in joints if not self._follows.isdisjoint(model.model.supports[i].tolist())}
+        self._way = self._only_way() if len(self._follows) == 1 else None
 
     def _frames(self, position: float) -> list[pin.SE3]:
         """world_T_joint of every joint: Pinocchio's own list, valid until the next call."""
@@ -158,8 +160,8 @@ class _Path:
         one, other = np.nonzero(reach)
         least = np.full(len(one), TOUCH)  # at least: which are triangles is known once they are made
         meet = np.ones((PARTS, len(one)), dtype=bool)
-        if len(self._follows) == 1:
-            meet = may_meet(self._way(abs(step) / 2), boxes.where(one), still.where(other), least)
+        if self._way is not None:
+            meet = may_meet(self._way, abs(step) / 2, boxes.where(one), still.where(other), least)
         for n in np.flatnonzero(meet.any(axis=0)):
             pair = shapes.all[int(moved[one[n]])], shapes.all[int(resting[other[n]])]
             last = int(np.flatnonzero(meet[:, n])[-1]) + 1
@@ -191,17 +193,28 @@ class _Path:
                 if pair[0] is not one:
                     yield from ((one, core) for core in self._bearing.cores(other, one))
 
-    def _way(self, half: float) -> Way:
+    def _only_way(self) -> Way:
         """The way of the only joint that moves, whose axis rests."""
         (joint,) = self._follows
-        own = self._model.part.joints[self._model.model.idx_qs[joint] - self._model.part.first]
+        coordinate = self._model.model.idx_qs[joint]
+        own = self._model.part.joints[coordinate - self._model.part.first]
         frame, axis = self._frames(self._begin)[joint], np.array(own.axis)
+        ratio = float(self._model.coupling.multiplier[coordinate])
         return Way(
             frame.rotation @ (axis / np.linalg.norm(axis)),
             frame.translation.copy(),
             own.type is JointType.PRISMATIC,
-            half * abs(float(self._model.coupling.multiplier[self._model.model.idx_qs[joint]])),
+            ratio * float(np.sign(self._end - self._begin)),
         )
+
+    def _course(self, one: BodyShape, other: BodyShape) -> Course | None:
+        """The moved shape's on its way past the resting one; None where it is not told by their corners."""
+        corners, against = one.piece.corners, other.piece.corners
+        if self._way is None or not len(corners) or not len(against):
+            return None
+        frames = self._frames(self._begin)
+        corners = _seen(frames[one.joint] * one.pose, corners)
+        return Course(self._way, corners, _seen(frames[other.joint] * other.pose, against))
 
     def _boxes(self, shapes: "Shapes", some: Indices, positions: Array) -> Boxes:
         """Those about some shapes with the actuated joint at each position, shape (N, S)."""
@@ -261,9 +274,10 @@ class _Path:
         direction, speed = np.sign(end - self._begin), self._speed(one) + self._speed(other)
         moves, against = other.joint in self._moving, self._placed(other, self._begin)
         (allowed, shortest), position, free = self._allowed(one, other, least), self._begin, 0.0
+        course = None if least == TOUCH else self._course(one, other)
         while speed > 0:
             against = self._placed(other, position) if moves else against
-            gap = gap_between(one, self._placed(one, position), other, against)
+            gap, toward = gap_between(one, self._placed(one, position), other, against)
             if position == self._begin:
                 free = 2 * LEAST_STEP if least == TOUCH and gap < -TOUCH else 0.0
             if gap < -allowed and not (free and position == self._begin):
@@ -272,6 +286,8 @@ class _Path:
                 return None
             # On a way of this length they do not come to be too deep, however fast they come nearer.
             step = max(gap + max(allowed, 0.0), shortest, free) / speed
+            if course is not None:
+                step = max(step, course.free(abs(position - self._begin), toward, allowed))
             ahead = position + direction * step
             position, free = end if (end - ahead) * direction <= 0 else float(ahead), 0.0
         return None
@@ -289,6 +305,12 @@ class _Path:
         if deep and allowed > through and self._rest.is_ahead(one, other):
             return max(through, deep + shortest), shortest
         return allowed, max(least / 2, shortest)
+
+
+def _seen(at: pin.SE3, points: Array) -> Array:
+    """Points, shape (K, 3), where they are with their frame there."""
+    seen: Array = points @ at.rotation.T + at.translation
+    return seen
 
 
 def _least(one: BodyShape, other: BodyShape) -> float:

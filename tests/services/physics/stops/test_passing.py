@@ -9,14 +9,16 @@ from services.physics.stops.passing import Boxes, Way, may_meet
 
 PAIRS, PIECES, INSIDE = 300, 8, 5
 LEAST = 0.01  # [m]
-END = {True: 0.5, False: 1.6}  # [m or rad]
+END = {True: 0.5, False: 1.6}  # [m or rad] of the actuated joint
+RATE = -1.5
 
 
 def at(way: Way, boxes: Boxes, position: float) -> Boxes:
-    """The boxes when the joint has moved by this."""
+    """The boxes when the actuated joint has moved by this."""
+    gone = way.rate * position
     if way.slides:
-        return Boxes(boxes.rotation, boxes.middle + position * way.axis, boxes.half)
-    turn = Rotation.from_rotvec(position * way.axis).as_matrix()
+        return Boxes(boxes.rotation, boxes.middle + gone * way.axis, boxes.half)
+    turn = Rotation.from_rotvec(gone * way.axis).as_matrix()
     return Boxes(turn @ boxes.rotation, (boxes.middle - way.origin) @ turn.T + way.origin, boxes.half)
 
 
@@ -29,19 +31,20 @@ def boxes(rng: np.random.Generator) -> Boxes:
 def test_boxes_are_no_deeper_than_allowed_on_pieces_on_which_they_cannot_meet(slides: bool) -> None:
     rng = np.random.default_rng(7)
     resting, moved, axis = boxes(rng), boxes(rng), rng.normal(size=3)
-    way = Way(axis / np.linalg.norm(axis), rng.uniform(-0.2, 0.2, 3), slides, END[slides] / PIECES / 2)
-    middles = 2 * way.half * (np.arange(PIECES) + 0.5)
+    way = Way(axis / np.linalg.norm(axis), rng.uniform(-0.2, 0.2, 3), slides, RATE)
+    half = END[slides] / PIECES / 2
+    middles = 2 * half * (np.arange(PIECES) + 0.5)
     placed = [at(way, moved, float(middle)) for middle in middles]
     pieces = Boxes(
         np.array([each.rotation for each in placed]),
         np.array([each.middle for each in placed]),
         np.array([each.half for each in placed]),
     )
-    meet = may_meet(way, pieces, resting, np.full(PAIRS, LEAST))
+    meet = may_meet(way, half, pieces, resting, np.full(PAIRS, LEAST))
     assert 0.2 < meet.mean() < 0.9
     deepest = {True: 0.0, False: 0.0}
     for k, middle in enumerate(middles):
-        for position in middle + way.half * np.linspace(-1, 1, INSIDE):
+        for position in middle + half * np.linspace(-1, 1, INSIDE):
             there = at(way, moved, float(position))
             for n in range(PAIRS):
                 deepest[bool(meet[k, n])] = max(deepest[bool(meet[k, n])], depth(there, resting, n))
