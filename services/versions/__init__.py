@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
 
-KINEMATICS_VERSION = "13"
+KINEMATICS_VERSION = "14"
 DYNAMICS_VERSION = "5"
-EMBODIMENT_VERSION = "25"
+EMBODIMENT_VERSION = "26"
 BEARING_VERSION = "4"
 """Each is raised whenever an answer of that oracle may change."""
 

@@ -2,17 +2,15 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 
-import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import RobotAnnotation
 from sdt_kg.mechanism import Body, Geometry, JointType, ShapeType
+from services.embodiment.proof_check.inside.covered import is_covered
 from services.embodiment.proof_check.interval import exact, turning
 from services.embodiment.proof_check.mechanics import HERE, Placement, Tree, placement
-from services.physics.geometry.shapes import solids
 
 Array = NDArray[np.float64]
 Inside = tuple[Placement, Array]
@@ -20,7 +18,6 @@ Inside = tuple[Placement, Array]
 
 GAP = 0.001  # [m] between the face of a box and the cylinder that it is inside, at most
 THIN = 0.005  # [m] half an extent of a box below which nothing stays inside it that moves
-STICKS_OUT = 1e-4  # [m] of a box out of the shapes that contain its body: rounding of an annotation
 LESS = 1 - 1e-9  # [1] for what rounding may add
 
 
@@ -94,31 +91,8 @@ def _annotated(tree: Tree, annotation: RobotAnnotation) -> list[tuple[str, Insid
     """
     shapes = {body.name: body.collision for body in tree.mechanism.bodies}
     boxes = [(body, one) for body, one in annotation.cores if one.shape is ShapeType.BOX]
-    inside = [(body, one) for body, one in boxes if _holds(shapes[body], one)]
+    inside = [(body, one) for body, one in boxes if is_covered(one, shapes[body])]
     return [(body, (placement(one.pose), np.array(one.size) / 2)) for body, one in inside]
-
-
-@lru_cache(maxsize=1024)
-def _holds(shapes: tuple[Geometry, ...], core: Geometry) -> bool:
-    """Whether a box lies in the shapes, or hulls of parts of a mesh: its corners, and points amid them.
-
-    Amid two corners, each in a part of its own, there may be nothing, as between two posts.
-    """
-    signs = np.array(np.meshgrid(*[(-1.0, 0.0, 1.0)] * 3)).reshape(3, -1).T
-    pose = core.pose.matrix()
-    points = (signs * np.array(core.size) / 2) @ pose[:3, :3].T + pose[:3, 3]
-    parts = [(_at(one), part) for one in shapes for part in solids(one)]
-    return all(any(_meets(at, part, point) for at, part in parts) for point in points)
-
-
-def _meets(at: coal.Transform3s, part: coal.CollisionGeometry, point: Array) -> bool:
-    ball, here = coal.Sphere(STICKS_OUT), coal.Transform3s(np.eye(3), point)
-    return bool(coal.collide(ball, here, part, at, coal.CollisionRequest(), coal.CollisionResult()))
-
-
-def _at(geometry: Geometry) -> coal.Transform3s:
-    matrix = geometry.pose.matrix()
-    return coal.Transform3s(matrix[:3, :3], matrix[:3, 3])
 
 
 def boxes_within(body: Body) -> Iterator[Inside]:

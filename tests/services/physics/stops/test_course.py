@@ -36,7 +36,10 @@ def test_no_corner_is_deeper_on_the_way_that_is_free_and_one_is_behind_it(slides
     rng = np.random.default_rng(seed)
     axis = rng.normal(size=3)
     way = Way(axis / np.linalg.norm(axis), rng.uniform(-0.3, 0.3, 3), slides, float(rng.choice([-1.7, 0.4])))
-    points, others = rng.uniform(-0.2, 0.2, (9, 3)), rng.uniform(-0.2, 0.2, (7, 3)) + rng.uniform(-0.3, 0.3, 3)
+    points, others = (
+        rng.uniform(-0.2, 0.2, (9, 3)),
+        rng.uniform(-0.2, 0.2, (7, 3)) + rng.uniform(-0.3, 0.3, 3),
+    )
     gone, allowed = float(rng.uniform(0, 1)), 0.3
     gap, toward = parted(moved(way, points, gone), others)
     free = Course(way, points, others).free(gone, toward, allowed)
