@@ -33,6 +33,10 @@ THROUGH = 0.45
 TOUCH = -1e-6
 """[m] What is allowed of two meshes of triangles, which have no depth in each other: they may not touch."""
 
+GRAZES = 1e-6
+"""[m] By how much more than is allowed shapes are in each other that are too deep: more than rounding. A drawer
+may slide all along as deep as it was drawn."""
+
 REST_FACTOR = 2.0
 """[1] How many times their depth at rest two shapes may have which overlap with every joint at its start
 position: the model made them so. The bottom drawer of kitchen `a` lies 17 mm deep in a bar below it
@@ -274,20 +278,20 @@ class _Path:
         direction, speed = np.sign(end - self._begin), self._speed(one) + self._speed(other)
         moves, against = other.joint in self._moving, self._placed(other, self._begin)
         (allowed, shortest), position, free = self._allowed(one, other, least), self._begin, 0.0
-        course = None if least == TOUCH else self._course(one, other)
+        course, grazes = (None, 0.0) if least == TOUCH else (self._course(one, other), GRAZES)
         while speed > 0:
             against = self._placed(other, position) if moves else against
             gap, toward = gap_between(one, self._placed(one, position), other, against)
             if position == self._begin:
                 free = 2 * LEAST_STEP if least == TOUCH and gap < -TOUCH else 0.0
-            if gap < -allowed and not (free and position == self._begin):
+            if gap < -allowed - grazes and not (free and position == self._begin):
                 return Block(position, -gap, max(allowed, 0.0), one.body, other.body)
             if position == end or (until - position) * direction <= 0:
                 return None
             # On a way of this length they do not come to be too deep, however fast they come nearer.
             step = max(gap + max(allowed, 0.0), shortest, free) / speed
             if course is not None:
-                step = max(step, course.free(abs(position - self._begin), toward, allowed))
+                step = max(step, course.free(abs(position - self._begin), toward, allowed + 2 * grazes))
             ahead = position + direction * step
             position, free = end if (end - ahead) * direction <= 0 else float(ahead), 0.0
         return None

@@ -67,7 +67,7 @@ def test_a_drawer_behind_a_closed_door_is_stopped_by_it() -> None:
     ]
     assert isinstance(answer.case.final, State)
     joint = A.container("dishwasher_drawer_middle").joint
-    assert answer.case.final[joint] == pytest.approx(0.113, abs=0.003)
+    assert answer.case.final[joint] == pytest.approx(0.1104, abs=1e-4)
 
 
 def test_with_the_door_open_the_drawer_is_free() -> None:
@@ -101,6 +101,19 @@ def test_of_the_bundled_containers_only_the_blocked_ones_are_stopped(
 def test_a_post_before_a_drawer_stops_it_however_thin(tmp_path: Path, thickness: float) -> None:
     assert not asked(with_post(tmp_path, 0.3, thickness), "drawer").holds
     assert asked(with_post(tmp_path, 0.8, thickness), "drawer").holds
+
+
+@pytest.mark.parametrize(("thickness", "allowed"), [(0.02, 0.0095), (0.1, 0.01)])
+def test_a_drawer_stops_where_it_is_as_deep_as_is_allowed(
+    tmp_path: Path, thickness: float, allowed: float
+) -> None:
+    twin = with_post(tmp_path, 0.3, thickness)
+    block = PHYSICS._sweep_of(PHYSICS._of(twin), twin).first_block(
+        twin.state, twin.container("drawer").joint, 0.45
+    )
+    assert block is not None
+    assert block.position == pytest.approx(0.3 - thickness / 2 - 0.009 + allowed, abs=3e-6)
+    assert block.depth > block.allowed == pytest.approx(allowed)
 
 
 @pytest.mark.parametrize("thickness", [1e-4, 3e-4])
