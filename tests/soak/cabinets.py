@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from sdt_kg.iri import joint_iri
 from sdt_kg.load import load_twin
 from services.physics.oracle import Kinematics
-from services.physics.stops.sweep import Block
+from services.physics.stops.path import Block
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,8 @@ from sdt_kg.twin import Twin
 from services.physics.chain import follower
 from services.physics.figures import told_apart
 from services.physics.replay import BEYOND_STOPS, effective_bounds, spline_of, state_with
-from services.physics.stops.sweep import Block, Sweep
+from services.physics.stops.path import Block
+from services.physics.stops.sweep import Sweep
 from services.physics.tree import Model
 
 

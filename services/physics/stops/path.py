@@ -1,0 +1,291 @@
+"""One container on its way: which shapes it may meet, and where it is too deep in one of them.
+
+Each pair of shapes is followed from the present state outwards, by steps no longer than they may come nearer,
+so that nothing is jumped over; where they are nearly too deep, by steps shorter than the allowance.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations, pairwise
+
+import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
+import numpy as np
+import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
+
+from sdt_kg.iri import Iri
+from sdt_kg.mechanism import JointType
+from sdt_kg.state import State
+from services.physics.geometry.bodies import BodyShape
+from services.physics.stops.bearing import Bearing
+from services.physics.stops.course import Course
+from services.physics.stops.passing import Boxes, Way, may_meet
+from services.physics.stops.rest import ALLOWANCE, gap_between, placed
+from services.physics.tree import Array, Indices, Model
+
+THIN_SHARE = 0.25
+"""[1] Share of the two shapes' summed thickness that the allowance never exceeds: half of it is all the
+depth that a thin shape reaches when it passes right through another. Triangles have no thickness."""
+
+THROUGH = 0.45
+"""[1] Share of that at which one has nearly passed right through the other."""
+
+TOUCH = -1e-6
+"""[m] What is allowed of two meshes of triangles, which have no depth in each other: they may not touch."""
+
+GRAZES = 1e-6
+"""[m] By how much more than is allowed shapes are in each other that are too deep: more than rounding. A
+drawer may slide all along as deep as it was drawn."""
+
+REST_FACTOR = 2.0
+"""[1] How many times their depth at rest two shapes may have which overlap with every joint at its start
+position: the model made them so. The bottom drawer of kitchen `a` lies 17 mm deep in a bar below it
+and 34 mm when pulled."""
+
+LEAST_STEP = 5e-4
+"""[m] Shortest step of a shape's fastest point."""
+
+STEP_SHARE = 0.05
+"""[1] Of two thin shapes' summed thickness that this step never exceeds: on no more than a tenth of it is one
+deeper in the other than `THROUGH` when it passes right through."""
+
+PARTS = 16
+"""[1] Of a way, on each of which boxes around the shapes are compared first."""
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """The first position of the actuated joint at which two bodies are too deep in each other.
+
+    Attributes:
+        position: Of the actuated joint [rad or m].
+        depth: [m] How deep they are there.
+        allowed: [m] How deep they may be.
+    """
+
+    position: float
+    depth: float
+    allowed: float
+    moved: Iri
+    other: Iri
+
+
+class Shapes:
+    """A kitchen's shapes, and where their boxes are in their joints' frames as arrays.
+
+    Attributes:
+        joint: Shape (S,).
+        rotation, centre, half: Shape (S, 3, 3), (S, 3), (S, 3); see `BodyShape`.
+    """
+
+    def __init__(self, every: Sequence[BodyShape]) -> None:
+        self.all = every
+        self.joint = np.array([each.joint for each in every], np.intp)
+        self.rotation = np.array([each.rotation for each in every]).reshape(-1, 3, 3)
+        self.centre = np.array([each.centre for each in every]).reshape(-1, 3)
+        self.half = np.array([each.half for each in every]).reshape(-1, 3)
+
+
+class Path:
+    """One actuated joint on its way, all others resting."""
+
+    def __init__(self, model: Model, bearing: Bearing, state: State, active: Iri, end: float) -> None:
+        self._bearing, self._rest = bearing, bearing.rest
+        self._model, self._k = model, model.coordinate[active]
+        self._speeds: dict[int, float] = {}
+        q = np.zeros(model.model.nq)
+        for joint, value in state.positions:
+            if joint in model.coordinate:
+                q[model.coordinate[joint]] = value
+        self._begin, self._end = float(q[self._k]), end
+        q[self._k] = 0.0
+        self._still = model.coupling.positions(q)
+        self._rate = model.coupling.rates(np.eye(model.model.nq)[self._k])
+        joints, sources = range(1, model.model.njoints), model.coupling.source.tolist()
+        self._follows = {i for i in joints if sources[model.model.idx_qs[i]] == self._k}
+        self._moving = {i for i in joints if not self._follows.isdisjoint(model.model.supports[i].tolist())}
+        self._way = self._only_way() if len(self._follows) == 1 else None
+
+    def _frames(self, position: float) -> list[pin.SE3]:
+        """world_T_joint of every joint: Pinocchio's own list, valid until the next call."""
+        pin.forwardKinematics(self._model.model, self._model.data, self._still + position * self._rate)
+        return self._model.data.oMi
+
+    def near(self, shapes: Shapes) -> Iterator[tuple[BodyShape, BodyShape, float]]:
+        """Pairs of a moved and a resting shape whose boxes may meet on the way, and until where they may."""
+        moves = np.isin(shapes.joint, list(self._moving))
+        moved, resting = np.flatnonzero(moves), np.flatnonzero(~moves)
+        if not len(moved) or not len(resting):
+            return
+        step = (self._end - self._begin) / PARTS
+        middles = np.linspace(self._begin + step / 2, self._end - step / 2, PARTS)
+        boxes, still = self._boxes(shapes, moved, middles), self._boxes(shapes, resting, middles[:1])
+        (below, above), (low, high) = boxes.corners(), still.corners()
+        pad = np.array([self._speed(shapes.all[k]) for k in moved.tolist()])[:, None] * abs(step) / 2
+        reach = ((below.min(axis=0) - pad)[:, None] <= high).all(2)
+        reach &= ((above.max(axis=0) + pad)[:, None] >= low).all(2)
+        one, other = np.nonzero(reach)
+        least = np.full(len(one), TOUCH)  # at least: which are triangles is known once they are made
+        meet = np.ones((PARTS, len(one)), dtype=bool)
+        if self._way is not None:
+            meet = may_meet(self._way, abs(step) / 2, boxes.where(one), still.where(other), least)
+        for n in np.flatnonzero(meet.any(axis=0)):
+            pair = shapes.all[int(moved[one[n]])], shapes.all[int(resting[other[n]])]
+            last = int(np.flatnonzero(meet[:, n])[-1]) + 1
+            until = self._end if last == PARTS else self._begin + step * last
+            yield from ((*each, until) for each in self._stopping(*pair))
+
+    def _stopping(self, one: BodyShape, other: BodyShape) -> Iterator[tuple[BodyShape, BodyShape]]:
+        """What of a moved and a resting shape may not meet."""
+        stopping = self._bearing.stopping(one, other)
+        if stopping is not None:
+            yield one, stopping
+        if stopping is not other:
+            yield from ((core, other) for core in self._bearing.cores(one, other))
+
+    def together(self, shapes: Shapes) -> Iterator[tuple[BodyShape, BodyShape]]:
+        """Pairs of shapes that move, each in its own way, as two leaves do of which one follows the other."""
+        if len(self._follows) == 1:
+            return
+        supports = self._model.model.supports
+        ways = [frozenset(self._follows.intersection(supports[each.joint].tolist())) for each in shapes.all]
+        moved = [(each, way) for each, way in zip(shapes.all, ways, strict=True) if way]
+        for (one, way), (other, another) in combinations(moved, 2):
+            if way != another:
+                pair = self._bearing.stopping(other, one), self._bearing.stopping(one, other)
+                if pair[0] is not None and pair[1] is not None:
+                    yield pair[0], pair[1]
+                if pair[1] is not other:
+                    yield from ((core, other) for core in self._bearing.cores(one, other))
+                if pair[0] is not one:
+                    yield from ((one, core) for core in self._bearing.cores(other, one))
+
+    def _only_way(self) -> Way:
+        """The way of the only joint that moves, whose axis rests."""
+        (joint,) = self._follows
+        coordinate = self._model.model.idx_qs[joint]
+        own = self._model.part.joints[coordinate - self._model.part.first]
+        frame, axis = self._frames(self._begin)[joint], np.array(own.axis)
+        ratio = float(self._model.coupling.multiplier[coordinate])
+        return Way(
+            frame.rotation @ (axis / np.linalg.norm(axis)),
+            frame.translation.copy(),
+            own.type is JointType.PRISMATIC,
+            ratio * float(np.sign(self._end - self._begin)),
+        )
+
+    def _course(self, one: BodyShape, other: BodyShape) -> Course | None:
+        """The moved shape's on its way past the resting one; None where it is not told by their corners."""
+        corners, against = one.piece.corners, other.piece.corners
+        if self._way is None or not len(corners) or not len(against):
+            return None
+        frames = self._frames(self._begin)
+        corners = _seen(frames[one.joint] * one.pose, corners)
+        return Course(self._way, corners, _seen(frames[other.joint] * other.pose, against))
+
+    def _boxes(self, shapes: Shapes, some: Indices, positions: Array) -> Boxes:
+        """Those about some shapes with the actuated joint at each position, shape (N, S)."""
+        joints, index = np.unique(shapes.joint[some], return_inverse=True)
+        turns, at = np.empty((len(positions), len(joints), 3, 3)), np.empty((len(positions), len(joints), 3))
+        for n, position in enumerate(positions):
+            frames = self._frames(float(position))
+            for k, joint in enumerate(joints.tolist()):
+                turns[n, k], at[n, k] = frames[joint].rotation, frames[joint].translation
+        turn = turns[:, index]
+        middle = (turn @ shapes.centre[some][:, :, None])[..., 0] + at[:, index]
+        return Boxes(turn @ shapes.rotation[some], middle, np.broadcast_to(shapes.half[some], middle.shape))
+
+    def _speed(self, one: BodyShape) -> float:
+        """Bound of the speed of the shape's points [m per unit of the actuated joint], kept."""
+        if id(one) not in self._speeds:
+            self._speeds[id(one)] = self._fastest(one)
+        return self._speeds[id(one)]
+
+    def _fastest(self, one: BodyShape) -> float:
+        total, slid = 0.0, 0.0
+        pinocchio, frames = self._model.model, self._frames(self._begin)
+        supports = [i for i in pinocchio.supports[one.joint].tolist() if i in self._follows]
+        points = [frames[i].translation.copy() for i in supports] + [frames[one.joint].act(one.centre)]
+        arm = one.radius
+        for i, (a, b) in reversed(list(zip(supports, pairwise(points), strict=True))):
+            coordinate = pinocchio.idx_qs[i]
+            rate = abs(float(self._model.coupling.multiplier[coordinate]))
+            arm += float(np.linalg.norm(b - a))
+            if self._joint_type(coordinate) is JointType.PRISMATIC:
+                total, slid = total + rate, slid + rate * abs(self._end - self._begin)
+            else:
+                total += rate * (arm + slid)
+        return total
+
+    def _joint_type(self, coordinate: int) -> JointType:
+        part = self._model.part
+        return part.joints[coordinate - part.first].type
+
+    def _placed(self, one: BodyShape, position: float) -> coal.Transform3s:
+        """Where a shape is with the actuated joint at a position."""
+        return placed(self._frames(position)[one.joint] * one.pose)
+
+    def followed(self, one: BodyShape, other: BodyShape, end: float, until: float) -> Block | None:
+        """The first position up to `end` at which the two are too deep in each other; none after `until`.
+
+        Two meshes of triangles that touch where they were fitted together do not tell how deep they are: of
+        the second what is farther away there is followed. Where they touch elsewhere at the beginning they
+        have to come apart at once.
+        """
+        least = _least(one, other)
+        if least == TOUCH and self._rest.touch(one, other):
+            away = self._bearing.away(other, one)
+            if away is None:
+                return None
+            other = away
+        direction, speed = np.sign(end - self._begin), self._speed(one) + self._speed(other)
+        moves, against = other.joint in self._moving, self._placed(other, self._begin)
+        (allowed, shortest), position, free = self._allowed(one, other, least), self._begin, 0.0
+        course, grazes = (None, 0.0) if least == TOUCH else (self._course(one, other), GRAZES)
+        while speed > 0:
+            against = self._placed(other, position) if moves else against
+            gap, toward = gap_between(one, self._placed(one, position), other, against)
+            if position == self._begin:
+                free = 2 * LEAST_STEP if least == TOUCH and gap < -TOUCH else 0.0
+            if gap < -allowed - grazes and not (free and position == self._begin):
+                return Block(position, -gap, max(allowed, 0.0), one.body, other.body)
+            if position == end or (until - position) * direction <= 0:
+                return None
+            # On a way of this length they do not come to be too deep, however fast they come nearer.
+            step = max(gap + max(allowed, 0.0), shortest, free) / speed
+            if course is not None:
+                step = max(step, course.free(abs(position - self._begin), toward, allowed + 2 * grazes))
+            ahead = position + direction * step
+            position, free = end if (end - ahead) * direction <= 0 else float(ahead), 0.0
+        return None
+
+    def _allowed(self, one: BodyShape, other: BodyShape, least: float) -> tuple[float, float]:
+        """[m] How deep the shapes may be in each other as they were drawn, and the step by which they go on.
+
+        Where one is ahead of the other, never so deep as to pass right through.
+        """
+        if least == TOUCH:
+            return least, LEAST_STEP
+        deep, thickness = self._rest.depth(one, other), _thickness(one, other)
+        allowed, through = least + REST_FACTOR * deep, THROUGH * thickness
+        shortest = min(LEAST_STEP, STEP_SHARE * thickness)
+        if deep and allowed > through and self._rest.is_ahead(one, other):
+            return max(through, deep + shortest), shortest
+        return allowed, max(least / 2, shortest)
+
+
+def _seen(at: pin.SE3, points: Array) -> Array:
+    """Points, shape (K, 3), where they are with their frame there."""
+    seen: Array = points @ at.rotation.T + at.translation
+    return seen
+
+
+def _least(one: BodyShape, other: BodyShape) -> float:
+    """[m] How deep the shapes may be in each other, wherever they are."""
+    thickness = _thickness(one, other)
+    return min(ALLOWANCE, THIN_SHARE * thickness) if thickness else TOUCH
+
+
+def _thickness(one: BodyShape, other: BodyShape) -> float:
+    """[m] Of both together; 0 of two that are triangles."""
+    pieces = (each.piece for each in (one, other))
+    return sum(each.thickness for each in pieces if not isinstance(each.shape, coal.BVHModelBase))
