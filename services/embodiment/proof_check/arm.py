@@ -21,9 +21,9 @@ from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placeme
 
 Array = NDArray[np.float64]
 
-ROUNDING = 1e-7  # [m] what quaternions and axes of not quite unit length, and upright hinges, can be off by
+ROUNDING = 5e-7  # [m] what quaternions and axes of not quite unit length, and upright hinges, can be off by
 BALLS = 32  # of those about what a joint carries that are handed inwards
-UPRIGHT = 1e-12  # [1] deviation of a hinge's axis from the vertical that counts as none
+UPRIGHT = 2e-14  # [1] less than 1 is a hinge's cosine to the vertical: 0.2 µm in each metre
 
 
 @dataclass(frozen=True, slots=True, eq=False)

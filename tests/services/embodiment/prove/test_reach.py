@@ -1,5 +1,7 @@
 """How far a gripper is from each joint at most: no posture has it farther; lengths that add up say more."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placeme
 from services.embodiment.proof_check.places import at_value, wrist_of
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.prove.arrays import loosely
+from tests.services.embodiment.gantry import FOLDER
 
 POSTURES = 2_000
 CHAINS = 40
@@ -88,3 +91,23 @@ def test_lengths_that_add_up_are_longer() -> None:
         assert (loose >= arm.reach).all()
         shoulder = 4
         assert loose[shoulder] > arm.reach[shoulder] + 0.004
+
+
+@pytest.mark.parametrize(("tilt", "upright"), [(0.0, True), (5e-7, False), (1e-3, False)])
+def test_a_hinge_that_is_tilted_by_a_little_is_not_upright(
+    tmp_path: Path, tilt: float, upright: bool
+) -> None:
+    # Heights beyond it are taken for known: to less than a micrometre in each metre.
+    urdf = (FOLDER / "gantry.urdf").read_text()
+    there = '<origin xyz="0.1 0 0"/><axis xyz="1 0 0"/>'
+    assert there in urdf
+    tilted = f'<origin xyz="0.1 0 0" rpy="{tilt} 0 0"/><axis xyz="0 0 1"/>'
+    (tmp_path / "gantry.urdf").write_text(urdf.replace(there, tilted))
+    (tmp_path / "gantry.ttl").write_text((FOLDER / "gantry.ttl").read_text())
+    twin = load_twin(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"])
+    about = Statement(
+        twin, twin.robots[0], twin.container("drawer_main"), Drive.OMNI, (0.0, 0.0, 0.0), Tolerances()
+    )
+    arm = about.arm(about.grippers[0])
+    assert arm is not None
+    assert (arm.upright == len(arm.chain.links)) == upright
