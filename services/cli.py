@@ -20,6 +20,7 @@ from services.commands.exits import MEANING, Exit
 from services.commands.lazy import LazyGroup, Listed
 from services.configuration.read import settings
 from services.configuration.settle import default_map
+from services.stopping import Terminated
 
 COMPLETE = "_SDT_COMPLETE"
 """Variable by which a shell asks for completion, as click names it."""
@@ -183,7 +184,8 @@ def _told(error: BaseException) -> int:
         case click.Abort() | KeyboardInterrupt() | RuntimeError(__cause__=KeyboardInterrupt()):
             stopped = error.__cause__ or error  # click raises an error of its own for what stopped it
             notes = getattr(stopped, "__notes__", ())  # of what was kept, by who keeps it
-            line, code = ": ".join(("interrupted", *notes)), Exit.INTERRUPTED
+            code = Exit.TERMINATED if isinstance(stopped, Terminated) else Exit.INTERRUPTED
+            line = ": ".join((code.name.lower(), *notes))
         case InputError():
             line = f"error: {error}"
         case SdtError():

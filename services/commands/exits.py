@@ -14,6 +14,7 @@ class Exit(IntEnum):
     BUG = 70  # EX_SOFTWARE of sysexits.h
     INTERRUPTED = 130  # 128 + SIGINT, as shells have it
     BROKEN_PIPE = 141  # 128 + SIGPIPE, as shells have it
+    TERMINATED = 143  # 128 + SIGTERM, as shells have it
 
 
 MEANING = {
@@ -25,4 +26,5 @@ MEANING = {
     Exit.BUG: "a bug of ours: please report what was printed",
     Exit.INTERRUPTED: "interrupted: with --save, verdicts that were finished are kept",
     Exit.BROKEN_PIPE: "nobody read the rest of the output",
+    Exit.TERMINATED: "terminated: as interrupted",
 }

@@ -1,8 +1,10 @@
-"""Ctrl-C while libraries are imported."""
+"""Ctrl-C, and SIGTERM where it is as much, while libraries are imported."""
 
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
+
+from services.stopping import terminate
 
 
 @contextmanager
@@ -12,14 +14,15 @@ def importing() -> Iterator[None]:
     Some libraries catch whatever is raised while they are imported: trimesh would take an interrupt for
     another library that is not there, and the interrupt would be lost.
     """
-    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:  # ignored, or somebody else's
-        yield
-        return
-    came: list[int] = []
-    signal.signal(signal.SIGINT, lambda number, _: came.append(number))
+    handlers = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: terminate}
+    ours = [number for number in handlers if signal.getsignal(number) is handlers[number]]
+    came: list[signal.Signals] = []
+    for number in ours:  # not what is ignored, or somebody else's
+        signal.signal(number, lambda number, _: came.append(signal.Signals(number)))
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        for number in ours:
+            signal.signal(number, handlers[number])
     if came:
-        raise KeyboardInterrupt
+        handlers[came[0]](came[0], None)

@@ -1,5 +1,6 @@
 """Verdicts kept in a file (.trig, .nq), a store directory or on a server, and asked again later."""
 
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -12,6 +13,7 @@ from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
 from sdt_kg.store import Row, checked_query, rows_of
 from sdt_kg.twin import Twin
+from services.stopping import terminable
 from services.store.embedded import EmbeddedStore
 from services.store.on_disk import FORMATS, in_file, in_folder, is_store_folder, read_file
 from services.store.quads import QuadStore
@@ -70,14 +72,17 @@ class SavedVerdicts:
 
     def __init__(self, place: str | Path | QuadStore) -> None:
         self.store = opened(place) if isinstance(place, str | Path) else place
+        self._meanwhile = ExitStack()
 
     def __enter__(self) -> Self:
+        self._meanwhile.enter_context(terminable())
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.store.close()
+        with self._meanwhile:
+            self.store.close()
         if isinstance(error, KeyboardInterrupt):
             error.add_note("verdicts which were finished are saved")
 

@@ -2,7 +2,6 @@
 
 import multiprocessing as mp
 import pickle
-import signal
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection
@@ -10,6 +9,7 @@ from multiprocessing.connection import Connection
 from sdt_kg.errors import SdtError
 from sdt_kg.twin import Twin
 from services.keeping.text import recalled, told
+from services.stopping import end_at_once
 from services.sweep.process import end_with_parent
 
 
@@ -34,7 +34,7 @@ def reading(kitchens: Sequence[str], read: Callable[[str], Twin]) -> Iterator[Ca
 
 def _read(pipe: Connection, kitchens: Sequence[str], read: Callable[[str], Twin]) -> None:
     """Each that can be read is sent; in the new process."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # it ends at once when the user interrupts
+    end_at_once()
     end_with_parent()
     known: list[bytes] = []  # sent when all are read: a pipe holds less than one of them
     for name in kitchens:

@@ -5,7 +5,6 @@ import logging
 import multiprocessing as mp
 import os
 import pickle
-import signal
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -13,6 +12,8 @@ from concurrent.futures import BrokenExecutor, Executor, Future
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import Any, Final, ParamSpec, TypeVar
+
+from services.stopping import end_at_once
 
 _log = logging.getLogger("sdt.sweep")
 
@@ -94,7 +95,7 @@ class OneProcess(Executor):
 
 def _serve(pipe: Connection) -> None:
     """What comes in is done and answered until there is no more; in the new process."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # it ends at once when the user interrupts
+    end_at_once()
     gc.freeze()  # looking for garbage in what the parent has loaded would copy all of it
     end_with_parent()
     while (work := pipe.recv()) is not None:

@@ -13,9 +13,11 @@ from pathlib import Path
 import click
 import pytest
 
+from sdt_kg.load import load_twin
 from services.cli import sdt as root
 from services.commands.exits import MEANING, Exit
 from services.commands.importing import importing
+from services.stopping import Terminated, terminate
 from services.store.files import SavedVerdicts
 from tests.services.conftest import Done
 
@@ -197,18 +199,27 @@ def test_an_interrupt_that_python_wraps_while_a_class_is_made_is_one(
     assert (done.code, done.err.splitlines()[-1]) == (Exit.INTERRUPTED, "interrupted")
 
 
-def test_an_interrupt_that_a_library_swallows_while_it_is_imported_is_raised_after_it() -> None:
+@pytest.mark.parametrize(
+    ("number", "handler", "raised"),
+    [
+        (signal.SIGINT, signal.default_int_handler, KeyboardInterrupt),
+        (signal.SIGTERM, terminate, Terminated),
+    ],
+)
+def test_an_interrupt_that_a_library_swallows_while_it_is_imported_is_raised_after_it(
+    number: signal.Signals, handler: Callable[..., None], raised: type[BaseException]
+) -> None:
     def library() -> None:
         with contextlib.suppress(BaseException):
-            signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(number)
 
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    before = signal.signal(number, handler)
     try:
-        with pytest.raises(KeyboardInterrupt), importing():
+        with pytest.raises(raised), importing():
             library()
-        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        assert signal.getsignal(number) is handler
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.signal(number, before)
 
 
 def test_a_command_that_is_interrupted_says_what_it_saved(
@@ -222,6 +233,27 @@ def test_a_command_that_is_interrupted_says_what_it_saved(
     monkeypatch.setitem(root.commands, "interrupted", interrupted)
     said = sdt("interrupted").err.splitlines()[-1]
     assert said == "interrupted: verdicts which were finished are saved"
+
+
+def test_what_is_finished_is_kept_in_a_file_when_sigterm_comes(
+    sdt: Callable[..., Done], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    @click.command()
+    def terminated() -> None:
+        assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+        with SavedVerdicts(tmp_path / "kept.trig") as saved:
+            saved.add_twin(load_twin("b"))
+            signal.raise_signal(signal.SIGTERM)
+
+    monkeypatch.setitem(root.commands, "terminated", terminated)
+    done = sdt("terminated")
+    assert done.code == Exit.TERMINATED == 128 + signal.SIGTERM
+    assert done.err.splitlines()[-1] == "terminated: verdicts which were finished are saved"
+    assert (
+        "sdt:Container" in (tmp_path / "kept.trig").read_text()
+        or "#Container" in (tmp_path / "kept.trig").read_text()
+    )
+    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
 
 
 @pytest.mark.parametrize(
