@@ -17,6 +17,7 @@ from sdt_kg.errors import InputError, MotionError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import Array
 from sdt_kg.twin import Twin
+from services.bags import bag_at
 from services.motions.given import Given
 
 JOINTS, POSES = "trajectory_msgs/msg/JointTrajectory", "trajectory_msgs/msg/MultiDOFJointTrajectory"
@@ -74,23 +75,15 @@ def _messages(path: Path) -> tuple[list[tuple[str, Message]], list[tuple[str, Me
     Raises:
         MotionError: No bag, none of joints, several on a topic, or messages that are not as the bag says.
     """
-    try:
-        from rosbags.highlevel import AnyReader  # noqa: PLC0415 - an extra
-        from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - an extra
-    except ImportError:
-        raise InputError(
-            "a ROS 2 bag needs the library rosbags", remedy="pip install 'sdt-kg[ros]'"
-        ) from None
     found: dict[str, tuple[str, Message]] = {}
     try:
-        ours = get_typestore(Stores.ROS2_HUMBLE)
-        with AnyReader([path], default_typestore=ours) as reader:
+        with bag_at(path) as reader:
             wanted = [each for each in reader.connections if each.msgtype in {JOINTS, POSES}]
             _check_some(reader.connections)
-            _check_fields(reader.typestore.fielddefs, ours.fielddefs)
+            _check_fields(reader.typestore.fielddefs, reader.default_typestore.fielddefs)
             for topic, (kind, raw) in _raw(reader, wanted).items():
                 found[topic] = kind, reader.deserialize(raw, kind)
-    except MotionError:
+    except InputError:
         raise
     except Exception as error:  # noqa: BLE001 - whatever a foreign, damaged file makes the library raise
         raise MotionError(f"it is no readable ROS 2 bag: {error}", allowed=ALLOWED) from None

@@ -13,6 +13,7 @@ import numpy as np
 
 from predicates.learn.track import Array, Track
 from sdt_kg.errors import InputError, MotionError
+from services.bags import bag_at
 from services.tracks.columns import FORCE, PLACE, TURN, track_of
 from services.tracks.transforms import Transforms, row_of, seconds
 
@@ -49,12 +50,7 @@ def read_bag(path: Path, topic: str | None, frame: str | None) -> Track:
         MotionError: No poses, those of several topics and none was chosen, or in several frames.
     """
     try:
-        from rosbags.highlevel import AnyReader  # noqa: PLC0415 - an extra
-        from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - an extra
-    except ImportError:
-        raise InputError("ROS bags need rosbags", remedy="pip install 'sdt-kg[ros]'") from None
-    try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+        with bag_at(path) as reader:
 
             def messages(*, still: bool) -> Messages:
                 # rosbags takes an empty list of connections for all of them
@@ -68,7 +64,7 @@ def read_bag(path: Path, topic: str | None, frame: str | None) -> Track:
                 for heard in (messages(still=True), messages(still=False))
             )
             found = _found(messages(still=False), Transforms(known, moving), frame)
-    except MotionError:
+    except InputError:
         raise
     except Exception as error:  # noqa: BLE001 - whatever a foreign, damaged file makes the library raise
         raise InputError(f"{path.name} is no ROS bag: {error}", allowed=ALLOWED) from None

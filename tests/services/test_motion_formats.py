@@ -2,8 +2,10 @@
 
 import json
 import math
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,11 +13,14 @@ import pytest
 
 from sdt_kg.errors import MotionError
 from sdt_kg.motion import BodyMotion, Motion
+from services.bags import MOST, unpacked
 from services.motions import motion_of, read_motion, write_motion
 from tests.small import small_twin
 
 rosbag2 = pytest.importorskip("rosbags.rosbag2")
+storage_mcap = pytest.importorskip("rosbags.rosbag2.storage_mcap")
 typesys = pytest.importorskip("rosbags.typesys")
+lz4 = pytest.importorskip("lz4.frame")
 
 TWIN = small_twin("a", ("pr2", "stretch"))
 PR2 = TWIN.robots[0]
@@ -29,6 +34,7 @@ ARRAYS = {
     "kitchen_joint_names": np.array(["low_drawer_joint"]),
     "kitchen_positions": 0.46 * SMOOTH[:, None],
 }
+ZSTD = storage_mcap.zstd
 TS = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
 
 
@@ -343,3 +349,32 @@ def test_wrong_json_is_told_where(tmp_path: Path, text: str, message: str) -> No
     (tmp_path / "motion.json").write_text(text)
     with pytest.raises(MotionError, match=message):
         read_motion(tmp_path / "motion.json", TWIN, PR2)
+
+
+def test_a_chunk_unpacks_to_no_more_than_it_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def more(packed: bytes) -> bytes:
+        return ZSTD.compress(packed + bytes(2**24))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(storage_mcap, "zstd", SimpleNamespace(compress=more))
+        file = bag(tmp_path, compression=rosbag2.CompressionMode.STORAGE) / "bag.mcap"
+    with pytest.raises(MotionError, match=r"Chunk size mismatch: expected (\d+) bytes, got \d+\.") as said:
+        read_motion(file, TWIN, PR2)
+    expected, got = map(int, re.findall(r"\d+", str(said.value).partition("mismatch")[2])[:2])
+    assert got == expected + 1
+
+
+@pytest.mark.parametrize(
+    ("make", "pack"),
+    [(ZSTD.ZstdDecompressor, ZSTD.compress), (lz4.LZ4FrameDecompressor, lz4.compress)],
+    ids=["zstd", "lz4"],
+)
+def test_frames_are_unpacked_as_they_were_packed_and_not_beyond(
+    make: Callable[[], Any], pack: Callable[[bytes], bytes]
+) -> None:
+    packed = pack(b"one") + pack(b"another")
+    assert unpacked(make, packed, 10) == b"oneanother"
+    assert unpacked(make, packed, 5) == b"oneano"
+    assert len(unpacked(make, pack(bytes(2**24)), 1000)) == 1001
+    with pytest.raises(ValueError, match=f"{MOST} at most"):
+        unpacked(make, packed, MOST + 1)
