@@ -143,10 +143,13 @@ class Planner:
             self._prove_of_holds()
 
     def _with(self, way: Callable[..., Iterator[Holding]]) -> Iterator[Planned]:
-        """Plans of each gripper. A base that found no way to a holding needs no others, but ways."""
+        """Plans of each gripper, first of the one that has followed the handle farthest.
+
+        A base that found no way to a holding needs no others, but ways.
+        """
         stands = self.setting.drive is Drive.FIXED
         shut = not stands and any(one.stage == "drive" for one in self.blocked)
-        for attempt in () if shut else self.attempts:
+        for attempt in () if shut else sorted(self.attempts, key=lambda one: -one.searcher.tally.came):
             if not self.proofs.ended and not self.late():
                 yield from self._of(attempt, way(attempt, late=self.late))
 

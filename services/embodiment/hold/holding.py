@@ -116,6 +116,11 @@ class Tally:
     contacts: Counter[tuple[str, int, int]] = field(default_factory=Counter[tuple[str, int, int]])
     farthest: Farthest | None = None
 
+    @property
+    def came(self) -> int:
+        """The last waypoint of the farthest path; −1 where there is none."""
+        return -1 if self.farthest is None else self.farthest.index
+
     def met(self, stage: str, contact: Contact) -> None:
         """One more contact at a stage."""
         self.contacts[stage, *contact.shapes] += 1
@@ -251,22 +256,18 @@ class Searcher:
         path = np.concatenate([back[:0:-1], on])
         if len(path) == len(tool_p):
             return path
-        if len(path) - 1 > self._came():
+        if len(path) - 1 > self.tally.came:
             q = self.problem.mechanics.put_each(self.limb.q(path, rest), self.problem.values[: len(path)])
             self._ended(q, self.world.contact(q, self.rules))
         return None
 
-    def _came(self) -> int:
-        """The last waypoint of the farthest path."""
-        return -1 if self.tally.farthest is None else self.tally.farthest.index
-
     def _ended(self, q: Array, contact: Contact | None) -> None:
         """A path from the first waypoint on ends where q does, or before at a contact, if there is one."""
         last, shapes = len(q) - 1, None
-        while contact is not None and contact.index - 1 > self._came():
+        while contact is not None and contact.index - 1 > self.tally.came:
             last, shapes = contact.index - 1, contact.shapes
             contact = self.world.contact(q[: contact.index], self.rules)
-        if contact is None and last > self._came():
+        if contact is None and last > self.tally.came:
             self.tally.farthest = Farthest(last, shapes)
 
     def free(self, xs: Array, rest: Array) -> bool:
