@@ -40,7 +40,7 @@ SHAPES: Final = {
 }
 """mjtGeom → our shape."""
 PLANE: Final = 0
-OTHER_SHAPES: Final = {1: "height field", 4: "ellipsoid", 8: "signed distance field"}
+OTHER_SHAPES: Final = {1: "a height field", 4: "an ellipsoid", 8: "a signed distance field"}
 NO_SPEEDS: Final = (
     "MJCF has no velocity limits: requests are out of scope until an annotation gives sdt:velocityLimit"
 )
@@ -110,6 +110,7 @@ class _Reader:
 
     def mechanism(self, name: str) -> Mechanism:
         """The mechanism of all bodies."""
+        self._check_solid()
         model = self.model
         frames = {0: _Frame("world", np.eye(4))}
         self.parts.append(Part("world", np.eye(4), None, tuple(self._shapes(0, np.eye(4)).values())))
@@ -120,6 +121,16 @@ class _Reader:
         return built(
             name, self.parts, links, [*self._notes(), *listed("equality constraints", other)], self.path
         )
+
+    def _check_solid(self) -> None:
+        """No shape that something may collide with is left out."""
+        for geom, kind in enumerate(self.model.geom_type.tolist()):
+            if kind in OTHER_SHAPES and self._collides(geom):
+                raise UrdfError(
+                    f"{self.path}: geom '{self._name('geom', geom)}' is {OTHER_SHAPES[kind]}",
+                    allowed="box, sphere, cylinder, capsule, mesh, plane",
+                    remedy="write it as a mesh, or with contype and conaffinity 0 if nothing is to meet it",
+                )
 
     def _name(self, kind: str, index: int) -> str:
         """Name of a body, joint or geom; one without name is numbered."""
@@ -270,9 +281,6 @@ class _Reader:
         notes = [NO_SPEEDS] if any(link.type is not JointType.FIXED for link in self.links) else []
         notes += ["masses are MuJoCo's, which takes a body's from its shapes where the file gives none"]
         notes += [f"imported as fixed where it stands: joint {each}" for each in self.frozen]
-        for kind, word in OTHER_SHAPES.items():
-            geoms = [g for g in range(model.ngeom) if model.geom_type[g] == kind and self._collides(g)]
-            notes += listed(f"{word}, which nothing can collide with", [self._name("geom", g) for g in geoms])
         visual = [g for g in range(model.ngeom) if not self._collides(g)]
         notes += listed("geoms that collide with nothing", [self._name("geom", g) for g in visual])
         for field, word in COUNTS.items():

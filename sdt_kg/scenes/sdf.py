@@ -12,6 +12,7 @@ from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, Inertia, JointType, Limits, Mechanism, Mimic, ShapeType
 from sdt_kg.scenes.build import HANDLE, Link, Matrix, Part, between, built, listed, pose_of
 from sdt_kg.scenes.planes import half_space
+from sdt_kg.scenes.solid import check_solid
 from sdt_kg.scenes.spelling import check_spelling
 from sdt_kg.scenes.values import by_name, is_true, number_of, numbers_of, own_pose
 from sdt_kg.urdf.meshes import PACKAGE, collision_file, mesh_hash
@@ -31,7 +32,7 @@ SIZES: Final = {
     "capsule": (ShapeType.CAPSULE, ("radius", "length")),
 }
 LEFT_OUT: Final = ("include", "light", "actor", "plugin", "joint", "road", "population")
-LEFT_OUT_OF_MODEL: Final = ("model", "include", "plugin", "gripper")
+LEFT_OUT_OF_MODEL: Final = ("model", "plugin", "gripper")
 LEFT_OUT_OF_LINK: Final = ("sensor", "light", "projector", "particle_emitter", "battery", "plugin")
 
 
@@ -49,6 +50,7 @@ def read_sdf(root: ET.Element, path: Path, name: str) -> Mechanism:
     if len(worlds) > 1:
         raise UrdfError(f"{path}: {len(worlds)} worlds", allowed="one")
     holder = worlds[0] if worlds else root
+    check_solid(holder, (*SIZES, "mesh", "plane", "empty"), path)
     models = holder.findall("model")
     if not models:
         raise UrdfError(f"{path}: has no model", allowed="at least one <model>")

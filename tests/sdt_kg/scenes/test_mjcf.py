@@ -2,6 +2,9 @@
 
 from pathlib import Path
 
+import pytest
+
+from sdt_kg.errors import UrdfError
 from sdt_kg.scenes import read_scene
 
 PAIR = """<mujoco><default><geom contype="0" conaffinity="0"/></default><worldbody>
@@ -16,3 +19,11 @@ def test_geoms_of_a_contact_pair_collide_whatever_their_bits(tmp_path: Path) -> 
     sizes = {body.name: [shape.size for shape in body.collision] for body in mechanism.bodies}
     assert sizes == {"world": [(2.0, 2.0, 2.0)], "ball": [(0.1,)]}
     assert "not carried over: geoms that collide with nothing: picture" in mechanism.notes
+
+
+def test_an_ellipsoid_that_something_may_collide_with_is_refused(tmp_path: Path) -> None:
+    # Nothing would be met there, and a motion through it certified.
+    egg = '<mujoco><worldbody><geom name="egg" type="ellipsoid" size=".3 .9 .9"/></worldbody></mujoco>'
+    (tmp_path / "s.xml").write_text(egg, encoding="utf-8")
+    with pytest.raises(UrdfError, match=r"geom 'egg' is an ellipsoid; allowed: box, .*; write it as"):
+        read_scene(tmp_path / "s.xml")

@@ -113,3 +113,38 @@ def test_what_would_be_passed_over_is_refused(name: str, tmp_path: Path) -> None
 def test_what_is_only_seen_or_another_programs_may_be_spelled_as_it_likes(tmp_path: Path) -> None:
     inside = "<visual name='v'><Geometry/></visual><plugin name='p'><pos>1</pos><pos>2</pos></plugin>"
     read(tmp_path, f'<sdf version="1.9"><model name="m"><link name="a">{inside}</link></model></sdf>')
+
+
+IN_WORLD = '<sdf version="1.9"><world name="w">{}</world></sdf>'
+NESTED = f"<model name='n'><link name='b'><collision name='c'>{BOX}</collision></link></model>"
+SOLID = {
+    "a shape": (
+        "<collision name='c'><geometry><ellipsoid/></geometry></collision></link>",
+        r"model 'm': collision 'c' of link 'a' has <ellipsoid>; allowed: box, .*; write it as one of these",
+    ),
+    "a model in it": (f"</link>{NESTED}", "model 'n' in <model> 'm'; allowed: models of the world"),
+    "another file in it": ("</link><include><uri>model://n</uri></include>", "<include> of 'model://n'"),
+    "another file beside it": (
+        "</link></model><include><uri>https://fuel/models/Table/2</uri></include><model name='o'>",
+        "<include> of 'https://fuel/models/Table/2', which is in another file; allowed: sun, ground_plane",
+    ),
+    "many beside it": (
+        f"</link></model><population name='p'>{NESTED}</population><model name='o'>",
+        "model 'n' in <population> 'p'",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SOLID)
+def test_what_is_solid_and_cannot_be_read_is_refused(name: str, tmp_path: Path) -> None:
+    # Nothing would be met there, and a motion through it certified.
+    inside, message = SOLID[name]
+    with pytest.raises(UrdfError, match=message):
+        read(tmp_path, IN_WORLD.format(f'<model name="m"><link name="a">{inside}</model>'))
+
+
+@pytest.mark.parametrize("uri", ["model://sun", "https://fuel/1.0/openrobotics/models/Ground Plane/1"])
+def test_light_and_floor_may_be_included(uri: str, tmp_path: Path) -> None:
+    included = f'<include><uri>{uri}</uri></include><model name="m"><link name="a"/></model>'
+    notes = read(tmp_path, IN_WORLD.format(included)).notes
+    assert f"not carried over: <include> of the world: {uri}" in notes
