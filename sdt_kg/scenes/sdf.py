@@ -14,7 +14,7 @@ from sdt_kg.scenes.build import HANDLE, Link, Matrix, Part, between, built, list
 from sdt_kg.scenes.planes import half_space
 from sdt_kg.scenes.solid import check_solid
 from sdt_kg.scenes.spelling import check_spelling
-from sdt_kg.scenes.values import by_name, is_true, number_of, numbers_of, own_pose
+from sdt_kg.scenes.values import by_name, is_true, label, number_of, numbers_of, own_pose
 from sdt_kg.urdf.meshes import PACKAGE, collision_file, mesh_hash
 
 MODEL, WORLD = "__model__", "world"
@@ -61,9 +61,9 @@ def read_sdf(root: ET.Element, path: Path, name: str) -> Mechanism:
         links += reader.links()
         notes += reader.notes()
     if worlds:
-        notes += listed("<model> beside the world", [_label(each) for each in root.findall("model")])
+        notes += listed("<model> beside the world", [label(each) for each in root.findall("model")])
         for tag in LEFT_OUT:
-            notes += listed(f"<{tag}> of the world", [_label(each) for each in holder.findall(tag)])
+            notes += listed(f"<{tag}> of the world", [label(each) for each in holder.findall(tag)])
     return built(name, parts, links, notes, path)
 
 
@@ -128,13 +128,11 @@ class _Model:
         notes += self.odd
         for tag in LEFT_OUT_OF_MODEL:
             notes += listed(
-                f"<{tag}> of {self.model.get('name')}", [_label(each) for each in self.model.findall(tag)]
+                f"<{tag}> of {self.model.get('name')}", [label(each) for each in self.model.findall(tag)]
             )
         for link in self.model.findall("link"):
             for tag in LEFT_OUT_OF_LINK:
-                notes += listed(
-                    f"<{tag}> of {link.get('name')}", [_label(each) for each in link.findall(tag)]
-                )
+                notes += listed(f"<{tag}> of {link.get('name')}", [label(each) for each in link.findall(tag)])
         visual = [
             self.prefix + link.get("name", "")
             for link in self.model.findall("link")
@@ -293,12 +291,3 @@ class _Model:
         scale = shape.find("scale")
         sizes = (1.0, 1.0, 1.0) if scale is None else tuple(numbers_of(scale, 3, self.where))
         return Geometry(ShapeType.MESH, pose_of(at), sizes, str(file), mesh_hash(file))
-
-
-def _label(element: ET.Element) -> str:
-    return (
-        element.get("name")
-        or element.findtext("uri", "").strip()
-        or element.get("filename")
-        or "without name"
-    )

@@ -57,6 +57,16 @@ def by_name(elements: Iterable[ET.Element], where: str) -> dict[str, ET.Element]
     return named
 
 
+def label(element: ET.Element) -> str:
+    """What to call it: its name, or the file that it is."""
+    return (
+        element.get("name")
+        or element.findtext("uri", "").strip()
+        or element.get("filename")
+        or "without name"
+    )
+
+
 def is_true(text: str, where: str) -> bool:
     """Whether a word is SDF's yes, in whatever case; nothing is no.
 
