@@ -40,7 +40,8 @@ def check_solid(holder: ET.Element, shapes: Collection[str], path: Path) -> None
 
 
 def _check_included(uri: str, path: Path) -> None:
-    if not {re.sub(r"\W", "_", part.lower()) for part in uri.split("/")} & set(HARMLESS):
+    named = [part for part in uri.split("/") if not part.isdigit()]  # at the end may be a version
+    if re.sub(r"\W", "_", named[-1].lower() if named else "") not in HARMLESS:
         raise UrdfError(
             f"{path}: <include> of '{uri}', which is in another file",
             allowed=", ".join(HARMLESS),

@@ -128,6 +128,10 @@ SOLID = {
         "</link></model><include><uri>https://fuel/models/Table/2</uri></include><model name='o'>",
         "<include> of 'https://fuel/models/Table/2', which is in another file; allowed: sun, ground_plane",
     ),
+    "another file of one who is called so": (
+        "</link></model><include><uri>https://fuel/1.0/sun/models/Table/2</uri></include><model name='o'>",
+        "<include> of 'https://fuel/1.0/sun/models/Table/2'",
+    ),
     "many beside it": (
         f"</link></model><population name='p'>{NESTED}</population><model name='o'>",
         "model 'n' in <population> 'p'",
@@ -148,3 +152,8 @@ def test_light_and_floor_may_be_included(uri: str, tmp_path: Path) -> None:
     included = f'<include><uri>{uri}</uri></include><model name="m"><link name="a"/></model>'
     notes = read(tmp_path, IN_WORLD.format(included)).notes
     assert f"not carried over: <include> of the world: {uri}" in notes
+
+
+def test_light_that_a_model_includes_is_told(tmp_path: Path) -> None:
+    included = '<model name="m"><link name="a"/><include><uri>model://sun</uri></include></model>'
+    assert "not carried over: <include> of m: model://sun" in read(tmp_path, IN_WORLD.format(included)).notes
