@@ -13,7 +13,7 @@ import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
 from sdt_kg.iri import Iri
-from sdt_kg.mechanism import JointType
+from sdt_kg.mechanism import Joint, JointType
 from sdt_kg.state import State
 from services.physics.geometry.bodies import BodyShape
 from services.physics.stops.bearing import Bearing
@@ -163,8 +163,8 @@ class Path:
         """The way of the only joint that moves, whose axis rests."""
         (joint,) = self._follows
         coordinate = self._model.model.idx_qs[joint]
-        own = self._model.part.joints[coordinate - self._model.part.first]
-        frame, axis = self._frames(self._begin)[joint], np.array(own.axis)
+        own, frame = self._joint(coordinate), self._frames(self._begin)[joint]
+        axis = np.array(own.axis)
         ratio = float(self._model.coupling.multiplier[coordinate])
         return Way(
             frame.rotation @ (axis / np.linalg.norm(axis)),
@@ -210,15 +210,15 @@ class Path:
             coordinate = pinocchio.idx_qs[i]
             rate = abs(float(self._model.coupling.multiplier[coordinate]))
             arm += float(np.linalg.norm(b - a))
-            if self._joint_type(coordinate) is JointType.PRISMATIC:
+            if self._joint(coordinate).type is JointType.PRISMATIC:
                 total, slid = total + rate, slid + rate * abs(self._end - self._begin)
             else:
                 total += rate * (arm + slid)
         return total
 
-    def _joint_type(self, coordinate: int) -> JointType:
+    def _joint(self, coordinate: int) -> Joint:
         part = self._model.part
-        return part.joints[coordinate - part.first].type
+        return part.joints[coordinate - part.first]
 
     def _placed(self, one: BodyShape, position: float) -> coal.Transform3s:
         """Where a shape is with the actuated joint at a position."""
