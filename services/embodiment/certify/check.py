@@ -1,6 +1,5 @@
 """All checks of a body motion, one after the other."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -8,7 +7,7 @@ import numpy as np
 
 from predicates.case import Artefact, ArtefactKind, Diagnosis
 from sdt_kg.annotation import Drive
-from sdt_kg.errors import OracleRejectedError, UnknownEntityError
+from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Container, Twin
@@ -16,8 +15,7 @@ from services.embodiment.certify.asked import keeps
 from services.embodiment.certify.certificate import Certificate, models_of, sealed
 from services.embodiment.certify.collisions import above_floor, collisions
 from services.embodiment.certify.findings import Findings
-from services.embodiment.certify.held.hold import Hold, begin
-from services.embodiment.certify.held.pressed import pressed
+from services.embodiment.certify.held.holds import held_so
 from services.embodiment.certify.inside import inside
 from services.embodiment.certify.limits import drive_limits, joint_limits, kitchen_keeps
 from services.embodiment.certify.motion import of_another_robot, rests, whole_motion
@@ -29,6 +27,9 @@ from services.embodiment.certify.sweep.pieces import Pieces
 from services.embodiment.certify.sweep.subject import Subject, subject
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
+
+ONE_HOLD = "what moves it by itself then is not looked at"
+TIMES = "of a motion with times of its own one hold is looked at"
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +79,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     start: tuple[float, float, float] | None = None,
     scene: Scene | None = None,
     asked: Motion | None = None,
+    one_hold: bool = False,
     in_full: bool = False,
 ) -> Certified | Refused:
     """Whether the robot can move so, and moves that container by its handle and nothing else.
@@ -97,6 +99,8 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
         scene: The scene of this twin and robot if it is built already.
         asked: Motion of the container, as values, that it has to keep, with its times if it is timed; None if
             any will do.
+        one_hold: Whether it has to be held from when it begins to move to when it stops for good, since
+            what it would do by itself in between is not known; so it has where `asked` has times, too.
         in_full: Whether a refusal is to have every kind of collision with its depth, and how the handle
             is held and let go; takes longer, and changes no refusal into a certificate or back.
 
@@ -121,9 +125,10 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     if asked is not None:
         findings.add(keeps(scene, pieces, asked, tolerances))
     checked = subject(scene, pieces, tolerances)
-    hold, held = _hold(checked, container, motion.gripper, in_full)
+    why = ONE_HOLD if one_hold else TIMES if asked is not None and asked.timed else ""
+    holds, held = held_so(checked, container, motion.gripper, one_hold=why, in_full=in_full)
     findings.add(held)
-    findings.add(collisions(checked, hold))
+    findings.add(collisions(checked, holds))
     findings.add(inside(checked))
     reach = reach_of(checked)
     findings.add(above_floor(checked, reach))
@@ -132,8 +137,8 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
         if in_full:
             findings.with_survey(_survey(checked, container, motion.gripper))
         return Refused(findings.diagnoses(), findings.figures)
-    assert hold is not None, "a container that moves unheld is refused"
-    findings.figures |= tolerated(checked, hold, findings, reach)
+    assert holds, "a container that moves unheld is refused"
+    findings.figures |= tolerated(checked, holds, findings, reach)
     _check_figures(findings.figures)
     certificate = Certificate(
         models=models_of(twin, robot),
@@ -160,47 +165,11 @@ def _check_figures(figures: dict[str, tuple[float, str]]) -> None:
             )
 
 
-def _hold(checked: Subject, container: Container, name: str, in_full: bool) -> tuple[Hold | None, Findings]:
-    """How the named gripper holds the container; if none is named, the one that does so best.
-
-    What follows a grasp that comes too late is judged as well if the refusal is to be `in_full`.
-    """
-    grippers = {gripper.name: gripper for gripper in checked.scene.annotation.grippers}
-    if name and name not in grippers:
-        raise UnknownEntityError("gripper", name, grippers)
-    first = begin(checked.scene, checked.pieces, container)
-    if first is None:
-        return None, Findings()
-    chosen = [grippers[name]] if name else list(grippers.values())
-    holds = [Hold(checked, container, gripper, first) for gripper in chosen]
-    contacts = [hold.contact() for hold in holds]
-    best = min(range(len(holds)), key=lambda i: max((v.excess for v in contacts[i].violations), default=0.0))
-    hold, findings = holds[best], contacts[best]
-    if findings.violations:
-        lates = (one.later() for one in (holds if in_full else ()))
-        hold = next((late for late in lates if late is not None), None)
-    if hold is not None:
-        findings.add(hold.follows())
-        findings.add(hold.keeps_fingers())
-        findings.add(pressed(checked, hold))
-        findings.nearest.extend(_let_go(hold))
-    return hold, findings
-
-
-def _let_go(hold: Hold) -> Iterator[str]:
-    """What a certificate rests on if the hand leaves the handle before the motion ends."""
-    if hold.left < len(hold.pieces.start):
-        name, when = hold.container.name, f"from {hold.time:.2f} s to {hold.until:.2f} s"
-        yield f"let go: {name} is held {when}, and nothing in D_artic moves it afterwards"
-
-
 def _survey(checked: Subject, container: Container, name: str) -> Findings:
     grippers = [one for one in checked.scene.annotation.grippers if name in {"", one.name}]
-    return survey(checked, container, grippers, begin(checked.scene, checked.pieces, container))
+    return survey(checked, container, grippers)
 
 
 def _end(scene: Scene, pieces: Pieces, container: Container) -> Findings:
     k = scene.coordinate[container.joint]
-    last = pieces.at(np.array([len(pieces.start) - 1]), pieces.duration[-1:])[0][0, k]
-    unit = unit_of(scene, k)
-    return Findings(figures={"container at the end": (float(last), unit)})
+    return Findings(figures={"container at the end": (float(pieces.end[k]), unit_of(scene, k))})

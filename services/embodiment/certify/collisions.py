@@ -1,5 +1,7 @@
 """Which pairs of bodies must keep which distance, and what the sweep over them says."""
 
+from collections.abc import Iterator, Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,32 +20,21 @@ Indices = NDArray[np.intp]
 BLOCK = 8  # pieces joined in the first look at pairs of robot and kitchen
 
 
-def collisions(checked: Subject, hold: Hold | None) -> Findings:
+def collisions(checked: Subject, holds: Sequence[Hold]) -> Findings:
     """Robot against itself and against the kitchen as it moves.
 
     The only contact allowed is that of the holding gripper's fingers with the container's handle,
-    from the time on at which the tool is in its grasp until it leaves it, the container at rest for good.
+    from the time on at which the tool is in its grasp until it leaves it, the container at rest; and so of
+    each hold.
     """
-    findings, timeline = Findings(), checked.timeline
-    pieces, count = timeline.pieces, len(timeline.pieces.start)
-    left = count if hold is None else hold.left
-    own = (
-        np.zeros(len(checked.scene.environment_pairs), dtype=bool)
-        if hold is None
-        else _touching(checked, hold)
-    )
-    others, kept = checked.scene.environment_pairs[~own], checked.scene.environment_pairs[own]
-    blocks, held = _blocks(timeline), timeline if left == count else Timeline(pieces.part(0, left))
-    looks = {
-        timeline: [
-            ("self", "self", _keep(checked, checked.scene.self_pairs, 0)),
-            ("environment", "environment", _keep(checked, others, blocks)),
-        ]
-    }
-    looks.setdefault(held, []).append(("environment", "handle", _touch(checked, hold, kept, _blocks(held))))
-    if left < count:
-        after = Timeline(pieces.part(left, count))
-        looks[after] = [("environment", "handle, let go", _keep(checked, kept, _blocks(after)))]
+    findings, pairs = Findings(), checked.scene.environment_pairs
+    own = _touching(checked, holds)
+    self_pairs = _keep(checked, checked.scene.self_pairs, 0)
+    others = _keep(checked, pairs[~own], _blocks(checked.timeline))
+    looks = {checked.timeline: [("self", "self", self_pairs), ("environment", "environment", others)]}
+    for along, hold, name in _parts(checked, holds):
+        touch = _touch(checked, hold, pairs[own], _blocks(along))
+        looks.setdefault(along, []).append(("environment", name, touch))
     for along, sets in looks.items():
         some = [each for each in sets if len(each[2].shapes)]
         if some:
@@ -52,6 +43,23 @@ def collisions(checked: Subject, hold: Hold | None) -> Findings:
             for (scope, name, _), one in zip(some, found, strict=True):
                 findings.add(_findings(checked.scene, one, scope, name))
     return findings
+
+
+def _parts(checked: Subject, holds: Sequence[Hold]) -> Iterator[tuple[Timeline, Hold | None, str]]:
+    """What comes to the handle when: of each hold, from where the one before has left; after the last, nothing."""
+    pieces, first = checked.timeline.pieces, 0
+    for number, hold in enumerate(holds, 1):
+        name = "handle" if number == 1 else f"handle, hold {number}"
+        yield _part(checked, first, hold.left), hold, name
+        first = hold.left
+    if first < len(pieces.start):
+        yield _part(checked, first, len(pieces.start)), None, "handle, let go" if holds else "handle"
+
+
+def _part(checked: Subject, first: int, end: int) -> Timeline:
+    """The timeline itself where that is all of it."""
+    pieces = checked.timeline.pieces
+    return checked.timeline if end - first == len(pieces.start) else Timeline(pieces.part(first, end))
 
 
 def above_floor(checked: Subject, reach: float) -> Findings:
@@ -84,11 +92,12 @@ def _keep(checked: Subject, shapes: Indices, level: int) -> Pairs:
     return Pairs(shapes, least, least, np.inf, level)
 
 
-def _touching(checked: Subject, hold: Hold) -> NDArray[np.bool_]:
+def _touching(checked: Subject, holds: Sequence[Hold]) -> NDArray[np.bool_]:
     """Which pairs of robot and kitchen are a finger of the holding gripper and the handle."""
     one, other = checked.scene.environment_pairs.T
     finger, bar = np.zeros((2, len(checked.scene.solids)), dtype=bool)
-    finger[hold.fingers], bar[hold.bar] = True, True
+    for hold in holds:  # of one gripper all
+        finger[hold.fingers], bar[hold.bar] = True, True
     return finger[one] & bar[other]
 
 

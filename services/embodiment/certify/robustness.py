@@ -9,6 +9,7 @@ of yaw moves no point by more than itself times the point's distance from the ba
 left for that it also turns the hand. Each figure is for its error alone, and none says more than is shown.
 """
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -24,10 +25,10 @@ Array = NDArray[np.float64]
 Figures = dict[str, tuple[float, str]]
 
 
-def tolerated(checked: Subject, hold: Hold, found: Findings, reach: float) -> Figures:
+def tolerated(checked: Subject, holds: Sequence[Hold], found: Findings, reach: float) -> Figures:
     """Errors of handle [m] and base [m, rad] under which every check would still hold; see `reach_of`."""
     tolerances = checked.tolerances
-    room = min(hold.room, *found.slack.values())
+    room = min(*(hold.room for hold in holds), *found.slack.values())
     slip, _ = found.figures["tool slip"]
     turn, _ = found.figures["tool turn"]
     base = min(room, (tolerances.tool_position - slip) / 2)

@@ -17,6 +17,8 @@ from sdt_kg.mechanism import Mechanism
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
+from services.embodiment.certify.held.holds import one_after_the_other
+from services.embodiment.certify.held.stints import begin, last, rests
 from services.embodiment.certify.sweep.kinematics import Placed, unit_of
 from services.embodiment.certify.sweep.subject import Subject
 
@@ -44,24 +46,24 @@ class Touch:
     way: float
 
 
-def survey(
-    checked: Subject, container: Container, grippers: Sequence[Gripper], begin: int | None
-) -> Findings:
+def survey(checked: Subject, container: Container, grippers: Sequence[Gripper]) -> Findings:
     """Collisions by kind, each with the first and the deepest; how the handle is held and let go."""
     findings = Findings()
     times = _times(checked)
-    acting = None
-    if begin is not None:
-        holds = [Hold(checked, container, gripper, begin) for gripper in grippers]
+    acting, away = None, np.zeros(len(times), dtype=bool)
+    first = begin(checked.pieces, checked.scene.coordinate[container.joint])
+    if first is not None:
+        holds = [Hold(checked, container, gripper, first) for gripper in grippers]
         gaps = [_gaps(checked, hold, times) for hold in holds]
         best = min(range(len(holds)), key=lambda k: float(gaps[k].min()))
         acting = holds[best]
+        away = _away(checked, acting, times)
         findings.violations.extend(_contact(checked, acting, times, gaps[best]))
     for rule, scope, pairs in _kinds(checked, acting):
         touches = [touch for part in _parts(times) for touch in _touches(checked, pairs, part)]
         if acting is not None and rule == "collision: fingers and handle":
-            depth, clear = checked.tolerances.depth, acting.clear_from()
-            touches = [each for each in touches if each.way > depth or each.time > clear]
+            depth, clear = checked.tolerances.depth, set(times[away].tolist())
+            touches = [each for each in touches if each.way > depth or each.time in clear]
         findings.violations.extend(_collisions(checked, rule, scope, touches, times))
     return findings
 
@@ -72,6 +74,16 @@ def _times(checked: Subject) -> Array:
     middle = pieces.start + pieces.duration / 2
     times = np.sort(np.concatenate((pieces.start, middle, [checked.timeline.end])))
     return times[np.linspace(0, len(times) - 1, min(len(times), MOST_TIMES)).astype(np.intp)]
+
+
+def _away(checked: Subject, acting: Hold, times: Array) -> Mask:
+    """When the fingers that hold have left the handle, and are not in their next grasp."""
+    away = np.zeros(len(times), dtype=bool)
+    for hold in one_after_the_other(checked, acting.container, acting.gripper, acting.begin):
+        if hold.begin > acting.begin:
+            away &= times < hold.arrived
+        away |= times > hold.clear_from()
+    return away
 
 
 def _placed(checked: Subject, times: Array) -> Placed:
@@ -205,7 +217,10 @@ def _gaps(checked: Subject, hold: Hold, times: Array) -> Array:
 
 
 def _contact(checked: Subject, hold: Hold, times: Array, gaps: Array) -> Iterator[Violation]:
-    """How far the container moves before a finger is at its handle, and where the finger leaves it."""
+    """How far the container moves before a finger is at its handle, and where the finger leaves it.
+
+    It need not be there while the container rests.
+    """
     container, k = hold.container, checked.scene.coordinate[hold.container.joint]
     unit = unit_of(checked.scene, k)
     pieces = checked.pieces
@@ -219,7 +234,9 @@ def _contact(checked: Subject, hold: Hold, times: Array, gaps: Array) -> Iterato
         reason = f"{container.name} has moved by {far:.4g} {unit} until {until}"
         evidence = Evidence(Quantity.POSITION, far, 0.0, unit, container.joint, time=float(times[reached]))
         yield Violation("moves before it is held", reason, evidence, far)
-    held = (np.arange(len(times)) > reached) & (times <= hold.until)
+    held = (np.arange(len(times)) > reached) & (piece <= last(pieces, k))
+    for rest in rests(pieces, k, hold.begin):
+        held &= (piece < rest.start) | (piece >= rest.stop)
     lost = np.flatnonzero(~near & held)
     chosen = [lost[0], lost[np.argmax(gaps[lost])]] if near.any() and len(lost) else []
     if not near.any():

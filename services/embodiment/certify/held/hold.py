@@ -1,7 +1,8 @@
 """The tool holds the handle from the moment in which the container begins to move to that in which it stops.
 
 What follows is letting go: nothing moves the container any more, so nobody has to hold it. Fingers may
-still be at the handle as long as the tool stays in its grasp, and from then on must keep clear of it.
+still be at the handle as long as the tool stays in its grasp, and from then on must keep clear of it, until
+the tool is in its next grasp, if there is one: a container that rests on the way may be taken hold of anew.
 """
 
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from sdt_kg.iri import Iri, body_iri, local_name
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.grip import NOTHING, Grip, Pinch
+from services.embodiment.certify.held.stints import last, rests
 from services.embodiment.certify.held.surface import Posed, Surface, own_shapes
 from services.embodiment.certify.sweep.kinematics import Of, Placed
 from services.embodiment.certify.sweep.pieces import Pieces, positions
@@ -26,7 +28,6 @@ from services.physics.tree import se3
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-MOVES = 1e-6  # [rad or m] less is rounding
 FINE = 2e-4  # [m or rad] precision of the largest tool error that is reported
 DEEPEST = 12  # halvings of a piece in the check of the tool
 FIRST = np.zeros(1, dtype=np.intp)
@@ -50,22 +51,22 @@ class Hold:
 
     Attributes:
         begin: First piece on which the container moves; its start is the moment of the grasp.
-        last: Last piece on which it moves; until its end it is held.
+        last: Last piece on which it moves, before it is let go; until its end it is held.
+        onward: First piece on which it moves after that, by another hold; None if it does not.
         time: The moment of the grasp [s].
         until: The end of holding [s].
         room: By how much the handle may be elsewhere and is still held [m]; known once `contact` holds.
     """
 
-    def __init__(self, checked: Subject, container: Container, gripper: Gripper, begin: int) -> None:
+    def __init__(
+        self, checked: Subject, container: Container, gripper: Gripper, begin: int, since: int | None = None
+    ) -> None:
         self.checked, self.scene = checked, checked.scene
         scene = checked.scene
         self.tolerances, self.timeline = checked.tolerances, checked.timeline
         self.kinematics, self.shapes = checked.kinematics, checked.shapes
         self.pieces, self.begin = checked.timeline.pieces, begin
-        self.last = _last(scene, checked.pieces, container)
-        self.time = float(self.pieces.start[begin])
-        self.until = float(self.pieces.start[self.last] + self.pieces.duration[self.last])
-        self.room = 0.0
+        self.room, self._since = 0.0, since
         self.gripper, self.container = gripper, container
         joint, joint_T_body = scene.robot.attached[gripper.tool_body]
         self.tool = self._attached(joint, (joint_T_body * se3(gripper.tool)).homogeneous)
@@ -74,6 +75,17 @@ class Hold:
         robot = scene.robot.mechanism.name
         self.fingers = _shapes_of(scene, [body_iri(robot, name) for name in gripper.fingers])
         self.bar = _shapes_of(scene, [container.handle])
+        self.last, self.onward = self._ends()
+        self.time = float(self.pieces.start[begin])
+        self.until = float(self.pieces.start[self.last] + self.pieces.duration[self.last])
+
+    def _ends(self) -> tuple[int, int | None]:
+        """Last piece before the tool leaves its grasp while the container rests, and first one after that."""
+        k = self.scene.coordinate[self.container.joint]
+        for rest in rests(self.checked.pieces, k, self.begin):
+            if len(self._off(rest.start + 1, rest.stop + 1)):
+                return rest.start - 1, rest.stop
+        return last(self.checked.pieces, k), None
 
     def _attached(self, joint: int, joint_T_frame: Array) -> Attached:
         return Attached(int(self.kinematics.carrier[joint]), self.kinematics.fixed[joint] @ joint_T_frame)
@@ -101,15 +113,24 @@ class Hold:
         turned = np.linalg.norm(rotation - rotation_0, axis=(1, 2)) / np.sqrt(2)
         return np.linalg.norm(origin - origin_0, axis=1), turned
 
+    def _off(self, first: int, stop: int) -> Indices:
+        """Which of these samples have the tool out of its grasp."""
+        samples, end = np.arange(first, stop), len(self.pieces.start) - 1
+        pieces = np.minimum(samples, end)
+        q, v, _ = self.pieces.at(pieces, np.where(samples > end, self.pieces.duration[pieces], 0.0))
+        slipped, turned = self._errors(self.kinematics.place(q, v))
+        return samples[(slipped > self.tolerances.tool_position) | (turned > self.tolerances.tool_angle)]
+
     @cached_property
     def arrived(self) -> float:
-        """Time of the sample from which on the tool is in its grasp: the fingers may close."""
-        q, v, _ = self.pieces.at(np.arange(self.begin + 1), np.zeros(self.begin + 1))
-        slipped, turned = self._errors(self.kinematics.place(q, v))
-        away = np.flatnonzero(
-            (slipped > self.tolerances.tool_position) | (turned > self.tolerances.tool_angle)
-        )
-        return float(self.pieces.start[away[-1] + 1 if len(away) else 0])
+        """Time of the sample from which on the tool is in its grasp: the fingers may close.
+
+        The first of all if it was nowhere else; that of the grasp itself if another hold came before.
+        """
+        off = self._off(self._since or 0, self.begin)
+        if len(off):
+            return float(self.pieces.start[off[-1] + 1])
+        return float(self.pieces.start[0]) if self._since is None else self.time
 
     @cached_property
     def left(self) -> int:
@@ -118,15 +139,8 @@ class Hold:
         It begins with the last sample up to which the tool, after the container has stopped, is in its grasp.
         """
         count = len(self.pieces.start)
-        later = np.arange(self.last + 1, count)
-        if not len(later):
-            return count
-        ends = self.pieces.at(later, self.pieces.duration[later])
-        slipped, turned = self._errors(self.kinematics.place(*ends[:2]))
-        away = np.flatnonzero(
-            (slipped > self.tolerances.tool_position) | (turned > self.tolerances.tool_angle)
-        )
-        return int(later[away[0]]) if len(away) else count
+        off = self._off(self.last + 2, (count if self.onward is None else self.onward) + 1)
+        return int(off[0]) - 1 if len(off) else count
 
     def clear_from(self) -> float:
         """When that piece begins [s]; infinite if there is none."""
@@ -199,7 +213,8 @@ class Hold:
             elif value <= bound:
                 what = f"{handle} is not between the fingers of {self.gripper.name}"
                 value, bound = NOTHING, tolerances.engaged
-        reason = f"{self.container.name} moves before it is held: {what}"
+        moves = "moves before it is held" if self._since is None else "moves on before it is held anew"
+        reason = f"{self.container.name} {moves}: {what}"
         links = (finger, self.container.handle)
         evidence = Evidence(Quantity.DISTANCE, value, bound, "m", links=links, time=self.time)
         return Findings([Violation("held", reason, evidence, excess)])
@@ -278,22 +293,3 @@ class Hold:
 def _shapes_of(scene: Scene, bodies: list[Iri]) -> list[int]:
     return [i for i, one in enumerate(scene.solids) if one.body in bodies]
 
-
-def begin(scene: Scene, pieces: Pieces, container: Container) -> int | None:
-    """First piece on which the container moves, None if it never does."""
-    k = scene.coordinate[container.joint]
-    moved = _away(pieces, k, float(pieces.c[0, 0, k]))
-    return int(moved[0]) if len(moved) else None
-
-
-def _last(scene: Scene, pieces: Pieces, container: Container) -> int:
-    """Last piece on which the container moves; that of the motion if it hardly does."""
-    k, last = scene.coordinate[container.joint], len(pieces.start) - 1
-    end = pieces.at(np.array([last]), pieces.duration[-1:])[0][0, k]
-    moved = _away(pieces, k, float(end))
-    return int(moved[-1]) if len(moved) else last
-
-
-def _away(pieces: Pieces, k: int, value: float) -> Indices:
-    """Pieces on which a coordinate is not all the time at a value."""
-    return np.flatnonzero(np.abs(pieces.of(k) - value).max(axis=0) > MOVES)

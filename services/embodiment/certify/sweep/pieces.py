@@ -35,6 +35,11 @@ class Pieces:
         compiled.at(piece, s, self.c, q, v, a)
         return q, v, a
 
+    @property
+    def end(self) -> Array:
+        """Positions at the end, shape (nq,)."""
+        return self.at(np.array([len(self.start) - 1]), self.duration[-1:])[0][0]
+
     def columns(self, coordinates: Indices) -> "Pieces":
         """The same pieces with these coordinates only."""
         if np.array_equal(coordinates, self.moving):
