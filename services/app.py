@@ -217,12 +217,13 @@ class Forces:
         """R that has to bear them."""
         from services.dynamics.robot.bearing import Bearing  # noqa: PLC0415 - only where forces are asked about
 
-        # Forces are asked at a container's own handles: at those of others they are others.
-        return Bearing(whole_body(policy, coupled=False))
+        # Forces are asked at a container's own handles: at those of others they are others. And let go on the
+        # way, it might move.
+        return Bearing(whole_body(policy, forces=True))
 
 
-def whole_body(policy: Policy, *, coupled: bool = True) -> Embodiment:
-    """R of this process under a policy; see `WholeBody` for what is `coupled`."""
+def whole_body(policy: Policy, *, forces: bool = False) -> Embodiment:
+    """R of this process under a policy; where forces count, containers are held by their own handle, once."""
     from services.embodiment.oracle import WholeBody  # noqa: PLC0415 - not needed without a robot
 
     return WholeBody(
@@ -232,7 +233,8 @@ def whole_body(policy: Policy, *, coupled: bool = True) -> Embodiment:
         seed=policy.seed,
         any_start=policy.any_start,
         contact=policy.contact,
-        coupled=coupled,
+        coupled=not forces,
+        regrasps=not forces,
     )
 
 

@@ -34,6 +34,7 @@ from services.embodiment.plan import Planned, Planner
 from services.embodiment.prove import boxes
 from services.embodiment.report import refusal
 from services.embodiment.setting import Setting, container_of, of_own_joint
+from services.embodiment.several import in_several_holds
 from services.embodiment.ways import cells
 from services.embodiment.ways.start import near, turned
 from services.embodiment.worlds import Models, Worlds
@@ -74,6 +75,7 @@ class WholeBody:
         any_start: Whether a body motion that is given may begin anywhere, in any posture.
         contact: How far a finger may be from the handle that it holds [m]; None takes the certifier's.
         coupled: Whether a container may be held by the handle of one that moves with it.
+        regrasps: Whether it may be let go on the way, where it rests, and held anew.
     """
 
     def __init__(  # noqa: PLR0913, PLR0917  # a policy
@@ -85,9 +87,11 @@ class WholeBody:
         any_start: bool = False,
         contact: float | None = None,
         coupled: bool = True,
+        regrasps: bool = True,
     ) -> None:
         self.drive, self.start, self.budget, self.seed = drive, start, budget, seed
         self.any_start, self.margins, self.coupled = any_start, Margins(), coupled
+        self.regrasps = regrasps
         self.tolerances = Tolerances() if contact is None else replace(Tolerances(), contact=contact)
         self._physics = Kinematics()
         self._compiled, self._worlds = False, Worlds(self.margins)
@@ -111,6 +115,7 @@ class WholeBody:
             ("budget", f"{self.budget:g} s"),
             ("seed", str(self.seed)),
             *(() if self.coupled else (("handles", "the container's own"),)),
+            *(() if self.regrasps else (("holds", "one"),)),
         )
 
     def prepare(self, twin: Twin, robot: Iri) -> None:
@@ -182,7 +187,7 @@ class WholeBody:
         began = worked()
         planner = Planner(setting, began + self.budget, self.seed, clock.spent)
         rejected: list[tuple[Diagnosis, ...]] = []
-        for planned in planner.plans():
+        for planned in planner.plans(in_several_holds if self.regrasps else None):
             at = time.perf_counter()
             outcome = self._certificate(case.twin, setting, planned.body)
             clock.spent("certify", at)
@@ -213,6 +218,7 @@ class WholeBody:
             start=start,
             scene=world.scene,
             asked=to_keep(self._as_values(case), case.body_motion),
+            one_hold=not self.regrasps,
             in_full=True,
         )
         clock.spent("certify", at)
@@ -237,6 +243,7 @@ class WholeBody:
             start=setting.start,
             scene=setting.world.scene,
             asked=setting.motion if setting.motion.timed else None,
+            one_hold=not self.regrasps,
         )
 
     def _notes(self, setting: Setting, planned: Planned | None) -> tuple[str, ...]:

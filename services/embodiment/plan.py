@@ -3,7 +3,7 @@
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from itertools import chain, islice
 
@@ -14,20 +14,17 @@ from predicates.case import Search
 from sdt_kg.annotation import Drive
 from sdt_kg.motion import BodyMotion, Motion
 from services.embodiment.attempt import Attempt
-from services.embodiment.body.limb import Limb, beside, touching
-from services.embodiment.hold.fit import Fitter
+from services.embodiment.attempts import make_attempt
+from services.embodiment.body.limb import Limb
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
-from services.embodiment.hold.holding import WAYPOINTS, Holding, Problem, Searcher
+from services.embodiment.hold.holding import WAYPOINTS, Holding
 from services.embodiment.hold.kit import Kit
 from services.embodiment.hold.sampling import FULL, QUICK, Effort
 from services.embodiment.prove import out_of_reach
 from services.embodiment.proving import EARLY_BOXES, LATE_BOXES, Proofs
 from services.embodiment.setting import Setting
-from services.embodiment.ways.approach import Approacher, Blocked
-from services.embodiment.ways.assemble import Assembled, Assembler
-from services.embodiment.ways.roads import Roads, make_roads
-from services.embodiment.ways.slim import slim
-from services.embodiment.ways.timing import farthest
+from services.embodiment.ways.approach import Blocked
+from services.embodiment.ways.assemble import Assembled
 from services.kernel import worked
 
 Array = NDArray[np.float64]
@@ -48,10 +45,17 @@ class Planned:
     motion: Motion
     grasp: int
     style: str
+    holding: Holding
+
+
+Anew = Callable[["Planner"], Iterator[Planned]]
 
 
 class Planner:
     """Plans for one setting, until the thread that asks has `worked` for the deadline's seconds of CPU.
+
+    Args:
+        only: Name of the gripper that is to hold; empty for any, and then proofs are looked for.
 
     Attributes:
         attempts: One for each gripper that has a grasp.
@@ -65,30 +69,45 @@ class Planner:
     """
 
     def __init__(
-        self, setting: Setting, deadline: float, seed: int, spent: Callable[[str, float], None]
+        self,
+        setting: Setting,
+        deadline: float,
+        seed: int,
+        spent: Callable[[str, float], None],
+        only: str = "",
     ) -> None:
-        self.setting, self.deadline, self.seed, self._spent = setting, deadline, seed, spent
+        self.setting, self.deadline, self.seed, self.spent = setting, deadline, seed, spent
+        self._only = only
         self.mechanics = Mechanics(setting.world, setting.container)
         self.attempts: list[Attempt] = []
         self.blocked: list[Blocked] = []
         self.rough: list[Assembled] = []
         self.bar: Bar | None = None
         self.holdings = self.refused = self.placements = 0
-        self.proofs = Proofs(setting, spent)
+        self.proofs = Proofs(setting, spent, sought=not only)
         self.start_contact: tuple[tuple[int, int], float] | None = None
         self.unfit: Counter[tuple[int, int]] = Counter()
+
+    def kits(self) -> list[Kit]:
+        """Those of the grippers that may hold."""
+        grippers = self.setting.world.scene.annotation.grippers
+        return [self.setting.kits.of(one) for one in grippers if self._only in {"", one.name}]
 
     def late(self) -> bool:
         """Whether the budget is spent."""
         return worked() > self.deadline
 
-    def plans(self) -> Iterator[Planned]:
-        """Body motions, one after the other, until the search gives up."""
+    def plans(self, anew: Anew | None = None) -> Iterator[Planned]:
+        """Body motions, one after the other, until the search gives up.
+
+        Args:
+            anew: What else to plan, in several holds, where no one hold was found.
+        """
         at = time.perf_counter()
-        kits = [self.setting.kits.of(one) for one in self.setting.world.scene.annotation.grippers]
+        kits = self.kits()
         self._prove_at_once([kit.limb for kit in kits])
         self.start_contact = self._start_contact()
-        self._spent("grasp", at)
+        self.spent("grasp", at)
         if self.start_contact is not None:
             self._give_up()
             return
@@ -105,18 +124,20 @@ class Planner:
                     return
                 yield from self._round(attempt, number)
         self._give_up()
-        yield from self._at_last()
+        yield from self._at_last(anew)
         self._look_at_last()
 
-    def _at_last(self) -> Iterator[Planned]:
-        """Plans that many postures find together once more, and from bred grasps.
+    def _at_last(self, anew: Anew | None) -> Iterator[Planned]:
+        """Plans that many postures find together once more, from bred grasps, and in several holds.
 
-        These first where nothing could be followed: many have found nothing before. But where the base stands
-        they take longer.
+        Bred ones first where nothing could be followed: many have found nothing before. But where the base
+        stands they take longer than all else.
         """
-        last = self._spread(FULL), self._bred()
-        bred_first = self.setting.drive is not Drive.FIXED and not self._has_ways()
-        yield from chain(*(last[::-1] if bred_first else last))
+        spread, bred, more = self._spread(FULL), self._bred(), iter(()) if anew is None else anew(self)
+        if self.setting.drive is Drive.FIXED:
+            yield from chain(spread, more, bred)
+        else:
+            yield from chain(*((spread, bred) if self._has_ways() else (bred, spread)), more)
 
     def _between(self, number: int) -> Iterator[Planned]:
         """Before round `number`, an early look for proofs, and plans that many postures find together."""
@@ -203,12 +224,12 @@ class Planner:
         for k, kit in enumerate(kits):
             at = time.perf_counter()
             if number == 0:
-                attempt = self._attempt(kit)
+                attempt = self.attempt(kit)
                 if attempt is None:
                     return
                 self.attempts.append(attempt)
             self.attempts[k].widen(number)
-            self._spent("grasp", at)
+            self.spent("grasp", at)
             yield self.attempts[k]
 
     def _start_contact(self) -> tuple[tuple[int, int], float] | None:
@@ -218,42 +239,14 @@ class Planner:
         contact = world.contact(q[None], self.setting.kits.outside())
         return None if contact is None else (contact.shapes, world.distance(contact.shapes, *world.frames(q)))
 
-    def _attempt(self, kit: Kit) -> Attempt | None:
-        setting, world, limb = self.setting, self.setting.world, kit.limb
-        q = limb.q(limb.parked)
-        self.bar = self.bar or find_bar(world, self.mechanics, q)
+    def attempt(self, kit: Kit) -> Attempt | None:
+        """The search with one gripper; None if the handle has nothing to hold."""
+        q = kit.limb.q(kit.limb.parked)
+        self.bar = self.bar or find_bar(self.setting.world, self.mechanics, q)
         if self.bar is None:
             return None
-        problem = self._problem(self.bar, q)
-        holding = touching(world, limb, kit.demands, (setting.container.handle,))
-        fitter = Fitter(kit.hand, problem, self.bar, (holding, kit.demands), self.unfit)
-        fitted, steep = (fitter.fitting(self.late, steep) for steep in (False, True))
-        searcher = Searcher(world, limb, problem, holding, setting.drive)
-        start = np.array(setting.start)
-        if setting.drive is Drive.FIXED:
-            searcher.stand(start)
-        ways = self._roads(kit, parked=True), partial(self._roads, kit, parked=False)
-        opened = beside(world, kit.opened, world.scene.q(setting.start, {}))
-        approacher = Approacher(*ways, replace(kit, opened=opened), start, self.late)
-        assembler = Assembler(world, limb, setting.robot, problem, setting.motion)
-        rng = np.random.default_rng(self.seed)
-        return Attempt(limb, fitter, [], fitted, [], steep, searcher, approacher, assembler, rng)
-
-    def _roads(self, kit: Kit, *, parked: bool) -> Roads:
-        """Drives with the arm parked, or as slim as it can be; at first nothing is known but free poses."""
-        setting, key = self.setting, (kit.limb.gripper.name, parked)
-        if key not in setting.roads:
-            posture = kit.limb.parked if parked else slim(setting.world, kit.limb, kit.opened)
-            setting.roads[key] = make_roads(setting.world, kit.limb, posture, kit.opened, setting.drive)
-        setting.roads[key].begin(self.seed)
-        return setting.roads[key]
-
-    def _problem(self, bar: Bar, q: Array) -> Problem:
-        start = self.mechanics.start
-        end = farthest(self.setting.motion, start, self.setting.container)
-        values = np.linspace(start, end, WAYPOINTS)
-        handle_r, handle_p = self.mechanics.handle_poses(q, bar.joint, values)
-        return Problem(self.mechanics, values, handle_r, handle_p, handle_r[0] @ bar.outward)
+        about = self.setting, self.mechanics, self.bar, kit
+        return make_attempt(*about, unfit=self.unfit, seed=self.seed, late=self.late)
 
     def _round(self, attempt: Attempt, number: int) -> Iterator[Planned]:
         """Plans from one batch of seeds."""
@@ -265,7 +258,7 @@ class Planner:
         """Plans with some of these holdings."""
         at = time.perf_counter()
         for holding in islice(holdings, TRIES):
-            self._spent("holding", at)
+            self.spent("holding", at)
             self.holdings += 1
             planned = self._approached(attempt, holding)
             if planned is not None:
@@ -274,21 +267,21 @@ class Planner:
             if self.late():
                 return
             at = time.perf_counter()
-        self._spent("holding", at)
+        self.spent("holding", at)
 
     def _approached(self, attempt: Attempt, holding: Holding) -> Planned | None:
         at = time.perf_counter()
         self.placements += 1
         approach = attempt.approacher.approach(holding, attempt.searcher.problem, attempt.rng)
-        self._spent("approach", at)
+        self.spent("approach", at)
         if isinstance(approach, Blocked):
             self.blocked.append(approach)
             attempt.blocked += 1
             return None
         at = time.perf_counter()
         assembled = attempt.assembler.assemble(approach, holding)
-        self._spent("timing", at)
+        self.spent("timing", at)
         if max(assembled.excess) > WITHIN or assembled.outside > 0:
             self.rough.append(assembled)
             return None
-        return Planned(assembled.body, assembled.motion, holding.grasp.index, holding.style)
+        return Planned(assembled.body, assembled.motion, holding.grasp.index, holding.style, holding)

@@ -22,31 +22,36 @@ LATE_BOXES = 6_000  # of a proof looked for when the search has given up
 class Proofs:
     """What was proved about one setting.
 
+    Args:
+        sought: Whether proofs are looked for at all.
+
     Attributes:
         whole: That no gripper can hold the handle all along, if one was found and verified.
-        partial: The same of holds with the handle in hand, as all listed grasps have it; or of the robot's
-            collision shapes in place of its bodies.
+        partial: The same of one hold, where the handle might be let go on the way and held anew; or of holds
+            with the handle in hand, as all listed grasps have it; or of the robot's collision shapes in place
+            of its bodies.
         is_cut: Whether time ended before all was looked at that the container might come into.
     """
 
-    def __init__(self, setting: Setting, spent: Callable[[str, float], None]) -> None:
+    def __init__(self, setting: Setting, spent: Callable[[str, float], None], *, sought: bool = True) -> None:
         self.whole: Proved | None = None
         self.partial: Proved | None = None
         self.is_cut = False
         self._setting, self._spent = setting, spent
         self._prover: Prover | None = None
         self._stands = setting.drive is Drive.FIXED
+        self._sought = sought and setting.tolerances == Tolerances()  # they refute what these accept, no more
 
     @property
     def ended(self) -> bool:
-        """Whether nothing that a search might find would be certified."""
+        """Whether nothing more is looked for."""
         return self.whole is not None or self.partial is not None
 
     def look(self, boxes: int) -> None:
         """Look for a proof from times, and with so many boxes for each gripper and value of the container."""
         at, setting = time.perf_counter(), self._setting
-        if self.whole is not None or setting.tolerances != Tolerances():
-            return  # it refutes what these accept, no more
+        if self.whole is not None or not self._sought:
+            return
         if self._prover is None:
             self._prover = self._about()
         self.whole = self._prover.hurried(replace(setting.motion, values=self._values()))
@@ -61,7 +66,7 @@ class Proofs:
             late: Whether time is up: then it was not looked at in full, see `is_cut`.
         """
         at = time.perf_counter()
-        if self._stands and self.whole is None and self._setting.tolerances == Tolerances():
+        if self._stands and self.whole is None and self._sought:
             self.whole = self._about().swept(late)
             if self.whole is None:
                 self.partial = self._about(declared=True).swept(late)
@@ -80,8 +85,12 @@ class Proofs:
         if self.whole is not None or self._prover is None:
             return
         if self._stands and not late():
-            self.whole = self._prover.prove(EARLY_BOXES, one_hold=True)
-        if self.whole is None and tools and in_hand(setting.world, setting.container.handle, tools):
+            found = self._prover.prove(EARLY_BOXES, one_hold=True)
+            if found is not None and found.diagnosis.proof:
+                self.whole = found
+            else:
+                self.partial = found
+        if not self.ended and tools and in_hand(setting.world, setting.container.handle, tools):
             boxes = EARLY_BOXES if self._stands else LATE_BOXES  # heights alone are cheap to compare
             found = self._about(IN_HAND).prove(boxes, self._stands and not late())
             self.partial = found if found is None or not bred else _beyond(found, bred)

@@ -10,7 +10,7 @@ from importlib.metadata import version
 
 KINEMATICS_VERSION = "14"
 DYNAMICS_VERSION = "5"
-EMBODIMENT_VERSION = "26"
+EMBODIMENT_VERSION = "27"
 BEARING_VERSION = "4"
 """Each is raised whenever an answer of that oracle may change."""
 

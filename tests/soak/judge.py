@@ -9,6 +9,7 @@ import numpy as np
 from predicates.case import ArtefactKind, Outcome
 from sdt_kg.annotation import Drive
 from services.app import Policy, Service, load
+from services.embodiment.certify.held.holds import HOLDS
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.content import IN_HAND
 from services.embodiment.proof_check.written import read_proof
@@ -24,12 +25,14 @@ BOXES = 20_000  # of a proof that is looked for against a certificate
 class Result(Enum):
     """What is known of one front; never two of them.
 
+    ONE_HOLD: that one hold lasts is refuted, not that it is let go on the way and held anew.
     IN_HAND: every hold with the handle in hand is refuted, as all that are listed have it; not every other.
     OF_SHAPES: every one is, with the robot's collision shapes for its bodies.
     """
 
     CERTIFIED = "certified"
     PROVED = "proved"
+    ONE_HOLD = "proved of one hold"
     IN_HAND = "proved of holds in hand"
     OF_SHAPES = "proved of collision shapes"
     OPEN = "open"
@@ -53,6 +56,8 @@ def result(  # noqa: PLR0917  # a front, who is asked, and for how long
     service = load(path, [robot], policy=Policy(drive, STANDS, budget))
     (verdict,) = service.achieve("open:front_door")
     if verdict.outcome is Outcome.CERTIFIED:
+        assert verdict.can_perform is not None
+        one_hold &= HOLDS not in verdict.can_perform.figures
         assert not refutable(service, drive, one_hold), f"front {seed} is certified for {robot}, and refuted"
         return Result.CERTIFIED
     proved = any(each.proof for each in verdict.diagnoses)
@@ -67,7 +72,10 @@ def result(  # noqa: PLR0917  # a front, who is asked, and for how long
     assert checked.holds, checked.reasons
     if proved:
         return Result.PROVED
-    return Result.OF_SHAPES if read_proof(artefact.content).claim.declared else Result.IN_HAND
+    claim = read_proof(artefact.content).claim
+    if claim.declared:
+        return Result.OF_SHAPES
+    return Result.ONE_HOLD if claim.within is None else Result.IN_HAND
 
 
 def refutable(service: Service, drive: Drive, one_hold: bool) -> bool:

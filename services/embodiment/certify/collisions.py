@@ -46,7 +46,7 @@ def collisions(checked: Subject, holds: Sequence[Hold]) -> Findings:
 
 
 def _parts(checked: Subject, holds: Sequence[Hold]) -> Iterator[tuple[Timeline, Hold | None, str]]:
-    """What comes to the handle when: of each hold, from where the one before has left; after the last, nothing."""
+    """When the hand may come to the handle: for each hold, from where the one before has left."""
     pieces, first = checked.timeline.pieces, 0
     for number, hold in enumerate(holds, 1):
         name = "handle" if number == 1 else f"handle, hold {number}"

@@ -94,6 +94,8 @@ def _by_handle(twin: Twin, robot: Iri, container: Container, proof: Proof) -> Ch
         else:
             found, leaves = refuted(statement, claim.span, proof.refutations)
             reasons += found
+            if any(one.one_hold for one in proof.refutations) and not claim.one_hold:
+                reasons.append("one hold at several values is refuted, and the proof is about every one")
     if claim.timing is not None:
         sentence = f"no certified motion of {local_name(robot)} moves {container.name} in the given times"
         return Checked(tuple(reasons), sentence, proof.assumptions(), leaves)
@@ -101,6 +103,7 @@ def _by_handle(twin: Twin, robot: Iri, container: Container, proof: Proof) -> Ch
     past = ", ".join(f"{value:.4g}" for value in values) or "any value"
     meant = "" if claim.within is None else f"with {local_name(container.handle)} in hand "
     meant += "(its collision shapes for its bodies) " if claim.declared else ""
+    meant += "in one hold " if claim.one_hold else ""
     sentence = f"no certified motion of {local_name(robot)} {meant}takes {container.name} past {past}"
     return Checked(tuple(reasons), sentence, proof.assumptions(), leaves)
 

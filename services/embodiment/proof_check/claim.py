@@ -33,6 +33,8 @@ class Claim:
             holds that are meant [m]; None: every hold that certification accepts is.
         declared: Whether the robot's bodies are its collision shapes, which may be more than the bodies.
         handle: By which of its handles, where it is not the container's own.
+        one_hold: Whether motions alone are meant that hold it once, from when it begins to move to when it
+            stops for good; else it may be let go and held anew.
     """
 
     models: tuple[tuple[Iri, str], tuple[Iri, str]]
@@ -46,11 +48,12 @@ class Claim:
     within: float | None = None
     declared: bool = False
     handle: Iri | None = None
+    one_hold: bool = False
 
     @property
     def partial(self) -> bool:
         """Whether it says less than that nothing can be certified, of this robot however it is modelled."""
-        return self.within is not None or self.declared
+        return self.within is not None or self.declared or self.one_hold
 
     @property
     def bodies(self) -> str:
@@ -87,11 +90,12 @@ def claim_about(  # noqa: PLR0913, PLR0917  # the parts of a claim
     timing: Timing | None = None,
     within: float | None = None,
     declared: bool = False,
+    one_hold: bool = False,
 ) -> Claim:
     """The claim about a robot and a container of a twin, by its handle, with this version's tolerances."""
     models = ((twin.environment, twin.content_hash(twin.environment)), (robot, twin.content_hash(robot)))
     about = models, dict(twin.state), container.iri, span, drive, start, Tolerances()
-    return Claim(*about, timing, within, declared, other_handle(twin, container))
+    return Claim(*about, timing, within, declared, other_handle(twin, container), one_hold)
 
 
 def other_handle(twin: Twin, container: Container) -> Iri | None:

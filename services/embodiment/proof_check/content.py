@@ -19,7 +19,10 @@ BETWEEN = "fingers: two of them are at the handle at once, so a point of a box a
 BESIDE = "limbs beside the arm: they, too, are somewhere within their limits, and touch nothing"
 PARKED = "limbs without a limit of acceleration: parked, since certification lets none of their joints move"
 STEPPED = "lift: it moves without jumps while the container does, as certification demands"
-ONE_HOLD = "one hold: the tool keeps the pose on the handle that it has at the grasp, at all values"
+ONE_HOLD = (
+    "one hold: the tool keeps the pose on the handle that it has at the grasp, at all values; that the "
+    "handle is let go on the way, and held anew, is not refuted"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +87,11 @@ class Refutation:
         several = self.places or self.steps
         return (self.value,) if several is None else several.values
 
+    @property
+    def one_hold(self) -> bool:
+        """Whether it refutes one hold at several values, and not every hold at one."""
+        return self.places is not None and len(set(self.places.values)) > 1
+
 
 @dataclass(frozen=True, slots=True)
 class Proof:
@@ -116,7 +124,7 @@ class Proof:
             f"base policy: {claim.drive.value}, {base}",
             f"grasp set: {claim.holds}",
             f"tolerances: those of certification, {claim.tolerances}",
-            *([ONE_HOLD] if any(one.places is not None for one in self.refutations) else []),
+            *([ONE_HOLD] if claim.one_hold else []),
             *([BESIDE] if any(one.beside for one in self.refutations) else []),
             *([STEPPED] if any(one.steps is not None for one in self.refutations) else []),
             *([PARKED] if any(one.parked for one in self.refutations) else []),

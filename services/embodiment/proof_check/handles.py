@@ -14,7 +14,7 @@ def another_question(twin: Twin, container: Container, own: Proof, other: Proof)
     """
     claim, one = own.claim, other.claim
     if one.partial:
-        yield "its proof is about some holds, or collision shapes, alone"
+        yield "its proof is about some holds, one hold, or collision shapes alone"
     if one.drive is not claim.drive:
         yield f"its proof is for the base policy {one.drive.value}, not {claim.drive.value}"
     if one.timing is not None and (one.timing != claim.timing or one.container != claim.container):

@@ -4,7 +4,7 @@ Between two samples of τ every point of the handle goes at least a distance d, 
 container may be off τ at each by as much as certification allows (`coupling`). One that a finger
 touches lies in the grasp box and, held, keeps its place in the tool to within the slip that certification
 allows; so a point of the hand in that box makes this way but for the slip, and no joint may exceed its
-velocity limit by more than `rate`:
+velocity limit by more than `rate` (while the container moves from sample to sample, and is in one hold):
 
 .. math:: d - slip \le t \sum_j \dot q_j^{max} (1 + rate) \, r_j,
 
@@ -27,6 +27,8 @@ from services.embodiment.proof_check.statement import BASE, Statement
 Array = NDArray[np.float64]
 
 MOST_SAMPLES = 100_000
+STILL = 1e-6
+"""[rad or m] Between samples that differ by less the container may rest, and be let go and held anew."""
 
 
 def too_fast(statement: Statement, drive: Drive, timing: Timing, window: tuple[int, int]) -> Iterator[str]:
@@ -36,6 +38,8 @@ def too_fast(statement: Statement, drive: Drive, timing: Timing, window: tuple[i
         yield f"the motion's times do not increase, or are more than {MOST_SAMPLES}"
     elif not 0 <= first < last < len(timing.times):
         yield f"the motion has no samples {first} to {last}"
+    elif rests(np.array(timing.values[first : last + 1])).any():
+        yield f"the container may rest, and be let go, between samples {first} and {last}"
     else:
         way, slip = travelled(statement, timing.values[first], timing.values[last])
         time = timing.times[last] - timing.times[first]
@@ -45,6 +49,11 @@ def too_fast(statement: Statement, drive: Drive, timing: Timing, window: tuple[i
             most = fastest(statement, drive, gripper)
             if not way - slip[gripper.name] > most * time + ROUNDING:
                 yield f"{gripper.name} may move {most * time:.3g} m in {time:.3g} s, {way:.3g} m are asked"
+
+
+def rests(values: Array) -> NDArray[np.bool_]:
+    """Between which samples the container may rest, shape (T - 1,)."""
+    return np.abs(np.diff(values)) < STILL
 
 
 def travelled(statement: Statement, one: float, other: float) -> tuple[float, dict[str, float]]:

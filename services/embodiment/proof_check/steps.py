@@ -4,8 +4,9 @@ Both are continuous in time, and the lift stays within its limits. Let the lift 
 part k refuted with the container at value v_k; and where two parts meet, let everything between their
 values be refuted with the lift just there. These *steps* go from one end of the lift to the other, so they
 part what begins below all of the values from what ends above them (or the other way round): a motion that
-takes the container past them all meets a step at some time. At that time the container has begun to move, and
-has not stopped for good, so whatever certification demands of a hold in between holds then.
+takes the container past them all meets a step at some time. What is in the way there is a limb, whether the
+handle is held then or, the container at rest, let go: of the arm's own tree, which is about holds, nothing
+is taken.
 
 Between two values the container is in one of several pieces, the lift where both parts meet: there a limb
 has to be in the way wherever the container is in the piece. Nothing is asked of the gripper there. What else
@@ -13,7 +14,6 @@ follows the container's joint would be elsewhere in the piece, too: where a join
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -23,11 +23,11 @@ from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from sdt_kg.mechanism import JointType
 from services.embodiment.proof_check.arm import Arm
-from services.embodiment.proof_check.content import Refutation, Steps
+from services.embodiment.proof_check.content import LEAF, Refutation, Steps
 from services.embodiment.proof_check.passing import is_passed
 from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import BASE, Statement
-from services.embodiment.proof_check.tree import refuted_boxes, refuted_limb
+from services.embodiment.proof_check.tree import refuted_limb
 
 Array = NDArray[np.float64]
 
@@ -61,9 +61,11 @@ def refuted_steps(
             part = _at(low, edges[k]), _at(high, edges[k])
             for between in pairwise(ends.tolist()):
                 count += _refuted_piece(statement, arm, given, nodes, part, between)
-        limbs = tuple(statement.beside(arm, body, value, given.parked) for body in given.beside)
-        goal = replace(at_value(statement, arm, value), beside=limbs)
-        count += refuted_boxes(goal, nodes, _at(low, edges[k]), _at(high, edges[k + 1]))
+        node = next(nodes, -1) - LEAF - at_value(statement, arm, value).codes
+        if not 0 <= node < len(given.beside):
+            raise InputError("a part of a lift that no limb is in the way of", allowed="a limb for each part")
+        one = statement.beside(arm, given.beside[node], value, given.parked)
+        count += refuted_limb(one, nodes, _at(low, edges[k]), _at(high, edges[k + 1]))
     return count
 
 

@@ -14,9 +14,10 @@ the bodies `beside` the arm; after such a node comes a tree of the joints that c
 name cores on them, numbered in the same way (`arm.py`). From 8 on a refutation may be of the
 handle `between` two fingers, a box about it and a slab in place of its shapes and the grasp box (`pinch/`).
 From 9 on joints of bodies beside the arm that no certified motion moves may be `parked`. From 10 on
-a refutation may go up `steps`, a value for each part of the lift (`steps.py`). Written is "sdt proof 11":
+a refutation may go up `steps`, a value for each part of the lift (`steps.py`). From 11 on,
 where the container is moved by several handles, a claim may be about one that is not its own, and the
-proof of its own has those of the `others` with it.
+proof of its own has those of the `others` with it. Written is "sdt proof 12", whose claim says whether it is
+about motions of `one_hold` alone; older ones are where a refutation has `places` at several values.
 """
 
 import base64
@@ -33,9 +34,9 @@ from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.claim import Claim, Timing
 from services.embodiment.proof_check.content import Places, Proof, Refutation, Steps
 
-SCHEMA = "sdt proof 11"
+SCHEMA = "sdt proof 12"
 BY_PLACES = "sdt proof 4"
-SINCE_DECLARED = ("sdt proof 6", "sdt proof 7", "sdt proof 8", "sdt proof 9", "sdt proof 10", SCHEMA)
+SINCE_DECLARED = (*(f"sdt proof {number}" for number in range(6, 12)), SCHEMA)
 SINCE_SOME_HOLDS = ("sdt proof 3", BY_PLACES, "sdt proof 5", *SINCE_DECLARED)
 READ = ("sdt proof 1", "sdt proof 2", *SINCE_SOME_HOLDS)
 MOST_BYTES = 20_000_000
@@ -88,7 +89,11 @@ def read_proof(content: bytes) -> Proof:
 def _proof(given: dict[str, Any], schema: str) -> Proof:  # Any: JSON
     """The proof by one handle."""
     refutations = tuple(_refutation(one) for one in given["refutations"])
-    return Proof(_claim(given["claim"], schema), refutations, _window(given.get("window")))
+    claim, told = _claim(given["claim"], schema), given["claim"].get("one_hold")
+    if type(told) is not (bool if schema == SCHEMA else type(None)):
+        raise ValueError(f"whether one hold alone is meant is not told in {schema}")
+    one_hold = any(one.one_hold for one in refutations) if told is None else told
+    return Proof(replace(claim, one_hold=one_hold), refutations, _window(given.get("window")))
 
 
 def _unpacked(content: bytes) -> dict[str, Any]:  # Any: JSON

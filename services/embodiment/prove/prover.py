@@ -110,7 +110,8 @@ class Prover:
             return None
         refutations, leaves = found
         about = self.twin, self.robot, self.container, self.span, self.drive, self.start
-        claim = claim_about(*about, within=self.statement.within, declared=self.statement.declared)
+        of, once = self.statement, any(one.one_hold for one in refutations)
+        claim = claim_about(*about, within=of.within, declared=of.declared, one_hold=once)
         artefact = Artefact(ArtefactKind.PROOF, to_bytes(Proof(claim, tuple(refutations))))
         return Proved(self._diagnosis(refutations, leaves), artefact, leaves)
 
@@ -277,7 +278,8 @@ class Prover:
         evidence = Evidence(Quantity.POSITION, demanded, value, unit, entity=self.container.joint)
         if self.statement.declared:
             reason += "; its bodies are taken as the collision shapes that certification has"
-        whole = within is None and not self.statement.declared
+        once = any(one.one_hold for one in refutations)
+        whole = within is None and not self.statement.declared and not once
         return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=whole)
 
     def _held(self, refutations: list[Refutation]) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Drive
-from services.embodiment.proof_check.haste import fastest, travelled
+from services.embodiment.proof_check.haste import fastest, rests, travelled
 from services.embodiment.proof_check.statement import Statement
 
 Array = NDArray[np.float64]
@@ -42,7 +42,11 @@ def window(statement: Statement, drive: Drive, times: Array, values: Array) -> W
     places = np.array([(one.boxes[0].translation.lo + one.boxes[0].translation.hi) / 2 for one in targets])
     ways = np.linalg.norm(places[:, None] - places[None], axis=2)
     beyond = ways - most * (times[chosen][None] - times[chosen][:, None])
-    first, last = np.unravel_index(np.argmax(np.where(np.tri(len(chosen), k=0), -np.inf, beyond)), ways.shape)
+    rested = np.concatenate(([0], np.cumsum(rests(values))))[chosen]
+    none = np.tri(len(chosen), k=0).astype(bool) | (rested[None] != rested[:, None])
+    first, last = np.unravel_index(np.argmax(np.where(none, -np.inf, beyond)), ways.shape)
+    if first >= last:
+        return None
     ends = int(chosen[first]), int(chosen[last])
     way, slips = travelled(statement, float(values[ends[0]]), float(values[ends[1]]))
     time = float(times[ends[1]] - times[ends[0]])

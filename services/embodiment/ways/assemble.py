@@ -89,24 +89,43 @@ class Assembler:
         outside = max(timing.outside(one, self.limb.lower, self.limb.upper) for one in (reach, follow))
         return Assembled(body, executed, excess, outside)
 
+    def retreat(self, approach: Approach, holding: Holding) -> BodyMotion:
+        """From a hold back to parked at the start, on the way of an approach; the container stays."""
+        x = holding.xs[0].copy()
+        x[2] = approach.reach[-1, 2]
+        closed = np.array([value for _, value in holding.grasp.fingers])
+        opened = np.array([value for _, value in holding.grasp.opened])
+        leave = timing.joined([self._reach(approach, back=True), self._raised(approach, back=True)])
+        phases = [
+            ("let go", self._grasp(x, closed, opened)),
+            ("leave", self._with_fingers(leave, opened)),
+            ("return", self._drive(approach, opened, back=True)),
+        ]
+        whole, marks = _chained(phases)
+        values = np.full(len(whole.times), self.problem.values[0])
+        return self._body(whole, marks, values, np.zeros_like(values))
+
     def _with_fingers(self, timed: Timed, fingers: Array) -> Timed:
         count = len(timed.times)
         x = np.hstack([timed.x, np.repeat(fingers[None], count, axis=0)])
         return Timed(timed.times, x, np.hstack([timed.v, np.zeros((count, len(fingers)))]))
 
-    def _drive(self, approach: Approach, opened: Array) -> Timed:
+    def _drive(self, approach: Approach, opened: Array, *, back: bool = False) -> Timed:
         ways = approach.drive
         opening = np.append(ways[0], self.parked)[None]
         corners = np.hstack([ways, np.repeat(self.open[None], len(ways), axis=0)])
         narrowed = np.append(ways[-1], opened)[None]
-        return timing.along(np.concatenate([opening, corners, narrowed]), self.bound, self.reach, SPACING)
+        every = np.concatenate([opening, corners, narrowed])
+        return timing.along(every[::-1] if back else every, self.bound, self.reach, SPACING)
 
-    def _raised(self, approach: Approach) -> Timed:
+    def _raised(self, approach: Approach, *, back: bool = False) -> Timed:
         corners = np.concatenate([approach.raise_arm, approach.drive_in])
-        return timing.along(corners, self.body_bound, self.reach[: corners.shape[1]], SPACING)
+        reach = self.reach[: corners.shape[1]]
+        return timing.along(corners[::-1] if back else corners, self.body_bound, reach, SPACING)
 
-    def _reach(self, approach: Approach) -> Timed:
-        path = Followed.through(np.linspace(0.0, 1.0, len(approach.reach)), approach.reach)
+    def _reach(self, approach: Approach, *, back: bool = False) -> Timed:
+        way = approach.reach[::-1] if back else approach.reach
+        path = Followed.through(np.linspace(0.0, 1.0, len(way)), way)
         return timing.fastest(path, self.body_bound, (np.inf, np.inf), REACH_SAMPLES)[0]
 
     def _grasp(self, x: Array, opened: Array, closed: Array) -> Timed:

@@ -20,7 +20,7 @@ from services.embodiment.certify.held.grip import NOTHING, Grip, Pinch
 from services.embodiment.certify.held.stints import last, rests
 from services.embodiment.certify.held.surface import Posed, Surface, own_shapes
 from services.embodiment.certify.sweep.kinematics import Of, Placed
-from services.embodiment.certify.sweep.pieces import Pieces, positions
+from services.embodiment.certify.sweep.pieces import positions
 from services.embodiment.certify.sweep.subject import Subject
 from services.physics.model import Scene
 from services.physics.tree import se3
@@ -292,4 +292,3 @@ class Hold:
 
 def _shapes_of(scene: Scene, bodies: list[Iri]) -> list[int]:
     return [i for i, one in enumerate(scene.solids) if one.body in bodies]
-

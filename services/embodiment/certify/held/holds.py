@@ -6,7 +6,6 @@ from itertools import islice
 from predicates.case import Evidence, Quantity
 from sdt_kg.annotation import Gripper
 from sdt_kg.errors import UnknownEntityError
-from sdt_kg.iri import local_name
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
@@ -115,6 +114,6 @@ def let_go(holds: Sequence[Hold]) -> Iterator[str]:
     for hold in holds:
         name, when = hold.container.name, f"from {hold.time:.2f} s to {hold.until:.2f} s"
         if hold.onward is not None:
-            yield f"let go on the way: {name} is held {when}, then anew; nothing in D_artic moves it in between"
+            yield f"let go on the way: {name} is held {when}, then anew; nothing in D_artic moves it"
         elif hold.left < len(hold.pieces.start):
             yield f"let go: {name} is held {when}, and nothing in D_artic moves it afterwards"

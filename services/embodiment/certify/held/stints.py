@@ -13,7 +13,7 @@ from services.embodiment.certify.sweep.pieces import Pieces
 
 MOVES = 1e-6  # [rad or m] less is rounding
 RESTS = 1e-9
-"""[rad or m] What rests on the way moves by no more: nothing that a proof says of a value gives as much way."""
+"""[rad or m] What rests on the way moves by no more: less than any proof about an exact value leaves."""
 
 
 def begin(pieces: Pieces, k: int) -> int | None:

@@ -102,7 +102,7 @@ def test_a_hold_that_does_not_last_is_refuted_of_every_hold(tmp_path: Path) -> N
     proved = prover(twin).prove(BOXES, one_hold=True)
     assert proved is not None
     assert checked(twin, proved.artefact.content)
-    assert proved.diagnosis.proof
+    assert not proved.diagnosis.proof, "it may be let go on the way, and held anew"
     lasting = [one for one in read_proof(proved.artefact.content).refutations if one.places is not None]
     assert max(len(one.values) for one in lasting) > 1, "no single value refutes every place"
     assert all(one.between for one in lasting)

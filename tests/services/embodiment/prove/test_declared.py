@@ -81,6 +81,7 @@ def unsaid(whole: dict[str, Any]) -> None:
 
 def older(whole: dict[str, Any]) -> None:
     unsaid(whole)
+    del whole["claim"]["one_hold"]
     whole["schema"] = "sdt proof 5"
 
 

@@ -61,6 +61,24 @@ def test_no_hand_opens_a_drawer_in_two_milliseconds(twin: Twin, robot: str, driv
     assert "in the given times" in checked.statement
 
 
+def test_times_between_which_the_drawer_rests_are_no_proof(twin: Twin) -> None:
+    """While it rests it may be let go: of what is held elsewhere then, the way of one point says nothing."""
+    tau = motion(twin, 0.002)
+    values, times = np.insert(tau.values, 21, tau.values[20], axis=0), np.insert(tau.times, 21, 1.00101)
+    rests = Motion(tau.of, np.r_[times[:21], times[21:] + 1e-4], values)
+    (pr2,) = (one for one in twin.robots if twin.name(one) == "pr2")
+    drawer = twin.container(DRAWER)
+    prover = Prover(twin, pr2, drawer, Drive.OMNI, HERE, rests.values[:, 0])
+    proved = prover.hurried(rests)
+    assert proved is not None, "of one half of the way it still is"
+    whole = json.loads(zlib.decompress(proved.artefact.content))
+    first, last = whole["window"]
+    assert (last <= 20) or (first >= 21)
+    whole["window"] = [0, len(values) - 1]
+    checked = check(twin, pr2, drawer, zlib.compress(json.dumps(whole).encode()))
+    assert any("may rest" in reason for reason in checked.reasons)
+
+
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_a_drawer_may_take_ten_seconds(twin: Twin, robot: str) -> None:
     assert found(twin, robot, Drive.OMNI, 10.0) is None

@@ -152,7 +152,7 @@ def unsaid(whole: dict[str, Any]) -> None:
 
 
 def of_all(whole: dict[str, Any]) -> None:
-    del whole["claim"]["within"], whole["claim"]["declared"]
+    del whole["claim"]["within"], whole["claim"]["declared"], whole["claim"]["one_hold"]
     whole["schema"] = "sdt proof 2"
 
 

@@ -1,0 +1,190 @@
+"""Motions in several holds: the container is brought a part of the way, let go, and held anew.
+
+Where no one hold was found, the way is cut in parts, and each is planned as if it were all: from parked, with
+the container where the part before has left it. In between the hand leaves the handle as it would have come
+to it there, backwards, and the robot parks. What one hold can do of the whole, it can do of each part: so
+short ones are looked for first, and a gripper that lacks one is out; then as few as lead all the way.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from itertools import islice, pairwise
+
+import numpy as np
+
+from sdt_kg.motion import BodyMotion, Motion
+from services.embodiment.body.world import World
+from services.embodiment.hold.holding import Holding
+from services.embodiment.hold.kit import Kits
+from services.embodiment.plan import Planned, Planner
+from services.embodiment.setting import Setting
+from services.embodiment.ways.approach import Approach
+from services.embodiment.ways.roads import Known
+from services.embodiment.ways.timing import farthest, turns_back
+from services.kernel import worked
+from services.physics.model import Scene
+
+PARTS = 4
+"""[1] In which the way is cut at first, and each of them that is not found in two."""
+LIMITS = (1.0, 4.0, 16.0)
+"""[s] For one part, first and later."""
+PLANS = 3
+"""[1] Of one part, until one can be left again."""
+
+Ends = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg:
+    """One part of the way, from parked to its end, and back to parked; None at the end of all."""
+
+    planned: Planned
+    back: BodyMotion | None
+
+
+@dataclass(slots=True)
+class Legs:
+    """The parts that one gripper was asked for.
+
+    Attributes:
+        known: What was found of a part, and how long it was looked for [s]; infinite once all was tried.
+        settings: The kitchen with the container at a value.
+    """
+
+    planner: Planner
+    gripper: str
+    last: float
+    known: dict[Ends, tuple[Leg | None, float]] = field(default_factory=dict[Ends, tuple[Leg | None, float]])
+    settings: dict[float, Setting] = field(default_factory=dict[float, Setting])
+
+    def ways(self, first: float, limit: float) -> Iterator[list[Leg]]:
+        """Legs that lead all the way, in few holds, then in many; so long is looked for each part [s]."""
+        edges = self._fine(first, limit)
+        if not edges:
+            return
+        few, at = [0], 0
+        while at < len(edges) - 1:
+            farthest = len(edges) - 1 if at else len(edges) - 2  # all of it was looked for
+            at = next(k for k in range(farthest, at, -1) if self._leg((edges[at], edges[k]), limit))
+            few.append(at)
+        for chosen in dict.fromkeys((tuple(few), tuple(range(len(edges))))):
+            legs = [self._leg((edges[i], edges[k]), limit) for i, k in pairwise(chosen)]
+            yield [leg for leg in legs if leg is not None]
+
+    def _fine(self, first: float, limit: float) -> list[float]:
+        """Ends of parts each of which is found; empty where one is not. The last is mostly the narrow one."""
+        ends = np.linspace(first, self.last, PARTS + 1).tolist()
+        parts, edges = [*pairwise(ends)], [*ends]
+        for part in (parts[-1], *parts[:-1]):
+            if self._leg(part, limit) is None:
+                middle = sum(part) / 2
+                halves = (middle, part[1]), (part[0], middle)
+                if any(self._leg(each, limit) is None for each in halves):
+                    return []
+                edges.append(middle)
+        return sorted(edges, reverse=self.last < first)
+
+    def _leg(self, ends: Ends, limit: float) -> Leg | None:
+        leg, looked = self.known.get(ends, (None, 0.0))
+        if leg is None and looked < limit and not self.planner.late():
+            leg, looked = self.known[ends] = self._planned(ends, limit)
+        return leg
+
+    def _planned(self, ends: Ends, limit: float) -> tuple[Leg | None, float]:
+        """One part in one hold, which can be let go at its end."""
+        planner = self._at(ends, min(worked() + limit, self.planner.deadline))
+        for planned in islice(planner.plans(), PLANS):
+            if ends[1] == self.last:
+                return Leg(planned, None), limit
+            back = self._back(planned.holding, ends[1])
+            if back is not None:
+                return Leg(planned, back), limit
+        return None, limit if planner.late() else np.inf
+
+    def _at(self, ends: Ends, deadline: float) -> Planner:
+        """Who plans one part."""
+        whole = self.planner
+        return Planner(self._setting(ends), deadline, whole.seed, whole.spent, only=self.gripper)
+
+    def _back(self, holding: Holding, value: float) -> BodyMotion | None:
+        """From the end of a holding back to parked, the container at a value."""
+        planner = self._at((value, self.last), self.planner.deadline)
+        attempt = next((planner.attempt(kit) for kit in planner.kits()), None)
+        if attempt is None:
+            return None
+        here = replace(holding, limb=attempt.limb, xs=holding.xs[-1:])
+        approach = attempt.approacher.approach(here, attempt.searcher.problem, attempt.rng)
+        return attempt.assembler.retreat(approach, here) if isinstance(approach, Approach) else None
+
+    def _setting(self, ends: Ends) -> Setting:
+        """Of one part: the kitchen as it is when that begins."""
+        value, end = ends
+        if value not in self.settings:
+            self.settings[value] = _moved(self.planner.setting, value)
+        setting = self.settings[value]
+        motion = Motion(setting.motion.of, np.array([0.0, 1.0]), np.array([[value], [end]]), timed=False)
+        return replace(setting, motion=motion)
+
+
+def in_several_holds(planner: Planner) -> Iterator[Planned]:
+    """Plans of one gripper after the other, that which followed the handle farthest first."""
+    setting = planner.setting
+    if setting.motion.timed or turns_back(setting.motion):
+        return
+    first = planner.mechanics.start
+    last = farthest(setting.motion, first, setting.container)
+    order = sorted(planner.attempts, key=lambda one: -one.searcher.tally.came)
+    every = [Legs(planner, attempt.limb.gripper.name, last) for attempt in order]
+    for limit in LIMITS:
+        for legs in every:
+            for way in legs.ways(first, limit):
+                yield _joined(way)
+                if planner.late():
+                    return
+
+
+def _moved(setting: Setting, value: float) -> Setting:
+    """The setting with the container at another value when it begins."""
+    was = setting.world.scene
+    twin = was.twin.at({setting.container.joint: value})
+    world = World(Scene(twin, setting.robot))
+    container = twin.container(setting.container.iri).by_handle(setting.container.handle)
+    kits = Kits(world, setting.kits.margins)
+    return replace(setting, world=world, container=container, kits=kits, roads=Known())
+
+
+def _joined(legs: list[Leg]) -> Planned:
+    """All of them in order, and the motion of the container from when it begins to move to its end."""
+    bodies = [body for leg in legs for body in (leg.planned.body, leg.back) if body is not None]
+    body = _in_a_row(bodies)
+    first, *others = [leg.planned for leg in legs]
+    parts = [one.motion for one in (first, *others)]
+    begins = np.array([body.times[sample] for name, sample in body.phases if name == "follow"])
+    velocities = [part.velocities for part in parts if part.velocities is not None]
+    motion = replace(
+        first.motion,
+        times=np.concatenate([at + part.times for at, part in zip(begins - begins[0], parts, strict=True)]),
+        values=np.concatenate([part.values for part in parts]),
+        velocities=np.concatenate(velocities),
+    )
+    style = first.style
+    for one in others:
+        style += f"; let go at {one.motion.values[0, 0]:.3g}, then grasp {one.grasp}, {one.style}"
+    return Planned(body, motion, first.grasp, style, first.holding)
+
+
+def _in_a_row(bodies: list[BodyMotion]) -> BodyMotion:
+    """One after the other, each from where the one before ends; the base's yaw goes on from there."""
+    times, bases, phases = [bodies[0].times], [bodies[0].base], [*bodies[0].phases]
+    for body in bodies[1:]:
+        count = sum(map(len, times)) - 1
+        times.append(times[-1][-1] + body.times[1:] - body.times[0])
+        turned = np.round((bases[-1][-1, 2] - body.base[0, 2]) / (2 * np.pi)) * 2 * np.pi
+        bases.append(body.base[1:] + np.array([0.0, 0.0, turned]))
+        phases += [(name, count + sample) for name, sample in body.phases]
+    rows = {
+        name: np.concatenate([getattr(body, name)[min(k, 1) :] for k, body in enumerate(bodies)])
+        for name in ("q", "v", "base_v", "kitchen_q", "kitchen_v")
+    }
+    whole = {"times": np.concatenate(times), "base": np.concatenate(bases), "phases": tuple(phases)}
+    return replace(bodies[0], **whole, **rows)
