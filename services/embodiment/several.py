@@ -6,6 +6,7 @@ to it there, backwards, and the robot parks. What one hold can do of the whole, 
 short ones are looked for first, and a gripper that lacks one is out; then as few as lead all the way.
 """
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import islice, pairwise
@@ -159,7 +160,7 @@ def _joined(legs: list[Leg]) -> Planned:
     body = _in_a_row(bodies)
     first, *others = [leg.planned for leg in legs]
     parts = [one.motion for one in (first, *others)]
-    begins = np.array([body.times[sample] for name, sample in body.phases if name == "follow"])
+    begins = np.array([body.times[sample] for name, sample in body.phases if name.startswith("follow")])
     velocities = [part.velocities for part in parts if part.velocities is not None]
     motion = replace(
         first.motion,
@@ -174,14 +175,20 @@ def _joined(legs: list[Leg]) -> Planned:
 
 
 def _in_a_row(bodies: list[BodyMotion]) -> BodyMotion:
-    """One after the other, each from where the one before ends; the base's yaw goes on from there."""
+    """One after the other, each from where the one before ends; the base's yaw goes on from there.
+
+    Phases are numbered from the second of a name on.
+    """
     times, bases, phases = [bodies[0].times], [bodies[0].base], [*bodies[0].phases]
+    seen = Counter(name for name, _ in phases)
     for body in bodies[1:]:
         count = sum(map(len, times)) - 1
         times.append(times[-1][-1] + body.times[1:] - body.times[0])
         turned = np.round((bases[-1][-1, 2] - body.base[0, 2]) / (2 * np.pi)) * 2 * np.pi
         bases.append(body.base[1:] + np.array([0.0, 0.0, turned]))
-        phases += [(name, count + sample) for name, sample in body.phases]
+        for name, sample in body.phases:
+            seen[name] += 1
+            phases.append((f"{name} {seen[name]}" if seen[name] > 1 else name, count + sample))
     rows = {
         name: np.concatenate([getattr(body, name)[min(k, 1) :] for k, body in enumerate(bodies)])
         for name in ("q", "v", "base_v", "kitchen_q", "kitchen_v")

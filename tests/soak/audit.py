@@ -117,8 +117,8 @@ def audited(stage: Stage, motion: Mapping[str, Array], step: float) -> Judgement
     _limits(found, way)
     _ends(found, way)
     _drives(found, way)
-    grasp = _holds(found, way)
-    for rule, distance in _distances(way, grasp):
+    may = _holds(found, way)
+    for rule, distance in _distances(way, may):
         found.keeps(rule, distance - stage.note.overhang, step / 2 + 2e-4)
     return found
 
@@ -180,19 +180,56 @@ def _drives(found: Judgement, way: Way) -> None:
         found.keeps("drift", 0.01 - float(np.trapezoid(sideways, way.times)), 2e-3)
 
 
-def _holds(found: Judgement, way: Way) -> int:
-    """The tool keeps its place on the handle while the container moves; the look at which it comes there."""
-    value = way.container()
+def _holds(found: Judgement, way: Way) -> NDArray[np.bool_]:
+    """The tool keeps its place on the handle while the container moves; at which looks it may touch it.
+
+    Where the container rests on the way, the tool may go, and take another place before it moves on.
+    """
+    value, may = way.container(), np.zeros(len(way.times), dtype=bool)
     moving = np.flatnonzero(np.abs(value - value[0]) > MOVES)
     if not len(moving):
         found.keeps("moves", -1.0, 0.1)
-        return len(way.times)
-    begin = max(int(moving[0]) - 1, 0)
+        return may
+    begin, last, before = max(int(moving[0]) - 1, 0), _stops(value), 0
     tool = np.linalg.inv(way.rooms[way.stage.handle]) @ way.frames[way.tool] @ way.tool_T
-    slip = np.linalg.norm(tool[:, :3, 3] - tool[begin, :3, 3], axis=1)
-    turn = Rotation.from_matrix(tool[begin, :3, :3].T @ tool[:, :3, :3]).magnitude()
-    found.keeps("slip", 0.002 - float(slip[begin:].max()), 3e-4)
-    found.keeps("turn", np.radians(1.0) - float(turn[begin:].max()), 5e-4)
+    while True:
+        slip = np.linalg.norm(tool[:, :3, 3] - tool[begin, :3, 3], axis=1)
+        turn = Rotation.from_matrix(tool[begin, :3, :3].T @ tool[:, :3, :3]).magnitude()
+        away = (slip > 0.002) | (turn > np.radians(1.0))
+        rest = next((one for one in _rests(value, begin, last) if away[one].any()), None)
+        end = last if rest is None else rest.start
+        found.keeps("slip", 0.002 - float(slip[begin : end + 1].max()), 3e-4)
+        found.keeps("turn", np.radians(1.0) - float(turn[begin : end + 1].max()), 5e-4)
+        _touches(found, way, begin)
+        come = np.flatnonzero(away[before:begin])
+        gone = np.flatnonzero(away[end:])
+        until = end + int(gone[0]) if len(gone) else len(value)
+        may[before + int(come[-1]) + 1 if len(come) else before : until] = True
+        if rest is None:
+            return may
+        begin, before = rest.stop - 1, until
+
+
+def _stops(value: Array) -> int:
+    """The last look before which the container moves."""
+    away = np.flatnonzero(np.abs(value - value[-1]) > MOVES)
+    return min(int(away[-1]) + 1, len(value) - 1) if len(away) else len(value) - 1
+
+
+def _rests(value: Array, begin: int, last: int) -> Iterator[slice]:
+    """Looks in a row at which the container is at one value, before the last."""
+    at = begin + 1
+    while at < last:
+        stop = at + 1
+        while stop < last and abs(value[stop] - value[at]) < 1e-9:
+            stop += 1
+        if stop - at > 2:
+            yield slice(at, stop)
+        at = stop
+
+
+def _touches(found: Judgement, way: Way, begin: int) -> None:
+    """Two fingers are at the handle as the container begins to move, neither too deep."""
     touch: dict[str, float] = {}  # of each finger, by the link with which it begins
     for finger in (one for one in way.robot if one.link in way.fingers):
         first = _first(way, finger.link)
@@ -202,8 +239,6 @@ def _holds(found: Judgement, way: Way) -> int:
     one, other = sorted(touch.values())[:2]
     found.keeps("contact", 0.002 - other, 2e-4)
     found.keeps("depth", 0.002 + one, 2e-4)
-    away = np.flatnonzero((slip[:begin] > 0.002) | (turn[:begin] > np.radians(1.0)))
-    return int(away[-1]) + 1 if len(away) else 0
 
 
 def _first(way: Way, finger: str) -> str:
@@ -215,21 +250,21 @@ def _first(way: Way, finger: str) -> str:
     return first
 
 
-def _distances(way: Way, grasp: int) -> Iterator[tuple[str, float]]:
+def _distances(way: Way, may: NDArray[np.bool_]) -> Iterator[tuple[str, float]]:
     """Least distance of each pair that has to keep one, where it is less than `NEAR`."""
-    stage = way.stage
+    stage, every = way.stage, np.ones(len(way.times), dtype=bool)
     boxes = [_box(corners(one, way.frames[one.link])) for one in way.robot]
     rooms = [_box(corners(one, way.rooms[one.link])) for one in way.kitchen]
     for one, box in zip(way.robot, boxes, strict=True):
         for other, room in zip(way.kitchen, rooms, strict=True):
             held = one.link in way.fingers and other.link == stage.handle
-            looks = _near(box, room, grasp if held else len(way.times))
+            looks = _near(box, room, ~may if held else every)
             yield "environment", _least(one, way.frames[one.link], other, way.rooms[other.link], looks)
     for i, (one, box) in enumerate(zip(way.robot, boxes, strict=True)):
         for other, room in zip(way.robot[i + 1 :], boxes[i + 1 :], strict=True):
             pair = frozenset((one.link, other.link))
             if len(pair) == 2 and pair not in stage.note.touching and not stage.robot.joined(*pair):
-                looks = _near(box, room, len(way.times))
+                looks = _near(box, room, every)
                 yield "self", _least(one, way.frames[one.link], other, way.frames[other.link], looks)
 
 
@@ -239,12 +274,12 @@ def _box(ends: Array) -> tuple[Array, Array, Array, Array]:
     return low, high, low.min(axis=0), high.max(axis=0)
 
 
-def _near(one: tuple[Array, ...], other: tuple[Array, ...], until: int) -> Looks:
-    """Looks before `until` at which two boxes are nearer than `NEAR` along each axis."""
+def _near(one: tuple[Array, ...], other: tuple[Array, ...], asked: NDArray[np.bool_]) -> Looks:
+    """Looks that are asked for at which two boxes are nearer than `NEAR` along each axis."""
     if (one[2] > other[3] + NEAR).any() or (other[2] > one[3] + NEAR).any():
         return np.zeros(0, dtype=np.intp)
-    apart = np.maximum(one[0][:until] - other[1][:until], other[0][:until] - one[1][:until])
-    return np.flatnonzero((apart < NEAR).all(axis=1))
+    apart = np.maximum(one[0] - other[1], other[0] - one[1])
+    return np.flatnonzero((apart < NEAR).all(axis=1) & asked)
 
 
 def _least(one: Solid, frames: Array, other: Solid, rooms: Array, looks: Looks) -> float:
