@@ -172,7 +172,9 @@ def _certify_again(  # noqa: PLR0913, PLR0917 - one trial
         return
     trial.found(figures_differ(certificate.figures, performed.figures, "the certificate", "the recheck"))
     if tee_class_of(physics) is not D_ARTIC and HOLDS in performed.figures:
-        trial.reasons.append(f"{container.name} is let go on the way, and where forces count it might move then")
+        trial.reasons.append(
+            f"{container.name} is let go on the way, and where forces count it might move then"
+        )
     trial.notes += [*_notes(checker, stored, physics), *_refused(stored)]
     said = [each for each in performed.notes if each not in certificate.nearest]
     trial.notes += [f"the certificate does not say: {each}" for each in said]
