@@ -63,8 +63,8 @@ class BodyMotion:
         kitchen_joints: IRIs of the m kitchen joints whose motion comes with it; may be empty.
         kitchen_q: Shape (T, m).
         kitchen_v: Shape (T, m).
-        phases: (name, first sample) of drive, approach, grasp, follow, in order, and in between of let go, leave,
-            return, then drive 2 and so on where it is held anew; no name twice; may be empty.
+        phases: (name, first sample) of drive, approach, grasp, follow, in order, and where it is held anew of
+            let go, leave, return, then drive 2 and so on; no name twice; may be empty.
     """
 
     robot: Iri

@@ -34,7 +34,7 @@ from services.embodiment.plan import Planned, Planner
 from services.embodiment.prove import boxes
 from services.embodiment.report import refusal
 from services.embodiment.setting import Setting, container_of, of_own_joint
-from services.embodiment.several import in_several_holds
+from services.embodiment.several import Several
 from services.embodiment.ways import cells
 from services.embodiment.ways.start import near, turned
 from services.embodiment.worlds import Models, Worlds
@@ -187,7 +187,7 @@ class WholeBody:
         began = worked()
         planner = Planner(setting, began + self.budget, self.seed, clock.spent)
         rejected: list[tuple[Diagnosis, ...]] = []
-        for planned in planner.plans(in_several_holds if self.regrasps else None):
+        for planned in planner.plans(Several if self.regrasps else None):
             at = time.perf_counter()
             outcome = self._certificate(case.twin, setting, planned.body)
             clock.spent("certify", at)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain, islice
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,7 @@ ALONE = 3  # rounds of single paths before many postures search together; a few 
 TRIES = 4  # holdings of one batch that are approached
 SWEPT = 0.5  # [1] of the time that is left may go into it; what it takes beyond comes after the search
 SWEEP = 5.0  # [s] that are left for a proof that the container comes into the robot; else the search has them
+LIMITS = 1.0, 4.0, 16.0  # [s] for each part of a way in several holds: before grasps are bred, and after
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
 
 
@@ -48,7 +50,12 @@ class Planned:
     holding: Holding
 
 
-Anew = Callable[["Planner"], Iterator[Planned]]
+class Anew(Protocol):
+    """Plans in several holds; see `Several`."""
+
+    def plans(self, limit: float) -> Iterator[Planned]:
+        """Those that are found if each part is looked for so long [s]."""
+        ...
 
 
 class Planner:
@@ -97,11 +104,11 @@ class Planner:
         """Whether the budget is spent."""
         return worked() > self.deadline
 
-    def plans(self, anew: Anew | None = None) -> Iterator[Planned]:
+    def plans(self, anew: "Callable[[Planner], Anew] | None" = None) -> Iterator[Planned]:
         """Body motions, one after the other, until the search gives up.
 
         Args:
-            anew: What else to plan, in several holds, where no one hold was found.
+            anew: Who plans in several holds, where no one hold was found.
         """
         at = time.perf_counter()
         kits = self.kits()
@@ -127,17 +134,18 @@ class Planner:
         yield from self._at_last(anew)
         self._look_at_last()
 
-    def _at_last(self, anew: Anew | None) -> Iterator[Planned]:
+    def _at_last(self, anew: "Callable[[Planner], Anew] | None") -> Iterator[Planned]:
         """Plans that many postures find together once more, from bred grasps, and in several holds.
 
         Bred ones first where nothing could be followed: many have found nothing before. But where the base
         stands they take longer than all else.
         """
-        spread, bred, more = self._spread(FULL), self._bred(), iter(()) if anew is None else anew(self)
+        spread, bred, several = self._spread(FULL), self._bred(), None if anew is None else anew(self)
+        quick, *more = ([] if several is None else several.plans(limit) for limit in LIMITS)
         if self.setting.drive is Drive.FIXED:
-            yield from chain(spread, more, bred)
+            yield from chain(spread, quick, bred, *more)
         else:
-            yield from chain(*((spread, bred) if self._has_ways() else (bred, spread)), more)
+            yield from chain(*((spread, bred) if self._has_ways() else (bred, spread)), quick, *more)
 
     def _between(self, number: int) -> Iterator[Planned]:
         """Before round `number`, an early look for proofs, and plans that many postures find together."""

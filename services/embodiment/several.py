@@ -9,7 +9,7 @@ short ones are looked for first, and a gripper that lacks one is out; then as fe
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from itertools import islice, pairwise
+from itertools import pairwise
 
 import numpy as np
 
@@ -27,9 +27,7 @@ from services.physics.model import Scene
 
 PARTS = 4
 """[1] In which the way is cut at first, and each of them that is not found in two."""
-LIMITS = (1.0, 4.0, 16.0)
-"""[s] For one part, first and later."""
-PLANS = 3
+PLANS = 24
 """[1] Of one part, until one can be left again."""
 
 Ends = tuple[float, float]
@@ -94,12 +92,14 @@ class Legs:
     def _planned(self, ends: Ends, limit: float) -> tuple[Leg | None, float]:
         """One part in one hold, which can be let go at its end."""
         planner = self._at(ends, min(worked() + limit, self.planner.deadline))
-        for planned in islice(planner.plans(), PLANS):
+        for number, planned in enumerate(planner.plans(), 1):
             if ends[1] == self.last:
                 return Leg(planned, None), limit
             back = self._back(planned.holding, ends[1])
             if back is not None:
                 return Leg(planned, back), limit
+            if number == PLANS or planner.late():
+                return None, limit
         return None, limit if planner.late() else np.inf
 
     def _at(self, ends: Ends, deadline: float) -> Planner:
@@ -127,20 +127,28 @@ class Legs:
         return replace(setting, motion=motion)
 
 
-def in_several_holds(planner: Planner) -> Iterator[Planned]:
-    """Plans of one gripper after the other, that which followed the handle farthest first."""
-    setting = planner.setting
-    if setting.motion.timed or turns_back(setting.motion):
-        return
-    first = planner.mechanics.start
-    last = farthest(setting.motion, first, setting.container)
-    order = sorted(planner.attempts, key=lambda one: -one.searcher.tally.came)
-    every = [Legs(planner, attempt.limb.gripper.name, last) for attempt in order]
-    for limit in LIMITS:
-        for legs in every:
-            for way in legs.ways(first, limit):
+class Several:
+    """Plans of one gripper after the other, that which followed the handle farthest first.
+
+    What is known of a part is kept from one time to the next.
+    """
+
+    def __init__(self, planner: Planner) -> None:
+        self._planner, setting = planner, planner.setting
+        self._first = planner.mechanics.start
+        last = farthest(setting.motion, self._first, setting.container)
+        straight = not setting.motion.timed and not turns_back(setting.motion)
+        order = sorted(planner.attempts if straight else (), key=lambda one: -one.searcher.tally.came)
+        self._every = [Legs(planner, attempt.limb.gripper.name, last) for attempt in order]
+
+    def plans(self, limit: float) -> Iterator[Planned]:
+        """Those that are found if each part is looked for so long [s]."""
+        for legs in self._every:
+            if self._planner.proofs.whole is not None:
+                return
+            for way in legs.ways(self._first, limit):
                 yield _joined(way)
-                if planner.late():
+                if self._planner.late():
                     return
 
 

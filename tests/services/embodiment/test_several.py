@@ -1,4 +1,4 @@
-"""Doors that no one hold opens, with the base where it stands: certified in several, and judged by other code."""
+"""A door that no one hold opens, from where the base stands: in several, judged by other code too."""
 
 from pathlib import Path
 
