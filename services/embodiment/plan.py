@@ -35,7 +35,7 @@ ALONE = 3  # rounds of single paths before many postures search together; a few 
 TRIES = 4  # holdings of one batch that are approached
 SWEPT = 0.5  # [1] of the time that is left may go into it; what it takes beyond comes after the search
 SWEEP = 5.0  # [s] that are left for a proof that the container comes into the robot; else the search has them
-LIMITS = 1.0, 4.0, 16.0  # [s] for each part of a way in several holds: before grasps are bred, and after
+LIMITS = 1.5, 4.0, 16.0  # [s] for each part of a way in several holds, one after the other
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
 
 
@@ -141,11 +141,11 @@ class Planner:
         stands they take longer than all else.
         """
         spread, bred, several = self._spread(FULL), self._bred(), None if anew is None else anew(self)
-        quick, *more = ([] if several is None else several.plans(limit) for limit in LIMITS)
+        *quick, last = ([] if several is None else several.plans(limit) for limit in LIMITS)
         if self.setting.drive is Drive.FIXED:
-            yield from chain(spread, quick, bred, *more)
+            yield from chain(spread, *quick, bred, last)
         else:
-            yield from chain(*((spread, bred) if self._has_ways() else (bred, spread)), quick, *more)
+            yield from chain(*((spread, bred) if self._has_ways() else (bred, spread)), *quick, last)
 
     def _between(self, number: int) -> Iterator[Planned]:
         """Before round `number`, an early look for proofs, and plans that many postures find together."""
