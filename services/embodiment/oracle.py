@@ -30,7 +30,8 @@ from services.embodiment.handles import START, held_by, refused
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.sets import grasp_settings
 from services.embodiment.hopeless import hopeless
-from services.embodiment.plan import Planned, Planner
+from services.embodiment.plan import Planner
+from services.embodiment.planned import Planned
 from services.embodiment.prove import boxes
 from services.embodiment.report import refusal
 from services.embodiment.setting import Setting, container_of, of_own_joint

@@ -3,17 +3,14 @@
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import partial
 from itertools import chain, islice
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from predicates.case import Search
 from sdt_kg.annotation import Drive
-from sdt_kg.motion import BodyMotion, Motion
 from services.embodiment.attempt import Attempt
 from services.embodiment.attempts import make_attempt
 from services.embodiment.body.limb import Limb
@@ -21,6 +18,7 @@ from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import WAYPOINTS, Holding
 from services.embodiment.hold.kit import Kit
 from services.embodiment.hold.sampling import FULL, QUICK, Effort
+from services.embodiment.planned import Anew, Planned
 from services.embodiment.prove import out_of_reach
 from services.embodiment.proving import EARLY_BOXES, LATE_BOXES, Proofs
 from services.embodiment.setting import Setting
@@ -39,25 +37,6 @@ LIMITS = 1.5, 4.0, 16.0  # [s] for each part of a way in several holds, one afte
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Planned:
-    """A body motion that the planner believes in."""
-
-    body: BodyMotion
-    motion: Motion
-    grasp: int
-    style: str
-    holding: Holding
-
-
-class Anew(Protocol):
-    """Plans in several holds; see `Several`."""
-
-    def plans(self, limit: float) -> Iterator[Planned]:
-        """Those that are found if each part is looked for so long [s]."""
-        ...
-
-
 class Planner:
     """Plans for one setting, until the thread that asks has `worked` for the deadline's seconds of CPU.
 
@@ -72,6 +51,8 @@ class Planner:
         unfit: Pairs of shapes in contact that ruled grasps out → how often.
         proofs: That nothing will do, as far as it was proved.
         start_contact: Shapes of robot and kitchen in contact at the start, and their distance [m].
+        parts: Who planned parts of the way, in several holds.
+        several: Who put them together, if it was tried.
         rough: Motions that leave limits: too fast where times are required, or beyond a joint's end.
     """
 
@@ -92,6 +73,8 @@ class Planner:
         self.bar: Bar | None = None
         self.holdings = self.refused = self.placements = 0
         self.proofs = Proofs(setting, spent, sought=not only)
+        self.parts: list[Planner] = []
+        self.several: Anew | None = None
         self.start_contact: tuple[tuple[int, int], float] | None = None
         self.unfit: Counter[tuple[int, int]] = Counter()
 
@@ -141,6 +124,7 @@ class Planner:
         stands they take longer than all else.
         """
         spread, bred, several = self._spread(FULL), self._bred(), None if anew is None else anew(self)
+        self.several = several
         *quick, last = ([] if several is None else several.plans(limit) for limit in LIMITS)
         if self.setting.drive is Drive.FIXED:
             yield from chain(spread, *quick, bred, last)
@@ -219,11 +203,11 @@ class Planner:
 
     def searched(self, seconds: float) -> Search:
         """What was tried so far."""
-        tallies = [attempt.searcher.tally for attempt in self.attempts]
+        tallies = [attempt.searcher.tally for one in (self, *self.parts) for attempt in one.attempts]
         return Search(
             seeds=sum(tally.seeds for tally in tallies),
             branches=sum(tally.paths + tally.broken for tally in tallies),
-            placements=self.placements,
+            placements=sum(one.placements for one in (self, *self.parts)),
             seconds=seconds,
         )
 

@@ -1,6 +1,7 @@
 """A search that gave up, in words and figures: the stage that nothing passed, and what stood in the way."""
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -36,6 +37,7 @@ def refusal(
     found = [Diagnosis(Kind.EMBODIMENT, reason, evidence, search=search)]
     if not planner.holdings and (farthest := _farthest(planner)) is not None:
         found.append(Diagnosis(Kind.EMBODIMENT, *farthest, search=search))
+    found.extend(Diagnosis(Kind.EMBODIMENT, *each, search=search) for each in _lacking(planner))
     if planner.proofs.partial is not None:
         found.append(replace(planner.proofs.partial.diagnosis, search=search))
     if planner.late():
@@ -87,8 +89,7 @@ def _farthest(planner: Planner) -> tuple[str, Evidence] | None:
     setting, world = planner.setting, planner.setting.world
     values = planner.attempts[0].searcher.problem.values
     at, last, joint = float(values[best.index]), float(values[-1]), setting.container.joint
-    slides = world.scene.kitchen.mechanism.joint(local_name(joint)).type is JointType.PRISMATIC
-    unit, links, why = "m" if slides else "rad", None, "the reach of the arm within its limits"
+    unit, links, why = _unit(planner), None, "the reach of the arm within its limits"
     if best.shapes is not None:
         links = world.body[best.shapes[0]], world.body[best.shapes[1]]
         why = f"{local_name(links[0])}, which comes too near to {local_name(links[1])}"
@@ -99,6 +100,22 @@ def _farthest(planner: Planner) -> tuple[str, Evidence] | None:
     )
     scope = "" if links is None else _scope(world, links)
     return reason, Evidence(Quantity.POSITION, at, last, unit, entity=joint, links=links, scope=scope)
+
+
+def _lacking(planner: Planner) -> Iterator[tuple[str, Evidence]]:
+    """Which part of the way each gripper has no hold of, where several were looked for."""
+    container, unit = planner.setting.container, _unit(planner)
+    for gripper, (first, last) in () if planner.several is None else planner.several.lacking():
+        reason = (
+            f"several holds were looked for: gripper {gripper} has none with which {container.name} moves "
+            f"from {first:.3g} to {last:.3g} {unit}"
+        )
+        yield reason, Evidence(Quantity.POSITION, first, last, unit, entity=container.joint)
+
+
+def _unit(planner: Planner) -> str:
+    mechanism, joint = planner.setting.world.scene.kitchen.mechanism, planner.setting.container.joint
+    return "m" if mechanism.joint(local_name(joint)).type is JointType.PRISMATIC else "rad"
 
 
 def _scope(world: World, links: tuple[str, str]) -> str:

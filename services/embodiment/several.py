@@ -17,7 +17,8 @@ from sdt_kg.motion import BodyMotion, Motion
 from services.embodiment.body.world import World
 from services.embodiment.hold.holding import Holding
 from services.embodiment.hold.kit import Kits
-from services.embodiment.plan import Planned, Planner
+from services.embodiment.plan import Planner
+from services.embodiment.planned import Planned
 from services.embodiment.setting import Setting
 from services.embodiment.ways.approach import Approach
 from services.embodiment.ways.roads import Known
@@ -48,6 +49,7 @@ class Legs:
     Attributes:
         known: What was found of a part, and how long it was looked for [s]; infinite once all was tried.
         settings: The kitchen with the container at a value.
+        lacks: A part that was not found, without which there is no way.
     """
 
     planner: Planner
@@ -55,6 +57,7 @@ class Legs:
     last: float
     known: dict[Ends, tuple[Leg | None, float]] = field(default_factory=dict[Ends, tuple[Leg | None, float]])
     settings: dict[float, Setting] = field(default_factory=dict[float, Setting])
+    lacks: Ends | None = None
 
     def ways(self, first: float, limit: float) -> Iterator[list[Leg]]:
         """Legs that lead all the way, in few holds, then in many; so long is looked for each part [s]."""
@@ -78,7 +81,8 @@ class Legs:
             if self._leg(part, limit) is None:
                 middle = sum(part) / 2
                 halves = (middle, part[1]), (part[0], middle)
-                if any(self._leg(each, limit) is None for each in halves):
+                self.lacks = next((each for each in halves if self._leg(each, limit) is None), None)
+                if self.lacks is not None:
                     return []
                 edges.append(middle)
         return sorted(edges, reverse=self.last < first)
@@ -92,6 +96,7 @@ class Legs:
     def _planned(self, ends: Ends, limit: float) -> tuple[Leg | None, float]:
         """One part in one hold, which can be let go at its end."""
         planner = self._at(ends, min(worked() + limit, self.planner.deadline))
+        self.planner.parts.append(planner)
         for number, planned in enumerate(planner.plans(), 1):
             if ends[1] == self.last:
                 return Leg(planned, None), limit
@@ -140,6 +145,12 @@ class Several:
         straight = not setting.motion.timed and not turns_back(setting.motion)
         order = sorted(planner.attempts if straight else (), key=lambda one: -one.searcher.tally.came)
         self._every = [Legs(planner, attempt.limb.gripper.name, last) for attempt in order]
+
+    def lacking(self) -> Iterator[tuple[str, Ends]]:
+        """Grippers for which a part of the way was not found, and from which value to which [rad or m]."""
+        for legs in self._every:
+            if legs.lacks is not None:
+                yield legs.gripper, legs.lacks
 
     def plans(self, limit: float) -> Iterator[Planned]:
         """Those that are found if each part is looked for so long [s]."""

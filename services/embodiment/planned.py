@@ -1,0 +1,31 @@
+"""A body motion that is planned, and who plans it in several holds."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+from sdt_kg.motion import BodyMotion, Motion
+from services.embodiment.hold.holding import Holding
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Planned:
+    """A body motion that the planner believes in."""
+
+    body: BodyMotion
+    motion: Motion
+    grasp: int
+    style: str
+    holding: Holding
+
+
+class Anew(Protocol):
+    """Plans in several holds; see `Several`."""
+
+    def plans(self, limit: float) -> Iterator[Planned]:
+        """Those that are found if each part is looked for so long [s]."""
+        ...
+
+    def lacking(self) -> Iterator[tuple[str, tuple[float, float]]]:
+        """Grippers for which a part of the way was not found, and from which value to which [rad or m]."""
+        ...
