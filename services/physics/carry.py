@@ -63,7 +63,8 @@ def carried(
     If the body motion says how the kitchen moves, as it says; what it does not name stands still, as does
     everything under the motion of a robot that is not there. If it says nothing, the handle moves
     rigidly with a gripper that is at it, for as long as the joint can follow and the fingers stay as
-    they are; before and after, the container stands still.
+    they are; before and after, the container stands still. Once they have opened they may close as far
+    again, and hold it anew.
 
     Args:
         model: Built from the twin's environment.
@@ -94,26 +95,44 @@ def _dragged(
     model: Model, scene: Scene, twin: Twin, body_motion: BodyMotion, container: Container
 ) -> tuple[Array, Array]:
     """Positions and velocities of the own joint, shape (T, 1), as the gripper that moves it most does."""
-    handle = chain(model, container.handle, twin.state)
-    bounds, samples = effective_bounds(model, twin, handle.follower), len(body_motion.times)
-    values, velocities = np.full(samples, twin.state[container.joint]), np.zeros(samples)
-    most = 0.0
-    for gripper in _grippers(scene, body_motion):
-        tools = _tool_poses(scene, body_motion, gripper, 0.0)
-        fingers = _fingertips(scene, body_motion, gripper)
-        hold = _longest_hold(scene, handle, bounds, twin, tools, fingers, gripper, container)
-        if hold is None or np.ptp(hold.values) <= most:
-            continue
-        most = float(np.ptp(hold.values))
-        held = slice(hold.begin, hold.end + 1)
-        values[:], velocities[:] = twin.state[container.joint], 0.0
-        values[held], values[hold.end :] = hold.values, hold.values[-1]
-        ends = [
-            _positions(handle, bounds, twin, _tool_poses(scene, body_motion, gripper, dt), tools[hold.begin])
-            for dt in (-INSTANT, INSTANT)
-        ]
-        velocities[held] = ((ends[1] - ends[0]) / (2 * INSTANT))[held]
+    found = [
+        _held(model, scene, twin, body_motion, container, each) for each in _grippers(scene, body_motion)
+    ]
+    values, velocities = max(found, key=lambda one: float(np.ptp(one[0])))
     return values[:, None], velocities[:, None]
+
+
+def _held(  # noqa: PLR0913, PLR0917 - a world, a motion in it, and who moves what
+    model: Model,
+    scene: Scene,
+    twin: Twin,
+    body_motion: BodyMotion,
+    container: Container,
+    gripper: Gripper,
+) -> tuple[Array, Array]:
+    """Positions and velocities of the own joint, shape (T,), as one gripper moves it, hold after hold."""
+    samples = len(body_motion.times)
+    values, velocities = np.full(samples, twin.state[container.joint]), np.zeros(samples)
+    about = body_motion, gripper
+    tools, before, after = (_tool_poses(scene, *about, dt) for dt in (0.0, -INSTANT, INSTANT))
+    fingers, may = _fingertips(scene, *about), np.ones(samples, dtype=bool)
+    while True:
+        handle = chain(model, container.handle, twin.state)
+        bounds = effective_bounds(model, twin, handle.follower)
+        begins = np.flatnonzero(_near(scene, tools, gripper, container.handle) & may).tolist()
+        hold = _longest_hold(handle, bounds, twin, tools, fingers, begins)
+        if hold is None or (not may[0] and np.ptp(hold.values) <= LIMIT_PLAY):
+            return values, velocities
+        held = slice(hold.begin, hold.end + 1)
+        values[held], values[hold.end :] = hold.values, hold.values[-1]
+        ends = [_positions(handle, bounds, twin, each, tools[hold.begin]) for each in (before, after)]
+        velocities[held] = ((ends[1] - ends[0]) / (2 * INSTANT))[held]
+        may &= (np.abs(fingers - fingers[hold.begin]) <= FINGER_PLAY).all(axis=1)  # as closed as they were
+        may[: hold.end + 1] = False
+        if not may.any():
+            return values, velocities
+        twin = twin.at({container.joint: float(np.clip(values[-1], container.lower, container.upper))})
+        scene = Scene(twin, body_motion.robot)
 
 
 def _grippers(scene: Scene, body_motion: BodyMotion) -> tuple[Gripper, ...]:
@@ -161,21 +180,13 @@ def _lever(scene: Scene, joint: str, gripper: Gripper) -> float:
 
 
 def _longest_hold(  # noqa: PLR0913, PLR0917 - two paths, what joins them, and where the search may begin
-    scene: Scene,
-    handle: Chain,
-    bounds: Bounds,
-    twin: Twin,
-    tools: Array,
-    fingers: Array,
-    gripper: Gripper,
-    container: Container,
+    handle: Chain, bounds: Bounds, twin: Twin, tools: Array, fingers: Array, near: list[int]
 ) -> _Hold | None:
     """The hold that explains the motion best; None if no tool comes near.
 
     A gripper that comes along the joint's own direction is held to the right moment by the joint's
     limits: taken too early, it would push a closed drawer through the cabinet.
     """
-    near = np.flatnonzero(_near(scene, tools, gripper, container.handle)).tolist()
 
     def hold_from(begin: int) -> _Hold:
         values = _positions(handle, bounds, twin, tools[begin:], tools[begin])

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
 
-KINEMATICS_VERSION = "14"
+KINEMATICS_VERSION = "15"
 DYNAMICS_VERSION = "5"
 EMBODIMENT_VERSION = "27"
 BEARING_VERSION = "4"

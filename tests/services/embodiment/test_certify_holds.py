@@ -5,13 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from predicates.case import Diagnosis, Quantity
+from predicates.case import Case, Diagnosis, Outcome, Quantity
+from predicates.law import law
 from sdt_kg.annotation import Drive
 from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused, Tolerances, certify
 from services.embodiment.certify.certificate import read_certificate
+from services.embodiment.oracle import WholeBody
 from services.embodiment.recheck.embodiment import Certifier
+from services.physics.oracle import Kinematics
 from tests.services.embodiment.gantry import DRAWER, RESTS, START, gantry_twin, opening
 from tests.services.embodiment.judging import judge, refusal
 
@@ -186,3 +190,22 @@ def test_a_refusal_in_full_does_not_call_it_lost_that_was_let_go(twin: Twin) -> 
 
 def test_a_gripper_need_not_be_named(twin: Twin) -> None:
     assert isinstance(judge(twin, replace(twice(), gripper="")), Certified)
+
+
+@pytest.mark.parametrize("step", [0.02, 0.1])
+def test_where_the_kitchen_is_not_told_the_drawer_goes_with_each_hold(twin: Twin, step: float) -> None:
+    motion = twice(step=step)
+    bare = replace(motion, kitchen_joints=(), kitchen_q=np.zeros((0, 0)), kitchen_v=np.zeros((0, 0)))
+    container = twin.container("drawer_main")
+    carried = Kinematics().carried(twin, bare, container)
+    np.testing.assert_allclose(carried.values, motion.kitchen_q, atol=1e-5)
+    case = Case(twin, twin.robots[0], Task(Verb.OPEN, container.iri), body_motion=bare)
+    (verdict,) = law(case, Kinematics(), WholeBody(start=START))
+    assert verdict.outcome is Outcome.CERTIFIED, verdict.diagnoses
+
+
+def test_a_hand_that_only_passes_by_with_open_fingers_drags_nothing(twin: Twin) -> None:
+    motion = twice((SHUT, FINGER, 0.04), (SHUT + 1, FINGER, 0.04))
+    bare = replace(motion, kitchen_joints=(), kitchen_q=np.zeros((0, 0)), kitchen_v=np.zeros((0, 0)))
+    carried = Kinematics().carried(twin, bare, twin.container("drawer_main"))
+    assert carried.values[-1, 0] == pytest.approx(0.23, abs=1e-5)
