@@ -59,6 +59,11 @@ class Legs:
     settings: dict[float, Setting] = field(default_factory=dict[float, Setting])
     lacks: Ends | None = None
 
+    @property
+    def found(self) -> int:
+        """How many parts are known."""
+        return sum(leg is not None for leg, _ in self.known.values())
+
     def ways(self, first: float, limit: float) -> Iterator[list[Leg]]:
         """Legs that lead all the way, in few holds, then in many; so long is looked for each part [s]."""
         edges = self._fine(first, limit)
@@ -133,7 +138,7 @@ class Legs:
 
 
 class Several:
-    """Plans of one gripper after the other, that which followed the handle farthest first.
+    """Plans of one gripper after the other: first that of which more parts are known, or that followed farther.
 
     What is known of a part is kept from one time to the next.
     """
@@ -154,7 +159,7 @@ class Several:
 
     def plans(self, limit: float) -> Iterator[Planned]:
         """Those that are found if each part is looked for so long [s]."""
-        for legs in self._every:
+        for legs in sorted(self._every, key=lambda one: -one.found):
             if self._planner.proofs.whole is not None:
                 return
             for way in legs.ways(self._first, limit):
