@@ -98,15 +98,37 @@ def judged(world: World, motion: BodyMotion, step: float) -> Judgement:
         found.keeps("moves", -1.0, 0.1)
         return found
     # The grasp is the last sample before the drawer moves.
-    grasp = float(motion.times[np.searchsorted(motion.times, times[moves[0]], side="right") - 1])
-    stop = _stops(motion.times, times, at[:, 7])
-    _held(found, world, way(grasp))
-    _follows(found, way(grasp), at[(times >= grasp) & (times <= stop)])
+    grasp = int(np.searchsorted(motion.times, times[moves[0]], side="right") - 1)
+    stop = int(np.searchsorted(motion.times, _stops(motion.times, times, at[:, 7])))
+    held, before = np.zeros(len(times), dtype=bool), 0
+    while True:
+        end, onward = _lets_go(way, motion.times, grasp, stop)
+        _held(found, world, q[grasp])
+        _follows(found, q[grasp], at[(times >= motion.times[grasp]) & (times <= motion.times[end])])
+        arrived = _arrived(way, motion.times[before : grasp + 1], first=not before)
+        left = _left(way, motion.times[grasp], motion.times[end : onward and onward + 1])
+        held |= (times >= arrived) & (times < left)
+        if onward is None:
+            break
+        grasp, before = onward, int(np.searchsorted(motion.times, left)) + 1
     fastest = float(np.abs(np.diff(at, axis=0)).sum(axis=1).max(initial=0))
-    arrived = _arrived(way, motion.times[motion.times <= grasp])
-    left = _left(way, grasp, motion.times[motion.times >= stop])
-    _collisions(found, world, at, (times >= arrived) & (times < left), 2e-4 + fastest)
+    _collisions(found, world, at, held, 2e-4 + fastest)
     return found
+
+
+def _lets_go(way: CubicHermiteSpline, knots: Array, grasp: int, stop: int) -> tuple[int, int | None]:
+    """The sample at which the drawer rests before the tool leaves its grasp, and the last one of that rest."""
+    at, rate = way(knots)[:, 7], way(knots, 1)[:, 7]
+    k = grasp + 1
+    while k < stop:
+        end = k
+        while end + 1 < stop and abs(at[end + 1] - at[k]) < 1e-9 and rate[end] == rate[end + 1] == 0:
+            end += 1
+        slip, turned = _off(way(knots[k : end + 1]), way(knots[grasp]))
+        if end > k and ((slip > 0.002) | (turned > np.radians(1.0))).any():
+            return k, end
+        k = end + 1
+    return stop, None
 
 
 def _stops(knots: Array, times: Array, drawer: Array) -> float:
@@ -200,7 +222,8 @@ def _held(found: Judgement, world: World, grasp: Array) -> None:
     corners = np.array(
         [(sx * 0.005, sy * 0.1, sz * 0.005) for sx in (-1, 1) for sy in (-1, 1) for sz in (-1, 1)]
     )
-    bar = (corners + HANDLE + np.array(world.handle) - palm) @ palm_R  # in the palm's frame
+    pulled = HANDLE + np.array(world.handle) - np.array((grasp[7], 0.0, 0.0))
+    bar = (corners + pulled - palm) @ palm_R  # in the palm's frame
     # Only what is between the pads counts: |y| of the palm below 10 mm.
     middle = bar.mean(axis=0)
     tilt = 0.01 * abs(palm_R[2, 1]) + 0.1 * abs(palm_R[1, 0]) + 0.1 * abs(palm_R[2, 0])
@@ -223,11 +246,11 @@ def _off(rows: Array, grasp: Array) -> tuple[Array, Array]:
     return np.linalg.norm(relative - relative[0], axis=1)[1:], turned[1:]
 
 
-def _arrived(way: CubicHermiteSpline, samples: Array) -> float:
+def _arrived(way: CubicHermiteSpline, samples: Array, *, first: bool) -> float:
     """The sample from which on the tool is at its grasp: the fingers may touch."""
     slip, turned = _off(way(samples), way(samples[-1]))
     away = np.flatnonzero((slip > 0.002) | (turned > np.radians(1.0)))
-    return float(samples[away[-1] + 1 if len(away) else 0])
+    return float(samples[away[-1] + 1 if len(away) else 0 if first else -1])
 
 
 def _follows(found: Judgement, grasp: Array, later: Array) -> None:

@@ -41,6 +41,20 @@ LETTING_GO = np.vstack(
     )
 )
 
+# Or the drawer is pulled half out, let go, taken hold of 30 mm beside, and pulled on.
+TWICE = np.vstack(
+    (
+        RESTS[:4],
+        (15.0, 0.2, 0.0, 0.0, 0.2, 0.605, 0.0, 0.005, 0.23),
+        (17.0, 0.2, 0.0, 0.0, 0.2, 0.605, 0.0, 0.04, 0.23),
+        (19.0, 0.2, 0.0, 0.0, 0.2, 0.405, 0.0, 0.04, 0.23),
+        (21.0, 0.2, 0.03, 0.0, 0.2, 0.405, 0.0, 0.04, 0.23),
+        (23.0, 0.2, 0.03, 0.0, 0.2, 0.605, 0.0, 0.04, 0.23),
+        (25.0, 0.2, 0.03, 0.0, 0.2, 0.605, 0.0, 0.005, 0.23),
+        (29.0, 0.0, 0.03, 0.0, 0.2, 0.575, 0.0, 0.005, 0.46),
+    )
+)
+
 
 def opening(step: float = 0.1, rests: np.ndarray = RESTS, joints: tuple[str, ...] = JOINTS) -> BodyMotion:
     """From rest to rest by cubic time laws, sampled every `step` seconds."""

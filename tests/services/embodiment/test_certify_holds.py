@@ -16,25 +16,12 @@ from services.embodiment.certify.certificate import read_certificate
 from services.embodiment.oracle import WholeBody
 from services.embodiment.recheck.embodiment import Certifier
 from services.physics.oracle import Kinematics
-from tests.services.embodiment.gantry import DRAWER, RESTS, START, gantry_twin, opening
+from tests.services.embodiment.gantry import DRAWER, RESTS, START, TWICE, gantry_twin, opening
 from tests.services.embodiment.judging import judge, refusal
 
 pytestmark = pytest.mark.oracle
 
-# The drawer is pulled half out, let go, taken hold of 30 mm beside, and pulled on.
-TWICE = np.vstack(
-    (
-        RESTS[:4],
-        (15.0, 0.2, 0.0, 0.0, 0.2, 0.605, 0.0, 0.005, 0.23),
-        (17.0, 0.2, 0.0, 0.0, 0.2, 0.605, 0.0, 0.04, 0.23),
-        (19.0, 0.2, 0.0, 0.0, 0.2, 0.405, 0.0, 0.04, 0.23),
-        (21.0, 0.2, 0.03, 0.0, 0.2, 0.405, 0.0, 0.04, 0.23),
-        (23.0, 0.2, 0.03, 0.0, 0.2, 0.605, 0.0, 0.04, 0.23),
-        (25.0, 0.2, 0.03, 0.0, 0.2, 0.605, 0.0, 0.005, 0.23),
-        (29.0, 0.0, 0.03, 0.0, 0.2, 0.575, 0.0, 0.005, 0.46),
-    )
-)
-LEFT, CLEAR, BESIDE, BACK, SHUT = 5, 6, 7, 8, 9
+CLEAR, BESIDE, BACK, SHUT = 6, 7, 8, 9  # rows of TWICE
 Y, FINGER, VALUE = 2, 7, 8
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from services.embodiment.certify import Certified
 from tests.services.embodiment.dense import World, judged
-from tests.services.embodiment.gantry import LETTING_GO, RESTS, opening
+from tests.services.embodiment.gantry import LETTING_GO, RESTS, TWICE, opening
 from tests.services.embodiment.mutations import Judge, mutations
 
 pytestmark = pytest.mark.oracle
@@ -16,12 +16,15 @@ pytestmark = pytest.mark.oracle
 COARSE = 0.004  # [m] of travel between looks
 
 
-@pytest.mark.parametrize("rests", [RESTS, LETTING_GO], ids=["held", "let go"])
+MOTIONS = pytest.mark.parametrize("rests", [RESTS, LETTING_GO, TWICE], ids=["held", "let go", "twice"])
+
+
+@MOTIONS
 def test_other_code_finds_the_motion_right(rests: np.ndarray) -> None:
     assert judged(World(), opening(rests=rests), 0.001).right
 
 
-@pytest.mark.parametrize("rests", [RESTS, LETTING_GO], ids=["held", "let go"])
+@MOTIONS
 def test_of_30_mutations_the_wrong_are_refused_and_the_right_certified(
     tmp_path: Path, rests: np.ndarray
 ) -> None:
