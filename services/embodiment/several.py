@@ -138,7 +138,7 @@ class Legs:
 
 
 class Several:
-    """Plans of one gripper after the other: first that of which more parts are known, or that followed farther.
+    """Plans of one gripper after the other: first that of which more parts are known, or that came farther.
 
     What is known of a part is kept from one time to the next.
     """

@@ -1,4 +1,4 @@
-"""10,000 mutations of good motions, of which a third let go at last and a third on the way; 200 against a dense check. `make soak`."""
+"""10,000 mutations of good motions, a third of which let go at last or on the way. `make soak`."""
 
 from collections import Counter
 from pathlib import Path
