@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from sdt_kg.errors import UrdfError
-from sdt_kg.mechanism import Geometry, Inertia, JointType, Limits, Mechanism, Mimic, ShapeType
+from sdt_kg.mechanism import Geometry, Inertia, JointType, Limits, Mechanism, ShapeType
 from sdt_kg.scenes.attached import check_files
 from sdt_kg.scenes.build import (
     HANDLE,
@@ -24,6 +24,7 @@ from sdt_kg.scenes.build import (
     shift,
     turn,
 )
+from sdt_kg.scenes.constraints import BALL, FREE, HINGE, SLIDE, Constraints, name_of, reference_of
 from sdt_kg.scenes.planes import half_space
 from sdt_kg.urdf.folder import folder_of
 from sdt_kg.urdf.meshes import collision_file, mesh_hash
@@ -44,8 +45,6 @@ OTHER_SHAPES: Final = {1: "a height field", 4: "an ellipsoid", 8: "a signed dist
 NO_SPEEDS: Final = (
     "MJCF has no velocity limits: requests are out of scope until an annotation gives sdt:velocityLimit"
 )
-FREE, BALL, SLIDE, HINGE = range(4)
-EQUALITY_JOINT: Final = 2
 COUNTS: Final = {
     "nu": "actuators",
     "ntendon": "tendons",
@@ -116,7 +115,8 @@ class _Reader:
         self.parts.append(Part("world", np.eye(4), None, tuple(self._shapes(0, np.eye(4)).values())))
         for body in range(1, model.nbody):
             frames[body] = self._body(body, frames[int(model.body_parentid[body])])
-        couplings, other = self._couplings()
+        carried = {link.name for link in self.links}
+        couplings, other = Constraints(self.library, model, self.path).couplings(carried)
         links = [replace(link, mimic=couplings.get(link.name)) for link in self.links]
         return built(
             name, self.parts, links, [*self._notes(), *listed("equality constraints", other)], self.path
@@ -131,11 +131,16 @@ class _Reader:
                     allowed="box, sphere, cylinder, capsule, mesh, plane",
                     remedy="write it as a mesh, or with contype and conaffinity 0 if nothing is to meet it",
                 )
+        for flex in range(self.model.nflex):
+            if self.model.flex_contype[flex] or self.model.flex_conaffinity[flex]:
+                raise UrdfError(
+                    f"{self.path}: '{self._name('flex', flex)}' is flexible",
+                    allowed="rigid geoms",
+                    remedy="write it as a mesh, or with contype and conaffinity 0 if nothing is to meet it",
+                )
 
     def _name(self, kind: str, index: int) -> str:
-        """Name of a body, joint or geom; one without name is numbered."""
-        of = getattr(self.library.mjtObj, f"mjOBJ_{kind.upper()}")
-        return self.library.mj_id2name(self.model, of, index) or f"{kind}_{index}"
+        return name_of(self.library, self.model, kind, index)
 
     def _body(self, body: int, parent: _Frame) -> _Frame:
         """Add the body, and one part more for each joint beyond its first."""
@@ -189,7 +194,7 @@ class _Reader:
         return shift(anchor) @ turn(axis, -reference) @ shift(anchor, -1.0)
 
     def _reference(self, joint: int) -> float:
-        return float(self.model.qpos0[self.model.jnt_qposadr[joint]])
+        return reference_of(self.model, joint)
 
     def _link(self, joint: int, parent: str, child: str) -> Link:
         model = self.model
@@ -249,32 +254,6 @@ class _Reader:
         scale = tuple(float(part) for part in model.mesh_scale[mesh])
         pose = pose_of(at @ between(file_T_geom, np.eye(4)))
         return Geometry(ShapeType.MESH, pose, scale, str(file), mesh_hash(file))
-
-    def _couplings(self) -> tuple[dict[str, Mimic], list[str]]:
-        """Joint name → what it follows; and the equality constraints that say something else."""
-        model = self.model
-        found: dict[str, Mimic] = {}
-        other: list[str] = []
-        carried = {link.name for link in self.links}
-        for index in range(model.neq):
-            name = self._name("equality", index)
-            one, two = int(model.eq_obj1id[index]), int(model.eq_obj2id[index])
-            a, b, *higher = model.eq_data[index][:5].tolist()
-            if (
-                model.eq_type[index] != EQUALITY_JOINT
-                or two < 0
-                or any(higher)
-                or not model.eq_active0[index]
-            ):
-                other.append(name)
-                continue
-            follower, leader = self._name("joint", one), self._name("joint", two)
-            if not {follower, leader} <= carried or follower in found:
-                other.append(name)
-                continue
-            offset = a + self._reference(one) - b * self._reference(two)
-            found[follower] = Mimic(leader, b, offset)
-        return found, other
 
     def _notes(self) -> list[str]:
         model = self.model

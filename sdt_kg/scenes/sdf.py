@@ -31,7 +31,7 @@ SIZES: Final = {
     "cylinder": (ShapeType.CYLINDER, ("radius", "length")),
     "capsule": (ShapeType.CAPSULE, ("radius", "length")),
 }
-LEFT_OUT: Final = ("include", "light", "actor", "plugin", "joint", "road", "population")
+LEFT_OUT: Final = ("include", "light", "actor", "plugin", "road", "population")
 LEFT_OUT_OF_MODEL: Final = ("model", "include", "plugin", "gripper")
 LEFT_OUT_OF_LINK: Final = ("sensor", "light", "projector", "particle_emitter", "battery", "plugin")
 

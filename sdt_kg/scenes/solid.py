@@ -1,15 +1,20 @@
 """What is solid in an SDF scene and cannot be read: without it a motion through it would be certified."""
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import Final
 from xml.etree import ElementTree as ET
 
 from sdt_kg.errors import UrdfError
+from sdt_kg.scenes.values import own_pose
 
 HARMLESS: Final = ("sun", "ground_plane")
 """Models that scenes include for their light, and for the floor that every twin has."""
+
+WORLD: Final = "world"
+FLAT: Final = 1e-9
+"""[m, 1] By which an included floor may be off z = 0."""
 
 TAKEN_OUT: Final = "take it out if nothing is to meet it"
 
@@ -23,15 +28,23 @@ def check_solid(holder: ET.Element, shapes: Collection[str], path: Path) -> None
         path: For errors.
 
     Raises:
-        UrdfError: A shape of another kind, a model in a model, or one that is in another file.
+        UrdfError: A shape of another kind, a model in a model, or one that is in another file, models that
+            are joined, or elsewhere than where their poses say.
     """
-    models = holder.findall("model")
-    for each in (holder, *models):
-        for include in each.findall("include"):
-            _check_included((include.findtext("uri") or "").strip(), path)
-    for outer in (*models, *holder.findall("population")):
+    models, crowds = holder.findall("model"), holder.findall("population")
+    for include in (one for each in (holder, *models, *crowds) for one in each.findall("include")):
+        _check_included(include, path)
+    for outer in (*models, *crowds):
         for inner in outer.findall("model"):
             _check_nested(inner, f"<{outer.tag}> '{outer.get('name')}'", path)
+    for actor in holder.findall("actor"):
+        _check_nested(actor, "an <actor>", path)
+    _check_joined(holder, path)
+    _check_state(holder, path)
+    _check_shapes(models, shapes, path)
+
+
+def _check_shapes(models: Iterable[ET.Element], shapes: Collection[str], path: Path) -> None:
     for model in models:
         for link in model.findall("link"):
             for collision in link.findall("collision"):
@@ -39,7 +52,14 @@ def check_solid(holder: ET.Element, shapes: Collection[str], path: Path) -> None
                 _check_shape(collision, shapes, f"{path}: model '{model.get('name')}': {where}")
 
 
-def _check_included(uri: str, path: Path) -> None:
+def _check_included(include: ET.Element, path: Path) -> None:
+    uri = (include.findtext("uri") or "").strip()
+    if not _is_level(include, f"{path}: <include> of '{uri}'"):
+        raise UrdfError(
+            f"{path}: <include> of '{uri}' is raised or turned by its <pose>",
+            allowed="z, roll and pitch 0",
+            remedy=f"write a <plane> there in its place; or {TAKEN_OUT}",
+        )
     named = [part for part in uri.split("/") if not part.isdigit()]  # at the end may be a version
     if re.sub(r"\W", "_", named[-1].lower() if named else "") not in HARMLESS:
         raise UrdfError(
@@ -47,6 +67,36 @@ def _check_included(uri: str, path: Path) -> None:
             allowed=", ".join(HARMLESS),
             remedy=f"gz sdf -p FILE writes it into the file; or {TAKEN_OUT}",
         )
+
+
+def _is_level(element: ET.Element, where: str) -> bool:
+    """Whether z = 0 stays z = 0; a pose by another frame may be anywhere."""
+    pose, at = element.find("pose"), own_pose(element, where)
+    by_world = pose is None or pose.get("relative_to", WORLD) in ("", WORLD)
+    return by_world and abs(at[2, 3]) < FLAT and at[2, 2] > 1 - FLAT
+
+
+def _check_joined(holder: ET.Element, path: Path) -> None:
+    """No joint of the world holds models together, or has one of them move."""
+    for joint in holder.findall("joint"):
+        raise UrdfError(
+            f"{path}: joint '{joint.get('name')}' of the world",
+            allowed="joints of models",
+            remedy="make what it joins one model; or take it out if each stands where it is",
+        )
+
+
+def _check_state(holder: ET.Element, path: Path) -> None:
+    """Models are where their poses say: no state of the world moves, adds or takes out any."""
+    for state in holder.findall("state"):
+        for tag in ("model", "insertions", "deletions"):
+            found = next((each for each in state.findall(tag) if each.get("name") not in HARMLESS), None)
+            if found is not None:
+                raise UrdfError(
+                    f"{path}: <state> of the world has <{tag}> {found.get('name') or ''}".rstrip(),
+                    allowed="models where their own poses place them",
+                    remedy="write these poses and models into the world, and take <state> out",
+                )
 
 
 def _check_nested(model: ET.Element, where: str, path: Path) -> None:

@@ -9,7 +9,7 @@ from typing import Final
 from xml.etree import ElementTree as ET
 
 from sdt_kg.errors import UrdfError
-from sdt_kg.urdf.spelling import check_slips, place_of
+from sdt_kg.urdf.spelling import check_no_xacro, check_slips, place_of
 
 SHAPES: Final = (
     *("empty", "box", "capsule", "cone", "cylinder", "ellipsoid", "heightmap", "image", "mesh", "plane"),
@@ -78,6 +78,7 @@ def check_spelling(root: ET.Element, source: Path) -> None:
     Raises:
         UrdfError: Something is; it says what may be meant.
     """
+    check_no_xacro(root, source)
     check_slips(_looked_at(root), PARTS, ATTRIBUTES, source)
     for element in _looked_at(root):
         _check_once(element, source)

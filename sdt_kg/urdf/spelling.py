@@ -105,19 +105,31 @@ def check_expanded(root: ET.Element, source: Path) -> None:
     Raises:
         UrdfError: Something does.
     """
+    check_no_xacro(root, source)
     for element in root.iter():
         space, _, tag = element.tag.rpartition("}")
-        if space.endswith("xacro"):
-            raise UrdfError(
-                f"{source}: has <xacro:{tag}>, which only xacro reads",
-                allowed="URDF in a file .urdf, xacro in a file .xacro",
-                remedy="name the file .xacro, or expand it: xacro FILE.xacro > FILE.urdf",
-            )
         if tag == "include" and (space or element in root):
             raise UrdfError(
                 f"{source}: has <include>, which URDF does not read",
                 allowed="one file with all links and joints, or <xacro:include> in a file .xacro",
                 remedy="put in what it includes",
+            )
+
+
+def check_no_xacro(root: ET.Element, source: Path) -> None:
+    """Nothing is left to be expanded.
+
+    Raises:
+        UrdfError: Something is.
+    """
+    for element in root.iter():
+        space, _, tag = element.tag.rpartition("}")
+        if space.endswith("xacro"):
+            suffix = source.suffix or ".urdf"
+            raise UrdfError(
+                f"{source}: has <xacro:{tag}>, which only xacro reads",
+                allowed="a file without xacro, or URDF with it in a file .xacro",
+                remedy=f"name the file .xacro, or expand it: xacro FILE.xacro > FILE{suffix}",
             )
 
 

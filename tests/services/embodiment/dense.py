@@ -117,7 +117,7 @@ def judged(world: World, motion: BodyMotion, step: float) -> Judgement:
 
 
 def _lets_go(way: CubicHermiteSpline, knots: Array, grasp: int, stop: int) -> tuple[int, int | None]:
-    """The sample from which on the drawer rests while the tool leaves its grasp, and the last of that rest."""
+    """The sample from which on the drawer rests while the tool leaves its grasp, and the last one of that."""
     at, rate = way(knots)[:, 7], way(knots, 1)[:, 7]
     k = grasp + 1
     while k < stop:
