@@ -179,7 +179,7 @@ class _Question:
     ) -> None:
         self.twin, self.robot, self.container, self.motion = twin, robot, container, motion
         self.case, self.budget, self.seed = case, budget, seed
-        self.oracle = WholeBody(drive=Drive.FIXED, start=(0.0, 0.0, 0.0), seed=seed)
+        self.oracle = WholeBody(drive=Drive.FIXED, start=(0.0, 0.0, 0.0), seed=seed, regrasps=False)
         self.world = World(Scene(twin, robot))
         check_floor(self.world.scene)
         self.kits = Kits(self.world, Margins())
