@@ -276,4 +276,5 @@ class Planner:
         if max(assembled.excess) > WITHIN or assembled.outside > 0:
             self.rough.append(assembled)
             return None
-        return Planned(assembled.body, assembled.motion, holding.grasp.index, holding.style, holding)
+        made = holding, approach, attempt.assembler
+        return Planned(assembled.body, assembled.motion, holding.grasp.index, holding.style, *made)

@@ -6,17 +6,25 @@ from typing import Protocol
 
 from sdt_kg.motion import BodyMotion, Motion
 from services.embodiment.hold.holding import Holding
+from services.embodiment.ways.approach import Approach
+from services.embodiment.ways.assemble import Assembler
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Planned:
-    """A body motion that the planner believes in."""
+    """A body motion that the planner believes in.
+
+    Attributes:
+        approach, holding, assembler: Of which it is made; in several holds, of the first.
+    """
 
     body: BodyMotion
     motion: Motion
     grasp: int
     style: str
     holding: Holding
+    approach: Approach
+    assembler: Assembler
 
 
 class Anew(Protocol):

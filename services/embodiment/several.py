@@ -2,26 +2,33 @@
 
 Where no one hold was found, the way is cut in parts, and each is planned as if it were all: from parked, with
 the container where the part before has left it. In between the hand leaves the handle as it would have come
-to it there, backwards, and the robot parks. What one hold can do of the whole, it can do of each part: so
-short ones are looked for first, and a gripper that lacks one is out; then as few as lead all the way.
+to it there, backwards, and comes to it as it does from parked: straight from one to the other where the
+base stands and a way of the arm is found, else by way of parking. What one hold can do of the whole, it can
+do of each part: so short ones are looked for first, and a gripper that lacks one is out; then as few as lead
+all the way.
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
 
+from sdt_kg.annotation import Drive
 from sdt_kg.motion import BodyMotion, Motion
+from services.embodiment.attempt import Attempt
+from services.embodiment.body.limb import BASE
 from services.embodiment.body.world import World
 from services.embodiment.hold.holding import Holding
 from services.embodiment.hold.kit import Kits
 from services.embodiment.plan import Planner
 from services.embodiment.planned import Planned
 from services.embodiment.setting import Setting
-from services.embodiment.ways.approach import Approach
+from services.embodiment.ways.approach import ARM_ITERATIONS, Approach
+from services.embodiment.ways.paths import connect
 from services.embodiment.ways.roads import Known
+from services.embodiment.ways.spaces import ArmSpace
 from services.embodiment.ways.timing import farthest, turns_back
 from services.kernel import worked
 from services.physics.model import Scene
@@ -36,10 +43,45 @@ Ends = tuple[float, float]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leg:
-    """One part of the way, from parked to its end, and back to parked; None at the end of all."""
+    """One part of the way, from parked to its end.
+
+    Attributes:
+        back: How it is left there; None at the end of all.
+    """
 
     planned: Planned
-    back: BodyMotion | None
+    back: "Back | None"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Back:
+    """The end of a holding, and the way by which one would come to it there."""
+
+    holding: Holding
+    approach: Approach
+    attempt: Attempt
+
+    def parked(self) -> BodyMotion:
+        """Back to parked."""
+        return self.attempt.assembler.retreat(self.approach, self.holding)
+
+    def on(self, planned: Planned, late: Callable[[], bool]) -> list[BodyMotion]:
+        """Away from the handle, and on to the next hold; nothing where no way of the arm is found."""
+        approacher, last = self.attempt.approacher, planned.approach
+        if approacher.drive is not Drive.FIXED:
+            return []
+        opened = self.holding.grasp.opened
+        ends, rest = (self.approach.reach[0], last.reach[0]), approacher.hand.configuration(dict(opened))
+        space = ArmSpace(
+            approacher.world, approacher.limb, approacher.rules, rest, approacher.weight, ends[0][BASE]
+        )
+        corners = connect(space, ends, self.attempt.rng, ARM_ITERATIONS, late)
+        if corners is None:
+            return []
+        come = Approach(np.stack([ends[0]] * 2), corners, np.stack([ends[1]] * 2), last.reach)
+        begins = np.array([value for _, value in opened])
+        away = self.attempt.assembler.retreat(self.approach, self.holding, home=False)
+        return [away, planned.assembler.assemble(come, planned.holding, begins).body]
 
 
 @dataclass(slots=True)
@@ -117,15 +159,15 @@ class Legs:
         whole = self.planner
         return Planner(self._setting(ends), deadline, whole.seed, whole.spent, only=self.gripper)
 
-    def _back(self, holding: Holding, value: float) -> BodyMotion | None:
-        """From the end of a holding back to parked, the container at a value."""
+    def _back(self, holding: Holding, value: float) -> Back | None:
+        """How the end of a holding is left, the container at a value; None if no way was found."""
         planner = self._at((value, self.last), self.planner.deadline)
         attempt = next((planner.attempt(kit) for kit in planner.kits()), None)
         if attempt is None:
             return None
         here = replace(holding, limb=attempt.limb, xs=holding.xs[-1:])
         approach = attempt.approacher.approach(here, attempt.searcher.problem, attempt.rng)
-        return attempt.assembler.retreat(approach, here) if isinstance(approach, Approach) else None
+        return Back(here, approach, attempt) if isinstance(approach, Approach) else None
 
     def _setting(self, ends: Ends) -> Setting:
         """Of one part: the kitchen as it is when that begins."""
@@ -163,7 +205,8 @@ class Several:
             if self._planner.proofs.whole is not None:
                 return
             for way in legs.ways(self._first, limit):
-                yield _joined(way)
+                for bodies in _orders(way, self._planner.late):
+                    yield _joined([leg.planned for leg in way], bodies)
                 if self._planner.late():
                     return
 
@@ -178,11 +221,22 @@ def _moved(setting: Setting, value: float) -> Setting:
     return replace(setting, world=world, container=container, kits=kits, roads=Known())
 
 
-def _joined(legs: list[Leg]) -> Planned:
+def _orders(legs: list[Leg], late: Callable[[], bool]) -> Iterator[list[BodyMotion]]:
+    """Motions through all of them: straight from one to the next where there is a way, then by parking."""
+    straight, parking = [legs[0].planned.body], [legs[0].planned.body]
+    for one, other in pairwise(legs):
+        assert one.back is not None, "only the last is not left"
+        by_parking = [one.back.parked(), other.planned.body]
+        straight += one.back.on(other.planned, late) or by_parking
+        parking += by_parking
+    yield straight
+    yield parking
+
+
+def _joined(planned: list[Planned], bodies: list[BodyMotion]) -> Planned:
     """All of them in order, and the motion of the container from when it begins to move to its end."""
-    bodies = [body for leg in legs for body in (leg.planned.body, leg.back) if body is not None]
     body = _in_a_row(bodies)
-    first, *others = [leg.planned for leg in legs]
+    first, *others = planned
     parts = [one.motion for one in (first, *others)]
     begins = np.array([body.times[sample] for name, sample in body.phases if name.startswith("follow")])
     velocities = [part.velocities for part in parts if part.velocities is not None]
@@ -195,7 +249,7 @@ def _joined(legs: list[Leg]) -> Planned:
     style = first.style
     for one in others:
         style += f"; let go at {one.motion.values[0, 0]:.3g}, then grasp {one.grasp}, {one.style}"
-    return Planned(body, motion, first.grasp, style, first.holding)
+    return replace(first, body=body, motion=motion, style=style)
 
 
 def _in_a_row(bodies: list[BodyMotion]) -> BodyMotion:

@@ -64,8 +64,8 @@ class Assembler:
         own = scene.bounds.lower[self.fingers], scene.bounds.upper[self.fingers]
         return Bound(velocity, acceleration, *own, gain)
 
-    def assemble(self, approach: Approach, holding: Holding) -> Assembled:
-        """The whole motion."""
+    def assemble(self, approach: Approach, holding: Holding, begins: Array | None = None) -> Assembled:
+        """The whole motion; it begins with the fingers parked, or at these positions, near the handle."""
         turns = approach.reach[-1, 2] - holding.xs[0, 2]
         xs = holding.xs.copy()
         xs[:, 2] += turns
@@ -74,7 +74,7 @@ class Assembler:
         follow, values, rates, excess = self._follow(xs)
         reach = self._reach(approach)
         phases = [
-            ("drive", self._drive(approach, opened)),
+            ("drive", self._drive(approach, opened, begins=begins)),
             ("approach", self._with_fingers(timing.joined([self._raised(approach), reach]), opened)),
             ("grasp", self._grasp(xs[0], opened, closed)),
             ("follow", self._with_fingers(follow, closed)),
@@ -89,17 +89,17 @@ class Assembler:
         outside = max(timing.outside(one, self.limb.lower, self.limb.upper) for one in (reach, follow))
         return Assembled(body, executed, excess, outside)
 
-    def retreat(self, approach: Approach, holding: Holding) -> BodyMotion:
-        """From a hold back to parked at the start, on the way of an approach; the container stays."""
+    def retreat(self, approach: Approach, holding: Holding, *, home: bool = True) -> BodyMotion:
+        """From a hold back to parked at the start, or only away, as an approach came; the container stays."""
         x = holding.xs[0].copy()
         x[2] = approach.reach[-1, 2]
         closed = np.array([value for _, value in holding.grasp.fingers])
         opened = np.array([value for _, value in holding.grasp.opened])
-        leave = timing.joined([self._reach(approach, back=True), self._raised(approach, back=True)])
+        leave = [self._reach(approach, back=True), *([self._raised(approach, back=True)] if home else [])]
         phases = [
             ("let go", self._grasp(x, closed, opened)),
-            ("leave", self._with_fingers(leave, opened)),
-            ("return", self._drive(approach, opened, back=True)),
+            ("leave", self._with_fingers(timing.joined(leave), opened)),
+            *([("return", self._drive(approach, opened, back=True))] if home else []),
         ]
         whole, marks = _chained(phases)
         values = np.full(len(whole.times), self.problem.values[0])
@@ -110,12 +110,14 @@ class Assembler:
         x = np.hstack([timed.x, np.repeat(fingers[None], count, axis=0)])
         return Timed(timed.times, x, np.hstack([timed.v, np.zeros((count, len(fingers)))]))
 
-    def _drive(self, approach: Approach, opened: Array, *, back: bool = False) -> Timed:
+    def _drive(
+        self, approach: Approach, opened: Array, *, back: bool = False, begins: Array | None = None
+    ) -> Timed:
         ways = approach.drive
-        opening = np.append(ways[0], self.parked)[None]
+        opening = np.append(ways[0], self.parked if begins is None else begins)[None]
         corners = np.hstack([ways, np.repeat(self.open[None], len(ways), axis=0)])
         narrowed = np.append(ways[-1], opened)[None]
-        every = np.concatenate([opening, corners, narrowed])
+        every = np.concatenate([opening, *([corners] if begins is None else []), narrowed])
         return timing.along(every[::-1] if back else every, self.bound, self.reach, SPACING)
 
     def _raised(self, approach: Approach, *, back: bool = False) -> Timed:
