@@ -18,6 +18,7 @@ from services.judging.jobs import Done
 from services.judging.messages import CausesRequest
 from services.judging.replies import CausesReply, MetRequest, Reply, SatisfiesReply
 from services.motions.files import arrays_of, motion_of
+from services.motions.lists import array_of
 
 Arrays = dict[str, Any]
 
@@ -71,14 +72,7 @@ def motion_given(
     """
     if arrays is None:
         return None
-    given: dict[str, np.ndarray] = {}
-    for name, value in arrays.items():
-        try:
-            given[name] = np.asarray(value)
-        except ValueError:
-            what = f"'{name}' of the motion has rows of different lengths"
-            raise InputError(what, allowed="a full array") from None
-    return motion_of(given, service.twin, robot)
+    return motion_of({name: array_of(name, value) for name, value in arrays.items()}, service.twin, robot)
 
 
 def n_quads(record: Record) -> bytes:

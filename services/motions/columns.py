@@ -11,7 +11,7 @@ import numpy as np
 
 from sdt_kg.errors import MotionError, meant
 from sdt_kg.numbers import number_in
-from services.motions.given import Given
+from services.motions.given import Given, check_name, twice
 from services.store.output import write_file
 
 BASE = ("base_x", "base_y", "base_yaw")
@@ -56,8 +56,7 @@ def _parsed(text: str) -> tuple[dict[str, str], list[str], list[int], list[list[
             if name in HEADS and heads.setdefault(name, value) != value:
                 raise MotionError(f"line {number} gives another '{name}'", allowed="one")
         elif line.strip():
-            (cells,) = csv.reader([line])
-            cells = [cell.strip() for cell in cells]
+            cells = _cells(line, number)
             if not columns:
                 columns = _names(cells, number)
             else:
@@ -79,6 +78,16 @@ def _head(line: str, number: int) -> tuple[str, str]:
     return name, value
 
 
+def _cells(line: str, number: int) -> list[str]:
+    try:
+        (cells,) = csv.reader([line], strict=True)
+    except csv.Error as error:
+        raise MotionError(
+            f"line {number} is no CSV: {error}", allowed="cells parted by commas", remedy="leave quotes out"
+        ) from None
+    return [cell.strip() for cell in cells]
+
+
 def _names(cells: list[str], number: int) -> list[str]:
     if len(cells) == 1:
         raise MotionError(
@@ -87,12 +96,14 @@ def _names(cells: list[str], number: int) -> list[str]:
             remedy="part columns by commas",
         )
     for cell in cells:
+        check_name(cell, f"line {number} has the name")
         if _is_number(cell):
             raise MotionError(
                 f"line {number} has the number {cell} for the name of a column", allowed=ALLOWED
             )
-        if cells.count(cell) > 1:
-            raise MotionError(f"line {number} names '{cell}' twice", allowed="every column once")
+    repeated = twice(cells)
+    if repeated is not None:
+        raise MotionError(f"line {number} names '{repeated}' twice", allowed="every column once")
     return cells
 
 
@@ -128,7 +139,7 @@ def _arrays(
     if "phases" in heads:
         phases = [each.rpartition(" ") for each in heads["phases"].split(", ")]
         arrays["phase_names"] = np.array([name for name, _, _ in phases], dtype=np.str_)
-        arrays["phase_starts"] = np.array([start for _, _, start in phases], dtype=np.str_)
+        arrays["phase_starts"] = np.array([_start(start) for _, _, start in phases])
     own = [
         name
         for name in columns
@@ -142,6 +153,13 @@ def _arrays(
             said = f"there is a column '{name}', and none '{name.removeprefix(VELOCITY)}'"
             raise MotionError(said, allowed="velocities of columns that there are")
     return arrays
+
+
+def _start(said: str) -> float:
+    try:
+        return number_in(said)
+    except ValueError:
+        raise MotionError(f"'phase_starts' is {said[:40]!r}", allowed="real numbers") from None
 
 
 def _of_container(

@@ -16,7 +16,8 @@ from services.motions.archive import arrays_in
 from services.motions.body import body_arrays, body_motion
 from services.motions.columns import read_csv, write_csv
 from services.motions.container import container_arrays, frame_motion, joint_motion
-from services.motions.given import ALLOWED, Arrays, Given
+from services.motions.given import ALLOWED, Arrays, Given, check_name, twice
+from services.motions.lists import array_of
 from services.store.output import write_file
 
 SUFFIXES = (".npz", ".json", ".csv", ".mcap")
@@ -117,30 +118,17 @@ def _read_json(path: Path) -> Given:
         raise MotionError(f"it is no JSON: {error}", allowed=ALLOWED) from None
     if not isinstance(said, dict):
         raise MotionError(f"it holds a {type(said).__name__}", allowed=f"an object with {ALLOWED}")
-    return Given({str(name): _array(str(name), value) for name, value in said.items()})
+    return Given({str(name): array_of(str(name), value) for name, value in said.items()})
 
 
 def _once_each(pairs: list[tuple[str, object]]) -> dict[str, object]:
     said = dict(pairs)
-    if len(said) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for name in names if names.count(name) > 1)
-        raise MotionError(f"it has '{twice}' twice", allowed="every name once")
+    for name in said:
+        check_name(name)
+    repeated = twice(name for name, _ in pairs)
+    if repeated is not None:
+        raise MotionError(f"it has '{repeated}' twice", allowed="every name once")
     return said
-
-
-def _array(name: str, value: object) -> np.ndarray:
-    try:
-        return np.asarray(value)
-    except ValueError:
-        rows = [row if isinstance(row, list) else [row] for row in value] if isinstance(value, list) else []
-        for k, row in enumerate(rows):
-            if len(row) != len(rows[0]):
-                raise MotionError(
-                    f"'{name}' at index {k} has {len(row)} values", allowed=f"{len(rows[0])}, as at index 0"
-                ) from None
-        odd = next(k for k, row in enumerate(rows) if any(isinstance(cell, list) for cell in row))
-        raise MotionError(f"'{name}' at index {odd} has a list among its values", allowed="numbers") from None
 
 
 def _write_json(path: Path, arrays: dict[str, np.ndarray]) -> None:

@@ -1,7 +1,9 @@
 """Named arrays as a file gives them, checked where they are first looked at."""
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -22,9 +24,15 @@ KNOWN = (
 
 Arrays = Mapping[str, np.ndarray]
 
-NO_REALS = "bcmM"
+NO_REALS = "bcmMV"
 """Kinds of arrays that numpy would turn into numbers though they are none, or lose a part or a unit: truth
-values, complex, durations, dates."""
+values, complex, durations, dates, records."""
+
+LONGEST: Final = 200
+"""[characters] Of a name: of arrays, joints, robots, phases."""
+
+MOST_NAMES: Final = 10_000
+"""[1] In one array: a hundred times as many as a robot has joints."""
 
 
 def by_index(sample: int) -> str:
@@ -55,6 +63,7 @@ class Given:
         """
         missing = [name for name in KNOWN if name not in self.arrays]
         for name in self.arrays:
+            check_name(name)
             near = None if name in KNOWN else meant(name, missing) or _abbreviated(name, missing)
             if near:
                 raise MotionError(
@@ -121,13 +130,16 @@ class Given:
     def _reals(self, name: str, columns: tuple[str, ...]) -> Array:
         array = self.arrays[name]
         if array.dtype.kind in NO_REALS:
-            raise MotionError(f"'{name}' holds {array.dtype}", allowed="real numbers")
-        try:
+            raise MotionError(f"'{name}' holds {str(array.dtype)[:40]}", allowed="real numbers")
+        cells = np.ndenumerate(array) if array.dtype.kind in "USO" else ()
+        for at, cell in cells:
+            if not _is_real(cell):
+                of, where = self._place(at, columns)
+                remedy = "write numbers without quotes" if isinstance(cell, str | bytes) else ""
+                said = f"'{name}'{of} is {str(cell)[:40]!r}{where}"
+                raise MotionError(said, allowed="real numbers", remedy=remedy)
+        with np.errstate(over="ignore", invalid="ignore"):  # what is infinite then is told by its place
             return np.asarray(array, dtype=np.float64)
-        except (TypeError, ValueError, OverflowError):
-            at, cell = next((at, cell) for at, cell in np.ndenumerate(array) if not _is_real(cell))
-        of, where = self._place(at, columns)
-        raise MotionError(f"'{name}'{of} is '{str(cell)[:40]}'{where}", allowed="real numbers")
 
     def _place(self, at: tuple[int, ...], columns: tuple[str, ...]) -> tuple[str, str]:
         """Whose value is there, and in which sample, in words."""
@@ -153,10 +165,12 @@ class Given:
             raise MotionError(
                 f"'{name}' holds {array.dtype} of shape {array.shape}", allowed="a list of names"
             )
+        if array.size > MOST_NAMES:
+            raise MotionError(f"'{name}' has {array.size} names", allowed=f"up to {MOST_NAMES}")
         names = tuple(str(each) for each in _texts(name, array).ravel())
-        repeated = sorted({each for each in names if names.count(each) > 1})
-        if repeated:
-            raise MotionError(f"'{name}' names {repeated[0]} twice", allowed="every name once")
+        repeated = twice(names)
+        if repeated is not None:
+            raise MotionError(f"'{name}' names {repeated} twice", allowed="every name once")
         return names
 
     def times(self) -> Array:
@@ -196,15 +210,35 @@ def _texts(name: str, array: np.ndarray) -> np.ndarray:
         texts = np.char.decode(array, "utf-8") if array.dtype.kind == "S" else array
     except UnicodeDecodeError:
         raise MotionError(f"'{name}' holds bytes that are no text", allowed="UTF-8") from None
-    unseen = next((each for each in texts.ravel().tolist() if not each.isprintable()), None)
-    if unseen is not None:  # it would be told as it is, and a line break may forge a verdict
-        raise MotionError(f"'{name}' holds {unseen[:80]!r}", allowed="names without control characters")
+    for each in texts.ravel().tolist():
+        check_name(each, f"'{name}' holds")
     return texts
 
 
+def check_name(name: str, where: str = "there is the name") -> None:
+    """The name can be told as it is: a line break in it may forge a verdict.
+
+    Raises:
+        MotionError: It has control characters, or is too long.
+    """
+    if not name.isprintable():
+        raise MotionError(f"{where} {name[:80]!r}", allowed="names without control characters")
+    if len(name) > LONGEST:
+        said = f"{where} '{name[:40]}…', of {len(name)} characters"
+        raise MotionError(said, allowed=f"names of up to {LONGEST}")
+
+
+def twice(names: Iterable[str]) -> str | None:
+    """The first of the names that is there again, if there is one."""
+    return next((name for name, times in Counter(names).items() if times > 1), None)
+
+
 def _is_real(cell: object) -> bool:
+    """Whether it is written as a number that is not too large; a text or a truth value is none."""
+    if not isinstance(cell, int | float) or isinstance(cell, bool):
+        return False
     try:
-        np.asarray(cell, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
+        float(cell)
+    except OverflowError:
         return False
     return True

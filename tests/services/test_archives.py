@@ -30,5 +30,5 @@ def test_an_array_that_is_there_twice_is_refused(tmp_path: Path) -> None:
     np.savez(tmp_path / "a.npz", times=np.arange(3.0))
     with zipfile.ZipFile(tmp_path / "a.npz", "a") as packed:
         packed.writestr("times.npy", packed.read("times.npy"))
-    with pytest.raises(ValueError, match=r"'times.npy' is there twice"):
+    with pytest.raises(ValueError, match="'times' is there twice"):
         arrays_in(tmp_path / "a.npz")
