@@ -35,6 +35,9 @@ NANO = 1e-9
 UPRIGHT = 1e-3
 """[1] How far x and y of a base's quaternion, and its norm, may be from those of a turn about z."""
 
+FLAT = 1e-3
+"""[m, m/s or rad/s] How far a base may rise, and how fast leave the plane."""
+
 SAME_TIME = 1e-6  # [s]
 ALLOWED = f"messages of {JOINTS}, with the base as {POSES} or as joints {', '.join(BASE_JOINTS)}"
 
@@ -233,8 +236,23 @@ def _base(
     base[:, 2] = np.unwrap(base[:, 2])
     turning = _has_velocities(topic, message.points, 1)
     twists = [point.velocities[0] for point in message.points] if turning else []
+    _check_plane(topic, [point.transforms[0].translation.z for point in message.points], twists)
     rates = np.array([(each.linear.x, each.linear.y, each.angular.z) for each in twists])
     return _framed(base, rates if turning else None, message.header.frame_id)
+
+
+def _check_plane(topic: str, heights: list[float], twists: list[Message]) -> None:
+    """The base stays in its plane: only what is in it is read."""
+    for k, height in enumerate(heights):
+        if not abs(height - heights[0]) <= FLAT:
+            said = f"z of the base is {height:.6g} m at point {k} of {topic}"
+            raise MotionError(said, allowed=f"{heights[0]:.6g} m, as at point 0: a base moves in the plane")
+    for k, each in enumerate(twists):
+        out = {"linear z": each.linear.z, "angular x": each.angular.x, "angular y": each.angular.y}
+        for name, speed in out.items():
+            if not abs(speed) <= FLAT:
+                said = f"{name} of the base's velocity is {speed:.6g} at point {k} of {topic}"
+                raise MotionError(said, allowed="0: a base moves in the plane, by linear x, y and angular z")
 
 
 def _framed(base: Array, rates: Array | None, frame: str) -> dict[str, np.ndarray]:

@@ -42,8 +42,13 @@ AGREES = 2.0
 MANY_SAMPLES = 5
 """[1] A few samples may well be waypoints far apart."""
 
-MILLI = 1000.0
-"""[1] Millimetres in a metre, milliseconds in a second."""
+PARTS = (("nanoseconds", 1e9), ("microseconds", 1e6), ("milliseconds", 1e3))
+"""Units that times may be in, with how many are a second."""
+
+MILLI = PARTS[-1][1]
+
+FINEST = 1e-4
+"""[s] Samples are no nearer to each other: ten times as many as a robot's controller makes."""
 
 WRONG_WAY = 0.01
 """[rad or m] What a joint is beyond 0 by no more is a matter for the verdict."""
@@ -146,7 +151,7 @@ def check_base(poses: Array, array: str, given: Given) -> None:
 def check_times(
     times: Array, names: tuple[str, ...], positions: Array, velocities: Array | None, mechanism: Mechanism
 ) -> None:
-    """Times are not in milliseconds: samples are far apart, and read so the joints keep to their speeds.
+    """Times are not in parts of a second: samples are far apart, and read so the joints keep to their speeds.
 
     Velocities that the file gives, and that add up to the ways, show that they are in seconds.
 
@@ -157,12 +162,20 @@ def check_times(
     fastest, share = _fastest(times, positions, [limits[name] for name in names])
     if fastest is None or (velocities is not None and _add_up(times, positions, velocities)):
         return
+    spacing = float(np.median(np.diff(times)))
+    unit, parts = _unit(spacing, share)
     raise MotionError(
-        f"'times' are {np.median(np.diff(times)):.4g} s apart and {names[fastest]}, the fastest joint, uses"
-        f" {share:.2%} of its speed: probably milliseconds",
+        f"'times' are {spacing:.4g} s apart and {names[fastest]}, the fastest joint, uses"
+        f" {share:.2%} of its speed: probably {unit}",
         allowed="seconds; times so far apart with velocities in rad/s or m/s that add up to the motion",
-        remedy=f"divide times by {MILLI:.0f}",
+        remedy=f"divide times by {parts:.0f}",
     )
+
+
+def _unit(spacing: float, share: float) -> tuple[str, float]:
+    """The smallest unit in which the samples are no nearer, and the joints no faster, than they may be."""
+    fit = (each for each in PARTS if spacing / each[1] >= FINEST and share * each[1] < FAST)
+    return next(fit, PARTS[-1])
 
 
 def drives(times: Array, poses: Array, limits: BaseLimits) -> bool:

@@ -90,6 +90,8 @@ def bag(
     frame: str = "world",
     points: int = 9,
     tilt: float = 0.0,
+    rise: float = 0.0,
+    roll: float = 0.0,
     speeds: int = 0,
     later: int = 0,
     placed: int = 1,
@@ -134,12 +136,12 @@ def bag(
             kinds["MultiDOFJointTrajectoryPoint"](
                 [
                     kinds["Transform"](
-                        kinds["Vector3"](x, y, 0.0),
+                        kinds["Vector3"](x, y, rise * t),
                         kinds["Quaternion"](tilt, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)),
                     )
                 ]
                 * placed,
-                [kinds["Twist"](kinds["Vector3"](vx, vy, 0.0), kinds["Vector3"](0.0, 0.0, turn))][:speeds],
+                [kinds["Twist"](kinds["Vector3"](vx, vy, 0.0), kinds["Vector3"](roll, 0.0, turn))][:speeds],
                 [],
                 since(t),
             )
@@ -214,6 +216,14 @@ def test_a_bag_says_the_same(tmp_path: Path, base: str, speeds: dict[str, np.nda
         ({"base": "nowhere"}, "does not say where the base is"),
         ({"base": "transforms", "points": 8}, "/base has 8 points; allowed: 9"),
         ({"base": "transforms", "tilt": 0.1}, "tilted at point 0"),
+        (
+            {"base": "transforms", "rise": 0.1},
+            "z of the base is 0.05 m at point 1 of /base; allowed: 0 m, as at point 0",
+        ),
+        (
+            {"base": "transforms", "speeds": 9, "roll": 0.1},
+            "angular x of the base's velocity is 0.1 at point 0 of /base; allowed: 0",
+        ),
         ({"base": "transforms", "placed": 0}, "point 0 of /base has 0 transforms; allowed: 1"),
         (
             {"base": "transforms", "later": 3},
