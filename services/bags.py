@@ -1,37 +1,43 @@
-"""ROS 2 bags as rosbags reads them, but for chunks that unpack to more than they say.
+"""ROS 2 bags as rosbags reads them, but for what unpacks to more than it says, or than fits into memory.
 
 A small file may fill all memory with one: zeros are packed to a thirty-thousandth.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from types import SimpleNamespace
+from typing import IO, Any, Final
 
+from sdt_kg.endless import check_ends
 from sdt_kg.errors import InputError
 
 MOST: Final = 2**29
-"""[bytes] Of a chunk, unpacked: recorders write some MB."""
+"""[bytes] Of a chunk, of a message, of all files of a folder, unpacked: of chunks recorders write some MB."""
 
 
 def bag_at(path: Path) -> Any:  # noqa: ANN401 - of a library that may not be there
     """The reader of a bag, a context; messages that it does not define are those of ROS 2 Humble.
 
     Raises:
-        InputError: The library is not installed.
+        InputError: The library is not installed, or a file of the bag is a pipe or a device.
     """
     try:
         from lz4.frame import LZ4FrameDecompressor  # noqa: PLC0415 - of the same extra
         from rosbags.highlevel import AnyReader  # noqa: PLC0415 - an extra
-        from rosbags.rosbag2 import storage_mcap  # noqa: PLC0415 - an extra
+        from rosbags.rosbag2 import reader, storage_mcap  # noqa: PLC0415 - an extra
         from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - an extra
     except ImportError:
         raise InputError(
             "a ROS 2 bag needs the library rosbags", remedy="pip install 'sdt-kg[ros]'"
         ) from None
+    for each in path.iterdir() if path.is_dir() else (path,):
+        check_ends(each)
     zstd = storage_mcap.zstd  # pyright: ignore[reportPrivateImportUsage]  # Python's own from 3.14 on
     made = {"zstd": zstd.ZstdDecompressor, "lz4": LZ4FrameDecompressor}
     storage_mcap.DECOMPRESSORS.update({name: partial(unpacked, make) for name, make in made.items()})
+    reader.zstd = Bounded(zstd)  # pyright: ignore[reportAttributeAccessIssue, reportPrivateImportUsage]  # as rosbags takes it
     return AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
 
 
@@ -54,3 +60,37 @@ def unpacked(make: Callable[[], Any], data: bytes, size: int) -> bytes:
         found += frame.decompress(data, size + 1 - len(found))
         data = frame.unused_data if frame.eof else b""
     return found
+
+
+class Bounded:
+    """What rosbags unpacks the files and messages of one folder with, as the module that it takes for it."""
+
+    def __init__(self, zstd: Any) -> None:  # noqa: ANN401 - a module, whose name depends on Python's version
+        self._zstd, self._held = zstd, 0
+
+    def decompress(self, data: bytes) -> bytes:
+        """The message.
+
+        Raises:
+            ValueError: It has too many bytes.
+        """
+        found = unpacked(self._zstd.ZstdDecompressor, data, MOST)
+        if len(found) > MOST:
+            raise ValueError(f"a message would have more than {MOST} bytes, and no more are read")
+        return found
+
+    @contextmanager
+    def open(self, file: IO[bytes], mode: str) -> Iterator[SimpleNamespace]:
+        """What reads the file."""
+        with self._zstd.open(file, mode) as packed:
+            yield SimpleNamespace(read=partial(self._read, packed))
+
+    def _read(self, packed: IO[bytes], size: int) -> bytes:
+        """The next bytes; raises as `decompress`."""
+        part = packed.read(size)
+        self._held += len(part)
+        if self._held > MOST:
+            raise ValueError(
+                f"its files would have more than {MOST} bytes, and no more are unpacked; unpack them before"
+            )
+        return part

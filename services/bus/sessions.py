@@ -6,6 +6,7 @@ from pathlib import Path
 
 import zenoh
 
+from sdt_kg.endless import check_ends
 from sdt_kg.errors import InputError
 from services.judging.problems import BusUnavailableError, ProblemType, problem
 
@@ -61,6 +62,7 @@ def open_session(
 def _settings(config: Path | None) -> zenoh.Config:
     if config is None:
         return zenoh.Config()
+    check_ends(config)
     try:
         return zenoh.Config.from_file(str(config))
     except zenoh.ZError as error:

@@ -7,10 +7,12 @@ from pathlib import Path
 
 import click
 
+from sdt_kg.endless import check_ends
 from sdt_kg.errors import InputError
 from sdt_kg.numbers import check_written
 from services.commands.completion.types import KITCHEN, STATE
 from services.commands.show import CSV
+from services.store.output import place_of
 
 KITCHEN_HELP = "Bundled kitchen (a, b) or path of a URDF, xacro, MJCF, SDF or saved twin (.nq, .trig)."
 ROBOT_HELP = "Bundled robot (pr2, tiago_dual, stretch) or path of a URDF or xacro."
@@ -22,6 +24,7 @@ def query_text(file: Path) -> str:
     Raises:
         InputError: It is no UTF-8, or not there.
     """
+    check_ends(file)
     try:
         return file.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
@@ -79,6 +82,7 @@ class OutFile(click.Path):
             self.fail(f"a file '{path.name}'; allowed: {', '.join(self.suffixes)}", param, ctx)
         if not path.parent.is_dir():
             self.fail(f"{path}: there is no folder '{path.parent}'", param, ctx)
+        place_of(path)
         return path
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
+from sdt_kg.endless import check_ends
 from sdt_kg.errors import InputError, UnknownEntityError
 from services.configuration.shared import SHARED
 
@@ -70,6 +71,7 @@ def settings(
 
 
 def _parsed(path: Path, commands: tuple[str, ...], environment: Mapping[str, str]) -> Settings:
+    check_ends(path)
     try:
         said = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:

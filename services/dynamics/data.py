@@ -12,6 +12,7 @@ import pyoxigraph as ox
 
 import kitchens
 import robots
+from sdt_kg.endless import check_ends
 from sdt_kg.entities import Replacement
 from sdt_kg.errors import AnnotationError, InputError
 from sdt_kg.iri import SDT, Iri, local_name
@@ -102,6 +103,7 @@ def _has_forces(twin: Twin) -> bool:
 
 def _triples(file: Path) -> list[Triple]:
     found: list[Triple] = []
+    check_ends(file)
     try:
         for quad in ox.parse(file.read_bytes().removeprefix(BOM_UTF8), format=ox.RdfFormat.TURTLE):
             subject, value = quad.subject, quad.object

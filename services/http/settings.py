@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, Self
 
+from sdt_kg.endless import check_ends
 from sdt_kg.errors import InputError
 from services.store.workers import Limits
 from services.telemetry.told import Telemetry
@@ -113,6 +114,8 @@ def token_for(address: Address, file: Path | None = None) -> str | None:
 
 
 def _token(file: Path | None) -> str | None:
+    if file is not None:
+        check_ends(file)
     text = (
         file.read_text(encoding="utf-8-sig").strip() if file else os.environ.get(TOKEN_VARIABLE, "").strip()
     )

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sdt_kg.endless import check_ends
 from sdt_kg.errors import InputError, MotionError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
@@ -41,6 +42,7 @@ def read_motion(path: Path, twin: Twin, robot: Iri | None = None) -> Motion | Bo
     """
     if not path.exists():
         raise InputError(f"no file at {path}")
+    check_ends(path)
     is_bag = path.is_dir() or path.suffix == ".mcap"
     if not is_bag and path.suffix not in _READERS:
         raise InputError(f"a motion in '{path.name}'", allowed=", ".join(SUFFIXES) + " or a bag directory")

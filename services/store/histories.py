@@ -6,6 +6,7 @@ from typing import Final
 
 import pyoxigraph as ox
 
+from sdt_kg.endless import check_ends
 from sdt_kg.errors import InputError
 from sdt_kg.history import History, Trajectory, has_history, reopened
 from sdt_kg.iri import Iri, local_name
@@ -74,6 +75,8 @@ def samples_beside(place: str) -> dict[Iri, Trajectory]:
     if is_url(place):
         return {}
     paths = sorted(Path(place).parent.glob(f"{Path(place).stem}.*.npz"))
+    for path in paths:
+        check_ends(path)
     read = (Trajectory.from_bytes(path.read_bytes()) for path in paths)
     return {each.iri: each for each in read}
 

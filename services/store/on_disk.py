@@ -9,6 +9,7 @@ from typing import IO
 
 import pyoxigraph as ox
 
+from sdt_kg.endless import check_ends
 from sdt_kg.errors import InputError, StoreRejectedError, StoreUnavailableError
 from sdt_kg.iri import PREFIXES
 from services.store.embedded import EmbeddedStore
@@ -128,6 +129,7 @@ def read_file(path: Path) -> ox.Store:
     Raises:
         InputError: There is no such file, or it is not RDF.
     """
+    check_ends(path)
     store = ox.Store()
     try:
         store.bulk_load(path=str(path), format=FORMATS[path.suffix])
@@ -144,6 +146,7 @@ def _claimed(path: Path) -> IO[bytes]:
     The lock goes with the process that holds it; a file that a killed one left behind is used again.
     """
     partial = path.with_name(path.name + ".partial")
+    check_ends(partial)
     for attempt in range(ATTEMPTS):
         if attempt:
             time.sleep(WAIT)

@@ -24,6 +24,17 @@ def writing(path: Path) -> Iterator[None]:
         ) from None
 
 
+def place_of(path: Path) -> Path:
+    """Where a file lies that is written under this name: where the links end.
+
+    Raises:
+        InputError: They end nowhere.
+    """
+    with writing(path), contextlib.suppress(FileNotFoundError):
+        path.stat()  # tells of links that lead in a circle, in every version of Python
+    return path.resolve()
+
+
 def write_file(path: Path, content: str | bytes) -> None:
     """The file holds the content, a text as UTF-8; where there is no room for it, it is as it was.
 
@@ -31,14 +42,23 @@ def write_file(path: Path, content: str | bytes) -> None:
         InputError: It cannot be written.
     """
     raw = content.encode() if isinstance(content, str) else content
-    place = path.resolve()
+    place = place_of(path)
     partial = place.with_name(f".{place.name}.{os.getpid()}.partial")
     whole = partial if place.is_file() or not place.exists() else place  # a pipe or a terminal stays one
     try:
         with writing(path):
-            whole.write_bytes(raw)
+            with os.fdopen(_opened(whole), "wb") as file:
+                file.write(raw)
             if whole is partial:
                 partial.replace(place)
     finally:
         with contextlib.suppress(OSError):
             partial.unlink(missing_ok=True)
+
+
+def _opened(path: Path) -> int:
+    """A descriptor to write to; one would wait for ever for somebody to read from a pipe."""
+    flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC | os.O_NONBLOCK
+    opened = os.open(path, flags, 0o666)
+    os.set_blocking(opened, True)
+    return opened

@@ -10,6 +10,7 @@ from typing import Final
 
 from predicates.meant import counted
 from sdt_kg.annotation import Drive
+from sdt_kg.endless import check_ends
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import local_name
 from sdt_kg.load import load_twin, model_name
@@ -92,6 +93,7 @@ def csv_rows(file: Path) -> Iterator[tuple[str, Row]]:
     Raises:
         InputError: The head has a column that means nothing here, or a row is longer than it.
     """
+    check_ends(file)
     try:
         with file.open(newline="", encoding="utf-8-sig") as opened:
             reader = csv.DictReader(opened)

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from sdt_kg.errors import InputError, MotionError
+from services import bags
 from services.tracks import read_track
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
@@ -53,9 +54,12 @@ def hung(
     return "/tf", of("tf2_msgs/msg/TFMessage", [stamped]), time
 
 
-def recorded(folder: Path, items: Iterable[Item]) -> Path:
+def recorded(folder: Path, items: Iterable[Item], compression: CompressionMode | None = None) -> Path:
     path = folder / "bag"
-    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+    writer = Writer(path, version=9, storage_plugin=StoragePlugin.MCAP)
+    if compression is not None:
+        writer.set_compression(compression, CompressionFormat.ZSTD)
+    with writer:
         connections = dict[str, Any]()
         for topic, message, time in items:
             if topic not in connections:
@@ -154,4 +158,15 @@ def test_a_damaged_bag_is_told_so(tmp_path: Path, was: bytes, now: bytes, messag
     for file in bag.iterdir():
         file.write_bytes(file.read_bytes().replace(was, now))
     with pytest.raises(InputError, match=message):
+        read_track(bag)
+
+
+@pytest.mark.parametrize("mode", [CompressionMode.FILE, CompressionMode.MESSAGE])
+def test_of_files_and_messages_no_more_is_unpacked_than_fits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mode: CompressionMode
+) -> None:
+    bag = recorded(tmp_path, POSES, mode)
+    assert len(read_track(bag).positions) == 20
+    monkeypatch.setattr(bags, "MOST", 50)
+    with pytest.raises(InputError, match="would have more than 50 bytes, and no more are"):
         read_track(bag)

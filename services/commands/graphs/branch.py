@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 import pyoxigraph as ox
 
+from sdt_kg.endless import check_ends
 from sdt_kg.errors import InputError
 from sdt_kg.history import Branch, History
 from sdt_kg.history.diff import difference, quads_of_twin
@@ -186,6 +187,7 @@ def diff(
 def patch(patch_file: Path, source: str, output: Path, reverse: bool) -> None:
     """Apply an RDF Patch that sdt diff wrote to A, a saved graph or kitchen, and write what that makes."""
     checked_format(output)
+    check_ends(patch_file)
     try:
         made = read_patch(patch_file.read_text(encoding="utf-8-sig"))
     except UnicodeDecodeError as error:
