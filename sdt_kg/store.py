@@ -178,6 +178,8 @@ def checked_query(sparql: str) -> str:
         )
     try:
         ox.Store().query(sparql, prefixes=PREFIXES)
+    except UnicodeEncodeError:
+        raise QueryError("the query has bytes that are no text", allowed="SPARQL in UTF-8") from None
     except SyntaxError as error:
         raise not_read(error) from None
     return sparql

@@ -245,7 +245,8 @@ def _kitchen(kitchen: Written) -> Twin:
 
 def _written(name: str) -> Written:
     """The model as its files are now: one that was edited since is loaded again."""
-    files = (Path(name), Path(name).with_suffix(".ttl"))
+    path = Path(name)
+    files = (path, path.with_suffix(".ttl")) if path.name else ()  # "/" and "" have none, and are no models
     return Written(name, tuple(each.stat().st_mtime_ns for each in files if each.is_file()))
 
 

@@ -39,6 +39,7 @@ BAD = {
     "service": (["query", "b", "SELECT * { SERVICE <http://127.0.0.1:1/> { ?a ?b ?c } }"], ["SERVICE"]),
     "dataset": (["query", "b", "SELECT * FROM <file:///etc/passwd> { ?a ?b ?c }"], ["leave FROM out"]),
     "load": (["query", "b", "LOAD <http://127.0.0.1:1/>"], ["SELECT"]),
+    "no text": (["query", "b", "ASK {} #\udcff"], ["bytes that are no text", "UTF-8"]),
     "no query": (["query", "b"], ["-f FILE.rq"]),
     "no such store": (["query", "gone.trig", "ASK { ?a ?b ?c }"], ["gone.trig"]),
     "base that is no pose": (
@@ -52,6 +53,8 @@ BAD = {
         ["achieve", "--kitchen", "b", "--robot", "pr2", "--task", "open", "--motion", "."], ["ROS 2 bag"],
     ),
     "kitchen twice": (["table", "--kitchens", "a,a"], ["share a name"]),
+    "kitchen without a name": (["table", "--kitchens", "b,,a"], ["no kitchen named ''"]),
+    "kitchen that is a folder": (["sweep", "--kitchens", "/"], ["no kitchen named '/'"]),
     "state of no kitchen": (["table", "--kitchens", "b", "--state", "nothing=1"], ["nothing=1"]),
     "unknown option": (["containers", "b", "--jason"], ["--jason"]),
     "oracles without a bus": (["serve", "--kitchen", "b", "--oracles"], ["--oracles", "without --bus"]),
