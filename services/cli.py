@@ -20,7 +20,7 @@ from services.commands.exits import MEANING, Exit
 from services.commands.lazy import LazyGroup, Listed
 from services.configuration.read import settings
 from services.configuration.settle import default_map
-from services.stopping import Terminated
+from services.stopping import Terminated, repeat_if_lost
 
 COMPLETE = "_SDT_COMPLETE"
 """Variable by which a shell asks for completion, as click names it."""
@@ -115,6 +115,7 @@ def sdt(context: click.Context, config: Path | None) -> None:
 
 def main() -> None:
     """Run `sdt` as a program."""
+    repeat_if_lost()
     ended: list[int] = []
     atexit.register(_end, ended)  # the first of ours, so called after what else is to be done at the end
     code = program()

@@ -1,11 +1,15 @@
 """SIGTERM as an interrupt, for what has something to keep: `timeout`, containers and schedulers send it."""
 
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import NoReturn
+from typing import Final, NoReturn
+
+SOON: Final = 0.05
+"""[s] After which an interrupt that was lost comes again: the call in which it was lost is over."""
 
 
 class Terminated(KeyboardInterrupt):
@@ -30,6 +34,32 @@ def terminable() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+def repeat_if_lost() -> None:
+    """An interrupt that comes where Python can only print it, as while LLVM calls back, comes again soon.
+
+    Python goes on after what is raised in a callback of C, or where an object is given back.
+    """
+    told = sys.unraisablehook
+    coming: set[int] = set()
+
+    def send(number: int) -> None:
+        coming.remove(number)  # first: it may be lost again
+        signal.pthread_kill(threading.main_thread().ident or 0, number)
+
+    def hook(lost: "sys.UnraisableHookArgs") -> None:
+        if not issubclass(lost.exc_type, KeyboardInterrupt):
+            told(lost)
+            return
+        number = signal.SIGTERM if issubclass(lost.exc_type, Terminated) else signal.SIGINT
+        if number not in coming:
+            coming.add(number)
+            again = threading.Timer(SOON, send, (number,))
+            again.daemon = True
+            again.start()
+
+    sys.unraisablehook = hook
 
 
 def end_at_once() -> None:
