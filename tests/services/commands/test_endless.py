@@ -95,3 +95,10 @@ def test_links_that_lead_in_a_circle_are_no_place(sdt: Callable[..., Done], tmp_
     assert "error: cannot write a: too many levels of symbolic links; " in done.err
     with pytest.raises(InputError, match="too many levels"):
         write_file(tmp_path / "a", "text")
+
+
+def test_a_pipe_that_the_shell_has_opened_is_read() -> None:
+    ends = os.pipe()
+    check_ends(Path(f"/dev/fd/{ends[0]}"))
+    for each in ends:
+        os.close(each)
