@@ -31,6 +31,9 @@ values, complex, durations, dates, records."""
 LONGEST: Final = 200
 """[characters] Of a name: of arrays, joints, robots, phases."""
 
+MOST_ARRAYS: Final = 1000
+"""[1] In one motion: those with names of their own mean nothing here."""
+
 MOST_NAMES: Final = 10_000
 """[1] In one array: a hundred times as many as a robot has joints."""
 
@@ -59,8 +62,10 @@ class Given:
         """No array that is optional is left out because its name is misspelled, or abbreviated.
 
         Raises:
-            MotionError: One may be.
+            MotionError: One may be, or there are too many to look for that.
         """
+        if len(self.arrays) > MOST_ARRAYS:
+            raise MotionError(f"there are {len(self.arrays)} arrays", allowed=f"up to {MOST_ARRAYS}")
         missing = [name for name in KNOWN if name not in self.arrays]
         for name in self.arrays:
             check_name(name)

@@ -13,7 +13,7 @@ from sdt_kg.errors import MotionError
 from services.motions import motion_of, read_motion
 from services.motions.archive import arrays_in
 from services.motions.columns import read_csv
-from services.motions.given import LONGEST, MOST_NAMES
+from services.motions.given import LONGEST, MOST_ARRAYS, MOST_NAMES
 from tests.small import small_twin
 
 TWIN = small_twin("a", ("pr2",))
@@ -119,6 +119,12 @@ def test_an_array_has_as_many_names_as_a_robot_may_have() -> None:
     with pytest.raises(MotionError, match="'robot_joint_names' has 10001 names; allowed: up to 10000"):
         motion_of({"times": np.arange(3), "base": np.zeros((3, 3)), "robot_joint_names": names,
                    "robot_positions": np.zeros((3, 1))}, TWIN, TWIN.robots[0])  # fmt: skip
+
+
+def test_a_motion_has_no_more_arrays_than_can_be_looked_through() -> None:
+    arrays = {f"a{each}": np.zeros(1) for each in range(MOST_ARRAYS + 1)}
+    with pytest.raises(MotionError, match="there are 1001 arrays; allowed: up to 1000"):
+        motion_of(arrays, TWIN)
 
 
 def test_many_names_are_looked_through_once(tmp_path: Path) -> None:
