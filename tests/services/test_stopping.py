@@ -16,8 +16,12 @@ from services.stopping import Terminated, repeat_if_lost, terminable
 def _repeating(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
     repeat_if_lost()
-    with terminable():
-        yield
+    was = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job beside others ignores it
+    try:
+        with terminable():
+            yield
+    finally:
+        signal.signal(signal.SIGINT, was)
 
 
 @pytest.mark.usefixtures("_repeating")
