@@ -6,11 +6,17 @@ from pathlib import Path
 from typing import Final
 from xml.etree import ElementTree as ET
 
+import numpy as np
+
 from sdt_kg.errors import UrdfError
 from sdt_kg.scenes.values import own_pose
 
-HARMLESS: Final = ("sun", "ground_plane")
+FLOOR: Final = "ground_plane"
+HARMLESS: Final = ("sun", FLOOR)
 """Models that scenes include for their light, and for the floor that every twin has."""
+
+TOLD_BY_STATE: Final = ("sim_time", "wall_time", "real_time", "iterations", "light")
+"""What a state of the world may tell: no model is elsewhere by it."""
 
 WORLD: Final = "world"
 FLAT: Final = 1e-9
@@ -32,8 +38,9 @@ def check_solid(holder: ET.Element, shapes: Collection[str], path: Path) -> None
             are joined, or elsewhere than where their poses say.
     """
     models, crowds = holder.findall("model"), holder.findall("population")
-    for include in (one for each in (holder, *models, *crowds) for one in each.findall("include")):
-        _check_included(include, path)
+    for each in (holder, *models, *crowds):
+        for include in each.findall("include"):
+            _check_included(include, each, path)
     for outer in (*models, *crowds):
         for inner in outer.findall("model"):
             _check_nested(inner, f"<{outer.tag}> '{outer.get('name')}'", path)
@@ -52,20 +59,22 @@ def _check_shapes(models: Iterable[ET.Element], shapes: Collection[str], path: P
                 _check_shape(collision, shapes, f"{path}: model '{model.get('name')}': {where}")
 
 
-def _check_included(include: ET.Element, path: Path) -> None:
+def _check_included(include: ET.Element, holder: ET.Element, path: Path) -> None:
     uri = (include.findtext("uri") or "").strip()
-    if not _is_level(include, f"{path}: <include> of '{uri}'"):
-        raise UrdfError(
-            f"{path}: <include> of '{uri}' is raised or turned by its <pose>",
-            allowed="z, roll and pitch 0",
-            remedy=f"write a <plane> there in its place; or {TAKEN_OUT}",
-        )
+    where = f"{path}: <include> of '{uri}'"
     named = [part for part in uri.split("/") if not part.isdigit()]  # at the end may be a version
-    if re.sub(r"\W", "_", named[-1].lower() if named else "") not in HARMLESS:
+    name = re.sub(r"\W", "_", named[-1].lower() if named else "")
+    if name not in HARMLESS:
         raise UrdfError(
-            f"{path}: <include> of '{uri}', which is in another file",
+            f"{where}, which is in another file",
             allowed=", ".join(HARMLESS),
             remedy=f"gz sdf -p FILE writes it into the file; or {TAKEN_OUT}",
+        )
+    if name == FLOOR and not all(_is_level(each, where) for each in (include, holder)):
+        raise UrdfError(
+            f"{where} is raised or turned by its <pose>, or by that of <{holder.tag}>",
+            allowed="z, roll and pitch 0",
+            remedy=f"write a <plane> there in its place; or {TAKEN_OUT}",
         )
 
 
@@ -88,15 +97,23 @@ def _check_joined(holder: ET.Element, path: Path) -> None:
 
 def _check_state(holder: ET.Element, path: Path) -> None:
     """Models are where their poses say: no state of the world moves, adds or takes out any."""
-    for state in holder.findall("state"):
-        for tag in ("model", "insertions", "deletions"):
-            found = next((each for each in state.findall(tag) if each.get("name") not in HARMLESS), None)
-            if found is not None:
-                raise UrdfError(
-                    f"{path}: <state> of the world has <{tag}> {found.get('name') or ''}".rstrip(),
-                    allowed="models where their own poses place them",
-                    remedy="write these poses and models into the world, and take <state> out",
-                )
+    for part in (each for state in holder.findall("state") for each in state):
+        if part.tag not in TOLD_BY_STATE and not _is_at_origin(part, holder, path):
+            raise UrdfError(
+                f"{path}: <state> of the world has <{part.tag}> {part.get('name') or ''}".rstrip(),
+                allowed="models where their own poses place them",
+                remedy="write these poses and models into the world, and take <state> out",
+            )
+
+
+def _is_at_origin(state: ET.Element, holder: ET.Element, path: Path) -> bool:
+    """Whether it tells of the floor or light that it is where it would be anyway."""
+    if state.tag != "model" or state.get("name") not in HARMLESS:
+        return False
+    written = (model for model in holder.findall("model") if model.get("name") == state.get("name"))
+    placed = [element for one in (state, *written) for element in one.iter()]
+    where = f"{path}: '{state.get('name')}'"
+    return all((own_pose(each, where) == np.eye(4)).all() for each in placed) and state.find("scale") is None
 
 
 def _check_nested(model: ET.Element, where: str, path: Path) -> None:

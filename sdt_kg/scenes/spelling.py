@@ -22,6 +22,7 @@ PARTS: Final[Mapping[str, tuple[str, ...]]] = {
         *("light", "frame", "model", "actor", "plugin", "joint", "road", "population", "state"),
         "spherical_coordinates",
     ),
+    "include": ("uri", "pose", "name", "static", "placement_frame", "plugin"),
     "model": (
         *("static", "self_collide", "allow_auto_disable", "include", "model", "enable_wind", "frame", "pose"),
         *("link", "joint", "plugin", "gripper"),
@@ -68,8 +69,11 @@ SEVERAL: Final = ("sdf", "world", "model", "link", "frame")
 ONCE: Final = ("static", "pose", "inertial")
 """Parts that are there once even so."""
 
-OFTEN: Final = ("frame", "sensor")
+OFTEN: Final = ("frame", "sensor", "plugin")
 """Parts that may be there several times in the others, too."""
+
+SOLID: Final = {"include", "model", "link", "collision"}
+"""What is, or may hold, something that can be met."""
 
 
 def check_spelling(root: ET.Element, source: Path) -> None:
@@ -79,9 +83,24 @@ def check_spelling(root: ET.Element, source: Path) -> None:
         UrdfError: Something is; it says what may be meant.
     """
     check_no_xacro(root, source)
+    _check_namespaces(root, source)
     check_slips(_looked_at(root), PARTS, ATTRIBUTES, source)
     for element in _looked_at(root):
         _check_once(element, source)
+
+
+def _check_namespaces(root: ET.Element, source: Path) -> None:
+    """No element of another namespace is called, or has in it, what would be read: Gazebo heeds no xmlns."""
+    for element in _looked_at(root):
+        for part in element:
+            space, _, tag = part.tag.rpartition("}")
+            inner = {each.tag.rpartition("}")[2] for each in part.iter()}
+            if space and (tag in PARTS.get(element.tag, ()) or inner & SOLID):
+                raise UrdfError(
+                    f"{place_of(element, source)} has <{tag}> of the namespace '{space[1:]}'",
+                    allowed="elements of SDF, which have none",
+                    remedy="take out its xmlns, or its prefix; or all of it if nothing is to meet it",
+                )
 
 
 def _check_once(element: ET.Element, source: Path) -> None:

@@ -109,6 +109,35 @@ def test_a_flexible_body_that_something_may_meet_is_refused(tmp_path: Path) -> N
             "model 'a'",
         ),
         ('<x:crate xmlns:x="http://www.ros.org/wiki/xacro"/>', "xacro"),
+        ("<xacro:crate/>", "unbound prefix"),
+        ('<model xmlns="urn:x" name="m"><link name="l"/></model>', "<model> of the namespace 'urn:x'"),
+        ('<x:crates xmlns:x="urn:x"><x:model name="m"/></x:crates>', "<crates> of the namespace 'urn:x'"),
+        (
+            "<include><uri>model://ground_plane</uri><Pose>0 0 0.5 0 0 0</Pose></include>",
+            "write <pose>",
+        ),
+        (
+            '<model name="m"><pose>0 0 0.5 0 0 0</pose><include><uri>model://ground_plane</uri></include></model>',
+            "or by that of <model>",
+        ),
+        (
+            "<include><uri>model://table</uri><pose>0 0 0.5 0 0 0</pose></include>",
+            "in another file",
+        ),
+        ('<state world_name="w"><Model name="crate"/></state>', "<Model>"),
+        (
+            '<state world_name="w"><insertions name="sun"><model name="m"/></insertions></state>',
+            "<insertions>",
+        ),
+        (
+            '<state world_name="w"><model name="ground_plane"><pose>0 0 0.5 0 0 0</pose></model></state>',
+            "ground_plane",
+        ),
+        (
+            '<state world_name="w"><model name="sun"/></state>'
+            '<model name="sun"><pose>3 3 0 0 0 0</pose></model>',
+            "<state>",
+        ),
     ],
 )
 def test_what_would_stand_elsewhere_or_not_be_read_is_refused(tmp_path: Path, more: str, said: str) -> None:
@@ -121,6 +150,8 @@ def test_what_would_stand_elsewhere_or_not_be_read_is_refused(tmp_path: Path, mo
     [
         "<include><uri>model://ground_plane</uri><pose>1 2 0 0 0 0.3</pose></include>",
         "<include><uri>model://sun</uri></include>",
+        "<include><uri>model://sun</uri><pose>0 0 10 0 0 0</pose></include>",
+        '<d:proximity_properties xmlns:d="drake.mit.edu"/>',
         '<state world_name="w"><sim_time>1 0</sim_time><model name="ground_plane"/></state>',
         '<actor name="a"><skin><filename>walk.dae</filename></skin></actor>',
     ],
