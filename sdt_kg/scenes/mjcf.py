@@ -1,7 +1,7 @@
 """MJCF → Mechanism, by MuJoCo's own compiler: defaults, includes, angles and frames are its business."""
 
 import importlib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 from xml.etree import ElementTree as ET
@@ -115,9 +115,7 @@ class _Reader:
         self.parts.append(Part("world", np.eye(4), None, tuple(self._shapes(0, np.eye(4)).values())))
         for body in range(1, model.nbody):
             frames[body] = self._body(body, frames[int(model.body_parentid[body])])
-        carried = {link.name for link in self.links}
-        couplings, other = Constraints(self.library, model, self.path).couplings(carried)
-        links = [replace(link, mimic=couplings.get(link.name)) for link in self.links]
+        links, other = Constraints(self.library, model, self.path).applied(self.links)
         return built(
             name, self.parts, links, [*self._notes(), *listed("equality constraints", other)], self.path
         )

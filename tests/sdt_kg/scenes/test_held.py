@@ -5,16 +5,17 @@ from pathlib import Path
 import pytest
 
 from sdt_kg.errors import UrdfError
+from sdt_kg.mechanism import JointType
 from sdt_kg.scenes import read_scene
 
 MJCF = """<mujoco><worldbody>
-<geom name="wall" type="box" size=".1 1 1" pos="2 0 0"/>
+<geom name="wall" type="box" size=".1 1 1" pos="2 0 0"/><site name="hook"/>
 <body name="drawer" pos="1 0 1"><joint name="pull" type="slide" axis="-1 0 0" range="0 .4"/>
  <geom name="front" type="box" size=".02 .2 .1"/><site name="knob"/></body>
 <body name="flap" pos="1 1 1"><joint name="turn" type="hinge" range="0 1"/>
  <geom type="box" size=".2 .02 .1"/></body>
 <body name="crate" pos=".5 0 1"><freejoint/><geom type="box" size=".1 .1 .1"/></body>
-<body name="jar" pos=".5 1 1"><freejoint/><geom type="sphere" size=".1"/></body>
+<body name="jar" pos=".5 1 1"><freejoint/><geom type="sphere" size=".1"/><site name="lid"/></body>
 {body}</worldbody>{more}</mujoco>"""
 
 SDF = """<sdf version="1.9"><world name="w">{more}
@@ -27,6 +28,9 @@ FLEX = """<flexcomp name="soft" type="grid" dim="3" count="3 3 3" spacing=".1 .1
  pos=".5 0 1" rigid="true">
 <contact contype="{0}" conaffinity="{0}"/></flexcomp>"""
 TENDON = '<tendon><fixed name="cord" {0}><joint joint="pull" coef="1"/></fixed></tendon>'
+ROPE = """<tendon><spatial name="rope" limited="true" range="0 9">
+<site site="{}"/><site site="hook"/></spatial></tendon>
+<equality><tendon name="e" tendon1="rope"/></equality>"""
 
 
 def mjcf(folder: Path, more: str = "", body: str = "") -> str:
@@ -44,13 +48,15 @@ def sdf(folder: Path, more: str) -> str:
 @pytest.mark.parametrize(
     "more",
     [
-        '<equality><joint joint1="pull"/></equality>',
+        '<equality><joint joint1="pull" polycoef=".5 1 0 0 0"/></equality>',  # beyond its range
+        '<equality><joint joint1="pull"/><joint joint1="pull" joint2="turn"/></equality>',
         '<equality><joint joint1="pull" joint2="turn" polycoef="0 1 1 0 0"/></equality>',
         '<equality><weld body1="drawer"/></equality>',
         '<equality><weld body1="crate" body2="drawer"/></equality>',
         '<equality><connect body1="crate" body2="flap" anchor="0 0 0"/></equality>',
         TENDON.format('limited="true" range="-.01 .01"'),
         f"{TENDON.format('')}<equality><tendon tendon1='cord'/></equality>",
+        ROPE.format("knob"),
     ],
 )
 def test_what_holds_a_drawer_otherwise_than_by_its_joint_is_refused(tmp_path: Path, more: str) -> None:
@@ -64,10 +70,36 @@ def test_what_holds_a_drawer_otherwise_than_by_its_joint_is_refused(tmp_path: Pa
         '<equality><weld name="e" body1="crate" body2="jar"/></equality>',
         '<equality><weld name="e" body1="crate"/></equality>',
         '<equality><weld name="e" body1="crate" body2="drawer" active="false"/></equality>',
+        ROPE.format("lid"),
     ],
 )
 def test_what_holds_only_what_is_fixed_here_is_told(tmp_path: Path, more: str) -> None:
     assert "equality constraints: e" in mjcf(tmp_path, more)
+
+
+@pytest.mark.parametrize(
+    ("ref", "more"),
+    [
+        (0.0, '<joint name="lock" joint1="pull" polycoef=".3 1 0 0 0"/>'),
+        (0.1, '<joint name="lock" joint1="pull" polycoef=".2 1 0 0 0"/>'),
+        (0.1, '<joint name="lock" joint1="pull" polycoef=".2 1 9 0 0" solref=".1 1"/>'),  # only a counts
+    ],
+)
+def test_a_joint_that_is_held_alone_is_fixed_where_it_is_held(tmp_path: Path, ref: float, more: str) -> None:
+    path = tmp_path / "scene.xml"
+    text = MJCF.format(more=f"<equality>{more}</equality>", body="")
+    path.write_text(text.replace('name="pull"', f'name="pull" ref="{ref}"'), encoding="utf-8")
+    joint = read_scene(path).joint("pull")
+    assert joint.type is JointType.FIXED
+    assert joint.origin.position == pytest.approx((1 + ref - 0.3, 0, 1))  # 0.3 m along -x from where it is 0
+    assert "held by equality constraint 'lock'" in joint.notes
+
+
+def test_what_follows_a_joint_that_is_held_is_fixed_too(tmp_path: Path) -> None:
+    more = '<joint joint1="pull" polycoef=".2 1 0 0 0"/><joint joint1="turn" joint2="pull"/>'
+    (tmp_path / "scene.xml").write_text(MJCF.format(more=f"<equality>{more}</equality>", body=""))
+    joints = {joint.name: joint.type for joint in read_scene(tmp_path / "scene.xml").joints}
+    assert joints["pull"] is joints["turn"] is JointType.FIXED
 
 
 def test_a_tendon_without_limits_holds_nothing(tmp_path: Path) -> None:
