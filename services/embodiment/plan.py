@@ -118,18 +118,18 @@ class Planner:
         self._look_at_last()
 
     def _at_last(self, anew: "Callable[[Planner], Anew] | None") -> Iterator[Planned]:
-        """Plans that many postures find together once more, from bred grasps, and in several holds.
+        """Plans that many postures find together again, from bred grasps, or, base standing, in several holds.
 
         Bred ones first where nothing could be followed: many have found nothing before. But where the base
         stands they take longer than all else.
         """
-        spread, bred, several = self._spread(FULL), self._bred(), None if anew is None else anew(self)
-        self.several = several
+        spread, bred, stands = self._spread(FULL), self._bred(), self.setting.drive is Drive.FIXED
+        self.several = several = anew(self) if stands and anew is not None else None
         *quick, last = ([] if several is None else several.plans(limit) for limit in LIMITS)
-        if self.setting.drive is Drive.FIXED:
+        if stands:
             yield from chain(spread, *quick, bred, last)
         else:
-            yield from chain(*((spread, bred) if self._has_ways() else (bred, spread)), *quick, last)
+            yield from chain(*((spread, bred) if self._has_ways() else (bred, spread)))
 
     def _between(self, number: int) -> Iterator[Planned]:
         """Before round `number`, an early look for proofs, and plans that many postures find together."""
