@@ -118,7 +118,7 @@ class Planner:
         self._look_at_last()
 
     def _at_last(self, anew: "Callable[[Planner], Anew] | None") -> Iterator[Planned]:
-        """Plans that many postures find together again, from bred grasps, or, base standing, in several holds.
+        """Plans that many postures find together again, of bred grasps, or, base standing, in several holds.
 
         Bred ones first where nothing could be followed: many have found nothing before. But where the base
         stands they take longer than all else.
