@@ -12,12 +12,12 @@ from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, Inertia, JointType, Limits, Mechanism, Mimic, ShapeType
 from sdt_kg.scenes.build import HANDLE, Link, Matrix, Part, between, built, listed, pose_of
 from sdt_kg.scenes.planes import half_space
-from sdt_kg.scenes.solid import check_solid
+from sdt_kg.scenes.solid import WORLD, check_solid
 from sdt_kg.scenes.spelling import check_spelling
 from sdt_kg.scenes.values import by_name, is_true, label, number_of, numbers_of, own_pose
 from sdt_kg.urdf.meshes import PACKAGE, collision_file, mesh_hash
 
-MODEL, WORLD = "__model__", "world"
+MODEL: Final = "__model__"
 OLDEST: Final = (1, 5)
 """Before it, axes were written in another frame."""
 

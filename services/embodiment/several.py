@@ -2,10 +2,10 @@
 
 Where no one hold was found, the way is cut in parts, and each is planned as if it were all: from parked, with
 the container where the part before has left it. In between the hand leaves the handle as it would have come
-to it there, backwards, and comes to it as it does from parked: straight from one to the other where the
-base stands and a way of the arm is found, else by way of parking. What one hold can do of the whole, it can
-do of each part: so short ones are looked for first, and a gripper that lacks one is out; then as few as lead
-all the way.
+to it there, backwards, and comes to it as it does from parked: straight from one to the other where a way of
+the arm is found, else by way of parking. All that is where the base stands. What one hold can do of the
+whole, it can do of each part: so short ones are looked for first, and a gripper that lacks one is out; then
+as few as lead all the way.
 """
 
 from collections import Counter
@@ -15,7 +15,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from sdt_kg.annotation import Drive
 from sdt_kg.motion import BodyMotion, Motion
 from services.embodiment.attempt import Attempt
 from services.embodiment.body.limb import BASE
@@ -67,10 +66,7 @@ class Back:
 
     def on(self, planned: Planned, late: Callable[[], bool]) -> list[BodyMotion]:
         """Away from the handle, and on to the next hold; nothing where no way of the arm is found."""
-        approacher, last = self.attempt.approacher, planned.approach
-        if approacher.drive is not Drive.FIXED:
-            return []
-        opened = self.holding.grasp.opened
+        approacher, last, opened = self.attempt.approacher, planned.approach, self.holding.grasp.opened
         ends, rest = (self.approach.reach[0], last.reach[0]), approacher.hand.configuration(dict(opened))
         space = ArmSpace(
             approacher.world, approacher.limb, approacher.rules, rest, approacher.weight, ends[0][BASE]
@@ -230,7 +226,8 @@ def _orders(legs: list[Leg], late: Callable[[], bool]) -> Iterator[list[BodyMoti
         straight += one.back.on(other.planned, late) or by_parking
         parking += by_parking
     yield straight
-    yield parking
+    if parking != straight:
+        yield parking
 
 
 def _joined(planned: list[Planned], bodies: list[BodyMotion]) -> Planned:
@@ -253,23 +250,17 @@ def _joined(planned: list[Planned], bodies: list[BodyMotion]) -> Planned:
 
 
 def _in_a_row(bodies: list[BodyMotion]) -> BodyMotion:
-    """One after the other, each from where the one before ends; the base's yaw goes on from there.
-
-    Phases are numbered from the second of a name on.
-    """
-    times, bases, phases = [bodies[0].times], [bodies[0].base], [*bodies[0].phases]
+    """One after the other, each from where the one before ends; phases of one name are numbered."""
+    times, phases = [bodies[0].times], [*bodies[0].phases]
     seen = Counter(name for name, _ in phases)
     for body in bodies[1:]:
         count = sum(map(len, times)) - 1
         times.append(times[-1][-1] + body.times[1:] - body.times[0])
-        turned = np.round((bases[-1][-1, 2] - body.base[0, 2]) / (2 * np.pi)) * 2 * np.pi
-        bases.append(body.base[1:] + np.array([0.0, 0.0, turned]))
         for name, sample in body.phases:
             seen[name] += 1
             phases.append((f"{name} {seen[name]}" if seen[name] > 1 else name, count + sample))
     rows = {
         name: np.concatenate([getattr(body, name)[min(k, 1) :] for k, body in enumerate(bodies)])
-        for name in ("q", "v", "base_v", "kitchen_q", "kitchen_v")
+        for name in ("base", "q", "v", "base_v", "kitchen_q", "kitchen_v")
     }
-    whole = {"times": np.concatenate(times), "base": np.concatenate(bases), "phases": tuple(phases)}
-    return replace(bodies[0], **whole, **rows)
+    return replace(bodies[0], times=np.concatenate(times), phases=tuple(phases), **rows)

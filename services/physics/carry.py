@@ -114,7 +114,7 @@ def _held(  # noqa: PLR0913, PLR0917 - a world, a motion in it, and who moves wh
     samples = len(body_motion.times)
     values, velocities = np.full(samples, twin.state[container.joint]), np.zeros(samples)
     about = body_motion, gripper
-    tools, before, after = (_tool_poses(scene, *about, dt) for dt in (0.0, -INSTANT, INSTANT))
+    tools = _tool_poses(scene, *about, 0.0)
     fingers, may = _fingertips(scene, *about), np.ones(samples, dtype=bool)
     while True:
         handle = chain(model, container.handle, twin.state)
@@ -125,7 +125,10 @@ def _held(  # noqa: PLR0913, PLR0917 - a world, a motion in it, and who moves wh
             return values, velocities
         held = slice(hold.begin, hold.end + 1)
         values[held], values[hold.end :] = hold.values, hold.values[-1]
-        ends = [_positions(handle, bounds, twin, each, tools[hold.begin]) for each in (before, after)]
+        ends = [
+            _positions(handle, bounds, twin, _tool_poses(scene, *about, dt), tools[hold.begin])
+            for dt in (-INSTANT, INSTANT)
+        ]
         velocities[held] = ((ends[1] - ends[0]) / (2 * INSTANT))[held]
         may &= (np.abs(fingers - fingers[hold.begin]) <= FINGER_PLAY).all(axis=1)  # as closed as they were
         may[: hold.end + 1] = False

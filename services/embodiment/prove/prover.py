@@ -113,7 +113,7 @@ class Prover:
         of, once = self.statement, any(one.one_hold for one in refutations)
         claim = claim_about(*about, within=of.within, declared=of.declared, one_hold=once)
         artefact = Artefact(ArtefactKind.PROOF, to_bytes(Proof(claim, tuple(refutations))))
-        return Proved(self._diagnosis(refutations, leaves), artefact, leaves)
+        return Proved(self._diagnosis(refutations, leaves, whole=not claim.partial), artefact, leaves)
 
     def swept(self, late: Callable[[], bool] = never) -> Proved | None:
         """The same where the container comes into what the base carries: at many values, until it is late."""
@@ -238,7 +238,7 @@ class Prover:
         values = spread(self.span, self.twin.state[self.container.joint], self.count)
         return sorted(values, key=lambda value: -abs(value - (values[0] + values[-1]) / 2))
 
-    def _diagnosis(self, refutations: list[Refutation], leaves: int) -> Diagnosis:
+    def _diagnosis(self, refutations: list[Refutation], leaves: int, *, whole: bool) -> Diagnosis:
         """In words: where the handle is out of reach, and for which base."""
         assert self.span is not None
         value = refutations[0].value
@@ -278,8 +278,6 @@ class Prover:
         evidence = Evidence(Quantity.POSITION, demanded, value, unit, entity=self.container.joint)
         if self.statement.declared:
             reason += "; its bodies are taken as the collision shapes that certification has"
-        once = any(one.one_hold for one in refutations)
-        whole = within is None and not self.statement.declared and not once
         return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=whole)
 
     def _held(self, refutations: list[Refutation]) -> str:
