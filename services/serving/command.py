@@ -1,6 +1,5 @@
 """`sdt serve`: kitchens, verdicts and the Law over HTTP."""
 
-import signal
 from contextlib import closing, nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +11,7 @@ from services.commands.completion.types import KITCHEN, ROBOT
 from services.commands.importing import importing
 from services.commands.network.bus import ENDPOINT
 from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange, WholeRange
+from services.stopping import terminable
 
 
 @click.command()
@@ -127,7 +127,6 @@ def serve(
         from services.viewer.beside import page_beside  # noqa: PLC0415 - see above
 
     logs.configure(logs.Form(log_form))
-    signal.signal(signal.SIGTERM, _ended)  # the server shuts down at it, then raises it again
     where = Address.of(address)
     limits = Limits(seconds=timeout)
     settings = Settings(
@@ -140,6 +139,7 @@ def serve(
         telemetry=Telemetry(spans=SpansInFile(spans_file)) if spans_file else Telemetry(),
     )
     with (
+        terminable(),  # the server shuts down at SIGTERM, then raises it again
         closing(bound(where)) as listening,
         closing(opened(store)) if store else nullcontext() as archive,
         page_beside(view_address, kitchens, robots) as viewer,
@@ -163,11 +163,6 @@ def serve(
                 click.echo(f"3D page at {viewer}", err=True)
 
         run(world, settings, listening, beside, ready)
-
-
-def _ended(number: int, _: object) -> None:
-    """What is kept is written on the way out: the end that the signal brings by itself has no such way."""
-    raise SystemExit(128 + number)
 
 
 def _writing(token: str | None) -> str:

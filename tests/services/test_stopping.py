@@ -16,12 +16,17 @@ from services.stopping import Terminated, repeat_if_lost, terminable
 def _repeating(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
     repeat_if_lost()
-    was = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job beside others ignores it
+    # A shell's job beside others ignores SIGINT; whoever runs the tests may handle SIGTERM.
+    before = {
+        signal.SIGINT: signal.signal(signal.SIGINT, signal.default_int_handler),
+        signal.SIGTERM: signal.signal(signal.SIGTERM, signal.SIG_DFL),
+    }
     try:
         with terminable():
             yield
     finally:
-        signal.signal(signal.SIGINT, was)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 @pytest.mark.usefixtures("_repeating")

@@ -1,5 +1,6 @@
 """`sdt serve --bus` says that it serves when it does, and else why not, in one line."""
 
+import signal
 import socket
 from collections.abc import Callable, Iterator
 
@@ -28,7 +29,9 @@ def taken() -> Iterator[str]:
 def test_an_endpoint_where_it_cannot_listen_is_bad_input_and_nothing_is_announced(
     sdt: Callable[..., Done], taken: str, endpoint: str, why: str
 ) -> None:
+    before = signal.getsignal(signal.SIGTERM)
     done = sdt("serve", "--http", "127.0.0.1:0", "--bus", taken if endpoint == "taken" else endpoint)
+    assert signal.getsignal(signal.SIGTERM) is before
     (line,) = done.err.splitlines()
     assert (done.code, done.out) == (Exit.BAD_INPUT, "")
     assert line.startswith("error: ")
