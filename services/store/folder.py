@@ -4,6 +4,7 @@ import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from itertools import chain, islice
+from pathlib import Path
 from typing import Final
 
 import pyoxigraph as ox
@@ -33,11 +34,13 @@ class FolderStore:
         journal: What a process that was killed has left there is put into the tables at once.
 
     Raises:
-        StoreRejectedError: The journal is damaged, or what it has cannot be put into the tables.
+        StoreRejectedError: The journal is damaged, or what it has cannot be put into the tables; likewise
+            when something is read, where the tables are damaged.
     """
 
     def __init__(self, tables: ox.Store, journal: Journal) -> None:
         self._tables, self._journal = tables, journal
+        self._folder = journal.path.parent
         self._reader = EmbeddedStore(tables)
         self._emptied: set[ox.NamedNode] = set()
         self._written: dict[ox.NamedNode, list[ox.Quad]] = {}
@@ -69,21 +72,25 @@ class FolderStore:
 
     def __contains__(self, graph: Iri) -> bool:
         """Whether a named graph is there."""
-        return graph in self._settled(graph)
+        with self._readable():
+            return graph in self._settled(graph)
 
     def graph(self, graph: Iri) -> list[ox.Quad]:
         """All quads of a named graph; none where it is not there."""
-        return self._settled(graph).graph(graph)
+        with self._readable():
+            return self._settled(graph).graph(graph)
 
     def query(
         self, sparql: str, graphs: Sequence[Iri] | None = None, known: Mapping[str, Term] | None = None
     ) -> Solutions:
         """Evaluate a query whose default graph is the union of these graphs, or of all."""
-        return self._settled().query(sparql, graphs, known)
+        with self._readable():
+            return _whole(self._settled().query(sparql, graphs, known))
 
     def dump(self, graphs: Sequence[Iri] | None = None) -> ox.Store:
         """A copy of these named graphs, or of all."""
-        return self._settled().dump(graphs)
+        with self._readable():
+            return self._settled().dump(graphs)
 
     def close(self) -> None:
         """All is in the tables, and another process may have the directory."""
@@ -150,7 +157,35 @@ class FolderStore:
             yield
         except (OSError, RuntimeError) as error:
             raise StoreRejectedError(
-                str(self._journal.path.parent),
+                str(self._folder),
                 f"cannot put into its tables what its journal has: {error}",
                 remedy="make room; what was acknowledged is kept, and there when it is opened again",
             ) from None
+
+    @contextmanager
+    def _readable(self) -> Iterator[None]:
+        """What RocksDB cannot read is an error of the store."""
+        try:
+            yield
+        except (OSError, RuntimeError) as error:
+            raise damaged(self._folder, error) from None
+
+
+def damaged(folder: Path, error: Exception) -> StoreRejectedError:
+    """What is said of a directory of which RocksDB finds that it is not as it was written."""
+    return StoreRejectedError(
+        str(folder), f"is damaged: {error}", remedy="take a backup, or save to another place"
+    )
+
+
+def _whole(solutions: Solutions) -> Solutions:
+    """The answer, read to its end: pyoxigraph finds damage only where it comes to it."""
+    if isinstance(solutions, ox.QueryTriples):
+        copy = ox.Store()
+        copy.extend(ox.Quad(each.subject, each.predicate, each.object) for each in solutions)
+        return copy.query("CONSTRUCT { ?s ?p ?o } WHERE { ?s ?p ?o }")
+    if isinstance(solutions, ox.QuerySolutions):
+        rows = solutions.serialize(format=ox.QueryResultsFormat.JSON)
+        assert rows is not None, "no output was given"
+        return ox.parse_query_results(rows, format=ox.QueryResultsFormat.JSON)
+    return solutions

@@ -51,7 +51,7 @@ class Journal:
         """
         body = _text(entry)
         if self._file is None:
-            self._file = FileIO(self.path, "a")
+            self._file = self._begun()
         end = self._file.tell()
         try:
             left = memoryview(_HEAD.pack(MARK, len(body), zlib.crc32(body)) + body)
@@ -60,9 +60,7 @@ class Journal:
         except OSError as error:
             self._file.truncate(end)
             self._file.seek(end)
-            raise StoreRejectedError(
-                str(self.path), f"cannot be written: {error.strerror}", remedy="make room for it"
-            ) from None
+            raise self._unwritable(error) from None
 
     def entries(self) -> Iterator[Entry]:
         """What is there, in the order in which it was added.
@@ -92,6 +90,19 @@ class Journal:
         """Nothing is there any more."""
         self.close()
         self.path.unlink(missing_ok=True)
+
+    def _begun(self) -> FileIO:
+        try:
+            return FileIO(self.path, "a")
+        except OSError as error:
+            raise self._unwritable(error) from None
+
+    def _unwritable(self, error: OSError) -> StoreRejectedError:
+        return StoreRejectedError(
+            str(self.path),
+            f"cannot be written: {error.strerror}",
+            remedy="make room for it, and let its directory be there",
+        )
 
     def close(self) -> None:
         """The file is let go; what it holds stays."""

@@ -13,7 +13,7 @@ from sdt_kg.endless import check_ends
 from sdt_kg.errors import InputError, StoreRejectedError, StoreUnavailableError
 from sdt_kg.iri import PREFIXES
 from services.store.embedded import EmbeddedStore
-from services.store.folder import FolderStore
+from services.store.folder import FolderStore, damaged
 from services.store.journal import Journal
 
 FORMATS = {".trig": ox.RdfFormat.TRIG, ".nq": ox.RdfFormat.N_QUADS, ".ttl": ox.RdfFormat.TURTLE}
@@ -55,9 +55,7 @@ def in_folder(folder: Path) -> FolderStore:
         try:
             return FolderStore(ox.Store(str(folder)), Journal(folder / JOURNAL))
         except RuntimeError as error:
-            raise StoreRejectedError(
-                str(folder), f"is damaged: {error}", remedy="take a backup, or save to another place"
-            ) from None
+            raise damaged(folder, error) from None
         except OSError as error:
             if not any(reason in str(error) for reason in HELD):
                 remedy = "" if os.access(folder, os.W_OK) else "copy it to where it can be written"

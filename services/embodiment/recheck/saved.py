@@ -1,6 +1,7 @@
 """Saved verdicts, artefacts and twins, as files hold them."""
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from sdt_kg.iri import LAW, RDF, Iri, graph_iri, local_name, verdict_iri
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from services.store.files import readable
+from services.store.folder import damaged
 from services.store.on_disk import JOURNAL, in_folder
 from services.store.server.remote import is_url
 
@@ -48,11 +50,11 @@ class Saved:
 
     Raises:
         InputError: It is none of these, or no RDF.
-        StoreError: The server does not answer.
+        StoreError: The server does not answer, or the directory is damaged; likewise when it is read.
     """
 
     def __init__(self, place: Path | str) -> None:
-        path = Path(place)
+        path = self._path = Path(place)
         self.left_out = "" if is_place_of_server(place) else _settled(path)
         self.store = _fetched(str(place)) if is_place_of_server(place) else _opened(path)
 
@@ -85,16 +87,26 @@ class Saved:
 
     def _of(
         self, predicate: ox.NamedNode, value: ox.NamedNode, subject: ox.NamedNode | None = None
-    ) -> Iterator[ox.Quad]:
-        return self.store.quads_for_pattern(subject, predicate, value, None)
+    ) -> list[ox.Quad]:
+        with self._readable():
+            return list(self.store.quads_for_pattern(subject, predicate, value, None))
+
+    @contextmanager
+    def _readable(self) -> Iterator[None]:
+        """What RocksDB cannot read is an error of the store."""
+        try:
+            yield
+        except (OSError, RuntimeError) as error:
+            raise damaged(self._path, error) from None
 
     def _entry(self, iri: Iri) -> Entry:
         graph = ox.NamedNode(graph_iri("verdict", local_name(iri)))
-        quads = list(self.store.quads_for_pattern(None, None, None, graph))
         try:
-            check_seal(iri, quads)
-            stored = read_verdict(quads, iri)
-            return Entry(iri, stored, read_artefact(self.store, iri))
+            with self._readable():
+                quads = list(self.store.quads_for_pattern(None, None, None, graph))
+                check_seal(iri, quads)
+                stored = read_verdict(quads, iri)
+                return Entry(iri, stored, read_artefact(self.store, iri))
         except InputError as error:
             return Entry(iri, None, None, str(error))
 
@@ -106,11 +118,12 @@ class Saved:
         Raises:
             InputError: The graphs were changed, or nothing has that name.
         """
-        for model in (environment, robot):
-            graph = ox.NamedNode(graph_iri("asserted", local_name(model)))
-            if not self.store.contains_named_graph(graph):
-                return by_name(environment, robot)
-        entities = rebuilt_entities(self.store, environment, [robot])
+        graphs = [ox.NamedNode(graph_iri("asserted", local_name(model))) for model in (environment, robot)]
+        with self._readable():
+            are_saved = all(map(self.store.contains_named_graph, graphs))
+            entities = rebuilt_entities(self.store, environment, [robot]) if are_saved else None
+        if entities is None:
+            return by_name(environment, robot)
         return Twin(entities, entities.coupling.start()), "models of the saved graphs"
 
 
@@ -150,7 +163,12 @@ def _opened(path: Path) -> ox.Store:
     if path.is_dir():
         if not (path / "CURRENT").exists():
             raise InputError(f"{path} is no store", allowed="a directory that --save made")
-        return ox.Store.read_only(str(path))
+        try:
+            return ox.Store.read_only(str(path))
+        except RuntimeError as error:
+            raise damaged(path, error) from None
+        except OSError as error:
+            raise InputError(f"cannot open the store {path}: {error}") from None
     if path.suffix not in FORMATS or not path.is_file():
         raise InputError(f"no saved verdicts at {path}", allowed="a .trig or .nq file, or a store directory")
     store = ox.Store()

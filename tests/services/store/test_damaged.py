@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,14 +11,18 @@ import pytest
 
 from predicates.case import Diagnosis, Kind, Outcome, Verdict
 from predicates.record import to_record
+from sdt_kg.errors import StoreRejectedError
 from sdt_kg.iri import LAW
-from services.store.files import SavedVerdicts, query_saved
+from services.embodiment.recheck import Saved
+from services.store.files import SavedVerdicts, opened, query_saved
 from services.store.records import all_recalled, graph_of
 from tests.services.store.test_every_store import Judged, place
 
 __all__ = ["place"]
 ASIDE = "SELECT ?v ?text { ?v law:setAside ?text }"
 OUTCOMES = "SELECT ?outcome { ?v law:outcome ?outcome }"
+TABLE = 10_000
+"""[bytes] A table of quads has more; one of what RocksDB itself has to remember is read at the opening."""
 
 
 def changed(saved: SavedVerdicts, verdict: Verdict) -> set[ox.Quad]:
@@ -79,3 +84,40 @@ def test_all_others_are_read_and_the_changed_one_is_named(saved: SavedVerdicts, 
     sound, damaged = all_recalled(saved.store.dump())
     assert {each.iri for each in sound} == {each.iri for each in judged[1][1:]}
     assert list(damaged) == [judged[1][0].iri]
+
+
+def test_a_directory_whose_bytes_were_changed_is_told_as_damaged_wherever_it_is_read(
+    judged: Judged, tmp_path: Path
+) -> None:
+    place = tmp_path / "kept"
+    with SavedVerdicts(place) as saved:
+        for verdict in judged[1]:
+            saved.add(verdict)
+    for file in place.glob("*.sst"):
+        content = bytearray(file.read_bytes())
+        if len(content) < TABLE:
+            continue
+        content[20] ^= 1  # in its first block of data: RocksDB finds it when that is read
+        file.write_bytes(content)
+    graph = graph_of(judged[1][0].iri)
+    for ask in (
+        lambda: query_saved(place, "SELECT * { ?s ?p ?o }"),
+        lambda: query_saved(place, "CONSTRUCT { ?s ?p ?o } WHERE { ?s ?p ?o }"),
+        lambda: list(Saved(place).entries()),
+    ):
+        with pytest.raises(StoreRejectedError, match="is damaged: Corruption"):
+            ask()
+    store = opened(place)
+    for read in (store.dump, lambda: store.graph(graph)):
+        with pytest.raises(StoreRejectedError, match="is damaged: Corruption"):
+            read()
+    with suppress(StoreRejectedError):  # RocksDB may come to it again when it tidies up
+        store.close()
+
+
+def test_a_directory_that_cannot_be_opened_for_a_recheck_is_told_as_damaged(tmp_path: Path) -> None:
+    place = tmp_path / "kept"
+    opened(place).close()
+    (place / "CURRENT").write_text("garbage")
+    with pytest.raises(StoreRejectedError, match="is damaged"):
+        Saved(place)

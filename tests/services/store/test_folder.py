@@ -2,6 +2,7 @@
 
 import gc
 import resource
+import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -194,3 +195,11 @@ def test_what_does_not_fit_on_the_disk_is_not_acknowledged_and_harms_nothing(tmp
     more = quads(GRAPHS[2], [ox.Literal(3)])
     place.store.add(more)
     assert set(place.killed().dump()) == {*FIRST.quads, *more}
+
+
+def test_a_directory_that_is_gone_takes_nothing_and_says_so(tmp_path: Path) -> None:
+    place = tmp_path / "store"
+    store = in_folder(place)
+    shutil.rmtree(place)
+    with pytest.raises(StoreRejectedError, match="cannot be written: No such file or directory"):
+        store.add(quads(GRAPHS[0], [ox.Literal("one")]))
