@@ -1,4 +1,7 @@
-"""SIGTERM as an interrupt, for what has something to keep: `timeout`, containers and schedulers send it."""
+"""SIGTERM as an interrupt, for what has something to keep: `timeout`, containers and schedulers send it.
+
+SIGHUP, which a terminal sends that is closed, is taken as SIGTERM.
+"""
 
 import signal
 import sys
@@ -22,18 +25,30 @@ def terminate(number: int, frame: FrameType | None) -> NoReturn:
     raise Terminated
 
 
+def _as_terminated(number: int, frame: FrameType | None) -> None:
+    del number, frame
+    signal.raise_signal(signal.SIGTERM)
+
+
 @contextmanager
 def terminable() -> Iterator[None]:
-    """SIGTERM is raised as `Terminated`; not where somebody else handles it, nor beside the main thread."""
+    """SIGTERM is raised as `Terminated`; not where somebody else handles it, nor beside the main thread.
+
+    So is SIGHUP, unless it is ignored, as `nohup` has it, or handled.
+    """
     alone = threading.current_thread() is threading.main_thread()
     if not alone or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
         yield
         return
-    signal.signal(signal.SIGTERM, terminate)
+    handlers = {signal.SIGTERM: terminate, signal.SIGHUP: _as_terminated}
+    ours = [number for number in handlers if signal.getsignal(number) is signal.SIG_DFL]
+    for number in ours:
+        signal.signal(number, handlers[number])
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        for number in ours:
+            signal.signal(number, signal.SIG_DFL)
 
 
 def repeat_if_lost() -> None:

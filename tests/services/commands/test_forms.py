@@ -235,15 +235,17 @@ def test_a_command_that_is_interrupted_says_what_it_saved(
     assert said == "interrupted: verdicts which were finished are saved"
 
 
-def test_what_is_finished_is_kept_in_a_file_when_sigterm_comes(
-    sdt: Callable[..., Done], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_what_is_finished_is_kept_in_a_file_when_sigterm_comes_or_the_terminal_is_closed(
+    sdt: Callable[..., Done], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, number: signal.Signals
 ) -> None:
+    before = signal.signal(number, signal.SIG_DFL)  # under nohup a closed terminal is ignored
+
     @click.command()
     def terminated() -> None:
-        assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
         with SavedVerdicts(tmp_path / "kept.trig") as saved:
             saved.add_twin(load_twin("b"))
-            signal.raise_signal(signal.SIGTERM)
+            signal.raise_signal(number)
 
     monkeypatch.setitem(root.commands, "terminated", terminated)
     done = sdt("terminated")
@@ -253,7 +255,7 @@ def test_what_is_finished_is_kept_in_a_file_when_sigterm_comes(
         "sdt:Container" in (tmp_path / "kept.trig").read_text()
         or "#Container" in (tmp_path / "kept.trig").read_text()
     )
-    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    assert signal.signal(number, before) is signal.SIG_DFL
 
 
 @pytest.mark.parametrize(

@@ -112,15 +112,20 @@ def test_a_verdict_from_question_to_sparql_and_over_the_bus(service: httpx.Clien
     assert json.dumps(caused[0]["motion"])
 
 
-def test_what_was_kept_in_a_file_is_written_when_the_service_is_told_to_end(tmp_path: Path) -> None:
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_what_was_kept_in_a_file_is_written_when_the_service_is_told_to_end(
+    tmp_path: Path, number: signal.Signals
+) -> None:
     file = tmp_path / "kept.nq"
+    before = signal.signal(number, signal.SIG_DFL)  # under nohup a closed terminal is ignored
     process = subprocess.Popen([*SERVE, "--store", str(file)], stderr=subprocess.PIPE, text=True)
+    signal.signal(number, before)
     assert process.stderr is not None
     found = re.match(r"http://127\.0\.0\.1:\d+", process.stderr.readline())
     assert found
     with httpx.Client(base_url=found[0], timeout=60) as client:
         branch = client.post("/api/v1/state", json={"state": ["iai_fridge_door=open"]}).json()["branch"]
-    process.send_signal(signal.SIGTERM)
+    process.send_signal(number)
     rest = process.communicate(timeout=60)[1]
     assert process.returncode == 128 + signal.SIGTERM, rest
     assert branch in file.read_text(encoding="utf-8")
