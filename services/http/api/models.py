@@ -86,7 +86,7 @@ class TaskBody(Performed):
         task: Name of a ready task, or one written in Turtle.
     """
 
-    task: Annotated[str, Field(min_length=1, max_length=200_000, examples=["open_two_drawers"])]
+    task: Annotated[str, Field(min_length=1, max_length=200_000, examples=["close_all"])]
     seconds: float = Field(default=120.0, gt=0, le=600)
 
 

@@ -2,6 +2,7 @@
 
 import pytest
 
+from services.specifications.find import ready
 from services.store.workers import put
 
 SELECT = "SELECT ?o { <http://e/s> <http://e/p> ?o }"
@@ -199,6 +200,11 @@ def test_openapi_tells_of_protocols_verbs_and_token(served) -> None:
     paths = served.get("/openapi.json").json()["paths"]
     assert {"/sparql", "/graphs", "/api/v1/achieve", "/api/v1/why"} <= set(paths)
     assert all(item["post"]["security"] for path, item in paths.items() if "/api/" in path and "post" in item)
+
+
+def test_the_task_that_openapi_gives_as_an_example_is_ready(served) -> None:
+    models = served.get("/openapi.json").json()["components"]["schemas"]
+    assert set(models["TaskBody"]["properties"]["task"]["examples"]) <= ready().keys()
 
 
 def test_openapi_tells_how_each_verb_refuses(served) -> None:
