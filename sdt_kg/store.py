@@ -167,7 +167,7 @@ def checked_query(sparql: str) -> str:
     grammar, so that a scan for the keyword alone can be misled: the word is refused anywhere.
 
     Raises:
-        QueryError: The word SERVICE occurs, or it does not parse, or it is an update.
+        QueryError: It has the word SERVICE, does not parse, is an update, or calls what is not there.
     """
     plain = _ESCAPE.sub(lambda match: chr(int(match[1] or match[2], 16)), sparql)
     if "service" in plain.lower() or "service" in sparql.lower():
@@ -182,7 +182,16 @@ def checked_query(sparql: str) -> str:
         raise QueryError("the query has bytes that are no text", allowed="SPARQL in UTF-8") from None
     except SyntaxError as error:
         raise not_read(error) from None
+    except RuntimeError as error:
+        raise not_there(error) from None
     return sparql
+
+
+def not_there(error: Exception) -> QueryError:
+    """What an evaluator says of a query that calls a function which it has not."""
+    return QueryError(
+        f"the query cannot be evaluated: {error}", allowed="functions and aggregates of SPARQL 1.1"
+    )
 
 
 def not_read(error: Exception) -> QueryError:

@@ -94,6 +94,8 @@ def test_queries_that_read_pass(query: str) -> None:
         "INSERT DATA { <https://example.org/a> <https://example.org/p> 1 }",
         "DELETE WHERE { ?s ?p ?o }",
         "DROP ALL",
+        "SELECT ?x { BIND(<https://example.org/f>(1) AS ?x) }",
+        "SELECT (<https://example.org/aggregate>(?x) AS ?y) { ?x ?p ?o }",
         "SELECT * { ?s ?p",
         "",
     ],

@@ -11,7 +11,7 @@ import pyoxigraph as ox
 
 from sdt_kg.errors import InputError, QueryError
 from sdt_kg.iri import PREFIXES, Iri
-from sdt_kg.store import not_read
+from sdt_kg.store import not_read, not_there
 from services.store.guard import RefusedQueryError, guarded, known_graphs
 from services.store.workers.deltas import DEFAULT_GRAPH, Held
 from services.store.workers.errors import Limit, LimitError, NotAcceptableError
@@ -153,6 +153,8 @@ def _solutions(held: Held, asked: Asked) -> ox.QuerySolutions | ox.QueryBoolean 
             service = "the word SERVICE may stand in strings, comments and full IRIs only"
             raise QueryError(said.what, allowed=said.allowed, remedy=service) from None
         raise said from None
+    except RuntimeError as error:
+        raise not_there(error) from None
 
 
 def _nodes(graphs: Iterable[Iri]) -> list[ox.NamedNode]:

@@ -149,6 +149,13 @@ def test_a_bad_request_gets_its_status_and_a_problem_document(served, name: str)
         assert "GET" in answer.headers["allow"]
 
 
+def test_a_function_that_is_not_there_is_named(served) -> None:
+    asked = {"query": "SELECT ?x { BIND(<http://e/f>(1) AS ?x) }"}
+    told = served.get("/sparql", params=asked).json()
+    assert (told["title"], told["status"]) == ("Query", 400)
+    assert "<http://e/f> is not supported" in told["detail"]
+
+
 def test_head_is_get_without_a_body(served) -> None:
     for path in ("/sparql?query=ASK%7B%7D", "/graphs?default", "/graphs?graph=http://e/one"):
         head, get = served.request("HEAD", path), served.get(path)
