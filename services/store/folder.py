@@ -72,24 +72,24 @@ class FolderStore:
 
     def __contains__(self, graph: Iri) -> bool:
         """Whether a named graph is there."""
-        with self._readable():
+        with reading(self._folder):
             return graph in self._settled(graph)
 
     def graph(self, graph: Iri) -> list[ox.Quad]:
         """All quads of a named graph; none where it is not there."""
-        with self._readable():
+        with reading(self._folder):
             return self._settled(graph).graph(graph)
 
     def query(
         self, sparql: str, graphs: Sequence[Iri] | None = None, known: Mapping[str, Term] | None = None
     ) -> Solutions:
         """Evaluate a query whose default graph is the union of these graphs, or of all."""
-        with self._readable():
+        with reading(self._folder):
             return _whole(self._settled().query(sparql, graphs, known))
 
     def dump(self, graphs: Sequence[Iri] | None = None) -> ox.Store:
         """A copy of these named graphs, or of all."""
-        with self._readable():
+        with reading(self._folder):
             return self._settled().dump(graphs)
 
     def close(self) -> None:
@@ -162,13 +162,14 @@ class FolderStore:
                 remedy="make room; what was acknowledged is kept, and there when it is opened again",
             ) from None
 
-    @contextmanager
-    def _readable(self) -> Iterator[None]:
-        """What RocksDB cannot read is an error of the store."""
-        try:
-            yield
-        except (OSError, RuntimeError) as error:
-            raise damaged(self._folder, error) from None
+
+@contextmanager
+def reading(folder: Path) -> Iterator[None]:
+    """What RocksDB cannot read in a directory is an error of the store."""
+    try:
+        yield
+    except (OSError, RuntimeError) as error:
+        raise damaged(folder, error) from None
 
 
 def damaged(folder: Path, error: Exception) -> StoreRejectedError:

@@ -1,7 +1,6 @@
 """Saved verdicts, artefacts and twins, as files hold them."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from sdt_kg.iri import LAW, RDF, Iri, graph_iri, local_name, verdict_iri
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from services.store.files import readable
-from services.store.folder import damaged
+from services.store.folder import damaged, reading
 from services.store.on_disk import JOURNAL, in_folder
 from services.store.server.remote import is_url
 
@@ -88,21 +87,13 @@ class Saved:
     def _of(
         self, predicate: ox.NamedNode, value: ox.NamedNode, subject: ox.NamedNode | None = None
     ) -> list[ox.Quad]:
-        with self._readable():
+        with reading(self._path):
             return list(self.store.quads_for_pattern(subject, predicate, value, None))
-
-    @contextmanager
-    def _readable(self) -> Iterator[None]:
-        """What RocksDB cannot read is an error of the store."""
-        try:
-            yield
-        except (OSError, RuntimeError) as error:
-            raise damaged(self._path, error) from None
 
     def _entry(self, iri: Iri) -> Entry:
         graph = ox.NamedNode(graph_iri("verdict", local_name(iri)))
         try:
-            with self._readable():
+            with reading(self._path):
                 quads = list(self.store.quads_for_pattern(None, None, None, graph))
                 check_seal(iri, quads)
                 stored = read_verdict(quads, iri)
@@ -119,7 +110,7 @@ class Saved:
             InputError: The graphs were changed, or nothing has that name.
         """
         graphs = [ox.NamedNode(graph_iri("asserted", local_name(model))) for model in (environment, robot)]
-        with self._readable():
+        with reading(self._path):
             are_saved = all(map(self.store.contains_named_graph, graphs))
             entities = rebuilt_entities(self.store, environment, [robot]) if are_saved else None
         if entities is None:
