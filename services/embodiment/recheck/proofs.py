@@ -99,8 +99,9 @@ def _question_differs(stored: StoredVerdict, proof: Proof, twin: Twin) -> Iterat
     at = claim.state[twin.container(claim.container).joint]
     goal = goal_of(said.get("final", ""))
     if goal is not None and low < high:
+        given = said.get("motion", UNKNOWN_INPUT) != UNKNOWN_INPUT
         for one in (proof, *(each for each in proof.others if each.claim.container == claim.container)):
-            yield from _beyond_goal(one, at, goal, twin.container(claim.container))
+            yield from _beyond_goal(one, at, goal, twin.container(claim.container), given)
     if stored.verb is None or stored.container is None:
         return
     asked = task_text(Task(stored.verb, stored.container))
@@ -112,14 +113,20 @@ def _question_differs(stored: StoredVerdict, proof: Proof, twin: Twin) -> Iterat
         yield f"the proof is not about how it would {stored.verb.value}: it is about {passes}"
 
 
-def _beyond_goal(proof: Proof, at: float, goal: Region, container: Container) -> Iterator[str]:
-    """Whether the proof is about more than the way to the middle of a goal, or beyond where it begins."""
+def _beyond_goal(proof: Proof, at: float, goal: Region, container: Container, given: bool) -> Iterator[str]:
+    """Whether the proof is about more than the way to the middle of a goal, or beyond where it begins.
+
+    A motion that was given ends anywhere in the goal, and has to be followed to its end.
+    """
     interval = dict(goal.intervals).get(container.joint, Interval(at, at))
-    middle, near = (interval.lower + interval.upper) / 2, min(max(at, interval.lower), interval.upper)
+    near = min(max(at, interval.lower), interval.upper)
+    end = (interval.lower + interval.upper) / 2
+    if given:
+        end = near = max(interval.lower, interval.upper, key=lambda each: abs(each - at))
     low, high = proof.claim.span
-    if not min(at, middle) - ROUNDING <= low <= high <= max(at, middle) + ROUNDING:
+    if not min(at, end) - ROUNDING <= low <= high <= max(at, end) + ROUNDING:
         yield (
-            f"the proof is about more than the way to the verdict's goal, from {at:.4g} to {middle:.4g}: "
+            f"the proof is about more than the way to the verdict's goal, from {at:.4g} to {end:.4g}: "
             f"it is about {low:.4g} to {high:.4g}"
         )
     for value in sorted({each for one in proof.refutations for each in one.values}):

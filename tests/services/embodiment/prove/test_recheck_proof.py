@@ -156,6 +156,19 @@ def test_a_proof_of_the_whole_way_shows_nothing_of_a_goal_before_its_end(
     assert holds or "more than the way to the verdict's goal" in found.reasons[0]
 
 
+@pytest.mark.parametrize(("motion", "holds"), [(UNKNOWN_INPUT, False), ("0" * 64, True)])
+def test_a_motion_that_was_given_ends_anywhere_in_its_goal(entry: Entry, motion: str, holds: bool) -> None:
+    assert entry.stored is not None
+    assert entry.artefact is not None
+    goal = "https://example.org/id/b/joint/iai_fridge_door_joint 0.1 to 1.57"
+    told = {"final": goal, "task": UNKNOWN_INPUT, "motion": motion}
+    inputs = tuple((key, told.get(key, was)) for key, was in entry.stored.inputs)
+    other = replace(entry.stored, verb=None, inputs=inputs, iri=verdict_iri(inputs))
+    found = recheck_verdict(other, entry.artefact, by_name)
+    assert found.holds is holds, found.reasons
+    assert holds or "more than the way to the verdict's goal" in found.reasons[0]
+
+
 @pytest.mark.parametrize(("value", "holds"), [(0.018, True), (0.02, False)])
 def test_a_proof_where_a_goal_is_met_already_shows_nothing_of_reaching_it(
     entry: Entry, value: float, holds: bool
