@@ -1,6 +1,6 @@
 """Specification (Π = goal, avoid, J) and its parts."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 from sdt_kg.iri import Iri
@@ -106,6 +106,7 @@ class Specification:
         steps: In order; the goal is that each is achieved.
         rules: What must hold along the way or at the end.
         quality: J; None: the first certified motion will do.
+        written: The Turtle that it was read from; empty where it was made otherwise.
     """
 
     iri: Iri
@@ -113,3 +114,4 @@ class Specification:
     steps: tuple[Step, ...]
     rules: tuple[Rule, ...] = ()
     quality: Quality | None = None
+    written: str = field(default="", repr=False, compare=False)

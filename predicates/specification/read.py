@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from enum import Enum
 from typing import Final, TypeVar
 
@@ -75,7 +76,7 @@ def read_specification(twin: Twin, text: str, source: str) -> Specification:
         raise InputError(
             f"{source} has {len(found)} task specifications", allowed="one law:TaskSpecification"
         )
-    return _Reader(twin, graph, source).specification(found[0])
+    return replace(_Reader(twin, graph, source).specification(found[0]), written=text)
 
 
 class _Reader:

@@ -10,6 +10,7 @@ from predicates.record.artefacts import artefact_of
 from predicates.record.explained import position_triples
 from predicates.record.facts import Facts
 from predicates.record.recall import budget_of
+from predicates.record.seal import sealed
 from predicates.record.stored import OUTCOME_TERM
 from predicates.record.triples import Record, diagnosis_triples, provenance_triples
 from predicates.scope import tee_class_of_hash, verb_iri
@@ -39,7 +40,8 @@ def task_record(result: TaskResult) -> Record:
     start = result.case.twin.entities.coupling.start()
     moved = position_triples(result.iri, start, result.case.twin.state)
     provenance = provenance_triples(result.iri, result.inputs)
-    return Record(result.iri, graph, (*_result(result), *moved, *steps, *rules, *provenance))
+    triples = (*_result(result), *moved, *steps, *rules, *provenance)
+    return Record(result.iri, graph, sealed(result.iri, triples))
 
 
 def gives_way(stored: list[ox.Quad], fresh: list[ox.Quad], result: Iri) -> bool:
@@ -79,6 +81,8 @@ def _result(result: TaskResult) -> Iterator[Triple]:
     yield subject, RDFS + "label", ox.Literal(asked.label)
     yield subject, LAW + "taskOutcome", _node(LAW + OUTCOME_TERM[result.outcome])
     yield subject, LAW + "specification", _node(asked.iri)
+    if asked.written:
+        yield subject, LAW + "writtenAs", ox.Literal(asked.written)
     yield subject, LAW + "environment", _node(result.case.twin.environment)
     if isinstance(result.case.robot, str):
         yield subject, LAW + "robot", _node(result.case.robot)

@@ -72,5 +72,10 @@ def task_inputs(specification: Specification, case: Case, physics: Physics, embo
     Not hashed is what it is called: its IRI and its label are for people.
     """
     asked = [each for each in inputs_of(case, physics, embodiment) if each[1] != UNKNOWN_INPUT]
+    return (*asked, ("specification", content_hash(specification)), ("rules", RULES_VERSION))
+
+
+def content_hash(specification: Specification) -> str:
+    """Hash of what a specification asks, whatever it is called."""
     content = repr((specification.steps, specification.rules, specification.quality))
-    return (*asked, ("specification", input_hash((("content", content),))), ("rules", RULES_VERSION))
+    return input_hash((("content", content),))

@@ -33,6 +33,11 @@ class Request:
         return f"{self.verb.value} {self.container.name}{to}"
 
 
+def opened_to(container: Container, position: float) -> Region:
+    """The goal of a step that opens a container to a position [rad or m]."""
+    return Region(((container.joint, Interval(position - STATE_TOLERANCE, position + STATE_TOLERANCE)),))
+
+
 def judged(request: Request, twin: Twin, robot: Iri, physics: Physics, embodiment: Embodiment) -> Verdict:
     """The verdict about one request in the twin's state, with a motion that is made for it."""
     if request.position is None:
@@ -59,7 +64,7 @@ def _opened_to(
 ) -> Verdict:
     """The three relations about the goal that the container ends at p, within `STATE_TOLERANCE`."""
     began, (physics, embodiment) = time.perf_counter(), oracles
-    goal = Region(((container.joint, Interval(position - STATE_TOLERANCE, position + STATE_TOLERANCE)),))
+    goal = opened_to(container, position)
     asked = replace(case, final=goal)
     inputs = inputs_of(asked, physics, embodiment)
     outside = out_of_scope(case, container, tee_class_of(physics))

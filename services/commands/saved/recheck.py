@@ -5,8 +5,10 @@ from pathlib import Path
 
 import click
 
+from predicates.case import Artefact
 from predicates.oracle import Physics
 from predicates.record import StoredVerdict
+from predicates.record.inputs import Inputs
 from predicates.scope import tee_class_of_hash
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
@@ -18,7 +20,8 @@ from services.commands.options import csv_flag, json_flag
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.embodiment.recheck import Rechecked, Saved, recheck_artefact, recheck_verdict
 from services.embodiment.recheck.models import TwinOf
-from services.embodiment.recheck.saved import by_name
+from services.embodiment.recheck.saved import Entry, by_name
+from services.physics.oracle import Kinematics
 from services.store.files import is_saved_graph
 
 
@@ -48,10 +51,11 @@ def recheck(
 ) -> None:
     """Re-verify stored verdicts without the code that planned or proved them.
 
-    IRI is a verdict in --store; FILE is a .trig or .nq file, and STORE a store directory or the address of
-    a SPARQL server, all of whose verdicts are meant; or FILE is a certificate that `sdt achieve
-    --certificate` wrote. A verdict without certificate or proof shows nothing and is only counted.
-    One about other models of these names than those at hand is not checked.
+    IRI is a verdict or the result of a task in --store; FILE is a .trig or .nq file, and STORE a store
+    directory or the address of a SPARQL server, all of which is meant; or FILE is a certificate that `sdt
+    achieve --certificate` wrote. A verdict without certificate or proof shows nothing and is only counted.
+    Of a task's result, its steps' verdicts, where each step begins, the rules and J are checked. What is
+    about other models of these names than those at hand is not checked.
 
     Exit 0 everything holds, 1 something does not or was not checked, 2 bad input.
     """
@@ -99,28 +103,63 @@ def _results(source: str, store: str | None, given: TwinOf | None) -> tuple[list
     saved = Saved(store or source)
     if saved.left_out:
         click.echo(f"note: {saved.left_out}", err=True)
-    if store is None and (tasks := saved.task_results()):
+    again = _Again(saved, given or saved.twin)
+    if store is not None:
+        found = again.result(source) if source in saved.results() else again.entry(saved.entry(source))
+        return ([], 1) if found is None else ([found], 0)
+    verdicts = [again.entry(each) for each in saved.entries()]
+    tasks = [again.result(each) for each in saved.results()]
+    if bare := tasks.count(None):
         click.echo(
-            f"note: of {tasks} result(s) of tasks the steps' verdicts are rechecked; that each step begins "
-            "where the one before ended, and the rules, are not",
+            f"note: {bare} result(s) of tasks were kept without their specification: of these the steps' "
+            "verdicts alone are rechecked",
             err=True,
         )
-    entries = saved.entries() if store is None else iter([saved.entry(source)])
-    results, without = [], 0
-    for entry in entries:
+    return [each for each in (*verdicts, *tasks) if each is not None], verdicts.count(None)
+
+
+class _Again:
+    """Rechecks of what a store has; a verdict on which several things rest is checked once."""
+
+    def __init__(self, saved: Saved, twin_of: TwinOf) -> None:
+        self._saved, self._twin_of = saved, twin_of
+        self._known: dict[Iri, Rechecked | None] = {}
+
+    def entry(self, entry: Entry) -> Rechecked | None:
+        """What the recheck of a verdict found; None where it has nothing to check."""
+        if entry.iri not in self._known:
+            self._known[entry.iri] = self._checked(entry)
+        return self._known[entry.iri]
+
+    def result(self, iri: Iri) -> Rechecked | None:
+        """What the recheck of a task's result found; None where its specification was not kept."""
+        from services.embodiment.recheck.tasks import recheck_result  # noqa: PLC0415 - few stores have some
+
+        try:
+            stored = self._saved.result(iri)
+        except InputError as error:
+            return Rechecked(iri, "", None, (str(error),), (), 0.0)
+        if not stored.written:
+            return None
+        return recheck_result(stored, self._found, self._twin_of, _physics(stored.inputs) or Kinematics())
+
+    def _checked(self, entry: Entry) -> Rechecked | None:
         if entry.stored is None:
-            results.append(Rechecked(entry.iri, "", None, (entry.damage,), (), 0.0))
-        elif entry.artefact is None:
-            without += 1
-        else:
-            physics = _physics(entry.stored)
-            results.append(recheck_verdict(entry.stored, entry.artefact, given or saved.twin, physics))
-    return results, without
+            return Rechecked(entry.iri, "", None, (entry.damage,), (), 0.0)
+        if entry.artefact is None:
+            return None
+        return recheck_verdict(entry.stored, entry.artefact, self._twin_of, _physics(entry.stored.inputs))
+
+    def _found(self, verdict: Iri) -> tuple[StoredVerdict, Artefact | None, Rechecked | None]:
+        entry = self._saved.entry(verdict)
+        if entry.stored is None:
+            raise InputError(entry.damage)
+        return entry.stored, entry.artefact, self.entry(entry)
 
 
-def _physics(stored: StoredVerdict) -> Physics | None:
-    """Φ of the class that a verdict is relative to, where that is another than D_artic's."""
-    if tee_class_of_hash(dict(stored.inputs).get("tee_class", "")) != D_ARTIC_DYN:
+def _physics(inputs: Inputs) -> Physics | None:
+    """Φ of the class that a verdict or result is relative to, where that is another than D_artic's."""
+    if tee_class_of_hash(dict(inputs).get("tee_class", "")) != D_ARTIC_DYN:
         return None
     from services.dynamics.oracle import Dynamics  # noqa: PLC0415 - only where forces are asked about
 
@@ -129,7 +168,7 @@ def _physics(stored: StoredVerdict) -> Physics | None:
 
 def _print(results: Sequence[Rechecked], without: int) -> None:
     for each in results:
-        kind = "unreadable" if each.kind is None else each.kind.value
+        kind = each.kind or "unreadable"
         verdict = "holds" if each.holds else "NOT CHECKED" if each.about_others else "DOES NOT HOLD"
         click.echo(f"{verdict}: {kind}, {each.about or 'verdict'} ({each.seconds:.1f} s)")
         click.echo(f"  {each.of}")
@@ -144,7 +183,7 @@ def _json(each: Rechecked) -> dict[str, object]:
     return {
         "of": each.of,
         "about": each.about,
-        "kind": None if each.kind is None else each.kind.value,
+        "kind": each.kind,
         "holds": None if each.about_others else each.holds,
         "about_other_models": each.about_others,
         "reasons": list(each.reasons),

@@ -40,7 +40,7 @@ class Rechecked:
     Attributes:
         of: IRI of the verdict, or name of the file.
         about: In words.
-        kind: None where the artefact cannot even be read.
+        kind: What was checked: a certificate, a proof, or a task's result; None where it cannot even be read.
         reasons: Why it does not hold; empty if it does.
         notes: What was checked how, and what was not.
         seconds: Of checking.
@@ -50,7 +50,7 @@ class Rechecked:
 
     of: str
     about: str
-    kind: ArtefactKind | None
+    kind: str | None
     reasons: tuple[str, ...]
     notes: tuple[str, ...]
     seconds: float
@@ -63,12 +63,12 @@ class Rechecked:
 
 
 @dataclass(slots=True)
-class _Trial:
+class Trial:
     """What is found on the way."""
 
     of: str
     about: str = ""
-    kind: ArtefactKind | None = None
+    kind: str | None = None
     reasons: list[str] = field(default_factory=list[str])
     notes: list[str] = field(default_factory=list[str])
     about_others: bool = False
@@ -104,7 +104,7 @@ def recheck_verdict(
         twin_of: The models that it is about.
         physics: Φ of the class that it is relative to; None: of D_artic.
     """
-    trial = _Trial(stored.iri, kind=artefact.kind)
+    trial = Trial(stored.iri, kind=artefact.kind.value)
     verb = "motion of" if stored.verb is None else stored.verb.value
     trial.about = (
         f"{verb} {_name(stored.container)}, {_name(stored.robot)} in {local_name(stored.environment)}"
@@ -125,15 +125,15 @@ def recheck_verdict(
 
 def recheck_artefact(name: str, content: bytes, twin_of: TwinOf) -> Rechecked:
     """Whether an artefact holds that comes without its verdict."""
-    trial = _Trial(name)
+    trial = Trial(name)
     try:
         if is_proof(content):
-            trial.kind, trial.about = ArtefactKind.PROOF, about(content)
+            trial.kind, trial.about = ArtefactKind.PROOF.value, about(content)
             reasons, trial.notes = proof_again(content, twin_of, None)
             trial.found(reasons)
             return trial.ended()
         certificate = read_certificate(content)
-        trial.kind = ArtefactKind.CERTIFICATE
+        trial.kind = ArtefactKind.CERTIFICATE.value
         robot, kitchen = local_name(certificate.robot), local_name(certificate.environment)
         trial.about = f"motion of {local_name(certificate.container)}, {robot} in {kitchen}"
         _certify_again(trial, certificate, UNKNOWN, twin_of, None, Kinematics())
@@ -143,7 +143,7 @@ def recheck_artefact(name: str, content: bytes, twin_of: TwinOf) -> Rechecked:
 
 
 def _certify_again(  # noqa: PLR0913, PLR0917 - one trial
-    trial: _Trial,
+    trial: Trial,
     certificate: Certificate,
     task: Task | Unknown,
     twin_of: TwinOf,

@@ -8,7 +8,8 @@ import pyoxigraph as ox
 
 from predicates.case import Artefact
 from predicates.record import StoredVerdict, read_artefact, read_verdict
-from predicates.record.seal import check_seal
+from predicates.record.seal import check_seal, check_unbroken, read_triples
+from predicates.specification.stored import StoredResult, read_result
 from sdt_kg.errors import InputError, StoreUnavailableError
 from sdt_kg.interchange.rebuild import rebuilt_entities
 from sdt_kg.iri import LAW, RDF, Iri, graph_iri, local_name, verdict_iri
@@ -66,10 +67,26 @@ class Saved:
         for iri in sorted(found):
             yield self._entry(iri)
 
-    def task_results(self) -> int:
-        """How many results of tasks there are, of which only the verdicts of their steps are entries."""
+    def results(self) -> list[Iri]:
+        """IRIs of the results of tasks; the verdicts of their steps are entries."""
         found = self._of(ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + "TaskResult"))
-        return len({quad.subject for quad in found})
+        return sorted({quad.subject.value for quad in found if isinstance(quad.subject, ox.NamedNode)})
+
+    def result(self, iri: Iri) -> StoredResult:
+        """The result of this IRI.
+
+        Raises:
+            InputError: Its record is damaged, or was changed.
+        """
+        graph = ox.NamedNode(graph_iri("task_result", local_name(iri)))
+        with reading(self._path):
+            quads = list(self.store.quads_for_pattern(None, None, None, graph))
+            result = read_result(quads, iri)
+        if result.written:
+            check_seal(iri, quads)
+        else:  # versions that did not keep it did not seal either
+            check_unbroken(iri, read_triples(quads))
+        return result
 
     def entry(self, iri: Iri) -> Entry:
         """The verdict of this IRI, or of this hash.

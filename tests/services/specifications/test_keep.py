@@ -47,12 +47,13 @@ def kept() -> TaskResult:
     return run(1.5)
 
 
-def test_a_recheck_says_that_of_a_task_it_looks_at_the_steps_alone(kept: TaskResult, tmp_path: Path) -> None:
+def test_a_recheck_of_a_task_needs_the_certificates_of_its_steps(kept: TaskResult, tmp_path: Path) -> None:
     place = tmp_path / "kept.trig"
     with SavedVerdicts(place) as saved:
         assert keep(saved, kept)
     asked = CliRunner().invoke(recheck, [str(place)])
-    assert "of 1 result(s) of tasks the steps' verdicts are rechecked" in asked.stderr
+    assert asked.exit_code == 1
+    assert "step 1, open low_drawer to 0.2: its verdict is certified, and has no certificate" in asked.output
 
 
 def test_the_rule_that_broke_is_told_with_step_time_and_state(broken: TaskResult, tmp_path: Path) -> None:

@@ -7,6 +7,11 @@ import numpy as np
 from predicates.specification.leg import Leg
 from predicates.specification.rules import Approach
 from sdt_kg.iri import Iri
+from services.embodiment.certify.motion import whole_motion
+from services.embodiment.certify.sweep.clearance import Pairs, Sweep
+from services.embodiment.certify.sweep.subject import subject
+from services.embodiment.certify.tolerances import Tolerances
+from services.physics.model import Scene
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,12 +22,6 @@ class Swept:
 
     def keeps(self, leg: Leg, body: Iri, distance: float) -> Approach:
         """Whether the robot, in its shapes that contain it, keeps the distance, between samples too."""
-        from services.embodiment.certify.motion import whole_motion  # noqa: PLC0415 - loads the oracle
-        from services.embodiment.certify.sweep.clearance import Pairs, Sweep  # noqa: PLC0415
-        from services.embodiment.certify.sweep.subject import subject  # noqa: PLC0415
-        from services.embodiment.certify.tolerances import Tolerances  # noqa: PLC0415
-        from services.physics.model import Scene  # noqa: PLC0415
-
         scene, tolerances = Scene(leg.twin, self.robot), Tolerances()
         pieces, _ = whole_motion(scene, leg.motion, tolerances)
         about = subject(scene, pieces, tolerances)

@@ -5,8 +5,8 @@ import pytest
 
 from sdt_kg.motion import BodyMotion
 from services.app import load
+from services.embodiment.certify.work import mechanical_work
 from services.physics.model import Scene
-from services.specifications.work import mechanical_work
 
 pytestmark = pytest.mark.oracle
 

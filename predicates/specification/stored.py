@@ -1,0 +1,108 @@
+"""Results of tasks as a store holds them: triples → values."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final
+
+import pyoxigraph as ox
+
+from predicates.case import Outcome
+from predicates.record.facts import Facts, term
+from predicates.record.inputs import Inputs
+from predicates.record.stored import OUTCOME_TERM
+from predicates.specification.record import STANDING_TERM
+from predicates.specification.rules import Standing
+from sdt_kg.iri import LAW, PROV, RDFS, Iri, local_name
+from sdt_kg.task import Verb
+
+_OUTCOME: Final = {name: outcome for outcome, name in OUTCOME_TERM.items()}
+_STANDING: Final = {name: standing for standing, name in STANDING_TERM.items()}
+_VERB: Final = {verb.value.capitalize(): verb for verb in Verb}
+
+
+@dataclass(frozen=True, slots=True)
+class StoredStep:
+    """What a store says of a step: what was asked, the verdict that counts, the hash of what shows it, J."""
+
+    verb: Verb
+    container: Iri
+    position: float | None
+    outcome: Outcome
+    verdict: Iri
+    artefact: str | None
+    value: float | None
+
+    def __str__(self) -> str:
+        to = "" if self.position is None else f" to {self.position:g}"
+        return f"{self.verb.value} {local_name(self.container)}{to}"
+
+
+@dataclass(frozen=True, slots=True)
+class StoredResult:
+    """What a store says of a task's result.
+
+    Attributes:
+        written: The specification in Turtle; empty where it was not kept.
+        moved: Joint → position [rad or m] of what is not where the kitchen starts, as the first step begins.
+        asked: How many steps there are.
+        rules: What each says in words, and what is known of it.
+        value: J of the whole sequence.
+    """
+
+    iri: Iri
+    label: str
+    outcome: Outcome
+    environment: Iri
+    robot: Iri
+    written: str
+    inputs: Inputs
+    moved: dict[Iri, float]
+    asked: int
+    steps: tuple[StoredStep, ...]
+    rules: tuple[tuple[str, Standing], ...]
+    value: float | None
+
+
+def read_result(quads: Iterable[ox.Quad], iri: Iri) -> StoredResult:
+    """The result of this IRI, whose graph these quads are.
+
+    Raises:
+        InputError: The record is damaged.
+    """
+    facts = Facts(quads)
+    used = facts.all(facts.needed(iri, PROV + "wasGeneratedBy"), PROV + "used")
+    return StoredResult(
+        iri=iri,
+        label=facts.needed(iri, RDFS + "label"),
+        outcome=term(_OUTCOME, facts.needed(iri, LAW + "taskOutcome")),
+        environment=facts.needed(iri, LAW + "environment"),
+        robot=facts.needed(iri, LAW + "robot"),
+        written=facts.text(iri, LAW + "writtenAs") or "",
+        inputs=tuple((facts.needed(of, LAW + "name"), facts.needed(of, LAW + "inputHash")) for of in used),
+        moved=dict(_position(facts, each) for each in facts.all(iri, LAW + "jointPosition")),
+        asked=int(facts.measured(iri, LAW + "stepsAsked")),
+        steps=tuple(_step(facts, each) for each in facts.all(iri, LAW + "stepResult")),
+        rules=tuple(_rule(facts, each) for each in facts.all(iri, LAW + "ruleAnswer")),
+        value=facts.number(iri, LAW + "qualityValue"),
+    )
+
+
+def _position(facts: Facts, of: Iri) -> tuple[Iri, float]:
+    return facts.needed(of, LAW + "entity"), facts.measured(of, LAW + "value")
+
+
+def _step(facts: Facts, of: Iri) -> StoredStep:
+    task = facts.needed(of, LAW + "task")
+    return StoredStep(
+        verb=term(_VERB, facts.needed(task, LAW + "verb")),
+        container=facts.needed(task, LAW + "container"),
+        position=facts.number(task, LAW + "goalPosition"),
+        outcome=term(_OUTCOME, facts.needed(of, LAW + "taskOutcome")),
+        verdict=facts.needed(of, LAW + "verdict"),
+        artefact=facts.text(of, LAW + "artefactHash"),
+        value=facts.number(of, LAW + "qualityValue"),
+    )
+
+
+def _rule(facts: Facts, of: Iri) -> tuple[str, Standing]:
+    return facts.needed(of, RDFS + "label"), term(_STANDING, facts.needed(of, LAW + "standing"))
