@@ -1,6 +1,7 @@
 """`sdt recheck`: are stored verdicts what their certificates and proofs show?"""
 
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 
 import click
@@ -23,6 +24,9 @@ from services.embodiment.recheck.models import TwinOf
 from services.embodiment.recheck.saved import Entry, by_name
 from services.physics.oracle import Kinematics
 from services.store.files import is_saved_graph
+
+TWINS_KEPT = 8
+"""Kitchens with a robot that are kept: a store has its verdicts in the order of their hashes."""
 
 
 @click.command()
@@ -119,10 +123,13 @@ def _results(source: str, store: str | None, given: TwinOf | None) -> tuple[list
 
 
 class _Again:
-    """Rechecks of what a store has; a verdict on which several things rest is checked once."""
+    """Rechecks of what a store has; a verdict on which several things rest is checked once.
+
+    Models are put together once for all that is about them: that takes longer than to certify a motion.
+    """
 
     def __init__(self, saved: Saved, twin_of: TwinOf) -> None:
-        self._saved, self._twin_of = saved, twin_of
+        self._saved, self._twin_of = saved, lru_cache(maxsize=TWINS_KEPT)(twin_of)
         self._known: dict[Iri, Rechecked | None] = {}
 
     def entry(self, entry: Entry) -> Rechecked | None:

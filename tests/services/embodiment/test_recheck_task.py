@@ -16,6 +16,7 @@ from predicates.specification.read import read_specification
 from predicates.specification.rules import Standing
 from predicates.specification.stored import StoredResult, StoredStep
 from sdt_kg.iri import LAW, Iri, task_result_iri
+from sdt_kg.twin import Twin
 from services.app import Service, load
 from services.commands.saved.recheck import recheck
 from services.embodiment.recheck import Rechecked, Saved, recheck_verdict
@@ -228,3 +229,17 @@ def test_a_result_is_read_only_as_it_was_written(
     assert told.exit_code == (1 if is_sealed else 0)
     assert ("was changed after it was written" in told.output) is is_sealed
     assert ("1 result(s) of tasks were kept without their specification" in told.output) is not is_sealed
+
+
+def test_models_are_put_together_once_for_all_that_is_about_them(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked, usual = list[tuple[Iri, Iri]](), Saved.twin
+
+    def counted(saved: Saved, environment: Iri, robot: Iri) -> tuple[Twin, str]:
+        asked.append((environment, robot))
+        return usual(saved, environment, robot)
+
+    monkeypatch.setattr(Saved, "twin", counted)
+    assert CliRunner().invoke(recheck, [str(place)]).exit_code == 0
+    assert len(asked) == 1
