@@ -131,11 +131,15 @@ def _quality(iri: Iri, facts: Facts) -> Iterator[str]:
 
 
 def _again(iri: Iri, steps: list[Iri], facts: Facts) -> Iterator[str]:
+    kept = facts.text(iri, LAW + "writtenAs") is not None
+    if kept:
+        yield f"sdt recheck {iri} --store STORE"
     yield (
         f"sdt task FILE --kitchen {local_name(facts.needed(iri, LAW + 'environment'))} "
         f"--robot {local_name(facts.needed(iri, LAW + 'robot'))}"
     )
-    yield f"  FILE: the specification, or the ready task that {facts.needed(iri, LAW + 'specification')} is"
+    what = "the specification (its law:writtenAs)" if kept else "the specification"
+    yield f"  FILE: {what}, or the ready task that {facts.needed(iri, LAW + 'specification')} is"
     for each in steps:
         yield f"sdt why {facts.needed(each, LAW + 'verdict')} --store STORE"
     yield iri

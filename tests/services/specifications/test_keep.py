@@ -71,6 +71,7 @@ def test_the_rule_that_broke_is_told_with_step_time_and_state(broken: TaskResult
     assert "1. BROKEN: side_door never beyond 1" in text
     assert f"in step 2 at {broken.broken.time:.4g} s, before any other rule" in text
     assert "1. open low_drawer to 0.2: CERTIFIED" in text
+    assert f"sdt recheck {broken.iri} --store STORE" in text
 
 
 def test_every_step_names_a_verdict_that_is_kept_too(kept: TaskResult, tmp_path: Path) -> None:
