@@ -12,7 +12,7 @@ from predicates.record import StoredVerdict
 from predicates.record.inputs import Inputs
 from predicates.scope import tee_class_of_hash
 from sdt_kg.errors import InputError
-from sdt_kg.iri import Iri
+from sdt_kg.iri import Iri, local_name, task_result_iri
 from sdt_kg.load import load_twin
 from sdt_kg.scope import D_ARTIC_DYN
 from sdt_kg.twin import Twin
@@ -109,7 +109,8 @@ def _results(source: str, store: str | None, given: TwinOf | None) -> tuple[list
         click.echo(f"note: {saved.left_out}", err=True)
     again = _Again(saved, given or saved.twin)
     if store is not None:
-        found = again.result(source) if source in saved.results() else again.entry(saved.entry(source))
+        of_task = task_result_iri(local_name(source))
+        found = again.result(of_task) if of_task in saved.results() else again.entry(saved.entry(source))
         return ([], 1) if found is None else ([found], 0)
     verdicts = [again.entry(each) for each in saved.entries()]
     tasks = [again.result(each) for each in saved.results()]

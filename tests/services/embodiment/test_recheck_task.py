@@ -15,7 +15,7 @@ from predicates.record.seal import RECORD_HASH
 from predicates.specification.read import read_specification
 from predicates.specification.rules import Standing
 from predicates.specification.stored import StoredResult, StoredStep
-from sdt_kg.iri import LAW, Iri, task_result_iri
+from sdt_kg.iri import LAW, Iri, local_name, task_result_iri
 from sdt_kg.twin import Twin
 from services.app import Service, load
 from services.commands.saved.recheck import recheck
@@ -94,8 +94,11 @@ def test_a_certified_result_and_a_broken_rule_hold_with_their_verdicts(place: Pa
     assert told.output.count("holds: task result, in turn, stretch in b") == 2
 
 
-def test_a_result_is_rechecked_by_its_iri(place: Path, broken: StoredResult) -> None:
-    told = CliRunner().invoke(recheck, [broken.iri, "--store", str(place)])
+@pytest.mark.parametrize("said", [str, local_name])
+def test_a_result_is_rechecked_by_its_iri_or_hash(
+    place: Path, broken: StoredResult, said: Callable[[Iri], str]
+) -> None:
+    told = CliRunner().invoke(recheck, [said(broken.iri), "--store", str(place)])
     assert told.exit_code == 0, told.output
     assert "1 of 1 hold" in told.output
 
