@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from hashlib import sha256
 from itertools import zip_longest
 
@@ -243,7 +242,7 @@ def _ends(request: Request, twin: Twin, certificate: Certificate, physics: Physi
     """The state in which a certified motion ends, by Φ, and whether the container may move on then."""
     case = Case(twin, certificate.robot, body_motion=certificate.motion)
     carried = with_carried(case, certificate.motion, request.container, physics)
-    caused = next(causes(unhurried(replace(carried, task=case.task)), physics))
+    caused = next(causes(unhurried(carried), physics))
     assert isinstance(caused.case.final, State), "what was certified has a final state"
     return caused.case.final, LET_GO in caused.figures
 
