@@ -102,7 +102,7 @@ async def _view(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
         said = (quad.subject, quad.predicate, quad.object)
         if said in {judged, task} and isinstance(quad.graph_name, ox.NamedNode):
             record = await graph_quads(workers, quad.graph_name.value)
-            return verdict(request, iri, record) if said == judged else result(iri, record)
+            return (verdict if said == judged else result)(request, iri, record)
     return entity(request, iri, quads, MOST)
 
 

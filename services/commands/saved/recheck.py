@@ -68,7 +68,7 @@ def recheck(
     if not results:
         raise InputError(
             f"nothing to recheck: {without} verdict(s) without certificate or proof",
-            allowed="a certified or proved verdict",
+            allowed="a certified or proved verdict, or a result of a task that has its specification",
         )
     if as_json:
         print_json([_json(each) for each in results])

@@ -11,7 +11,7 @@ from services.http.pages.session import sign_in, sign_out
 from services.http.pages.verdicts.listing import listing
 from services.http.pages.verdicts.results import results
 from services.http.pages.view import routes, static
-from services.http.pages.writing.forms import artefact, ask, recheck, sign_in_page
+from services.http.pages.writing.forms import artefact, ask, recheck, recheck_result, sign_in_page
 
 
 def site() -> list[Route]:
@@ -24,6 +24,7 @@ def site() -> list[Route]:
         *routes("/verdicts", listing),
         *routes("/tasks", results),
         Route("/verdicts/{key}/recheck", recheck, methods=["POST"]),
+        Route("/tasks/{key}/recheck", recheck_result, methods=["POST"]),
         Route("/verdicts/{key}/artefact", artefact),
         *console_routes(),
         Route("/sign-in", sign_in, methods=["POST"]),

@@ -16,6 +16,7 @@ from tests.services.pages.conftest import PAGE, text_of
 from tests.small import small_twin
 from tests.small.lift import Lifts
 
+FORM = {"content-type": "application/x-www-form-urlencoded"} | PAGE
 TASK = """
 @prefix law: <https://example.org/law#> .
 @prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
@@ -80,6 +81,20 @@ def test_a_broken_rule_is_told_with_step_and_time(served, judged) -> None:
     assert "Can pr2 do 'fetch <it>' in kitchen a?" in words
     assert "Not certified" in words
     assert "side_door never beyond 1" in words
+
+
+def test_a_result_is_rechecked_with_the_verdicts_of_its_steps(served, judged) -> None:
+    link = address(judged["kept"])
+    assert served.get(f"{link}.json").json()["recheck"] is None
+    action = f"/tasks/{link.rsplit('/', 1)[1]}/recheck"
+    assert f'action="{action}"' in served.get(link, headers=PAGE).text
+    posted = served.post(action, content="", headers=FORM)
+    assert posted.headers["location"] == f"{link}#recheck"
+    found = served.get(f"{link}.json").json()["recheck"]
+    assert (found["kind"], found["holds"]) == ("task result", False)
+    assert "its verdict is certified, and has no certificate" in found["reasons"][0]
+    assert "It does not hold" in text_of(served.get(link, headers=PAGE).text)
+    assert served.post("/tasks/0/recheck", content="", headers=FORM).status_code == 400
 
 
 def test_every_step_leads_to_its_verdict(served, judged) -> None:

@@ -14,7 +14,7 @@ from services.http.api.read import SPELLED, of_models
 from services.http.pages.kinds import Standing, standings
 from services.http.pages.stored import rows
 from services.http.pages.terms import id_link
-from services.http.pages.verdicts.one import or_damaged
+from services.http.pages.verdicts.one import or_damaged, rechecks
 from services.http.pages.view import Json, View
 from services.http.world import World
 from services.versions import outdated
@@ -64,12 +64,12 @@ def _listed(world: World, row: dict[str, str]) -> Json:
     } | of_models(world, row)
 
 
-def result(iri: Iri, quads: list[ox.Quad]) -> View:
+def result(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
     """The page of a result, whose graph these quads are; a damaged record says so and claims nothing."""
-    return or_damaged(lambda: _read(iri, quads), iri, PARTS)
+    return or_damaged(lambda: _read(request, iri, quads), iri, PARTS)
 
 
-def _read(iri: Iri, quads: list[ox.Quad]) -> View:
+def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
     facts = Facts(quads)
     first, *others = sections(quads, iri)
     told = {each.title: list(each.lines) for each in others}
@@ -92,6 +92,7 @@ def _read(iri: Iri, quads: list[ox.Quad]) -> View:
         "steps": steps,
         "rules": rules,
         "why": told,
+        "recheck": rechecks(request).known(iri, quads),
     }
     usual = Standing.CERTIFIED if outcome is Outcome.CERTIFIED else Standing.NO_VERDICT
     shown: Json = {
@@ -99,6 +100,7 @@ def _read(iri: Iri, quads: list[ox.Quad]) -> View:
         "told": {name: told.get(name, []) for name in TOLD},
         "path": "/id/" + iri.removeprefix(ID),
         "graph": "/id/graph/task_result/" + local_name(iri),
+        "is_whole": facts.text(iri, LAW + "writtenAs") is not None,
     }
     return View("task", data, [*steps, *rules], PARTS, shown)
 

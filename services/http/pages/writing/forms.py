@@ -1,4 +1,4 @@
-"""Forms of pages: ask for cases, check a verdict again, take its certificate or proof, sign in."""
+"""Forms of pages: ask for cases, check again what was judged, take a certificate or proof, sign in."""
 
 from urllib.parse import quote
 
@@ -8,7 +8,7 @@ from starlette.responses import RedirectResponse, Response
 
 from predicates.record import read_verdict
 from sdt_kg.errors import InputError
-from sdt_kg.iri import local_name, verdict_iri
+from sdt_kg.iri import local_name, task_result_iri, verdict_iri
 from services.http.pages.asking import Asking
 from services.http.pages.feasibility.asked import asked_about
 from services.http.pages.feasibility.cells import cells_of, kept_verdicts
@@ -59,6 +59,14 @@ async def recheck(request: Request) -> Response:
     key = request.path_params["key"]
     await request.app.state.rechecks.check(verdict_iri(key))
     return RedirectResponse(f"/id/verdict/{quote(key)}#recheck", 303)
+
+
+async def recheck_result(request: Request) -> Response:
+    """The same of a task's result."""
+    check_may_write(request)
+    key = request.path_params["key"]
+    await request.app.state.rechecks.check(task_result_iri(key))
+    return RedirectResponse(f"/id/task_result/{quote(key)}#recheck", 303)
 
 
 async def artefact(request: Request) -> Response:

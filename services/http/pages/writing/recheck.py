@@ -1,4 +1,4 @@
-"""Stored verdicts checked again by `sdt recheck`, in a process of its own that is killed when it is late."""
+"""What is stored, checked again by `sdt recheck`, in a process of its own that is killed when it is late."""
 
 import asyncio
 import hashlib
@@ -14,7 +14,7 @@ from typing import Any, Final
 import pyoxigraph as ox
 
 from sdt_kg.errors import InputError, OracleUnavailableError
-from sdt_kg.iri import Iri
+from sdt_kg.iri import LAW, Iri
 from services.http.problems import RefusedError
 from services.http.world import World, lines
 from services.store.workers import BusyError
@@ -25,6 +25,8 @@ BAD_INPUT: Final = 2
 """Exit code of `sdt` where the line on standard error says what is wrong."""
 WAITING: Final = 4
 """Rechecks that may wait for another."""
+OF_STEP: Final = ox.NamedNode(LAW + "verdict")
+"""From the step of a task's result to its verdict."""
 MOST: Final = 1000
 """Results that are remembered."""
 
@@ -46,12 +48,12 @@ class Rechecks:
     def __post_init__(self) -> None:
         self._turn = asyncio.Lock()
 
-    def known(self, verdict: Iri, quads: Iterable[ox.Quad]) -> Json | None:
+    def known(self, judged: Iri, quads: Iterable[ox.Quad]) -> Json | None:
         """What the last recheck of this very record found; None where there was none."""
-        return self._results.get((verdict, _digest(quads)))
+        return self._results.get((judged, _digest(quads)))
 
-    async def check(self, verdict: Iri) -> Json:
-        """What `sdt recheck` says of a verdict, and when.
+    async def check(self, judged: Iri) -> Json:
+        """What `sdt recheck` says of a verdict, or of a task's result, and when.
 
         Raises:
             InputError: It says that there is nothing to check.
@@ -64,28 +66,30 @@ class Rechecks:
         self._waiting += 1
         try:
             async with self._turn:
-                return await self._checked(verdict)
+                return await self._checked(judged)
         finally:
             self._waiting -= 1
 
-    async def _checked(self, verdict: Iri) -> Json:
-        record = await self.world.recall(verdict)
+    async def _checked(self, judged: Iri) -> Json:
+        record = await self.world.recall(judged)
         if not record:
-            raise InputError(f"no verdict <{verdict}>", remedy="/verdicts lists them")
+            raise InputError(f"no verdict or result <{judged}>", remedy="/verdicts and /tasks list them")
         quads = list(ox.parse(record, format=ox.RdfFormat.N_QUADS))
+        for step in [each.object.value for each in quads if each.predicate == OF_STEP]:
+            record += await self.world.recall(step)
         with tempfile.TemporaryDirectory(prefix="sdt-recheck-") as folder:
             saved = Path(folder) / "verdict.nq"
             saved.write_bytes(await self._with_models(record, quads))
-            found = await _run("recheck", verdict, "--store", str(saved), "--json")
+            found = await _run("recheck", judged, "--store", str(saved), "--json")
         (result,) = json.loads(found)
         result["time"] = datetime.now(UTC).isoformat(timespec="seconds")
         while len(self._results) >= MOST:
             del self._results[next(iter(self._results))]
-        self._results[verdict, _digest(quads)] = result
+        self._results[judged, _digest(quads)] = result
         return result
 
     async def _with_models(self, record: bytes, quads: list[ox.Quad]) -> bytes:
-        """The verdict with the models that it is about, where they are served."""
+        """The records with the models that they are about, where these are served."""
         named = {quad.object.value for quad in quads if isinstance(quad.object, ox.NamedNode)}
         for kitchen in self.world.kitchens.values():
             if kitchen.twin.environment in named:
