@@ -1,7 +1,7 @@
 """`sdt ask`, `sdt oracle` and `sdt router`: the Law over Zenoh."""
 
-import signal
 import threading
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ import click
 from sdt_kg.errors import InputError
 from services.commands.network.answers import ANSWERS, Asked
 from services.commands.options import FiniteRange, WholeRange, csv_flag, json_flag, states_option, tee_option
+from services.stopping import terminable
 
 ENDPOINT = "tcp/127.0.0.1:7447"
 
@@ -142,13 +143,13 @@ def oracle(*, kind: str, connect: str, config: Path | None, workers: int) -> Non
     from services.bus.oracles.server import oracle as answering  # noqa: PLC0415 - see above
     from services.bus.sessions import open_session  # noqa: PLC0415 - see above
 
-    session = open_session(connect=connect, mode="client", config=config)
-    try:
-        with answering(session, Oracle(kind), workers) as instance:
-            click.echo(f"oracle {kind} {instance} at {connect}", err=True)
-            _until_stopped()
-    finally:
-        session.close()
+    with (
+        terminable(),
+        closing(open_session(connect=connect, mode="client", config=config)) as session,
+        answering(session, Oracle(kind), workers) as instance,
+    ):
+        click.echo(f"oracle {kind} {instance} at {connect}", err=True)
+        threading.Event().wait()
 
 
 @click.command()
@@ -160,17 +161,6 @@ def router(*, listen: str, config: Path | None) -> None:
     """Route between servers, oracles and askers until interrupted."""
     from services.bus.sessions import open_session  # noqa: PLC0415 - other commands need no bus
 
-    session = open_session(listen=listen, mode="router", config=config)
-    click.echo(f"router at {listen}", err=True)
-    try:
-        _until_stopped()
-    finally:
-        session.close()
-
-
-def _until_stopped() -> None:
-    """Wait for an interrupt or a termination."""
-    stopped = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stopped.set())
-    stopped.wait()
+    with terminable(), closing(open_session(listen=listen, mode="router", config=config)):
+        click.echo(f"router at {listen}", err=True)
+        threading.Event().wait()

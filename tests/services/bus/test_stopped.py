@@ -1,0 +1,56 @@
+"""`sdt router` and `sdt oracle` are stopped as `sdt serve` is."""
+
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+
+import pytest
+
+from services.commands.exits import Exit
+from tests.services.bus.conftest import free_endpoint
+from tests.services.http.test_interrupted import heard
+
+SDT = (sys.executable, "-m", "services.cli")
+STOPS = {
+    signal.SIGINT: (Exit.INTERRUPTED, "interrupted"),
+    signal.SIGTERM: (Exit.TERMINATED, "terminated"),
+    signal.SIGHUP: (Exit.TERMINATED, "terminated"),
+}
+"""Signal → exit code, and the last line."""
+
+
+def started(*words: str) -> "subprocess.Popen[str]":
+    """A command that has said that it is there."""
+    process = subprocess.Popen([*SDT, *words], stderr=subprocess.PIPE, text=True, preexec_fn=heard)  # noqa: PLW1509
+    assert process.stderr is not None
+    assert " at tcp/" in process.stderr.readline()
+    return process
+
+
+@pytest.fixture
+def router() -> Iterator[str]:
+    """Its endpoint."""
+    endpoint = free_endpoint()
+    process = started("router", "--listen", endpoint)
+    try:
+        yield endpoint
+    finally:
+        process.kill()
+        process.communicate()
+
+
+@pytest.mark.parametrize("number", STOPS)
+def test_a_router_ends_with_the_code_of_what_stopped_it(number: signal.Signals) -> None:
+    process = started("router", "--listen", free_endpoint())
+    process.send_signal(number)
+    said = process.communicate(timeout=60)[1]
+    assert (process.returncode, said.splitlines()[-1]) == STOPS[number]
+
+
+@pytest.mark.parametrize("number", STOPS)
+def test_an_oracle_ends_with_the_code_of_what_stopped_it(router: str, number: signal.Signals) -> None:
+    process = started("oracle", "causes", "--connect", router)
+    process.send_signal(number)
+    said = process.communicate(timeout=60)[1]
+    assert (process.returncode, said.splitlines()[-1]) == STOPS[number]
