@@ -1,12 +1,12 @@
 """`sdt view`: the 3D page."""
 
-import contextlib
 import threading
 
 import click
 
 from services.commands.completion.types import KITCHEN, ROBOT
 from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange, WholeRange
+from services.stopping import terminable
 from services.viewer.beside import check_extra
 
 KITCHENS = ("b", "a")
@@ -65,7 +65,9 @@ def view(
     from services.viewer.running import Offer, running  # noqa: PLC0415 - its library is an extra
 
     offer = Offer(kitchens or KITCHENS, robots or ROBOTS, budget)
-    with running(address, offer, judges, hosts, unprotected=unprotected, patience=LOADING) as page:
+    with (
+        terminable(),
+        running(address, offer, judges, hosts, unprotected=unprotected, patience=LOADING) as page,
+    ):
         click.echo(f"{page.url}  (Ctrl-C ends it)", err=True)
-        with contextlib.suppress(KeyboardInterrupt):
-            threading.Event().wait()
+        threading.Event().wait()
