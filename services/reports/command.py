@@ -63,6 +63,8 @@ def report(
         return
     if name is None:
         raise InputError("which report?", remedy="sdt report --list names all")
+    if store == "":
+        raise InputError("'' is no place for verdicts", remedy="leave --store out to keep none")
     chosen = notebook(name)
     given = [*parameters, *([f"{STORE}={store}"] if store is not None else [])]
     values = chosen.values(given)

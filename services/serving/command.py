@@ -141,7 +141,7 @@ def serve(
     with (
         terminable(),  # the server shuts down at SIGTERM, then raises it again
         closing(bound(where)) as listening,
-        closing(opened(store)) if store else nullcontext() as archive,
+        closing(opened(store)) if store is not None else nullcontext() as archive,
         page_beside(view_address, kitchens, robots) as viewer,
     ):
         settings = replace(settings, viewer=viewer)

@@ -39,7 +39,7 @@ def opened(place: str | Path) -> QuadStore:
         InputError: It is no such place, or holds something else.
         StoreUnavailableError: Another process has it.
     """
-    if isinstance(place, str) and "://" in place:
+    if isinstance(place, str) and ("://" in place or not place):
         return RemoteStore(Addresses.of(_address(place)))
     path = Path(place)
     is_folder = path.is_dir() or not path.suffix
@@ -50,7 +50,7 @@ def _address(place: str) -> str:
     """The place, if it is a server's address.
 
     Raises:
-        InputError: It is the address of something else.
+        InputError: It is the address of something else, or nothing, as a variable of a shell may be.
     """
     if not is_url(place):
         raise InputError(

@@ -130,7 +130,7 @@ def achieve(
     if count > 1:
         _refuse_one_file({"--motion-out": motion_out, "--certificate": certificate})
     # Verdicts are told before the store is closed: a file is written then, and may not fit.
-    with _saved(save) if save else nullcontext() as saved:
+    with _saved(save) if save is not None else nullcontext() as saved:
         if saved:
             saved.add_twin(service.twin)
             service = replace(service, recall=saved.stored)

@@ -169,7 +169,7 @@ def sweep(
     models = tuple(kitchens.split(",")), tuple(robots.split(","))
     plan = _planned(models, axes, file, query, of)
     with ExitStack() as stack:
-        saved = stack.enter_context(SavedVerdicts(_place(save))) if save else None
+        saved = stack.enter_context(SavedVerdicts(_place(save))) if save is not None else None
         recall = nothing_stored if saved is None else saved.stored
         if only_plan:
             _tell_plan(plan, recall, as_json=as_json)

@@ -99,7 +99,7 @@ def table(
         read_ahead(kitchens.split(","), robots.split(","))
     cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)
     # The table is told before the store is closed: a file is written then, and may not fit.
-    with _kept_in(save) if save else nullcontext() as saved:
+    with _kept_in(save) if save is not None else nullcontext() as saved:
         if saved:
             _add_twins(saved, kitchens.split(","), robots.split(","), states)
         result = _judged(cases, jobs, motions, saved, f"{verb}()")

@@ -98,7 +98,7 @@ def task_command(
     service = load(kitchen, [robot], annotation=policy["annotation"], state=policy["states"], policy=how)
     service = in_class(service, tee, forces)
     specification = specification_of(service.twin, source)
-    with SavedVerdicts(save) if save else nullcontext() as saved:
+    with SavedVerdicts(save) if save is not None else nullcontext() as saved:
         result = _judged(service, specification, model_name(robot))
         if saved is not None:
             keep(saved, result)

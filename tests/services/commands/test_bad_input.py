@@ -75,7 +75,27 @@ BAD = {
         ["--state", "iai_fridge_door is given 2 times", "one value"],
     ),
     "a place that is no store's": (
-        ["table", "--save", "ftp://x"], ["'ftp://x' is no place", "FILE.trig, FILE.nq, a directory, http://HOST"],
+        ["table", "--save", "ftp://x"],
+        ["'ftp://x' is no place", "FILE.trig, FILE.nq, a directory, http://HOST"],
+    ),
+    "a place that is an empty variable": (
+        ["table", "--save", ""], ["'' is no place for verdicts", "FILE.trig"],
+    ),
+    "an empty place of one verdict": (
+        ["achieve", "--kitchen", "b", "--robot", "pr2", "--task", "open", "--save", ""], ["'' is no place"],
+    ),
+    "an empty place of a task": (
+        ["task", "dishwasher_then_drawer", "--kitchen", "a", "--robot", "pr2", "--save", ""],
+        ["'' is no place"],
+    ),
+    "an empty place of a sweep": (["sweep", "--plan", "--save", ""], ["'' is no place"]),
+    "an empty place of a service": (["serve", "--http", "127.0.0.1:0", "--store", ""], ["'' is no place"]),
+    "an empty place of a report": (
+        ["report", "feasibility", "--store", ""], ["'' is no place", "leave --store out"],
+    ),
+    "an empty place of what is computed": (
+        ["query", "", "--kitchen", "b", "--compute", "ASK { ?v law:outcome law:Certified }"],
+        ["'' is no place"],
     ),
     "file left out": (["table", "--csv", "--json"], ["--csv is followed by --json", "FILE", "./--json"]),
     "file left out before a short option": (["graph", "b", "-o", "-o", "x.ttl"], ["-o/--output", "by -o"]),
