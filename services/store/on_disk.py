@@ -32,6 +32,9 @@ BEGUN = re.compile(r"LOCK|LOG|IDENTITY|MANIFEST-000001|\d{6}\.dbtmp")
 HELD = ("No locks available", "Resource temporarily unavailable")
 """RocksDB's words for a directory that this process, or another one, has open."""
 
+NO_ROOM = ("No space left on device", "File too large", "Disk quota exceeded")
+"""The system's words, which RocksDB repeats among its own."""
+
 
 def in_folder(folder: Path) -> FolderStore:
     """A store of RocksDB in a directory, which is made if it is not there.
@@ -40,9 +43,9 @@ def in_folder(folder: Path) -> FolderStore:
     none of it. Losing power may: files are synced by `close`, and whenever much is put into the tables.
 
     Raises:
-        InputError: The directory holds something else.
+        InputError: The directory holds something else, or there is no folder for it.
         StoreUnavailableError: Another process has it open.
-        StoreRejectedError: It is damaged.
+        StoreRejectedError: It is damaged, or there is no room for it.
     """
     if folder.exists() and not is_store_folder(folder) and not _is_bare(folder):
         raise InputError(
@@ -58,13 +61,23 @@ def in_folder(folder: Path) -> FolderStore:
             raise damaged(folder, error) from None
         except OSError as error:
             if not any(reason in str(error) for reason in HELD):
-                remedy = "" if os.access(folder, os.W_OK) else "copy it to where it can be written"
-                raise InputError(f"cannot open the store {folder}: {error}", remedy=remedy) from None
+                raise _unopened(folder, str(error)) from None
     raise StoreUnavailableError(
         str(folder),
         "is open in another process",
         remedy="wait until that is done, or share it between processes: oxigraph serve -l DIRECTORY",
     )
+
+
+def _unopened(folder: Path, why: str) -> InputError | StoreRejectedError:
+    """What is wrong with a directory that cannot be opened or made, and what is to be done."""
+    for reason in NO_ROOM:
+        if reason in why:
+            return StoreRejectedError(str(folder), f"cannot be opened: {reason}", remedy="make room there")
+    if not folder.parent.is_dir():
+        return InputError(f"cannot make the store {folder}", allowed="a place in a folder that is there")
+    remedy = "" if os.access(folder, os.W_OK) else "copy it to where it can be written"
+    return InputError(f"cannot open the store {folder}: {why}", remedy=remedy)
 
 
 def _is_bare(folder: Path) -> bool:

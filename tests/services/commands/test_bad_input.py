@@ -78,6 +78,9 @@ BAD = {
         ["table", "--save", "ftp://x"],
         ["'ftp://x' is no place", "FILE.trig, FILE.nq, a directory, http://HOST"],
     ),
+    "a place in no folder": (
+        ["sweep", "--plan", "--save", "gone/verdicts"], ["gone/verdicts", "in a folder that is there"],
+    ),
     "a place that is an empty variable": (
         ["table", "--save", ""], ["'' is no place for verdicts", "FILE.trig"],
     ),

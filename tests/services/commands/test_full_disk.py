@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sdt_kg.errors import InputError
+from sdt_kg.errors import InputError, StoreRejectedError
 from sdt_kg.motion import Motion
 from services.commands.exits import Exit
 from services.motions import write_motion
+from services.store.files import opened
 from services.sweep.parquet import parquet
 from tests.services.conftest import Done
 
@@ -50,6 +51,14 @@ def test_a_motion(folder: Path, name: str) -> None:
     with pytest.raises(InputError, match=f"{name}: {WHY}"):
         write_motion(folder / name, motion)
     assert [each.read_text() for each in folder.iterdir()] == ["before"]
+
+
+def test_a_store(folder: Path) -> None:
+    place = folder / "verdicts"
+    with pytest.raises(
+        StoreRejectedError, match="verdicts cannot be opened: File too large; make room there"
+    ):
+        opened(place)
 
 
 def test_a_table_of_a_sweep(folder: Path) -> None:
