@@ -67,7 +67,7 @@ def read_bag(path: Path, topic: str | None, frame: str | None) -> Track:
     except InputError:
         raise
     except Exception as error:  # noqa: BLE001 - whatever a foreign, damaged file makes the library raise
-        raise InputError(f"{path.name} is no ROS bag: {error}", allowed=ALLOWED) from None
+        raise InputError(f"{path} is no ROS bag: {error}", allowed=ALLOWED) from None
     chosen = _chosen(found, topic, frame, path.name)
     _check_frames(found, chosen)
     rows, names = _in_time(found.poses[chosen], chosen), ("t", *PLACE, *TURN)

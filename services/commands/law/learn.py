@@ -1,5 +1,6 @@
 """`sdt learn`: which joint moves what was seen, which task it was, and what the twin would have to say."""
 
+import math
 from dataclasses import asdict
 from pathlib import Path
 
@@ -229,9 +230,10 @@ def parse_up(text: str) -> np.ndarray | None:
     if text.strip().lower() == "none":
         return None
     up = _numbers(text)
-    if up.shape != (3,) or not np.isfinite(up).all() or not np.linalg.norm(up):
+    norm = math.hypot(*up)  # whose squares do not overflow
+    if up.shape != (3,) or not np.isfinite(up).all() or not norm:
         raise InputError(f"'{text}' is no direction", allowed="X,Y,Z, for example 0,0,1, or none")
-    return UP if np.array_equal(up, UP) else up / np.linalg.norm(up)
+    return UP if np.array_equal(up, UP) else up / norm
 
 
 def parse_pose(text: str) -> Pose:
@@ -239,7 +241,7 @@ def parse_pose(text: str) -> Pose:
     numbers = _numbers(text)
     if numbers.shape == (3,):
         numbers = np.concatenate([numbers, [0.0, 0.0, 0.0, 1.0]])
-    norm = float(np.linalg.norm(numbers[3:]))
+    norm = math.hypot(*numbers[3:])
     if numbers.shape != (7,) or not np.isfinite(numbers).all() or abs(norm - 1) > 0.01:
         raise InputError(f"'{text}' is no pose", allowed="X,Y,Z or X,Y,Z,QX,QY,QZ,QW, a unit quaternion")
     x, y, z, qx, qy, qz, qw = (float(value) for value in (*numbers[:3], *numbers[3:] / norm))

@@ -17,6 +17,7 @@ from sdt_kg.iri import LAW
 from sdt_kg.twin import Twin
 from services.app import load
 from services.cli import sdt
+from services.commands.law.learn import parse_up
 from services.learning import seen_in
 from services.physics.oracle import Kinematics
 from services.tracks import read_track
@@ -225,3 +226,15 @@ def test_nonsense_is_refused(known: str, arguments: list[str], message: str) -> 
     done = CliRunner().invoke(sdt, ["learn", known, *arguments])
     assert isinstance(done.exception, InputError)
     assert message in str(done.exception)
+
+
+@pytest.mark.parametrize("length", ["1", "1e200", "1e-200"])
+def test_up_is_a_direction_whatever_its_length(length: str) -> None:
+    assert parse_up(f"{length},0,{length}") == pytest.approx([0.5**0.5, 0.0, 0.5**0.5])
+
+
+def test_a_folder_by_its_relative_path_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(sdt, ["learn", "."])
+    assert isinstance(done.exception, InputError)
+    assert str(done.exception).startswith(". is no ROS bag: ")
