@@ -23,9 +23,11 @@ class OwnInterpreter(AsyncKernelManager):
         return KernelSpec(
             argv=[
                 sys.executable,
+                # ipykernel's launcher would take this folder out of the path, also where PYTHONPATH names it.
+                "-P",
                 "-Xfrozen_modules=off",
                 "-m",
-                "ipykernel_launcher",
+                "ipykernel",
                 "-f",
                 "{connection_file}",
                 # Errors of cells come as messages; its log would tell only that it is asked to end.

@@ -126,6 +126,17 @@ def test_a_notebook_imports_nothing_from_the_current_folder(
     assert node.cells[-1].outputs[0]["text"].strip().endswith("services/__init__.py")
 
 
+def test_a_notebook_imports_from_where_the_callers_path_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "beside.py").write_text("")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", ".")
+    monkeypatch.setenv("PYTHONSAFEPATH", "1")  # as `sdt` sets it
+    node = executed(small("import beside; print(beside.__file__)"), {})
+    assert node.cells[-1].outputs[0]["text"].strip() == str(tmp_path / "beside.py")
+
+
 SHOWN = """
 from IPython.display import display
 from services import load
