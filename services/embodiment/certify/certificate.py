@@ -8,6 +8,7 @@ last bit.
 import base64
 import hashlib
 import json
+import math
 import zlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -155,7 +156,7 @@ def read_certificate(content: bytes) -> Certificate:
     said = said_in(content)
     try:
         return _certificate(said)
-    except (KeyError, TypeError, ValueError, OverflowError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
         raise InputError(
             f"the certificate lacks a part, or has one of the wrong kind: {type(error).__name__} {error}",
             remedy="certify the motion again",
@@ -167,11 +168,11 @@ def _certificate(said: Mapping[str, Any]) -> Certificate:
     environment, environment_hash = said["environment"]
     return Certificate(
         models=((str(environment), str(environment_hash)), (str(robot), str(robot_hash))),
-        state={str(joint): float(position) for joint, position in said["state"].items()},
+        state={str(joint): _number(position) for joint, position in said["state"].items()},
         container=str(said["container"]),
         drive=Drive(said["drive"]),
         start=_start(said["start"]),
-        tolerances=Tolerances.told({name: float(value) for name, value in said["tolerances"].items()}),
+        tolerances=Tolerances.told({name: _number(value) for name, value in said["tolerances"].items()}),
         motion=BodyMotion(
             robot=str(robot),
             gripper=str(motion["gripper"]),
@@ -180,7 +181,7 @@ def _certificate(said: Mapping[str, Any]) -> Certificate:
             phases=tuple((str(name), int(first)) for name, first in motion["phases"]),
             **{name: _unpacked(motion[name]) for name in _ARRAYS},
         ),
-        figures={str(name): (float(value), str(unit)) for name, (value, unit) in said["figures"].items()},
+        figures={str(name): (_number(value), str(unit)) for name, (value, unit) in said["figures"].items()},
         nearest=tuple(map(str, said["nearest"])),
         asked=_asked(said["asked"]) if "asked" in said else None,
         handle=str(said["handle"]) if "handle" in said else None,
@@ -202,7 +203,7 @@ def _asked(said: Mapping[str, Any]) -> Motion:
 def _start(said: list[float] | None) -> Start | None:
     if said is None:
         return None
-    x, y, yaw = map(float, said)
+    x, y, yaw = map(_number, said)
     return x, y, yaw
 
 
@@ -220,6 +221,13 @@ def _unpacked(said: Mapping[str, Any]) -> Array:
 
 def _digest(packed: bytes) -> bytes:
     return hashlib.sha256(packed).hexdigest().encode("ascii")
+
+
+def _number(said: object) -> float:
+    """A finite number, told as one: the text "nan" would be one that compares with nothing."""
+    if isinstance(said, bool) or not isinstance(said, int | float) or not math.isfinite(said):
+        raise ValueError(f"{said!r} is no finite number")
+    return float(said)
 
 
 def _no_number(text: str) -> float:

@@ -1,0 +1,59 @@
+"""A certificate whose hash is right, and which is none all the same, is refused in words."""
+
+import pytest
+
+from predicates.case import Case
+from predicates.law import law
+from sdt_kg.annotation import Drive
+from sdt_kg.task import Task, Verb
+from sdt_kg.twin import Twin
+from services.embodiment.certify.certificate import said_in, sealed
+from services.embodiment.oracle import WholeBody
+from services.embodiment.recheck import Rechecked, recheck_artefact
+from services.physics.oracle import Kinematics
+from tests.services.embodiment.gantry import START, gantry_twin, opening
+
+pytestmark = pytest.mark.oracle
+
+Kept = tuple[Twin, bytes]
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Kept:
+    """A twin, and a certificate about it."""
+    twin = gantry_twin(tmp_path_factory.mktemp("damaged"))
+    task = Task(Verb.OPEN, twin.container("drawer_main").iri)
+    case = Case(twin, twin.robots[0], task, body_motion=opening())
+    (verdict,) = law(case, Kinematics(), WholeBody(Drive.OMNI, START))
+    assert verdict.can_perform is not None
+    assert verdict.can_perform.artefact is not None
+    return twin, verdict.can_perform.artefact.content
+
+
+def with_part(kept: Kept, place: tuple[str | int, ...], value: object) -> Rechecked:
+    """Recheck of the certificate with another value at a place of its JSON."""
+    twin, content = kept
+    said = whole = said_in(content)
+    for key in place[:-1]:
+        said = said[key]
+    said[place[-1]] = value
+    return recheck_artefact("damaged", sealed(whole), lambda *_: (twin, "given"))
+
+
+@pytest.mark.parametrize("part", ["state", "tolerances", "figures"])
+@pytest.mark.parametrize("value", [None, [], 5])
+def test_a_part_that_is_no_object_is_told(kept: Kept, part: str, value: object) -> None:
+    found = with_part(kept, (part,), value)
+    assert "the certificate lacks a part, or has one of the wrong kind" in found.reasons[0]
+
+
+@pytest.mark.parametrize("value", ["nan", "0.5", float("1e400"), True])
+@pytest.mark.parametrize("place", [("start", 0), ("start", 2), ("figures", "distance queries, self", 0)])
+def test_what_is_no_number_is_no_start_that_any_motion_would_have(
+    kept: Kept, place: tuple[str | int, ...], value: object
+) -> None:
+    assert not with_part(kept, place, value).holds
+
+
+def test_a_number_that_is_written_as_one_is_taken(kept: Kept) -> None:
+    assert with_part(kept, ("start", 0), START[0]).reasons == ()
