@@ -110,3 +110,21 @@ def check_numbers(name: str, array: Array) -> None:
             f"'{name}' of sample {int(wrong[0][0])} is {array[tuple(wrong[0])]:g}",
             allowed=f"finite numbers up to {LARGEST:g}",
         )
+
+
+def check_body_motion(motion: BodyMotion) -> None:
+    """Times are a motion's, arrays have a row for each and a column for each joint, of finite numbers.
+
+    Raises:
+        MotionError: What is wrong, with the index of the first wrong sample where it is one of these.
+    """
+    check_times(motion.times)
+    count, n, m = len(motion.times), len(motion.joints), len(motion.kitchen_joints)
+    shapes = {"base": (count, 3), "base_v": (count, 3), "q": (count, n), "v": (count, n)}
+    if m:
+        shapes |= {"kitchen_q": (count, m), "kitchen_v": (count, m)}
+    for name, shape in shapes.items():
+        array = getattr(motion, name)
+        if array.shape != shape:
+            raise MotionError(f"{name} of a body motion has shape {array.shape}", allowed=f"shape {shape}")
+        check_numbers(name, array)

@@ -10,7 +10,7 @@ from sdt_kg.annotation import Gripper
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import Iri, body_iri, local_name
 from sdt_kg.mechanism import JointType
-from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.motion import BodyMotion, Motion, check_body_motion
 from sdt_kg.twin import Container, Twin
 from services.physics.chain import Chain, chain
 from services.physics.model import Scene
@@ -74,8 +74,10 @@ def carried(
         container: Whose motion is wanted.
 
     Raises:
+        MotionError: The arrays are no motion: shapes, times, values which are not numbers.
         UnknownEntityError: The robot has no gripper of the motion's name.
     """
+    check_body_motion(body_motion)
     m, o, times = container.multiplier, container.offset, body_motion.times
     still = twin.state[container.joint]
     values, velocities = np.full((len(times), 1), still), np.zeros((len(times), 1))

@@ -11,7 +11,7 @@ from predicates.case import Evidence, Quantity
 from sdt_kg.errors import MotionError, UnknownEntityError
 from sdt_kg.iri import joint_iri, local_name
 from sdt_kg.mechanism import Joint, JointType, Mechanism
-from sdt_kg.motion import ANOTHER, BodyMotion, check_numbers, check_times
+from sdt_kg.motion import ANOTHER, BodyMotion, check_body_motion
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.sweep.kinematics import joint_axes, unit_of
 from services.embodiment.certify.sweep.pieces import Pieces, hermite, positions
@@ -133,22 +133,13 @@ def without_fixed(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> t
 
 
 def _check_arrays(motion: BodyMotion) -> None:
-    check_times(motion.times)
+    check_body_motion(motion)
     if len(motion.times) > MOST_SAMPLES:
         raise MotionError(
             f"a body motion of {len(motion.times)} samples",
             allowed=f"up to {MOST_SAMPLES}",
             remedy="leave samples out: with their velocities, the others say as much",
         )
-    count, n, m = len(motion.times), len(motion.joints), len(motion.kitchen_joints)
-    shapes = {"base": (count, 3), "base_v": (count, 3), "q": (count, n), "v": (count, n)}
-    if m:
-        shapes |= {"kitchen_q": (count, m), "kitchen_v": (count, m)}
-    for name, shape in shapes.items():
-        array = getattr(motion, name)
-        if array.shape != shape:
-            raise MotionError(f"{name} of a body motion has shape {array.shape}", allowed=f"shape {shape}")
-        check_numbers(name, array)
 
 
 def _coordinates(scene: Scene, joints: Iterable[str]) -> Indices:

@@ -55,5 +55,23 @@ def test_what_is_no_number_is_no_start_that_any_motion_would_have(
     assert not with_part(kept, place, value).holds
 
 
+@pytest.mark.parametrize(
+    ("part", "shape"), [("kitchen_q", 1), ("kitchen_v", 1), ("q", 1), ("base", 1), ("times", 0)]
+)
+def test_arrays_that_do_not_fit_each_other_are_told(kept: Kept, part: str, shape: int) -> None:
+    motion = said_in(kept[1])["motion"]
+    rows = motion["times"]["shape"][0]
+    size = motion[part]["shape"][-1] if shape else 1
+    found = with_part(kept, ("motion", part, "shape"), [rows * size] if shape else [1, rows])
+    assert len(found.reasons) == 1
+    assert "motion" in found.reasons[0]
+
+
+def test_a_joint_of_the_kitchen_without_a_column_is_told(kept: Kept) -> None:
+    joints = said_in(kept[1])["motion"]["kitchen_joints"]
+    found = with_part(kept, ("motion", "kitchen_joints"), ["another", *joints])
+    assert "kitchen_q of a body motion has shape" in found.reasons[0]
+
+
 def test_a_number_that_is_written_as_one_is_taken(kept: Kept) -> None:
     assert with_part(kept, ("start", 0), START[0]).reasons == ()
