@@ -115,6 +115,8 @@ def check_numbers(name: str, array: Array) -> None:
 def check_body_motion(motion: BodyMotion) -> None:
     """Times are a motion's, arrays have a row for each and a column for each joint, of finite numbers.
 
+    Phases begin at samples that it has, one after the other.
+
     Raises:
         MotionError: What is wrong, with the index of the first wrong sample where it is one of these.
     """
@@ -128,3 +130,7 @@ def check_body_motion(motion: BodyMotion) -> None:
         if array.shape != shape:
             raise MotionError(f"{name} of a body motion has shape {array.shape}", allowed=f"shape {shape}")
         check_numbers(name, array)
+    starts = [first for _, first in motion.phases]
+    if starts != sorted(starts) or any(first not in range(count) for first in starts):
+        said = ", ".join(f"{first}" for first in starts)
+        raise MotionError(f"phases start at [{said}]", allowed=f"increasing samples from 0 to {count - 1}")

@@ -73,5 +73,11 @@ def test_a_joint_of_the_kitchen_without_a_column_is_told(kept: Kept) -> None:
     assert "kitchen_q of a body motion has shape" in found.reasons[0]
 
 
+@pytest.mark.parametrize("start", [-1, 10**6])
+def test_a_phase_that_begins_at_no_sample_of_the_motion_is_told(kept: Kept, start: int) -> None:
+    found = with_part(kept, ("motion", "phases"), [["drive", 0], ["follow", start]])
+    assert "phases start at" in found.reasons[0]
+
+
 def test_a_number_that_is_written_as_one_is_taken(kept: Kept) -> None:
     assert with_part(kept, ("start", 0), START[0]).reasons == ()
