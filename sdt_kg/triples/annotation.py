@@ -4,8 +4,10 @@ import math
 
 from sdt_kg.annotation import BaseLimits, Drive, FingerJoint, Gripper, KitchenAnnotation, RobotAnnotation
 from sdt_kg.iri import RDFS, Iri, local_name
+from sdt_kg.mechanism import ShapeType
 from sdt_kg.triples.facts import Facts
-from sdt_kg.triples.to_mechanism import geometry_of, notes_of
+from sdt_kg.triples.from_mechanism import POSE, SIZES
+from sdt_kg.triples.to_mechanism import geometry_of, notes_of, shapes_of
 
 
 def read_robot(facts: Facts, robot: Iri) -> RobotAnnotation:
@@ -104,17 +106,30 @@ ROBOT_NEEDS = (
 GRIPPER_NEEDS = (RDFS + "label", "toolBody", "toolFrame", "hasFinger", "hasFingerJoint", "opening")
 """Properties without which a gripper is of no use."""
 
+CORE_NEEDS = ("hasPose", *SIZES[ShapeType.BOX])
+"""Properties without which a core is no box."""
+
 
 def missing_of(facts: Facts, model: Iri, kind: str) -> list[str]:
     """What the annotation of an `Environment` or `Robot` needs and lacks: subject and property, by name."""
     needed = [(model, name) for name in (ROBOT_NEEDS if kind == "Robot" else ("startPose",))]
     grippers, named = sorted(facts.iris(model, "hasGripper")), dict[str, Iri]()
+    poses = facts.iris(model, "startPose")
     for gripper in grippers:
         needed += [(gripper, name) for name in GRIPPER_NEEDS]
+        poses += facts.iris(gripper, "toolFrame")
         for joint in facts.iris(gripper, "hasFingerJoint"):
             needed += [(joint, "openPosition"), (joint, "closedPosition")]
+    cores = sorted({core for subject in facts.subjects() for core in facts.iris(subject, "hasCore")})
+    for core in cores:
+        needed += [(core, name) for name in CORE_NEEDS]
+        poses += facts.iris(core, "hasPose")
+    needed += [(pose, name) for pose in dict.fromkeys(poses) for name in POSE]
     lacking = [
         f"{local_name(iri)} sdt:{local_name(name)}" for iri, name in needed if facts.one(iri, name) is None
+    ]
+    lacking += [
+        f"{local_name(core)} a sdt:Box" for core in cores if shapes_of(facts, core) != [ShapeType.BOX]
     ]
     return lacking + [
         f"{local_name(gripper)} rdfs:label of its own ('{label}' is that of {local_name(first)})"

@@ -32,6 +32,7 @@ SIZES: Final = {
     ShapeType.CAPSULE: ("radius", "length"),
     ShapeType.MESH: ("scaleX", "scaleY", "scaleZ"),
 }
+POSE: Final = ("x", "y", "z", "qx", "qy", "qz", "qw")
 MOMENTS: Final = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 LIMITS: Final = {
     "lower": "lowerLimit",
@@ -79,8 +80,7 @@ def _note(subject: Iri, order: int, text: str) -> Iterator[Triple]:
 def pose_triples(iri: Iri, pose: Pose) -> Iterator[Triple]:
     """An individual for the pose."""
     yield iri, TYPE, _sdt("Pose")
-    names = ("x", "y", "z", "qx", "qy", "qz", "qw")
-    for name, value in zip(names, (*pose.position, *pose.orientation), strict=True):
+    for name, value in zip(POSE, (*pose.position, *pose.orientation), strict=True):
         yield iri, SDT + name, double(value)
 
 

@@ -8,7 +8,7 @@ from typing import Final, TypeVar
 from urllib.parse import unquote, urlparse
 
 from sdt_kg.iri import RDFS, SDT, Iri, local_name
-from sdt_kg.mechanism import Body, Geometry, Inertia, Joint, Limits, Mechanism, Mimic
+from sdt_kg.mechanism import Body, Geometry, Inertia, Joint, Limits, Mechanism, Mimic, ShapeType
 from sdt_kg.triples.facts import Facts
 from sdt_kg.triples.from_mechanism import JOINT_CLASSES, LIMITS, MOMENTS, SHAPE_CLASSES, SIZES
 
@@ -80,8 +80,17 @@ def geometry_of(facts: Facts, iri: Iri) -> Geometry:
     )
 
 
+def shapes_of(facts: Facts, iri: Iri) -> list[ShapeType]:
+    """Every kind of shape that it is said to be."""
+    return _kinds(facts, iri, _SHAPE_TYPES)
+
+
+def _kinds(facts: Facts, iri: Iri, kinds: Mapping[Iri, Kind]) -> list[Kind]:
+    return [kinds[each] for each in facts.types(iri) if each in kinds]
+
+
 def _kind(facts: Facts, iri: Iri, kinds: Mapping[Iri, Kind]) -> Kind:
-    found = [kinds[each] for each in facts.types(iri) if each in kinds]
+    found = _kinds(facts, iri, kinds)
     if len(found) != 1:
         raise ValueError(f"the type of {local_name(iri)}")
     return found[0]
