@@ -14,6 +14,7 @@ import pyoxigraph as ox
 
 import kitchens
 import robots
+from sdt_kg.annotating.parts import check_named
 from sdt_kg.errors import AnnotationError
 from sdt_kg.iri import SDT, Iri, joint_iri, local_name, model_iri
 from sdt_kg.mechanism import JointType, Mechanism, Pose
@@ -232,6 +233,7 @@ def _check(chosen: Chosen, mechanism: Mechanism, file: Path, kind: str) -> None:
             allowed=f"did you mean {hint}?" if hint else f"names of its URDF's {part}s",
         )
     _check_terms(chosen, file)
+    check_named(chosen.triples, mechanism, file)
     facts = Facts(chosen.triples)
     missing = missing_of(facts, model_iri(mechanism.name), kind)
     if missing:

@@ -16,10 +16,12 @@ CORE = f"b:palm sdt:hasCore <{GANTRY}/core> . <{GANTRY}/core> "
 SIZES = "sdt:sizeX 0.01 ; sdt:sizeY 0.01"
 
 
-def refused(folder: Path, pattern: str, replacement: str, more: str = "") -> str:
-    """Why the gantry is refused with its annotation changed so, and more said at its end."""
+def refused(folder: Path, pattern: str, replacement: str, more: str = "", urdf: str = "") -> str:
+    """Why the gantry is refused with its annotation changed so, more said at its end, or another URDF."""
     for suffix in (".urdf", ".ttl"):
         shutil.copy(FOLDER / f"gantry{suffix}", folder)
+    if urdf:
+        (folder / "gantry.urdf").write_text(urdf, encoding="utf-8")
     file = folder / "gantry.ttl"
     text, count = re.subn(pattern, replacement, file.read_text(encoding="utf-8"), count=1)
     assert count
@@ -61,3 +63,61 @@ def test_a_start_pose_that_lacks_a_number_is_refused(tmp_path: Path) -> None:
     )
     with pytest.raises(AnnotationError, match=r"lacks: start sdt:qz; kitchens/README.md"):
         load_twin(tmp_path / "cell.urdf")
+
+
+WRONGLY_NAMED = {
+    "a joint as tool": (
+        r"sdt:toolBody b:palm",
+        "sdt:toolBody j:wrist_joint",
+        "toolBody of 'hand', is no body",
+    ),
+    "joints as fingers": (r"sdt:hasFinger b:up_finger", "sdt:hasFinger j:up_joint", "is no body of 'gantry'"),
+    "a body of another": (
+        r"sdt:hasFinger b:up_finger",
+        "sdt:hasFinger <https://x.org/up_finger>",
+        "is no body",
+    ),
+    "a joint as base": (
+        r"sdt:baseBody b:base",
+        "sdt:baseBody j:lift_joint",
+        "sdt:baseBody of 'gantry', is no",
+    ),
+    "a body as what moves": (
+        r"sdt:overhang",
+        f"sdt:hasCoupling <{GANTRY}/c> . <{GANTRY}/c> sdt:couples j:lift_joint, b:arm . "
+        f"<{GANTRY}> sdt:overhang",
+        "body/arm>, sdt:couples of 'c', is no joint of 'gantry'; allowed: <https://example.org/id/gantry/joint/",
+    ),
+    "a joint that mimics": (
+        r"sdt:hasFingerJoint j:up_joint",
+        "sdt:hasFingerJoint j:down_joint",
+        "mimics 'up_joint'; allowed: joints that are moved for themselves; name that joint instead",
+    ),
+    "a posture of another": (
+        r"j:down_joint sdt",
+        "<https://x.org/j> sdt",
+        "which has sdt:accelerationLimit, is no",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WRONGLY_NAMED)
+def test_what_is_named_as_a_body_or_joint_is_one(tmp_path: Path, case: str) -> None:
+    pattern, replacement, reason = WRONGLY_NAMED[case]
+    assert reason in refused(tmp_path, pattern, replacement)
+
+
+def test_a_joint_that_cannot_move_is_no_finger_joint(tmp_path: Path) -> None:
+    arm = '<joint name="lift_joint" type="prismatic">'
+    text = (FOLDER / "gantry.urdf").read_text(encoding="utf-8")
+    assert arm in text
+    reason = refused(
+        tmp_path,
+        r"sdt:hasFingerJoint j:up_joint",
+        "sdt:hasFingerJoint j:lift_joint",
+        "j:lift_joint sdt:openPosition 0.0 ; sdt:closedPosition 0.0 .",
+        urdf=text.replace(arm, arm.replace("prismatic", "fixed")),
+    )
+    assert (
+        "joint/lift_joint>, sdt:hasFingerJoint of 'hand', cannot move; allowed: a joint that moves" in reason
+    )
