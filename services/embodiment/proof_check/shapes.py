@@ -70,7 +70,8 @@ def tool_in(tree: Tree, gripper: Gripper) -> Placement:
 def finger_box(mechanism: Mechanism, gripper: Gripper, tolerances: Tolerances) -> tuple[Array, Array] | None:
     """Corners of a box in the tool's frame that holds all fingers, wherever their joints are [m].
 
-    None where there is none: no finger has a shape, or a finger hangs elsewhere than on the tool's link.
+    None where there is none: no finger has a shape, or a finger hangs elsewhere than on the tool's link, or
+    behind a joint without limits.
     """
     tree = Tree(mechanism)
     carrier = tree.carrier(gripper.tool_body)
@@ -80,10 +81,17 @@ def finger_box(mechanism: Mechanism, gripper: Gripper, tolerances: Tolerances) -
         path = tree.path(body, carrier)
         if not path or path[0].parent != carrier:
             return None
+        boxes = boxes_of(tree, body)
+        if not boxes:
+            continue
+        joints = [joint for joint in path if joint.type is not JointType.FIXED]
+        ends = [tree.limits(tree.mechanism.joint(source_of(tree, joint)[0])) for joint in joints]
+        if not np.isfinite(ends).all():
+            return None
         chain = tree.chain(path, HERE, 0.0)
-        q, spread = _cells(tree, [joint for joint in path if joint.type is not JointType.FIXED], tolerances)
+        q, spread = _cells(tree, joints, tolerances)
         origins, axes, end = chain.frames(q)
-        for box in boxes_of(tree, body):
+        for box in boxes:
             reach = _moved(chain, origins, axes, end @ box.middle, box.half, spread)
             at = tool_T_carrier @ end @ box.middle
             around = extents(at, box.half).hi + reach[:, None]

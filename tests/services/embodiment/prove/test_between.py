@@ -34,6 +34,7 @@ from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.tree import all_far
 from services.embodiment.proof_check.written import read_proof
 from services.embodiment.prove import Proved, Prover
+from tests.services.embodiment.gantry import gantry_twin
 from tests.soak.doors import draw, write
 
 HERE = (0.0, 0.0, 0.0)
@@ -230,3 +231,10 @@ def test_what_a_certified_motion_holds_is_between_its_fingers(tmp_path: Path, ro
         for width, leaf in product(WIDTHS, range(len(arm.chain.links) + 1)):
             with pytest.raises(InputError, match=r"come as near|come to the handle"):
                 all_far(arm, other.target(float(values[k])), [(q - width, q + width, leaf)], level=False)
+
+
+def test_fingers_behind_a_joint_without_limits_have_no_box(tmp_path: Path) -> None:
+    twin = gantry_twin(tmp_path)
+    mechanism, (gripper, *_) = twin.mechanism(twin.robots[0]), twin.robot(twin.robots[0]).grippers
+    assert finger_box(mechanism, gripper, Tolerances()) is not None
+    assert finger_box(mechanism, replace(gripper, tool_body="arm"), Tolerances()) is None  # and nothing warns
