@@ -16,7 +16,7 @@ from services.embodiment.attempts import make_attempt
 from services.embodiment.body.limb import Limb
 from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import WAYPOINTS, Holding
-from services.embodiment.hold.kit import Kit
+from services.embodiment.hold.kit import Kit, stuck
 from services.embodiment.hold.sampling import FULL, QUICK, Effort
 from services.embodiment.planned import Anew, Planned
 from services.embodiment.prove import out_of_reach
@@ -79,9 +79,10 @@ class Planner:
         self.unfit: Counter[tuple[int, int]] = Counter()
 
     def kits(self) -> list[Kit]:
-        """Those of the grippers that may hold."""
-        grippers = self.setting.world.scene.annotation.grippers
-        return [self.setting.kits.of(one) for one in grippers if self._only in {"", one.name}]
+        """Those of the grippers that may hold, and can close."""
+        scene = self.setting.world.scene
+        may = [one for one in scene.annotation.grippers if self._only in {"", one.name}]
+        return [self.setting.kits.of(one) for one in may if not stuck(scene, one)]
 
     def late(self) -> bool:
         """Whether the budget is spent."""

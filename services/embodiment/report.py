@@ -10,6 +10,7 @@ from predicates.case import Diagnosis, Evidence, Kind, Quantity, Search
 from sdt_kg.iri import local_name
 from sdt_kg.mechanism import JointType
 from services.embodiment.body.world import World
+from services.embodiment.hold.kit import stuck
 from services.embodiment.plan import Planner
 
 Pair = tuple[int, int]
@@ -66,6 +67,13 @@ def _stage(planner: Planner, rejected: bool) -> tuple[str, Counter[Pair]]:
     nothing: Counter[Pair] = Counter()
     if rejected:
         return "certification refused every motion that was found", nothing
+    if not planner.kits():
+        scene = planner.setting.world.scene
+        joints = [joint for gripper in scene.annotation.grippers for joint in stuck(scene, gripper)]
+        return (
+            f"no gripper can close: {', '.join(dict.fromkeys(joints))} may not move, held or without a speed",
+            nothing,
+        )
     if planner.bar is None:
         return "its handle has no collision geometry to hold", nothing
     if not any(attempt.grasps for attempt in planner.attempts):

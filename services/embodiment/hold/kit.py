@@ -5,10 +5,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sdt_kg.annotation import Gripper
-from services.embodiment.body.limb import Limb, Margins, eased, make_limb, rules
+from sdt_kg.iri import joint_iri
+from services.embodiment.body.limb import Limb, Margins, eased, make_limb, rate_limits, rules
 from services.embodiment.body.parked import Parked
 from services.embodiment.body.world import Rules, World
 from services.embodiment.hold.grasp import Hand
+from services.physics.model import Scene
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,3 +61,15 @@ class Kits:
         if self._parked is None:
             self._parked = Parked(self.world, self.world.scene.q((0.0, 0.0, 0.0), {}), self.outside())
         return self._parked
+
+
+def stuck(scene: Scene, gripper: Gripper) -> list[str]:
+    """Finger joints that planning may not move, as they are held or have no speed: it never closes."""
+    units, name = np.eye(scene.model.nq), scene.robot.mechanism.name
+    found: list[str] = []
+    for joint in (one.joint for one in gripper.finger_joints):
+        column = scene.coupling.rates(units[scene.coordinate[joint_iri(name, joint)]])
+        velocity, acceleration, _ = rate_limits(scene, column[:, None])
+        if joint in scene.annotation.held or min(velocity[0], acceleration[0]) == 0:
+            found.append(joint)
+    return found
