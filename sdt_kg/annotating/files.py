@@ -14,7 +14,7 @@ import pyoxigraph as ox
 
 import kitchens
 import robots
-from sdt_kg.annotating.parts import check_named
+from sdt_kg.annotating.parts import check_named, check_structure
 from sdt_kg.errors import AnnotationError
 from sdt_kg.iri import SDT, Iri, joint_iri, local_name, model_iri
 from sdt_kg.mechanism import JointType, Mechanism, Pose
@@ -39,9 +39,11 @@ def with_annotation(triples: Iterable[Triple], chosen: Chosen) -> list[Triple]:
     """A model's own triples and those of its annotation, each number said once.
 
     Raises:
-        AnnotationError: Two values of one number: which of them counted would be chance.
+        AnnotationError: Two values of one number: which of them counted would be chance; or another tree.
     """
-    both, said = [*triples, *chosen.triples], dict[tuple[Iri, Iri], Value]()
+    own, said = [*triples], dict[tuple[Iri, Iri], Value]()
+    check_structure(own, chosen.triples)
+    both = [*own, *chosen.triples]
     annotated = {subject for subject, _, _ in chosen.triples}
     for subject, predicate, term in both:
         if subject in annotated and properties().get(predicate.removeprefix(SDT)) in NUMBERS:

@@ -4,10 +4,14 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Final
 
+import pyoxigraph as ox
+
 from sdt_kg.errors import AnnotationError
 from sdt_kg.iri import SDT, Iri, body_iri, joint_iri, local_name, model_iri
 from sdt_kg.mechanism import JointType, Mechanism
 from sdt_kg.store import Triple
+from sdt_kg.triples.facts import TYPE
+from sdt_kg.triples.from_mechanism import JOINT_CLASSES
 
 VALUES: Final = {
     "baseBody": "body",
@@ -30,7 +34,47 @@ SUBJECTS: Final = {
 }
 """Properties of which bodies or joints of the model are the subjects."""
 
+STRUCTURE: Final = tuple(
+    SDT + name
+    for name in (
+        "parent",
+        "child",
+        "mimics",
+        "hasOrigin",
+        "hasCollisionGeometry",
+        "hasInertia",
+        "partOf",
+        "rootBody",
+    )
+)
+"""Properties of which a model is made: what they say is for its file to say."""
+
 MOVED: Final = ("hasFingerJoint", "couples")
+
+
+def check_structure(own: Iterable[Triple], said: Iterable[Triple]) -> None:
+    """An annotation says nothing of how a model is made but what its file says.
+
+    Args:
+        own: The model's own triples.
+        said: Those of its annotation.
+
+    Raises:
+        AnnotationError: It does: another parent, a joint that mimics, a kind of joint.
+    """
+    kinds = {ox.NamedNode(SDT + name) for name in JOINT_CLASSES.values()}
+    made = [one for one in said if one[1] in STRUCTURE or (one[1] == TYPE and one[2] in kinds)]
+    file_says = set(own) if made else set[Triple]()
+    for subject, predicate, term in (one for one in made if one not in file_says):
+        raise AnnotationError(
+            f"'{local_name(subject)}' has {_short(predicate)} <{term.value}> in its annotation",
+            allowed="what the model's file says of it",
+            remedy="say it in the model's file",
+        )
+
+
+def _short(predicate: Iri) -> str:
+    return "the type" if predicate == TYPE else f"sdt:{local_name(predicate)}"
 
 
 def check_named(triples: Iterable[Triple], mechanism: Mechanism, file: Path) -> None:

@@ -121,3 +121,32 @@ def test_a_joint_that_cannot_move_is_no_finger_joint(tmp_path: Path) -> None:
     assert (
         "joint/lift_joint>, sdt:hasFingerJoint of 'hand', cannot move; allowed: a joint that moves" in reason
     )
+
+
+STRUCTURE = {
+    "another parent": (
+        "sdt:parent b:palm",
+        "'lift_joint' has sdt:parent <https://example.org/id/gantry/body/palm>",
+    ),
+    "a joint that mimics": ("sdt:mimics j:arm_joint", "'lift_joint' has sdt:mimics <"),
+    "another kind": (
+        "a sdt:RevoluteJoint",
+        "'lift_joint' has the type <https://example.org/sdt#RevoluteJoint>",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", STRUCTURE)
+def test_how_a_robot_is_made_is_for_its_file_to_say(tmp_path: Path, case: str) -> None:
+    said, reason = STRUCTURE[case]
+    told = refused(tmp_path, "$", "", f"j:lift_joint {said} .")
+    assert told.startswith(reason)
+    assert "allowed: what the model's file says of it; say it in the model's file" in told
+
+
+def test_an_annotation_may_repeat_what_the_file_says(tmp_path: Path) -> None:
+    for suffix in (".urdf", ".ttl"):
+        shutil.copy(FOLDER / f"gantry{suffix}", tmp_path)
+    with (tmp_path / "gantry.ttl").open("a", encoding="utf-8") as file:
+        file.write("j:lift_joint a sdt:PrismaticJoint ; sdt:parent b:base .")
+    load_twin(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"])
