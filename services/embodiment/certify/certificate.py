@@ -167,24 +167,24 @@ def _certificate(said: Mapping[str, Any]) -> Certificate:
     motion, (robot, robot_hash) = said["motion"], said["robot"]
     environment, environment_hash = said["environment"]
     return Certificate(
-        models=((str(environment), str(environment_hash)), (str(robot), str(robot_hash))),
-        state={str(joint): _number(position) for joint, position in said["state"].items()},
-        container=str(said["container"]),
+        models=((_name(environment), _name(environment_hash)), (_name(robot), _name(robot_hash))),
+        state={_name(joint): _number(position) for joint, position in said["state"].items()},
+        container=_name(said["container"]),
         drive=Drive(said["drive"]),
         start=_start(said["start"]),
         tolerances=Tolerances.told({name: _number(value) for name, value in said["tolerances"].items()}),
         motion=BodyMotion(
-            robot=str(robot),
-            gripper=str(motion["gripper"]),
-            joints=tuple(map(str, motion["joints"])),
-            kitchen_joints=tuple(map(str, motion["kitchen_joints"])),
-            phases=tuple((str(name), int(first)) for name, first in motion["phases"]),
+            robot=_name(robot),
+            gripper=_name(motion["gripper"]),
+            joints=tuple(map(_name, motion["joints"])),
+            kitchen_joints=tuple(map(_name, motion["kitchen_joints"])),
+            phases=tuple((_name(name), int(first)) for name, first in motion["phases"]),
             **{name: _unpacked(motion[name]) for name in _ARRAYS},
         ),
-        figures={str(name): (_number(value), str(unit)) for name, (value, unit) in said["figures"].items()},
+        figures={_name(name): (_number(value), str(unit)) for name, (value, unit) in said["figures"].items()},
         nearest=tuple(map(str, said["nearest"])),
         asked=_asked(said["asked"]) if "asked" in said else None,
-        handle=str(said["handle"]) if "handle" in said else None,
+        handle=_name(said["handle"]) if "handle" in said else None,
     )
 
 
@@ -197,7 +197,7 @@ def _asked_said(motion: Motion) -> dict[str, object]:
 def _asked(said: Mapping[str, Any]) -> Motion:
     velocities = None if said["velocities"] is None else _unpacked(said["velocities"])
     arrays, timed = (_unpacked(said["times"]), _unpacked(said["values"])), said.get("timed") is not False
-    return Motion(str(said["of"]), *arrays, timed, velocities)
+    return Motion(_name(said["of"]), *arrays, timed, velocities)
 
 
 def _start(said: list[float] | None) -> Start | None:
@@ -221,6 +221,13 @@ def _unpacked(said: Mapping[str, Any]) -> Array:
 
 def _digest(packed: bytes) -> bytes:
     return hashlib.sha256(packed).hexdigest().encode("ascii")
+
+
+def _name(said: object) -> str:
+    """A name, as models may have it: half of a surrogate pair could not even be hashed."""
+    if not isinstance(said, str) or not said.isprintable():
+        raise ValueError(f"{said!r} is no name")
+    return said
 
 
 def _number(said: object) -> float:

@@ -73,6 +73,16 @@ def test_a_joint_of_the_kitchen_without_a_column_is_told(kept: Kept) -> None:
     assert "kitchen_q of a body motion has shape" in found.reasons[0]
 
 
+@pytest.mark.parametrize("name", ["\ud800", "left\x1b[2J", 5, None])
+@pytest.mark.parametrize(
+    "place", [("container",), ("robot", 0), ("motion", "gripper"), ("motion", "joints", 0)]
+)
+def test_what_no_model_is_called_is_no_name(kept: Kept, place: tuple[str | int, ...], name: object) -> None:
+    found = with_part(kept, place, name)
+    assert found.reasons[0].startswith("the certificate lacks a part, or has one of the wrong kind")
+    assert found.reasons[0].isprintable()
+
+
 @pytest.mark.parametrize("start", [-1, 10**6])
 def test_a_phase_that_begins_at_no_sample_of_the_motion_is_told(kept: Kept, start: int) -> None:
     found = with_part(kept, ("motion", "phases"), [["drive", 0], ["follow", start]])
