@@ -185,20 +185,29 @@ def _positions(twin: Twin, name: str, value: str) -> dict[Iri, float]:
 
 def _all_positions(twin: Twin, value: str) -> dict[Iri, float]:
     if value in {"open", "closed"}:
-        return {each.active_joint: _active(each, value) for each in twin.containers()}
+        return {each.active_joint: _active(each, value) for each in _bounded(twin)}
     kind, _, seed = value.partition(":")
     if kind != "half-open" or not (seed.isdecimal() and seed.isascii()):
         raise InputError(f"'all={value}' is not a state", allowed="all=open, all=closed, all=half-open:SEED")
     draw = random.Random(int(seed))  # noqa: S311 - a test state, not a secret
     positions: dict[Iri, float] = {}
-    for each in twin.containers():
+    for each in _bounded(twin):
         share = draw.uniform(HALF_OPEN_MARGIN, 1 - HALF_OPEN_MARGIN)
         own = each.closed_to + share * (each.open_from - each.closed_to)
         positions[each.active_joint] = (own - each.offset) / each.multiplier
     return positions
 
 
+def _bounded(twin: Twin) -> list[Container]:
+    """Containers with limits: one that turns round and round is never open or closed, and stays."""
+    return [each for each in twin.containers() if math.isfinite(each.lower) and math.isfinite(each.upper)]
+
+
 def _active(container: Container, value: str) -> float:
     """Position of the actuated joint at which the container's own joint is at its limit."""
     own = container.upper if value == "open" else container.lower
+    if not math.isfinite(own):
+        raise InputError(
+            f"'{container.name}={value}' has no limit to be at", allowed="a position in rad or m"
+        )
     return (own - container.offset) / container.multiplier

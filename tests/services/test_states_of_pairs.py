@@ -56,3 +56,16 @@ def test_a_joint_may_be_elsewhere_than_all_and_be_told_twice_where_it_is(tmp_pat
     twin = pair(tmp_path)
     state = parse_state(twin, ["all=closed", "a_door=0.3", "a_door_joint=0.3"])
     assert state[twin.container("a_door").joint] == pytest.approx(0.3)
+
+
+def test_a_door_that_turns_round_and_round_stays_where_all_others_open(tmp_path: Path) -> None:
+    """It is out of scope, and is no reason to tell nothing of the others."""
+    doors = DOOR.format("a", "") + DOOR.format("b", "").replace("revolute", "continuous")
+    (tmp_path / "round.urdf").write_text(f'<robot name="round"><link name="world"/>{doors}</robot>')
+    twin = load_twin(tmp_path / "round.urdf")
+    for text in ("all=open", "all=half-open:3"):
+        state = parse_state(twin, [text])
+        assert state[twin.container("a_door").joint] > 0
+        assert state[twin.container("b_door").joint] == 0
+    with pytest.raises(InputError, match="'b_door=open' has no limit to be at"):
+        parse_state(twin, ["b_door=open"])
