@@ -176,11 +176,13 @@ def run(words: list[str] | None = None) -> int:
 
 
 def _told(error: BaseException) -> int:
-    """Say what went wrong on standard error; the exit code."""
+    """Say what went wrong on standard error; the exit code, which tells it where nothing can be said."""
     line, code = "", Exit.BAD_INPUT
+    unsaid = contextlib.suppress(OSError)  # standard error is a file on a full disk, or nobody reads it
     match error:
         case click.ClickException():
-            error.show()
+            with unsaid:
+                error.show()
         # Python wraps what comes while a class is made.
         case click.Abort() | KeyboardInterrupt() | RuntimeError(__cause__=KeyboardInterrupt()):
             stopped = error.__cause__ or error  # click raises an error of its own for what stopped it
@@ -196,10 +198,12 @@ def _told(error: BaseException) -> int:
         case OSError(errno=errno.ENOSPC | errno.EDQUOT | errno.EFBIG | errno.EIO, strerror=str(what)):
             line = f"error: what was to be written cannot be: {what.lower()}"
         case _:
-            traceback.print_exception(error)
+            with unsaid:
+                traceback.print_exception(error)
             line, code = "this is a bug of sdt, and no verdict; please report the lines above", Exit.BUG
     if line:
-        click.echo(line, err=True)
+        with unsaid:
+            click.echo(line, err=True)
     return code
 
 

@@ -1,4 +1,4 @@
-"""A shell may close a stream (`>&-`): nothing is read there or heard there, and the answer stands."""
+"""A stream is closed (`>&-`), or leads where there is no room: nothing is heard there, the answer stands."""
 
 import subprocess
 import sys
@@ -16,6 +16,8 @@ MCP = "mcp --kitchen b --robot pr2"
         ("containers b", ">&-", Exit.DONE, ""),
         ("containers nowhere", ">&- 2>&-", Exit.BAD_INPUT, ""),
         ("containers nowhere", "<&- >&-", Exit.BAD_INPUT, "error: no kitchen named 'nowhere'"),
+        ("containers nowhere", "2>/dev/full", Exit.BAD_INPUT, ""),
+        ("containers b --nothing", "2>/dev/full", Exit.BAD_INPUT, ""),
         (MCP, "<&-", Exit.DONE, ""),
     ],
 )
