@@ -126,6 +126,8 @@ def _check(twin: str, verb: str, text: str, said: tuple[object, ...]) -> None:
     """
     if verb in TEXTS and not text.strip():
         raise InputError(f"{verb} asks about nothing", allowed=f"{TEXTS[verb]}: sdt ask {twin} {verb} TEXT")
+    if verb not in TEXTS and text:
+        raise InputError(f"'{text}' says nothing to {verb}", allowed=f"sdt ask {twin} {verb}, without a TEXT")
     for option, given in zip(CASE, said, strict=True):
         if given and option not in TAKES.get(verb, ()):
             taking = ", ".join(each for each, options in TAKES.items() if option in options)

@@ -66,6 +66,9 @@ BAD = {
     "a drive of a place on the bus": (
         ["ask", "b", "place", "open:iai_fridge_door", "--drive", "omni"], ["--drive says nothing to place"],
     ),
+    "a text for a verb on the bus that takes none": (
+        ["ask", "b", "satisfies", "iai_fridge_door=open"], ["'iai_fridge_door=open' says nothing to"],
+    ),
     "one robot named twice": (
         ("achieve", "--kitchen", "b", "--robot", "pr2", "--robot", "stretch", "--task", "open"),
         ["--robot is given 2 times, and achieve takes one"],
