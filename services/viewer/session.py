@@ -14,6 +14,7 @@ import viser
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError
 from services.judging.problems import Problem
+from services.store.output import writing
 from services.viewer.chooser import Chooser
 from services.viewer.desk import CLASSES, Desk
 from services.viewer.doors.uploads import bounded, hide_progress
@@ -265,7 +266,8 @@ class Session(threading.Thread):
         folder = Path(self._folder.name) / str(self._files)
         folder.mkdir()
         path = folder / (Path(file.name).name or "file")
-        path.write_bytes(file.content)
+        with writing(Path(path.name)):
+            path.write_bytes(file.content)
         return path
 
     def _refuse(self, transfer: str, why: str) -> None:

@@ -132,3 +132,8 @@ def test_a_browser_cannot_open_the_tunnel(page: Page, visitor: Visitor) -> None:
     visitor.sets("Request", "close")
     visitor.until(lambda: "close" in str(visitor.reads()), "the page goes on")
     assert page._server._share_tunnel is None
+
+
+def test_a_file_whose_name_is_too_long_to_be_kept_is_named(visitor: Visitor) -> None:
+    visitor.opens("A motion", f"{'m' * 300}.npz", b"")
+    visitor.waits_for(f"cannot write {'m' * 300}.npz: file name too long")
