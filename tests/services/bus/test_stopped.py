@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 
 import pytest
 
@@ -20,37 +21,37 @@ STOPS = {
 """Signal → exit code, and the last line."""
 
 
-def started(*words: str) -> "subprocess.Popen[str]":
+@contextmanager
+def started(*words: str) -> "Iterator[subprocess.Popen[str]]":
     """A command that has said that it is there."""
-    process = subprocess.Popen([*SDT, *words], stderr=subprocess.PIPE, text=True, preexec_fn=heard)  # noqa: PLW1509
-    assert process.stderr is not None
-    assert " at tcp/" in process.stderr.readline()
-    return process
+    with subprocess.Popen([*SDT, *words], stderr=subprocess.PIPE, text=True, preexec_fn=heard) as process:  # noqa: PLW1509
+        try:
+            assert process.stderr is not None
+            assert " at tcp/" in process.stderr.readline()
+            yield process
+        finally:
+            process.kill()
 
 
 @pytest.fixture
 def router() -> Iterator[str]:
     """Its endpoint."""
     endpoint = free_endpoint()
-    process = started("router", "--listen", endpoint)
-    try:
+    with started("router", "--listen", endpoint):
         yield endpoint
-    finally:
-        process.kill()
-        process.communicate()
 
 
 @pytest.mark.parametrize("number", STOPS)
 def test_a_router_ends_with_the_code_of_what_stopped_it(number: signal.Signals) -> None:
-    process = started("router", "--listen", free_endpoint())
-    process.send_signal(number)
-    said = process.communicate(timeout=60)[1]
+    with started("router", "--listen", free_endpoint()) as process:
+        process.send_signal(number)
+        said = process.communicate(timeout=60)[1]
     assert (process.returncode, said.splitlines()[-1]) == STOPS[number]
 
 
 @pytest.mark.parametrize("number", STOPS)
 def test_an_oracle_ends_with_the_code_of_what_stopped_it(router: str, number: signal.Signals) -> None:
-    process = started("oracle", "causes", "--connect", router)
-    process.send_signal(number)
-    said = process.communicate(timeout=60)[1]
+    with started("oracle", "causes", "--connect", router) as process:
+        process.send_signal(number)
+        said = process.communicate(timeout=60)[1]
     assert (process.returncode, said.splitlines()[-1]) == STOPS[number]

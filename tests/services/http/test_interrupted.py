@@ -13,8 +13,9 @@ from tests.services.http.test_end_to_end import SERVE
 
 
 def heard() -> None:
-    """Interrupts are, also where a shell runs the tests in its background and ignores them."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    """Interrupts are, also where a shell runs the tests in its background, or by nohup, and ignores them."""
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
 
 
 @pytest.mark.parametrize("after", [1.0, 2.0, 3.0])
