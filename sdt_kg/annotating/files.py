@@ -1,11 +1,9 @@
 """Annotation files: which `.ttl` belongs to a model, read and checked against it."""
 
-import math
 import shlex
 from codecs import BOM_UTF8
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -14,17 +12,14 @@ import pyoxigraph as ox
 
 import kitchens
 import robots
-from sdt_kg.annotating.parts import check_named, check_structure
+from sdt_kg.annotating.checks import check_against, check_structure, unknown_names
 from sdt_kg.errors import AnnotationError
-from sdt_kg.iri import SDT, Iri, joint_iri, local_name, model_iri
-from sdt_kg.mechanism import JointType, Mechanism, Pose
+from sdt_kg.iri import SDT, Iri, local_name, model_iri
+from sdt_kg.mechanism import Mechanism, Pose
 from sdt_kg.store import Triple, Value, value_of
-from sdt_kg.triples import Facts
-from sdt_kg.triples.annotation import missing_of
-from sdt_kg.triples.containers import torn
 from sdt_kg.triples.facts import TYPE
 from sdt_kg.triples.from_mechanism import pose_triples
-from sdt_kg.triples.vocabulary import DRIVES, NUMBERS, fits, properties
+from sdt_kg.triples.vocabulary import NUMBERS, properties
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +63,7 @@ def chosen_robot(mechanism: Mechanism, urdf: Path, explicit: Path | None) -> Cho
         return given
     for file in sorted(robots.path("").glob("*/*.ttl")):
         chosen = _read(file, mechanism, "Robot")
-        if chosen is not None and not _unknown_names(chosen, mechanism):
+        if chosen is not None and not unknown_names(chosen.triples, mechanism):
             return _bundled(file, chosen, mechanism)
     raise AnnotationError(
         f"robot '{mechanism.name}' has no annotation",
@@ -92,7 +87,7 @@ def chosen_kitchen(mechanism: Mechanism, urdf: Path, explicit: Path | None) -> C
     for file in sorted(kitchens.path("").glob("*/*.ttl")):
         if _movable_joints(file.with_suffix(".urdf")) <= joints:
             chosen = _read(file, mechanism, "Environment")
-            if chosen is not None and not _unknown_names(chosen, mechanism):
+            if chosen is not None and not unknown_names(chosen.triples, mechanism):
                 return _bundled(file, chosen, mechanism)
     return _without_annotation(mechanism)
 
@@ -125,7 +120,7 @@ def _given(mechanism: Mechanism, urdf: Path, explicit: Path | None, kind: str) -
             continue
         chosen = _read(file, mechanism, kind)
         if chosen is not None:
-            _check(chosen, mechanism, file, kind)
+            check_against(chosen.triples, mechanism, file, kind)
             return chosen
         if file is not explicit:
             remedy = f"add '<{model_iri(mechanism.name)}> a sdt:{kind} .'"
@@ -134,7 +129,7 @@ def _given(mechanism: Mechanism, urdf: Path, explicit: Path | None, kind: str) -
 
 
 def _bundled(file: Path, chosen: Chosen, mechanism: Mechanism) -> Chosen:
-    _check(chosen, mechanism, file, "Robot" if "robots" in file.parts else "Environment")
+    check_against(chosen.triples, mechanism, file, "Robot" if "robots" in file.parts else "Environment")
     note = f"has no annotation of its own: that of the bundled '{file.stem}' fits and is used"
     start = next((term for _, name, term in chosen.triples if name == SDT + "startPose"), None)
     return Chosen(chosen.triples, (note + (", its start pose included" if start is not None else ""),))
@@ -200,105 +195,3 @@ def _renamed(quads: Iterable[ox.Quad], old: Iri, new: Iri, file: Path) -> Iterat
         if isinstance(value, ox.NamedNode):
             value = ox.NamedNode(renamed(value.value))
         yield renamed(subject.value), quad.predicate.value, value
-
-
-def _unknown_names(chosen: Chosen, mechanism: Mechanism) -> list[tuple[str, str]]:
-    """(body or joint, name) of what the annotation names and the model lacks."""
-    model, known = model_iri(mechanism.name), _names(mechanism)
-    iris = {subject for subject, _, _ in chosen.triples}
-    iris |= {value.value for _, _, value in chosen.triples if isinstance(value, ox.NamedNode)}
-    found: list[tuple[str, str]] = []
-    for iri in sorted(iris):
-        for kind, names in known.items():
-            itself = iri.startswith(f"{model}/{kind}/") and iri.count("/") == model.count("/") + 2
-            if itself and local_name(iri) not in names:
-                found.append((kind, local_name(iri)))
-    return found
-
-
-def _names(mechanism: Mechanism) -> dict[str, set[str]]:
-    return {
-        "body": {body.name for body in mechanism.bodies},
-        "joint": {joint.name for joint in mechanism.joints},
-    }
-
-
-def _check(chosen: Chosen, mechanism: Mechanism, file: Path, kind: str) -> None:
-    unknown = _unknown_names(chosen, mechanism)
-    if unknown:
-        part, name = unknown[0]
-        more = f" (and {len(unknown) - 1} more)" if len(unknown) > 1 else ""
-        near = get_close_matches(name, _names(mechanism)[part], n=3, cutoff=0.5)
-        hint = " or ".join(f"'{each}'" for each in near)
-        raise AnnotationError(
-            f"{file} names {part} '{name}', which '{mechanism.name}' does not have{more}",
-            allowed=f"did you mean {hint}?" if hint else f"names of its URDF's {part}s",
-        )
-    _check_terms(chosen, file)
-    check_named(chosen.triples, mechanism, file)
-    facts = Facts(chosen.triples)
-    missing = missing_of(facts, model_iri(mechanism.name), kind)
-    if missing:
-        page = "robots/README.md" if kind == "Robot" else "kitchens/README.md"
-        raise AnnotationError(
-            f"{file} lacks: {', '.join(missing)}", remedy=f"{page} lists what an annotation has"
-        )
-    _check_positions(facts, mechanism, file)
-    if wrong := torn(chosen.triples, mechanism):
-        raise AnnotationError(f"{file}: {wrong}", allowed="the joint that moves it, and a handle fixed to it")
-    if kind == "Robot":
-        _check_speeds(facts, mechanism, file)
-
-
-def _check_terms(chosen: Chosen, file: Path) -> None:
-    """Every sdt: property is one of `sdt.ttl` and has a value of its kind."""
-    for subject, predicate, term in chosen.triples:
-        if not predicate.startswith(SDT):
-            continue
-        name = local_name(predicate)
-        where = f"{file}: sdt:{name} of '{local_name(subject)}'"
-        if name not in properties():
-            near = get_close_matches(name, properties(), n=3, cutoff=0.5)
-            hint = " or ".join(f"sdt:{each}" for each in near)
-            raise AnnotationError(
-                f"{where}: no such property", allowed=f"did you mean {hint}?" if hint else "those of sdt.ttl"
-            )
-        if not fits(properties()[name], term):
-            raise AnnotationError(f"{where} is {term}", allowed=properties()[name].value)
-        if name == "drive" and term.value not in DRIVES:
-            raise AnnotationError(f"{where} is {term}", allowed="sdt:Omni, sdt:Differential, sdt:Fixed")
-
-
-def _check_positions(facts: Facts, mechanism: Mechanism, file: Path) -> None:
-    for joint in mechanism.joints:
-        iri = joint_iri(mechanism.name, joint.name)
-        for name in ("parkedPosition", "openPosition", "closedPosition"):
-            value = facts.one(iri, name)
-            limits = joint.limits
-            if isinstance(value, int | float) and not limits.lower <= value <= limits.upper:
-                raise AnnotationError(
-                    f"{file}: sdt:{name} {value:g} of joint '{joint.name}' is outside its limits",
-                    allowed=f"{limits.lower:g} to {limits.upper:g}",
-                )
-
-
-def _check_speeds(facts: Facts, mechanism: Mechanism, file: Path) -> None:
-    """Every joint that planning may move has limits of velocity and acceleration: a check needs both."""
-    movable = {joint.name: joint for joint in mechanism.joints if joint.type is not JointType.FIXED}
-    for joint in movable.values():
-        iri = joint_iri(mechanism.name, joint.name)
-        source = joint if joint.mimic is None else movable.get(joint.mimic.joint, joint)
-        moves = facts.one(joint_iri(mechanism.name, source.name), "held") is not True
-        planned = moves and joint.mimic is None
-        if planned and not facts.number(iri, "accelerationLimit", 0.0):
-            raise AnnotationError(
-                f"{file} has no sdt:accelerationLimit for joint '{joint.name}'",
-                allowed="one above 0 for each joint that is not held",
-                remedy="give it, or 'sdt:held true' if planning shall never move the joint",
-            )
-        if moves and joint.limits.velocity in ((0.0, math.inf) if planned else (0.0,)):
-            raise AnnotationError(
-                f"joint '{joint.name}' of '{mechanism.name}' has no velocity limit",
-                allowed="one above 0 for each joint that is not held",
-                remedy="add it to the URDF, or 'sdt:held true' to the annotation",
-            )
