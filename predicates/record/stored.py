@@ -8,6 +8,7 @@ import pyoxigraph as ox
 from predicates.case import Artefact, Diagnosis, Evidence, Kind, Outcome, Quantity, Search
 from predicates.record.artefacts import read_artefact
 from predicates.record.facts import Facts, term
+from predicates.record.inputs import Inputs
 from predicates.record.seal import check_unbroken, read_triples
 from sdt_kg.iri import LAW, PROV, RDF, SH, Iri
 from sdt_kg.scope import Violation
@@ -25,9 +26,9 @@ OUTCOME_TERM = {
     Outcome.ABSTAINED: "Abstained",
 }
 _KIND = {name: kind for kind, name in DIAGNOSIS_CLASS.items()}
-_VERB = {verb.value.capitalize(): verb for verb in Verb}
+VERBS = {verb.value.capitalize(): verb for verb in Verb}
 _QUANTITY = {quantity.value: quantity for quantity in Quantity}
-_OUTCOME = {name: outcome for outcome, name in OUTCOME_TERM.items()}
+OUTCOMES = {name: outcome for outcome, name in OUTCOME_TERM.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,16 +93,29 @@ def read_verdict(quads: Iterable[ox.Quad], iri: Iri) -> StoredVerdict:
     return stored
 
 
+def read_inputs(facts: Facts, judged: Iri) -> Inputs:
+    """All that decided a verdict, or a task's result: name → value or hash."""
+    used = facts.all(facts.needed(judged, PROV + "wasGeneratedBy"), PROV + "used")
+    return tuple((facts.needed(of, LAW + "name"), facts.needed(of, LAW + "inputHash")) for of in used)
+
+
+def read_positions(facts: Facts, judged: Iri) -> dict[Iri, float]:
+    """Joint → position [rad or m] of what is not where the kitchen starts."""
+    return {
+        facts.needed(of, LAW + "entity"): facts.measured(of, LAW + "value")
+        for of in facts.all(judged, LAW + "jointPosition")
+    }
+
+
 def _verdict(facts: Facts, iri: Iri) -> StoredVerdict:
     task = facts.text(iri, LAW + "task")
     verb = facts.text(task, LAW + "verb") if task else None
-    used = facts.all(facts.needed(iri, PROV + "wasGeneratedBy"), PROV + "used")
     return StoredVerdict(
         iri=iri,
-        outcome=term(_OUTCOME, facts.needed(iri, LAW + "outcome")),
+        outcome=term(OUTCOMES, facts.needed(iri, LAW + "outcome")),
         environment=facts.needed(iri, LAW + "environment"),
         robot=facts.text(iri, LAW + "robot"),
-        verb=term(_VERB, verb) if verb else None,
+        verb=term(VERBS, verb) if verb else None,
         container=facts.text(iri, LAW + "container"),
         satisfies_request=facts.truth(iri, LAW + "satisfiesRequest"),
         causes=facts.truth(iri, LAW + "causes"),
@@ -109,7 +123,7 @@ def _verdict(facts: Facts, iri: Iri) -> StoredVerdict:
         diagnoses=tuple(read_diagnosis(facts, each) for each in facts.all(iri, LAW + "diagnosis")),
         notes=tuple(facts.all(iri, LAW + "note")),
         figures=dict(_figure(facts, each) for each in facts.all(iri, LAW + "figure")),
-        inputs=tuple((facts.needed(of, LAW + "name"), facts.needed(of, LAW + "inputHash")) for of in used),
+        inputs=read_inputs(facts, iri),
         seconds=facts.number(iri, LAW + "seconds") or 0.0,
     )
 

@@ -59,9 +59,12 @@ def measured(
     return _way(motion.times, base)
 
 
-def total(quality: Quality, values: Sequence[float]) -> float:
-    """J of a sequence: the sum, for CLEARANCE the smallest."""
-    return min(values) if quality is Quality.CLEARANCE else sum(values)
+def total(quality: Quality, values: Sequence[float | None]) -> float | None:
+    """J of a sequence: the sum, for CLEARANCE the smallest; None of no steps, or where one's is not known."""
+    known = [each for each in values if each is not None]
+    if not known or len(known) < len(values):
+        return None
+    return min(known) if quality is Quality.CLEARANCE else sum(known)
 
 
 def better(quality: Quality, one: float, other: float) -> bool:

@@ -11,7 +11,7 @@ from predicates.record.explained import position_triples
 from predicates.record.facts import Facts
 from predicates.record.recall import budget_of
 from predicates.record.seal import sealed
-from predicates.record.stored import OUTCOME_TERM
+from predicates.record.stored import OUTCOME_TERM, read_inputs
 from predicates.record.triples import Record, diagnosis_triples, provenance_triples
 from predicates.scope import tee_class_of_hash, verb_iri
 from predicates.specification.model import Quality
@@ -61,10 +61,7 @@ def _outcome(facts: Facts, result: Iri) -> str:
 
 
 def _budget(facts: Facts, result: Iri) -> float:
-    used = facts.all(facts.needed(result, PROV + "wasGeneratedBy"), PROV + "used")
-    return budget_of(
-        tuple((facts.needed(of, LAW + "name"), facts.needed(of, LAW + "inputHash")) for of in used)
-    )
+    return budget_of(read_inputs(facts, result))
 
 
 def _better(one: Facts, other: Facts, result: Iri) -> bool:

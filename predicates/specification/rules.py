@@ -18,6 +18,7 @@ from predicates.meant import unit_of
 from predicates.specification.cubic import Array
 from predicates.specification.leg import Leg
 from predicates.specification.model import (
+    Demand,
     KeepsDistance,
     NeverBeyond,
     OpensBefore,
@@ -111,6 +112,11 @@ def text(rule: Rule) -> str:
             return f"{first.name} opens before {then.name}"
         case QueryRule():
             return f"{rule.demand.value} ({rule.over.value.lower()}): {rule.label}"
+
+
+def at_the_end(rule: Rule) -> bool:
+    """Whether the rule is about where all steps end, not about the way there."""
+    return isinstance(rule, QueryRule) and rule.demand is Demand.AT_THE_END
 
 
 def checked(rule: Rule, legs: Sequence[Leg], clearance: Clearance, queries: Queries) -> RuleAnswer:

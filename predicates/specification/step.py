@@ -13,7 +13,7 @@ from predicates.questions import unhurried, with_carried
 from predicates.record.inputs import inputs_of, verdict_iri
 from predicates.scope import out_of_scope
 from sdt_kg.errors import OracleRejectedError
-from sdt_kg.iri import Iri
+from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.state import Interval, Region, State
 from sdt_kg.task import Task, Verb
@@ -29,8 +29,13 @@ class Request:
     position: float | None = None
 
     def __str__(self) -> str:
-        to = "" if self.position is None else f" to {self.position:g}"
-        return f"{self.verb.value} {self.container.name}{to}"
+        return in_words(self.verb, self.container.iri, self.position)
+
+
+def in_words(verb: Verb, container: Iri, position: float | None) -> str:
+    """What a step asks of a container: to be opened, closed, or opened to a position [rad or m]."""
+    to = "" if position is None else f" to {position:g}"
+    return f"{verb.value} {local_name(container)}{to}"
 
 
 def opened_to(container: Container, position: float) -> Region:

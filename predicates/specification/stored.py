@@ -9,15 +9,14 @@ import pyoxigraph as ox
 from predicates.case import Outcome
 from predicates.record.facts import Facts, term
 from predicates.record.inputs import Inputs
-from predicates.record.stored import OUTCOME_TERM
+from predicates.record.stored import OUTCOMES, VERBS, read_inputs, read_positions
 from predicates.specification.record import STANDING_TERM
 from predicates.specification.rules import Standing
-from sdt_kg.iri import LAW, PROV, RDFS, Iri, local_name
+from predicates.specification.step import in_words
+from sdt_kg.iri import LAW, RDFS, Iri
 from sdt_kg.task import Verb
 
-_OUTCOME: Final = {name: outcome for outcome, name in OUTCOME_TERM.items()}
 _STANDING: Final = {name: standing for standing, name in STANDING_TERM.items()}
-_VERB: Final = {verb.value.capitalize(): verb for verb in Verb}
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,8 +32,7 @@ class StoredStep:
     value: float | None
 
     def __str__(self) -> str:
-        to = "" if self.position is None else f" to {self.position:g}"
-        return f"{self.verb.value} {local_name(self.container)}{to}"
+        return in_words(self.verb, self.container, self.position)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,16 +68,15 @@ def read_result(quads: Iterable[ox.Quad], iri: Iri) -> StoredResult:
         InputError: The record is damaged.
     """
     facts = Facts(quads)
-    used = facts.all(facts.needed(iri, PROV + "wasGeneratedBy"), PROV + "used")
     return StoredResult(
         iri=iri,
         label=facts.needed(iri, RDFS + "label"),
-        outcome=term(_OUTCOME, facts.needed(iri, LAW + "taskOutcome")),
+        outcome=term(OUTCOMES, facts.needed(iri, LAW + "taskOutcome")),
         environment=facts.needed(iri, LAW + "environment"),
         robot=facts.needed(iri, LAW + "robot"),
         written=facts.text(iri, LAW + "writtenAs") or "",
-        inputs=tuple((facts.needed(of, LAW + "name"), facts.needed(of, LAW + "inputHash")) for of in used),
-        moved=dict(_position(facts, each) for each in facts.all(iri, LAW + "jointPosition")),
+        inputs=read_inputs(facts, iri),
+        moved=read_positions(facts, iri),
         asked=int(facts.measured(iri, LAW + "stepsAsked")),
         steps=tuple(_step(facts, each) for each in facts.all(iri, LAW + "stepResult")),
         rules=tuple(_rule(facts, each) for each in facts.all(iri, LAW + "ruleAnswer")),
@@ -87,17 +84,13 @@ def read_result(quads: Iterable[ox.Quad], iri: Iri) -> StoredResult:
     )
 
 
-def _position(facts: Facts, of: Iri) -> tuple[Iri, float]:
-    return facts.needed(of, LAW + "entity"), facts.measured(of, LAW + "value")
-
-
 def _step(facts: Facts, of: Iri) -> StoredStep:
     task = facts.needed(of, LAW + "task")
     return StoredStep(
-        verb=term(_VERB, facts.needed(task, LAW + "verb")),
+        verb=term(VERBS, facts.needed(task, LAW + "verb")),
         container=facts.needed(task, LAW + "container"),
         position=facts.number(task, LAW + "goalPosition"),
-        outcome=term(_OUTCOME, facts.needed(of, LAW + "taskOutcome")),
+        outcome=term(OUTCOMES, facts.needed(of, LAW + "taskOutcome")),
         verdict=facts.needed(of, LAW + "verdict"),
         artefact=facts.text(of, LAW + "artefactHash"),
         value=facts.number(of, LAW + "qualityValue"),

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Verdict
 from predicates.oracle import LET_GO
 from predicates.specification.leg import Leg
-from predicates.specification.model import Demand, KeepsDistance, QueryRule, Rule, Specification
+from predicates.specification.model import KeepsDistance, Rule, Specification
 from predicates.specification.quality import better, measured, total
 from predicates.specification.queries import InGraph
 from predicates.specification.result import StepResult, TaskResult, task_inputs
-from predicates.specification.rules import RuleAnswer, Standing, checked, first_broken
+from predicates.specification.rules import RuleAnswer, Standing, at_the_end, checked, first_broken
 from predicates.specification.step import Request, judged
 from predicates.specification.walk import Taken, Walk
 from sdt_kg.iri import Iri
@@ -77,9 +77,9 @@ class _Run:
         self.steps: list[StepResult] = []
         self._answers: list[RuleAnswer] = []
         self._queries, self._clearance = InGraph(service.twin), Swept(robot)
-        self._ends: list[Rule] = [each for each in specification.rules if _at_the_end(each)]
+        self._ends: list[Rule] = [each for each in specification.rules if at_the_end(each)]
         self._depends = any(isinstance(each, KeepsDistance) for each in specification.rules)
-        self._always: list[Rule] = [each for each in specification.rules if not _at_the_end(each)]
+        self._always: list[Rule] = [each for each in specification.rules if not at_the_end(each)]
 
     def take(self, request: Request) -> Taken:
         """Judge one more step."""
@@ -181,10 +181,5 @@ class _Run:
         )
 
     def _total(self) -> float | None:
-        quality, values = self.specification.quality, [step.value for step in self.steps]
-        known = [value for value in values if value is not None]
-        return total(quality, known) if quality is not None and len(known) == len(values) else None
-
-
-def _at_the_end(rule: Rule) -> bool:
-    return isinstance(rule, QueryRule) and rule.demand is Demand.AT_THE_END
+        quality = self.specification.quality
+        return None if quality is None else total(quality, [step.value for step in self.steps])

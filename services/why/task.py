@@ -5,9 +5,8 @@ from typing import Final
 
 from predicates.case import Outcome
 from predicates.record.facts import Facts, term
-from predicates.record.inputs import Inputs
-from predicates.record.stored import OUTCOME_TERM, read_diagnosis
-from sdt_kg.iri import LAW, PROV, RDFS, Iri, local_name
+from predicates.record.stored import OUTCOMES, read_diagnosis, read_inputs
+from sdt_kg.iri import LAW, RDFS, Iri, local_name
 from services.why.words import (
     SHORT_KEY,
     Section,
@@ -28,7 +27,6 @@ MEANS: Final = {
     Outcome.ABSTAINED: "A step is out of scope, or a rule is not bounded: nothing is claimed.",
 }
 STANDING: Final = {"Kept": "kept", "Broken": "BROKEN", "NotBounded": "not bounded"}
-_OUTCOME: Final = {name: outcome for outcome, name in OUTCOME_TERM.items()}
 
 
 def sections(iri: Iri, facts: Facts) -> tuple[Section, ...]:
@@ -36,7 +34,7 @@ def sections(iri: Iri, facts: Facts) -> tuple[Section, ...]:
     outcome = outcome_of(iri, facts)
     steps, rules = facts.all(iri, LAW + "stepResult"), facts.all(iri, LAW + "ruleAnswer")
     diagnoses = [read_diagnosis(facts, each) for each in facts.all(iri, LAW + "diagnosis")]
-    inputs = inputs_of(iri, facts)
+    inputs = read_inputs(facts, iri)
     means = (MEANS[outcome], *of_then(inputs, "the verdicts of its steps keep"))
     parts = (
         Section(f"{question(iri, facts)} {standing(outcome, inputs)}", means),
@@ -58,15 +56,9 @@ def question(iri: Iri, facts: Facts) -> str:
     return f"Can {who} do '{facts.needed(iri, RDFS + 'label')}' in kitchen {where}?"
 
 
-def inputs_of(iri: Iri, facts: Facts) -> Inputs:
-    """All that decided the result: name → value or hash."""
-    used = facts.all(facts.needed(iri, PROV + "wasGeneratedBy"), PROV + "used")
-    return tuple((facts.needed(of, LAW + "name"), facts.needed(of, LAW + "inputHash")) for of in used)
-
-
 def outcome_of(of: Iri, facts: Facts) -> Outcome:
     """What became of a task, or of one of its steps."""
-    return term(_OUTCOME, facts.needed(of, LAW + "taskOutcome"))
+    return term(OUTCOMES, facts.needed(of, LAW + "taskOutcome"))
 
 
 def request(asked: Iri, facts: Facts) -> str:

@@ -9,6 +9,7 @@ from predicates.case import Outcome
 from predicates.record import StoredVerdict
 from predicates.record.facts import Facts
 from predicates.record.inputs import ANY_START, START_INPUT, UNKNOWN_INPUT
+from predicates.record.stored import read_positions
 from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import ID, LAW, Iri, local_name
 from sdt_kg.scope import D_ARTIC
@@ -184,8 +185,7 @@ def _command(verdict: StoredVerdict, facts: Facts) -> str:
         local_name(verdict.robot),
     ]
     words += ["--task", f"{verdict.verb.value}:{local_name(verdict.container)}"]
-    for of in facts.all(verdict.iri, LAW + "jointPosition"):
-        joint, value = facts.needed(of, LAW + "entity"), facts.measured(of, LAW + "value")
+    for joint, value in read_positions(facts, verdict.iri).items():
         words += ["--state", f"{local_name(joint)}={value!r}"]
     tee = tee_class_of_hash(inputs.get("tee_class", ""))
     words += ["--tee", tee.name.lower()] if tee is not None and tee != D_ARTIC else []

@@ -9,7 +9,8 @@ from urllib.parse import unquote
 from predicates.case import Diagnosis, Evidence, Outcome, Quantity
 from predicates.record.facts import Facts
 from predicates.record.inputs import UNKNOWN_INPUT, Inputs
-from sdt_kg.iri import ID, LAW, Iri, local_name
+from predicates.record.stored import read_positions
+from sdt_kg.iri import ID, Iri, local_name
 from services.versions import outdated
 
 SHORT_KEY = 12
@@ -54,11 +55,7 @@ def of_then(inputs: Inputs, keeps: str) -> Iterator[str]:
 
 def moved(judged: Iri, facts: Facts) -> list[str]:
     """Joints that are elsewhere than where the kitchen starts, each with its position."""
-    parts = facts.all(judged, LAW + "jointPosition")
-    return [
-        f"{local_name(facts.needed(of, LAW + 'entity'))} at {facts.measured(of, LAW + 'value'):.6g}"
-        for of in parts
-    ]
+    return [f"{local_name(joint)} at {at:.6g}" for joint, at in read_positions(facts, judged).items()]
 
 
 def reasons(diagnoses: Iterable[Diagnosis]) -> Iterator[str]:

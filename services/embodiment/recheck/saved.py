@@ -60,16 +60,15 @@ class Saved:
 
     def entries(self) -> Iterator[Entry]:
         """Every verdict, with its artefact; by IRI."""
-        kind, verdict = ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + "Verdict")
-        found = {
-            quad.subject.value for quad in self._of(kind, verdict) if isinstance(quad.subject, ox.NamedNode)
-        }
-        for iri in sorted(found):
-            yield self._entry(iri)
+        yield from map(self._entry, self._named("Verdict"))
 
     def results(self) -> list[Iri]:
         """IRIs of the results of tasks; the verdicts of their steps are entries."""
-        found = self._of(ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + "TaskResult"))
+        return self._named("TaskResult")
+
+    def _named(self, kind: str) -> list[Iri]:
+        """IRIs of all that is of a class of law:, in order."""
+        found = self._of(ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + kind))
         return sorted({quad.subject.value for quad in found if isinstance(quad.subject, ox.NamedNode)})
 
     def result(self, iri: Iri) -> StoredResult:

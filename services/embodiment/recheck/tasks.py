@@ -12,12 +12,12 @@ from predicates.questions import unhurried, with_carried
 from predicates.record.inputs import NOT_HASHED, UNKNOWN_INPUT, goal_of, input_hash, state_hash, task_text
 from predicates.record.stored import StoredVerdict
 from predicates.specification.leg import Leg
-from predicates.specification.model import Demand, QueryRule, Specification
+from predicates.specification.model import Quality, Specification
 from predicates.specification.quality import measured, total
 from predicates.specification.queries import InGraph
 from predicates.specification.read import read_specification
 from predicates.specification.result import content_hash
-from predicates.specification.rules import RuleAnswer, Standing, checked
+from predicates.specification.rules import RuleAnswer, Standing, at_the_end, checked
 from predicates.specification.step import Request, opened_to
 from predicates.specification.stored import StoredResult, StoredStep
 from predicates.specification.walk import Taken, Walk
@@ -196,40 +196,35 @@ class _Again:
         walk, rules = self.walk, self.walk.specification.rules
         if not walk.legs:
             return []
-        ends = [each for each in rules if isinstance(each, QueryRule) and each.demand is Demand.AT_THE_END]
-        asked = [each for each in rules if each not in ends] + (ends if walk.complete else [])
+        asked = [each for each in rules if not at_the_end(each)]
+        asked += [each for each in rules if at_the_end(each) and walk.complete]
         swept, queries = Swept(self.stored.robot), InGraph(walk.twin)
         return [checked(rule, walk.legs, swept, queries) for rule in asked]
 
     def _values_differ(self) -> Iterator[str]:
         """In what J is another than that of the steps' motions."""
-        quality, values = self.walk.specification.quality, list[float]()
+        quality = self.walk.specification.quality
         if quality is None:
             return
-        for number, (step, (twin, certificate)) in enumerate(
-            zip(self.stored.steps, self._taken, strict=False), 1
-        ):
-            value = None
-            if certificate is not None:
-                performed = Answer(Case(twin), holds=True, figures=certificate.figures)
-                value = measured(quality, certificate.motion, performed, _Work(twin, self.stored.robot))
-            values += [] if value is None else [value]
+        values = [_value(quality, twin, certificate) for twin, certificate in self._taken]
+        for number, (step, value) in enumerate(zip(self.stored.steps, values, strict=False), 1):
             if not _same(value, step.value):
                 yield f"step {number}, {step}: J is {step.value} in the result, {value} of its motion"
-        whole = total(quality, values) if len(values) == len(self._taken) and values else None
-        whole = whole if self.stored.outcome is Outcome.CERTIFIED else None
+        whole = total(quality, values) if self.stored.outcome is Outcome.CERTIFIED else None
         if not _same(whole, self.stored.value):
             yield f"J of the whole is {self.stored.value} in the result, {whole} of its motions"
 
 
-class _Work:
-    """Mechanical work of a motion that begins in a twin's state."""
+def _value(quality: Quality, twin: Twin, certificate: Certificate | None) -> float | None:
+    """J of a step's certified motion, which begins in the twin's state."""
+    if certificate is None:
+        return None
 
-    def __init__(self, twin: Twin, robot: Iri) -> None:
-        self._twin, self._robot = twin, robot
+    def work(motion: BodyMotion) -> float | None:
+        return mechanical_work(Scene(twin, certificate.robot), motion)
 
-    def __call__(self, motion: BodyMotion) -> float | None:
-        return mechanical_work(Scene(self._twin, self._robot), motion)
+    performed = Answer(Case(twin), holds=True, figures=certificate.figures)
+    return measured(quality, certificate.motion, performed, work)
 
 
 def _is_other(step: StoredStep, request: Request) -> Iterator[str]:

@@ -3,27 +3,16 @@
 import re
 import signal
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from services.commands.exits import Exit
+from tests.services.http.test_end_to_end import SERVE
 from tests.services.http.test_interrupted import heard
 from tests.services.viewer.visitor import Visitor
 
-VIEW = (
-    sys.executable,
-    "-m",
-    "services.cli",
-    "view",
-    "--http",
-    "127.0.0.1:0",
-    "--kitchen",
-    "b",
-    "--robot",
-    "pr2",
-)
+VIEW = ["view" if word == "serve" else word for word in SERVE]
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from predicates.case import Artefact, Diagnosis, Evidence, Outcome
 from predicates.record import StoredVerdict, read_verdict
 from predicates.record.facts import Facts
 from predicates.record.inputs import START_INPUT, TURNED, UNKNOWN_INPUT
+from predicates.record.stored import read_positions
 from predicates.scope import tee_class_of_hash
 from sdt_kg.errors import InputError
 from sdt_kg.iri import ID, LAW, Iri, local_name
@@ -92,10 +93,7 @@ def _data(stored: StoredVerdict, facts: Facts, told: dict[str, list[str]]) -> Js
         "task": stored.verb.value if stored.verb else None,
         "container": local_name(stored.container) if stored.container else None,
         "drive": facts.text(stored.iri, LAW + "drive"),
-        "state": [
-            f"{local_name(facts.needed(of, LAW + 'entity'))}={facts.measured(of, LAW + 'value')!r}"
-            for of in facts.all(stored.iri, LAW + "jointPosition")
-        ],
+        "state": [f"{local_name(joint)}={at!r}" for joint, at in read_positions(facts, stored.iri).items()],
         "tee_class": _tee(stored),
         "predicates": _predicates(stored, facts),
         "diagnoses": [_evidence(index, each) for index, each in enumerate(stored.diagnoses, 1)],

@@ -8,7 +8,7 @@ from starlette.requests import Request
 
 from predicates.case import Outcome
 from predicates.record.facts import Facts
-from predicates.record.stored import read_diagnosis
+from predicates.record.stored import read_diagnosis, read_inputs
 from sdt_kg.iri import ID, LAW, RDFS, Iri, local_name
 from services.http.api.read import SPELLED, of_models
 from services.http.pages.kinds import Standing, standings
@@ -73,7 +73,7 @@ def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
     facts = Facts(quads)
     first, *others = sections(quads, iri)
     told = {each.title: list(each.lines) for each in others}
-    outcome, others = task.outcome_of(iri, facts), outdated(dict(task.inputs_of(iri, facts)))
+    outcome, others = task.outcome_of(iri, facts), outdated(dict(read_inputs(facts, iri)))
     diagnoses = [read_diagnosis(facts, each) for each in facts.all(iri, LAW + "diagnosis")]
     kinds = [] if outcome is Outcome.CERTIFIED else list(dict.fromkeys(each.kind.value for each in diagnoses))
     steps = [_step(each, facts) for each in facts.all(iri, LAW + "stepResult")]

@@ -8,12 +8,13 @@ from starlette.responses import RedirectResponse, Response
 
 from predicates.record import read_verdict
 from sdt_kg.errors import InputError
-from sdt_kg.iri import local_name, task_result_iri, verdict_iri
+from sdt_kg.iri import Iri, local_name, task_result_iri, verdict_iri
 from services.http.pages.asking import Asking
 from services.http.pages.feasibility.asked import asked_about
 from services.http.pages.feasibility.cells import cells_of, kept_verdicts
 from services.http.pages.feasibility.matrix import UNANSWERED
 from services.http.pages.session import check_may_write, local, posted_pairs
+from services.http.pages.terms import id_link
 from services.http.pages.view import View
 from services.http.problems import RefusedError
 from services.http.world import World
@@ -55,18 +56,18 @@ async def ask(request: Request) -> Response:
 
 async def recheck(request: Request) -> Response:
     """The verdict is checked again; back to its page, which says what came of it."""
-    check_may_write(request)
-    key = request.path_params["key"]
-    await request.app.state.rechecks.check(verdict_iri(key))
-    return RedirectResponse(f"/id/verdict/{quote(key)}#recheck", 303)
+    return await _rechecked(request, verdict_iri(request.path_params["key"]))
 
 
 async def recheck_result(request: Request) -> Response:
     """The same of a task's result."""
+    return await _rechecked(request, task_result_iri(request.path_params["key"]))
+
+
+async def _rechecked(request: Request, judged: Iri) -> Response:
     check_may_write(request)
-    key = request.path_params["key"]
-    await request.app.state.rechecks.check(task_result_iri(key))
-    return RedirectResponse(f"/id/task_result/{quote(key)}#recheck", 303)
+    await request.app.state.rechecks.check(judged)
+    return RedirectResponse(f"{id_link(judged)}#recheck", 303)
 
 
 async def artefact(request: Request) -> Response:
