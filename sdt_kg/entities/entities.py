@@ -1,11 +1,10 @@
 """Entities: what a twin says whatever its state, shared by all its branches."""
 
-import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
-from typing import Final, TypeVar
+from typing import TypeVar
 
 from sdt_kg.annotating.annotate import TEE_GRAPH, annotate, tee_facts, tee_triples
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
@@ -23,9 +22,6 @@ from sdt_kg.triples import Facts, checked_model, read_kitchen, read_mechanism_of
 from sdt_kg.triples.vocabulary import fits, properties
 
 T = TypeVar("T")
-
-_PLACE_ONLY: Final = {SDT + "meshFile"}
-"""Properties that say where something lies, not what it is: not hashed."""
 
 
 @dataclass(frozen=True)
@@ -136,14 +132,9 @@ class Entities:
         return Coupling.of(self.mechanism(self.environment))
 
     def content_hash(self, model: Iri) -> str:
-        """SHA-256 over the model's entity triples, in the order of their text."""
+        """SHA-256 over the model's entity triples."""
         if model not in self._hashes:
-            lines = {
-                f"<{subject}> <{predicate}> {value}"
-                for subject, predicate, value in self._facts_of(model).triples()
-                if predicate not in _PLACE_ONLY
-            }
-            self._hashes[model] = hashlib.sha256("\n".join(sorted(lines)).encode()).hexdigest()
+            self._hashes[model] = self._facts_of(model).content_hash()
         return self._hashes[model]
 
     @cached_property

@@ -1,5 +1,6 @@
 """Facts: triples grouped by subject and property, for reading values back."""
 
+import hashlib
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
@@ -11,6 +12,9 @@ from sdt_kg.mechanism import Pose
 from sdt_kg.store import Term, Triple, Value, value_of
 
 TYPE: Final = RDF + "type"
+
+PLACE_ONLY: Final = frozenset({SDT + "meshFile"})
+"""Properties that say where something lies, not what it is: not hashed."""
 
 UNIT_NORM: Final = 1e-5
 """[1] How far the norm of a quaternion or axis may be from 1: what is farther scales what it turns by more
@@ -96,6 +100,15 @@ class Facts:
             for name, terms in values.items()
             for term in terms
         )
+
+    def content_hash(self) -> str:
+        """SHA-256 over all of them, in the order of their text."""
+        lines = {
+            f"<{subject}> <{predicate}> {value}"
+            for subject, predicate, value in self.triples()
+            if predicate not in PLACE_ONLY
+        }
+        return hashlib.sha256("\n".join(sorted(lines)).encode()).hexdigest()
 
     def properties(self, subject: Iri) -> set[Iri]:
         """Properties that the subject has."""

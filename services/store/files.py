@@ -9,12 +9,14 @@ import pyoxigraph as ox
 
 from predicates.case import Verdict
 from predicates.record import Record, StoredVerdict, to_record
+from sdt_kg.annotating.annotate import TEE_GRAPH
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
 from sdt_kg.store import Row, checked_query, rows_of
 from sdt_kg.twin import Twin
 from services.stopping import terminable
 from services.store.embedded import EmbeddedStore
+from services.store.models import keep_model
 from services.store.on_disk import FORMATS, in_file, in_folder, is_store_folder, read_file
 from services.store.quads import QuadStore
 from services.store.records import graph_of, keep, recalled
@@ -97,10 +99,13 @@ class SavedVerdicts:
     def add_twin(self, twin: Twin) -> None:
         """Keep the twin's named graphs, so that verdicts can be asked together with what they are about.
 
-        A graph of that name with other content, of an earlier version of the model, is replaced.
+        A model of that name with other content is replaced, and set aside for a recheck.
         """
-        dumped = twin.entities.store.dump(twin.graphs())
-        for graph in twin.graphs():
+        entities, graphs = twin.entities, twin.graphs()
+        dumped = entities.store.dump(graphs)
+        for model in entities.asserted:
+            keep_model(self.store, model, entities.graphs_of(model), dumped)
+        for graph in (TEE_GRAPH, graphs[-1]):
             fresh = list(dumped.quads_for_pattern(None, None, None, ox.NamedNode(graph)))
             if set(self.store.graph(graph)) != set(fresh):
                 with self.store.alone(graph):

@@ -20,7 +20,7 @@ from services.commands.exits import Exit
 from services.commands.options import csv_flag, json_flag
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.embodiment.recheck import Rechecked, Saved, recheck_artefact, recheck_verdict
-from services.embodiment.recheck.models import TwinOf
+from services.embodiment.recheck.models import Models, TwinOf
 from services.embodiment.recheck.saved import Entry, by_name
 from services.physics.oracle import Kinematics
 from services.store.files import is_saved_graph
@@ -87,11 +87,30 @@ def _given(kitchen: str | None, robot: str | None, annotation: str | None) -> Tw
     if kitchen is None or robot is None:
         raise InputError("one model alone", allowed="--kitchen and --robot together")
 
-    def twin_of(environment: Iri, machine: Iri) -> tuple[Twin, str]:
-        del environment, machine
+    def twin_of(models: Models) -> tuple[Twin, str]:
+        del models
         return load_twin(kitchen, [robot], annotation=annotation), f"models {kitchen}, {robot}"
 
     return twin_of
+
+
+def as_meant(twin_of: TwinOf) -> TwinOf:
+    """The same twins; with the bundled force data, where what is asked for has these."""
+    from services.dynamics.data import with_forces  # noqa: PLC0415 - only what is checked needs them
+
+    def meant(models: Models) -> tuple[Twin, str]:
+        twin, source = twin_of(models)
+        if _are(twin, models):
+            return twin, source
+        forced = with_forces(twin)
+        return (forced, f"{source}, with bundled force data") if _are(forced, models) else (twin, source)
+
+    return meant
+
+
+def _are(twin: Twin, models: Models) -> bool:
+    here = {twin.environment, *twin.robots}
+    return all(model in here and twin.content_hash(model) == content for model, content in models)
 
 
 def _results(source: str, store: str | None, given: TwinOf | None) -> tuple[list[Rechecked], int]:
@@ -99,7 +118,7 @@ def _results(source: str, store: str | None, given: TwinOf | None) -> tuple[list
     path = Path(source)
     if store is None and not is_saved_graph(source) and not path.is_dir():
         if path.is_file():
-            return [recheck_artefact(path.name, path.read_bytes(), given or by_name)], 0
+            return [recheck_artefact(path.name, path.read_bytes(), as_meant(given or by_name))], 0
         raise InputError(
             f"no file or store at {source}",
             allowed="a file, a store, or the IRI of a verdict with --store FILE|STORE",
@@ -107,7 +126,7 @@ def _results(source: str, store: str | None, given: TwinOf | None) -> tuple[list
     saved = Saved(store or source)
     if saved.left_out:
         click.echo(f"note: {saved.left_out}", err=True)
-    again = _Again(saved, given or saved.twin)
+    again = _Again(saved, as_meant(given or saved.twin))
     if store is not None:
         of_task = task_result_iri(local_name(source))
         found = again.result(of_task) if of_task in saved.results() else again.entry(saved.entry(source))

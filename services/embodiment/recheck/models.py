@@ -7,11 +7,14 @@ from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.twin import Twin
 
-TwinOf = Callable[[Iri, Iri], tuple[Twin, str]]
-"""Environment and robot → their twin in whatever state, and in words where it is from."""
-
 Models = tuple[tuple[Iri, str], tuple[Iri, str]]
 """Environment, then robot: IRI and content hash."""
+
+TwinOf = Callable[[Models], tuple[Twin, str]]
+"""Models → a twin of these names in whatever state, and in words where it is from.
+
+Where there is one of this content, it is that one.
+"""
 
 
 class OtherModelsError(InputError):
@@ -33,8 +36,7 @@ def at_hand(twin_of: TwinOf, models: Models, state: dict[Iri, float]) -> tuple[T
         OtherModelsError: A model of that name is there, of another content.
         InputError: The models cannot be had, or not in this state.
     """
-    (environment, _), (robot, _) = models
-    twin, source = twin_of(environment, robot)
+    twin, source = twin_of(models)
     for model, stated in models:
         found = twin.content_hash(model)
         if found != stated:

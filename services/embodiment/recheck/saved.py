@@ -1,7 +1,8 @@
 """Saved verdicts, artefacts and twins, as files hold them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import pyoxigraph as ox
@@ -15,8 +16,10 @@ from sdt_kg.interchange.rebuild import rebuilt_entities
 from sdt_kg.iri import LAW, RDF, Iri, graph_iri, local_name, verdict_iri
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
+from services.embodiment.recheck.models import Models
 from services.store.files import readable
 from services.store.folder import damaged, reading
+from services.store.models import is_graph_of, replaced_model
 from services.store.on_disk import JOURNAL, in_folder
 from services.store.server.remote import is_url
 
@@ -117,7 +120,7 @@ class Saved:
         except InputError as error:
             return Entry(iri, None, None, str(error))
 
-    def twin(self, environment: Iri, robot: Iri) -> tuple[Twin, str]:
+    def twin(self, models: Models) -> tuple[Twin, str]:
         """The twin, of the saved graphs if they have both models, else of the bundled ones of their names.
 
         It is where its models start: of which of them the saved states are is not known yet.
@@ -125,17 +128,37 @@ class Saved:
         Raises:
             InputError: The graphs were changed, or nothing has that name.
         """
+        (environment, _), (robot, _) = models
         graphs = [ox.NamedNode(graph_iri("asserted", local_name(model))) for model in (environment, robot)]
         with reading(self._path):
-            are_saved = all(map(self.store.contains_named_graph, graphs))
-            entities = rebuilt_entities(self.store, environment, [robot]) if are_saved else None
-        if entities is None:
-            return by_name(environment, robot)
-        return Twin(entities, entities.coupling.start()), "models of the saved graphs"
+            if not all(map(self.store.contains_named_graph, graphs)):
+                return by_name(models)
+            replaced = {
+                model: quads
+                for model, content_hash in models
+                if (quads := replaced_model(self.store, model, content_hash)) is not None
+            }
+            entities = rebuilt_entities(
+                self._with(replaced) if replaced else self.store, environment, [robot]
+            )
+        source = "models of the saved graphs"
+        if replaced:
+            names = " and ".join(map(local_name, replaced))
+            source += f", with what was kept of {names} when another of that name took its place"
+        return Twin(entities, entities.coupling.start()), source
+
+    def _with(self, replaced: Mapping[Iri, Iterable[ox.Quad]]) -> Iterator[ox.Quad]:
+        """All quads of named graphs, but of these models those which are given."""
+        for graph in self.store.named_graphs():
+            name = graph.value if isinstance(graph, ox.NamedNode) else ""
+            if not any(is_graph_of(model, name) for model in replaced):
+                yield from self.store.quads_for_pattern(None, None, None, graph)
+        yield from chain.from_iterable(replaced.values())
 
 
-def by_name(environment: Iri, robot: Iri) -> tuple[Twin, str]:
+def by_name(models: Models) -> tuple[Twin, str]:
     """The twin of the bundled models of these names."""
+    (environment, _), (robot, _) = models
     kitchen, machine = local_name(environment), local_name(robot)
     return load_twin(kitchen, [machine]), "models loaded by name: only names were saved"
 

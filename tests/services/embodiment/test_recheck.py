@@ -2,7 +2,6 @@
 
 import base64
 import hashlib
-import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pyoxigraph as ox
 import pytest
-from click.testing import CliRunner
 
 from predicates.case import Case, Outcome
 from predicates.law import law
@@ -18,16 +16,14 @@ from predicates.record.seal import RECORD_HASH, SECONDS, check_seal, sealed
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.iri import LAW, SDT, graph_iri, local_name
-from sdt_kg.load import load_twin
 from sdt_kg.task import Task, Verb
-from services.commands.saved.recheck import recheck as recheck_command
 from services.embodiment.certify.certificate import read_certificate, said_in
 from services.embodiment.certify.certificate import sealed as packed
 from services.embodiment.oracle import WholeBody
 from services.embodiment.recheck import Rechecked, Saved, recheck_artefact, recheck_verdict
 from services.physics.oracle import Kinematics
 from services.store.files import SavedVerdicts
-from tests.services.embodiment.gantry import FOLDER, START, gantry_twin, opening
+from tests.services.embodiment.gantry import START, gantry_twin, opening
 
 pytestmark = pytest.mark.oracle
 
@@ -47,7 +43,10 @@ class Kept:
 
 @pytest.fixture(scope="module")
 def kept(tmp_path_factory: pytest.TempPathFactory) -> Kept:
-    folder = tmp_path_factory.mktemp("kept")
+    return kept_in(tmp_path_factory.mktemp("kept"))
+
+
+def kept_in(folder: Path) -> Kept:
     twin = gantry_twin(folder)
     task = Task(Verb.OPEN, twin.container("drawer_main").iri)
     case = Case(twin, twin.robots[0], task, body_motion=opening())
@@ -275,24 +274,3 @@ def test_an_artefact_alone_holds_for_its_models_and_for_no_others(kept: Kept) ->
     edited = replace(found) and twin.with_edit(joint, upperLimit=0.6)
     other = recheck_artefact("one", kept.content, lambda *_: (edited, "given"))
     assert "content hash" in other.reasons[0]
-
-
-@pytest.mark.parametrize(
-    ("was", "now"),
-    [('upper="0.5"', 'upper="0.49"'), ("drawer_main_joint", "drawer_top_joint")],
-    ids=["of another limit", "of another joint"],
-)
-def test_a_certificate_about_another_kitchen_of_that_name_is_not_checked(
-    kept: Kept, tmp_path: Path, was: str, now: str
-) -> None:
-    store = tmp_path / "kept.nq"
-    store.write_bytes(kept.file.read_bytes())
-    (tmp_path / "cell.urdf").write_text((kept.folder / "cell.urdf").read_text().replace(was, now))
-    with SavedVerdicts(store) as saved:  # as --save does: models of one name replace each other
-        saved.add_twin(load_twin(tmp_path / "cell.urdf", [FOLDER / "gantry.urdf"]))
-    found = recheck(store)
-    assert (found.holds, found.about_others) == (False, True)
-    assert "it is about another cell, of content hash" in found.reasons[0]
-    asked = CliRunner().invoke(recheck_command, [str(store), "--json"])
-    (told,) = json.loads(asked.stdout)
-    assert (told["holds"], told["about_other_models"], asked.exit_code) == (None, True, 1)
