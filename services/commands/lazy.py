@@ -94,12 +94,18 @@ class LazyGroup(click.Group):
 
 
 def _refuse_mistyped(ctx: click.Context, command: click.Command, args: list[str]) -> None:
-    """Refuse an option that is given several times and takes one value, or whose value is left out."""
+    """Refuse an option that is given several times and takes one value, or whose value is left out.
+
+    And an empty path, as a variable of a shell may be: it would be the folder where the command is run.
+    """
     values, rest, said = command.make_parser(ctx).parse_args(list(args))
     if isinstance(command, click.Group):
         name, inner, rest = command.resolve_command(ctx, rest) if rest else (None, None, [])
         return _refuse_mistyped(click.Context(inner, ctx, name), inner, rest) if inner else None
     options = [each for each in command.get_params(ctx) if isinstance(each, click.Option)]
+    for each in command.get_params(ctx):
+        if isinstance(each.type, click.Path) and values.get(each.name or "") == "":
+            raise click.BadParameter("an empty path.", ctx, each)
     names = {name for each in options for name in each.opts}
     for option in options:
         label, value = "/".join(option.opts), values.get(option.name or "")

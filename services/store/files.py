@@ -27,7 +27,8 @@ __all__ = ["FORMATS", "SavedVerdicts", "is_saved_graph", "opened", "query_saved"
 
 def is_saved_graph(source: str) -> bool:
     """Whether the text names an RDF file, a store directory or a server, rather than a kitchen."""
-    return is_url(source) or Path(source).suffix in FORMATS or is_store_folder(Path(source))
+    path = Path(source)
+    return is_url(source) or path.suffix in FORMATS or (bool(source) and is_store_folder(path))
 
 
 def opened(place: str | Path) -> QuadStore:
@@ -150,6 +151,8 @@ def readable(place: str | Path) -> QuadStore:
     if isinstance(place, str) and "://" in place:
         return opened(place)
     path = Path(place)
+    if not place:
+        raise InputError("no file or store at ''", allowed="a file or a store")
     if not path.exists():
         raise InputError(f"no file or store at {path}")
     if path.is_dir():

@@ -116,14 +116,14 @@ def _are(twin: Twin, models: Models) -> bool:
 def _results(source: str, store: str | None, given: TwinOf | None) -> tuple[list[Rechecked], int]:
     """What each recheck found, and how many verdicts have nothing to check."""
     path = Path(source)
-    if store is None and not is_saved_graph(source) and not path.is_dir():
+    if store is None and source and not is_saved_graph(source) and not path.is_dir():
         if path.is_file():
             return [recheck_artefact(path.name, path.read_bytes(), as_meant(given or by_name))], 0
         raise InputError(
             f"no file or store at {source}",
             allowed="a file, a store, or the IRI of a verdict with --store FILE|STORE",
         )
-    saved = Saved(store or source)
+    saved = Saved(source if store is None else store)
     if saved.left_out:
         click.echo(f"note: {saved.left_out}", err=True)
     again = _Again(saved, as_meant(given or saved.twin))

@@ -57,6 +57,8 @@ class Saved:
     """
 
     def __init__(self, place: Path | str) -> None:
+        if not place:
+            raise InputError("no file or store at ''", allowed="a file, a store, or leave --store out")
         path = self._path = Path(place)
         self.left_out = "" if is_place_of_server(place) else _settled(path)
         self.store = _fetched(str(place)) if is_place_of_server(place) else _opened(path)

@@ -5,6 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from services.store.files import opened
+
 BAD = {
     "unknown kitchen": (["containers", "kitchn"], ["kitchn", "a, b"]),
     "unknown file": (["containers", "no/such.urdf"], ["no/such.urdf"]),
@@ -103,6 +105,10 @@ BAD = {
         ["query", "", "--kitchen", "b", "--compute", "ASK { ?v law:outcome law:Certified }"],
         ["'' is no place"],
     ),
+    "an empty place of what is read": (["recheck", ""], ["no file or store at ''"]),
+    "an empty place of a verdict": (["recheck", "verdict", "--store", ""], ["no file or store at ''"]),
+    "an empty track": (["learn", ""], ["TRACK", "an empty path"]),
+    "an empty file of a report": (["report", "feasibility", "-o", ""], ["-o", "an empty path"]),
     "file left out": (["table", "--csv", "--json"], ["--csv is followed by --json", "FILE", "./--json"]),
     "file left out before a short option": (["graph", "b", "-o", "-o", "x.ttl"], ["-o/--output", "by -o"]),
     "file left out before the help": (["learn", "x.csv", "-o", "-h"], ["-o/--output is followed by -h"]),
@@ -193,3 +199,14 @@ def test_a_bad_motion_is_named(sdt, tmp_path: Path, name: str) -> None:
     assert done.code == 2, done
     assert "Traceback" not in done.err
     assert [fragment for fragment in fragments if fragment not in done.err] == []
+
+
+@pytest.mark.parametrize("command", ["recheck", "why", "open"])
+def test_an_empty_place_is_not_the_folder_where_the_command_is_run(
+    sdt, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    opened(tmp_path).close()
+    monkeypatch.chdir(tmp_path)
+    done = sdt(command, "")
+    assert done.code == 2, done
+    assert "''" in done.err
