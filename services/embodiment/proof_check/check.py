@@ -85,6 +85,8 @@ def _by_handle(twin: Twin, robot: Iri, container: Container, proof: Proof) -> Ch
     """The same of the one handle that the container is meant by."""
     claim = proof.claim
     reasons = [*_differs(twin, robot, container, claim)]
+    if proof.misstated:
+        reasons.append("the assumptions that the proof states are not those on which it rests")
     leaves = 0
     if not reasons:
         about = twin, robot, container, claim.drive, claim.start, claim.tolerances

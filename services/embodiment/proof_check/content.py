@@ -100,12 +100,14 @@ class Proof:
     Attributes:
         window: First and last sample of the timing between which no gripper follows; None without one.
         others: The same by each other handle that moves the container.
+        misstated: Whether what was read of it states other assumptions than its own.
     """
 
     claim: Claim
     refutations: tuple[Refutation, ...]
     window: tuple[int, int] | None = None
     others: "tuple[Proof, ...]" = ()
+    misstated: bool = False
 
     def assumptions(self) -> tuple[str, ...]:
         """What the claim is relative to, one sentence each."""

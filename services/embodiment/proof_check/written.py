@@ -93,7 +93,9 @@ def _proof(given: dict[str, Any], schema: str) -> Proof:  # Any: JSON
     if type(told) is not (bool if schema == SCHEMA else type(None)):
         raise ValueError(f"whether one hold alone is meant is not told in {schema}")
     one_hold = any(one.one_hold for one in refutations) if told is None else told
-    return Proof(replace(claim, one_hold=one_hold), refutations, _window(given.get("window")))
+    proof = Proof(replace(claim, one_hold=one_hold), refutations, _window(given.get("window")))
+    misstated = schema == SCHEMA and given["assumptions"] != [*proof.assumptions()]  # others had other words
+    return replace(proof, misstated=misstated)
 
 
 def _unpacked(content: bytes) -> dict[str, Any]:  # Any: JSON

@@ -176,8 +176,11 @@ def _certify_again(  # noqa: PLR0913, PLR0917 - one trial
             f"{container.name} is let go on the way, and where forces count it might move then"
         )
     trial.notes += [*_notes(checker, stored, physics), *_refused(stored)]
-    said = [each for each in performed.notes if each not in certificate.nearest]
-    trial.notes += [f"the certificate does not say: {each}" for each in said]
+    said, found = certificate.nearest, performed.notes
+    trial.notes += [f"the certificate does not say: {each}" for each in found if each not in said]
+    trial.notes += [
+        f"the certificate says, and it is not found again: {each}" for each in said if each not in found
+    ]
 
 
 def _judged_again(

@@ -3,6 +3,7 @@
 import json
 import math
 import zlib
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -134,6 +135,20 @@ def test_a_number_larger_than_any_does_not_end_the_recheck(entry: Entry, part: s
     whole["claim"][part][1] = 10**400
     found = recheck_artefact("large", zlib.compress(json.dumps(whole).encode()), by_name)
     assert "the proof is damaged" in found.reasons[0]
+
+
+@pytest.mark.parametrize(
+    "stated", [lambda told: told[1:], lambda told: [*told, "no wind"], lambda told: None]
+)
+def test_a_proof_that_states_other_assumptions_than_its_own_does_not_hold(
+    entry: Entry, stated: Callable[[list[str]], list[str] | None]
+) -> None:
+    assert entry.artefact is not None
+    whole = json.loads(zlib.decompress(entry.artefact.content))
+    whole["assumptions"] = stated(whole["assumptions"])
+    found = recheck_artefact("fewer", zlib.compress(json.dumps(whole).encode()), by_name)
+    assert not found.holds
+    assert found.reasons == ("the assumptions that the proof states are not those on which it rests",)
 
 
 def test_lists_within_lists_without_end_do_not_end_the_recheck() -> None:
