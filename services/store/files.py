@@ -16,8 +16,17 @@ from sdt_kg.store import Row, checked_query, rows_of
 from sdt_kg.twin import Twin
 from services.stopping import terminable
 from services.store.embedded import EmbeddedStore
+from services.store.folder import FolderStore
 from services.store.models import keep_model
-from services.store.on_disk import FORMATS, in_file, in_folder, is_store_folder, read_file
+from services.store.on_disk import (
+    FORMATS,
+    folder_as_it_is,
+    in_file,
+    in_folder,
+    is_only_read,
+    is_store_folder,
+    read_file,
+)
 from services.store.quads import QuadStore
 from services.store.records import graph_of, keep, recalled
 from services.store.server.remote import Addresses, RemoteStore, is_url
@@ -142,7 +151,7 @@ def query_saved(place: str | Path, sparql: str) -> tuple[list[str], list[Row]]:
 
 
 def readable(place: str | Path) -> QuadStore:
-    """The store at a place where something is; a file is left as it is.
+    """The store at a place where something is; a file, and a directory that is only read, is left as it is.
 
     Raises:
         InputError: There is nothing at that place.
@@ -155,6 +164,8 @@ def readable(place: str | Path) -> QuadStore:
         raise InputError("no file or store at ''", allowed="a file or a store")
     if not path.exists():
         raise InputError(f"no file or store at {path}")
+    if is_store_folder(path) and is_only_read(path):
+        return FolderStore(path, folder_as_it_is(path), None)
     if path.is_dir():
         return in_folder(path)
     return EmbeddedStore(read_file(path))

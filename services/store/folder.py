@@ -31,22 +31,24 @@ class FolderStore:
 
     Args:
         tables: RocksDB's.
-        journal: What a process that was killed has left there is put into the tables at once.
+        journal: What a process that was killed has left there is put into the tables at once; None where
+            the directory is only read.
 
     Raises:
         StoreRejectedError: The journal is damaged, or what it has cannot be put into the tables; likewise
             when something is read, where the tables are damaged.
     """
 
-    def __init__(self, tables: ox.Store, journal: Journal) -> None:
-        self._tables, self._journal = tables, journal
-        self._folder = journal.path.parent
+    def __init__(self, folder: Path, tables: ox.Store, journal: Journal | None) -> None:
+        self._folder, self._tables, self._journal = folder, tables, journal
         self._reader = EmbeddedStore(tables)
         self._emptied: set[ox.NamedNode] = set()
         self._written: dict[ox.NamedNode, list[ox.Quad]] = {}
         self._count = 0
         self._lock = threading.RLock()
         self._is_open = True
+        if journal is None:
+            return
         for entry in journal.entries():
             self._take(entry)
         self._settle()
@@ -99,15 +101,21 @@ class FolderStore:
                 return
             self._is_open = False
             try:
-                self._settle()
-                with self._said():
-                    self._tables.flush()
+                if self._journal is not None:
+                    self._settle()
+                    with self._said():
+                        self._tables.flush()
             finally:  # what the tables could not take is in the journal
-                self._journal.close()
+                if self._journal is not None:
+                    self._journal.close()
                 self._reader.close()
                 self._tables = ox.Store()
 
     def _write(self, entry: Entry) -> None:
+        if self._journal is None:
+            raise StoreRejectedError(
+                str(self._folder), "can only be read", remedy="copy it to where it can be written"
+            )
         with self._lock:
             self._journal.add(entry)
             self._take(entry)
@@ -137,7 +145,7 @@ class FolderStore:
         Raises:
             StoreRejectedError: They do not; the journal keeps it, and it is tried again.
         """
-        if not self._written:
+        if self._journal is None or not self._written:
             return
         quads = list(chain.from_iterable(self._written.values()))
         put = self._tables.extend if len(quads) <= FEW else self._tables.bulk_extend

@@ -56,7 +56,7 @@ def in_folder(folder: Path) -> FolderStore:
         if attempt:
             time.sleep(WAIT)
         try:
-            return FolderStore(ox.Store(str(folder)), Journal(folder / JOURNAL))
+            return FolderStore(folder, ox.Store(str(folder)), Journal(folder / JOURNAL))
         except RuntimeError as error:
             raise damaged(folder, error) from None
         except OSError as error:
@@ -69,6 +69,38 @@ def in_folder(folder: Path) -> FolderStore:
     )
 
 
+def is_only_read(folder: Path) -> bool:
+    """Whether something of a store's directory cannot be written, as on a medium that is only read."""
+    lasting = (folder / name for name in ("CURRENT", "LOCK", "LOG"))
+    return not all(os.access(each, os.W_OK) for each in (folder, *lasting) if each.exists())
+
+
+def folder_as_it_is(folder: Path) -> ox.Store:
+    """What a store's directory has, and is left as it is: nothing of it is written.
+
+    What a killed process left in the journal is put with the rest in memory.
+
+    Raises:
+        InputError: It cannot be opened.
+        StoreRejectedError: It is damaged.
+    """
+    try:
+        tables, entries = ox.Store.read_only(str(folder)), [*Journal(folder / JOURNAL).entries()]
+        if not entries:
+            return tables
+        copy = ox.Store()
+        copy.bulk_extend(tables)
+    except RuntimeError as error:
+        raise damaged(folder, error) from None
+    except OSError as error:
+        raise InputError(f"cannot open the store {folder}: {error}") from None
+    for entry in entries:
+        if entry.emptied is not None:
+            copy.remove_graph(entry.emptied)
+        copy.extend(entry.quads)
+    return copy
+
+
 def _unopened(folder: Path, why: str) -> InputError | StoreRejectedError:
     """What is wrong with a directory that cannot be opened or made, and what is to be done."""
     for reason in NO_ROOM:
@@ -76,7 +108,10 @@ def _unopened(folder: Path, why: str) -> InputError | StoreRejectedError:
             return StoreRejectedError(str(folder), f"cannot be opened: {reason}", remedy="make room there")
     if not folder.parent.is_dir():
         return InputError(f"cannot make the store {folder}", allowed="a place in a folder that is there")
-    remedy = "" if os.access(folder, os.W_OK) else "copy it to where it can be written"
+    remedy = (
+        "copy it to where it can be written" if folder.exists() else "choose a folder that can be written"
+    )
+    remedy = "" if os.access(folder, os.W_OK) else remedy
     return InputError(f"cannot open the store {folder}: {why}", remedy=remedy)
 
 
@@ -107,6 +142,8 @@ def in_file(path: Path) -> EmbeddedStore:
         raise InputError(
             f"cannot save verdicts to '{path.name}'", allowed="FILE.trig, FILE.nq or a directory"
         )
+    if path.exists() and not os.access(path, os.W_OK):
+        raise InputError(f"{path} can only be read", remedy="copy it, or save to another file")
     partial = _claimed(path)
     try:
         store = read_file(path) if path.exists() else ox.Store()

@@ -20,7 +20,7 @@ from services.embodiment.recheck.models import Models
 from services.store.files import readable
 from services.store.folder import damaged, reading
 from services.store.models import is_graph_of, replaced_model
-from services.store.on_disk import JOURNAL, in_folder
+from services.store.on_disk import JOURNAL, folder_as_it_is, in_folder, is_only_read
 from services.store.server.remote import is_url
 
 FORMATS = {".trig": ox.RdfFormat.TRIG, ".nq": ox.RdfFormat.N_QUADS}
@@ -182,7 +182,7 @@ def _fetched(address: str) -> ox.Store:
 def _settled(path: Path) -> str:
     """What a killed process left in a directory's journal is put where it is read; else why it is not."""
     journal = path / JOURNAL
-    if not journal.is_file() or not journal.stat().st_size:
+    if not journal.is_file() or not journal.stat().st_size or is_only_read(path):
         return ""
     try:
         in_folder(path).close()
@@ -195,6 +195,8 @@ def _opened(path: Path) -> ox.Store:
     if path.is_dir():
         if not (path / "CURRENT").exists():
             raise InputError(f"{path} is no store", allowed="a directory that --save made")
+        if is_only_read(path):
+            return folder_as_it_is(path)
         try:
             return ox.Store.read_only(str(path))
         except RuntimeError as error:

@@ -39,7 +39,7 @@ class Place:
 
     def opened(self) -> FolderStore:
         self._journal = Journal(self.path)
-        self.store = FolderStore(self._tables, self._journal)
+        self.store = FolderStore(self._journal.path.parent, self._tables, self._journal)
         return self.store
 
     def killed(self) -> FolderStore:
