@@ -3,57 +3,80 @@
 A motion that takes the container from one side of a value to the other is continuous, so at some time the
 joint is at the value, and whatever certification demands holds then, too. The motion begins within `start`
 of the state, and is within `coupling` of what it is asked for, or of where the task is met, at its end: so
-values that near to the ends of the span need not be passed. All other joints of the kitchen, and the
-container's own if it follows another one, are only as near to their places as certification demands.
+values that near to the ends of the span need not be passed, and joints that move with the container are as
+much farther off there as they move more than it. All other joints of the kitchen, and the container's own if
+it follows another one, are only as near to their places as certification demands.
 """
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.iri import local_name
-from sdt_kg.twin import Container
+from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.mechanics import Link
 
 Array = NDArray[np.float64]
 
+OUTWARD: Final = 1 + 1e-12  # [1] more than a quotient and a product are rounded
 
-def slacks(  # noqa: PLR0913, PLR0917  # which value of what, and how near
-    container: Container,
-    span: tuple[float, float] | None,
-    tolerances: Tolerances,
-    value: float,
-    more: float,
-    links: tuple[Link, ...],
-    wide: float = 0.0,
-) -> Array:
-    """How far joints of the kitchen may be from where they are with the container at a value, shape (n,).
 
-    Args:
+@dataclass(frozen=True, slots=True)
+class Passing:
+    """What a container passes, and how near its kitchen's joints are to where they are then.
+
+    Attributes:
         container: That moves.
+        ratios: How much each joint that moves with it moves more than it, by name.
         span: Values that it has to pass, or nearly so [rad or m]; None: not known.
         tolerances: Of certification.
-        value: Of the container [rad or m].
-        more: What joints may be off beyond their start [rad or m].
-        links: The joints.
-        wide: How far the container may be from the value besides [rad or m].
     """
-    exact, own = is_passed(container, span, tolerances, value), local_name(container.joint)
-    off, at = _off(tolerances) + more, 0.0 if exact else _off(tolerances) + more
-    return np.array([at + wide if link.name == own else off for link in links])
 
+    container: Container
+    ratios: Mapping[str, float]
+    span: tuple[float, float] | None
+    tolerances: Tolerances
 
-def is_passed(
-    container: Container, span: tuple[float, float] | None, tolerances: Tolerances, value: float
-) -> bool:
-    """Whether a container whose motion has to go through a span is at some time exactly at a value."""
-    own = container.active_joint == container.joint
-    return own and passes(span, value, _off(tolerances) + tolerances.coupling)
+    @staticmethod
+    def of(
+        twin: Twin, container: Container, span: tuple[float, float] | None, tolerances: Tolerances
+    ) -> "Passing":
+        """Of a container of a twin."""
+        together = twin.entities.coupling.together(container.joint)
+        ratios = {local_name(joint): abs(ratio) * OUTWARD for joint, (ratio, _) in together.items()}
+        return Passing(container, ratios, span, tolerances)
 
+    def slacks(self, value: float, more: float, links: tuple[Link, ...], wide: float = 0.0) -> Array:
+        """How far joints may be from where they are with the container at a value, shape (n,).
 
-def _off(tolerances: Tolerances) -> float:
-    """How far joints of the kitchen start from their state, at most [rad or m]."""
-    return tolerances.position + max(tolerances.start_position, tolerances.start_angle)
+        Args:
+            value: Of the container [rad or m].
+            more: What joints may be off beyond their start [rad or m].
+            links: The joints.
+            wide: How far the container may be from the value besides [rad or m]; if so, no joint follows it.
+        """
+        own, off = local_name(self.container.joint), self._off + more
+        at = 0.0 if self.is_passed(value) else off
+        ratios = {} if self._is_amid(value) else self.ratios
+        return np.array(
+            [at + wide if link.name == own else off * max(1.0, ratios.get(link.name, 1.0)) for link in links]
+        )
+
+    def is_passed(self, value: float) -> bool:
+        """Whether the container is at some time exactly at a value, if its motion goes through the span."""
+        return self.container.active_joint == self.container.joint and self._is_amid(value)
+
+    def _is_amid(self, value: float) -> bool:
+        return passes(self.span, value, self._off + self.tolerances.coupling)
+
+    @property
+    def _off(self) -> float:
+        """How far joints of the kitchen start from their state, at most [rad or m]."""
+        return self.tolerances.position + max(self.tolerances.start_position, self.tolerances.start_angle)
 
 
 def passes(span: tuple[float, float] | None, value: float, off: float) -> bool:

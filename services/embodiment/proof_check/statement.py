@@ -46,7 +46,7 @@ from services.embodiment.proof_check.inside.solids import (
 from services.embodiment.proof_check.interval import exact
 from services.embodiment.proof_check.mechanics import HERE, Chain, Link, Placement, Tree, base_T_root
 from services.embodiment.proof_check.parked import with_parked
-from services.embodiment.proof_check.passing import slacks
+from services.embodiment.proof_check.passing import Passing
 from services.embodiment.proof_check.pinch.between import about_all, slab
 from services.embodiment.proof_check.pinch.fingers import Hand, hand_of
 from services.embodiment.proof_check.shapes import SOLVED, boxes_of, finger_box, tool_in, widened
@@ -84,7 +84,7 @@ class Statement:
         span: tuple[float, float] | None = None,
     ) -> None:
         self.twin, self.robot, self.container, self.room = twin, robot, container, room
-        self.span = span
+        self.span, self.passing = span, Passing.of(twin, container, span, tolerances)
         self.within, self.declared = within, declared
         self.level, self.start, self.tolerances = drive is not Drive.FIXED, start, tolerances
         self._annotation = twin.robot(robot)
@@ -176,9 +176,9 @@ class Statement:
         if not arm.cores:
             return ()
         if (value, wide) not in self._solids:
-            about = self.container, self.span, self.tolerances, value, self.tolerances.coupling
             state = self.twin.at({self.container.joint: value}).state
-            self._solids[value, wide] = self._surroundings.at(state, partial(slacks, *about, wide=wide))
+            slack = partial(self.passing.slacks, value, self.tolerances.coupling, wide=wide)
+            self._solids[value, wide] = self._surroundings.at(state, slack)
         solids = self._solids[value, wide]
         keeps = kept_apart(arm.cores, solids, self._tree, self._annotation)
         kitchen = Around(-1, solids, keeps)
@@ -296,5 +296,5 @@ class Statement:
         state, name = self.twin.at({self.container.joint: value}).state, self._kitchen.mechanism.name
         chain = self._kitchen.chain(self._kitchen.path(self._handle), HERE, 0.0)
         q = np.array([[state[joint_iri(name, link.name)] for link in chain.links]])
-        off = slacks(self.container, self.span, self.tolerances, value, 0.0, chain.links, wide)
+        off = self.passing.slacks(value, 0.0, chain.links, wide)
         return placed(chain, q, boxes, off, about)

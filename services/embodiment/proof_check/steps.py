@@ -24,7 +24,6 @@ from sdt_kg.iri import local_name
 from sdt_kg.mechanism import JointType
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.content import LEAF, Refutation, Steps
-from services.embodiment.proof_check.passing import is_passed
 from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import BASE, Statement
 from services.embodiment.proof_check.tree import refuted_limb
@@ -116,8 +115,7 @@ def _allowed(statement: Statement, arm: Arm, given: Refutation, steps: Steps) ->
         raise InputError("more pieces than the tree has nodes", allowed="a tree for each piece")
     if any(not count for (a, b), count in zip(pairwise(steps.values), steps.pieces, strict=True) if a != b):
         raise InputError("a step up or down that nothing refutes", allowed="one piece and more")
-    about = statement.container, statement.span, statement.tolerances
-    if beyond := [value for value in steps.values if not is_passed(*about, value)]:
+    if beyond := [value for value in steps.values if not statement.passing.is_passed(value)]:
         raise InputError(f"the container need not be exactly at {beyond[0]:.4g}", allowed="what it passes")
 
 

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.content import LEAF, Refutation, Steps
-from services.embodiment.proof_check.passing import is_passed
 from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.steps import LIFT, piece
@@ -35,9 +34,8 @@ class Climb:
     """
 
     def __init__(self, statement: Statement, bodies: tuple[str, ...], values: list[float], arm: Arm) -> None:
-        about = statement.container, statement.span, statement.tolerances
         self._statement, self._arm = statement, arm
-        self._values = [value for value in values if is_passed(*about, value)]
+        self._values = [value for value in values if statement.passing.is_passed(value)]
         self._bodies = bodies
         self._box = arm.chain.ranges()
         self._edges = np.linspace(self._box[0][LIFT], self._box[1][LIFT], PARTS + 1)

@@ -8,16 +8,18 @@ import numpy as np
 import pytest
 
 from sdt_kg.annotation import Drive
+from sdt_kg.load import load_twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.check import refuted
 from services.embodiment.proof_check.mechanics import HERE, Link
-from services.embodiment.proof_check.passing import passes, slacks
+from services.embodiment.proof_check.passing import Passing, passes
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.written import read_proof
 from tests.services.embodiment.prove.standing import HERE as START
 from tests.services.embodiment.prove.standing import front, swept
 
+PAIR = Path(__file__).parents[2] / "dynamics" / "pair.urdf"  # a drawer that another follows half as far
 GRAZES = 145  # front whose door comes 1 mm into the edge of the PR2's base, at the end of its way
 PASSING = (47, 51, 109)  # fronts whose doors are certified, or come into no body that stands
 OFF = 1e-3 + 1e-3 + Tolerances().position
@@ -34,11 +36,25 @@ def test_only_the_joint_of_the_container_is_exactly_there(tmp_path: Path) -> Non
     container = front(tmp_path, "pr2", GRAZES).container("front_door")
     links = tuple(Link(name, HERE, np.eye(3)[2], True, 0.0, 1.0) for name in ("front_door_joint", "other"))
     kept = Tolerances()
-    amid = slacks(container, (0.0, 1.4), kept, 0.7, 0.0, links)
+    passing = Passing(container, {}, (0.0, 1.4), kept)
+    amid = passing.slacks(0.7, 0.0, links)
     assert amid[0] == 0.0
     assert amid[1] == kept.position + kept.start_position
-    assert (slacks(container, (0.0, 1.4), kept, 1.4, 0.0, links) == amid[1]).all()
-    assert (slacks(container, None, kept, 0.7, 0.0, links) == amid[1]).all()
+    assert (passing.slacks(1.4, 0.0, links) == amid[1]).all()
+    assert (Passing(container, {}, None, kept).slacks(0.7, 0.0, links) == amid[1]).all()
+
+
+def test_at_an_end_joints_are_as_much_farther_off_as_they_move_more_than_the_container() -> None:
+    twin, kept = load_twin(PAIR), Tolerances()
+    container, off = twin.container("lower_drawer"), kept.position + kept.start_position
+    names = ("lower_drawer_joint", "upper_drawer_joint", "left_leaf_joint")
+    links = tuple(Link(name, HERE, np.eye(3)[2], False, 0.0, 1.0) for name in names)
+    passing = Passing.of(twin, container, (0.0, 0.25), kept)
+    assert passing.slacks(0.25, 0.0, links) == pytest.approx([off, 2 * off, off])
+    assert passing.slacks(0.25, 0.0, links)[1] > 2 * off
+    assert passing.slacks(0.1, 0.0, links) == pytest.approx([off] * 3)
+    leads = Passing.of(twin, twin.container("upper_drawer"), (0.0, 0.5), kept)
+    assert leads.slacks(0.5, 0.0, links) == pytest.approx([off] * 3)  # what moves less is as near as ever
 
 
 def test_what_grazes_a_standing_robot_is_proved_where_it_passes(tmp_path: Path) -> None:
