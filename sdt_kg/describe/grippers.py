@@ -149,6 +149,8 @@ def _gripper(tree: Tree, name: str, palm: str, fingers: list[_Finger]) -> Grippe
     free = _motors(tree, fingers)
     if not all(math.isfinite(joint.limits.upper - joint.limits.lower) for joint in free):
         return None
+    if any(palm in tree.below(joint.child) for joint in free):
+        return None  # fingers that follow a wrist close only as it turns, and the hand with it
     pairs = [_Pair(tree, palm, one, other) for one, other in combinations(fingers, 2)]
     middle = {joint.name: (joint.limits.lower + joint.limits.upper) / 2 for joint in free}
     pair = _holding(pairs, middle)

@@ -314,6 +314,13 @@ def test_a_motor_without_an_end_moves_no_gripper_that_could_be_told(write: Write
     assert any("no gripper was found" in note for note in robot.notes)
 
 
+def test_a_wrist_that_fingers_follow_is_no_finger_joint(write: Write) -> None:
+    fingers = (slides(f"finger_{side}", side, side, mimic='<mimic joint="j2"/>') for side in (1, -1))
+    robot = guess(write(*arm(*fingers)))
+    assert not robot.grippers
+    assert any("no gripper was found" in note for note in robot.notes)
+
+
 def test_a_single_finger_closes_on_a_body_that_stands_still(write: Write) -> None:
     still = link("fixed_jaw", '<box size="0.1 0.02 0.02"/>')
     still += joint("jaw_mount", "fixed", "palm", "fixed_jaw", '<origin xyz="0.1 -0.01 0"/>')
