@@ -70,5 +70,6 @@ class Bound:
             for k in np.flatnonzero((excess > LAG / 2).any(axis=(0, 1))):
                 i, n = np.unravel_index(np.argmax(excess[:, :, k]), excess.shape[:2])
                 q, v, _ = (each[0, k] for each in pieces.at(np.array([n]), s[i, n, [k]]))
-                seconds[k] = max(upper[k] - q if v > 0 else q - lower[k], LAG / 2) / abs(v)
+                if v:  # what stands beyond a limit is no nearer to it more slowly
+                    seconds[k] = max(upper[k] - q if v > 0 else q - lower[k], LAG / 2) / abs(v)
         return float((asked / seconds).max(initial=1.0))

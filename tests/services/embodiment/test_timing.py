@@ -5,7 +5,7 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 
 from services.embodiment.ways import timing
-from services.embodiment.ways.bound import Bound
+from services.embodiment.ways.bound import Bound, Timed
 from services.embodiment.ways.timing import Followed
 
 FREE = np.inf, np.inf
@@ -105,3 +105,10 @@ def test_a_limit_however_small_or_large_is_kept(velocity: float) -> None:
     assert max(timing.excess(timed, bound)) <= 1
     assert abs(rates).max() <= 1
     assert np.isfinite(values).all()
+
+
+def test_what_stands_beyond_a_limit_that_slows_it_is_not_too_fast() -> None:
+    one = np.ones(1)
+    bound = Bound(one, one, -one, -0.5 * one, one)
+    stands = Timed(np.array([0.0, 1.0]), np.full((2, 1), -0.1), np.zeros((2, 1)))
+    assert bound.haste(stands) == 1.0
