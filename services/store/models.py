@@ -43,6 +43,9 @@ def keep_model(store: QuadStore, model: Iri, graphs: Sequence[Iri], fresh: ox.St
             store.add([_packed(model, chain.from_iterable(there.values()))])
         for graph in differing:
             store.replace(graph, _of(fresh, graph))
+        if differing:  # it may have been there before: what queries see need not be kept twice
+            here = chain.from_iterable(_of(fresh, graph) for graph in graphs)
+            store.drop(_aside(model, _content_hash(here)).value)
 
 
 def is_graph_of(model: Iri, graph: Iri) -> bool:
@@ -82,15 +85,19 @@ def _of(store: ox.Store, graph: Iri) -> list[ox.Quad]:
 def _packed(model: Iri, quads: Iterable[ox.Quad]) -> ox.Quad:
     """The graphs of a model in one literal, in a graph that is named after their content."""
     told = list(quads)
-    triples = (
-        (each.subject.value, each.predicate.value, each.object)
-        for each in told
-        if isinstance(each.subject, ox.NamedNode) and isinstance(each.object, ox.NamedNode | ox.Literal)
-    )
-    graph = _aside(model, Facts(triples).content_hash())
+    graph = _aside(model, _content_hash(told))
     text = "".join(sorted(f"{each} .\n" for each in told))
     content = base64.b64encode(zlib.compress(text.encode())).decode("ascii")
     return ox.Quad(graph, REPLACED, ox.Literal(content, datatype=ox.NamedNode(XSD + "base64Binary")), graph)
+
+
+def _content_hash(quads: Iterable[ox.Quad]) -> str:
+    """As of a twin's model: of quads that a twin wrote, without blank nodes."""
+    return Facts(
+        (each.subject.value, each.predicate.value, each.object)
+        for each in quads
+        if isinstance(each.subject, ox.NamedNode) and isinstance(each.object, ox.NamedNode | ox.Literal)
+    ).content_hash()
 
 
 def _aside(model: Iri, content_hash: str) -> ox.NamedNode:

@@ -51,6 +51,16 @@ def test_a_certificate_about_a_kitchen_that_was_replaced_is_checked_with_it(
     )
 
 
+def test_a_kitchen_that_comes_back_is_kept_once(kept: Kept, tmp_path: Path) -> None:
+    store = mixed(kept, tmp_path, *CHANGES[0])
+    before = {each.graph_name for each in ox.parse(path=store) if each.predicate == REPLACED}
+    with SavedVerdicts(store) as saved:
+        saved.add_twin(load_twin(kept.folder / "cell.urdf", [FOLDER / "gantry.urdf"]))
+    after = {each.graph_name for each in ox.parse(path=store) if each.predicate == REPLACED}
+    assert (len(before), len(after), before & after) == (1, 1, set())
+    assert recheck(store).notes == ("models of the saved graphs",)
+
+
 @pytest.mark.parametrize(("was", "now"), CHANGES, ids=["of another limit", "of another joint"])
 def test_a_certificate_about_another_kitchen_of_that_name_is_not_checked(
     kept: Kept, tmp_path: Path, was: str, now: str
