@@ -20,6 +20,7 @@ from sdt_kg.twin import Twin
 from services.app import Service, load
 from services.commands.saved.recheck import recheck
 from services.embodiment.recheck import Rechecked, Saved, recheck_verdict
+from services.embodiment.recheck.models import Models
 from services.embodiment.recheck.tasks import recheck_result
 from services.physics.oracle import Kinematics
 from services.specifications import TaskResult, achieve_task, keep
@@ -237,11 +238,11 @@ def test_a_result_is_read_only_as_it_was_written(
 def test_models_are_put_together_once_for_all_that_is_about_them(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked, usual = list[tuple[Iri, Iri]](), Saved.twin
+    asked, usual = list[Models](), Saved.twin
 
-    def counted(saved: Saved, environment: Iri, robot: Iri) -> tuple[Twin, str]:
-        asked.append((environment, robot))
-        return usual(saved, environment, robot)
+    def counted(saved: Saved, models: Models) -> tuple[Twin, str]:
+        asked.append(models)
+        return usual(saved, models)
 
     monkeypatch.setattr(Saved, "twin", counted)
     assert CliRunner().invoke(recheck, [str(place)]).exit_code == 0
