@@ -10,7 +10,7 @@ from importlib.metadata import version
 
 KINEMATICS_VERSION = "15"
 DYNAMICS_VERSION = "5"
-EMBODIMENT_VERSION = "28"
+EMBODIMENT_VERSION = "29"
 BEARING_VERSION = "4"
 """Each is raised whenever an answer of that oracle may change."""
 

@@ -3,9 +3,9 @@
 A motion that takes the container from one side of a value to the other is continuous, so at some time the
 joint is at the value, and whatever certification demands holds then, too. The motion begins within `start`
 of the state, and is within `coupling` of what it is asked for, or of where the task is met, at its end: so
-values that near to the ends of the span need not be passed, and joints that move with the container are as
-much farther off there as they move more than it. All other joints of the kitchen, and the container's own if
-it follows another one, are only as near to their places as certification demands.
+values that near to the ends of the span need not be passed. All other joints of the kitchen, and the
+container's own if it follows another one, are only as near to their places as certification demands; those
+that move with the container are off as much more as they move more than it.
 """
 
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ class Passing:
 
     Attributes:
         container: That moves.
-        ratios: How much each joint that moves with it moves more than it, by name.
+        ratios: How far each joint that moves with it goes for each rad or m of it, by name.
         span: Values that it has to pass, or nearly so [rad or m]; None: not known.
         tolerances: Of certification.
     """
@@ -57,21 +57,19 @@ class Passing:
             value: Of the container [rad or m].
             more: What joints may be off beyond their start [rad or m].
             links: The joints.
-            wide: How far the container may be from the value besides [rad or m]; if so, no joint follows it.
+            wide: How far the container may be from the value besides [rad or m].
         """
         own, off = local_name(self.container.joint), self._off + more
-        at = 0.0 if self.is_passed(value) else off
-        ratios = {} if self._is_amid(value) else self.ratios
+        at = (0.0 if self.is_passed(value) else off) + wide
+        along = self.ratios
         return np.array(
-            [at + wide if link.name == own else off * max(1.0, ratios.get(link.name, 1.0)) for link in links]
+            [at if link.name == own else max(off, at * along.get(link.name, 0.0)) for link in links]
         )
 
     def is_passed(self, value: float) -> bool:
         """Whether the container is at some time exactly at a value, if its motion goes through the span."""
-        return self.container.active_joint == self.container.joint and self._is_amid(value)
-
-    def _is_amid(self, value: float) -> bool:
-        return passes(self.span, value, self._off + self.tolerances.coupling)
+        own = self.container.active_joint == self.container.joint
+        return own and passes(self.span, value, self._off + self.tolerances.coupling)
 
     @property
     def _off(self) -> float:

@@ -209,3 +209,27 @@ def test_a_container_may_be_off_its_times_at_both_ends_of_a_window(twin: Twin) -
     about = Statement(twin, pr2, twin.container(DRAWER), Drive.FIXED, HERE, Tolerances())
     way, _ = travelled(about, 0.1, 0.2)
     assert 0.1 - 5 * Tolerances().coupling < way <= 0.1 - 2 * Tolerances().coupling
+
+
+PULLED = 30.0  # [m] that a rail goes for each metre of the drawer on it
+ON_A_RAIL = f"""<robot name="pulled"><link name="wall"/><link name="rail"/>
+<joint name="rail_joint" type="prismatic"><parent link="wall"/><child link="rail"/>
+<origin xyz="0.8 0 0.8"/><axis xyz="-1 0 0"/><limit lower="0" upper="0.6" velocity="9" effort="1"/>
+<mimic joint="top_drawer_joint" multiplier="{PULLED}"/></joint>
+<link name="top_drawer"/><joint name="top_drawer_joint" type="prismatic"><parent link="rail"/>
+<child link="top_drawer"/><axis xyz="-1 0 0"/><limit lower="0" upper="0.02" velocity="1" effort="1"/></joint>
+<link name="top_handle"><collision><geometry><box size="0.012 0.16 0.012"/></geometry></collision></link>
+<joint name="top_handle_joint" type="fixed"><parent link="top_drawer"/><child link="top_handle"/></joint>
+</robot>"""
+
+
+def test_what_carries_a_container_along_may_be_off_by_as_much_more(tmp_path: Path) -> None:
+    # The drawer is certified up to `coupling` off its times, and its handle is 31 times as far off then.
+    file = tmp_path / "pulled.urdf"
+    file.write_text(ON_A_RAIL)
+    pulled = load_twin(file, ["pr2"])
+    drawer, kept = pulled.container("top_drawer"), Tolerances()
+    about = Statement(pulled, pulled.robots[0], drawer, Drive.FIXED, HERE, kept)
+    way, _ = travelled(about, 0.005, 0.015)
+    assert way <= (1 + PULLED) * (0.01 - 2 * kept.coupling)
+    assert way > (1 + PULLED) * (0.01 - 5 * kept.coupling)

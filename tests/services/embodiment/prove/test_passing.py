@@ -44,7 +44,7 @@ def test_only_the_joint_of_the_container_is_exactly_there(tmp_path: Path) -> Non
     assert (Passing(container, {}, None, kept).slacks(0.7, 0.0, links) == amid[1]).all()
 
 
-def test_at_an_end_joints_are_as_much_farther_off_as_they_move_more_than_the_container() -> None:
+def test_joints_are_as_much_farther_off_as_they_move_more_than_a_container_that_is_off() -> None:
     twin, kept = load_twin(PAIR), Tolerances()
     container, off = twin.container("lower_drawer"), kept.position + kept.start_position
     names = ("lower_drawer_joint", "upper_drawer_joint", "left_leaf_joint")
@@ -52,9 +52,11 @@ def test_at_an_end_joints_are_as_much_farther_off_as_they_move_more_than_the_con
     passing = Passing.of(twin, container, (0.0, 0.25), kept)
     assert passing.slacks(0.25, 0.0, links) == pytest.approx([off, 2 * off, off])
     assert passing.slacks(0.25, 0.0, links)[1] > 2 * off
-    assert passing.slacks(0.1, 0.0, links) == pytest.approx([off] * 3)
+    assert passing.slacks(0.1, 0.0, links) == pytest.approx([off, 2 * off, off])  # it follows the other
+    assert passing.slacks(0.25, 0.0, links, 0.01) == pytest.approx([off + 0.01, 2 * (off + 0.01), off])
     leads = Passing.of(twin, twin.container("upper_drawer"), (0.0, 0.5), kept)
     assert leads.slacks(0.5, 0.0, links) == pytest.approx([off] * 3)  # what moves less is as near as ever
+    assert leads.slacks(0.2, 0.0, links, 0.01) == pytest.approx([0.005, 0.01, off])
 
 
 def test_what_grazes_a_standing_robot_is_proved_where_it_passes(tmp_path: Path) -> None:
