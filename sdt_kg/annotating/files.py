@@ -16,7 +16,7 @@ from sdt_kg.annotating.checks import check_against, check_structure, unknown_nam
 from sdt_kg.errors import AnnotationError
 from sdt_kg.iri import SDT, Iri, local_name, model_iri
 from sdt_kg.mechanism import Mechanism, Pose
-from sdt_kg.store import Triple, Value, value_of
+from sdt_kg.store import Term, Triple, value_of
 from sdt_kg.triples.facts import TYPE
 from sdt_kg.triples.from_mechanism import pose_triples
 from sdt_kg.triples.vocabulary import NUMBERS, properties
@@ -36,20 +36,22 @@ def with_annotation(triples: Iterable[Triple], chosen: Chosen) -> list[Triple]:
     Raises:
         AnnotationError: Two values of one number: which of them counted would be chance; or another tree.
     """
-    own, said = [*triples], dict[tuple[Iri, Iri], Value]()
+    own, said, once = [*triples], dict[tuple[Iri, Iri], Term](), list[Triple]()
     check_structure(own, chosen.triples)
-    both = [*own, *chosen.triples]
     annotated = {subject for subject, _, _ in chosen.triples}
-    for subject, predicate, term in both:
+    for subject, predicate, term in (*own, *chosen.triples):
         if subject in annotated and properties().get(predicate.removeprefix(SDT)) in NUMBERS:
-            value = value_of(term)
-            if said.setdefault((subject, predicate), value) != value:
-                first = said[subject, predicate]
+            first = said.setdefault((subject, predicate), term)
+            value, other = value_of(first), value_of(term)
+            if value != other:
                 raise AnnotationError(
-                    f"sdt:{local_name(predicate)} of '{local_name(subject)}' is {first} and {value}",
+                    f"sdt:{local_name(predicate)} of '{local_name(subject)}' is {value} and {other}",
                     allowed="one value, in the model or in its annotation",
                 )
-    return both
+            if first != term:  # the same number, written otherwise
+                continue
+        once.append((subject, predicate, term))
+    return once
 
 
 def chosen_robot(mechanism: Mechanism, urdf: Path, explicit: Path | None) -> Chosen:

@@ -150,3 +150,15 @@ def test_an_annotation_may_repeat_what_the_file_says(tmp_path: Path) -> None:
     with (tmp_path / "gantry.ttl").open("a", encoding="utf-8") as file:
         file.write("j:lift_joint a sdt:PrismaticJoint ; sdt:parent b:base .")
     load_twin(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"])
+
+
+@pytest.mark.parametrize("number", ["0.5", "0.50", "5e-1"])
+def test_a_number_that_an_annotation_repeats_is_said_once(tmp_path: Path, number: str) -> None:
+    # Two literals of one number were two values, and put the joint out of scope.
+    for suffix in (".urdf", ".ttl"):
+        shutil.copy(FOLDER / f"gantry{suffix}", tmp_path)
+    with (tmp_path / "gantry.ttl").open("a", encoding="utf-8") as file:
+        file.write(f"j:lift_joint sdt:velocityLimit {number} .")
+    twin = load_twin(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"])
+    _, rows = twin.query(f"SELECT ?limit {{ <{GANTRY}/joint/lift_joint> sdt:velocityLimit ?limit }}")
+    assert [row["limit"] for row in rows] == [0.5]
