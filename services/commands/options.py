@@ -12,7 +12,7 @@ from sdt_kg.errors import InputError
 from sdt_kg.numbers import check_written
 from services.commands.completion.types import KITCHEN, STATE
 from services.commands.show import CSV
-from services.store.output import place_of
+from services.store.output import check_file, check_folder
 
 KITCHEN_HELP = "Bundled kitchen (a, b) or path of a URDF, xacro, MJCF, SDF or saved twin (.nq, .trig)."
 ROBOT_HELP = "Bundled robot (pr2, tiago_dual, stretch) or path of a URDF or xacro."
@@ -62,7 +62,7 @@ def _check_written(
 
 
 class OutFile(click.Path):
-    """A file that can be written in the end: its folder is there, and its suffix is known.
+    """A file that can be written in the end: its folder is there and takes files, and its suffix is known.
 
     What is asked for may take minutes, so this is looked at before.
     """
@@ -82,7 +82,22 @@ class OutFile(click.Path):
             self.fail(f"a file '{path.name}'; allowed: {', '.join(self.suffixes)}", param, ctx)
         if not path.parent.is_dir():
             self.fail(f"{path}: there is no folder '{path.parent}'", param, ctx)
-        place_of(path)
+        check_file(path)
+        return path
+
+
+class OutFolder(click.Path):
+    """A folder for files that are written in the end: it is there, or can be made then."""
+
+    def __init__(self) -> None:
+        super().__init__(file_okay=False, path_type=Path)
+
+    def convert(
+        self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None
+    ) -> Path:
+        """The path."""
+        path = Path(os.fsdecode(super().convert(value, param, ctx)))
+        check_folder(path)
         return path
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from sdt_kg.errors import InputError, UnknownEntityError
-from services.commands.options import csv_flag, json_flag
+from services.commands.options import OutFile, csv_flag, json_flag
 from services.commands.show import print_json, print_rows
 from services.configuration.read import LOCAL, Settings, places
 from services.configuration.schema import schema
@@ -91,9 +91,7 @@ def path(context: click.Context, *, as_json: bool) -> None:
 
 
 @config.command()
-@click.option(
-    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path), default=LOCAL, show_default=True
-)
+@click.option("-o", "--output", type=OutFile(), default=LOCAL, show_default=True)
 @click.option("--force", is_flag=True, help="Overwrite the file if it is there.")
 def init(output: Path, *, force: bool) -> None:
     """Write a file to start from: every setting that commands share, commented out."""

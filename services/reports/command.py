@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from sdt_kg.errors import InputError
-from services.commands.options import json_flag
+from services.commands.options import OutFolder, json_flag
 from services.commands.show import print_json, print_rows
 
 NEEDED = ("jupytext", "papermill", "nbconvert", "ipykernel", "matplotlib")
@@ -35,7 +35,7 @@ STORE = "store"
 )
 @click.option(
     "--assets",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=OutFolder(),
     metavar="DIR",
     help="Also write figures as SVG and PDF, tables as CSV and LaTeX.",
 )

@@ -10,7 +10,7 @@ from sdt_kg.errors import InputError
 from services.commands.completion.types import KITCHEN, ROBOT
 from services.commands.importing import importing
 from services.commands.network.bus import ENDPOINT
-from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange, WholeRange
+from services.commands.options import KITCHEN_HELP, ROBOT_HELP, FiniteRange, OutFile, WholeRange
 from services.stopping import terminable
 
 
@@ -88,7 +88,7 @@ from services.stopping import terminable
 @click.option(
     "--spans",
     "spans_file",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=OutFile(),
     metavar="FILE.jsonl",
     help="Append OpenTelemetry spans; a request's traceparent is taken up. Nothing leaves the machine.",
 )

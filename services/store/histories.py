@@ -12,6 +12,7 @@ from sdt_kg.history import History, Trajectory, has_history, reopened
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.store import MemoryStore
 from services.store.files import opened, readable
+from services.store.output import check_file, write_file
 from services.store.server.remote import is_url
 
 SHORT_KEY: Final = 12
@@ -28,10 +29,7 @@ def keep_history(history: History, place: str) -> list[Path]:
     Raises:
         InputError: It is no such place, or a server, beside which no file can lie.
     """
-    if is_url(place):
-        raise InputError(
-            f"no samples can be kept beside {place}", allowed="FILE.trig, FILE.nq or a directory"
-        )
+    check_place(place)
     assert isinstance(history.store, MemoryStore), "the caller's promise"
     quads = sorted(history.store.everything(), key=lambda quad: str(quad.graph_name))
     store = opened(place)
@@ -45,8 +43,22 @@ def keep_history(history: History, place: str) -> list[Path]:
     for branch in history.branches.values():
         if branch.trajectory is not None:
             written.append(_beside(Path(place), branch.trajectory.iri))
-            written[-1].write_bytes(branch.trajectory.to_bytes())
+            write_file(written[-1], branch.trajectory.to_bytes())
     return written
+
+
+def check_place(place: str) -> None:
+    """A history can be kept at the place, with samples beside it; looked at before there is one.
+
+    Raises:
+        InputError: It is a server, beside which no file can lie, or no file can be written there.
+    """
+    if is_url(place):
+        raise InputError(
+            f"no samples can be kept beside {place}", allowed="FILE.trig, FILE.nq or a directory"
+        )
+    path = Path(place)
+    check_file(path.absolute().with_suffix(".npz") if path.is_dir() else path)
 
 
 def kept_history(place: str, environment: Iri | None = None) -> History | None:

@@ -35,6 +35,29 @@ def place_of(path: Path) -> Path:
     return path.resolve()
 
 
+def check_file(path: Path) -> None:
+    """A file can be put there, and what is there stays: looked at before what is to be written is made.
+
+    Raises:
+        InputError: It cannot be written.
+    """
+    place = place_of(path)
+    if _is_replaced(place):
+        with writing(path):
+            _probe(_partial(place))
+
+
+def check_folder(folder: Path) -> None:
+    """Files can be put into the folder, or into the nearest above it that is there; nothing is made.
+
+    Raises:
+        InputError: They cannot be written.
+    """
+    with writing(folder):
+        there = next(each for each in (folder, *folder.parents) if each.exists())
+        _probe(_partial(there.resolve() / "folder"))
+
+
 def write_file(path: Path, content: str | bytes) -> None:
     """The file holds the content, a text as UTF-8; where there is no room for it, it is as it was.
 
@@ -43,8 +66,8 @@ def write_file(path: Path, content: str | bytes) -> None:
     """
     raw = content.encode() if isinstance(content, str) else content
     place = place_of(path)
-    partial = place.with_name(f".{place.name}.{os.getpid()}.partial")
-    whole = partial if place.is_file() or not place.exists() else place  # a pipe or a terminal stays one
+    partial = _partial(place)
+    whole = partial if _is_replaced(place) else place
     try:
         with writing(path):
             with os.fdopen(_opened(whole), "wb") as file:
@@ -54,6 +77,21 @@ def write_file(path: Path, content: str | bytes) -> None:
     finally:
         with contextlib.suppress(OSError):
             partial.unlink(missing_ok=True)
+
+
+def _partial(place: Path) -> Path:
+    """What lies beside a file until it is whole."""
+    return place.with_name(f".{place.name}.{os.getpid()}.partial")
+
+
+def _is_replaced(place: Path) -> bool:
+    """Whether another file takes its place; a pipe or a terminal stays one."""
+    return place.is_file() or not place.exists()
+
+
+def _probe(partial: Path) -> None:
+    os.close(_opened(partial))
+    partial.unlink()
 
 
 def _opened(path: Path) -> int:

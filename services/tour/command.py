@@ -12,6 +12,7 @@ import click
 
 from services.cli import run
 from services.commands.exits import Exit
+from services.commands.options import OutFolder
 from services.tour.steps import STEPS, Step
 
 INTRODUCTION = (
@@ -29,7 +30,7 @@ WIDEST = 100
 @click.command()
 @click.option(
     "--keep",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=OutFolder(),
     metavar="DIR",
     help="Keep motion, track and verdicts there; else they are gone when the tour ends.",
 )

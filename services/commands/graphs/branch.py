@@ -15,11 +15,18 @@ from sdt_kg.history.records import record_graph
 from sdt_kg.iri import local_name
 from services.commands.completion.types import ROBOT
 from services.commands.graphs.saved_graphs import checked_format, graph_of, write_graph
-from services.commands.options import ROBOT_HELP, annotation_option, csv_flag, json_flag, kitchen_argument
+from services.commands.options import (
+    ROBOT_HELP,
+    OutFile,
+    annotation_option,
+    csv_flag,
+    json_flag,
+    kitchen_argument,
+)
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.edits import EDITS, parse_edit, twin_of
 from services.store.files import is_saved_graph
-from services.store.histories import keep_history, kept_history
+from services.store.histories import check_place, keep_history, kept_history
 from services.store.output import write_file
 
 SHORT_KEY = 12
@@ -39,9 +46,7 @@ robots_option = click.option("--robot", "robots", multiple=True, type=ROBOT, hel
     metavar="BRANCH",
     help="Of a kept history, the branch to start from: its key, or how it begins.",
 )
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), metavar="FILE.trig|.nq", help="Write the last twin."
-)
+@click.option("-o", "--output", type=OutFile(), metavar="FILE.trig|.nq", help="Write the last twin.")
 @click.option(
     "--history", "place", metavar="STORE", help="Keep all branches: FILE.trig, FILE.nq or a directory."
 )
@@ -66,6 +71,8 @@ def branch(
     """
     if output is not None:
         checked_format(output)
+    if place is not None:
+        check_place(place)
     history, last = _begun(kitchen, robots, annotation, parent)
     for text in edits:
         history, last = history.derived(last, parse_edit(last.twin, text))
@@ -147,7 +154,7 @@ def _save(history: History, past: Sequence[Branch], output: Path) -> None:
 @click.option(
     "--patch",
     "patch_file",
-    type=click.Path(path_type=Path),
+    type=OutFile(),
     metavar="FILE",
     help="Write it as RDF Patch too.",
 )
@@ -182,7 +189,7 @@ def diff(
 @click.command()
 @click.argument("patch_file", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="PATCH")
 @click.argument("source", metavar="A")
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, metavar="FILE.trig|.nq")
+@click.option("-o", "--output", type=OutFile(), required=True, metavar="FILE.trig|.nq")
 @click.option("--reverse", is_flag=True, help="Undo it: A is what it makes.")
 def patch(patch_file: Path, source: str, output: Path, reverse: bool) -> None:
     """Apply an RDF Patch that sdt diff wrote to A, a saved graph or kitchen, and write what that makes."""

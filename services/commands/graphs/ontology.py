@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from services.commands.options import OutFile
 from services.ontology_page.page import page
 from services.store.output import write_file
 
@@ -12,7 +13,7 @@ from services.store.output import write_file
 @click.option(
     "-o",
     "--output",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=OutFile(),
     metavar="FILE.html",
     help="Else printed.",
 )

@@ -9,7 +9,7 @@ from sdt_kg.iri import local_name
 from services.commands.completion.types import ROBOT
 from services.commands.exits import Exit
 from services.commands.graphs.saved_graphs import checked_format, graph_of, write_graph
-from services.commands.options import ROBOT_HELP, annotation_option, csv_flag, json_flag
+from services.commands.options import ROBOT_HELP, OutFile, annotation_option, csv_flag, json_flag
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.store.reason import Engine, Reasoned, default_engine, reasoned
 
@@ -26,7 +26,7 @@ from services.store.reason import Engine, Reasoned, default_engine, reasoned
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=OutFile(),
     metavar="FILE.trig|.nq",
     help="Write the graph with the inferred types in a named graph of their own.",
 )

@@ -7,7 +7,7 @@ import click
 from sdt_kg.errors import InputError
 from sdt_kg.urdf import model_stem
 from services.commands.options import OutFile
-from services.store.output import write_file
+from services.store.output import check_file, write_file
 
 
 @click.group()
@@ -34,6 +34,7 @@ def describe(urdf: Path, output: Path | None, force: bool) -> None:
         raise InputError(
             f"{path} exists", allowed="a file which is not there yet", remedy="--force overwrites it"
         )
+    check_file(path)
     found = described(urdf)
     write_file(path, found.text)
     for note in found.notes:

@@ -28,7 +28,7 @@ from services.commands.law.learned import (
     show_learned,
     task_text,
 )
-from services.commands.options import KITCHEN_HELP, csv_flag, json_flag, states_option
+from services.commands.options import KITCHEN_HELP, OutFile, csv_flag, json_flag, states_option
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.commands.verdicts import Json
 from services.learning import (
@@ -87,7 +87,7 @@ from services.tracks import read_track
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=OutFile(),
     metavar="BRANCH.trig",
     help="Where --accept writes; CONTAINER.learned.trig if not said.",
 )

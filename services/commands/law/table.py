@@ -15,6 +15,7 @@ from services.app import Policy
 from services.commands.exits import Exit
 from services.commands.options import (
     OutFile,
+    OutFolder,
     budget_option,
     drive_option,
     jobs_option,
@@ -56,7 +57,7 @@ STDOUT = Path("-")
 @save_option
 @click.option(
     "--motions",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=OutFolder(),
     metavar="DIR",
     help="Write each certified body motion to DIR.",
 )

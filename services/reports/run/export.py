@@ -14,7 +14,7 @@ from pygments.formatters import HtmlFormatter
 from sdt_kg.errors import InputError
 from services.reports.pages import figure, table
 from services.reports.run.catalogue import Notebook, Value
-from services.store.output import write_file
+from services.store.output import check_file, write_file
 
 TEMPLATES = Path(__file__).parent.parent / "pages"
 TEMPLATE = "paper"
@@ -59,6 +59,7 @@ def checked(path: Path) -> Path:
         )
     if not path.parent.is_dir() or path.is_dir():
         raise InputError(f"'{path}' cannot be written", allowed="a file in a folder that is there")
+    check_file(path)
     return path
 
 

@@ -17,4 +17,4 @@ def test_the_page_is_written_or_printed(tmp_path: Path, sdt: Callable[..., Done]
 def test_a_place_that_cannot_be_written_is_named(tmp_path: Path, sdt: Callable[..., Done]) -> None:
     done = sdt("ontology", "-o", str(tmp_path / "no" / "such.html"))
     assert done.code == 2
-    assert "cannot write" in done.err
+    assert f"there is no folder '{tmp_path / 'no'}'" in done.err
