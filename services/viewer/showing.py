@@ -47,6 +47,7 @@ class Showing:
         self._start = Posture(start, {}, dict(twin.state))
         annotation = twin.robot(twin.robots[0])
         if self.stage.furnish(kitchen, robot, annotation):
+            self._openings = ()  # they were of the kitchen before
             joints = kitchen_positions(kitchen.skeleton, self._start.kitchen)
             stands = base_pose(robot.skeleton, annotation, start)
             hiding = (

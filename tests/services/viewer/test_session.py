@@ -13,6 +13,15 @@ from tests.services.viewer.visitor import Visitor
 
 DRAWER = "sink_area_left_middle_drawer_main"
 
+DOOR = """<robot name="r"><link name="wall"/>
+  <link name="door"><collision><geometry><box size="0.5 0.02 0.5"/></geometry></collision></link>
+  <link name="door_handle"><collision><geometry><box size="0.02 0.02 0.1"/></geometry></collision></link>
+  <joint name="door_joint" type="revolute"><parent link="wall"/><child link="door"/>
+    <origin xyz="1 0 1"/><axis xyz="0 0 1"/><limit lower="0" upper="1.5" effort="1" velocity="1"/></joint>
+  <joint name="door_handle_joint" type="fixed"><parent link="door"/><child link="door_handle"/>
+    <origin xyz="0.2 -0.05 0"/></joint>
+</robot>"""
+
 
 @pytest.fixture(scope="module")
 def page() -> Iterator[Page]:
@@ -91,6 +100,25 @@ def test_what_is_no_input_is_said_as_on_the_shell_and_the_page_lives_on(visitor:
     visitor.clicks("Leave the motion")
     visitor.clicks("Check")
     visitor.until(lambda: visitor.outcome() == "CERTIFIED", "a verdict")
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("own", [False, True])
+def test_of_another_kitchen_no_handle_path_and_no_verdict_of_the_first_is_shown(
+    visitor: Visitor, own: bool
+) -> None:
+    visitor.sets("Verdict follows", False)
+    visitor.clicks("Check")
+    visitor.until(lambda: visitor.outcome() == "CERTIFIED", "a verdict")
+    visitor.until(lambda: "/paths" in visitor.nodes, "handle paths")
+    if own:
+        visitor.opens("A kitchen (.urdf)", "own.urdf", DOOR.encode())
+        visitor.waits_for("Kitchen own.")
+    else:
+        visitor.sets("Kitchen", "a")
+        visitor.waits_for("Something was changed since")
+    assert visitor.outcome() == ""
+    assert visitor.said == []
 
 
 @pytest.mark.oracle
