@@ -29,6 +29,8 @@ TICK: Final = 0.25
 """[s] Between two looks at the clock while something is waited for."""
 SETTLE: Final = 0.4
 """[s] After the last change before the verdict follows."""
+OWN: Final = "-own"
+"""Ends the name of a kitchen of one's own that is called as what is on offer: both can be told apart."""
 OVER: Final = "leave"
 WAITING: Final = "Waiting: the judge is busy with what was asked before."
 GETTING_READY: Final = "Waiting: the judge gets ready (after an installation it compiles, for a minute)."
@@ -255,6 +257,8 @@ class Session(threading.Thread):
         path = self._kept(self._panel.model.value)
         if path.suffix != ".urdf":
             raise InputError(f"a kitchen in '{path.name}'", allowed=".urdf")
+        if path.stem in {*self._desk.kitchens, *self._desk.robots}:
+            path = path.rename(path.with_stem(f"{path.stem}{OWN}"))
         self._chooser.use(kitchen=str(path))
         self._showing.nothing()
         self._moved()

@@ -121,6 +121,19 @@ def test_of_another_kitchen_no_handle_path_and_no_verdict_of_the_first_is_shown(
     assert visitor.said == []
 
 
+@pytest.mark.parametrize("name", ["b", "a", "pr2"])
+def test_a_kitchen_that_is_called_as_one_on_offer_stands_beside_it(visitor: Visitor, name: str) -> None:
+    visitor.opens("A kitchen (.urdf)", f"{name}.urdf", DOOR.encode())
+    visitor.until(lambda: visitor.value("Kitchen") == f"{name}-own", "the kitchen of one's own")
+    assert visitor.control("Kitchen")[1]["options"] == ["b", "a", f"{name}-own"]
+    visitor.until(lambda: f"/case?kitchen={name}-own&" in visitor.reads(), "a link that names it")
+    visitor.opens("A kitchen (.urdf)", f"{name}.urdf", DOOR.replace("door", "flap").encode())
+    visitor.until(lambda: visitor.value("Container") == "flap", "the same, changed")
+    assert visitor.control("Kitchen")[1]["options"] == ["b", "a", f"{name}-own"]
+    visitor.sets("Kitchen", "b")
+    visitor.until(lambda: "iai_fridge_door" in visitor.control("Container")[1]["options"], "the bundled one")
+
+
 @pytest.mark.oracle
 def test_two_people_do_not_share_what_they_choose_or_see(page: Page, visitor: Visitor) -> None:
     with Visitor(page.port) as other:
