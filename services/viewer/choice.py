@@ -9,7 +9,7 @@ from services.viewer.judging.question import Place, Question
 
 OBSTACLE: Final = "obstacle"
 """Name of the box that a person puts into the kitchen."""
-NAMES: Final = ("kitchen", "robot", "task", "drive", "base", "state")
+NAMES: Final = ("kitchen", "robot", "task", "tee", "drive", "base", "state")
 """What a link can say."""
 
 
@@ -84,6 +84,7 @@ class Choice:
             "kitchen": model_name(self.kitchen),
             "robot": model_name(self.robot),
             "task": f"{self.verb}:{self.container}",
+            "tee": self.tee,
             "drive": self.drive or "",
             "base": "" if self.base is None else ",".join(f"{each:.4g}" for each in self.base),
             "state": ",".join(f"{name}={value:.6g}" for name, value in sorted(self.opened.items())),

@@ -1,7 +1,7 @@
 """What one person chooses: the controls and gizmos read into a choice, and set again after it."""
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import viser
 
@@ -11,7 +11,7 @@ from sdt_kg.load import model_name
 from sdt_kg.twin import Container, Twin
 from services.requests import parse_base, parse_state, parse_task
 from services.viewer.choice import Choice, Obstacle
-from services.viewer.desk import Desk
+from services.viewer.desk import CLASSES, Desk
 from services.viewer.judging.question import Place
 from services.viewer.panel import KITCHENS_START, OWN_DRIVE, OWN_START, Panel
 from services.viewer.picture.standing import Pose2, start_pose
@@ -73,11 +73,10 @@ class Chooser:
             self.choice.verb = task.verb.value
             if isinstance(task.container, str):
                 self.choice.container = self.twin.container(task.container).name
+        if "tee" in wanted:
+            self.choice.tee = _one_of(CLASSES, "TEE class", wanted["tee"])
         if "drive" in wanted:
-            drives = [each.value for each in Drive]
-            if wanted["drive"] not in drives:
-                raise InputError(f"no drive '{wanted['drive']}'", allowed=", ".join(drives))
-            self.choice.drive = wanted["drive"]
+            self.choice.drive = _one_of([each.value for each in Drive], "drive", wanted["drive"])
         self.choice.base = parse_base(wanted.get("base"))
 
     def show(self) -> None:
@@ -99,6 +98,7 @@ class Chooser:
         panel.offer(panel.verb, ("open", "close"), choice.verb)
         panel.offer(panel.container, names, choice.container or None)
         panel.offer(panel.door, names, choice.container or None)
+        panel.offer(panel.tee, CLASSES, choice.tee)
         panel.offer(panel.drive, list(panel.drive.options), choice.drive or OWN_DRIVE)
         choice.container = panel.container.value
         self._door()
@@ -240,6 +240,12 @@ def _offered(sources: dict[str, str], wanted: str | None, kind: str) -> str | No
     if wanted not in sources:
         raise UnknownEntityError(kind, wanted, sources, f"sdt view --{kind} NAME offers it")
     return sources[wanted]
+
+
+def _one_of(names: Sequence[str], kind: str, wanted: str) -> str:
+    if wanted not in names:
+        raise InputError(f"no {kind} '{wanted}'", allowed=", ".join(names))
+    return wanted
 
 
 def _name(sources: dict[str, str], source: str) -> str:

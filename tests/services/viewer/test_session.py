@@ -154,12 +154,20 @@ def test_two_people_do_not_share_what_they_choose_or_see(page: Page, visitor: Vi
         ("robot=pr3", "no robot named 'pr3'; did you mean 'pr2'"),
         ("task=fly", "no task type 'fly'"),
         ("state=oven=9", "oven"),
+        ("tee=D_fluid", "no TEE class 'D_fluid'; allowed: D_artic, D_artic_dyn"),
     ],
 )
 def test_a_wrong_link_is_said_and_the_page_opens(page: Page, case: str, words: str) -> None:
     with Visitor(page.port, f"/case/{case}") as one:
         one.until(lambda: any(words in each for each in one.said), words)
         assert one.value("Kitchen") == "b"
+
+
+def test_a_link_says_relative_to_which_class_is_asked(page: Page) -> None:
+    with Visitor(page.port, f"/case/kitchen=b;robot=pr2;task=open:{DRAWER};tee=D_artic_dyn") as one:
+        one.waits_for("Ready.")
+        assert one.value("TEE class") == "D_artic_dyn"
+        assert f"/case?kitchen=b&robot=pr2&task=open:{DRAWER}&tee=D_artic_dyn)" in one.reads()
 
 
 @pytest.mark.parametrize("name", ["<img src=x onerror=alert(1)>", "<h1>CERTIFIED</h1>", "*a*_b_ قفل"])
