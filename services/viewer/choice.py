@@ -86,8 +86,8 @@ class Choice:
             "task": f"{self.verb}:{self.container}",
             "tee": self.tee,
             "drive": self.drive or "",
-            "base": "" if self.base is None else ",".join(f"{each:.4g}" for each in self.base),
-            "state": ",".join(f"{name}={value:.6g}" for name, value in sorted(self.opened.items())),
+            "base": "" if self.base is None else ",".join(repr(float(each)) for each in self.base),
+            "state": ",".join(self.place().states),
         }
         query = "&".join(f"{name}={quote(value, safe=':,')}" for name, value in parts.items() if value)
         return f"/case?{query}"

@@ -106,4 +106,4 @@ def _one(known: Mapping[str, T], what: str, name: str | None) -> T | None:
 def moved(twin: Twin) -> list[str]:
     """Joints that are not where the kitchen starts, with their positions."""
     start = twin.entities.coupling.start()
-    return [f"{local_name(joint)}={at:.6g}" for joint, at in sorted(twin.state.items()) if at != start[joint]]
+    return [f"{local_name(joint)}={at!r}" for joint, at in sorted(twin.state.items()) if at != start[joint]]
