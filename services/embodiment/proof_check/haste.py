@@ -1,7 +1,7 @@
 r"""Whether a container's timed motion is too fast for any hand that holds its handle, whatever its posture.
 
 Between two samples of τ every point of the handle goes at least a distance d, in a time t, though the
-container may be off τ at each by as much as certification allows (`coupling`). One that a finger
+container may be off τ at each by as much as certification allows (`astray`). One that a finger
 touches lies in the grasp box and, held, keeps its place in the tool to within the slip that certification
 allows; so a point of the hand in that box makes this way but for the slip, and no joint may exceed its
 velocity limit by more than `rate` (while the container moves from sample to sample, and is in one hold):
@@ -58,8 +58,8 @@ def rests(values: Array) -> NDArray[np.bool_]:
 
 def travelled(statement: Statement, one: float, other: float) -> tuple[float, dict[str, float]]:
     """How far each point of the handle goes at least between two values [m], and of it what may be slip."""
-    kept = statement.tolerances
-    before, after = (statement.target(value, kept.coupling) for value in (one, other))
+    kept, off = statement.tolerances, statement.passing.astray
+    before, after = (statement.target(value, off) for value in (one, other))
     if not before.boxes:
         return 0.0, {gripper.name: 0.0 for gripper in statement.grippers}
     way = min(_least_way(*each) for each in zip(before.boxes, after.boxes, before.half, strict=True))

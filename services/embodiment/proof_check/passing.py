@@ -2,7 +2,7 @@
 
 A motion that takes the container from one side of a value to the other is continuous, so at some time the
 joint is at the value, and whatever certification demands holds then, too. The motion begins within `start`
-of the state, and is within `coupling` of what it is asked for, or of where the task is met, at its end: so
+of the state, and is within `astray` of what it is asked for, or of where the task is met, at its end: so
 values that near to the ends of the span need not be passed. All other joints of the kitchen, and the
 container's own if it follows another one, are only as near to their places as certification demands; those
 that move with the container are off as much more as they move more than it.
@@ -23,6 +23,7 @@ from services.embodiment.proof_check.mechanics import Link
 Array = NDArray[np.float64]
 
 OUTWARD: Final = 1 + 1e-12  # [1] more than a quotient and a product are rounded
+TINY: Final = 1e-300  # in place of 0, by which nothing can be divided
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +48,7 @@ class Passing:
     ) -> "Passing":
         """Of a container of a twin."""
         together = twin.entities.coupling.together(container.joint)
-        ratios = {local_name(joint): abs(ratio) * OUTWARD for joint, (ratio, _) in together.items()}
+        ratios = {local_name(joint): abs(ratio) for joint, (ratio, _) in together.items()}
         return Passing(container, ratios, span, tolerances)
 
     def slacks(self, value: float, more: float, links: tuple[Link, ...], wide: float = 0.0) -> Array:
@@ -63,13 +64,23 @@ class Passing:
         at = (0.0 if self.is_passed(value) else off) + wide
         along = self.ratios
         return np.array(
-            [at if link.name == own else max(off, at * along.get(link.name, 0.0)) for link in links]
+            [at if link.name == own else max(off, at * along.get(link.name, 0.0) * OUTWARD) for link in links]
         )
 
     def is_passed(self, value: float) -> bool:
         """Whether the container is at some time exactly at a value, if its motion goes through the span."""
         own = self.container.active_joint == self.container.joint
-        return own and passes(self.span, value, self._off + self.tolerances.coupling)
+        return own and passes(self.span, value, self._off + self.astray)
+
+    @property
+    def astray(self) -> float:
+        """How far the container may be off a motion that it is asked to keep, at most [rad or m].
+
+        That may be given as values of any joint which moves with it: certification allows `coupling` there.
+        """
+        return self.tolerances.coupling * max(
+            [1.0, *(OUTWARD / max(each, TINY) for each in self.ratios.values())]
+        )
 
     @property
     def _off(self) -> float:

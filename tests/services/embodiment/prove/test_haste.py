@@ -233,3 +233,29 @@ def test_what_carries_a_container_along_may_be_off_by_as_much_more(tmp_path: Pat
     way, _ = travelled(about, 0.005, 0.015)
     assert way <= (1 + PULLED) * (0.01 - 2 * kept.coupling)
     assert way > (1 + PULLED) * (0.01 - 5 * kept.coupling)
+
+
+LED = 20.0  # [m] that a drawer goes for each metre of what leads it
+BY_A_CRANK = f"""<robot name="led"><link name="wall"/><link name="crank"/>
+<joint name="crank_joint" type="prismatic"><parent link="wall"/><child link="crank"/>
+<axis xyz="-1 0 0"/><limit lower="0" upper="0.02" velocity="1" effort="1"/></joint>
+<link name="top_drawer"/><joint name="top_drawer_joint" type="prismatic"><parent link="wall"/>
+<child link="top_drawer"/><origin xyz="0.8 0 0.8"/><axis xyz="-1 0 0"/>
+<limit lower="0" upper="0.4" velocity="9" effort="1"/><mimic joint="crank_joint" multiplier="{LED}"/></joint>
+<link name="top_handle"><collision><geometry><box size="0.012 0.16 0.012"/></geometry></collision></link>
+<joint name="top_handle_joint" type="fixed"><parent link="top_drawer"/><child link="top_handle"/></joint>
+</robot>"""
+
+
+def test_what_goes_farther_than_the_joint_whose_times_are_asked_may_be_off_them_by_as_much_more(
+    tmp_path: Path,
+) -> None:
+    # Times of the crank are asked, and it is certified up to `coupling` off them.
+    file = tmp_path / "led.urdf"
+    file.write_text(BY_A_CRANK)
+    led = load_twin(file, ["pr2"])
+    drawer, kept = led.container("top_drawer"), Tolerances()
+    about = Statement(led, led.robots[0], drawer, Drive.FIXED, HERE, kept)
+    way, _ = travelled(about, 0.1, 0.3)
+    assert way <= 0.2 - 2 * LED * kept.coupling
+    assert way > 0.2 - 3 * LED * kept.coupling
