@@ -1,7 +1,6 @@
 """Models in a store: one of each name that queries see, and what others of that name were."""
 
 import base64
-import binascii
 import zlib
 from collections.abc import Iterable, Sequence
 from itertools import chain
@@ -66,16 +65,20 @@ def replaced_model(store: ox.Store, model: Iri, content_hash: str) -> list[ox.Qu
     if found is None:
         return None
     try:
-        assert isinstance(found.object, ox.Literal), "as it was written"
-        unzip = zlib.decompressobj()
-        text = unzip.decompress(base64.b64decode(found.object.value, validate=True), MOST_BYTES)
-        assert unzip.eof, "it ends too early, or is larger than any model"
-        return list(ox.parse(text, format=ox.RdfFormat.N_QUADS))
-    except (AssertionError, binascii.Error, zlib.error, SyntaxError) as error:
+        return _unpacked(found.object.value if isinstance(found.object, ox.Literal) else "")
+    except (ValueError, zlib.error, SyntaxError) as error:
         raise InputError(
             f"what was kept of another {local_name(model)} is damaged: {error}",
             remedy="name the models with --kitchen and --robot",
         ) from None
+
+
+def _unpacked(content: str) -> list[ox.Quad]:
+    unzip = zlib.decompressobj()
+    text = unzip.decompress(base64.b64decode(content, validate=True), MOST_BYTES)
+    if not unzip.eof:
+        raise ValueError("it ends too early, or is larger than any model")
+    return list(ox.parse(text, format=ox.RdfFormat.N_QUADS))
 
 
 def _of(store: ox.Store, graph: Iri) -> list[ox.Quad]:
