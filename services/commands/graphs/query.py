@@ -92,8 +92,10 @@ def _saved(place: str, sparql: str) -> Told:
 
 @contextmanager
 def _stopped_at_once() -> Iterator[None]:
-    """An interrupt ends this process: pyoxigraph hears of none before it has an answer."""
-    before = signal.signal(signal.SIGINT, signal.SIG_DFL)
+    """An interrupt ends this process, if it is heard: pyoxigraph hears of none before it has an answer."""
+    before = signal.getsignal(signal.SIGINT)
+    if before is not signal.SIG_IGN:  # as a shell has it in its background
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
     try:
         yield
     finally:

@@ -13,6 +13,8 @@ import pytest
 import rdflib
 
 from sdt_kg.iri import SDT
+from services.commands.graphs.query import _stopped_at_once
+from tests.services.http.test_interrupted import heard
 
 
 @pytest.mark.parametrize(("kitchen", "doors", "drawers"), [("a", 8, 19), ("b", 3, 14)])
@@ -189,10 +191,20 @@ def test_query_prints_csv(sdt) -> None:
 
 def test_an_interrupt_ends_a_query_that_would_take_for_ever() -> None:
     query = "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i }"
-    process = subprocess.Popen([sys.executable, "-m", "services.cli", "query", "b", query])
+    command = [sys.executable, "-m", "services.cli", "query", "b", query]
+    process = subprocess.Popen(command, preexec_fn=heard)  # noqa: PLW1509 - one call of the system
     try:
         time.sleep(2.5)  # the query has begun; where it has not, an interrupt ends this as well
         process.send_signal(signal.SIGINT)
         assert process.wait(timeout=20) in {-signal.SIGINT, 130}
     finally:
         process.kill()
+
+
+def test_a_query_in_the_background_of_a_shell_hears_no_interrupt() -> None:
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with _stopped_at_once():
+            assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
