@@ -1,5 +1,6 @@
 """One random front, asked of one robot under one base policy: certified, proved, proved in part or open."""
 
+import os
 from collections import Counter
 from enum import Enum
 from pathlib import Path
@@ -16,7 +17,7 @@ from services.embodiment.proof_check.written import read_proof
 from services.embodiment.prove import Prover
 from tests.soak.doors import draw, write
 
-ROBOTS = ("pr2", "tiago_dual", "stretch")
+ROBOTS = tuple(os.environ.get("SDT_DOORS_ROBOTS", "pr2,tiago_dual,stretch").split(","))
 POLICIES = (Drive.FIXED, Drive.OMNI)
 STANDS = (0.0, 0.0, 0.0)
 BOXES = 20_000  # of a proof that is looked for against a certificate

@@ -1,4 +1,7 @@
-"""1,000 random doors and drawers for each robot and base policy. `make soak`; SDT_DOORS asks for fewer."""
+"""1,000 random doors and drawers for each robot and base policy. `make soak`.
+
+SDT_DOORS asks for fewer, SDT_DOORS_ROBOTS for other robots, by bundled name or path of a URDF.
+"""
 
 import os
 from concurrent.futures import ProcessPoolExecutor
