@@ -8,7 +8,7 @@ from typing import Protocol
 
 from predicates.record import Record, StoredVerdict
 from predicates.record.inputs import model_input
-from sdt_kg.errors import InputError
+from sdt_kg.errors import InputError, QueryError
 from sdt_kg.iri import Iri, local_name, model_iri
 from sdt_kg.load import load_twin, model_name
 from sdt_kg.twin import Twin
@@ -16,6 +16,7 @@ from services.app import Policy, Service, load
 from services.compute.patterns import Bound, Pattern, may_take_back, not_judged, verdict_patterns
 from services.compute.plan import Plan, Request, planned, policy_of
 from services.compute.terms import MADE_BY
+from services.ontology_page.spelling import misspelled
 from services.requests import state_joints
 from services.table import Cell, CellResult, run
 
@@ -155,7 +156,7 @@ def compute(sparql: str, loaded: Loaded, bounds: Bounds, keeper: Keeper, runner:
     had not been finished.
 
     Raises:
-        QueryError: It cannot be told what the query asks for.
+        QueryError: It cannot be told what the query asks for, or it asks for what the ontology does not have.
         InputError: Two kitchens share a name, or a state names a joint that no kitchen has.
         OracleUnavailableError: An oracle did not answer: what is missing stays missing.
     """
@@ -163,6 +164,7 @@ def compute(sparql: str, loaded: Loaded, bounds: Bounds, keeper: Keeper, runner:
     patterns, beyond = verdict_patterns(sparql), not_judged(sparql)
     if not patterns:
         return Computed(Plan((), (), ()), about_verdicts=False, not_judged=beyond)
+    _refuse_misspelled(sparql)
     policy = loaded.policy
     loaded = replace(loaded, policy=replace(policy, budget=min(policy.budget, bounds.budget)))
     loaded = _narrowed(loaded, patterns)
@@ -192,6 +194,16 @@ def compute(sparql: str, loaded: Loaded, bounds: Bounds, keeper: Keeper, runner:
         computed.left_out.append((cells[cell], f"beyond the {bound}"))
     computed.seconds = time.perf_counter() - began
     return computed
+
+
+def _refuse_misspelled(sparql: str) -> None:
+    """What nothing has is told before anything is computed: no case gives it to the query."""
+    if wrong := misspelled(sparql):
+        raise QueryError(
+            f"{', '.join(wrong)}: no term of the ontology, so nothing was computed",
+            allowed="; ".join(dict.fromkeys(wrong.values())),
+            remedy="mend it, or ask what is there, without computing",
+        )
 
 
 def _narrowed(loaded: Loaded, patterns: Sequence[Pattern]) -> Loaded:

@@ -16,6 +16,8 @@ _TERM: Final = re.compile(
     r"(?<![\w:?$-])(law|sdt|tee):([A-Za-z]\w*)|<https://example\.org/(law|sdt|tee)#(\w+)>"
 )
 _TEXT: Final = re.compile(r"(?<![\w:?$-])(law|sdt|tee):([A-Za-z]\w*)\s+([\"'])")
+_NOT_TERMS: Final = re.compile(r"(<[^<>\s]*>)|(\"\"\"|'''|\"|')(?:\\.|(?!\2).)*\2|#[^\n]*", re.DOTALL)
+"""An IRI, a text or a comment."""
 _DECLARED: Final = re.compile(r"\bPREFIX\s+(\w+):\s*<([^>]*)>", re.IGNORECASE)
 _ENTITY: Final = re.compile(
     r"(?<![\w:?$-])id:((?:[\w%-]|\\.|\.(?=\w))+)|<https://example\.org/id/([^>\s]*[^>\s/])>"
@@ -43,20 +45,34 @@ def unknown_terms(sparql: str) -> Iterator[str]:
 
     Also about a prefix that is another here, and a text where such a term leads to an IRI.
     """
-    for prefix, iri in _DECLARED.findall(sparql):
+    bare = _without_texts(sparql)
+    for prefix, iri in _DECLARED.findall(bare):
         if prefix in _NAMESPACES and iri != PREFIXES[prefix]:
             yield f"{prefix}: is <{PREFIXES[prefix]}> here, not <{iri}>, of which nothing is said"
-    found = dict.fromkeys((each[1] or each[3], each[2] or each[4]) for each in _TERM.finditer(sparql))
-    for prefix, name in found:
-        known = _names(prefix)
-        if name not in known:
-            near = meant(name, known)
-            hint = f"did you mean {prefix}:{near}?" if near else "sdt ontology lists them"
-            yield f"{prefix}:{name} is no term of the ontology, and nothing has it; {hint}"
-    for prefix, name, _ in dict.fromkeys(_TEXT.findall(sparql)):
+    for term, hint in misspelled(sparql).items():
+        yield f"{term} is no term of the ontology, and nothing has it; {hint}"
+    for prefix, name, _ in dict.fromkeys(_TEXT.findall(bare)):
         if name in _leading_to_iris(prefix):
             what = f"{prefix}:{name} leads to an IRI, and no text is one"
             yield f"{what}: write id:NAME or {prefix}:NAME, without quotes"
+
+
+def misspelled(sparql: str) -> dict[str, str]:
+    """Each term of law:, sdt: or tee: in the text that the ontology does not have, and what may be meant."""
+    bare, told = _without_texts(sparql), dict[str, str]()
+    declared = dict(_DECLARED.findall(bare))
+    for each in _TERM.finditer(bare):
+        prefix, name = each[1] or each[3], each[2] or each[4]
+        known = _names(prefix)
+        if name not in known and (each[3] or declared.get(prefix, PREFIXES[prefix]) == PREFIXES[prefix]):
+            near = meant(name, known)
+            told[f"{prefix}:{name}"] = f"did you mean {prefix}:{near}?" if near else "sdt ontology lists them"
+    return told
+
+
+def _without_texts(sparql: str) -> str:
+    """The query with empty texts and without comments: what they say names nothing."""
+    return _NOT_TERMS.sub(lambda found: found[1] or ('""' if found[2] else ""), sparql)
 
 
 @cache

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import ontology
-from services.ontology_page.spelling import unknown_terms
+from services.ontology_page.spelling import misspelled, unknown_terms
 
 QUERIES = sorted(Path(str(ontology.path("queries"))).glob("*.rq"))
 
@@ -79,3 +79,10 @@ def test_our_own_questions_have_known_terms(path: Path) -> None:
 
 def test_a_prefix_or_variable_of_ones_own_is_no_term_of_ours() -> None:
     assert list(unknown_terms("SELECT ?sdt { ?sdt my-sdt:foo ?x . FILTER(?x = 'law: is') }")) == []
+
+
+def test_texts_comments_and_terms_of_another_with_our_prefix_are_not_misspelled() -> None:
+    told = """# sdt:hasHandel, it's
+    PREFIX law: <urn:x:>
+    SELECT ?v { ?v law:foo "sdt:Dor \\" tee:x", '''law:'s sdt:Dor''' ; a <https://example.org/sdt#Dor> }"""
+    assert misspelled(told) == {"sdt:Dor": "did you mean sdt:Door?"}

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from sdt_kg.annotation import Drive
-from sdt_kg.errors import InputError, OracleUnavailableError
+from sdt_kg.errors import InputError, OracleUnavailableError, QueryError
 from sdt_kg.iri import ID, LAW, local_name
 from sdt_kg.store import rows_of
 from services.app import Policy
@@ -55,6 +55,18 @@ def test_what_the_query_touches_is_run_kept_and_then_found(saved: SavedVerdicts)
 def test_the_verdicts_have_the_iris_that_were_planned(saved: SavedVerdicts) -> None:
     done = computed(saved, CLOSED)
     assert {str(each["iri"]) for each in done.ran} == {each.verdict for each in done.plan.missing}
+
+
+def test_a_term_that_nothing_has_is_told_before_anything_is_run(saved: SavedVerdicts) -> None:
+    for misspelled in (
+        CLOSED.replace("law:Close", "law:Clos"),
+        CLOSED.replace("?c {", "?c { ?c a sdt:Dor ."),
+    ):
+        with pytest.raises(QueryError, match=r"nothing was computed.*did you mean (law:Close|sdt:Door)\?"):
+            computed(saved, misspelled)
+    assert rows_of(saved.store.query("SELECT ?s { GRAPH ?g { ?s ?p ?o } }"))[1] == []
+    meant = '# law:Clos\nSELECT ?v { ?v law:robot id:pr2 FILTER("law:robt" != "sdt:Dor") }'
+    assert computed(saved, meant, limit=0).about_verdicts
 
 
 def test_what_is_stored_is_not_run_again(saved: SavedVerdicts) -> None:
@@ -142,7 +154,7 @@ def ask(where: str) -> str:
     [
         (ask('law:drive "hover"'), LOADED, "drive", "--drive says otherwise, or there is none"),
         (ask('law:drive "fixed"'), OMNI, "drive", "--drive says otherwise, or there is none"),
-        (ask("law:task/law:verb law:Opne"), LOADED, "verb", "there is no such verb"),
+        (ask("law:task/law:verb law:Verdict"), LOADED, "verb", "there is no such verb"),
         (
             ask("law:teeClass tee:D_artic_dyn"),
             LOADED,

@@ -97,3 +97,12 @@ def test_no_more_states_are_kept_than_said(monkeypatch: pytest.MonkeyPatch) -> N
     for degree in range(5):
         met(judging, f"iai_fridge_door={degree / 10}")
     assert len(judging._met) == 2
+
+
+def test_a_misspelled_term_is_told_before_anything_is_judged() -> None:
+    kitchen, robot = str(FOLDER / "a.urdf"), str(FOLDER / "pr2.urdf")
+    judging = Setup((kitchen,), (robot,), models_of([load(kitchen, (robot,)).twin]))()
+    asked = b'{"query": "SELECT ?v { ?v law:robot id:pr2 ; law:outcom ?o }"}'
+    said = judging(Task("a", "compute", asked, JSON, 60.0), lambda _: None)
+    assert isinstance(said, Problem)
+    assert "law:outcom: no term of the ontology, so nothing was computed" in said.detail
