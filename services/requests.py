@@ -2,9 +2,10 @@
 
 import math
 import random
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TypeVar
+from typing import Final, TypeVar
 
 from sdt_kg.errors import InputError, StateError, UnknownEntityError
 from sdt_kg.iri import Iri, body_iri, joint_iri, local_name
@@ -23,6 +24,8 @@ SAME = 1e-9
 """[rad or m] Two texts put a joint at one place: of doors that move together, each computes it by itself."""
 HALF_OPEN_MARGIN = 0.1
 """[1] Half-open positions keep this share of the way between closed and open from either end."""
+
+_LISTED: Final = re.compile(r"([^=]*(?:=[^,]*|$))(?:,|$)")
 
 
 def parse_task(twin: Twin, text: str) -> Task:
@@ -78,6 +81,11 @@ def parse_state(twin: Twin, texts: Iterable[str]) -> State:
         positions.update(found)
         named |= dict.fromkeys(found if name != "all" else (), text)
     return twin.at(positions).state
+
+
+def listed_states(text: str) -> list[str]:
+    """The `JOINT=VALUE` texts of a text, separated by commas; a name may have commas in it, no value has."""
+    return [each.strip() for each in _LISTED.findall(text) if each.strip()]
 
 
 def state_texts(twin: Twin) -> tuple[str, ...]:

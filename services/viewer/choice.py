@@ -1,14 +1,16 @@
 """What one person has chosen, as the question that it is; and the link that opens the page on it."""
 
 from dataclasses import dataclass, field
+from itertools import chain, count
 from typing import Final
 from urllib.parse import quote, unquote
 
 from sdt_kg.load import model_name
+from sdt_kg.twin import Twin
 from services.viewer.judging.question import Place, Question
 
 OBSTACLE: Final = "obstacle"
-"""Name of the box that a person puts into the kitchen."""
+"""Name of the box that a person puts into the kitchen, where nothing there is called so."""
 NAMES: Final = ("kitchen", "robot", "task", "tee", "drive", "base", "state")
 """What a link can say."""
 
@@ -21,6 +23,7 @@ class Obstacle:
         size: Its sides x, y, z [m].
         x, y, yaw: Where it stands [m, m, rad].
         bottom: Above the floor [m].
+        name: That nothing in the kitchen has.
     """
 
     size: tuple[float, float, float]
@@ -28,12 +31,13 @@ class Obstacle:
     y: float
     yaw: float = 0.0
     bottom: float = 0.0
+    name: str = OBSTACLE
 
     def edit(self) -> str:
         """As an edit of the twin."""
         sides = ",".join(f"{each:.4g}" for each in self.size)
         middle = self.bottom + self.size[2] / 2
-        return f"box:{OBSTACLE}={sides}@{self.x:.4f},{self.y:.4f},{middle:.4f},{self.yaw:.4f}"
+        return f"box:{self.name}={sides}@{self.x:.4f},{self.y:.4f},{middle:.4f},{self.yaw:.4f}"
 
 
 @dataclass(slots=True)
@@ -91,6 +95,14 @@ class Choice:
         }
         query = "&".join(f"{name}={quote(value, safe=':,')}" for name, value in parts.items() if value)
         return f"/case?{query}"
+
+
+def free_name(twin: Twin) -> str:
+    """What a box can be called in the twin's kitchen."""
+    mechanism = twin.mechanism(twin.environment)
+    taken = {each.name for each in (*mechanism.bodies, *mechanism.joints)}
+    names = chain([OBSTACLE], (f"{OBSTACLE}{index}" for index in count(2)))
+    return next(name for name in names if not {name, f"{name}_obstacle"} & taken)
 
 
 def wanted(path: str) -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 import copy
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import viser
 
@@ -9,8 +10,8 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError, UnknownEntityError
 from sdt_kg.load import model_name
 from sdt_kg.twin import Container, Twin
-from services.requests import parse_base, parse_state, parse_task
-from services.viewer.choice import Choice, Obstacle
+from services.requests import listed_states, parse_base, parse_state, parse_task
+from services.viewer.choice import Choice, Obstacle, free_name
 from services.viewer.desk import CLASSES, Desk
 from services.viewer.judging.question import Place
 from services.viewer.panel import KITCHENS_START, OWN_DRIVE, OWN_START, Panel
@@ -61,7 +62,7 @@ class Chooser:
         self.choice.robot = _offered(self.robots, wanted.get("robot"), "robot") or self.choice.robot
         if "state" in wanted:
             before = self.twin
-            state = parse_state(before, wanted["state"].split(","))
+            state = parse_state(before, listed_states(wanted["state"]))
             moved = {each for each in state if state[each] != before.state[each]}
             self.choice.opened = {
                 each.name: state[each.active_joint]
@@ -86,6 +87,8 @@ class Chooser:
             InputError: A model that is none.
         """
         choice, panel, twin = self.choice, self._panel, self.twin
+        if choice.obstacle is not None:
+            choice.obstacle = replace(choice.obstacle, name=free_name(twin))
         names = [each.name for each in twin.containers()]
         if not names:
             raise InputError(
@@ -222,7 +225,7 @@ class Chooser:
             start = self.twin.kitchen().start
             x, y, yaw = start[0] + BESIDE, start[1], 0.0
         a, b, c = map(float, self._panel.size.value)
-        return Obstacle((a, b, c), x, y, yaw, float(self._panel.above.value))
+        return Obstacle((a, b, c), x, y, yaw, float(self._panel.above.value), free_name(self.twin))
 
 
 def _range(container: Container) -> tuple[float, float]:

@@ -23,7 +23,7 @@ from services.reports.scene.camera import framed
 from services.reports.scene.clip import Line, container_clip
 from services.reports.scene.colors import COLORS
 from services.reports.scene.view import View, view_of
-from services.requests import parse_base
+from services.requests import listed_states, parse_base
 from services.tracks import read_track
 
 Array = NDArray[np.float64]
@@ -83,7 +83,7 @@ def lesson(  # noqa: PLR0913 - the options of sdt learn
         InputError: Something of these does not exist.
         MotionError: The track says nothing.
     """
-    service = load(kitchen, state=[each.strip() for each in state.split(",") if each.strip()])
+    service = load(kitchen, state=listed_states(state))
     twin = service.twin
     if track:
         observed, origin = read_track(Path(track)), Path(track).name

@@ -10,7 +10,7 @@ from sdt_kg.motion import BodyMotion, Motion
 from services.app import DEFAULT_BUDGET, load
 from services.physics.model import Scene
 from services.reports.studies.judged import policy_of
-from services.requests import parse_base
+from services.requests import listed_states, parse_base
 from services.store.files import SavedVerdicts
 from services.whatif import Change, World, parse_change
 
@@ -71,7 +71,7 @@ def world_of(  # noqa: PLR0913 - the options of sdt whatif
         InputError: A name, state, base or drive that does not exist.
     """
     policy = policy_of(drive, parse_base(base or None), budget)
-    states = [each.strip() for each in state.split(",") if each.strip()]
+    states = listed_states(state)
     return World(load(kitchen, [robot], state=states, policy=policy), robot)
 
 
