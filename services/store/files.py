@@ -23,6 +23,7 @@ from services.store.on_disk import (
     folder_as_it_is,
     in_file,
     in_folder,
+    is_folder,
     is_only_read,
     is_store_folder,
     read_file,
@@ -54,8 +55,7 @@ def opened(place: str | Path) -> QuadStore:
     if isinstance(place, str) and ("://" in place or not place):
         return RemoteStore(Addresses.of(_address(place)))
     path = Path(place)
-    is_folder = path.is_dir() or not path.suffix
-    return in_folder(path) if is_folder else in_file(path)
+    return in_folder(path) if is_folder(path) else in_file(path)
 
 
 def _address(place: str) -> str:

@@ -12,6 +12,7 @@ from sdt_kg.history import History, Trajectory, has_history, reopened
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.store import MemoryStore
 from services.store.files import opened, readable
+from services.store.on_disk import check_kind
 from services.store.output import check_file, write_file
 from services.store.server.remote import is_url
 
@@ -51,13 +52,15 @@ def check_place(place: str) -> None:
     """A history can be kept at the place, with samples beside it; looked at before there is one.
 
     Raises:
-        InputError: It is a server, beside which no file can lie, or no file can be written there.
+        InputError: It is a server, beside which no file can lie, no store is of that name, or no file can be
+            written there.
     """
     if is_url(place):
         raise InputError(
             f"no samples can be kept beside {place}", allowed="FILE.trig, FILE.nq or a directory"
         )
     path = Path(place)
+    check_kind(path)
     check_file(path.absolute().with_suffix(".npz") if path.is_dir() else path)
 
 

@@ -47,11 +47,7 @@ def in_folder(folder: Path) -> FolderStore:
         StoreUnavailableError: Another process has it open.
         StoreRejectedError: It is damaged, or there is no room for it.
     """
-    if folder.exists() and not is_store_folder(folder) and not _is_bare(folder):
-        raise InputError(
-            f"{folder} holds something else than a store",
-            allowed="a new or empty directory, or one that --save made",
-        )
+    check_kind(folder)
     for attempt in range(ATTEMPTS):
         if attempt:
             time.sleep(WAIT)
@@ -115,6 +111,28 @@ def _unopened(folder: Path, why: str) -> InputError | StoreRejectedError:
     return InputError(f"cannot open the store {folder}: {why}", remedy=remedy)
 
 
+def is_folder(path: Path) -> bool:
+    """Whether a store of this name lies, or would lie, in a directory."""
+    return path.is_dir() or not path.suffix
+
+
+def check_kind(path: Path) -> None:
+    """A store can be of this name, and a directory that is there holds nothing else.
+
+    Raises:
+        InputError: It cannot.
+    """
+    if not is_folder(path) and path.suffix not in WRITTEN:
+        raise InputError(
+            f"cannot save verdicts to '{path.name}'", allowed="FILE.trig, FILE.nq or a directory"
+        )
+    if is_folder(path) and path.exists() and not is_store_folder(path) and not _is_bare(path):
+        raise InputError(
+            f"{path} holds something else than a store",
+            allowed="a new or empty directory, or one that --save made",
+        )
+
+
 def _is_bare(folder: Path) -> bool:
     """Whether a directory has nothing, or what RocksDB had made before it was killed or had no room."""
     return folder.is_dir() and all(BEGUN.fullmatch(each.name) for each in folder.iterdir())
@@ -138,10 +156,7 @@ def in_file(path: Path) -> EmbeddedStore:
         StoreRejectedError: When it is closed: there is no room for it.
         StoreUnavailableError: Another process is saving to it.
     """
-    if path.suffix not in WRITTEN:
-        raise InputError(
-            f"cannot save verdicts to '{path.name}'", allowed="FILE.trig, FILE.nq or a directory"
-        )
+    check_kind(path)
     if path.exists() and not os.access(path, os.W_OK):
         raise InputError(f"{path} can only be read", remedy="copy it, or save to another file")
     partial = _claimed(path)

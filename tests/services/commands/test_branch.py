@@ -57,6 +57,16 @@ def test_samples_of_a_followed_motion_are_kept_beside_the_graph(sdt, tmp_path: P
     assert trajectory.joints == ("https://example.org/id/b/joint/top_drawer_joint",)
 
 
+@pytest.mark.parametrize("name", ["history.ttl", "history.csv", "file", "folder"])
+def test_a_place_that_keeps_no_history_is_told_before_the_work(sdt, tmp_path: Path, name: str) -> None:
+    (tmp_path / "file").write_text("a list")
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "list.txt").write_text("a list")
+    done = sdt("branch", "gone", "move:door=open", "--history", str(tmp_path / name))
+    assert (done.code, done.out) == (2, "")
+    assert "cannot save verdicts to" in done.err or "holds something else than a store" in done.err
+
+
 @pytest.mark.parametrize("name", ["history.trig", "history"])
 def test_a_kept_history_goes_on_after_a_restart(sdt, tmp_path: Path, name: str) -> None:
     motion, place = tmp_path / "m.npz", str(tmp_path / name)
