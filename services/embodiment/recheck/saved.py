@@ -1,6 +1,6 @@
 """Saved verdicts, artefacts and twins, as files hold them."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -13,7 +13,7 @@ from predicates.record.seal import check_seal, check_unbroken, read_triples
 from predicates.specification.stored import StoredResult, read_result
 from sdt_kg.errors import InputError, StoreUnavailableError
 from sdt_kg.interchange.rebuild import rebuilt_entities
-from sdt_kg.iri import LAW, RDF, Iri, graph_iri, local_name, verdict_iri
+from sdt_kg.iri import LAW, RDF, Iri, graph_iri, local_name, task_result_iri, verdict_iri
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from services.embodiment.recheck.models import Models
@@ -65,16 +65,33 @@ class Saved:
 
     def entries(self) -> Iterator[Entry]:
         """Every verdict, with its artefact; by IRI."""
-        yield from map(self._entry, self._named("Verdict"))
+        yield from map(self._entry, self._named("Verdict", "verdict", verdict_iri))
 
     def results(self) -> list[Iri]:
         """IRIs of the results of tasks; the verdicts of their steps are entries."""
-        return self._named("TaskResult")
+        return self._named("TaskResult", "task_result", task_result_iri)
 
-    def _named(self, kind: str) -> list[Iri]:
-        """IRIs of all that is of a class of law:, in order."""
+    def _named(self, kind: str, graphs: str, iri_of: Callable[[str], Iri]) -> list[Iri]:
+        """IRIs of all that is of a class of law:, or that a graph is meant to be about, in order."""
         found = self._of(ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + kind))
-        return sorted({quad.subject.value for quad in found if isinstance(quad.subject, ox.NamedNode)})
+        named = {quad.subject.value for quad in found if isinstance(quad.subject, ox.NamedNode)}
+        with reading(self._path):
+            there = {each.value for each in self.store.named_graphs() if isinstance(each, ox.NamedNode)}
+        stem = graph_iri(graphs, "")
+        return sorted(named | {iri_of(local_name(each)) for each in there if each.startswith(stem)})
+
+    def _check_kind(self, iri: Iri, kind: str) -> None:
+        """Something is of a class of law:.
+
+        Raises:
+            InputError: It is not, whatever its graph says of it.
+        """
+        if not self._of(ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + kind), ox.NamedNode(iri)):
+            raise InputError(
+                f"the record of {local_name(iri)} is of no law:{kind}",
+                allowed="a record as it was written",
+                remedy="it was changed: judge the case again into another store",
+            )
 
     def result(self, iri: Iri) -> StoredResult:
         """The result of this IRI.
@@ -86,6 +103,7 @@ class Saved:
         with reading(self._path):
             quads = list(self.store.quads_for_pattern(None, None, None, graph))
             result = read_result(quads, iri)
+        self._check_kind(iri, "TaskResult")
         if result.written:
             check_seal(iri, quads)
         else:  # versions that did not keep it did not seal either
@@ -99,7 +117,7 @@ class Saved:
             InputError: There is none.
         """
         known = verdict_iri(local_name(iri))
-        if not any(self._of(ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + "Verdict"), ox.NamedNode(known))):
+        if known not in self._named("Verdict", "verdict", verdict_iri):
             raise InputError(
                 f"no verdict {iri} in this store", allowed="the IRI of a verdict that is saved in it"
             )
@@ -117,6 +135,7 @@ class Saved:
             with reading(self._path):
                 quads = list(self.store.quads_for_pattern(None, None, None, graph))
                 check_seal(iri, quads)
+                self._check_kind(iri, "Verdict")
                 stored = read_verdict(quads, iri)
                 return Entry(iri, stored, read_artefact(self.store, iri))
         except InputError as error:

@@ -15,7 +15,7 @@ from predicates.law import law
 from predicates.record.seal import RECORD_HASH, SECONDS, check_seal, sealed
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
-from sdt_kg.iri import LAW, SDT, graph_iri, local_name
+from sdt_kg.iri import ID, LAW, RDF, SDT, graph_iri, local_name
 from sdt_kg.task import Task, Verb
 from services.embodiment.certify.certificate import read_certificate, said_in
 from services.embodiment.certify.certificate import sealed as packed
@@ -273,3 +273,10 @@ def test_an_artefact_alone_holds_for_its_models_and_for_no_others(kept: Kept) ->
     edited = replace(found) and twin.with_edit(joint, upperLimit=0.6)
     other = recheck_artefact("one", kept.content, lambda *_: (edited, "given"))
     assert "content hash" in other.reasons[0]
+
+
+def test_a_record_that_is_called_no_verdict_and_sealed_again_is_told(kept: Kept, tmp_path: Path) -> None:
+    verdict = kept.iri.removeprefix(ID)
+    found = changed(kept, tmp_path, setting(RDF + "type", SDT + "Door", verdict, LAW + "Verdict"))
+    assert (found.of, found.holds) == (kept.iri, False)
+    assert "is of no law:Verdict" in found.reasons[0]
