@@ -68,7 +68,7 @@ class RobotAnnotation:
         base_body: Link that stands for the base; the world frame at (x, y, yaw) maps to it, with
             `base_height` as z [m].
         parked: Joint name → position when driving; every movable joint not listed stays at 0, or
-            at the nearest limit.
+            at the nearest limit; joints that share a motor are parked alike where all can be.
         held: Movable joints that planning never moves (casters, head, laser …).
         acceleration: Joint name → acceleration limit [rad/s² or m/s²].
         coupled: Groups of joints that share one motor and move equally (Stretch's telescope).

@@ -18,6 +18,10 @@ def read_robot(facts: Facts, robot: Iri) -> RobotAnnotation:
         facts.number(robot, f"base{name}")
         for name in ("LinearVelocity", "AngularVelocity", "LinearAcceleration", "AngularAcceleration")
     ]
+    coupled = tuple(
+        tuple(sorted(local_name(joint) for joint in facts.iris(coupling, "couples")))
+        for coupling in sorted(facts.iris(robot, "hasCoupling"))
+    )
     return RobotAnnotation(
         robot=local_name(robot),
         drive=Drive(local_name(str(facts.one(robot, "drive"))).lower()),
@@ -25,13 +29,10 @@ def read_robot(facts: Facts, robot: Iri) -> RobotAnnotation:
         base_height=facts.number(robot, "baseHeight"),
         base_limits=BaseLimits(*base),
         grippers=tuple(_gripper(facts, gripper) for gripper in grippers),
-        parked=_numbers(facts, joints, "parkedPosition"),
+        parked=_parked(facts, joints, coupled),
         held=tuple(local_name(joint) for joint in joints if facts.one(joint, "held") is True),
         acceleration=_numbers(facts, joints, "accelerationLimit"),
-        coupled=tuple(
-            tuple(sorted(local_name(joint) for joint in facts.iris(coupling, "couples")))
-            for coupling in sorted(facts.iris(robot, "hasCoupling"))
-        ),
+        coupled=coupled,
         allowed_contacts=frozenset(
             frozenset((local_name(body), local_name(other)))
             for body in facts.having("partOf", robot)
@@ -65,6 +66,21 @@ def _joints(facts: Facts, model: Iri) -> list[Iri]:
         (part for part in parts if facts.one(part, "child") is not None),
         key=lambda joint: facts.number(joint, "index"),
     )
+
+
+def _parked(facts: Facts, joints: list[Iri], coupled: tuple[tuple[str, ...], ...]) -> dict[str, float]:
+    """Where joints are parked, as far as it is said, or follows from what shares a motor with them."""
+    parked = _numbers(facts, joints, "parkedPosition")
+    low = {local_name(joint): facts.number(joint, "lowerLimit", -math.inf) for joint in joints}
+    high = {local_name(joint): facts.number(joint, "upperLimit", math.inf) for joint in joints}
+    for group in coupled:
+        least, most = max(low[name] for name in group), min(high[name] for name in group)
+        rest = {name: parked.get(name, min(max(0.0, low[name]), high[name])) for name in group}
+        said = {parked[name] for name in group if name in parked} or {min(max(0.0, least), most)}
+        at = min(said)
+        if len(set(rest.values())) > 1 and len(said) == 1 and least <= at <= most:
+            parked |= dict.fromkeys(group, at)
+    return parked
 
 
 def _numbers(facts: Facts, joints: list[Iri], name: str) -> dict[str, float]:

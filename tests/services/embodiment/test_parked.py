@@ -1,13 +1,15 @@
 """A parked robot that drives: free exactly where the whole scene is, pose by pose and along a drive."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from sdt_kg.load import load_twin
-from services.embodiment.body.limb import Margins, beside
+from sdt_kg.iri import joint_iri
+from sdt_kg.load import bundled, load_twin
+from services.embodiment.body.limb import Margins, beside, make_limb
 from services.embodiment.body.parked import Parked
 from services.embodiment.body.world import World
 from services.embodiment.hold.kit import Kits
@@ -64,3 +66,25 @@ def test_distances_to_what_a_robot_touches_are_kept(tmp_path: Path) -> None:
     one = front(tmp_path, BESIDE, "tiago_dual", 2, gripper=1)
     inside = one.world.scene.q((0.1, 0.0, 0.0), {})
     assert not one.world.free(inside, beside(one.world, one.kit.opened, inside))
+
+
+@pytest.mark.parametrize(
+    ("lower", "said", "at"),
+    [("0.0", "", 0.0), ("0.02", "", 0.02), ("-0.1", "", 0.0), ("0.02", "0.05", 0.05), ("0", "0.05", 0.05)],
+)
+def test_joints_that_share_a_motor_are_parked_alike(tmp_path: Path, lower: str, said: str, at: float) -> None:
+    joint = "joint_arm_l1"
+    for name in ("stretch.urdf", "stretch.ttl"):
+        text = bundled("robot", "stretch").with_name(name).read_text(encoding="utf-8")
+        text = re.sub(rf'(joint name="{joint}"[^§]*?lower=)"0"', rf'\1"{lower}"', text, count=1)
+        more = f"<{joint_iri('stretch', joint)}> sdt:parkedPosition {said} ." if said else ""
+        (tmp_path / name).write_text(text + (more if name.endswith("ttl") else ""), encoding="utf-8")
+    twin = load_twin("b", [tmp_path / "stretch.urdf"])
+    scene = Scene(twin, twin.robots[0])
+    q = scene.q((0.0, 0.0, 0.0), {})
+    (telescope,) = scene.annotation.coupled
+    own = [scene.coordinate[joint_iri("stretch", name)] for name in telescope]
+    assert q[own].tolist() == [at] * 4
+    limb = make_limb(World(scene), scene.annotation.grippers[0])
+    k = next(k for k, variable in enumerate(limb.variables) if variable in own)
+    assert (limb.lower[k], limb.upper[k]) == pytest.approx((max(0.0, float(lower)), 0.13))
