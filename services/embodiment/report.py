@@ -7,9 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from predicates.case import Diagnosis, Evidence, Kind, Quantity, Search
-from sdt_kg.iri import local_name
+from sdt_kg.annotation import Drive
+from sdt_kg.iri import body_iri, local_name
 from sdt_kg.mechanism import JointType
 from services.embodiment.body.world import World
+from services.embodiment.certify.limits import rolling
 from services.embodiment.hold.kit import stuck
 from services.embodiment.plan import Planner
 
@@ -36,6 +38,8 @@ def refusal(
         one, other = evidence.links
         reason += f", most often because {local_name(one)} is too near to {local_name(other)}"
     found = [Diagnosis(Kind.EMBODIMENT, reason, evidence, search=search)]
+    if (turning := _turning_elsewhere(planner)) is not None:
+        found.append(Diagnosis(Kind.EMBODIMENT, *turning, search=search))
     if not planner.holdings and (farthest := _farthest(planner)) is not None:
         found.append(Diagnosis(Kind.EMBODIMENT, *farthest, search=search))
     found.extend(Diagnosis(Kind.EMBODIMENT, *each, search=search) for each in _lacking(planner))
@@ -45,6 +49,24 @@ def refusal(
         reason = f"the search was stopped after {search.seconds:.1f} s: its budget of {budget:g} s was spent"
         found.append(Diagnosis(Kind.EMBODIMENT, reason, spent, search=search))
     return (*found, *(rejected[-1] if rejected else ()))
+
+
+def _turning_elsewhere(planner: Planner) -> tuple[str, Evidence] | None:
+    """That planning turns the base about a point about which its wheels cannot turn it, if that counts."""
+    setting, scene = planner.setting, planner.setting.world.scene
+    if setting.drive is not Drive.DIFFERENTIAL:
+        return None
+    axle, annotation, most = rolling(scene)[1], scene.annotation, setting.tolerances.sideways
+    slip = abs(axle) * annotation.base_limits.angular_velocity
+    if slip <= most:
+        return None
+    side = "before" if axle > 0 else "behind"
+    reason = (
+        f"planning turns the base about sdt:baseBody, its wheels about a line {abs(axle):.3f} m {side} it: "
+        "motions in which it turns are refused; give a link amid the wheels as sdt:baseBody"
+    )
+    entity = body_iri(scene.robot.mechanism.name, annotation.base_body)
+    return reason, Evidence(Quantity.SIDEWAYS_VELOCITY, slip, most, "m/s", entity)
 
 
 def _at_start(planner: Planner, pair: Pair, distance: float) -> Diagnosis:

@@ -89,6 +89,22 @@ def test_nothing_is_searched_for_a_base_whose_wheels_roll_aside(tmp_path: Path) 
     assert "none was searched for" in answer.notes
 
 
+@pytest.mark.parametrize(
+    ("x", "drive", "told"), [(-0.3, "DIFFERENTIAL", 1), (1e-4, "DIFFERENTIAL", 0), (-0.3, "OMNI", 0)]
+)
+def test_a_search_that_finds_nothing_says_that_the_base_turns_elsewhere(
+    tmp_path: Path, x: float, drive: str, told: int
+) -> None:
+    twin = on_wheels(tmp_path, x)
+    (drawer,), (robot,) = twin.containers(), twin.robots
+    goal = Region(((drawer.joint, Interval(drawer.open_from, drawer.upper)),))
+    case = Case(twin, robot, Task(Verb.OPEN, drawer.iri), next(Kinematics().generate(twin, goal)))
+    answer = WholeBody(Drive[drive], budget=1e-9).perform(case)
+    said = [each for each in answer.diagnoses if "a line 0.300 m behind it" in each.reason]
+    assert (answer.holds, len(said)) == (False, told)
+    assert all(one.search is not None and not one.proof for one in said)
+
+
 @pytest.mark.parametrize("looks", [pieces.LOOKS, 7])
 def test_bounds_of_the_sideways_velocity_hold_however_few_looks_there_is_room_for(
     monkeypatch: pytest.MonkeyPatch, looks: int
