@@ -88,9 +88,10 @@ def _judged(question: Question, physics: Physics, embodiment: Embodiment | None,
     if caused is None or not _outside(caused):
         solved = case if caused is None else caused.case
         performed = _performed(solved, embodiment)
-        if _is_new(performed, case) and (caused is None or _may_be_executed(case, caused)):
+        if _is_new(performed, question) and (caused is None or _may_be_executed(case, caused)):
             caused = _executed(performed, case, physics)
             solved = caused.case
+            performed = replace(performed, case=replace(performed.case, final=solved.final))
         satisfied = _as_sure_as(caused, _satisfied(solved, container))
         if satisfied is not None and guessed:
             satisfied = _unproved(satisfied)
@@ -163,12 +164,17 @@ def _performed(case: Case, embodiment: Embodiment | None) -> Answer | None:
     return replace(answer, case=replace(answer.case, task=case.task))
 
 
-def _is_new(performed: Answer | None, case: Case) -> TypeGuard[Answer]:
-    """Whether CanPerform holds by a body motion that was not given, or may be slower than τ."""
+def _is_new(performed: Answer | None, question: Question) -> TypeGuard[Answer]:
+    """Whether CanPerform holds by a body motion that was not given, or that is only near τ.
+
+    One that comes with a τ keeps that to within a tolerance: where the container then ends is what counts.
+    """
     if performed is None or not performed.holds:
         return False
+    case = question.case
     slower = isinstance(case.motion, Motion) and not case.motion.timed
-    return slower or performed.case.body_motion is not case.body_motion
+    near = isinstance(question.asked.motion, Motion)
+    return slower or near or performed.case.body_motion is not case.body_motion
 
 
 def _may_be_executed(given: Case, caused: Answer) -> bool:
