@@ -86,7 +86,7 @@ def keeps(scene: Scene, pieces: Pieces, motion: Motion, tolerances: Tolerances) 
         scene: Of the body motion.
         pieces: Of the body motion, all coordinates.
         motion: Values of a joint of the kitchen, to be kept, with their times where these are required.
-        tolerances: `coupling` is how far off the joint may be.
+        tolerances: `coupling` is how far off the joint may be, and each container that moves with it.
 
     Raises:
         MotionError: What is to be kept is no motion, or is one of poses.
@@ -98,17 +98,25 @@ def keeps(scene: Scene, pieces: Pieces, motion: Motion, tolerances: Tolerances) 
     if motion.of not in scene.coordinate:
         raise UnknownEntityError("joint", local_name(motion.of), map(local_name, scene.coordinate))
     k = scene.coordinate[motion.of]
-    unit = unit_of(scene, k)
+    unit, most = unit_of(scene, k), tolerances.coupling / _farther(scene, k)
     wanted, found = hermite(motion.times, motion.values, velocities_of(motion)), pieces.columns(np.array([k]))
     if motion.timed:
         off, time = _apart(Pieces(wanted.start + _lag(wanted, found), wanted.duration, wanted.c), found)
     else:
-        off, time = _astray(_way(wanted, tolerances.coupling), _way(found, tolerances.coupling)), None
-    if off <= tolerances.coupling:
+        off, time = _astray(_way(wanted, most), _way(found, most)), None
+    if off <= most:
         return Findings(figures={OFF: (off, unit)})
     reason = f"{local_name(motion.of)} is up to {off:.4g} {unit} off the motion that was asked for"
-    evidence = Evidence(Quantity.POSITION, off, tolerances.coupling, unit, motion.of, time=time)
+    evidence = Evidence(Quantity.POSITION, off, most, unit, motion.of, time=time)
     return Findings([Violation("motion asked for", reason, evidence, off)])
+
+
+def _farther(scene: Scene, k: int) -> float:
+    """How far a container that moves with a joint goes for each rad or m of that; at least 1."""
+    source, multiplier = scene.coupling.source, np.abs(scene.coupling.multiplier)
+    every = [scene.coordinate[each.joint] for each in scene.twin.containers()]
+    along = [each for each in every if source[each] == source[k] and multiplier[k] > 0]
+    return max([1.0, *(float(multiplier[each] / multiplier[k]) for each in along)])
 
 
 def _way(pieces: Pieces, least: float) -> list[float]:

@@ -7,13 +7,15 @@ import pytest
 from predicates.case import Case, Outcome, Verdict
 from predicates.law import law
 from sdt_kg.annotation import Drive
+from sdt_kg.iri import joint_iri
+from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.state import State
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.embodiment.oracle import WholeBody
 from services.physics.oracle import Kinematics
-from tests.services.embodiment.gantry import DRAWER, RESTS, START, gantry_twin, opening
+from tests.services.embodiment.gantry import DRAWER, FOLDER, RESTS, START, gantry_twin, opening
 
 pytestmark = pytest.mark.oracle
 
@@ -57,3 +59,34 @@ def test_whether_a_request_is_met_is_asked_of_where_a_body_motion_ends(
     assert verdict.outcome is (Outcome.CERTIFIED if beyond > 0 else Outcome.NOT_CERTIFIED)
     assert isinstance(verdict.case.final, State)
     assert verdict.case.final[DRAWER] == pytest.approx(open_from + beyond)
+
+
+RATIO = 20.0  # [m] that the drawer goes for each metre of the crank
+CRANK = """<link name="crank"/><joint name="crank_joint" type="prismatic"><parent link="world"/>
+<child link="crank"/><axis xyz="1 0 0"/><limit lower="0" upper="0.025" velocity="1" effort="1"/></joint>"""
+
+
+def cranked(folder: Path) -> Twin:
+    """The cell with a drawer that follows a crank."""
+    gantry_twin(folder, CRANK)
+    file = folder / "cell.urdf"
+    before, joint, after = file.read_text().partition('<joint name="drawer_main_joint" type="prismatic">')
+    follows = f'<mimic joint="crank_joint" multiplier="{RATIO:g}"/>'
+    file.write_text(f"{before}{joint}{follows}{after}")
+    return load_twin(file, [FOLDER / "gantry.urdf"])
+
+
+@pytest.mark.parametrize("timed", [True, False])
+@pytest.mark.parametrize(("short", "outcome"), [(0.0005, Outcome.CERTIFIED), (0.01, Outcome.NOT_CERTIFIED)])
+def test_a_container_is_no_farther_off_a_motion_of_what_leads_it_than_off_its_own(
+    tmp_path: Path, short: float, outcome: Outcome, timed: bool
+) -> None:
+    # The drawer ends 10 mm short, and its crank by 0.5 mm; either way it is open.
+    twin, crank = cranked(tmp_path), joint_iri("cell", "crank_joint")
+    verdict = judged(twin, wanted(crank, 0.46 / RATIO, timed), up_to(0.46 - short))
+    assert verdict.outcome is outcome, [each.reason for each in verdict.diagnoses]
+    if outcome is Outcome.NOT_CERTIFIED:
+        (diagnosis,) = verdict.diagnoses
+        assert "crank_joint is up to 0.0005 m off the motion that was asked for" in diagnosis.reason
+        assert diagnosis.evidence is not None
+        assert diagnosis.evidence.bound == pytest.approx(0.001 / RATIO)
