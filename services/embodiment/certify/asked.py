@@ -13,7 +13,7 @@ from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.limits import joint_limits, kitchen_keeps, position_limits
 from services.embodiment.certify.motion import rests, start, whole_motion
-from services.embodiment.certify.sweep.kinematics import unit_of
+from services.embodiment.certify.sweep.kinematics import farther, unit_of
 from services.embodiment.certify.sweep.pieces import Pieces, hermite, positions
 from services.embodiment.certify.tolerances import Tolerances
 from services.physics.model import Scene
@@ -98,7 +98,7 @@ def keeps(scene: Scene, pieces: Pieces, motion: Motion, tolerances: Tolerances) 
     if motion.of not in scene.coordinate:
         raise UnknownEntityError("joint", local_name(motion.of), map(local_name, scene.coordinate))
     k = scene.coordinate[motion.of]
-    unit, most = unit_of(scene, k), tolerances.coupling / _farther(scene, k)
+    unit, most = unit_of(scene, k), tolerances.coupling / farther(scene, k)
     wanted, found = hermite(motion.times, motion.values, velocities_of(motion)), pieces.columns(np.array([k]))
     if motion.timed:
         off, time = _apart(Pieces(wanted.start + _lag(wanted, found), wanted.duration, wanted.c), found)
@@ -109,14 +109,6 @@ def keeps(scene: Scene, pieces: Pieces, motion: Motion, tolerances: Tolerances) 
     reason = f"{local_name(motion.of)} is up to {off:.4g} {unit} off the motion that was asked for"
     evidence = Evidence(Quantity.POSITION, off, most, unit, motion.of, time=time)
     return Findings([Violation("motion asked for", reason, evidence, off)])
-
-
-def _farther(scene: Scene, k: int) -> float:
-    """How far a container that moves with a joint goes for each rad or m of that; at least 1."""
-    source, multiplier = scene.coupling.source, np.abs(scene.coupling.multiplier)
-    every = [scene.coordinate[each.joint] for each in scene.twin.containers()]
-    along = [each for each in every if source[each] == source[k] and multiplier[k] > 0]
-    return max([1.0, *(float(multiplier[each] / multiplier[k]) for each in along)])
 
 
 def _way(pieces: Pieces, least: float) -> list[float]:

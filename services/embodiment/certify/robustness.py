@@ -25,14 +25,14 @@ Array = NDArray[np.float64]
 Figures = dict[str, tuple[float, str]]
 
 
-def tolerated(checked: Subject, holds: Sequence[Hold], found: Findings, reach: float) -> Figures:
+def tolerated(holds: Sequence[Hold], found: Findings, reach: float) -> Figures:
     """Errors of handle [m] and base [m, rad] under which every check would still hold; see `reach_of`."""
-    tolerances = checked.tolerances
+    slips, turns = (min(most) for most in zip(*(hold.most for hold in holds), strict=True))
     room = min(*(hold.room for hold in holds), *found.slack.values())
     slip, _ = found.figures["tool slip"]
     turn, _ = found.figures["tool turn"]
-    base = min(room, (tolerances.tool_position - slip) / 2)
-    yaw = min(base / (2 * reach), (tolerances.tool_angle - turn) / 2)
+    base = min(room, (slips - slip) / 2)
+    yaw = min(base / (2 * reach), (turns - turn) / 2)
     return {
         "handle error tolerated": (max(room, 0.0), "m"),
         "base error tolerated": (max(base, 0.0), "m"),

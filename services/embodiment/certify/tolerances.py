@@ -23,8 +23,9 @@ class Tolerances:
             bar, or is as deep in its front as it may be, counts; and more than `tool_position`,
             so that what is held stays so while the tool slips.
         facing: Between the closing direction and the faces with which fingers and handle meet [rad].
-        tool_position: How far the tool may slip on the handle [m].
-        tool_angle: How far it may turn on the handle [rad].
+        tool_position: How far the tool may slip on the handle [m]; where a container goes n times as far as
+            the one that is held, an n-th of it.
+        tool_angle: How far it may turn on the handle [rad]; so, too.
         position: Beyond position limits [rad or m]: rounding, no more.
         rate: Beyond limits of velocity and acceleration, as a fraction of them.
         lag: Behind the motion, of a joint that its safety controller slows near a limit [rad or m]:

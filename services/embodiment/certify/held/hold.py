@@ -19,7 +19,7 @@ from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.grip import NOTHING, Grip, Pinch
 from services.embodiment.certify.held.stints import last, rests
 from services.embodiment.certify.held.surface import Posed, Surface, own_shapes
-from services.embodiment.certify.sweep.kinematics import Of, Placed
+from services.embodiment.certify.sweep.kinematics import Of, Placed, farther
 from services.embodiment.certify.sweep.pieces import positions
 from services.embodiment.certify.sweep.subject import Subject
 from services.physics.model import Scene
@@ -56,6 +56,7 @@ class Hold:
         time: The moment of the grasp [s].
         until: The end of holding [s].
         room: By how much the handle may be elsewhere and is still held [m]; known once `contact` holds.
+        most: How far the tool may slip [m] and turn [rad] on it: less where another container goes farther.
     """
 
     def __init__(
@@ -68,6 +69,8 @@ class Hold:
         self.pieces, self.begin = checked.timeline.pieces, begin
         self.room, self._since = 0.0, since
         self.gripper, self.container = gripper, container
+        ratio = farther(scene, scene.coordinate[container.joint])
+        self.most = self.tolerances.tool_position / ratio, self.tolerances.tool_angle / ratio
         joint, joint_T_body = scene.robot.attached[gripper.tool_body]
         self.tool = self._attached(joint, (joint_T_body * se3(gripper.tool)).homogeneous)
         joint, joint_T_body = scene.kitchen.attached[local_name(container.handle)]
@@ -222,7 +225,7 @@ class Hold:
     def follows(self) -> Findings:
         """While it is held the tool neither slips nor turns on the handle, between samples too."""
         findings, seen, safe = Findings(), np.zeros(2), np.zeros(2)
-        most = np.array([self.tolerances.tool_position, 2 * np.sin(self.tolerances.tool_angle / 2)])
+        most = np.array([self.most[0], 2 * np.sin(self.most[1] / 2)])
         level, intervals = self.timeline.depth, np.arange(self.begin, self.last + 1)
         for halving in range(DEEPEST + 1):
             spans = self.timeline.spans(level + halving, intervals)

@@ -159,6 +159,14 @@ def joint_axes(scene: Scene) -> tuple[Array, NDArray[np.bool_]]:
     return axes, revolute
 
 
+def farther(scene: Scene, k: int) -> float:
+    """How far a container that moves with a joint goes for each rad or m of that; at least 1."""
+    source, multiplier = scene.coupling.source, np.abs(scene.coupling.multiplier)
+    every = [scene.coordinate[each.joint] for each in scene.twin.containers()]
+    along = [each for each in every if source[each] == source[k] and multiplier[k] > 0]
+    return max([1.0, *(float(multiplier[each] / multiplier[k]) for each in along)])
+
+
 def unit_of(scene: Scene, k: int) -> str:
     """Unit of a coordinate: rad where its joint turns, else m."""
     return "rad" if joint_axes(scene)[1][k] else "m"
