@@ -78,19 +78,36 @@ def carried(
         UnknownEntityError: The robot has no gripper of the motion's name.
     """
     check_body_motion(body_motion)
-    m, o, times = container.multiplier, container.offset, body_motion.times
-    still = twin.state[container.joint]
+    times, still = body_motion.times, twin.state[container.joint]
     values, velocities = np.full((len(times), 1), still), np.zeros((len(times), 1))
     columns = {joint: i for i, joint in enumerate(body_motion.kitchen_joints)}
-    if container.active_joint in columns:
-        i = columns[container.active_joint]
-        values, velocities = m * body_motion.kitchen_q[:, [i]] + o, m * body_motion.kitchen_v[:, [i]]
-    elif container.joint in columns:
-        i = columns[container.joint]
+    if {container.active_joint, container.joint} & {*columns}:
+        told = _telling(model, body_motion, container)
+        i, k, coupling = columns[told], model.coordinate[told], model.coupling
         values, velocities = body_motion.kitchen_q[:, [i]], body_motion.kitchen_v[:, [i]]
+        if told != container.joint:
+            ratio = container.multiplier / coupling.multiplier[k]
+            values = ratio * (values - coupling.offset[k]) + container.offset
+            velocities = ratio * velocities
     elif not columns and body_motion.robot in twin.robots:
         values, velocities = _dragged(model, scene(), twin, body_motion, container)
     return Motion(container.joint, times, values, velocities=velocities)
+
+
+def _telling(model: Model, body_motion: BodyMotion, container: Container) -> Iri:
+    """The listed joint that says where the container is, as certification takes it: others may be off.
+
+    That is the one which they mimic, else the last of them.
+    """
+    coupling, active = model.coupling, model.coordinate[container.active_joint]
+    listed = [each for each in body_motion.kitchen_joints if each in model.coordinate]
+    together = [
+        each
+        for each in listed
+        if coupling.source[model.coordinate[each]] == active
+        and coupling.multiplier[model.coordinate[each]] != 0
+    ]
+    return container.active_joint if container.active_joint in together else [container.joint, *together][-1]
 
 
 def _dragged(

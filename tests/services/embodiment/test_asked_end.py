@@ -1,7 +1,9 @@
 """Where a body motion ends that comes with a τ: by as much as the tolerance, it may be elsewhere."""
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from predicates.case import Case, Outcome, Verdict
@@ -66,9 +68,9 @@ CRANK = """<link name="crank"/><joint name="crank_joint" type="prismatic"><paren
 <child link="crank"/><axis xyz="1 0 0"/><limit lower="0" upper="0.025" velocity="1" effort="1"/></joint>"""
 
 
-def cranked(folder: Path) -> Twin:
-    """The cell with a drawer that follows a crank."""
-    gantry_twin(folder, CRANK)
+def cranked(folder: Path, more: str = "") -> Twin:
+    """The cell with a drawer that follows a crank, and with more."""
+    gantry_twin(folder, CRANK + more)
     file = folder / "cell.urdf"
     before, joint, after = file.read_text().partition('<joint name="drawer_main_joint" type="prismatic">')
     follows = f'<mimic joint="crank_joint" multiplier="{RATIO:g}"/>'
@@ -90,3 +92,31 @@ def test_a_container_is_no_farther_off_a_motion_of_what_leads_it_than_off_its_ow
         assert "crank_joint is up to 0.0005 m off the motion that was asked for" in diagnosis.reason
         assert diagnosis.evidence is not None
         assert diagnosis.evidence.bound == pytest.approx(0.001 / RATIO)
+
+
+FLAP = """<link name="flap"/><joint name="flap_joint" type="prismatic"><parent link="world"/>
+<child link="flap"/><axis xyz="1 0 0"/><limit lower="0" upper="1" velocity="1" effort="1"/>
+<mimic joint="crank_joint" multiplier="40"/></joint>"""
+
+
+@pytest.mark.parametrize("told", ["flap_joint", "crank_joint"])
+def test_a_drawer_ends_where_it_was_certified_to_end_if_two_joints_say_a_little_differently(
+    tmp_path: Path, told: str
+) -> None:
+    # As it is listed itself the drawer is open by 0.4 mm, as the other joint has it it is not.
+    twin = cranked(tmp_path, FLAP)
+    open_from = twin.container("drawer_main").open_from
+    body = up_to(open_from - 0.0004)
+    rates = np.array(
+        [(open_from + 0.0004) / (open_from - 0.0004), 2.0 if told == "flap_joint" else 1 / RATIO]
+    )
+    joints = DRAWER, joint_iri("cell", told)
+    body = replace(
+        body, kitchen_joints=joints, kitchen_q=body.kitchen_q * rates, kitchen_v=body.kitchen_v * rates
+    )
+    case = Case(twin, twin.robots[0], Task(Verb.OPEN, twin.container("drawer_main").iri), body_motion=body)
+    (verdict,) = law(case, Kinematics(), WholeBody(Drive.OMNI, START))
+    assert verdict.can_perform is not None
+    assert verdict.can_perform.figures["container at the end"][0] == pytest.approx(open_from - 0.0004)
+    assert verdict.outcome is Outcome.NOT_CERTIFIED
+    assert "open begins at" in verdict.diagnoses[0].reason
