@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
 
-KINEMATICS_VERSION = "15"
+KINEMATICS_VERSION = "16"
 DYNAMICS_VERSION = "5"
 EMBODIMENT_VERSION = "29"
 BEARING_VERSION = "4"
