@@ -74,7 +74,7 @@ def test_a_refusal_says_whether_it_was_proved_measured_or_only_searched() -> Non
 @pytest.mark.oracle
 def test_what_gains_no_more_than_it_loses_is_not_taken_and_told() -> None:
     drawer, door = "dishwasher_drawer_middle", "cabinet7_door_bottom_left"
-    asked = Asked(("a",), ("pr2",), "open", (), Policy(Drive.OMNI, budget=5), (), (drawer, door))
+    asked = Asked(("a",), ("pr2",), "open", (), Policy(Drive.OMNI, budget=30), (), (drawer, door))
     (plan,) = designed(asked, 1, (f"clear:{door}",)).plans
     assert plan.steps == ()
     assert [(each.what, each.gained, each.lost) for each in plan.even] == [
