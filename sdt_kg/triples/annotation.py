@@ -75,10 +75,9 @@ def _parked(facts: Facts, joints: list[Iri], coupled: tuple[tuple[str, ...], ...
     high = {local_name(joint): facts.number(joint, "upperLimit", math.inf) for joint in joints}
     for group in coupled:
         least, most = max(low[name] for name in group), min(high[name] for name in group)
-        rest = {name: parked.get(name, min(max(0.0, low[name]), high[name])) for name in group}
         said = {parked[name] for name in group if name in parked} or {min(max(0.0, least), most)}
         at = min(said)
-        if len(set(rest.values())) > 1 and len(said) == 1 and least <= at <= most:
+        if len(said) == 1 and least <= at <= most:
             parked |= dict.fromkeys(group, at)
     return parked
 

@@ -5,8 +5,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-import pyoxigraph as ox
-
 from predicates.case import Verdict
 from predicates.record import Record, StoredVerdict, to_record
 from sdt_kg.annotating.annotate import TEE_GRAPH
@@ -17,7 +15,7 @@ from sdt_kg.twin import Twin
 from services.stopping import terminable
 from services.store.embedded import EmbeddedStore
 from services.store.folder import FolderStore
-from services.store.models import keep_model
+from services.store.models import keep_model, quads_of
 from services.store.on_disk import (
     FORMATS,
     folder_as_it_is,
@@ -116,7 +114,7 @@ class SavedVerdicts:
         for model in entities.asserted:
             keep_model(self.store, model, entities.graphs_of(model), dumped)
         for graph in (TEE_GRAPH, graphs[-1]):
-            fresh = list(dumped.quads_for_pattern(None, None, None, ox.NamedNode(graph)))
+            fresh = quads_of(dumped, graph)
             if set(self.store.graph(graph)) != set(fresh):
                 with self.store.alone(graph):
                     self.store.replace(graph, fresh)

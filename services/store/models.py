@@ -37,13 +37,13 @@ def keep_model(store: QuadStore, model: Iri, graphs: Sequence[Iri], fresh: ox.St
         inferred = (str(row["graph"]) for row in rows_of(store.query(INFERRED))[1])
         known = {*graphs, *(graph for graph in inferred if is_graph_of(model, graph))}
         there = {graph: set(store.graph(graph)) for graph in known}
-        differing = [graph for graph, quads in there.items() if quads != set(_of(fresh, graph))]
+        differing = [graph for graph, quads in there.items() if quads != set(quads_of(fresh, graph))]
         if differing and there[asserted]:
             store.add([_packed(model, chain.from_iterable(there.values()))])
         for graph in differing:
-            store.replace(graph, _of(fresh, graph))
+            store.replace(graph, quads_of(fresh, graph))
         if differing:  # it may have been there before: what queries see need not be kept twice
-            here = chain.from_iterable(_of(fresh, graph) for graph in graphs)
+            here = chain.from_iterable(quads_of(fresh, graph) for graph in graphs)
             store.drop(_aside(model, _content_hash(here)).value)
 
 
@@ -81,7 +81,8 @@ def _unpacked(content: str) -> list[ox.Quad]:
     return list(ox.parse(text, format=ox.RdfFormat.N_QUADS))
 
 
-def _of(store: ox.Store, graph: Iri) -> list[ox.Quad]:
+def quads_of(store: ox.Store, graph: Iri) -> list[ox.Quad]:
+    """All that a store says in a named graph."""
     return list(store.quads_for_pattern(None, None, None, ox.NamedNode(graph)))
 
 

@@ -4,6 +4,8 @@ import fcntl
 import os
 import re
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
@@ -80,21 +82,33 @@ def folder_as_it_is(folder: Path) -> ox.Store:
         InputError: It cannot be opened.
         StoreRejectedError: It is damaged.
     """
-    try:
+    with opening(folder):
         tables, entries = ox.Store.read_only(str(folder)), [*Journal(folder / JOURNAL).entries()]
         if not entries:
             return tables
         copy = ox.Store()
         copy.bulk_extend(tables)
-    except RuntimeError as error:
-        raise damaged(folder, error) from None
-    except OSError as error:
-        raise InputError(f"cannot open the store {folder}: {error}") from None
     for entry in entries:
         if entry.emptied is not None:
             copy.remove_graph(entry.emptied)
         copy.extend(entry.quads)
     return copy
+
+
+@contextmanager
+def opening(folder: Path) -> Iterator[None]:
+    """Why a store's directory cannot be opened to be read is said as everywhere.
+
+    Raises:
+        InputError: It cannot be opened.
+        StoreRejectedError: It is damaged.
+    """
+    try:
+        yield
+    except RuntimeError as error:
+        raise damaged(folder, error) from None
+    except OSError as error:
+        raise InputError(f"cannot open the store {folder}: {error}") from None
 
 
 def _unopened(folder: Path, why: str) -> InputError | StoreRejectedError:
@@ -104,10 +118,10 @@ def _unopened(folder: Path, why: str) -> InputError | StoreRejectedError:
             return StoreRejectedError(str(folder), f"cannot be opened: {reason}", remedy="make room there")
     if not folder.parent.is_dir():
         return InputError(f"cannot make the store {folder}", allowed="a place in a folder that is there")
-    remedy = (
+    elsewhere = (
         "copy it to where it can be written" if folder.exists() else "choose a folder that can be written"
     )
-    remedy = "" if os.access(folder, os.W_OK) else remedy
+    remedy = "" if os.access(folder, os.W_OK) else elsewhere
     return InputError(f"cannot open the store {folder}: {why}", remedy=remedy)
 
 

@@ -18,9 +18,9 @@ from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from services.embodiment.recheck.models import Models
 from services.store.files import readable
-from services.store.folder import damaged, reading
+from services.store.folder import reading
 from services.store.models import is_graph_of, replaced_model
-from services.store.on_disk import JOURNAL, folder_as_it_is, in_folder, is_only_read
+from services.store.on_disk import JOURNAL, folder_as_it_is, in_folder, is_only_read, opening
 from services.store.server.remote import is_url
 
 FORMATS = {".trig": ox.RdfFormat.TRIG, ".nq": ox.RdfFormat.N_QUADS}
@@ -216,12 +216,8 @@ def _opened(path: Path) -> ox.Store:
             raise InputError(f"{path} is no store", allowed="a directory that --save made")
         if is_only_read(path):
             return folder_as_it_is(path)
-        try:
+        with opening(path):
             return ox.Store.read_only(str(path))
-        except RuntimeError as error:
-            raise damaged(path, error) from None
-        except OSError as error:
-            raise InputError(f"cannot open the store {path}: {error}") from None
     if path.suffix not in FORMATS or not path.is_file():
         raise InputError(f"no saved verdicts at {path}", allowed="a .trig or .nq file, or a store directory")
     store = ox.Store()

@@ -211,6 +211,18 @@ def test_a_container_may_be_off_its_times_at_both_ends_of_a_window(twin: Twin) -
     assert 0.1 - 5 * Tolerances().coupling < way <= 0.1 - 2 * Tolerances().coupling
 
 
+def top_drawer_travelled(folder: Path, urdf: str, one: float, other: float) -> float:
+    """How far the handle of a kitchen's drawer goes at least between two of its values [m]."""
+    file = folder / "kitchen.urdf"
+    file.write_text(urdf)
+    twin = load_twin(file, ["pr2"])
+    drawer = twin.container("top_drawer")
+    return travelled(Statement(twin, twin.robots[0], drawer, Drive.FIXED, HERE, Tolerances()), one, other)[0]
+
+
+HANDLE = """<link name="top_handle"><collision><geometry><box size="0.012 0.16 0.012"/></geometry></collision>
+</link><joint name="top_handle_joint" type="fixed"><parent link="top_drawer"/>
+<child link="top_handle"/></joint>"""
 PULLED = 30.0  # [m] that a rail goes for each metre of the drawer on it
 ON_A_RAIL = f"""<robot name="pulled"><link name="wall"/><link name="rail"/>
 <joint name="rail_joint" type="prismatic"><parent link="wall"/><child link="rail"/>
@@ -218,19 +230,12 @@ ON_A_RAIL = f"""<robot name="pulled"><link name="wall"/><link name="rail"/>
 <mimic joint="top_drawer_joint" multiplier="{PULLED}"/></joint>
 <link name="top_drawer"/><joint name="top_drawer_joint" type="prismatic"><parent link="rail"/>
 <child link="top_drawer"/><axis xyz="-1 0 0"/><limit lower="0" upper="0.02" velocity="1" effort="1"/></joint>
-<link name="top_handle"><collision><geometry><box size="0.012 0.16 0.012"/></geometry></collision></link>
-<joint name="top_handle_joint" type="fixed"><parent link="top_drawer"/><child link="top_handle"/></joint>
-</robot>"""
+{HANDLE}</robot>"""
 
 
 def test_what_carries_a_container_along_may_be_off_by_as_much_more(tmp_path: Path) -> None:
     # The drawer is certified up to `coupling` off its times, and its handle is 31 times as far off then.
-    file = tmp_path / "pulled.urdf"
-    file.write_text(ON_A_RAIL)
-    pulled = load_twin(file, ["pr2"])
-    drawer, kept = pulled.container("top_drawer"), Tolerances()
-    about = Statement(pulled, pulled.robots[0], drawer, Drive.FIXED, HERE, kept)
-    way, _ = travelled(about, 0.005, 0.015)
+    way, kept = top_drawer_travelled(tmp_path, ON_A_RAIL, 0.005, 0.015), Tolerances()
     assert way <= (1 + PULLED) * (0.01 - 2 * kept.coupling)
     assert way > (1 + PULLED) * (0.01 - 5 * kept.coupling)
 
@@ -242,20 +247,13 @@ BY_A_CRANK = f"""<robot name="led"><link name="wall"/><link name="crank"/>
 <link name="top_drawer"/><joint name="top_drawer_joint" type="prismatic"><parent link="wall"/>
 <child link="top_drawer"/><origin xyz="0.8 0 0.8"/><axis xyz="-1 0 0"/>
 <limit lower="0" upper="0.4" velocity="9" effort="1"/><mimic joint="crank_joint" multiplier="{LED}"/></joint>
-<link name="top_handle"><collision><geometry><box size="0.012 0.16 0.012"/></geometry></collision></link>
-<joint name="top_handle_joint" type="fixed"><parent link="top_drawer"/><child link="top_handle"/></joint>
-</robot>"""
+{HANDLE}</robot>"""
 
 
 def test_what_goes_farther_than_the_joint_whose_times_are_asked_may_be_off_them_by_as_much_more(
     tmp_path: Path,
 ) -> None:
     # Times of the crank are asked, and it is certified up to `coupling` off them.
-    file = tmp_path / "led.urdf"
-    file.write_text(BY_A_CRANK)
-    led = load_twin(file, ["pr2"])
-    drawer, kept = led.container("top_drawer"), Tolerances()
-    about = Statement(led, led.robots[0], drawer, Drive.FIXED, HERE, kept)
-    way, _ = travelled(about, 0.1, 0.3)
+    way, kept = top_drawer_travelled(tmp_path, BY_A_CRANK, 0.1, 0.3), Tolerances()
     assert way <= 0.2 - 2 * LED * kept.coupling
     assert way > 0.2 - 3 * LED * kept.coupling
