@@ -2,7 +2,7 @@
 
 from predicates.record.artefacts import read_artefact
 from predicates.record.report import diagnosis_json, to_json
-from predicates.record.stored import StoredVerdict, read_verdict, read_verdicts, verdict_records
+from predicates.record.stored import StoredVerdict, read_verdict, read_verdicts, verdict_records, verdicts_of
 from predicates.record.triples import Record, gives_way, to_record, write
 
 __all__ = [
@@ -16,5 +16,6 @@ __all__ = [
     "to_json",
     "to_record",
     "verdict_records",
+    "verdicts_of",
     "write",
 ]

@@ -6,7 +6,7 @@ from typing import TypeVar
 import pyoxigraph as ox
 
 from sdt_kg.errors import InputError
-from sdt_kg.iri import Iri, local_name
+from sdt_kg.iri import LAW, RDF, Iri, local_name
 from sdt_kg.store import Value, value_of
 
 T = TypeVar("T")
@@ -38,6 +38,19 @@ class Facts:
     def value(self, subject: Iri, name: Iri) -> Value:
         """The value, whatever its type."""
         return next(iter(self._values.get((subject, name), [])), None)
+
+    def check_kind(self, subject: Iri, kind: str) -> None:
+        """The individual is of a class of law:.
+
+        Raises:
+            InputError: It is not.
+        """
+        if LAW + kind not in self.all(subject, RDF + "type"):
+            raise InputError(
+                f"the record of {local_name(subject)} is of no law:{kind}",
+                allowed="a record as it was written",
+                remedy="it was changed: judge the case again into another store",
+            )
 
     def truth(self, subject: Iri, name: Iri) -> bool | None:
         """The boolean, None where there is none."""

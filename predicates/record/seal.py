@@ -68,11 +68,16 @@ def _stated(triples: Iterable[Read]) -> list[str]:
 def _hash_of(triples: Iterable[Read]) -> str:
     """SHA-256 of all but hash and seconds; numbers count by value, for stores spell them as they like."""
     told = {
-        "\t".join((subject, predicate, type(value).__name__, repr(value_of(value))))
+        "\t".join((subject, predicate, type(value).__name__, repr(value_of(value)), *_language(value)))
         for subject, predicate, value in triples
         if predicate != RECORD_HASH and predicate not in SECONDS
     }
     return hashlib.sha256("\n".join(sorted(told)).encode("utf-8")).hexdigest()
+
+
+def _language(term: object) -> tuple[str, ...]:
+    """Of a text that has one: no record is written with such, and queries tell it from the same without."""
+    return (term.language,) if isinstance(term, ox.Literal) and term.language else ()
 
 
 def _text(term: object) -> str:

@@ -1,6 +1,6 @@
 """Verdicts as a store holds them: triples → values."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import pyoxigraph as ox
@@ -10,7 +10,7 @@ from predicates.record.artefacts import read_artefact
 from predicates.record.facts import Facts, term
 from predicates.record.inputs import Inputs
 from predicates.record.seal import check_unbroken, read_triples
-from sdt_kg.iri import LAW, PROV, RDF, SH, Iri
+from sdt_kg.iri import LAW, PROV, RDF, SH, Iri, graph_iri, local_name, verdict_iri
 from sdt_kg.scope import Violation
 from sdt_kg.task import Verb
 
@@ -70,14 +70,23 @@ def read_verdicts(store: ox.Store) -> Iterator[StoredVerdict]:
 
 def verdict_records(store: ox.Store) -> Iterator[tuple[Iri, Iterable[ox.Quad]]]:
     """IRI and record of every verdict of a store, by IRI, as they stand there."""
-    kind, verdict = ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + "Verdict")
-    found = {
-        quad.subject.value: quad.graph_name
-        for quad in store.quads_for_pattern(None, kind, verdict, None)
-        if isinstance(quad.subject, ox.NamedNode)
-    }
-    for iri, graph in sorted(found.items()):
+    for iri in verdicts_of(store):
+        graph = ox.NamedNode(graph_iri("verdict", local_name(iri)))
         yield iri, store.quads_for_pattern(None, None, None, graph)
+
+
+def verdicts_of(store: ox.Store) -> list[Iri]:
+    """IRIs of all verdicts of a store, in order."""
+    return records_of(store, "Verdict", "verdict", verdict_iri)
+
+
+def records_of(store: ox.Store, kind: str, graphs: str, iri_of: Callable[[str], Iri]) -> list[Iri]:
+    """IRIs of all that is of a class of law:, or that a graph is meant to be about, in order."""
+    found = store.quads_for_pattern(None, ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + kind), None)
+    named = {quad.subject.value for quad in found if isinstance(quad.subject, ox.NamedNode)}
+    there = {each.value for each in store.named_graphs() if isinstance(each, ox.NamedNode)}
+    stem = graph_iri(graphs, "")
+    return sorted(named | {iri_of(local_name(each)) for each in there if each.startswith(stem)})
 
 
 def read_verdict(quads: Iterable[ox.Quad], iri: Iri) -> StoredVerdict:
@@ -108,6 +117,7 @@ def read_positions(facts: Facts, judged: Iri) -> dict[Iri, float]:
 
 
 def _verdict(facts: Facts, iri: Iri) -> StoredVerdict:
+    facts.check_kind(iri, "Verdict")
     task = facts.text(iri, LAW + "task")
     verb = facts.text(task, LAW + "verb") if task else None
     return StoredVerdict(

@@ -9,11 +9,12 @@ import pyoxigraph as ox
 from predicates.case import Outcome
 from predicates.record.facts import Facts, term
 from predicates.record.inputs import Inputs
-from predicates.record.stored import OUTCOMES, VERBS, read_inputs, read_positions
+from predicates.record.seal import check_seal, check_unbroken, read_triples
+from predicates.record.stored import OUTCOMES, VERBS, read_inputs, read_positions, records_of
 from predicates.specification.record import STANDING_TERM
 from predicates.specification.rules import Standing
 from predicates.specification.step import in_words
-from sdt_kg.iri import LAW, RDFS, Iri
+from sdt_kg.iri import LAW, RDFS, Iri, task_result_iri
 from sdt_kg.task import Verb
 
 _STANDING: Final = {name: standing for standing, name in STANDING_TERM.items()}
@@ -61,13 +62,28 @@ class StoredResult:
     value: float | None
 
 
+def results_of(store: ox.Store) -> list[Iri]:
+    """IRIs of all results of task specifications of a store, in order."""
+    return records_of(store, "TaskResult", "task_result", task_result_iri)
+
+
 def read_result(quads: Iterable[ox.Quad], iri: Iri) -> StoredResult:
     """The result of this IRI, whose graph these quads are.
 
     Raises:
-        InputError: The record is damaged.
+        InputError: The record is damaged, or was changed after it was written.
     """
-    facts = Facts(quads)
+    written = list(quads)
+    result = _result(Facts(written), iri)
+    if result.written:
+        check_seal(iri, written)
+    else:  # versions that did not keep it did not seal either
+        check_unbroken(iri, read_triples(written))
+    return result
+
+
+def _result(facts: Facts, iri: Iri) -> StoredResult:
+    facts.check_kind(iri, "TaskResult")
     return StoredResult(
         iri=iri,
         label=facts.needed(iri, RDFS + "label"),

@@ -1,13 +1,15 @@
 """What is stored, in plain words: a verdict, or the result of a task specification."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 import pyoxigraph as ox
 
 from predicates.record.facts import Facts
-from predicates.record.stored import read_verdict
+from predicates.record.stored import read_verdict, verdicts_of
+from predicates.specification.stored import read_result, results_of
 from sdt_kg.errors import UnknownEntityError
-from sdt_kg.iri import LAW, RDF, Iri, local_name, task_result_iri, verdict_iri
+from sdt_kg.iri import Iri, local_name, task_result_iri, verdict_iri
+from services.store.records import graph_of, is_result
 from services.why import task
 from services.why import verdict as of_verdict
 from services.why.verdict import PREDICATES, means, outcome, question
@@ -52,38 +54,18 @@ def sections(source: ox.Store | Iterable[ox.Quad], iri: Iri) -> tuple[Section, .
     """The same part by part."""
     store = source if isinstance(source, ox.Store) else _store_of(source)
     full = _known(store, iri)
-    (graph,) = {quad.graph_name for name in ("Verdict", "TaskResult") for quad in _types(store, name, full)}
-    quads = list(store.quads_for_pattern(None, None, None, graph))
+    quads = list(store.quads_for_pattern(None, None, None, ox.NamedNode(graph_of(full))))
     facts = Facts(quads)
-    if full.startswith(task_result_iri("")):
+    if is_result(full):
+        read_result(quads, full)  # of one that was changed nothing is told
         return task.sections(full, facts)
     return of_verdict.sections(read_verdict(quads, full), facts)
-
-
-def verdicts_of(store: ox.Store) -> list[Iri]:
-    """IRIs of all verdicts of a store."""
-    return _named(store, "Verdict")
-
-
-def results_of(store: ox.Store) -> list[Iri]:
-    """IRIs of all results of task specifications of a store."""
-    return _named(store, "TaskResult")
 
 
 def _store_of(quads: Iterable[ox.Quad]) -> ox.Store:
     store = ox.Store()
     store.extend(quads)
     return store
-
-
-def _named(store: ox.Store, kind: str) -> list[Iri]:
-    found = _types(store, kind)
-    return sorted({quad.subject.value for quad in found if isinstance(quad.subject, ox.NamedNode)})
-
-
-def _types(store: ox.Store, kind: str, of: Iri | None = None) -> Iterator[ox.Quad]:
-    subject = None if of is None else ox.NamedNode(of)
-    return store.quads_for_pattern(subject, ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + kind), None)
 
 
 def _known(store: ox.Store, iri: Iri) -> Iri:

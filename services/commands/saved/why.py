@@ -4,6 +4,7 @@ import click
 import pyoxigraph as ox
 
 from predicates.record.facts import Facts
+from predicates.record.seal import RECORD_HASH
 from sdt_kg.errors import InputError
 from sdt_kg.iri import LAW, local_name
 from sdt_kg.store import rows_of
@@ -51,6 +52,7 @@ def why_command(verdict: str, store: str | None, as_json: bool) -> None:
 
 def _list(saved: ox.Store, as_json: bool) -> None:
     """Every result of a task specification and every verdict of the store, a row each."""
+    verdicts, damaged = all_recalled(saved)
     facts = Facts(saved)
     rows = [
         {
@@ -59,8 +61,8 @@ def _list(saved: ox.Store, as_json: bool) -> None:
             "outcome": in_capitals(task.outcome_of(each, facts)),
         }
         for each in results_of(saved)
+        if each not in damaged
     ]
-    verdicts, damaged = all_recalled(saved)
     rows += [{"verdict": each.iri, "question": question(each), "outcome": outcome(each)} for each in verdicts]
     rows += [{"verdict": iri, "question": why, "outcome": "DAMAGED"} for iri, why in damaged.items()]
     rows = [{**each, "verdict": local_name(each["verdict"])[:SHORT_KEY]} for each in rows]
@@ -72,13 +74,15 @@ def _list(saved: ox.Store, as_json: bool) -> None:
 
 
 def without_twins(source: str) -> ox.Store:
-    """The verdicts and results of tasks of a store, without the twins."""
-    kinds = f"VALUES ?kind {{ <{LAW}Verdict> <{LAW}TaskResult> }}"
+    """The verdicts and results of tasks of a store, without the twins.
+
+    A record is known by its hash too: one that says to be something else was changed, and is told.
+    """
+    kinds = f"VALUES ?kind {{ <{LAW}Verdict> <{LAW}TaskResult> }} GRAPH ?graph {{ ?of a ?kind }}"
+    hashed = f"GRAPH ?graph {{ ?of <{RECORD_HASH}> ?hash }}"
     store = readable(source)
     try:
-        kept = rows_of(
-            store.query(f"SELECT DISTINCT ?graph WHERE {{ {kinds} GRAPH ?graph {{ ?of a ?kind }} }}")
-        )
+        kept = rows_of(store.query(f"SELECT DISTINCT ?graph WHERE {{ {{ {kinds} }} UNION {{ {hashed} }} }}"))
         return store.dump([str(row["graph"]) for row in kept[1]])
     finally:
         store.close()

@@ -1,6 +1,6 @@
 """Saved verdicts, artefacts and twins, as files hold them."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -8,12 +8,12 @@ from pathlib import Path
 import pyoxigraph as ox
 
 from predicates.case import Artefact
-from predicates.record import StoredVerdict, read_artefact, read_verdict
-from predicates.record.seal import check_seal, check_unbroken, read_triples
-from predicates.specification.stored import StoredResult, read_result
+from predicates.record import StoredVerdict, read_artefact, read_verdict, verdicts_of
+from predicates.record.seal import check_seal
+from predicates.specification.stored import StoredResult, read_result, results_of
 from sdt_kg.errors import InputError, StoreUnavailableError
 from sdt_kg.interchange.rebuild import rebuilt_entities
-from sdt_kg.iri import LAW, RDF, Iri, graph_iri, local_name, task_result_iri, verdict_iri
+from sdt_kg.iri import Iri, graph_iri, local_name, verdict_iri
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from services.embodiment.recheck.models import Models
@@ -65,33 +65,16 @@ class Saved:
 
     def entries(self) -> Iterator[Entry]:
         """Every verdict, with its artefact; by IRI."""
-        yield from map(self._entry, self._named("Verdict", "verdict", verdict_iri))
+        yield from map(self._entry, self._verdicts())
 
     def results(self) -> list[Iri]:
         """IRIs of the results of tasks; the verdicts of their steps are entries."""
-        return self._named("TaskResult", "task_result", task_result_iri)
-
-    def _named(self, kind: str, graphs: str, iri_of: Callable[[str], Iri]) -> list[Iri]:
-        """IRIs of all that is of a class of law:, or that a graph is meant to be about, in order."""
-        found = self._of(ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + kind))
-        named = {quad.subject.value for quad in found if isinstance(quad.subject, ox.NamedNode)}
         with reading(self._path):
-            there = {each.value for each in self.store.named_graphs() if isinstance(each, ox.NamedNode)}
-        stem = graph_iri(graphs, "")
-        return sorted(named | {iri_of(local_name(each)) for each in there if each.startswith(stem)})
+            return results_of(self.store)
 
-    def _check_kind(self, iri: Iri, kind: str) -> None:
-        """Something is of a class of law:.
-
-        Raises:
-            InputError: It is not, whatever its graph says of it.
-        """
-        if not self._of(ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + kind), ox.NamedNode(iri)):
-            raise InputError(
-                f"the record of {local_name(iri)} is of no law:{kind}",
-                allowed="a record as it was written",
-                remedy="it was changed: judge the case again into another store",
-            )
+    def _verdicts(self) -> list[Iri]:
+        with reading(self._path):
+            return verdicts_of(self.store)
 
     def result(self, iri: Iri) -> StoredResult:
         """The result of this IRI.
@@ -101,14 +84,7 @@ class Saved:
         """
         graph = ox.NamedNode(graph_iri("task_result", local_name(iri)))
         with reading(self._path):
-            quads = list(self.store.quads_for_pattern(None, None, None, graph))
-            result = read_result(quads, iri)
-        self._check_kind(iri, "TaskResult")
-        if result.written:
-            check_seal(iri, quads)
-        else:  # versions that did not keep it did not seal either
-            check_unbroken(iri, read_triples(quads))
-        return result
+            return read_result(self.store.quads_for_pattern(None, None, None, graph), iri)
 
     def entry(self, iri: Iri) -> Entry:
         """The verdict of this IRI, or of this hash.
@@ -117,17 +93,11 @@ class Saved:
             InputError: There is none.
         """
         known = verdict_iri(local_name(iri))
-        if known not in self._named("Verdict", "verdict", verdict_iri):
+        if known not in self._verdicts():
             raise InputError(
                 f"no verdict {iri} in this store", allowed="the IRI of a verdict that is saved in it"
             )
         return self._entry(known)
-
-    def _of(
-        self, predicate: ox.NamedNode, value: ox.NamedNode, subject: ox.NamedNode | None = None
-    ) -> list[ox.Quad]:
-        with reading(self._path):
-            return list(self.store.quads_for_pattern(subject, predicate, value, None))
 
     def _entry(self, iri: Iri) -> Entry:
         graph = ox.NamedNode(graph_iri("verdict", local_name(iri)))
@@ -135,7 +105,6 @@ class Saved:
             with reading(self._path):
                 quads = list(self.store.quads_for_pattern(None, None, None, graph))
                 check_seal(iri, quads)
-                self._check_kind(iri, "Verdict")
                 stored = read_verdict(quads, iri)
                 return Entry(iri, stored, read_artefact(self.store, iri))
         except InputError as error:

@@ -56,6 +56,24 @@ def test_a_changed_record_is_named_and_not_counted(sdt, tmp_path: Path) -> None:
     assert {each["outcome"] for each in sdt("why", str(place), "--json").json} > {"DAMAGED"}
 
 
+def test_a_record_that_says_to_be_something_else_is_named_by_open_and_why(sdt, tmp_path: Path) -> None:
+    place = tmp_path / "kept.nq"
+    with SavedVerdicts(place) as saved:
+        for verdict in Service(small_twin("a", ("pr2",)), oracles=Lifts()).achieve("open"):
+            saved.add(verdict)
+    verdicts = sdt("open", str(place), "--json").json["verdicts"]
+    place.write_text(place.read_text().replace("law#Verdict>", "law#Note>", 1))
+    found = sdt("open", str(place), "--json").json
+    assert (found["verdicts"], len(found["damaged"])) == (verdicts - 1, 1)
+    ((changed, why),) = found["damaged"].items()
+    assert "is of no law:Verdict" in why
+    (row,) = (each for each in sdt("why", str(place), "--json").json if each["outcome"] == "DAMAGED")
+    assert row["question"] == why
+    told = sdt("why", changed, "--store", str(place))
+    assert told.code == 2
+    assert "is of no law:Verdict" in told.err
+
+
 def test_what_another_version_judged_counts_as_outdated_and_says_what_to_do(sdt, tmp_path: Path) -> None:
     place, twin = tmp_path / "kept.trig", small_twin("a", ("pr2",))
     with SavedVerdicts(place) as saved:

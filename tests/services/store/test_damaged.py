@@ -11,11 +11,16 @@ import pytest
 
 from predicates.case import Diagnosis, Kind, Outcome, Verdict
 from predicates.record import to_record
-from sdt_kg.errors import StoreRejectedError
-from sdt_kg.iri import LAW
+from predicates.record.seal import RECORD_HASH
+from predicates.specification.record import task_record
+from sdt_kg.errors import InputError, StoreRejectedError
+from sdt_kg.iri import LAW, RDF, Iri
+from sdt_kg.store import rows_of
 from services.embodiment.recheck import Saved
 from services.store.files import SavedVerdicts, opened, query_saved
-from services.store.records import all_recalled, graph_of
+from services.store.records import all_recalled, changed_since, graph_of
+from services.why import why
+from tests.competency.conftest import task_results
 from tests.services.store.test_every_store import Judged, place
 
 __all__ = ["place"]
@@ -84,6 +89,87 @@ def test_all_others_are_read_and_the_changed_one_is_named(saved: SavedVerdicts, 
     sound, damaged = all_recalled(saved.store.dump())
     assert {each.iri for each in sound} == {each.iri for each in judged[1][1:]}
     assert list(damaged) == [judged[1][0].iri]
+
+
+def edited(saved: SavedVerdicts, iri: Iri, predicate: Iri, value: ox.NamedNode | ox.Literal | None) -> None:
+    """Another value of what a record says once, or none."""
+    graph, subject, name = graph_of(iri), ox.NamedNode(iri), ox.NamedNode(predicate)
+    (was,) = (each for each in saved.store.graph(graph) if (each.subject, each.predicate) == (subject, name))
+    others = [each for each in saved.store.graph(graph) if each != was]
+    more = [] if value is None else [ox.Quad(subject, name, value, was.graph_name)]
+    saved.store.replace(graph, [*others, *more])
+
+
+@pytest.mark.parametrize(
+    ("predicate", "value"),
+    [(RDF + "type", ox.NamedNode(LAW + "Note")), (RDF + "type", None), (RECORD_HASH, None)],
+)
+def test_a_record_that_says_to_be_something_else_or_has_no_hash_is_named(
+    saved: SavedVerdicts, judged: Judged, predicate: Iri, value: ox.NamedNode | None
+) -> None:
+    first, *others = judged[1]
+    for each in judged[1]:
+        saved.add(each)
+    edited(saved, first.iri, predicate, value)
+    sound, damaged = all_recalled(saved.store.dump())
+    assert {each.iri for each in sound} == {each.iri for each in others}
+    assert list(damaged) == [first.iri]
+    assert [graph for graph, _ in changed_since(saved.store.dump())] == [graph_of(first.iri)]
+    assert saved.stored(first.iri) is None
+
+
+@pytest.mark.parametrize(
+    ("predicate", "value"),
+    [
+        (LAW + "taskOutcome", ox.NamedNode(LAW + "Certified")),
+        (LAW + "taskOutcome", None),
+        (RDF + "type", ox.NamedNode(LAW + "Note")),
+        (RECORD_HASH, None),
+    ],
+)
+def test_a_changed_result_of_a_task_is_named_and_tells_nothing_and_gives_way(
+    saved: SavedVerdicts, predicate: Iri, value: ox.NamedNode | None
+) -> None:
+    broken, kept = task_results()
+    assert broken.outcome is Outcome.NOT_CERTIFIED
+    for each in (broken, kept):
+        assert saved.add_record(task_record(each))
+    edited(saved, broken.iri, predicate, value)
+    assert list(all_recalled(saved.store.dump())[1]) == [broken.iri]
+    assert [graph for graph, _ in changed_since(saved.store.dump())] == [graph_of(broken.iri)]
+    with pytest.raises(InputError):
+        why(saved.store.dump(), broken.iri)
+    assert why(saved.store.dump(), kept.iri)
+    was = saved.store.graph(graph_of(broken.iri))
+    assert saved.add_record(task_record(broken))
+    assert not all_recalled(saved.store.dump())[1]
+    (row,) = rows_of(saved.store.query(ASIDE))[1]
+    assert set(ox.parse(str(row["text"]), format=ox.RdfFormat.N_QUADS)) == set(was)
+
+
+def test_a_text_that_is_given_a_language_is_seen(saved: SavedVerdicts, judged: Judged) -> None:
+    first = judged[1][0]
+    saved.add(first)
+    graph = graph_of(first.iri)
+    name = ox.NamedNode(LAW + "name")
+    was = next(each for each in saved.store.graph(graph) if each.predicate == name)
+    assert isinstance(was.object, ox.Literal)
+    assert isinstance(was.subject, ox.NamedNode)
+    spoken = ox.Quad(was.subject, name, ox.Literal(was.object.value, language="en"), was.graph_name)
+    saved.store.replace(graph, [*(each for each in saved.store.graph(graph) if each != was), spoken])
+    assert list(all_recalled(saved.store.dump())[1]) == [first.iri]
+
+
+def test_who_else_calls_a_verdict_so_in_a_graph_of_his_own_does_not_hide_it(
+    saved: SavedVerdicts, judged: Judged
+) -> None:
+    first = judged[1][0]
+    saved.add(first)
+    told = why(saved.store.dump(), first.iri)
+    kind, verdict = ox.NamedNode(RDF + "type"), ox.NamedNode(LAW + "Verdict")
+    saved.store.add([ox.Quad(ox.NamedNode(first.iri), kind, verdict, ox.NamedNode("https://my.org/notes"))])
+    assert why(saved.store.dump(), first.iri) == told
+    assert not all_recalled(saved.store.dump())[1]
 
 
 def test_a_directory_whose_bytes_were_changed_is_told_as_damaged_wherever_it_is_read(
