@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any, TypeVar
 
-from pydantic import TypeAdapter, ValidationError
+import numpy as np
+from pydantic import BaseModel, StrictBool, StrictBytes, StrictFloat, StrictStr, TypeAdapter, ValidationError
 
 from predicates.case import Answer, Artefact, ArtefactKind, Case, Diagnosis
 from predicates.oracle import Replayed
@@ -20,6 +21,42 @@ Plain = dict[str, Any]
 Figures = dict[str, tuple[float, str]]
 """Name → value, unit."""
 M = TypeVar("M", Motion, BodyMotion)
+
+_Figure = tuple[StrictFloat, StrictStr]
+
+
+class _Case(BaseModel):
+    """What is known of a case."""
+
+    robot: StrictStr | None = None
+    task: tuple[StrictStr, StrictStr | None] | None = None
+    motion: Plain | None = None
+    body_motion: Plain | None = None
+
+
+class _Answer(BaseModel):
+    """An answer of CanPerform, as it has to be: `"no"` is no truth, and a text no list of notes."""
+
+    case: _Case
+    holds: StrictBool
+    diagnoses: list[Plain]
+    notes: tuple[StrictStr, ...]
+    seconds: dict[StrictStr, StrictFloat]
+    figures: dict[StrictStr, _Figure]
+    artefact: tuple[StrictStr, StrictBytes] | None
+
+
+class _Replayed(BaseModel):
+    """What Φ makes of a motion, as it has to be."""
+
+    final: dict[StrictStr, StrictFloat]
+    motion: Plain
+    violations: list[Plain]
+    notes: tuple[StrictStr, ...]
+    figures: dict[StrictStr, _Figure]
+
+
+B = TypeVar("B", bound=BaseModel)
 
 _DIAGNOSES = TypeAdapter(tuple[Diagnosis, ...])
 
@@ -38,8 +75,13 @@ def motion_value(kind: type[M], plain: Mapping[str, Any]) -> M:
     """The motion of these fields.
 
     Raises:
-        InputError: A field is missing.
+        InputError: A field is missing, or is of another type than a motion's.
     """
+    if not isinstance(plain, Mapping):
+        raise InputError(f"a {kind.__name__} on the bus is a {type(plain).__name__}", allowed="its fields")
+    for name, value in plain.items():
+        if _is_wrong(name, value):
+            raise InputError(f"'{name}' of a {kind.__name__} on the bus is a {type(value).__name__}")
     known: Plain = {each.name: _tupled(plain[each.name]) for each in fields(kind) if each.name in plain}
     try:
         return kind(**known)
@@ -90,17 +132,25 @@ def answer_plain(answer: Answer) -> Plain:
 
 
 def answer_value(twin: Twin, plain: Mapping[str, Any]) -> Answer:
-    """The answer about a twin."""
-    artefact = plain["artefact"]
-    return Answer(
-        case=case_value(twin, plain["case"]),
-        holds=plain["holds"],
-        diagnoses=_diagnoses(plain["diagnoses"]),
-        notes=tuple(plain["notes"]),
-        seconds=dict(plain["seconds"]),
-        figures=_figures(plain["figures"]),
-        artefact=None if artefact is None else Artefact(ArtefactKind(artefact[0]), artefact[1]),
-    )
+    """The answer about a twin.
+
+    Raises:
+        InputError: It is none.
+    """
+    said = _said(_Answer, plain)
+    try:
+        kind, content = said.artefact or (None, b"")
+        return Answer(
+            case=case_value(twin, said.case.model_dump(exclude_none=True)),
+            holds=said.holds,
+            diagnoses=_diagnoses(plain["diagnoses"]),
+            notes=said.notes,
+            seconds=said.seconds,
+            figures=said.figures,
+            artefact=None if kind is None else Artefact(ArtefactKind(kind), content),
+        )
+    except ValueError as error:  # a verb, or a kind of artefact
+        raise InputError(f"an answer on the bus: {error}") from None
 
 
 def replayed_plain(replayed: Replayed) -> Plain:
@@ -115,13 +165,18 @@ def replayed_plain(replayed: Replayed) -> Plain:
 
 
 def replayed_value(plain: Mapping[str, Any]) -> Replayed:
-    """What Φ made of a motion."""
+    """What Φ made of a motion.
+
+    Raises:
+        InputError: It is none.
+    """
+    said = _said(_Replayed, plain)
     return Replayed(
-        final=State.of(plain["final"]),
-        motion=motion_value(Motion, plain["motion"]),
+        final=State.of(said.final),
+        motion=motion_value(Motion, said.motion),
         violations=_diagnoses(plain["violations"]),
-        notes=tuple(plain["notes"]),
-        figures=_figures(plain["figures"]),
+        notes=said.notes,
+        figures=said.figures,
     )
 
 
@@ -165,8 +220,36 @@ def _figures_plain(figures: Figures) -> Plain:
     return {name: list(figure) for name, figure in figures.items()}
 
 
-def _figures(plain: Mapping[str, Any]) -> Figures:
-    return {name: (float(value), str(unit)) for name, (value, unit) in plain.items()}
+def _said(kind: type[B], plain: object) -> B:
+    """What was said, each part of its type.
+
+    Raises:
+        InputError: One is not, or is missing.
+    """
+    try:
+        return kind.model_validate(plain)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False, include_context=False)[0]
+        where = ".".join(str(each) for each in first["loc"])
+        raise InputError(f"'{where}' of an answer on the bus: {first['msg']}") from None
+
+
+def _is_wrong(name: str, value: object) -> bool:
+    """Whether a field of a motion has another type than such a field has."""
+    if name in {"of", "robot", "gripper"}:
+        return not isinstance(value, str)
+    if name in {"joints", "kitchen_joints"}:
+        return not isinstance(value, list | tuple) or not all(isinstance(each, str) for each in value)
+    if name == "timed":
+        return not isinstance(value, bool)
+    if name == "phases":
+        return not isinstance(value, list | tuple) or not all(_is_phase(each) for each in value)
+    return not isinstance(value, np.ndarray) and not (name == "velocities" and value is None)
+
+
+def _is_phase(value: object) -> bool:
+    """Whether it is a name and a number of a sample."""
+    return isinstance(value, list | tuple) and [type(each) for each in value] == [str, int]
 
 
 def _diagnoses(plain: object) -> tuple[Diagnosis, ...]:

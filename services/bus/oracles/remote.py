@@ -2,14 +2,16 @@
 
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any
+from functools import partial
+from typing import Any, TypeVar
 
 import zenoh
 
 from predicates.case import Answer, Case
 from predicates.oracle import Replayed
+from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN, TeeClass
@@ -19,9 +21,9 @@ from services.app import Oracles, Policy
 from services.bus import keys
 from services.bus.asking import present, problem_in
 from services.bus.keys import Oracle
+from services.bus.oracles.bound import UnfitReplyError, answer_to
 from services.bus.oracles.codec import (
     Plain,
-    answer_value,
     case_plain,
     motion_plain,
     motion_value,
@@ -36,6 +38,8 @@ from services.judging.codec import CBOR, encode, from_cbor, to_cbor
 from services.judging.messages import Header
 from services.judging.problems import BusUnavailableError, ConflictError, ProblemType, error_of, problem
 from services.relative import TeeName
+
+T = TypeVar("T")
 
 _LATE = problem(ProblemType.UNAVAILABLE, "the oracle gave no answer in time")
 QUICK = 60.0
@@ -63,8 +67,24 @@ class Callers:
         """Who is there now."""
         return present(self.session, keys.any_oracle(self.kind))
 
-    def call(self, verb: str, twin: Twin | None, seconds: float = QUICK, **given: Any) -> Any:  # noqa: ANN401 - what CBOR carries
-        """The answer of whichever oracle was asked least; if it dies, or has another version, of another.
+    def call(
+        self,
+        verb: str,
+        twin: Twin | None,
+        read: Callable[[Any], T],
+        seconds: float = QUICK,
+        **given: Any,  # noqa: ANN401 - what CBOR carries
+    ) -> T:
+        """The answer of whichever oracle was asked least.
+
+        If that dies, has another version, or replies what is no answer to this question, of another.
+
+        Args:
+            verb: What is asked.
+            twin: About which; None: about the oracle.
+            read: What is answered, of what CBOR carries; an error where that is no answer.
+            seconds: After which nobody waits any more.
+            given: Fields of the question.
 
         Raises:
             BusUnavailableError: No oracle is there, or none of those that were there has answered.
@@ -79,9 +99,11 @@ class Callers:
                 raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, said))
             instance = self._least_asked(there)
             try:
-                return self._answer(instance, verb, twin, seconds, given)
+                return _read(self._answer(instance, verb, twin, seconds, given), read)
             except (BusUnavailableError, ConflictError) as error:
                 silent[instance] = error.problem.detail
+            except UnfitReplyError as error:
+                silent[instance] = f"what {instance} replies is no answer to {verb}: {error}"
 
     def _least_asked(self, there: list[str]) -> str:
         """Whose turn it is; one that has just come has been asked as often as who was asked least."""
@@ -91,7 +113,7 @@ class Callers:
         self.asked[instance] += 1
         return instance
 
-    def _answer(self, instance: str, verb: str, twin: Twin | None, seconds: float, given: Plain) -> Any:  # noqa: ANN401 - what CBOR carries
+    def _answer(self, instance: str, verb: str, twin: Twin | None, seconds: float, given: Plain) -> bytes:
         """The answer of one oracle, which is sent the twin if it does not hold it."""
         about = {} if twin is None else {"twin": _twin_plain(twin)}
         try:
@@ -101,7 +123,7 @@ class Callers:
                 raise
         return self._once(instance, verb, seconds, given | {"twin": _twin_plain(twin, whole=True)})
 
-    def _once(self, instance: str, verb: str, seconds: float, plain: Plain) -> Any:  # noqa: ANN401 - what CBOR carries
+    def _once(self, instance: str, verb: str, seconds: float, plain: Plain) -> bytes:
         began = time.monotonic()
         header = Header(deadline_ms=int(seconds * 1000))
         # In the verb, not in the payload: an oracle that does not know the class has to refuse.
@@ -116,7 +138,7 @@ class Callers:
         )
         for reply in replies:
             if reply.ok is not None:
-                return from_cbor(reply.ok.payload.to_bytes())
+                return reply.ok.payload.to_bytes()
             if reply.err is not None:
                 raise error_of(problem_in(reply.err) or _LATE)
         waited = time.monotonic() - began
@@ -139,13 +161,20 @@ class Pinned:
 
     def version(self) -> str:
         """The oracle's own, as it is now."""
-        self.told = str(self.callers.call("version", None, **self.policy))
+        self.told = self.callers.call("version", None, _version, **self.policy)
         return self.told
 
-    def call(self, verb: str, twin: Twin, seconds: float = QUICK, **given: Any) -> Any:  # noqa: ANN401 - what CBOR carries
+    def call(
+        self,
+        verb: str,
+        twin: Twin,
+        read: Callable[[Any], T],
+        seconds: float = QUICK,
+        **given: Any,  # noqa: ANN401 - what CBOR carries
+    ) -> T:
         """The answer of an oracle of that version; raises as `Callers.call`."""
         version = self.told or self.version()
-        return self.callers.call(verb, twin, seconds, version=version, **self.policy, **given)
+        return self.callers.call(verb, twin, read, seconds, version=version, **self.policy, **given)
 
 
 @dataclass(frozen=True)
@@ -166,18 +195,16 @@ class RemotePhysics:
 
     def replay(self, twin: Twin, motion: Motion) -> Replayed:
         """Final state under the motion."""
-        return replayed_value(self.pinned.call("replay", twin, motion=motion_plain(motion)))
+        return self.pinned.call("replay", twin, replayed_value, motion=motion_plain(motion))
 
     def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:
         """Motions into the region, best first."""
-        for each in self.pinned.call("generate", twin, goal=region_plain(goal)):
-            yield motion_value(Motion, each)
+        yield from self.pinned.call("generate", twin, _motions, goal=region_plain(goal))
 
     def carried(self, twin: Twin, body_motion: BodyMotion, container: Container) -> Motion:
         """τ under a body motion."""
         plain = motion_plain(body_motion)
-        said = self.pinned.call("carried", twin, body_motion=plain, container=container.iri)
-        return motion_value(Motion, said)
+        return self.pinned.call("carried", twin, _motion, body_motion=plain, container=container.iri)
 
 
 @dataclass(frozen=True)
@@ -194,13 +221,13 @@ class RemoteEmbodiment:
 
     def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
         """What decides the answer beyond the case."""
-        said = self.pinned.call("settings", twin, robot=robot)
-        return tuple((str(name), str(value)) for name, value in said)
+        return self.pinned.call("settings", twin, _settings, robot=robot)
 
     def perform(self, case: Case) -> Answer:
         """Body motion that follows the case's motion, certified; or the verification of its own."""
-        said = self.pinned.call("perform", case.twin, self.budget + MARGIN, case=case_plain(case))
-        return answer_value(case.twin, said)
+        return self.pinned.call(
+            "perform", case.twin, partial(answer_to, case), self.budget + MARGIN, case=case_plain(case)
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,6 +266,43 @@ class BusOracles:
         """R under a policy."""
         pinned = Pinned(self.canperform, {"policy": policy_plain(policy)})
         return RemoteEmbodiment(pinned, policy.budget)
+
+
+def _read(content: bytes, read: Callable[[Any], T]) -> T:
+    """What an oracle answered.
+
+    Raises:
+        UnfitReplyError: It is no answer.
+    """
+    try:
+        return read(from_cbor(content))
+    except InputError as error:
+        raise UnfitReplyError(str(error)) from None
+
+
+def _version(said: object) -> str:
+    if not isinstance(said, str) or not said:
+        raise UnfitReplyError("it is no version")
+    return said
+
+
+def _settings(said: object) -> tuple[tuple[str, str], ...]:
+    """Name and value of each; no name twice."""
+    pairs = [tuple(each) for each in said if isinstance(each, list)] if isinstance(said, list) else []
+    texts = [each for each in pairs if [type(one) for one in each] == [str, str]]
+    if not isinstance(said, list) or not len(said) == len(texts) == len(dict(texts)):
+        raise UnfitReplyError("these are no settings")
+    return tuple(texts)
+
+
+def _motion(said: Plain) -> Motion:
+    return motion_value(Motion, said)
+
+
+def _motions(said: object) -> list[Motion]:
+    if not isinstance(said, list):
+        raise UnfitReplyError("these are no motions")
+    return [_motion(each) for each in said]
 
 
 def _twin_plain(twin: Twin, *, whole: bool = False) -> Plain:

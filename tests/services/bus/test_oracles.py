@@ -94,7 +94,7 @@ def test_an_oracle_that_has_just_come_gets_its_share_and_no_more(on_bus: Routed)
     long_there, new = callers.instances()
     callers.asked[long_there] = 1000
     for _ in range(4):
-        callers.call("version", None, policy=policy_plain(Policy()))
+        callers.call("version", None, str, policy=policy_plain(Policy()))
     assert callers.asked == {long_there: 1002, new: 1002}
 
 
@@ -158,7 +158,7 @@ def test_an_oracle_refuses_a_question_or_class_that_it_does_not_know(on_bus: Rou
     causes = on_bus[0].causes
     for asked in ("dance", "version;d_other"):
         with pytest.raises(InputError, match=asked.rpartition(";")[2]):
-            causes.call(asked, None)
+            causes.call(asked, None, str)
 
 
 def test_a_dead_oracle_is_noticed_and_another_asked_until_there_is_none(
