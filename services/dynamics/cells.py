@@ -37,18 +37,25 @@ class Cells:
     rests: "np.ndarray[tuple[int], np.dtype[np.bool_]]"
 
 
-def cells(motion: Motion, parts: int) -> Cells:
-    """The motion's cubic pieces, each cut into equal parts."""
+def cells(motion: Motion, parts: int, off: float = 0.0) -> Cells:
+    """The motion's cubic pieces, each cut into equal parts.
+
+    Args:
+        motion: Of a container.
+        parts: Of each piece.
+        off: How far from where the motion begins the container is then [rad or m]. Positions hold for both,
+            and all between.
+    """
     edges = np.linspace(0.0, 1.0, parts + 1)
-    return _between(motion, edges[:-1], edges[1:])
+    return _between(motion, edges[:-1], edges[1:], off)
 
 
-def instants(motion: Motion) -> Cells:
+def instants(motion: Motion, off: float = 0.0) -> Cells:
     """Some instants of each piece: what is bounded there no finer parts bound closer."""
-    return _between(motion, INSTANTS, INSTANTS)
+    return _between(motion, INSTANTS, INSTANTS, off)
 
 
-def _between(motion: Motion, begins: Array, ends: Array) -> Cells:
+def _between(motion: Motion, begins: Array, ends: Array, off: float) -> Cells:
     """Of each piece what is between some shares of it.
 
     On a piece of duration h, u in [0, 1]: q = c0 + c1 u + c2 u² + c3 u³. Acceleration is linear, speed has
@@ -74,7 +81,7 @@ def _between(motion: Motion, begins: Array, ends: Array) -> Cells:
     a = _hull((2 * c2 + 6 * c3 * low) / h**2, (2 * c2 + 6 * c3 * high) / h**2)
     swing = np.where((v.lo < 0) & (v.hi > 0), np.maximum(-v.lo, v.hi) * h * (high - low), 0.0)
     reached = _hull(position(low), position(high))
-    q = Interval(reached.lo - swing, reached.hi + swing)
+    q = Interval(reached.lo - swing + min(off, 0.0), reached.hi + swing + max(off, 0.0))
     rests = (c1 == 0) & (c2 == 0) & (c3 == 0) & np.ones_like(low, dtype=bool)
     began = times[:-1, None]
     begin, end = (began + h * low).ravel(), (began + h * high).ravel()

@@ -34,10 +34,17 @@ class Forced:
     figures: dict[str, tuple[float, str]]
 
 
-def forced(mechanics: Mechanics, container: Container, motion: Motion) -> Forced:
-    """Whether the force that τ needs is allowed, and whether the container stays before and after."""
-    needed = need(mechanics, motion)
-    begin = at_rest(mechanics, inside(mechanics, float(motion.values[0, 0])))
+def forced(mechanics: Mechanics, container: Container, motion: Motion, off: float = 0.0) -> Forced:
+    """Whether the force that τ needs is allowed, and whether the container stays before and after.
+
+    Args:
+        mechanics: Of the container.
+        container: Which τ moves.
+        motion: τ, as values of the container's own joint.
+        off: How far from where τ begins the container is then [rad or m].
+    """
+    needed = need(mechanics, motion, off)
+    begin = at_rest(mechanics, inside(mechanics, float(motion.values[0, 0]) + off))
     end = at_rest(mechanics, inside(mechanics, float(motion.values[-1, 0])))
     diagnoses = (
         *_too_much(mechanics, container, motion, needed),

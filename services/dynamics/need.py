@@ -55,26 +55,27 @@ class Need:
     monotone: bool
 
 
-def need(mechanics: Mechanics, motion: Motion) -> Need:
+def need(mechanics: Mechanics, motion: Motion, off: float = 0.0) -> Need:
     """Bounds of the force at the handle along τ, cut finer until they decide against what is allowed.
 
     Args:
         mechanics: Of the container whose joint moves.
         motion: Articulation values of that joint.
+        off: How far from where the motion begins the joint is then [rad or m].
     """
     allowed = mechanics.forces.allowed
     for parts in PARTS:
-        found = _need(mechanics, motion, parts)
+        found = _need(mechanics, motion, parts, off)
         if found.most <= allowed or found.least > allowed:
             break
     return found
 
 
-def _need(mechanics: Mechanics, motion: Motion, parts: int) -> Need:
-    spans = cells(motion, parts)
+def _need(mechanics: Mechanics, motion: Motion, parts: int, off: float) -> Need:
+    spans = cells(motion, parts, off)
     force = joint_force(mechanics, spans)
     size = at_handle(force.magnitude(), lever(mechanics, spans.q))
-    onset, begin = _onset(mechanics, motion, spans)
+    onset, begin = _onset(mechanics, motion, spans, off)
     low, high = int(np.argmax(size.lo)), int(np.argmax(size.hi))
     least, at = max((float(size.lo[low]), float(spans.begin[low])), (onset, begin))
     middle = float((spans.begin[high] + spans.end[high]) / 2)
@@ -105,7 +106,7 @@ def joint_force(mechanics: Mechanics, spans: Cells) -> Interval:
     )
 
 
-def _onset(mechanics: Mechanics, motion: Motion, spans: Cells) -> tuple[float, float]:
+def _onset(mechanics: Mechanics, motion: Motion, spans: Cells, off: float) -> tuple[float, float]:
     """Least force that leaves rest for the first time, and when; 0 where it does not begin at rest."""
     moves = np.flatnonzero(~spans.rests)
     if not moves.size:
@@ -115,7 +116,8 @@ def _onset(mechanics: Mechanics, motion: Motion, spans: Cells) -> tuple[float, f
     speed = 0.0 if motion.velocities is None else float(motion.velocities[piece, 0])
     if abs(speed) > STILL:
         return 0.0, begin
-    start = exact(motion.values[piece : piece + 1, 0])
+    start = motion.values[piece : piece + 1, 0]
+    start = Interval(start + min(off, 0.0), start + max(off, 0.0))
     pulled = resisting(mechanics, start)
     opens = bool(spans.v.hi[first] > -spans.v.lo[first])
     along = float(pulled.lo[0] if opens else -pulled.hi[0]) + break_away(mechanics)[0]

@@ -20,6 +20,7 @@ from services.dynamics.model import Mechanics
 from services.dynamics.need import need
 from services.dynamics.parameters import mechanics_of, unfit
 from services.dynamics.unheld import unheld
+from services.physics.chain import of_own_joint
 from services.physics.oracle import Kinematics
 from services.physics.tree import Model, build
 from services.versions import dynamics
@@ -49,7 +50,9 @@ class Dynamics:
         container = _container(twin, replayed.motion.of)
         model = self._model(twin)
         mechanics = mechanics_of(model, twin, container)
-        found = forced(mechanics, container, replayed.motion)
+        own = of_own_joint(model, container, replayed.motion)
+        off = twin.state[container.joint] - float(own.values[0, 0])
+        found = forced(mechanics, container, own, off)
         moving, told = unheld(model, twin, container, mechanics)
         pulled = _of_one_handle(found.diagnoses, container) if coupled(twin, container) else found.diagnoses
         violations, open_questions = _decided((*replayed.violations, *pulled, *moving))
@@ -62,7 +65,10 @@ class Dynamics:
             if unfit(twin.mechanism(twin.environment), container.joint):
                 yield motion
                 continue
-            yield _slow_enough(mechanics_of(model, twin, container), motion)
+            stretch = _slow_enough(
+                mechanics_of(model, twin, container), of_own_joint(model, container, motion)
+            )
+            yield _slower(motion, stretch)
 
     def carried(self, twin: Twin, body_motion: BodyMotion, container: Container) -> Motion:
         return self._kinematics.carried(twin, body_motion, container)
@@ -110,13 +116,16 @@ def _decided(found: tuple[Diagnosis, ...]) -> tuple[tuple[Diagnosis, ...], tuple
     return failures, tuple(each.reason for each in found if each.kind is Kind.OUT_OF_SCOPE)
 
 
-def _slow_enough(mechanics: Mechanics, motion: Motion) -> Motion:
-    """The motion, slower where that spares force; the slowest where nothing helps."""
-    slowed = motion
-    for stretch in SLOWER:
-        slowed = replace(motion, times=motion.times * stretch)
-        if motion.velocities is not None:
-            slowed = replace(slowed, velocities=np.asarray(motion.velocities / stretch))
-        if need(mechanics, slowed).most <= mechanics.forces.allowed:
-            break
-    return slowed
+def _slow_enough(mechanics: Mechanics, motion: Motion) -> float:
+    """By how much the motion is made slower where that spares force; by most where nothing helps."""
+    allowed = mechanics.forces.allowed
+    return next(
+        (each for each in SLOWER if need(mechanics, _slower(motion, each)).most <= allowed), SLOWER[-1]
+    )
+
+
+def _slower(motion: Motion, stretch: float) -> Motion:
+    slowed = replace(motion, times=motion.times * stretch)
+    if motion.velocities is None:
+        return slowed
+    return replace(slowed, velocities=np.asarray(motion.velocities / stretch))

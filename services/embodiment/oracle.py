@@ -34,12 +34,13 @@ from services.embodiment.plan import Planner
 from services.embodiment.planned import Planned
 from services.embodiment.prove import boxes
 from services.embodiment.report import refusal
-from services.embodiment.setting import Setting, container_of, of_own_joint
+from services.embodiment.setting import Setting, container_of
 from services.embodiment.several import Several
 from services.embodiment.ways import cells
 from services.embodiment.ways.start import near, turned
 from services.embodiment.worlds import Models, Worlds
 from services.kernel import worked
+from services.physics.chain import of_own_joint
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics
 from services.versions import whole_body

@@ -7,15 +7,21 @@ cannot do.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sdt_kg.errors import DisconnectedFrameError, UnknownEntityError
+from sdt_kg.errors import DisconnectedFrameError, MotionError, UnknownEntityError
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.mechanism import JointType
+from sdt_kg.motion import Motion
+from sdt_kg.twin import Container
 from services.physics.tree import Model
+
+if TYPE_CHECKING:
+    from services.physics.model import Scene
 
 Array = NDArray[np.float64]
 
@@ -143,6 +149,27 @@ def follower(model: Model, joint: Iri) -> Follower:
     return Follower(
         joint, joint_iri(mechanism.name, source.name), multiplier, float(model.coupling.offset[k])
     )
+
+
+def of_own_joint(model: "Model | Scene", container: Container, motion: Motion) -> Motion:
+    """The motion as values of the container's own joint, if it is given as those of one that moves with it.
+
+    Raises:
+        MotionError: It is of a joint that does not.
+    """
+    own, given = model.coordinate[container.joint], model.coordinate.get(motion.of)
+    if given == own:
+        return motion
+    source, multiplier, offset = model.coupling.source, model.coupling.multiplier, model.coupling.offset
+    if given is None or source[given] != source[own] or multiplier[given] == 0:
+        raise MotionError(
+            f"the motion is of {local_name(motion.of)}, which does not move {container.name}",
+            allowed=f"one of {local_name(container.joint)}",
+        )
+    scale = multiplier[own] / multiplier[given]
+    values = offset[own] + scale * (motion.values - offset[given])
+    velocities = None if motion.velocities is None else np.asarray(scale * motion.velocities)
+    return replace(motion, of=container.joint, values=values, velocities=velocities)
 
 
 def chain(model: Model, body: Iri, state: Mapping[Iri, float]) -> Chain:

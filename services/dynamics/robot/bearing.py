@@ -60,7 +60,8 @@ class Bearing:
         mechanics = self._dynamics.mechanics(twin, container)
         carried = self._dynamics.carried(twin, body, container)
         asked = checks(scene, twin, body.gripper)
-        bounds = _decided(asked, partial(loads, scene, body, mechanics), carried) if asked.of else []
+        off = twin.state[container.joint] - float(carried.values[0, 0])
+        bounds = _decided(asked, partial(loads, scene, body, mechanics), carried, off) if asked.of else []
         found = [each for bound in bounds for each in _judged(bound, mechanics.forces.iri)]
         refusals = tuple(each for each in found if each.kind is Kind.EMBODIMENT)
         figures = answer.figures | _nearest(bounds)
@@ -74,15 +75,18 @@ class Bearing:
         )
 
 
-def _decided(asked: Checks, loaded: Callable[[Cells], Loads], carried: Motion) -> list[Bound]:
-    """Of every check, over spans so short that they decide; of those alone that none will, if there are."""
+def _decided(asked: Checks, loaded: Callable[[Cells], Loads], carried: Motion, off: float) -> list[Bound]:
+    """Of every check, over spans so short that they decide; of those alone that none will, if there are.
+
+    The container is `off` from where the motion begins, then.
+    """
     bounds = list[Bound]()
     for parts in PARTS:
-        bounds = asked.bounds(loaded(cells(carried, parts)))
+        bounds = asked.bounds(loaded(cells(carried, parts, off)))
         if all(each.decided for each in bounds):
             break
         if parts == PARTS[0]:
-            here = zip(bounds, asked.bounds(loaded(instants(carried))), strict=True)
+            here = zip(bounds, asked.bounds(loaded(instants(carried, off))), strict=True)
             broken = [replace(over, least=at.least) for over, at in here if at.most > at.bound]
             if broken:
                 return broken

@@ -28,8 +28,8 @@ from services.embodiment.hold.kit import Kit, Kits
 from services.embodiment.oracle import WholeBody
 from services.embodiment.place.grid import CELLS, SIDE, Cell, Excluder, Status, block, cells
 from services.embodiment.prove import Prover
-from services.embodiment.setting import of_own_joint
 from services.kernel import worked
+from services.physics.chain import of_own_joint
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics
 

@@ -155,6 +155,30 @@ def test_too_much_force_is_proved_for_times_that_are_demanded_only() -> None:
     assert [each.proof for each in (*proposed.diagnoses, *demanded.diagnoses)] == [False, True]
 
 
+@pytest.mark.parametrize("begins", [0.0009, 0.0015, 0.00199])
+@pytest.mark.parametrize("timed", [True, False])
+def test_a_motion_that_begins_beyond_a_latch_does_not_spare_the_container_that(
+    begins: float, timed: bool
+) -> None:
+    """τ may begin up to 2 mm from where the drawer is: that is where the latch holds it."""
+    twin = edited(RUNNERS, latchForce=(100, 120), latchWidth=0.001)
+    drawer = twin.container("top_drawer")
+    values = np.array([[begins], [drawer.upper / 2], [drawer.upper]])
+    motion = Motion(drawer.joint, np.array([0.0, 2.0, 4.0]), values, timed)
+    assert forced(PHYSICS.mechanics(twin, drawer), drawer, motion).figures["handle force, at most"][0] < 60
+    (answer,) = causes(replace(asked(twin), motion=motion), PHYSICS)
+    assert [each.kind for each in answer.diagnoses] == [Kind.OUT_OF_SCOPE]
+    assert "leave open whether top_drawer needs more than 60 N" in answer.diagnoses[0].reason
+
+
+def test_a_motion_that_begins_in_a_latch_proves_nothing_of_a_container_beyond_it() -> None:
+    joint = forced_twin().container("top_drawer").joint
+    twin = edited(RUNNERS, latchForce=(100, 120), latchWidth=0.001).at({joint: 0.0015})
+    motion = Motion(joint, np.array([0.0, 2.0, 4.0]), np.array([[0.0], [0.2], [0.45]]))
+    (answer,) = causes(replace(asked(twin), motion=motion), PHYSICS)
+    assert [(each.kind, each.proof) for each in answer.diagnoses] == [(Kind.OUT_OF_SCOPE, False)]
+
+
 def test_the_verdict_says_its_class_and_that_of_d_artic_is_what_it_was() -> None:
     (kinematic,) = law(asked(small_twin("b")), Kinematics())
     dynamic = judged(forced_twin())

@@ -150,3 +150,24 @@ def test_bad_figures_of_a_follower_keep_its_leader_outside() -> None:
     twin = pair().with_edit(own, coulombFrictionFrom=-1.0)
     (found,) = violations(twin, twin.container("left_leaf"), tee=D_ARTIC_DYN)
     assert (found.focus, found.value) == (own, -1.0)
+
+
+def test_a_motion_of_the_joint_that_a_container_follows_needs_the_force_of_the_containers_own(
+    tmp_path: Path,
+) -> None:
+    """The upper drawer has no handle: the lower one is the container, and goes half as far."""
+    text = (HERE / "pair.urdf").read_text().replace("upper_drawer_handle", "upper_drawer_trim")
+    (tmp_path / "pair.urdf").write_text(text)
+    twin, physics = with_forces(load_twin(tmp_path / "pair.urdf"), HERE / "pair_forces.ttl"), Dynamics()
+    drawer = twin.container("lower_drawer")
+    assert (drawer.joint, drawer.active_joint) == (
+        f"{ID}joint/lower_drawer_joint",
+        f"{ID}joint/upper_drawer_joint",
+    )
+    values = np.array([[0.0], [0.12], [0.24]])
+    own = Motion(drawer.joint, np.array([0.0, 1.5, 3.0]), values)
+    led = replace(own, of=drawer.active_joint, values=values / drawer.multiplier)
+    one, other = (physics.replay(twin, each) for each in (own, led))
+    assert other.figures == one.figures
+    assert [each.reason for each in other.violations] == [each.reason for each in one.violations]
+    assert other.final == one.final

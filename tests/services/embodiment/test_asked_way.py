@@ -16,7 +16,7 @@ from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.embodiment.certify.certificate import read_certificate
 from services.embodiment.oracle import WholeBody
-from services.embodiment.setting import of_own_joint
+from services.physics.chain import of_own_joint
 from services.physics.model import Scene
 from services.physics.oracle import Kinematics
 from tests.services.embodiment.gantry import DRAWER, LETTING_GO, RESTS, START, gantry_twin, opening
