@@ -219,7 +219,7 @@ class WholeBody:
             drive=drive,
             start=start,
             scene=world.scene,
-            asked=to_keep(self._as_values(case), case.body_motion),
+            asked=to_keep(world.scene, self._as_values(case), case.body_motion),
             one_hold=not self.regrasps,
             in_full=True,
         )

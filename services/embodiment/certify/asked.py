@@ -30,6 +30,7 @@ AS_PHYSICS = {
     "start_angle": START_TOLERANCE["rad"],
 }
 HALVINGS = 60  # until a time is known to the last bit
+ROUNDING = 1e-12  # [1, and rad or m] more than a product and a sum of these are rounded
 
 
 def refused_at_once(scene: Scene, container: Container, motion: Motion, tolerances: Tolerances) -> Findings:
@@ -68,13 +69,28 @@ def _is_way(scene: Scene, container: Container, motion: Motion) -> bool:
     return begins and inside and float(np.ptp(values)) > START_TOLERANCE["rad"]
 
 
-def to_keep(motion: Motion | None, body: BodyMotion) -> Motion | None:
-    """The motion that the body motion has to keep; none if that carries it itself."""
-    if motion is None or motion.of not in body.kitchen_joints or motion.velocities is None:
+def to_keep(scene: Scene, motion: Motion | None, body: BodyMotion) -> Motion | None:
+    """The motion that the body motion has to keep; none if that carries it itself, by whichever joint."""
+    if motion is None or motion.is_poses or motion.velocities is None or motion.of not in scene.coordinate:
         return motion
-    k = [body.kitchen_joints.index(motion.of)]
-    same = np.array_equal(motion.times, body.times) and np.array_equal(motion.values, body.kitchen_q[:, k])
-    return None if same and np.array_equal(motion.velocities, body.kitchen_v[:, k]) else motion
+    joints, k, coupling = [*body.kitchen_joints], scene.coordinate[motion.of], scene.coupling
+    for joint in (
+        [motion.of] if motion.of in joints else [each for each in joints if each in scene.coordinate]
+    ):
+        i, j = joints.index(joint), scene.coordinate[joint]
+        if coupling.source[j] != coupling.source[k] or coupling.multiplier[j] == 0:
+            continue
+        ratio = coupling.multiplier[k] / coupling.multiplier[j]
+        values = coupling.offset[k] + ratio * (body.kitchen_q[:, [i]] - coupling.offset[j])
+        same = _same(motion.times, body.times) and _same(motion.values, values)
+        if same and _same(motion.velocities, ratio * body.kitchen_v[:, [i]]):
+            return None
+    return motion
+
+
+def _same(one: Array, other: Array) -> bool:
+    """Whether two arrays differ by no more than converting a joint's values to another's rounds."""
+    return one.shape == other.shape and np.allclose(one, other, rtol=ROUNDING, atol=ROUNDING)
 
 
 def keeps(scene: Scene, pieces: Pieces, motion: Motion, tolerances: Tolerances) -> Findings:

@@ -1,6 +1,7 @@
 """A container that rests on the way may be let go there, and taken hold of anew."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ import pytest
 from predicates.case import Case, Diagnosis, Outcome, Quantity
 from predicates.law import law
 from sdt_kg.annotation import Drive
+from sdt_kg.iri import joint_iri
+from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
@@ -16,7 +19,7 @@ from services.embodiment.certify.certificate import read_certificate
 from services.embodiment.oracle import WholeBody
 from services.embodiment.recheck.embodiment import Certifier
 from services.physics.oracle import Kinematics
-from tests.services.embodiment.gantry import DRAWER, RESTS, START, TWICE, gantry_twin, opening
+from tests.services.embodiment.gantry import DRAWER, FOLDER, RESTS, START, TWICE, gantry_twin, opening
 from tests.services.embodiment.judging import judge, refusal
 
 pytestmark = pytest.mark.oracle
@@ -196,3 +199,39 @@ def test_a_hand_that_only_passes_by_with_open_fingers_drags_nothing(twin: Twin) 
     bare = replace(motion, kitchen_joints=(), kitchen_q=np.zeros((0, 0)), kitchen_v=np.zeros((0, 0)))
     carried = Kinematics().carried(twin, bare, twin.container("drawer_main"))
     assert carried.values[-1, 0] == pytest.approx(0.23, abs=1e-5)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 2.0, 0.3])
+@pytest.mark.parametrize("told", [True, False])
+def test_a_container_that_follows_a_motor_is_held_twice_by_a_motion_of_that_or_of_none(
+    tmp_path: Path, ratio: float, told: bool
+) -> None:
+    """What the body motion makes of the container is no motion that somebody asked for with its times."""
+    cell = (FOLDER / "cell.urdf").read_text()
+    upper = 0.5 / ratio
+    motor = (
+        '<link name="motor"/><joint name="motor_joint" type="prismatic"><parent link="world"/>'
+        f'<child link="motor"/><limit lower="0" upper="{upper}" velocity="9" effort="9"/></joint>'
+    )
+    mimic = f'effort="10"/><mimic joint="motor_joint" multiplier="{ratio}"/></joint>'
+    cell = cell.replace('effort="10"/></joint>', mimic).replace("<!-- more -->", motor)
+    (tmp_path / "cell.urdf").write_text(cell)
+    twin = load_twin(tmp_path / "cell.urdf", [FOLDER / "gantry.urdf"])
+    moves = twice()
+    joints = (joint_iri("cell", "motor_joint"),) if told else ()
+    columns = slice(0, len(joints))
+    moves = replace(
+        moves,
+        kitchen_joints=joints,
+        kitchen_q=moves.kitchen_q[:, columns] / ratio,
+        kitchen_v=moves.kitchen_v[:, columns] / ratio,
+    )
+    task = Task(Verb.OPEN, twin.container("drawer_main").iri)
+    (verdict,) = law(
+        Case(twin, robot=twin.robots[0], task=task, body_motion=moves),
+        Kinematics(),
+        WholeBody(Drive.OMNI, START),
+    )
+    assert verdict.outcome is Outcome.CERTIFIED, verdict.diagnoses
+    assert verdict.can_perform is not None
+    assert verdict.can_perform.figures["holds"] == (2.0, "1")
