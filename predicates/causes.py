@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from predicates.case import Answer, Case, Diagnosis, Evidence, Kind, Quantity
 from predicates.meant import containers_meant, moved_by, tasks_meant, unit_of
-from predicates.oracle import Physics, Replayed, tee_class_of
+from predicates.oracle import LET_GO, Physics, Replayed, tee_class_of
 from predicates.satisfies_request import demanded, meets, satisfies_request, threshold
 from predicates.scope import out_of_scope
 from sdt_kg.errors import NoModeError, UnknownEntityError
@@ -80,6 +80,7 @@ def _verified(case: Case, motion: Motion, physics: Physics) -> Answer:
             diagnoses += _nothing_to_cause(case, task, container)
     certain = all(each.proof for each in replayed.violations)
     diagnoses += _missed(case, case.final, replayed.final, proof=certain)
+    diagnoses += () if diagnoses else _left(case, replayed)
     solved = replace(case, motion=replayed.motion, final=replayed.final)
     return Answer(solved, not diagnoses, tuple(diagnoses), _notes(case, replayed), figures=replayed.figures)
 
@@ -119,6 +120,7 @@ def _generated(case: Case, goal: Region, physics: Physics) -> Answer:
         diagnoses = replayed.violations + _missed(case, goal, replayed.final, proof=False)
         if goal != case.final and not diagnoses:
             diagnoses = _missed(case, case.final, replayed.final, proof=False)
+        diagnoses += () if diagnoses else tuple(_left(case, replayed))
         solved = replace(case, motion=replayed.motion, final=replayed.final)
         return Answer(solved, not diagnoses, diagnoses, _notes(case, replayed), figures=replayed.figures)
     reason = "the physics found no motion into the goal"
@@ -151,6 +153,27 @@ def _missed(case: Case, goal: object, final: State, *, proof: bool) -> tuple[Dia
             raise UnknownEntityError("joint", local_name(joint), map(local_name, final))
     missed = [(joint, interval) for joint, interval in _intervals(goal) if final[joint] not in interval]
     return tuple(_outside_goal(case, joint, final[joint], interval, proof) for joint, interval in missed)
+
+
+def _left(case: Case, replayed: Replayed) -> Iterator[Diagnosis]:
+    """Where the container may leave a final state or region that was asked for, when it is let go.
+
+    Φ lets it move further open than open, or further shut than closed: as far as its stop, perhaps.
+    """
+    if LET_GO not in replayed.figures:
+        return
+    container = moved_by(case.twin, replayed.motion.of)[0]
+    at = replayed.final[container.joint]
+    stop = container.lower if at <= container.closed_to else container.upper
+    stopped = case.twin.at({container.joint: stop}).state
+    for joint, interval in _intervals(case.final):
+        if stopped[joint] not in interval:
+            reason = f"{container.name} may move when it is let go at {at:.4g}, and leave {_text(interval)}"
+            yield replace(
+                _outside_goal(case, joint, stopped[joint], interval, proof=False),
+                reason=reason,
+                kind=Kind.OUT_OF_SCOPE,
+            )
 
 
 def _intervals(goal: object) -> tuple[tuple[Iri, Interval], ...]:

@@ -14,6 +14,7 @@ from sdt_kg.errors import AnnotationError, InputError, OracleRejectedError
 from sdt_kg.iri import LAW, local_name
 from sdt_kg.motion import Motion
 from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN
+from sdt_kg.state import Interval, Region
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services import load
@@ -117,6 +118,23 @@ def test_what_springs_back_and_may_stay_open_is_not_refused() -> None:
     told = [each for each in found if "may move shut" in each.reason]
     assert [(each.kind, each.proof) for each in told] == [(Kind.OUT_OF_SCOPE, False)]
     assert not any("does not stay" in each.reason for each in found)
+
+
+def test_a_door_that_falls_further_open_does_not_stay_where_a_final_region_wants_it() -> None:
+    twin = forced_twin()
+    door = twin.container("oven_door")
+    near, open_ = (
+        Region(((door.joint, Interval(door.open_from + 0.018, upper)),))
+        for upper in (door.open_from + 0.022, door.upper)
+    )
+    (made,) = causes(Case(twin, final=open_), PHYSICS)
+    assert made.holds
+    (answer,) = causes(Case(twin, final=near), PHYSICS)
+    (again,) = causes(Case(twin, final=near, motion=answer.case.motion), PHYSICS)
+    for each in (answer, again):
+        (diagnosis,) = each.diagnoses
+        assert (each.holds, diagnosis.kind, diagnosis.proof) == (False, Kind.OUT_OF_SCOPE, False)
+        assert "oven_door may move when it is let go at 1.372, and leave [1.368, 1.372]" in diagnosis.reason
 
 
 def test_a_door_that_would_fall_from_where_it_begins_is_no_state_to_ask_about() -> None:

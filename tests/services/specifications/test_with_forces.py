@@ -67,3 +67,14 @@ def test_a_step_to_a_position_abstains_where_the_law_does() -> None:
         found = run(twin, ("top_drawer", said))
         assert (found.outcome, found.steps[0].verdict.outcome) == (Outcome.ABSTAINED, Outcome.ABSTAINED)
         assert found.steps[0].verdict.causes is None
+
+
+def test_a_step_to_a_position_abstains_where_the_container_may_not_stay_when_let_go() -> None:
+    """Further open than open does no harm to a request to open; a goal of 1.4 rad it leaves."""
+    found = run(forced_twin(("pr2",)), ("oven_door", "; law:goalPosition 1.4"))
+    assert (found.outcome, found.steps[0].verdict.outcome) == (Outcome.ABSTAINED, Outcome.ABSTAINED)
+    assert (
+        "may move when it is let go at 1.4, and leave [1.398, 1.402]"
+        in found.steps[0].verdict.diagnoses[0].reason
+    )
+    assert run(forced_twin(("pr2",)), ("top_drawer", "; law:goalPosition 0.3")).outcome is Outcome.CERTIFIED
