@@ -15,6 +15,8 @@ from services.dynamics.model import Mechanics
 from services.dynamics.need import Need, need
 from services.dynamics.rest import Rest, at_rest, driven
 
+AT_MOST = "handle force, at most"
+"""The figure that bounds the force from above [N]."""
 UNDECIDED = "https://example.org/tee/d_artic_dyn#ForceModelShape"
 """The shape whose intervals are too wide, or leave open what a verdict would have to claim."""
 
@@ -60,7 +62,7 @@ def forced(mechanics: Mechanics, container: Container, motion: Motion, off: floa
         f"force model {models}",
     )
     figures = {
-        "handle force, at most": (needed.most, "N"),
+        AT_MOST: (needed.most, "N"),
         "handle force, at least": (needed.least, "N"),
         "handle force, allowed": (allowed, "N"),
     }

@@ -15,7 +15,7 @@ from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.scope import D_ARTIC_DYN, TeeClass
 from sdt_kg.state import Region
 from sdt_kg.twin import Container, Twin
-from services.dynamics.judge import forced
+from services.dynamics.judge import AT_MOST, Forced, forced
 from services.dynamics.model import Mechanics
 from services.dynamics.need import need
 from services.dynamics.parameters import mechanics_of, unfit
@@ -47,21 +47,29 @@ class Dynamics:
 
     def replay(self, twin: Twin, motion: Motion) -> Replayed:
         replayed = self._kinematics.replay(twin, motion)
-        container = _container(twin, replayed.motion.of)
-        model = self._model(twin)
-        mechanics = mechanics_of(model, twin, container)
-        own = of_own_joint(model, container, replayed.motion)
-        off = twin.state[container.joint] - float(own.values[0, 0])
-        found = forced(mechanics, container, own, off)
-        moving, told = unheld(model, twin, container, mechanics)
-        pulled = _of_one_handle(found.diagnoses, container) if coupled(twin, container) else found.diagnoses
-        violations, open_questions = _decided((*replayed.violations, *pulled, *moving))
-        notes = (*replayed.notes, *found.notes, *told, *open_questions)
-        return replace(replayed, violations=violations, notes=notes, figures=found.figures)
+        moved, model = _moved(twin, replayed.motion.of), self._model(twin)
+        found = [self._forced(twin, each, replayed.motion) for each in moved]
+        pulled = [
+            each
+            for container, one in zip(moved, found, strict=True)
+            for each in (
+                _of_one_handle(one.diagnoses, container) if coupled(twin, container) else one.diagnoses
+            )
+        ]
+        moving, told = unheld(model, twin, moved[0], self.mechanics(twin, moved[0]))
+        violations, open_questions = _decided((*replayed.violations, *dict.fromkeys(pulled), *moving))
+        notes = (*(note for one in found for note in one.notes), *_at_each(moved), *told, *open_questions)
+        figures = max((one.figures for one in found), key=lambda each: each[AT_MOST])
+        return replace(
+            replayed,
+            violations=violations,
+            notes=(*replayed.notes, *dict.fromkeys(notes)),
+            figures=figures,
+        )
 
     def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:
         for motion in self._kinematics.generate(twin, goal):
-            container, model = _container(twin, motion.of), self._model(twin)
+            container, model = _moved(twin, motion.of)[0], self._model(twin)
             if unfit(twin.mechanism(twin.environment), container.joint):
                 yield motion
                 continue
@@ -77,6 +85,12 @@ class Dynamics:
         """All that forces at the container's handle depend on."""
         return mechanics_of(self._model(twin), twin, container)
 
+    def _forced(self, twin: Twin, container: Container, motion: Motion) -> Forced:
+        """What the motion needs at the container's handle."""
+        own = of_own_joint(self._model(twin), container, motion)
+        off = twin.state[container.joint] - float(own.values[0, 0])
+        return forced(self.mechanics(twin, container), container, own, off)
+
     def _model(self, twin: Twin) -> Model:
         mechanism = twin.mechanism(twin.environment)
         for known, model in self._models:
@@ -86,16 +100,24 @@ class Dynamics:
         return self._models[0][1]
 
 
-def _container(twin: Twin, joint: Iri) -> Container:
-    """The container that the joint moves.
+def _moved(twin: Twin, joint: Iri) -> tuple[Container, ...]:
+    """The containers that the joint moves; at the handle of any a force may act.
 
     Raises:
-        OracleRejectedError: None does: there is no handle at which a force could act.
+        OracleRejectedError: There is none, and so no handle.
     """
     moved = moved_by(twin, joint)
     if not moved:
         raise OracleRejectedError(f"{local_name(joint)} moves no container, so no handle has a force")
-    return moved[0]
+    return moved
+
+
+def _at_each(moved: tuple[Container, ...]) -> tuple[str, ...]:
+    """That several handles were asked about, and how to ask about one."""
+    if len(moved) == 1:
+        return ()
+    names = " and ".join(each.name for each in moved)
+    return (f"forces are judged at the handles of {names}: a motion of one's own joint asks of that alone",)
 
 
 def _of_one_handle(found: tuple[Diagnosis, ...], container: Container) -> tuple[Diagnosis, ...]:

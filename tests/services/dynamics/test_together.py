@@ -171,3 +171,33 @@ def test_a_motion_of_the_joint_that_a_container_follows_needs_the_force_of_the_c
     assert other.figures == one.figures
     assert [each.reason for each in other.violations] == [each.reason for each in one.violations]
     assert other.final == one.final
+
+
+def _three_drawers(folder: Path) -> Twin:
+    """The upper drawer has no handle: a second one follows it, a tenth as far, besides the lower one."""
+    text = (HERE / "pair.urdf").read_text().replace("upper_drawer_handle", "upper_drawer_trim")
+    lower = text[text.index('  <link name="lower_drawer">') : text.index("</robot>")]
+    small = lower.replace("lower_drawer", "small_drawer").replace("-1.5 0.5", "-1.5 0.2")
+    small = small.replace('multiplier="0.5"', 'multiplier="0.1"').replace('upper="0.25"', 'upper="0.05"')
+    (folder / "pair.urdf").write_text(text.replace("</robot>", small + "</robot>"))
+    forces = (HERE / "pair_forces.ttl").read_text()
+    forces += forces[forces.index(f"<{ID}joint/lower") :].replace("lower_drawer", "small_drawer")
+    (folder / "forces.ttl").write_text(forces)
+    return with_forces(load_twin(folder / "pair.urdf"), folder / "forces.ttl")
+
+
+def test_a_motion_that_moves_several_containers_needs_the_force_at_each_handle(tmp_path: Path) -> None:
+    """At the small drawer's handle all three are moved by a tenth of the way, with ten times the force."""
+    twin, physics = _three_drawers(tmp_path), Dynamics()
+    lower, small = (twin.container(f"{name}_drawer") for name in ("lower", "small"))
+    assert lower.active_joint == small.active_joint != lower.joint
+    values = np.array([[0.0], [0.12], [0.24]])
+    own = Motion(lower.joint, np.array([0.0, 1.5, 3.0]), values)
+    led = replace(own, of=lower.active_joint, values=values / lower.multiplier)
+    at_small = physics.replay(twin, replace(own, of=small.joint, values=values / 5))
+    at_lower, at_each = physics.replay(twin, own), physics.replay(twin, led)
+    assert not at_lower.violations
+    assert at_each.figures == at_small.figures
+    assert [each.evidence.entity for each in at_each.violations if each.evidence] == [small.handle]
+    assert not any(each.proof for each in at_each.violations)
+    assert any("at the handles of lower_drawer and small_drawer" in note for note in at_each.notes)
