@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Final
 
@@ -26,6 +27,8 @@ GRAPH_FORMATS: Final = {".nq": ox.RdfFormat.N_QUADS, ".trig": ox.RdfFormat.TRIG}
 MODEL_SUFFIXES: Final = (".urdf", ".xacro")
 FAR: Final = 30.0
 """[m] From one part of a kitchen to the next; of one in centimetres or inches, some are farther apart."""
+KEPT: Final = 8
+"""[1] Twins of bundled models that a process keeps, for whoever loads them again."""
 _FOLDERS: Final = {"kitchen": kitchens.path, "robot": bundled_robots.path}
 
 
@@ -35,6 +38,8 @@ def load_twin(
     annotation: str | Path | None = None,
 ) -> Twin:
     """Twin of a kitchen with robots, all containers closed; a saved one in the state in which it was.
+
+    Bundled models are read once as long as their files stay as they are: nothing writes to a twin.
 
     Args:
         kitchen: Bundled name (`a`, `b`) or path of a URDF, xacro, MJCF (`.xml`) or SDF file, or of a
@@ -52,6 +57,31 @@ def load_twin(
     kitchen_file, robot_files = _explicit(annotation, robots)
     if Path(kitchen).suffix in GRAPH_FORMATS:
         return _saved(Path(kitchen), kitchen_file, list(zip(robots, robot_files, strict=True)))
+    named = (("kitchen", kitchen), *(("robot", robot) for robot in robots))
+    if annotation is None and all(_is_bundled(kind, str(name)) for kind, name in named):
+        files = tuple(_files(bundled(kind, str(name))) for kind, name in named)
+        return _once(str(kitchen), tuple(map(str, robots)), files)
+    return _read(kitchen, robots, kitchen_file, robot_files)
+
+
+@lru_cache(KEPT)
+def _once(kitchen: str, robots: tuple[str, ...], _files: tuple[object, ...]) -> Twin:
+    """The twin of bundled models whose files are these."""
+    return _read(kitchen, robots, None, [None] * len(robots))
+
+
+def _files(model: Path) -> tuple[tuple[str, int, int], ...]:
+    """The files in a model's folder, with when they were written and how long they are."""
+    found = ((str(file), file.stat()) for file in sorted(model.parent.iterdir()))
+    return tuple((file, stat.st_mtime_ns, stat.st_size) for file, stat in found)
+
+
+def _read(
+    kitchen: str | Path,
+    robots: Sequence[str | Path],
+    kitchen_file: Path | None,
+    robot_files: Sequence[Path | None],
+) -> Twin:
     store = MemoryStore()
     store.add(TEE_GRAPH, tee_triples())
     asserted: dict[Iri, Iri] = {}
@@ -182,6 +212,10 @@ def bundled(kind: str, name: str) -> Path:
     return _FOLDERS[kind](name) / f"{name}.urdf"
 
 
+def _is_bundled(kind: str, name: str) -> bool:
+    return "/" not in name and bundled(kind, name).is_file()
+
+
 def model_path(kind: str, name_or_path: str | Path) -> Path:
     """URDF file of a bundled name, or the path as given; of kitchens also scene files.
 
@@ -189,7 +223,7 @@ def model_path(kind: str, name_or_path: str | Path) -> Path:
         UnknownEntityError: Neither.
     """
     text = str(name_or_path)
-    if "/" not in text and bundled(kind, text).is_file():
+    if _is_bundled(kind, text):
         return bundled(kind, text)
     path = Path(name_or_path)
     suffixes = (*MODEL_SUFFIXES, *(SCENE_SUFFIXES if kind == "kitchen" else ()))
