@@ -119,14 +119,16 @@ def _refuse_mistyped(ctx: click.Context, command: click.Command, args: list[str]
 
 
 class _Loading(MutableMapping[str, click.Command]):
-    """Subcommands by name, each imported when it is looked up."""
+    """Subcommands by name, each imported when it is first looked up."""
 
     def __init__(self, listed: Mapping[str, Listed]) -> None:
         self._listed: dict[str, Listed | click.Command] = dict(listed)
 
     def __getitem__(self, name: str) -> click.Command:
         found = self._listed[name]
-        return found.load() if isinstance(found, Listed) else found
+        if isinstance(found, Listed):
+            found = self._listed[name] = found.load()
+        return found
 
     def __setitem__(self, name: str, command: click.Command) -> None:
         self._listed[name] = command
