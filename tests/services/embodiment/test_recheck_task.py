@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pyoxigraph as ox
@@ -20,7 +21,7 @@ from sdt_kg.twin import Twin
 from services.app import Service, load
 from services.commands.saved.recheck import recheck
 from services.embodiment.recheck import Rechecked, Saved, recheck_verdict
-from services.embodiment.recheck.models import Models
+from services.embodiment.recheck.models import Models, TwinOf
 from services.embodiment.recheck.tasks import recheck_result
 from services.physics.oracle import Kinematics
 from services.specifications import TaskResult, achieve_task, keep
@@ -54,7 +55,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A store with one result that is certified, and one whose first rule is broken."""
     found = tmp_path_factory.mktemp("task") / "kept.trig"
     service = load("b", ["stretch"])
-    service = replace(service, policy=replace(service.policy, budget=0.5))
+    service = replace(service, policy=replace(service.policy, budget=2.0))
     with SavedVerdicts(found) as saved:
         for limit in (0.31, 0.2):
             keep(saved, asked(service, limit))
@@ -67,19 +68,27 @@ def saved(place: Path) -> Saved:
 
 
 @pytest.fixture(scope="module")
-def verdicts(saved: Saved) -> Verdicts:
+def twin_of(saved: Saved) -> TwinOf:
+    """The saved twin, put together once for all that is about it, as `sdt recheck` does it."""
+    return cache(saved.twin)
+
+
+@pytest.fixture(scope="module")
+def verdicts(saved: Saved, twin_of: TwinOf) -> Verdicts:
     found: Verdicts = {}
     for entry in saved.entries():
         assert entry.stored is not None
         assert entry.artefact is not None
-        again = recheck_verdict(entry.stored, entry.artefact, saved.twin)
+        again = recheck_verdict(entry.stored, entry.artefact, twin_of)
         found[entry.iri] = (entry.stored, entry.artefact, again)
     return found
 
 
 @pytest.fixture(scope="module")
-def certified(saved: Saved) -> StoredResult:
+def certified(saved: Saved, verdicts: Verdicts, twin_of: TwinOf) -> StoredResult:
+    """The result that is certified; it holds as it was kept."""
     (found,) = [each for each in map(saved.result, saved.results()) if each.outcome is Outcome.CERTIFIED]
+    assert recheck_result(found, verdicts.__getitem__, twin_of, Kinematics()).holds
     return found
 
 
@@ -173,30 +182,29 @@ WRONG: dict[str, tuple[Callable[[StoredResult], StoredResult], str]] = {
 def test_a_result_that_its_steps_do_not_show_does_not_hold(
     what: str,
     certified: StoredResult,
-    saved: Saved,
     verdicts: Verdicts,
+    twin_of: TwinOf,
 ) -> None:
     change, reason = WRONG[what]
-    assert recheck_result(certified, verdicts.__getitem__, saved.twin, Kinematics()).holds
-    found = recheck_result(change(certified), verdicts.__getitem__, saved.twin, Kinematics())
+    found = recheck_result(change(certified), verdicts.__getitem__, twin_of, Kinematics())
     assert reason in "; ".join(found.reasons)
 
 
 def test_a_broken_rule_that_is_said_to_be_kept_does_not_hold(
-    broken: StoredResult, saved: Saved, verdicts: Verdicts
+    broken: StoredResult, verdicts: Verdicts, twin_of: TwinOf
 ) -> None:
     kept = tuple((rule, Standing.KEPT) for rule, _ in broken.rules)
     better = replace(broken, outcome=Outcome.CERTIFIED, rules=kept)
-    found = recheck_result(better, verdicts.__getitem__, saved.twin, Kinematics())
+    found = recheck_result(better, verdicts.__getitem__, twin_of, Kinematics())
     assert "the result says certified, its steps and rules not_certified" in found.reasons
 
 
 def test_a_result_does_not_hold_where_the_verdict_of_a_step_does_not(
-    certified: StoredResult, saved: Saved, verdicts: Verdicts
+    certified: StoredResult, verdicts: Verdicts, twin_of: TwinOf
 ) -> None:
     stored, artefact, found = verdicts[certified.steps[1].verdict]
     bad = {**verdicts, stored.iri: (stored, artefact, replace(found, reasons=("it touches something",)))}
-    again = recheck_result(certified, bad.__getitem__, saved.twin, Kinematics())
+    again = recheck_result(certified, bad.__getitem__, twin_of, Kinematics())
     assert again.reasons == ("step 2, open iai_fridge_door: its verdict does not hold: it touches something",)
 
 
