@@ -11,7 +11,7 @@ DRAWER = "sink_area_left_middle_drawer_main"
 def test_a_grid_tells_every_case_what_turned_and_what_was_reused(sdt, tmp_path) -> None:
     file = tmp_path / "cases.csv"
     edits = f"box:crate=0.4,0.4,1@0.6,0.5,0.5 | drive:omni | jam:{DRAWER}"
-    asked = ("--kitchen", "b", "--robot", "pr2", "--task", f"open:{DRAWER}", "--budget", "5")
+    asked = ("--kitchen", "b", "--robot", "pr2", "--task", f"open:{DRAWER}", "--budget", "30")
     done = sdt("whatif", "--grid", *asked, "--edit", edits, "--csv", str(file), "--json")
     assert done.code == 0, done.err
     rows = {each["edits"]: each for each in done.json["cells"]}
@@ -35,7 +35,7 @@ def test_a_grid_tells_every_case_what_turned_and_what_was_reused(sdt, tmp_path) 
 @pytest.mark.oracle
 def test_a_world_that_cannot_be_made_is_told_beside_those_that_can(sdt) -> None:
     edits = ("--edit", "box:crate=0.4,0.4,0.9@3,3,0.45", "--edit", "without:crate")
-    asked = ("--kitchen", "b", "--robot", "pr2", "--task", f"open:{DRAWER}", "--budget", "5")
+    asked = ("--kitchen", "b", "--robot", "pr2", "--task", f"open:{DRAWER}", "--budget", "30")
     done = sdt("whatif", "--grid", *asked, *edits, "--json")
     assert done.code == 0, done.err
     rows = {each["edits"]: each for each in done.json["cells"]}
@@ -112,7 +112,8 @@ def test_a_time_that_is_no_number_is_outside_the_range(sdt, command: str) -> Non
 @pytest.mark.oracle
 def test_a_grid_relative_to_d_artic_dyn_asks_what_the_robot_bears_of_old_motions_too(sdt) -> None:
     edits = "box:crate=0.4,0.4,0.9@3,3,0.45"
-    asked = ("--kitchen", "b", "--robot", "pr2", "--task", f"open:{DRAWER}", "--edit", edits, "--budget", "5")
+    asked = ("--kitchen", "b", "--robot", "pr2", "--task", f"open:{DRAWER}", "--budget", "30")
+    asked = (*asked, "--edit", edits)
     done, kinematic = (
         sdt("whatif", "--grid", *asked, "--tee", tee, "--json") for tee in ("d_artic_dyn", "d_artic")
     )

@@ -117,7 +117,7 @@ def test_worlds_are_all_choices_of_each_axis_but_none_at_all() -> None:
 
 @pytest.mark.oracle
 def test_a_motion_certified_again_by_touched_pairs_alone_is_certified_in_full_and_refused_in_full() -> None:
-    world = World(load("b", ["pr2"], policy=Policy(budget=5)), "pr2")
+    world = World(load("b", ["pr2"], policy=Policy(budget=30)), "pr2")
     base = judged_as_it_is(world, "open", DRAWER)
     motion = motion_of(base)
     assert motion is not None

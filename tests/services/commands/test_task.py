@@ -221,7 +221,7 @@ def test_a_real_robot_that_holds_a_handle_is_near_to_it(sdt, tmp_path: Path) -> 
     text = task("law:keeps t:near , t:far .", near, far).replace("low_drawer", drawer)
     path = tmp_path / "task.ttl"
     path.write_text(text)
-    done = sdt("task", str(path), "--kitchen", "b", "--robot", "pr2", "--budget", "5", "--json")
+    done = sdt("task", str(path), "--kitchen", "b", "--robot", "pr2", "--budget", "30", "--json")
     assert (done.code, done.json["outcome"]) == (1, "not_certified"), done.json
     assert [step["outcome"] for step in done.json["steps"]] == ["certified"]
     standing = {rule["rule"].rsplit(" ", 1)[1]: rule["standing"] for rule in done.json["rules"]}
@@ -241,7 +241,7 @@ def test_a_robot_is_near_to_the_mat_on_which_it_stands(sdt, tmp_path: Path) -> N
     kitchen.write_text(text.replace("</robot>", mat + "</robot>"))
     rule = 't:rule a law:KeepsDistance ; law:bodyName "mat" ; law:leastDistance 0.2 .'
     path.write_text(task("law:keeps t:rule .", rule).replace("low_drawer", "upper_drawer"))
-    done = sdt("task", str(path), "--kitchen", str(kitchen), "--robot", "pr2", "--budget", "5", "--json")
+    done = sdt("task", str(path), "--kitchen", str(kitchen), "--robot", "pr2", "--budget", "30", "--json")
     assert (done.code, done.json["outcome"]) == (1, "not_certified"), done.json
     assert [step["outcome"] for step in done.json["steps"]] == ["certified"]
     assert [rule["standing"] for rule in done.json["rules"]] == ["broken"]

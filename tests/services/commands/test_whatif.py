@@ -14,7 +14,7 @@ DRAWER = "sink_area_left_middle_drawer_main"
 
 def whatif(sdt, *arguments: str, robot: str = "pr2"):
     return sdt(
-        "whatif", "--kitchen", "b", "--robot", robot, "--task", f"open:{DRAWER}", "--budget", "5", *arguments
+        "whatif", "--kitchen", "b", "--robot", robot, "--task", f"open:{DRAWER}", "--budget", "30", *arguments
     )
 
 

@@ -48,7 +48,7 @@ def asked(times: list[float], values: list[float], velocities: list[float] | Non
 def perform(motion: Motion) -> Answer:
     container = kitchen().container(EASY)
     case = Case(kitchen(), kitchen().robots[0], Task(Verb.OPEN, container.iri), motion)
-    return WholeBody(drive=Drive.OMNI, budget=4.0).perform(case)
+    return WholeBody(drive=Drive.OMNI, budget=30.0).perform(case)
 
 
 def off(motion: Motion, body: BodyMotion) -> float:

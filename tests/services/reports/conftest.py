@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from services.reports.command import report
 
 DRAWER = "sink_area_left_middle_drawer_main"
-PARAMETERS = ("kitchen=b", "robots=stretch", f"task=open:{DRAWER}", "drive=omni", "budget=5", "jobs=1")
+PARAMETERS = ("kitchen=b", "robots=stretch", f"task=open:{DRAWER}", "drive=omni", "budget=30", "jobs=1")
 
 
 @dataclass(frozen=True)

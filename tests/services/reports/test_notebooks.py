@@ -10,7 +10,7 @@ from services.reports.studies.learning import lesson
 from tests.services.reports.cells import run
 from tests.services.reports.conftest import DRAWER, Written
 
-ONE = {"drive": "omni", "budget": 5.0}
+ONE = {"drive": "omni", "budget": 30.0}
 
 
 def words(html: str) -> str:

@@ -29,7 +29,7 @@ def test_the_page_plays_offline_as_pinocchio_moves(written: Written, browser: Br
     browser.until(lambda: driver.execute_script(READY), "the scene")
     browser.until(lambda: driver.execute_script(COLORS) > 50, "kitchen, robot and shades of them")
     assert driver.execute_script(OPAQUE), "the page would shine through a ghost"
-    found = judged("b", "stretch", f"open:{DRAWER}", drive="omni", budget=5.0, store=str(written.store))
+    found = judged("b", "stretch", f"open:{DRAWER}", drive="omni", budget=30.0, store=str(written.store))
     scene, (one,) = found.scenes["stretch"], found.all
     assert one.motion is not None
     assert driver.execute_script(f"return {view}.names") == [f"stretch: open {DRAWER}"]

@@ -65,14 +65,14 @@ def test_the_page_tells_counts_parameters_and_what_is_not_claimed(written: Writt
 
 
 def test_a_second_report_is_answered_from_the_store(written: Written) -> None:
-    found = judged("b", "stretch", f"open:{DRAWER}", drive="omni", budget=5.0, store=str(written.store))
+    found = judged("b", "stretch", f"open:{DRAWER}", drive="omni", budget=30.0, store=str(written.store))
     assert found.computed == 0
     assert [each.certified for each in found.all] == [True]
 
 
 def test_each_container_is_judged_from_where_it_alone_is_open() -> None:
     asked = f"close:{DRAWER},iai_fridge_door"
-    found = judged("b", "stretch", asked, state="asked=open", drive="omni", budget=5.0)
+    found = judged("b", "stretch", asked, state="asked=open", drive="omni", budget=30.0)
     states = [[each for each in one.verdict.case.twin.state.values() if each] for one in found.all]
     assert [len(each) for each in states] == [1, 1]
     assert [each.certified for each in found.all] == [True, True]
