@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from sdt_kg.annotation import Drive
-from sdt_kg.load import load_twin
 from services.embodiment.body.limb import Margins, touching
 from services.embodiment.body.world import World
 from services.embodiment.hold.fit import Fitter
@@ -17,6 +16,7 @@ from services.embodiment.hold.holding import Problem, Searcher
 from services.embodiment.hold.kit import Kit, Kits
 from services.embodiment.hold.sets import free_grasps
 from services.physics.model import Scene
+from tests.small import beside
 from tests.soak.doors import draw, write
 
 
@@ -41,7 +41,7 @@ def front(
     folder: Path, number: int, robot: str, waypoints: int, *, gripper: int = 0, last: float | None = None
 ) -> Front:
     """The front of this number, closed at first; last: [rad or m], None: where it counts as open."""
-    twin = load_twin(write(draw(np.random.default_rng(number)), folder, "front"), [robot])
+    twin = beside(write(draw(np.random.default_rng(number)), folder, "front"), robot)
     world = World(Scene(twin, twin.robots[0]))
     kit = Kits(world, Margins()).of(world.scene.annotation.grippers[gripper])
     container = twin.container("front_door")

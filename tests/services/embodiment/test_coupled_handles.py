@@ -10,7 +10,6 @@ from predicates.law import law
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import local_name
-from sdt_kg.load import load_twin
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.embodiment.certify.certificate import read_certificate
@@ -25,6 +24,7 @@ from services.embodiment.recheck.embodiment import Certifier
 from services.physics.oracle import Kinematics
 from services.store.files import SavedVerdicts
 from tests.services.embodiment.test_recheck import recheck
+from tests.small import beside
 
 pytestmark = pytest.mark.oracle
 
@@ -55,7 +55,7 @@ def pair(folder: Path, low: float, robot: str = "stretch") -> Twin:
 <joint name="wall_joint" type="fixed"><parent link="world"/><child link="wall"/>
 <origin xyz="1.2 0 0"/></joint>
 {door("right", -1, low)}{door("left", 1, HIGH, '<mimic joint="right_door_joint"/>')}</robot>""")
-    return load_twin(file, [robot])
+    return beside(file, robot)
 
 
 def judged(twin: Twin) -> Verdict:
@@ -124,7 +124,7 @@ def tall(folder: Path, low: float | None, robot: str = "stretch", size: str = BA
     high = door("tall", 1, HIGH).replace("tall_handle", "high_handle")
     file = folder / "tall.urdf"
     file.write_text(f'<robot name="tall"><link name="wall"/>{high}{more if low else ""}</robot>')
-    return load_twin(file, [robot])
+    return beside(file, robot)
 
 
 def opened(twin: Twin, judge: WholeBody) -> Verdict:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from sdt_kg.annotation import Drive
-from sdt_kg.load import load_twin
 from sdt_kg.motion import Motion
 from services.embodiment.body.limb import Margins
 from services.embodiment.body.world import World
@@ -17,6 +16,7 @@ from services.embodiment.proving import Proofs
 from services.embodiment.setting import Setting
 from services.embodiment.ways.roads import Known
 from services.physics.model import Scene
+from tests.small import beside
 from tests.soak.doors import draw, write
 
 HERE = (0.0, 0.0, 0.0)
@@ -27,7 +27,7 @@ BRED = 96
 
 
 def setting(folder: Path, number: int, robot: str, drive: Drive) -> Setting:
-    twin = load_twin(write(draw(np.random.default_rng(number)), folder, "front"), [robot])
+    twin = beside(write(draw(np.random.default_rng(number)), folder, "front"), robot)
     world, door = World(Scene(twin, twin.robots[0])), twin.container("front_door")
     motion = Motion(door.joint, np.array([0.0, 1.0]), np.array([[0.0], [door.open_from]]))
     own = Kits(world, Margins()), Known(), Tolerances()

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from sdt_kg.annotation import Drive
-from sdt_kg.load import load_twin, model_path
+from sdt_kg.load import model_path
 from sdt_kg.twin import Twin
 from services.embodiment.proof_check import check
 from services.embodiment.prove.prover import Proved, Prover
+from tests.small import beside
 from tests.soak.doors import Front, draw, write
 
 HERE = (0.0, 0.0, 0.0)
@@ -25,7 +26,7 @@ Known = tuple[Twin, Proved]
 def front(folder: Path, robot: str, what: int | Front) -> Twin:
     """A front, or the one that is drawn from a seed, with the robot."""
     drawn = draw(np.random.default_rng(what)) if isinstance(what, int) else what
-    return load_twin(write(drawn, folder, "front"), [robot])
+    return beside(write(drawn, folder, "front"), robot)
 
 
 def up_to_its_stops(folder: Path, robot: str) -> str:

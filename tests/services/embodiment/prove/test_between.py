@@ -15,7 +15,6 @@ import pytest
 from predicates.case import Outcome
 from sdt_kg.annotation import Drive, Gripper
 from sdt_kg.errors import InputError
-from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Twin
 from services.app import Policy, load
@@ -35,6 +34,7 @@ from services.embodiment.proof_check.tree import all_far
 from services.embodiment.proof_check.written import read_proof
 from services.embodiment.prove import Proved, Prover
 from tests.services.embodiment.gantry import gantry_twin
+from tests.small import beside
 from tests.soak.doors import draw, write
 
 HERE = (0.0, 0.0, 0.0)
@@ -81,7 +81,7 @@ def changed(content: bytes, change: Callable[[dict[str, Any]], None]) -> bytes:
 def lost(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Twin, Proved]:
     """A front that is refuted only since a handle has to be between two fingers, and the proof."""
     robot = request.param
-    twin = load_twin(front(tmp_path_factory.mktemp("front"), OUT_OF_REACH[robot]), [robot])
+    twin = beside(front(tmp_path_factory.mktemp("front"), OUT_OF_REACH[robot]), robot)
     proved = prover(twin).prove(BOXES)
     assert proved is not None
     return twin, proved
@@ -99,7 +99,7 @@ def test_a_handle_that_no_two_fingers_have_between_them_is_refuted(lost: tuple[T
 
 
 def test_a_hold_that_does_not_last_is_refuted_of_every_hold(tmp_path: Path) -> None:
-    twin = load_twin(front(tmp_path, LASTS_NOT), ["tiago_dual"])
+    twin = beside(front(tmp_path, LASTS_NOT), "tiago_dual")
     proved = prover(twin).prove(BOXES, one_hold=True)
     assert proved is not None
     assert checked(twin, proved.artefact.content)
@@ -165,7 +165,7 @@ def of(gripper: Gripper, bodies: Iterable[str]) -> Gripper:
 
 @pytest.mark.parametrize("robot", NARROW)
 def test_between_any_points_of_two_fingers_is_one_in_the_slab(tmp_path: Path, robot: str) -> None:
-    twin, rng = load_twin(front(tmp_path, 0), [robot]), np.random.default_rng(1)
+    twin, rng = beside(front(tmp_path, 0), robot), np.random.default_rng(1)
     tree = Tree(twin.mechanism(twin.robots[0]))
     for gripper in twin.robot(twin.robots[0]).grippers:
         found = slab(tree, gripper, Tolerances())
@@ -186,7 +186,7 @@ def test_between_any_points_of_two_fingers_is_one_in_the_slab(tmp_path: Path, ro
 
 
 def test_a_gripper_of_one_finger_has_nothing_between_two(tmp_path: Path) -> None:
-    twin = load_twin(front(tmp_path, 0), ["tiago_dual"])
+    twin = beside(front(tmp_path, 0), "tiago_dual")
     tree = Tree(twin.mechanism(twin.robots[0]))
     gripper = twin.robot(twin.robots[0]).grippers[0]
     assert slab(tree, of(gripper, gripper.fingers[:1]), Tolerances()) is None

@@ -7,7 +7,6 @@ import pytest
 
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import body_iri
-from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
@@ -19,6 +18,7 @@ from services.embodiment.proof_check.mechanics import HERE, Placement
 from services.embodiment.proof_check.statement import Statement
 from services.physics.model import Scene
 from tests.services.embodiment.prove.standing import up_to_its_stops
+from tests.small import beside
 from tests.soak.doors import draw, write
 
 ROBOTS = ("pr2", "tiago_dual")
@@ -28,7 +28,7 @@ POSTURES = 600
 
 def asked(folder: Path, robot: str) -> tuple[Twin, Arm, Around]:
     """A front, an arm, and what stands around it."""
-    twin = load_twin(write(draw(np.random.default_rng(21)), folder, "front"), [robot])
+    twin = beside(write(draw(np.random.default_rng(21)), folder, "front"), robot)
     about = Statement(
         twin, twin.robots[0], twin.container("front_door"), Drive.FIXED, (0.0, 0.0, 0.0), Tolerances()
     )

@@ -21,6 +21,7 @@ from services.embodiment.proof_check.haste import arms_of, fastest, travelled
 from services.embodiment.proof_check.statement import BASE, Statement
 from services.embodiment.prove.prover import Proved, Prover
 from tests.services.embodiment.gantry import FOLDER
+from tests.small import beside
 
 DRAWER = "sink_area_left_middle_drawer_main"
 ROBOTS = ("pr2", "tiago_dual", "stretch")
@@ -215,7 +216,7 @@ def top_drawer_travelled(folder: Path, urdf: str, one: float, other: float) -> f
     """How far the handle of a kitchen's drawer goes at least between two of its values [m]."""
     file = folder / "kitchen.urdf"
     file.write_text(urdf)
-    twin = load_twin(file, ["pr2"])
+    twin = beside(file, "pr2")
     drawer = twin.container("top_drawer")
     return travelled(Statement(twin, twin.robots[0], drawer, Drive.FIXED, HERE, Tolerances()), one, other)[0]
 

@@ -34,6 +34,7 @@ from services.embodiment.proof_check.tree import all_far
 from services.embodiment.prove import Proved, Prover, in_hand
 from services.physics.model import Scene
 from services.viewer.judging.measure import region
+from tests.small import beside
 from tests.soak.doors import draw, write
 
 HERE = (0.0, 0.0, 0.0)
@@ -45,7 +46,7 @@ ENDS = np.array(np.meshgrid(*[(-1, 1)] * 3)).reshape(3, -1).T
 
 
 def front(folder: Path, number: int) -> Twin:
-    return load_twin(write(draw(np.random.default_rng(number)), folder, f"front{number}"), ["stretch"])
+    return beside(write(draw(np.random.default_rng(number)), folder, f"front{number}"), "stretch")
 
 
 def found(twin: Twin, within: float | None) -> Proved | None:
@@ -218,7 +219,7 @@ def test_every_grasp_of_every_handle_has_it_in_hand(kitchen: str) -> None:
 @pytest.mark.parametrize("robot", ["pr2", "tiago_dual", "stretch"])
 def test_a_grasp_has_the_handle_in_hand_when_the_fingers_are_closed_too(tmp_path: Path, robot: str) -> None:
     path = write(draw(np.random.default_rng(HIGH)), tmp_path, "front")
-    twin = load_twin(path, [robot])
+    twin = beside(path, robot)
     world = World(Scene(twin, twin.robots[0]))
     container, kits = twin.container("front_door"), Kits(world, Margins())
     mechanics = Mechanics(world, container)

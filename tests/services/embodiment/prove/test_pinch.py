@@ -14,7 +14,6 @@ import pytest
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.iri import body_iri, joint_iri
-from sdt_kg.load import load_twin
 from sdt_kg.mechanism import ShapeType
 from sdt_kg.twin import Twin
 from services.embodiment.certify.tolerances import Tolerances
@@ -31,6 +30,7 @@ from services.physics.model import Scene
 from services.physics.tree import se3
 from tests.services.embodiment.front import Front, free_grasp, front
 from tests.services.embodiment.test_fit import held
+from tests.small import beside
 from tests.soak.doors import draw, write
 
 pytestmark = pytest.mark.oracle
@@ -56,7 +56,7 @@ def proof(twin: Twin) -> Proved | None:
 
 
 def stretch(folder: Path, number: int) -> Twin:
-    return load_twin(write(draw(np.random.default_rng(number)), folder, f"front{number}"), ["stretch"])
+    return beside(write(draw(np.random.default_rng(number)), folder, f"front{number}"), "stretch")
 
 
 @pytest.fixture(scope="module")
@@ -138,7 +138,7 @@ def test_no_hold_that_certification_just_accepts_is_in_a_refuted_box(tmp_path: P
 
 @pytest.mark.parametrize(("robot", "parts"), [("pr2", 2), ("tiago_dual", 1), ("stretch", 1)])
 def test_a_finger_is_what_follows_one_joint_of_the_hand(tmp_path: Path, robot: str, parts: int) -> None:
-    twin = load_twin(write(draw(np.random.default_rng(FRONT)), tmp_path, "front"), [robot])
+    twin = beside(write(draw(np.random.default_rng(FRONT)), tmp_path, "front"), robot)
     statement = statement_of(twin)
     for gripper in statement.grippers:
         hand = statement.hand(gripper)

@@ -13,7 +13,6 @@ import pytest
 from predicates.case import Artefact, ArtefactKind, Outcome
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
-from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Twin
 from services.app import Policy, load
@@ -27,6 +26,7 @@ from services.embodiment.proof_check.tree import all_far
 from services.embodiment.proof_check.written import read_proof
 from services.embodiment.prove import Proved, Prover
 from services.viewer.judging.measure import region as drawn
+from tests.small import beside
 from tests.soak.doors import draw, write
 
 HERE = (0.0, 0.0, 0.0)
@@ -53,7 +53,7 @@ def prover(twin: Twin) -> Prover:
 @pytest.fixture(scope="module")
 def lost(tmp_path_factory: pytest.TempPathFactory) -> tuple[Twin, Proved]:
     """A front that no single value refutes, and the proof."""
-    twin = load_twin(front(tmp_path_factory.mktemp("front"), LASTS_NOT), ["tiago_dual"])
+    twin = beside(front(tmp_path_factory.mktemp("front"), LASTS_NOT), "tiago_dual")
     assert prover(twin).prove(BOXES) is None
     proved = prover(twin).prove(BOXES, one_hold=True)
     assert proved is not None

@@ -11,7 +11,6 @@ import pytest
 
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
-from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from services.embodiment.body.limb import Margins, make_limb, rules
 from services.embodiment.body.world import World
@@ -34,6 +33,7 @@ from tests.services.embodiment.prove.standing import (
     swept,
     up_to_its_stops,
 )
+from tests.small import beside
 from tests.soak.doors import draw, write
 
 TIPS = 106
@@ -171,7 +171,7 @@ FOLLOWER = """<link name="vane"/>
 def test_a_container_that_another_joint_follows_goes_up_no_steps(tipped: Known, tmp_path: Path) -> None:
     path = write(draw(np.random.default_rng(TIPS)), tmp_path, "front")
     path.write_text(path.read_text().replace("</robot>", FOLLOWER))
-    statement = about(load_twin(path, ["pr2"]))
+    statement = about(beside(path, "pr2"))
     one = read_proof(tipped[1].artefact.content).refutations[0]
     arm = statement.arm(statement.grippers[0])
     assert arm is not None
