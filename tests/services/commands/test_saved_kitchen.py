@@ -28,7 +28,7 @@ def test_the_robot_that_is_named_is_asked(sdt, kitchen: str, robot: str) -> None
     assert f"certified  open({DRAWER})  {robot} in kitchen b" in one.out
     where = sdt("place", "--kitchen", kitchen, "--robot", robot, "--task", TASK, "--budget", "1")
     assert where.code in {Exit.DONE, Exit.NO}, where.err
-    task = ("task", "open_drawer_fast", "--kitchen", kitchen, "--robot", robot, "--budget", "30")
+    task = ("task", "open_drawer_fast", "--kitchen", kitchen, "--robot", robot, "--budget", "5")
     assert sdt(*task).code == Exit.DONE
 
 
