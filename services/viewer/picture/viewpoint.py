@@ -40,6 +40,8 @@ FRONTS = 40
 """[1] Of more fronts some are looked at, evenly chosen."""
 TRIANGLES = 1500
 """[1] The largest hide what is behind them; smaller ones hide little."""
+LINES = 64
+"""[1] Of sight, looked along at once: what is found of them fits into a cache."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +156,13 @@ def _normals(triangles: Array) -> Array:
 
 
 def _hidden(begins: Array, ends: Array, triangles: Array) -> Claims:
-    """Whether a triangle is between the ends of each line (L, 3) [m]: Möller and Trumbore, by matrices."""
+    """Whether a triangle is between the ends of each line (L, 3) [m]."""
+    some = [slice(k, k + LINES) for k in range(0, len(begins), LINES)]
+    return np.concatenate([np.zeros(0, bool), *(_crossed(begins[k], ends[k], triangles) for k in some)])
+
+
+def _crossed(begins: Array, ends: Array, triangles: Array) -> Claims:
+    """The same of few lines: Möller and Trumbore, by matrices."""
     corner, one, two = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
     along = ends - begins
     moments = np.cross(begins, along)
