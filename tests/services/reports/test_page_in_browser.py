@@ -60,9 +60,10 @@ def _plays_by_keyboard(browser: Browser) -> None:
     slider = driver.find_element("css selector", ".sdt-view input[type=range]")
     browser.until(lambda: slider.get_property("value") == "1000", "the end of the motion")
     canvas = driver.find_element("css selector", ".sdt-view canvas")
-    driver.find_element("css selector", ".sdt-view [aria-label=Speed]").send_keys(
-        "× 1"
-    )  # time enough to be seen
+    speed = driver.find_element("css selector", ".sdt-view [aria-label=Speed]")
+    # Time enough to be seen, and to be stopped by whoever is slow.
+    driver.execute_script("arguments[0].options[0].value = 0.05", speed)
+    speed.send_keys("× 1")
     canvas.send_keys(Keys.SPACE)
     browser.until(lambda: 0 < int(slider.get_property("value")) < 1000, "the middle of the motion")
     canvas.send_keys(Keys.SPACE)
