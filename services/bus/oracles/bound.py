@@ -2,13 +2,16 @@
 
 import numpy as np
 
-from predicates.case import Answer, ArtefactKind, Case
-from predicates.meant import moved_by
+from predicates.case import Answer, Artefact, ArtefactKind, Case
+from predicates.meant import containers_meant, coupled
+from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError
-from sdt_kg.motion import BodyMotion, Motion, check_body_motion
-from sdt_kg.task import Unknown
+from sdt_kg.iri import Iri
+from sdt_kg.motion import BodyMotion, check_body_motion
 from services.bus.oracles.codec import Plain, answer_value
 from services.embodiment.certify.certificate import Certificate, models_of, read_certificate
+from services.embodiment.proof_check import check
+from services.embodiment.proof_check.written import read_proof
 
 ARRAYS = ("times", "base", "base_v", "q", "v", "kitchen_q", "kitchen_v")
 
@@ -17,22 +20,23 @@ class UnfitReplyError(SdtError):
     """What an oracle replied is no answer to what it was asked: nothing follows from it."""
 
 
-def answer_to(asked: Case, plain: Plain) -> Answer:
-    """What an oracle answered to whether CanPerform holds of a case.
+def answer_to(asked: Case, drive: Drive | None, plain: Plain) -> Answer:
+    """What an oracle answered to whether CanPerform holds of a case, with a base policy; None: the robot's.
 
     Raises:
         InputError: That is no answer.
         UnfitReplyError: It is an answer to something else.
     """
     answer = answer_value(asked.twin, plain)
-    check_answer(asked, answer)
+    check_answer(asked, drive, answer)
     return answer
 
 
-def check_answer(asked: Case, answer: Answer) -> None:
+def check_answer(asked: Case, drive: Drive | None, answer: Answer) -> None:
     """CanPerform was answered about this case; where it holds, with a certificate of this very motion.
 
-    What certified it is not run again: that is the oracle's, of the version that the verdict names.
+    What certified it is not run again: that is the oracle's, of the version that the verdict names. What is
+    *proved* is verified here.
 
     Raises:
         UnfitReplyError: It was not.
@@ -44,9 +48,17 @@ def check_answer(asked: Case, answer: Answer) -> None:
         raise UnfitReplyError(
             "it holds, with reasons why not" if answer.holds else "it gives no reason why not"
         )
-    if not answer.holds:
-        return
-    motion = case.body_motion
+    assert isinstance(asked.robot, str), "it is the robot that was asked about"
+    drive = drive or asked.twin.robot(asked.robot).drive
+    if answer.holds:
+        _check_performed(asked, drive, answer)
+    elif any(each.proof for each in answer.diagnoses):
+        _check_proof(asked, asked.robot, drive, answer.artefact)
+
+
+def _check_performed(asked: Case, drive: Drive, answer: Answer) -> None:
+    """It holds of a body motion, which is the given one if one was, with a certificate of it."""
+    motion = answer.case.body_motion
     if not isinstance(motion, BodyMotion) or motion.robot != asked.robot:
         raise UnfitReplyError("it holds, and has no body motion of the robot")
     if isinstance(asked.body_motion, BodyMotion) and not _are_same(motion, asked.body_motion):
@@ -58,7 +70,34 @@ def check_answer(asked: Case, answer: Answer) -> None:
         certificate = read_certificate(answer.artefact.content)
     except InputError as error:
         raise UnfitReplyError(f"its body motion or certificate: {error}") from None
+    if certificate.drive is not drive:
+        raise UnfitReplyError(f"its certificate is about a base that is {certificate.drive.value}")
     _check_certificate(asked, answer, motion, certificate)
+
+
+def _check_proof(asked: Case, robot: Iri, drive: Drive, artefact: Artefact | None) -> None:
+    """It is a proof, about this case and base policy, that holds and leaves nothing out."""
+    if artefact is None or artefact.kind is not ArtefactKind.PROOF:
+        raise UnfitReplyError("it says that something is proved, and has no proof")
+    try:
+        claim = read_proof(artefact.content).claim
+        if claim.drive is not drive:
+            raise UnfitReplyError(f"its proof is about a base that is {claim.drive.value}")
+        if claim.partial:
+            raise UnfitReplyError("it says that something is proved, and its proof leaves some holds out")
+        if claim.container not in _containers(asked):
+            raise UnfitReplyError("its proof is about another container")
+        checked = check(asked.twin, robot, asked.twin.container(claim.container), artefact.content)
+    except InputError as error:
+        raise UnfitReplyError(f"its proof: {error}") from None
+    if not checked.holds:
+        raise UnfitReplyError(f"its proof does not hold: {'; '.join(checked.reasons)}")
+
+
+def _containers(asked: Case) -> set[Iri]:
+    """Those that the case may be about, and those that move with them: their handles will do."""
+    meant = containers_meant(asked)
+    return {each.iri for one in meant for each in (one, *coupled(asked.twin, one))}
 
 
 def _check_certificate(asked: Case, answer: Answer, motion: BodyMotion, certificate: Certificate) -> None:
@@ -68,10 +107,7 @@ def _check_certificate(asked: Case, answer: Answer, motion: BodyMotion, certific
         raise UnfitReplyError("its certificate is about other models")
     if certificate.state != dict(asked.twin.state):
         raise UnfitReplyError("its certificate is about another state")
-    moved: Motion | Unknown = asked.motion
-    if isinstance(moved, Motion) and certificate.container not in {
-        each.iri for each in moved_by(asked.twin, moved.of)
-    }:
+    if certificate.container not in _containers(asked):
         raise UnfitReplyError("its certificate is about another container")
     if not _are_same(motion, certificate.motion):
         raise UnfitReplyError("its certificate is about another body motion")

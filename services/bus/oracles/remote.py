@@ -212,7 +212,7 @@ class RemoteEmbodiment:
     """CanPerform on the bus, under a policy."""
 
     pinned: Pinned
-    budget: float
+    policy: Policy
 
     @property
     def version(self) -> str:
@@ -225,9 +225,8 @@ class RemoteEmbodiment:
 
     def perform(self, case: Case) -> Answer:
         """Body motion that follows the case's motion, certified; or the verification of its own."""
-        return self.pinned.call(
-            "perform", case.twin, partial(answer_to, case), self.budget + MARGIN, case=case_plain(case)
-        )
+        read, seconds = partial(answer_to, case, self.policy.drive), self.policy.budget + MARGIN
+        return self.pinned.call("perform", case.twin, read, seconds, case=case_plain(case))
 
 
 @dataclass(frozen=True, slots=True)
@@ -265,7 +264,7 @@ class BusOracles:
     def embodiment(self, policy: Policy) -> RemoteEmbodiment:
         """R under a policy."""
         pinned = Pinned(self.canperform, {"policy": policy_plain(policy)})
-        return RemoteEmbodiment(pinned, policy.budget)
+        return RemoteEmbodiment(pinned, policy)
 
 
 def _read(content: bytes, read: Callable[[Any], T]) -> T:

@@ -12,6 +12,7 @@ import zenoh
 from predicates.can_perform import can_perform
 from predicates.case import Answer, Case
 from predicates.satisfies_request import demanded
+from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.task import Task, Verb
 from services.app import Policy, Service, load
@@ -22,6 +23,8 @@ from services.bus.oracles.codec import Plain, answer_plain, replayed_plain, repl
 from services.bus.oracles.remote import BusOracles
 from services.bus.oracles.server import oracle
 from services.bus.sessions import open_session
+from services.embodiment.proof_check.content import LEAF
+from services.embodiment.proof_check.written import read_proof, to_bytes
 from services.judging.codec import CBOR, from_cbor, to_cbor
 from services.judging.problems import BusUnavailableError
 from tests.services.bus.conftest import free_endpoint
@@ -69,17 +72,58 @@ def test_the_right_answer_is_one_and_that_to_another_question_is_none(
     here: Service, asked: tuple[Case, Plain], foreign: Plain
 ) -> None:
     case, plain = asked
-    assert answer_to(case, plain).holds
+    assert answer_to(case, None, plain).holds
     for other in (foreign, plain | {"artefact": foreign["artefact"]}, plain | {"case": foreign["case"]}):
         with pytest.raises(UnfitReplyError):
-            answer_to(case, other)
+            answer_to(case, None, other)
     container = here.twin.container(DRAWER)
     for twin in (
         here.twin.at({container.joint: 0.05}),
         here.twin.with_edit(container.joint, upperLimit=0.47),
     ):
         with pytest.raises(UnfitReplyError, match="its certificate is about"):
-            answer_to(replace(case, twin=twin), plain)
+            answer_to(replace(case, twin=twin), None, plain)
+
+
+def test_a_certificate_under_another_base_policy_is_no_answer(asked: tuple[Case, Plain]) -> None:
+    with pytest.raises(UnfitReplyError, match="a base that is omni"):
+        answer_to(asked[0], Drive.FIXED, asked[1])
+
+
+@pytest.fixture(scope="module")
+def refuted() -> tuple[Case, Plain]:
+    """A case of which it is proved that it cannot be, and what an oracle rightly answers."""
+    there = load("b", ["stretch"], policy=Policy(Drive.FIXED, budget=60.0))
+    case = case_of(there, "iai_fridge_door")
+    (answer,) = can_perform(case, there.embodiment)
+    assert any(each.proof for each in answer.diagnoses)
+    return case, sent(answer)
+
+
+def test_what_is_proved_is_verified(refuted: tuple[Case, Plain], asked: tuple[Case, Plain]) -> None:
+    case, plain = refuted
+    assert any(each.proof for each in answer_to(case, Drive.FIXED, plain).diagnoses)
+    kind, content = plain["artefact"]
+    proof = read_proof(content)
+    first = replace(proof.refutations[0], tree=bytes([LEAF]))  # the whole box, at once
+    changed = {
+        "has no proof": None,
+        "cannot be read": (kind, content[:-9]),
+        "has no proof$": asked[1]["artefact"],
+        "can come": (kind, to_bytes(replace(proof, refutations=(first, *proof.refutations[1:])))),
+        "leaves some holds out": (kind, to_bytes(replace(proof, claim=replace(proof.claim, declared=True)))),
+        "another container": (
+            kind,
+            to_bytes(
+                replace(proof, claim=replace(proof.claim, container=asked[0].twin.container(DRAWER).iri))
+            ),
+        ),
+    }
+    for said, artefact in changed.items():
+        with pytest.raises((InputError, UnfitReplyError), match=said):
+            answer_to(case, Drive.FIXED, plain | {"artefact": artefact})
+    with pytest.raises(UnfitReplyError, match="its proof is about a base that is fixed"):
+        answer_to(case, None, plain)
 
 
 def without(name: str) -> Change:
@@ -138,7 +182,7 @@ def test_what_is_no_answer_is_an_error_and_never_a_certificate(
 ) -> None:
     case, plain = asked
     with pytest.raises((InputError, UnfitReplyError)):
-        answer_to(case, change(plain))  # pyright: ignore[reportArgumentType]  # that is the point
+        answer_to(case, None, change(plain))  # pyright: ignore[reportArgumentType]  # that is the point
 
 
 @pytest.mark.parametrize(
