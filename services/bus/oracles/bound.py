@@ -3,12 +3,14 @@
 import numpy as np
 
 from predicates.case import Answer, Artefact, ArtefactKind, Case
-from predicates.meant import containers_meant, coupled
+from predicates.meant import containers_meant, coupled, moved_by
+from predicates.oracle import Replayed
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri
-from sdt_kg.motion import BodyMotion, check_body_motion
-from services.bus.oracles.codec import Plain, answer_value
+from sdt_kg.motion import BodyMotion, Motion, check_body_motion
+from sdt_kg.twin import Twin
+from services.bus.oracles.codec import Plain, answer_value, replayed_value
 from services.embodiment.certify.certificate import Certificate, models_of, read_certificate
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.written import read_proof
@@ -30,6 +32,23 @@ def answer_to(asked: Case, drive: Drive | None, plain: Plain) -> Answer:
     answer = answer_value(asked.twin, plain)
     check_answer(asked, drive, answer)
     return answer
+
+
+def replayed_of(twin: Twin, motion: Motion, plain: Plain) -> Replayed:
+    """What Φ on the bus made of a motion.
+
+    Raises:
+        InputError: That is nothing that Φ says.
+        UnfitReplyError: It is about another motion or kitchen.
+    """
+    replayed = replayed_value(plain)
+    if set(replayed.final) != set(twin.state):
+        raise UnfitReplyError("its final state is not one of this kitchen")
+    if not np.isfinite([position for _, position in replayed.final.items()]).all():
+        raise UnfitReplyError("in its final state a position is not a number")
+    if moved_by(twin, replayed.motion.of) != moved_by(twin, motion.of):
+        raise UnfitReplyError("it is about a motion of something else")
+    return replayed
 
 
 def check_answer(asked: Case, drive: Drive | None, answer: Answer) -> None:

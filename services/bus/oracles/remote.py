@@ -21,7 +21,7 @@ from services.app import Oracles, Policy
 from services.bus import keys
 from services.bus.asking import present, problem_in
 from services.bus.keys import Oracle
-from services.bus.oracles.bound import UnfitReplyError, answer_to
+from services.bus.oracles.bound import UnfitReplyError, answer_to, replayed_of
 from services.bus.oracles.codec import (
     Plain,
     case_plain,
@@ -29,7 +29,6 @@ from services.bus.oracles.codec import (
     motion_value,
     policy_plain,
     region_plain,
-    replayed_value,
     twin_key,
 )
 from services.bus.oracles.handler import UNKNOWN_TWIN
@@ -195,7 +194,8 @@ class RemotePhysics:
 
     def replay(self, twin: Twin, motion: Motion) -> Replayed:
         """Final state under the motion."""
-        return self.pinned.call("replay", twin, replayed_value, motion=motion_plain(motion))
+        read = partial(replayed_of, twin, motion)
+        return self.pinned.call("replay", twin, read, motion=motion_plain(motion))
 
     def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:
         """Motions into the region, best first."""

@@ -14,11 +14,12 @@ from predicates.case import Answer, Case
 from predicates.satisfies_request import demanded
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
+from sdt_kg.motion import Motion
 from sdt_kg.task import Task, Verb
 from services.app import Policy, Service, load
 from services.bus import keys
 from services.bus.keys import Oracle
-from services.bus.oracles.bound import UnfitReplyError, answer_to
+from services.bus.oracles.bound import UnfitReplyError, answer_to, replayed_of
 from services.bus.oracles.codec import Plain, answer_plain, replayed_plain, replayed_value
 from services.bus.oracles.remote import BusOracles
 from services.bus.oracles.server import oracle
@@ -201,6 +202,32 @@ def test_what_no_physics_says_is_an_error(here: Service, change: Change) -> None
     assert replayed_value(plain)
     with pytest.raises(InputError):
         replayed_value(change(plain))  # pyright: ignore[reportArgumentType]  # that is the point
+
+
+def ending(change: Callable[[Plain], object]) -> Change:
+    """With another final state."""
+    return lambda plain: plain | {"final": change(plain["final"])}
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ending(lambda final: dict.fromkeys(final, NAN)),
+        ending(lambda final: {joint: at for joint, at in final.items() if "left_middle" not in joint}),
+        ending(lambda final: final | {"https://example.org/id/b/joint/other": 0.0}),
+        lambda plain: plain | {"motion": plain["motion"] | {"of": "https://example.org/id/b/joint/other"}},
+        lambda plain: (
+            plain | {"motion": plain["motion"] | {"of": plain["motion"]["of"].replace("left", "right")}}
+        ),
+    ],
+)
+def test_what_physics_says_of_something_else_is_an_error(here: Service, change: Change) -> None:
+    motion = case_of(here, DRAWER).motion
+    assert isinstance(motion, Motion)
+    plain = replayed_plain(here.physics.replay(here.twin, motion))
+    assert replayed_of(here.twin, motion, plain).final == replayed_value(plain).final
+    with pytest.raises((InputError, UnfitReplyError)):
+        replayed_of(here.twin, motion, change(plain))  # pyright: ignore[reportArgumentType]  # that is the point
 
 
 @contextmanager
