@@ -19,7 +19,7 @@ class Hopeless:
 
     diagnoses: tuple[Diagnosis, ...]
     artefact: Artefact | None
-    note: str = "the motion that is asked for is certified with no robot: none was searched for"
+    note: str = "no robot is certified that follows the motion exactly as asked: none was searched for"
 
 
 ASIDE = (
