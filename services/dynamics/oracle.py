@@ -59,7 +59,8 @@ class Dynamics:
         moving, told = unheld(model, twin, moved[0], self.mechanics(twin, moved[0]))
         violations, open_questions = _decided((*replayed.violations, *dict.fromkeys(pulled), *moving))
         notes = (*(note for one in found for note in one.notes), *_at_each(moved), *told, *open_questions)
-        figures = max((one.figures for one in found), key=lambda each: each[AT_MOST])
+        of_all = dict(figure for one in found for figure in one.figures.items())
+        figures = of_all | max((one.figures for one in found), key=lambda each: each[AT_MOST])
         return replace(
             replayed,
             violations=violations,
