@@ -62,7 +62,7 @@ class Hand:
         self.world, self.limb = world, limb
         palm, self.fingers = world.shapes_of(limb.palm), world.shapes_of(limb.fingers)
         self.shapes = np.concatenate([palm, self.fingers])
-        if not len(self.shapes):
+        if not len(self.fingers):
             raise AnnotationError(
                 f"gripper '{limb.gripper.name}' has no collision shape to hold a handle with",
                 allowed="<collision> in the URDF's links of its fingers",
