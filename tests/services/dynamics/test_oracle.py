@@ -65,6 +65,29 @@ def test_excessive_force_is_a_causal_failure_of_its_own() -> None:
     assert judged(edited(RUNNERS, latchForce=(176, 200))).outcome is Outcome.NOT_CERTIFIED
 
 
+@pytest.mark.parametrize(
+    ("figures", "element"),
+    [
+        ({"latchForce": (176, 200), "latchWidth": 0.0}, "latch"),
+        ({"softCloserForce": (176, 200), "softCloserRange": 0.0}, "soft closer"),
+        ({"softCloserDamping": (0, 200), "softCloserRange": 0.0}, "soft closer"),
+    ],
+)
+def test_a_latch_or_closer_with_a_force_and_no_way_is_not_left_out_unsaid(
+    figures: dict[str, tuple[float, float] | float], element: str
+) -> None:
+    # Such a drawer was said to need what it needs without, 15 N.
+    verdict = judged(edited(RUNNERS, None, **figures))
+    assert verdict.outcome is Outcome.ABSTAINED
+    assert f"a {element} that " in str(verdict)
+    assert "would not be felt" in str(verdict)
+
+
+@pytest.mark.parametrize("spread", [0.9, 0.5])
+def test_the_largest_spread_of_masses_is_inside(spread: float) -> None:
+    assert "massSpread" not in str(judged(edited(RUNNERS, massSpread=spread)))
+
+
 def test_where_the_intervals_leave_it_open_the_law_abstains() -> None:
     verdict = judged(edited(RUNNERS, latchForce=(20, 200)))
     assert verdict.outcome is Outcome.ABSTAINED
