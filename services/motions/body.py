@@ -202,21 +202,21 @@ def _check_names(names: tuple[str, ...], mechanism: Mechanism) -> None:
 def _moving(
     names: tuple[str, ...], values: Array, mechanism: Mechanism, array: str, given: Given
 ) -> list[int]:
-    """Columns of joints that can move; a joint that is fixed in our model may be listed, standing still.
+    """Columns of joints that can move; one that is fixed in our model may be listed, where it stands.
 
     Raises:
         UnknownEntityError: No such joint.
         MotionError: A fixed joint that moves, or a value in another unit.
     """
     _check_names(names, mechanism)
-    able = movable(mechanism)
+    able, fixed = movable(mechanism), {each.name: each.fixed_at for each in mechanism.joints}
     for k in (k for k, name in enumerate(names) if name not in able):
-        away = np.flatnonzero(np.abs(values[:, k]) > STILL)
+        away = np.flatnonzero(np.abs(values[:, k] - fixed[names[k]]) > STILL)
         if away.size:
             at = int(away[0])
             raise MotionError(
                 f"'{array}' of {names[k]} at {given.at(at)} is {values[at, k]:.4g}, but the joint is fixed",
-                allowed="0, or leave the joint out",
+                allowed=f"{fixed[names[k]]:.6g}, or leave the joint out",
             )
     moving = [k for k, name in enumerate(names) if name in able]
     check_joints(tuple(names[k] for k in moving), values[:, moving], mechanism, array, given)

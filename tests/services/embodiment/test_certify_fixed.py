@@ -6,11 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sdt_kg.errors import MotionError
 from sdt_kg.iri import joint_iri
+from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from services.embodiment.certify import Certified
 from services.motions import read_motion, write_motion
-from tests.services.embodiment.gantry import gantry_twin, opening
+from tests.services.embodiment.gantry import FOLDER, RESTS, gantry_twin, opening
 from tests.services.embodiment.judging import judge
 
 pytestmark = pytest.mark.oracle
@@ -63,3 +65,25 @@ def test_a_file_may_list_it_too(tmp_path: Path) -> None:
         motion = read_motion(tmp_path / "motion.npz", twin, twin.robots[0])
         assert isinstance(motion, BodyMotion)
         assert isinstance(judge(twin, motion), Certified) is kept
+
+
+@pytest.mark.parametrize(("listed", "kept"), [(0.2, True), (0.0, False), (0.25, False)])
+def test_a_file_may_list_a_joint_of_the_robot_that_has_equal_limits_where_they_are(
+    tmp_path: Path, listed: float, kept: bool
+) -> None:
+    text = (FOLDER / "gantry.urdf").read_text()
+    (tmp_path / "gantry.urdf").write_text(text.replace('lower="0" upper="0.6"', 'lower="0.2" upper="0.2"'))
+    (tmp_path / "gantry.ttl").write_bytes((FOLDER / "gantry.ttl").read_bytes())
+    twin = load_twin(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"])
+    rests = RESTS.copy()
+    rests[:, 4] = listed
+    write_motion(tmp_path / "motion.npz", opening(rests=rests))
+    if not kept:
+        with pytest.raises(
+            MotionError, match=r"lift_joint .* but the joint is fixed; allowed: 0\.2, or leave"
+        ):
+            read_motion(tmp_path / "motion.npz", twin, twin.robots[0])
+        return
+    motion = read_motion(tmp_path / "motion.npz", twin, twin.robots[0])
+    assert isinstance(motion, BodyMotion)
+    assert isinstance(judge(twin, motion), Certified)
