@@ -17,6 +17,8 @@ from sdt_kg.twin import Container, Twin
 
 ARRAYS = ("times", "values", "velocities", "base", "q", "v", "base_v", "kitchen_q", "kitchen_v")
 """Of motions."""
+REAL = "fiu"
+"""Kinds of NumPy's types whose values are real numbers."""
 AnyMotion = TypeVar("AnyMotion", bound=Motion | BodyMotion)
 ASKED = "asked"
 """In states of many cases: the container that each is about."""
@@ -110,6 +112,10 @@ def named_motion(twin: Twin, motion: AnyMotion) -> AnyMotion:
     lists = [name for name in ARRAYS if isinstance(getattr(motion, name, None), list | tuple)]
     if lists:
         raise InputError(f"'{lists[0]}' of a motion is a list", allowed="arrays", remedy="numpy.array(…)")
+    for name in ARRAYS:
+        array = getattr(motion, name, None)
+        if array is not None and array.dtype.kind not in REAL:
+            raise InputError(f"'{name}' of a motion is an array of {array.dtype}", allowed="of real numbers")
     if isinstance(motion, BodyMotion) or ":" in motion.of:
         return motion
     of = body_iri if motion.is_poses else joint_iri

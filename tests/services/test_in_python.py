@@ -34,6 +34,16 @@ WRONG = {
         lambda: service().achieve("open:low_drawer", motion=Motion("low_drawer_joint", [0, 1], [[0], [1]])),
         "'times' of a motion is a list",
     ),
+    "complex numbers in a motion": (
+        lambda: service().achieve("open:low_drawer", motion=Motion("low_drawer_joint", TIMES, WAY + 0j)),
+        "'values' of a motion is an array of complex128; allowed: of real numbers",
+    ),
+    "texts in a motion": (
+        lambda: service().achieve(
+            "open:low_drawer", motion=Motion("low_drawer_joint", TIMES.astype(str), WAY)
+        ),
+        "'times' of a motion is an array of <U",
+    ),
 }
 
 
