@@ -29,6 +29,9 @@ VALUES: Final = {
 }
 """Properties whose values are bodies or joints of the model."""
 
+WOUND: Final = 4 * math.pi
+"""[rad] A joint without limits is no farther from 0 than two turns, or somebody wrote degrees; ours."""
+
 SUBJECTS: Final = {
     "mayTouch": "body",
     "hasCore": "body",
@@ -201,11 +204,15 @@ def _check_positions(facts: Facts, mechanism: Mechanism, file: Path) -> None:
         iri = joint_iri(mechanism.name, joint.name)
         for name in ("parkedPosition", "openPosition", "closedPosition"):
             value = facts.one(iri, name)
-            limits = joint.limits
-            if isinstance(value, int | float) and not limits.lower <= value <= limits.upper:
+            limits, whose, remedy = (joint.limits.lower, joint.limits.upper), "is outside its limits", ""
+            if joint.type is JointType.CONTINUOUS:
+                limits, whose = (-WOUND, WOUND), "is more than two turns away"
+                remedy = "give it in rad, without whole turns"
+            if isinstance(value, int | float) and not limits[0] <= value <= limits[1]:
                 raise AnnotationError(
-                    f"{file}: sdt:{name} {value:g} of joint '{joint.name}' is outside its limits",
-                    allowed=f"{limits.lower:g} to {limits.upper:g}",
+                    f"{file}: sdt:{name} {value:g} of joint '{joint.name}' {whose}",
+                    allowed=f"{limits[0]:g} to {limits[1]:g}",
+                    remedy=remedy,
                 )
 
 

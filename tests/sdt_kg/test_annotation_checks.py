@@ -162,3 +162,11 @@ def test_a_number_that_an_annotation_repeats_is_said_once(tmp_path: Path, number
     twin = load_twin(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"])
     _, rows = twin.query(f"SELECT ?limit {{ <{GANTRY}/joint/lift_joint> sdt:velocityLimit ?limit }}")
     assert [row["limit"] for row in rows] == [0.5]
+
+
+@pytest.mark.parametrize("degrees", ["180.0", "-90.0", "1.0e15"])
+def test_degrees_of_a_joint_without_limits_are_refused(tmp_path: Path, degrees: str) -> None:
+    # Planning would turn it all the way, in steps that fill the memory.
+    said = refused(tmp_path, "j:wrist_joint ", f"j:wrist_joint sdt:parkedPosition {degrees} ; ")
+    assert f"sdt:parkedPosition {float(degrees):g} of joint 'wrist_joint' is more than two turns away" in said
+    assert "allowed: -12.5664 to 12.5664; give it in rad, without whole turns" in said
