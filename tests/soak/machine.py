@@ -58,6 +58,8 @@ class Machine:
         self.root = next(link for link in self.urdf.links if link not in self.parent)
         self.movable = [name for name in self.urdf.joints if self.kind(name) != "fixed"]
         self.sign = {name: -1.0 if turned and self._below(name) else 1.0 for name in self.movable}
+        joints = self.urdf.joints.items()
+        self.held = {name: self._limits(one)[0] for name, one in joints if name not in self.movable}
         self.solids = [solid for link in self.urdf.links for solid in self._solids(link)]
 
     def kind(self, name: str) -> str:
@@ -76,15 +78,15 @@ class Machine:
         return {name: float(np.clip(0.0, *self.limits(name)[:2])) for name in self.movable}
 
     def mimicked(self) -> dict[str, tuple[str, float, float]]:
-        """Joint → joint that it follows, multiplier, offset; as positions count here."""
-        found = {}
+        """Joint → joint that it follows in the end, multiplier, offset; as positions count here."""
+        found: dict[str, tuple[str, float, float]] = {}
         for name in self.movable:
             mimic = self.urdf.joints[name].find("mimic")
             if mimic is not None:
                 source = str(mimic.get("joint"))
-                ratio = float(mimic.get("multiplier", "1")) * self.sign[name] * self.sign[source]
+                ratio = float(mimic.get("multiplier", "1")) * self.sign[name] * self.sign.get(source, 1.0)
                 found[name] = source, ratio, float(mimic.get("offset", "0")) * self.sign[name]
-        return found
+        return {name: _in_the_end(name, found) for name in found}
 
     def rigid(self, link: str) -> str:
         """The first of the links that never move against this one."""
@@ -101,7 +103,7 @@ class Machine:
 
     def place(self, positions: Mapping[str, Array | float], links: Iterable[str]) -> dict[str, Array]:
         """root_T_link of each, shape (T, 4, 4) or (1, 4, 4); what mimics follows."""
-        values = dict(positions)
+        values = self.held | dict(positions)
         for name, (source, ratio, offset) in self.mimicked().items():
             values[name] = ratio * np.asarray(values[source]) + offset
         known = {self.root: np.eye(4)[None]}
@@ -111,8 +113,8 @@ class Machine:
                 name = self.parent[link]
                 joint = self.urdf.joints[name]
                 before = at(self.urdf.ends(name)[0]) @ transform(joint)
-                if self.kind(name) != "fixed":
-                    before = before @ _moved(joint, np.atleast_1d(values[name]) * self.sign[name])
+                if joint.get("type") != "fixed":
+                    before = before @ _moved(joint, np.atleast_1d(values[name]) * self.sign.get(name, 1.0))
                 known[link] = before
             return known[link]
 
@@ -139,6 +141,15 @@ class Machine:
             ends = np.stack((-shape.half, shape.half))
             around = _corners(ends) @ shape.pose[:3, :3].T + shape.pose[:3, 3]
             yield Solid(link, _primitive(shape), shape.pose, around)
+
+
+def _in_the_end(joint: str, follows: Mapping[str, tuple[str, float, float]]) -> tuple[str, float, float]:
+    """What a joint follows that follows no other, multiplier, offset."""
+    source, ratio, offset = follows[joint]
+    while source in follows:
+        source, further, more = follows[source]
+        ratio, offset = ratio * further, ratio * more + offset
+    return source, ratio, offset
 
 
 def _moved(joint: ElementTree.Element, q: Array) -> Array:

@@ -102,6 +102,26 @@ def audit(
     return {case: rules for case, rules in found.items() if rules}
 
 
+def test_the_judge_places_joints_of_equal_limits_and_what_follows_in_a_chain(tmp_path: Path) -> None:
+    """A lift that stands at 0.2, and a rod that follows one which follows a motor listed last."""
+    wide = '<limit lower="-9" upper="9" velocity="1" effort="1"/>'
+    slides = {
+        "lift": '<limit lower="0.2" upper="0.2" velocity="1" effort="1"/>',
+        "rod": f'{wide}<mimic joint="cam" multiplier="-2" offset="0.1"/>',
+        "cam": f'{wide}<mimic joint="motor" multiplier="3" offset="0.2"/>',
+        "motor": wide,
+    }
+    joints = "".join(
+        f'<link name="{name}_link"/><joint name="{name}" type="prismatic"><parent link="base"/>'
+        f'<child link="{name}_link"/><axis xyz="0 0 1"/>{limits}</joint>'
+        for name, limits in slides.items()
+    )
+    (tmp_path / "robot.urdf").write_text(f'<robot name="chain"><link name="base"/>{joints}</robot>')
+    found = Machine(tmp_path / "robot.urdf").place({"motor": 0.5}, [f"{name}_link" for name in slides])
+    heights = [float(found[f"{name}_link"][0, 2, 3]) for name in slides]
+    assert heights == pytest.approx([0.2, -2 * (3 * 0.5 + 0.2) + 0.1, 3 * 0.5 + 0.2, 0.5])
+
+
 @pytest.mark.reference
 @pytest.mark.parametrize("drive", [Drive.OMNI, None])
 @pytest.mark.parametrize("robot", REFERENCE_ROBOTS)
