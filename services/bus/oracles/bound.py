@@ -70,15 +70,15 @@ def check_answer(asked: Case, drive: Drive | None, answer: Answer) -> None:
     assert isinstance(asked.robot, str), "it is the robot that was asked about"
     drive = drive or asked.twin.robot(asked.robot).drive
     if answer.holds:
-        _check_performed(asked, drive, answer)
+        _check_performed(asked, asked.robot, drive, answer)
     elif any(each.proof for each in answer.diagnoses):
         _check_proof(asked, asked.robot, drive, answer.artefact)
 
 
-def _check_performed(asked: Case, drive: Drive, answer: Answer) -> None:
+def _check_performed(asked: Case, robot: Iri, drive: Drive, answer: Answer) -> None:
     """It holds of a body motion, which is the given one if one was, with a certificate of it."""
     motion = answer.case.body_motion
-    if not isinstance(motion, BodyMotion) or motion.robot != asked.robot:
+    if not isinstance(motion, BodyMotion) or motion.robot != robot:
         raise UnfitReplyError("it holds, and has no body motion of the robot")
     if isinstance(asked.body_motion, BodyMotion) and not _are_same(motion, asked.body_motion):
         raise UnfitReplyError("it is about another body motion than the given one")
@@ -91,7 +91,9 @@ def _check_performed(asked: Case, drive: Drive, answer: Answer) -> None:
         raise UnfitReplyError(f"its body motion or certificate: {error}") from None
     if certificate.drive is not drive:
         raise UnfitReplyError(f"its certificate is about a base that is {certificate.drive.value}")
-    _check_certificate(asked, answer, motion, certificate)
+    _check_certificate(asked, robot, answer, certificate)
+    if not _are_same(motion, certificate.motion):
+        raise UnfitReplyError("its certificate is about another body motion")
 
 
 def _check_proof(asked: Case, robot: Iri, drive: Drive, artefact: Artefact | None) -> None:
@@ -119,17 +121,14 @@ def _containers(asked: Case) -> set[Iri]:
     return {each.iri for one in meant for each in (one, *coupled(asked.twin, one))}
 
 
-def _check_certificate(asked: Case, answer: Answer, motion: BodyMotion, certificate: Certificate) -> None:
-    """The certificate is about these models, this state, container and motion, and says the same."""
-    assert isinstance(asked.robot, str), "it is the robot of the motion"
-    if certificate.models != models_of(asked.twin, asked.robot):
+def _check_certificate(asked: Case, robot: Iri, answer: Answer, certificate: Certificate) -> None:
+    """The certificate is about these models, this state and container, and says the same."""
+    if certificate.models != models_of(asked.twin, robot):
         raise UnfitReplyError("its certificate is about other models")
     if certificate.state != dict(asked.twin.state):
         raise UnfitReplyError("its certificate is about another state")
     if certificate.container not in _containers(asked):
         raise UnfitReplyError("its certificate is about another container")
-    if not _are_same(motion, certificate.motion):
-        raise UnfitReplyError("its certificate is about another body motion")
     if any(answer.figures.get(name) != said for name, said in certificate.figures.items()):
         raise UnfitReplyError("its certificate says other figures")
 
