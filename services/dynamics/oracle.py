@@ -48,15 +48,15 @@ class Dynamics:
     def replay(self, twin: Twin, motion: Motion) -> Replayed:
         replayed = self._kinematics.replay(twin, motion)
         moved, model = _moved(twin, replayed.motion.of), self._model(twin)
-        found = [self._forced(twin, each, replayed.motion) for each in moved]
-        pulled = [
-            each
-            for container, one in zip(moved, found, strict=True)
-            for each in (
-                _of_one_handle(one.diagnoses, container) if coupled(twin, container) else one.diagnoses
-            )
-        ]
-        moving, told = unheld(model, twin, moved[0], self.mechanics(twin, moved[0]))
+        mechanics = [mechanics_of(model, twin, each) for each in moved]
+        found, pulled = list[Forced](), list[Diagnosis]()
+        for container, own in zip(moved, mechanics, strict=True):
+            values = of_own_joint(model, container, replayed.motion)
+            off = twin.state[container.joint] - float(values.values[0, 0])
+            one = forced(own, container, values, off)
+            found.append(one)
+            pulled += _of_one_handle(one.diagnoses, container) if coupled(twin, container) else one.diagnoses
+        moving, told = unheld(model, twin, moved[0], mechanics[0])
         violations, open_questions = _decided((*replayed.violations, *dict.fromkeys(pulled), *moving))
         notes = (*(note for one in found for note in one.notes), *_at_each(moved), *told, *open_questions)
         of_all = dict(figure for one in found for figure in one.figures.items())
@@ -85,12 +85,6 @@ class Dynamics:
     def mechanics(self, twin: Twin, container: Container) -> Mechanics:
         """All that forces at the container's handle depend on."""
         return mechanics_of(self._model(twin), twin, container)
-
-    def _forced(self, twin: Twin, container: Container, motion: Motion) -> Forced:
-        """What the motion needs at the container's handle."""
-        own = of_own_joint(self._model(twin), container, motion)
-        off = twin.state[container.joint] - float(own.values[0, 0])
-        return forced(self.mechanics(twin, container), container, own, off)
 
     def _model(self, twin: Twin) -> Model:
         mechanism = twin.mechanism(twin.environment)

@@ -157,19 +157,27 @@ def of_own_joint(model: "Model | Scene", container: Container, motion: Motion) -
     Raises:
         MotionError: It is of a joint that does not.
     """
-    own, given = model.coordinate[container.joint], model.coordinate.get(motion.of)
-    if given == own:
-        return motion
-    source, multiplier, offset = model.coupling.source, model.coupling.multiplier, model.coupling.offset
-    if given is None or source[given] != source[own] or multiplier[given] == 0:
+    found = of_joint(model, container.joint, motion)
+    if found is None:
         raise MotionError(
             f"the motion is of {local_name(motion.of)}, which does not move {container.name}",
             allowed=f"one of {local_name(container.joint)}",
         )
+    return found
+
+
+def of_joint(model: "Model | Scene", joint: Iri, motion: Motion) -> Motion | None:
+    """The motion as values of a joint that moves with the one whose values it has; None if that does not."""
+    own, given = model.coordinate[joint], model.coordinate.get(motion.of)
+    if given == own:
+        return motion
+    source, multiplier, offset = model.coupling.source, model.coupling.multiplier, model.coupling.offset
+    if given is None or source[given] != source[own] or multiplier[given] == 0:
+        return None
     scale = multiplier[own] / multiplier[given]
     values = offset[own] + scale * (motion.values - offset[given])
     velocities = None if motion.velocities is None else np.asarray(scale * motion.velocities)
-    return replace(motion, of=container.joint, values=values, velocities=velocities)
+    return replace(motion, of=joint, values=values, velocities=velocities)
 
 
 def chain(model: Model, body: Iri, state: Mapping[Iri, float]) -> Chain:

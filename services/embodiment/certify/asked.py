@@ -16,6 +16,7 @@ from services.embodiment.certify.motion import rests, start, whole_motion
 from services.embodiment.certify.sweep.kinematics import farther, unit_of
 from services.embodiment.certify.sweep.pieces import Pieces, hermite, positions
 from services.embodiment.certify.tolerances import Tolerances
+from services.physics.chain import of_joint
 from services.physics.model import Scene
 from services.physics.replay import START_TOLERANCE, check_samples, spline_of, velocities_of
 
@@ -73,17 +74,14 @@ def to_keep(scene: Scene, motion: Motion | None, body: BodyMotion) -> Motion | N
     """The motion that the body motion has to keep; none if that carries it itself, by whichever joint."""
     if motion is None or motion.is_poses or motion.velocities is None or motion.of not in scene.coordinate:
         return motion
-    joints, k, coupling = [*body.kitchen_joints], scene.coordinate[motion.of], scene.coupling
-    for joint in (
-        [motion.of] if motion.of in joints else [each for each in joints if each in scene.coordinate]
-    ):
-        i, j = joints.index(joint), scene.coordinate[joint]
-        if coupling.source[j] != coupling.source[k] or coupling.multiplier[j] == 0:
-            continue
-        ratio = coupling.multiplier[k] / coupling.multiplier[j]
-        values = coupling.offset[k] + ratio * (body.kitchen_q[:, [i]] - coupling.offset[j])
-        same = _same(motion.times, body.times) and _same(motion.values, values)
-        if same and _same(motion.velocities, ratio * body.kitchen_v[:, [i]]):
+    joints = [*body.kitchen_joints]
+    for joint in [motion.of] if motion.of in joints else joints:
+        column = [joints.index(joint)]
+        values, velocities = body.kitchen_q[:, column], body.kitchen_v[:, column]
+        told = of_joint(scene, motion.of, Motion(joint, body.times, values, velocities=velocities))
+        if told is not None and all(
+            _same(getattr(motion, name), getattr(told, name)) for name in ("times", "values", "velocities")
+        ):
             return None
     return motion
 
