@@ -1,10 +1,12 @@
 """Whether what an oracle answered is an answer to what was asked: no other is taken for one."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from predicates.case import Answer, Artefact, ArtefactKind, Case
 from predicates.meant import containers_meant, coupled, moved_by
-from predicates.oracle import Replayed
+from predicates.oracle import Embodiment, Replayed
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri
@@ -14,6 +16,7 @@ from services.bus.oracles.codec import Plain, answer_value, replayed_value
 from services.embodiment.certify.certificate import Certificate, models_of, read_certificate
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.written import read_proof
+from services.embodiment.recheck.claim import figures_differ
 
 ARRAYS = ("times", "base", "base_v", "q", "v", "kitchen_q", "kitchen_v")
 
@@ -22,15 +25,23 @@ class UnfitReplyError(SdtError):
     """What an oracle replied is no answer to what it was asked: nothing follows from it."""
 
 
-def answer_to(asked: Case, drive: Drive | None, plain: Plain) -> Answer:
-    """What an oracle answered to whether CanPerform holds of a case, with a base policy; None: the robot's.
+def answer_to(asked: Case, drive: Drive | None, here: Embodiment, plain: Plain) -> Answer:
+    """What an oracle answered to whether CanPerform holds of a case.
+
+    Args:
+        asked: The case.
+        drive: How the base moves; None: as the robot's own.
+        here: R of this process, under the same policy: what it holds of is certified here too.
+        plain: What the bus carried.
 
     Raises:
         InputError: That is no answer.
-        UnfitReplyError: It is an answer to something else.
+        UnfitReplyError: It is an answer to something else, or does not hold here.
     """
     answer = answer_value(asked.twin, plain)
     check_answer(asked, drive, answer)
+    if answer.holds:
+        _check_again(asked, answer, here)
     return answer
 
 
@@ -54,8 +65,7 @@ def replayed_of(twin: Twin, motion: Motion, plain: Plain) -> Replayed:
 def check_answer(asked: Case, drive: Drive | None, answer: Answer) -> None:
     """CanPerform was answered about this case; where it holds, with a certificate of this very motion.
 
-    What certified it is not run again: that is the oracle's, of the version that the verdict names. What is
-    *proved* is verified here.
+    What is *proved* is verified here.
 
     Raises:
         UnfitReplyError: It was not.
@@ -94,6 +104,20 @@ def _check_performed(asked: Case, robot: Iri, drive: Drive, answer: Answer) -> N
     _check_certificate(asked, robot, answer, certificate)
     if not _are_same(motion, certificate.motion):
         raise UnfitReplyError("its certificate is about another body motion")
+
+
+def _check_again(asked: Case, answer: Answer, here: Embodiment) -> None:
+    """The body motion that it holds of is certified in this process, and each figure of it found again."""
+    again = here.perform(replace(asked, body_motion=answer.case.body_motion))
+    if not again.holds:
+        reasons = "; ".join(each.reason for each in again.diagnoses)
+        raise UnfitReplyError(f"its body motion is not certified here: {reasons}")
+    found = {name: figure for name, figure in again.figures.items() if name in answer.figures}
+    for each in figures_differ(answer.figures, found, "the reply", "the certificate made here"):
+        raise UnfitReplyError(each)
+    theirs, ours = (read_certificate(each.artefact.content) for each in (answer, again) if each.artefact)
+    if (theirs.start, theirs.tolerances) != (ours.start, ours.tolerances):
+        raise UnfitReplyError("its certificate is about another start or other tolerances")
 
 
 def _check_proof(asked: Case, robot: Iri, drive: Drive, artefact: Artefact | None) -> None:

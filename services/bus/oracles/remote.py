@@ -2,18 +2,18 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 
 import zenoh
 
 from predicates.case import Answer, Case
-from predicates.oracle import Replayed
+from predicates.oracle import Embodiment, Replayed
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN, TeeClass
 from sdt_kg.state import Region
 from sdt_kg.twin import Container, Twin
-from services.app import Oracles, Policy
+from services.app import Forces, Oracles, Policy, whole_body
 from services.bus.keys import Oracle
 from services.bus.oracles.bound import UnfitReplyError, answer_to, replayed_of
 from services.bus.oracles.callers import Callers, Pinned
@@ -64,10 +64,16 @@ class RemotePhysics:
 
 @dataclass(frozen=True)
 class RemoteEmbodiment:
-    """CanPerform on the bus, under a policy."""
+    """CanPerform on the bus, under a policy: searched there, and what is found is certified here too."""
 
     pinned: Pinned
     policy: Policy
+
+    @cached_property
+    def here(self) -> Embodiment:
+        """R of this process under the same policy, which is asked about motions that were found."""
+        forces = self.pinned.callers.tee == "d_artic_dyn"
+        return Forces().embodiment(self.policy) if forces else whole_body(self.policy)
 
     @property
     def version(self) -> str:
@@ -80,7 +86,8 @@ class RemoteEmbodiment:
 
     def perform(self, case: Case) -> Answer:
         """Body motion that follows the case's motion, certified; or the verification of its own."""
-        read, seconds = partial(answer_to, case, self.policy.drive), self.policy.budget + MARGIN
+        read = partial(answer_to, case, self.policy.drive, self.here)
+        seconds = self.policy.budget + MARGIN
         return self.pinned.call("perform", case.twin, read, seconds, case=case_plain(case))
 
 

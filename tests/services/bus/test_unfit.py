@@ -14,7 +14,7 @@ from predicates.case import Answer, Case
 from predicates.satisfies_request import demanded
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
-from sdt_kg.motion import Motion
+from sdt_kg.motion import Array, Motion
 from sdt_kg.task import Task, Verb
 from services.app import Policy, Service, load
 from services.bus import keys
@@ -24,6 +24,8 @@ from services.bus.oracles.codec import Plain, answer_plain, replayed_plain, repl
 from services.bus.oracles.remote import BusOracles
 from services.bus.oracles.server import oracle
 from services.bus.sessions import open_session
+from services.embodiment.certify.certificate import Figures, read_certificate
+from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.content import LEAF
 from services.embodiment.proof_check.written import read_proof, to_bytes
 from services.judging.codec import CBOR, from_cbor, to_cbor
@@ -73,37 +75,91 @@ def test_the_right_answer_is_one_and_that_to_another_question_is_none(
     here: Service, asked: tuple[Case, Plain], foreign: Plain
 ) -> None:
     case, plain = asked
-    assert answer_to(case, None, plain).holds
+    assert answer_to(case, None, here.embodiment, plain).holds
     for other in (foreign, plain | {"artefact": foreign["artefact"]}, plain | {"case": foreign["case"]}):
         with pytest.raises(UnfitReplyError):
-            answer_to(case, None, other)
+            answer_to(case, None, here.embodiment, other)
     container = here.twin.container(DRAWER)
     for twin in (
         here.twin.at({container.joint: 0.05}),
         here.twin.with_edit(container.joint, upperLimit=0.47),
     ):
         with pytest.raises(UnfitReplyError, match="its certificate is about"):
-            answer_to(replace(case, twin=twin), None, plain)
+            answer_to(replace(case, twin=twin), None, here.embodiment, plain)
 
 
-def test_a_certificate_under_another_base_policy_is_no_answer(asked: tuple[Case, Plain]) -> None:
+def test_a_certificate_under_another_base_policy_is_no_answer(
+    here: Service, asked: tuple[Case, Plain]
+) -> None:
     with pytest.raises(UnfitReplyError, match="a base that is omni"):
-        answer_to(asked[0], Drive.FIXED, asked[1])
+        answer_to(asked[0], Drive.FIXED, here.embodiment, asked[1])
+
+
+def forged(
+    plain: Plain, figures: Figures | None = None, parts: Plain | None = None, **arrays: Array
+) -> Plain:
+    """The same answer about another body motion, with other figures or parts, as its certificate says too."""
+    kind, content = plain["artefact"]
+    one = replace(read_certificate(content), **(parts or {}))
+    other = replace(one, motion=replace(one.motion, **arrays), figures=one.figures | (figures or {}))
+    said = {name: list(value) for name, value in other.figures.items()}
+    moved = plain["case"]["body_motion"] | arrays
+    about = {"case": plain["case"] | {"body_motion": moved}, "figures": plain["figures"] | said}
+    return plain | about | {"artefact": [kind, other.content()]}
+
+
+def test_what_is_found_elsewhere_is_certified_here_once_more(
+    here: Service, asked: tuple[Case, Plain]
+) -> None:
+    case, plain = asked
+    q = read_certificate(plain["artefact"][1]).motion.q
+    assert answer_to(case, None, here.embodiment, forged(plain)).holds
+    aside, hasty = q.copy(), np.array(plain["case"]["body_motion"]["times"]) / 2
+    aside[len(q) // 2 :, 0] += 0.1
+    with pytest.raises(UnfitReplyError, match="not certified here"):
+        answer_to(case, None, here.embodiment, forged(plain, q=aside))
+    with pytest.raises(UnfitReplyError, match="velocity"):
+        answer_to(case, None, here.embodiment, forged(plain, times=hasty))
+    far = {"smallest distance, environment": (0.5, "m")}
+    with pytest.raises(UnfitReplyError, match=r"environment' is 0\.5 m in the reply"):
+        answer_to(case, None, here.embodiment, forged(plain, far))
+    for parts in ({"start": None}, {"tolerances": Tolerances(contact=0.01)}):
+        with pytest.raises(UnfitReplyError, match="another start or other tolerances"):
+            answer_to(case, None, here.embodiment, forged(plain, parts=parts))
+
+
+def test_what_has_its_times_is_certified_with_them(here: Service, asked: tuple[Case, Plain]) -> None:
+    case, plain = asked
+    motion = case.motion
+    assert isinstance(motion, Motion)
+    timed = replace(case, motion=replace(motion, timed=True))
+    with pytest.raises(UnfitReplyError, match="not certified here"):
+        answer_to(timed, None, here.embodiment, plain)
+
+
+def test_a_motion_that_is_given_is_certified_here_as_it_was_there(
+    here: Service, asked: tuple[Case, Plain]
+) -> None:
+    case, plain = asked
+    found = answer_to(case, None, here.embodiment, plain).case
+    (given,) = can_perform(found, here.embodiment)
+    assert given.holds
+    assert answer_to(found, None, here.embodiment, sent(given)).holds
 
 
 @pytest.fixture(scope="module")
-def refuted() -> tuple[Case, Plain]:
+def refuted() -> tuple[Service, Case, Plain]:
     """A case of which it is proved that it cannot be, and what an oracle rightly answers."""
     there = load("b", ["stretch"], policy=Policy(Drive.FIXED, budget=60.0))
     case = case_of(there, "iai_fridge_door")
     (answer,) = can_perform(case, there.embodiment)
     assert any(each.proof for each in answer.diagnoses)
-    return case, sent(answer)
+    return there, case, sent(answer)
 
 
-def test_what_is_proved_is_verified(refuted: tuple[Case, Plain], asked: tuple[Case, Plain]) -> None:
-    case, plain = refuted
-    assert any(each.proof for each in answer_to(case, Drive.FIXED, plain).diagnoses)
+def test_what_is_proved_is_verified(refuted: tuple[Service, Case, Plain], asked: tuple[Case, Plain]) -> None:
+    there, case, plain = refuted
+    assert any(each.proof for each in answer_to(case, Drive.FIXED, there.embodiment, plain).diagnoses)
     kind, content = plain["artefact"]
     proof = read_proof(content)
     first = replace(proof.refutations[0], tree=bytes([LEAF]))  # the whole box, at once
@@ -122,9 +178,9 @@ def test_what_is_proved_is_verified(refuted: tuple[Case, Plain], asked: tuple[Ca
     }
     for said, artefact in changed.items():
         with pytest.raises((InputError, UnfitReplyError), match=said):
-            answer_to(case, Drive.FIXED, plain | {"artefact": artefact})
+            answer_to(case, Drive.FIXED, there.embodiment, plain | {"artefact": artefact})
     with pytest.raises(UnfitReplyError, match="its proof is about a base that is fixed"):
-        answer_to(case, None, plain)
+        answer_to(case, None, there.embodiment, plain)
 
 
 def without(name: str) -> Change:
@@ -179,11 +235,11 @@ NO_ANSWERS: list[Change] = [
 
 @pytest.mark.parametrize("change", NO_ANSWERS, ids=range(len(NO_ANSWERS)))
 def test_what_is_no_answer_is_an_error_and_never_a_certificate(
-    asked: tuple[Case, Plain], change: Change
+    here: Service, asked: tuple[Case, Plain], change: Change
 ) -> None:
     case, plain = asked
     with pytest.raises((InputError, UnfitReplyError)):
-        answer_to(case, None, change(plain))  # pyright: ignore[reportArgumentType]  # that is the point
+        answer_to(case, None, here.embodiment, change(plain))  # pyright: ignore[reportArgumentType]  # that is the point
 
 
 @pytest.mark.parametrize(
