@@ -152,9 +152,12 @@ class Search:
         disc = np.hypot(up[..., 0], up[..., 1]) * sizes[:, 0] + np.abs(up[..., 2]) * sizes[:, 2]
         reach = np.where(round_, disc, boxes)
         points = np.einsum("lij,pj->lpi", turn, placed) + place[:, None]
-        moved = self._moved(one, (origins, axes, widths), points, (turn, turns, sizes))
         low, high = heights - reach, heights + reach
         there = np.maximum(self._span[0] - high, low - self._span[1])
+        if half.any():
+            moved = self._moved(one, (origins, axes, widths), points, (turn, turns, sizes))
+        else:  # of single postures
+            moved = np.zeros((*points.shape[:2], len(one.turns)))
         total = there - moved.sum(axis=2)
         worst, every = np.argmin(total, axis=1), np.arange(len(at))
         ways = moved[every, worst] @ np.abs(one.part.rates)
