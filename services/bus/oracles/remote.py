@@ -81,8 +81,14 @@ class RemoteEmbodiment:
         return self.pinned.version()
 
     def settings(self, twin: Twin, robot: Iri) -> tuple[tuple[str, str], ...]:
-        """What decides the answer beyond the case."""
-        return self.pinned.call("settings", twin, _settings, robot=robot)
+        """What decides the answer beyond the case; of this process's version it is what that has."""
+        return self.pinned.call("settings", twin, partial(self._settings, twin, robot), robot=robot)
+
+    def _settings(self, twin: Twin, robot: Iri, said: object) -> tuple[tuple[str, str], ...]:
+        told = _settings(said)
+        if self.pinned.told == self.here.version and told != self.here.settings(twin, robot):
+            raise UnfitReplyError("these are not the settings of that version and policy")
+        return told
 
     def perform(self, case: Case) -> Answer:
         """Body motion that follows the case's motion, certified; or the verification of its own."""

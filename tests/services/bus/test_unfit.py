@@ -287,16 +287,16 @@ def test_what_physics_says_of_something_else_is_an_error(here: Service, change: 
 
 
 @contextmanager
-def replying(session: zenoh.Session, content: bytes) -> Iterator[str]:
-    """An oracle for causes that says the same whatever it is asked."""
+def replying(session: zenoh.Session, kind: Oracle, said: Callable[[str], bytes]) -> Iterator[str]:
+    """An oracle that answers each verb so, whatever it is asked about."""
     instance = "0" + uuid.uuid4().hex[:11]  # the first of those that were asked as often
 
     def answered(query: zenoh.Query) -> None:
         with query:
-            query.reply(query.key_expr, content, encoding=CBOR)
+            query.reply(query.key_expr, said(str(query.parameters)), encoding=CBOR)
 
-    asked = session.declare_queryable(keys.oracle(Oracle.CAUSES, instance), answered, complete=True)
-    token = session.liveliness().declare_token(keys.oracle_live(Oracle.CAUSES, instance))
+    asked = session.declare_queryable(keys.oracle(kind, instance), answered, complete=True)
+    token = session.liveliness().declare_token(keys.oracle_live(kind, instance))
     yield instance
     token.undeclare()
     asked.undeclare()
@@ -308,10 +308,32 @@ def test_another_oracle_is_asked_where_one_replies_what_is_no_answer_and_it_is_t
     here: Service, content: bytes
 ) -> None:
     goal = demanded(here.twin.container(DRAWER), Verb.OPEN)
-    with open_session(listen=free_endpoint()) as session, replying(session, content) as instance:
+    with (
+        open_session(listen=free_endpoint()) as session,
+        replying(session, Oracle.CAUSES, lambda _: content) as instance,
+    ):
         with pytest.raises(BusUnavailableError, match=f"what {instance} replies is no answer to version"):
             BusOracles.on(session).physics().version  # noqa: B018 - it is asked for
         with oracle(session, Oracle.CAUSES):
             there = BusOracles.on(session).physics()
             assert there.version == here.physics.version
             assert len(list(there.generate(here.twin, goal))) == 1
+
+
+@pytest.mark.oracle
+def test_settings_are_those_that_this_version_has_under_the_same_policy(here: Service) -> None:
+    robot, policy = here.twin.robots[0], Policy(budget=60.0)
+    own = here.embodiment.settings(here.twin, robot)
+    said = {"version": here.embodiment.version, "settings": [["drive", "fixed"], *map(list, own[1:])]}
+    with (
+        open_session(listen=free_endpoint()) as session,
+        replying(session, Oracle.CANPERFORM, lambda verb: to_cbor(said[verb])),
+    ):
+        there = BusOracles.on(session).embodiment(policy)
+        with pytest.raises(BusUnavailableError, match="not the settings of that version and policy"):
+            there.settings(here.twin, robot)
+        said["settings"][0] = list(own[0])
+        assert there.settings(here.twin, robot) == own
+        said |= {"version": "another", "settings": [["drive", "fixed"]]}
+        other = BusOracles.on(session).embodiment(policy)
+        assert other.settings(here.twin, robot) == (("drive", "fixed"),)
