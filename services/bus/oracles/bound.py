@@ -18,6 +18,9 @@ from services.embodiment.proof_check import check
 from services.embodiment.proof_check.written import read_proof
 from services.embodiment.recheck.claim import figures_differ
 
+SAME = 1e-9
+"""[rad, m or s] By which two who compute it differ."""
+
 ARRAYS = ("times", "base", "base_v", "q", "v", "kitchen_q", "kitchen_v")
 
 
@@ -60,6 +63,37 @@ def replayed_of(twin: Twin, motion: Motion, plain: Plain) -> Replayed:
     if moved_by(twin, replayed.motion.of) != moved_by(twin, motion.of):
         raise UnfitReplyError("it is about a motion of something else")
     return replayed
+
+
+def check_replayed(told: Replayed, here: Replayed) -> None:
+    """What Φ on the bus says is what Φ of the same version makes of the motion in this process.
+
+    Raises:
+        UnfitReplyError: It is not.
+    """
+    final = {joint: abs(told.final[joint] - at) for joint, at in here.final.items()}
+    if max(final.values()) > SAME:
+        raise UnfitReplyError("its final state is another than the one that this version finds")
+    if not _are_near(told.motion, here.motion):
+        raise UnfitReplyError("its motion is another than the one that this version reads")
+    if [(each.kind, each.proof) for each in told.violations] != [
+        (each.kind, each.proof) for each in here.violations
+    ]:
+        raise UnfitReplyError("it finds other violations than this version does")
+    for each in figures_differ(told.figures, here.figures, "the reply", "what this version finds"):
+        raise UnfitReplyError(each)
+
+
+def _are_near(one: Motion, other: Motion) -> bool:
+    """Whether two motions are of one joint and differ by rounding."""
+    arrays, others = (
+        [each.times, each.values, *([] if each.velocities is None else [each.velocities])]
+        for each in (one, other)
+    )
+    return (one.of, one.timed, len(arrays)) == (other.of, other.timed, len(others)) and all(
+        here.shape == there.shape and np.allclose(here, there, rtol=0, atol=SAME)
+        for here, there in zip(arrays, others, strict=True)
+    )
 
 
 def check_answer(asked: Case, drive: Drive | None, answer: Answer) -> None:

@@ -7,7 +7,7 @@ from functools import cached_property, partial
 import zenoh
 
 from predicates.case import Answer, Case
-from predicates.oracle import Embodiment, Replayed
+from predicates.oracle import Embodiment, Physics, Replayed
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN, TeeClass
@@ -15,7 +15,7 @@ from sdt_kg.state import Region
 from sdt_kg.twin import Container, Twin
 from services.app import Forces, Oracles, Policy, whole_body
 from services.bus.keys import Oracle
-from services.bus.oracles.bound import UnfitReplyError, answer_to, replayed_of
+from services.bus.oracles.bound import UnfitReplyError, answer_to, check_replayed, replayed_of
 from services.bus.oracles.callers import Callers, Pinned
 from services.bus.oracles.codec import (
     Plain,
@@ -33,9 +33,18 @@ MARGIN = 30.0
 
 @dataclass(frozen=True)
 class RemotePhysics:
-    """Φ on the bus."""
+    """Φ on the bus; where it is the one that this process has, it has to say the same."""
 
     pinned: Pinned
+
+    @cached_property
+    def here(self) -> Physics:
+        """Φ of this process."""
+        if self.tee_class is D_ARTIC_DYN:
+            return Forces().physics()
+        from services.physics.oracle import Kinematics  # noqa: PLC0415 - not needed to ask for a version
+
+        return Kinematics()
 
     @property
     def tee_class(self) -> TeeClass:
@@ -49,8 +58,14 @@ class RemotePhysics:
 
     def replay(self, twin: Twin, motion: Motion) -> Replayed:
         """Final state under the motion."""
-        read = partial(replayed_of, twin, motion)
+        read = partial(self._replayed, twin, motion)
         return self.pinned.call("replay", twin, read, motion=motion_plain(motion))
+
+    def _replayed(self, twin: Twin, motion: Motion, said: Plain) -> Replayed:
+        told = replayed_of(twin, motion, said)
+        if self.pinned.told == self.here.version:
+            check_replayed(told, self.here.replay(twin, motion))
+        return told
 
     def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:
         """Motions into the region, best first."""

@@ -15,11 +15,12 @@ from predicates.satisfies_request import demanded
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.motion import Array, Motion
+from sdt_kg.state import State
 from sdt_kg.task import Task, Verb
 from services.app import Policy, Service, load
 from services.bus import keys
 from services.bus.keys import Oracle
-from services.bus.oracles.bound import UnfitReplyError, answer_to, replayed_of
+from services.bus.oracles.bound import UnfitReplyError, answer_to, check_replayed, replayed_of
 from services.bus.oracles.codec import Plain, answer_plain, replayed_plain, replayed_value
 from services.bus.oracles.remote import BusOracles
 from services.bus.oracles.server import oracle
@@ -284,6 +285,50 @@ def test_what_physics_says_of_something_else_is_an_error(here: Service, change: 
     assert replayed_of(here.twin, motion, plain).final == replayed_value(plain).final
     with pytest.raises((InputError, UnfitReplyError)):
         replayed_of(here.twin, motion, change(plain))  # pyright: ignore[reportArgumentType]  # that is the point
+
+
+def test_what_physics_says_is_what_this_version_finds(here: Service) -> None:
+    motion = case_of(here, DRAWER).motion
+    assert isinstance(motion, Motion)
+    found, joint = here.physics.replay(here.twin, motion), here.twin.container(DRAWER).joint
+    far = replace(motion, values=motion.values * 1.5)
+    refused = here.physics.replay(here.twin, far)
+    assert refused.violations
+    check_replayed(found, here.physics.replay(here.twin, motion))
+    check_replayed(refused, here.physics.replay(here.twin, far))
+    for told, right, said in (
+        (replace(found, final=State.of({**dict(found.final), joint: 0.3})), found, "another than the one"),
+        (replace(found, motion=replace(motion, values=motion.values * 0.9)), found, "its motion is another"),
+        (replace(found, figures={"force": (1.0, "N")}), found, "the figure 'force'"),
+        (replace(refused, violations=()), refused, "other violations"),
+        (
+            replace(refused, violations=tuple(replace(one, proof=False) for one in refused.violations)),
+            refused,
+            "other violations",
+        ),
+    ):
+        with pytest.raises(UnfitReplyError, match=said):
+            check_replayed(told, right)
+
+
+@pytest.mark.oracle
+def test_an_oracle_that_says_the_drawer_is_open_is_not_believed(here: Service) -> None:
+    motion = case_of(here, DRAWER).motion
+    assert isinstance(motion, Motion)
+    short = replace(motion, values=motion.values * 0.5)
+    half = replayed_plain(here.physics.replay(here.twin, short))
+    joint = here.twin.container(DRAWER).joint
+    said = {"version": here.physics.version, "replay": half | {"final": half["final"] | {joint: 0.48}}}
+    with (
+        open_session(listen=free_endpoint()) as session,
+        replying(session, Oracle.CAUSES, lambda verb: to_cbor(said[verb])),
+    ):
+        there = BusOracles.on(session).physics()
+        with pytest.raises(BusUnavailableError, match="final state is another than the one"):
+            there.replay(here.twin, short)
+        said |= {"version": "a physics of one's own"}
+        other = BusOracles.on(session).physics()
+        assert other.replay(here.twin, short).final[joint] == 0.48
 
 
 @contextmanager
