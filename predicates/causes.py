@@ -128,10 +128,18 @@ def _generated(case: Case, goal: Region, physics: Physics) -> Answer:
 
 
 def _notes(case: Case, replayed: Replayed) -> tuple[str, ...]:
-    """What Φ notes, and whether positions count the other way than in the kitchen's file."""
+    """What Φ notes, whether positions count the other way than in the kitchen's file, and what is learned."""
     name, kitchen = local_name(replayed.motion.of), case.twin.mechanism(case.twin.environment)
     turned = next((joint.turned for joint in kitchen.joints if joint.name == name), "")
-    return (*replayed.notes, *((f"{name} has in its file {turned}",) if turned else ()))
+    moved = {name} | {
+        local_name(each)
+        for container in moved_by(case.twin, replayed.motion.of)
+        for each in (container.joint, container.active_joint)
+    }
+    learned = (
+        f"{joint.name} is {note}" for joint in kitchen.joints if joint.name in moved for note in joint.learned
+    )
+    return (*replayed.notes, *((f"{name} has in its file {turned}",) if turned else ()), *learned)
 
 
 def _nothing_to_cause(case: Case, task: Task, container: Container) -> Iterator[Diagnosis]:

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 _FIXED_AT = re.compile(r"equal limits (\S+)\.\.\S+: imported as fixed$|imported as fixed at (\S+)$")
 TURNED = "axis turned"
 """In the note of a joint whose positions are those of its file with the other sign."""
+LEARNED = "learned from an observed track"
+"""In the note of a joint that a kitchen's files do not have so."""
 
 ROUNDED = 1e-6
 """[1] Share of the largest principal moment by which the least may be below 0: files round them."""
@@ -158,6 +160,11 @@ class Joint:
     def turned(self) -> str:
         """The note of an import that turned the axis, so that positions count the other way; else empty."""
         return next((note for note in self.notes if TURNED in note), "")
+
+    @property
+    def learned(self) -> tuple[str, ...]:
+        """The notes that say from what it is learned, and how certain that is."""
+        return tuple(note for note in self.notes if LEARNED in note)
 
     @property
     def fixed_at(self) -> float:

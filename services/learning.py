@@ -1,6 +1,6 @@
 """Mode 3 put together: a track, a kitchen, what the Law says of it, and Φ′ where Φ does not replay it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -115,11 +115,9 @@ def proposal_for(twin: Twin, learned: Learned, seen: Seen, physics: Physics) -> 
     """
     moving = [each for each in learned.candidates if each.joint_type is not JointType.FIXED]
     best = learned.best if not moving else moving[0]
-    proposal = propose(twin, seen.followed.container, best)
     share = learned.probabilities[learned.candidates.index(best)]
-    if share < SURE:
-        unsure = f"the joint is {best.joint_type.value}, with the probability {share:.2f} only"
-        proposal = replace(proposal, assumptions=(unsure, *proposal.assumptions))
+    only = f"the joint is {best.joint_type.value}, with the probability {share:.2f} only"
+    proposal = propose(twin, seen.followed.container, best, () if share >= SURE else (only,))
     _check_counts(proposal)
     return proposal, seen_in(proposal.twin, learned, physics, seen.followed.container.iri)
 

@@ -47,6 +47,11 @@ def turned(name: str, hinge: tuple[float, float], angle: float) -> Track:
     return seen(points + np.array([0, 0, begin[2]]))
 
 
+def standing(name: str, position: float) -> Twin:
+    """The kitchen with a container at a position."""
+    return TWIN.at(TWIN.state.moved(TWIN.container(name).joint, position))
+
+
 def explains(twin: Twin, name: str, track: Track) -> tuple[bool, Followed]:
     model = build(twin.mechanism(twin.environment))
     container = twin.container(name)
@@ -123,6 +128,54 @@ def test_a_slanted_drawer_is_learned_and_then_replays() -> None:
     assert proposal.after.limits == proposal.before.limits
     assert proposal.assumptions == ("limits of position are kept: a track does not show where a joint stops",)
     assert replays(proposal, track)
+
+
+@pytest.mark.parametrize(("begin", "end"), [(0.2, 0.0), (0.35, 0.25), (0.2, 0.4), (0.4, 0.48)])
+def test_a_drawer_between_its_limits_opens_where_the_twin_says_whichever_way_it_was_seen(
+    begin: float, end: float
+) -> None:
+    """Seen to be pushed shut, it was taken to open inwards."""
+    twin = standing("low_drawer", begin)
+    way = stopping(end - begin)[:, None] * np.array([-np.cos(0.2), np.sin(0.2), 0.0])
+    proposal = propose(
+        twin, twin.container("low_drawer"), learn(seen(handle(twin, "low_drawer") + way, noise=0.001)).best
+    )
+    assert proposal.after.axis == pytest.approx((-np.cos(0.2), np.sin(0.2), 0), abs=0.05)
+    assert (proposal.after.limits.lower, proposal.after.limits.upper) == (0.0, 0.5)
+    assert proposal.seen == pytest.approx(sorted((begin, end)), abs=0.003)
+
+
+def test_a_door_that_was_seen_to_shut_about_another_hinge_is_not_said_to_open() -> None:
+    twin = standing("side_door", 0.6)
+    begin, hinge = handle(twin, "side_door"), np.array([2.0, -0.2, 0.0])  # the twin's is at (2, 0)
+    arm = (begin - hinge) * [1, 1, 0]
+    positions = -stopping(0.5)
+    across = np.cross([0, 0, 1], arm)
+    points = hinge + np.cos(positions)[:, None] * arm + np.sin(positions)[:, None] * across
+    track = seen(points + np.array([0, 0, begin[2]]), noise=0.001)
+    proposal = propose(twin, twin.container("side_door"), learn(track).best)
+    assert proposal.after.axis == pytest.approx((0, 0, 1), abs=0.05)
+    assert proposal.seen == pytest.approx((0.1, 0.6), abs=0.02)
+
+
+def test_where_nothing_tells_which_way_it_opens_that_is_an_assumption() -> None:
+    twin = standing("low_drawer", 0.2)
+    way = stopping(0.3)[:, None] * np.array([0.0, 1.0, 0.0])
+    track = seen(handle(twin, "low_drawer") + way)
+    proposal = propose(twin, twin.container("low_drawer"), learn(track).best)
+    assert "it is taken to have been opened: the track does not say" in proposal.assumptions
+
+
+def test_what_causes_says_of_a_learned_joint_it_says_with_its_uncertainty() -> None:
+    track = slid("high_drawer", 0.45, (-0.96, 0.28, 0.0))
+    proposal = proposed("high_drawer", track)
+    twin, axis = proposal.twin, proposal.learned.deviations["axis"]
+    (answer,) = causes(Case(twin, task=Task(Verb.OPEN, twin.container("high_drawer").iri)), PHYSICS)
+    (note,) = (each for each in answer.notes if "learned" in each)
+    assert note.startswith(f"high_drawer_joint is learned from an observed track: axis ± {axis:.2g} rad")
+    assert f"seen from 0 to {proposal.seen[1]:.4g} m; limits of position are kept" in note
+    (other,) = causes(Case(twin, task=Task(Verb.OPEN, twin.container("low_drawer").iri)), PHYSICS)
+    assert not any("learned" in each for each in other.notes)
 
 
 def test_a_coupled_joint_is_not_edited_alone() -> None:
