@@ -6,7 +6,7 @@ import numpy as np
 
 from predicates.learn.track import Array, Track, checked
 from sdt_kg.errors import MotionError
-from sdt_kg.motion import LARGEST
+from sdt_kg.motion import LARGEST, SHORTEST
 
 PLACE, TURN, FORCE = ("x", "y", "z"), ("qx", "qy", "qz", "qw"), ("fx", "fy", "fz")
 KNOWN = ("t", *PLACE, *TURN, *FORCE)
@@ -26,6 +26,9 @@ UNIT_NORM = 0.01
 
 ROOM = 50.0
 """[m] A point farther from the frame's origin is probably given in millimetres."""
+
+STRENGTH = 1e5
+"""[N] No hand, and no robot of a kitchen, pulls as hard: its unit is another one."""
 
 ALLOWED = (
     "x y z [m], optional t [s] before, qx qy qz qw and fx fy fz [N] after them, or a header with these names"
@@ -101,6 +104,7 @@ def track_of(table: Array, names: Sequence[str], name: str, places: Sequence[str
     positions = groups["x"]
     assert positions is not None, "every order of columns has x, y, z"
     _check_room(positions, places, name)
+    _check_strength(groups["fx"], places, name)
     times = table[:, column["t"]] if "t" in column else np.arange(len(table), dtype=np.float64)
     _check_times(times, places, name)
     turned = _unit(groups["qx"], places, name)
@@ -119,6 +123,19 @@ def _check_room(positions: Array, places: Sequence[str], name: str) -> None:
         )
 
 
+def _check_strength(forces: Array | None, places: Sequence[str], name: str) -> None:
+    beyond = (
+        np.flatnonzero(np.abs(forces).max(axis=1) > STRENGTH) if forces is not None and len(forces) else []
+    )
+    if len(beyond):
+        k = int(beyond[0])
+        assert forces is not None, "one of them is too large"
+        raise MotionError(
+            f"{places[k]} of {name}: a force of {np.abs(forces[k]).max():.6g} N",
+            allowed=f"N, up to {STRENGTH:g}",
+        )
+
+
 def _check_times(times: Array, places: Sequence[str], name: str) -> None:
     beyond = np.flatnonzero(np.abs(times) > LARGEST)
     if beyond.size:
@@ -128,12 +145,12 @@ def _check_times(times: Array, places: Sequence[str], name: str) -> None:
             allowed=f"s, up to {LARGEST:g}",
             remedy="convert to s",
         )
-    falling = np.flatnonzero(np.diff(times) <= 0)
+    falling = np.flatnonzero(np.diff(times) < SHORTEST)
     if falling.size:
         k = int(falling[0]) + 1
         raise MotionError(
-            f"{places[k]} of {name}: the time {times[k]:.6g} s is not after {times[k - 1]:.6g} s",
-            allowed="increasing times",
+            f"{places[k]} of {name}: the time {times[k]:.16g} s is not after {times[k - 1]:.16g} s",
+            allowed=f"increasing times, each {SHORTEST:g} s or more after the one before",
         )
 
 

@@ -123,6 +123,18 @@ def test_arrays_in_npz(tmp_path: Path) -> None:
         (rows(np.hstack([PLACES[::-1], 2 * TURNS])), "7 columns that are neither"),
         (rows(np.hstack([TIMES + 1.7e18, PLACES])), r"line 1 .* the time 1.7e.18 s, probably in nanosec"),
         (rows(np.hstack([TIMES[::-1], PLACES])), r"line 2 of track.csv: the time .* is not after"),
+        (
+            rows(np.hstack([1.7e9 + 1e-8 * TIMES, PLACES])),
+            r"line \d+ of track.csv: the time 1700000000 s is not after 1700000000 s",
+        ),
+        (
+            rows(np.hstack([1e-12 * TIMES, PLACES])),
+            "increasing times, each 1e-09 s or more after the one before",
+        ),
+        (
+            rows(np.hstack([PLACES, 1e300 * PLACES])),
+            "line 1 of track.csv: a force of 7e.299 N; allowed: N, up to",
+        ),
         ("x y z qx\n" + rows(np.hstack([PLACES, TIMES])), "the header of track.csv lacks qy, qz, qw"),
         ("x y z speed\n" + rows(np.hstack([PLACES, TIMES])), "an unknown column 'speed'"),
         ("", "track.csv has no samples"),

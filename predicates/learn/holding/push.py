@@ -46,13 +46,15 @@ def push(log: Log) -> PushToOpen | None:
     if -force[deepest] < least:
         return None
     pressing = _around(force < force[deepest] / 2, deepest)
-    if pressing.stop - pressing.start < LEAST_WINDOW:
+    if pressing.stop - pressing.start < LEAST_WINDOW or pressing.stop > gone:
         return None
     depth, depth_deviation = _extreme(log.times[pressing], -log.way[pressing], log.way_noise)
     hardest, _ = _extreme(log.times[pressing], -log.force[pressing], log.force_noise)
     if depth < 2 * depth_deviation:
         return None
     released = _free_from(force, pressing.stop, least)
+    if released == len(force):
+        return None
     pulled = _pulled_from(force, released, least)
     free = slice(released, max(pulled, released + window))
     out = _plateau(log.way[free], window)
@@ -74,9 +76,9 @@ def _around(marked: np.ndarray, inside: int) -> slice:
 
 
 def _free_from(force: Array, begin: int, least: float) -> int:
-    """First sample from `begin` on at which the hand no longer pushes."""
+    """First sample from `begin` on at which the hand no longer pushes; the end if it never lets go."""
     free = force[begin:] > -least / 2
-    return begin + (int(np.argmax(free)) if free.any() else 0)
+    return begin + int(np.argmax(free)) if free.any() else len(force)
 
 
 def _pulled_from(force: Array, begin: int, least: float) -> int:

@@ -1,5 +1,7 @@
 """Φ′ terms that only forces show: latches and push-to-open mechanisms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -42,6 +44,23 @@ def test_what_was_pushed_in_came_out_by_itself() -> None:
     assert isinstance(found, PushToOpen)
     assert found.depth == pytest.approx(truth.depth, abs=3 * found.depth_deviation)
     assert 0.9 < found.release_time < 1.6
+
+
+@pytest.mark.parametrize("force", [(-6.0, 8.0, 0.0), (6.0, -8.0, 0.0)])
+def test_a_force_that_never_lets_go_is_no_push_to_open(force: tuple[float, float, float]) -> None:
+    """As from a sensor that counts the other way."""
+    for seed in range(4):
+        track, _ = log("plain", seed)
+        held = replace(track, forces=np.tile(force, (len(track.positions), 1)))
+        assert isinstance(phases(held, learn(held).best), Plain)
+
+
+def test_what_is_held_back_on_its_way_is_no_push_to_open() -> None:
+    for seed in range(8):
+        track, _ = log("plain", seed)
+        assert track.forces is not None
+        held = replace(track, forces=-track.forces)
+        assert isinstance(phases(held, learn(held).best), Plain)
 
 
 def test_without_forces_nothing_is_said_of_latches() -> None:
