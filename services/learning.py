@@ -12,6 +12,7 @@ from predicates.learn.articulation import SURE
 from predicates.learn.coupled import coupled
 from predicates.learn.explain import Explanation, explain
 from predicates.learn.following import Following, follow, following_triples, in_joints, key_of
+from predicates.learn.held import held
 from predicates.learn.phases import Latch, Plain, PushToOpen, phases
 from predicates.learn.proposal import Proposal, propose
 from predicates.learn.record import Key, learned_triples, phase_triples, proposal_triples
@@ -216,6 +217,14 @@ def held_by(learned: Learned) -> Latch | PushToOpen | Plain | None:
     if learned.track.forces is None or learned.best.joint_type is JointType.FIXED:
         return None
     return phases(learned.track, learned.best)
+
+
+def with_held(twin: Twin, seen: Seen, learned: Learned) -> Twin:
+    """The twin whose joint says what was seen to hold the container, if anything but friction did."""
+    phase = held_by(learned)
+    if phase is None or isinstance(phase, Plain):
+        return twin
+    return held(twin, twin.container(seen.followed.container.iri), phase)
 
 
 def branch_triples(

@@ -39,6 +39,7 @@ from services.learning import (
     seen_in,
     together_in,
     together_triples,
+    with_held,
     write_branch,
 )
 from services.tracks import read_track
@@ -199,7 +200,7 @@ def _in_kitchen(
         raise InputError(refusal, allowed="a track that shows what the twin does not know")
     if accept:
         path = output or Path(f"{seen.followed.container.name}.learned.trig")
-        write_branch(path, branch, *branch_triples(twin, learned, seen, proposal))
+        write_branch(path, with_held(branch, seen, learned), *branch_triples(twin, learned, seen, proposal))
         row["accepted"] = str(path)
     return row | {"task": ", ".join(tasks) or None}
 

@@ -14,6 +14,7 @@ from predicates.causes import causes
 from predicates.learn import learn
 from sdt_kg.errors import InputError
 from sdt_kg.iri import LAW
+from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.app import load
 from services.cli import sdt
@@ -157,6 +158,11 @@ def test_a_latch_that_the_twin_does_not_know_is_proposed_too(tmp_path: Path) -> 
     store.load(path=str(branch), format=ox.RdfFormat.TRIG)
     (found,) = store.query(f"SELECT ?n WHERE {{ GRAPH ?g {{ ?p <{LAW}breakAwayForce> ?n }} }}")  # type: ignore[misc]
     assert float(found["n"].value) == row["mechanism"]["force"]
+    twin = Twin.from_quads(store)
+    (answer,) = causes(Case(twin, task=Task(Verb.OPEN, twin.container("low_drawer").iri)), Kinematics())
+    (note,) = (each for each in answer.notes if "learned" in each)
+    assert f"to be held by a latch that gives way at {row['mechanism']['force']:.1f}" in note
+    assert "no verdict counts with it" in note
 
 
 def test_a_second_track_that_follows_has_its_multiplier(tmp_path: Path) -> None:
