@@ -158,8 +158,10 @@ def _from_everywhere(path: Chain, seeds: Array, offset: Array, positions: Array)
     found[basins] = active
     best = np.take_along_axis(found, gaps.argmin(axis=1)[:, None], axis=1)
     there = (gaps < gaps.min(axis=1, keepdims=True) + SAME_PLACE) & (np.abs(found - best) > APART)
-    if there.any():
-        k, other = (int(index) for index in np.argwhere(there)[0])
+    for k, other in np.argwhere(there).tolist():
+        between = (best[k] + found[k, other]) / 2
+        if float(np.linalg.norm(positions[k] - _points(path, between, offset)[0])) < gaps[k, other]:
+            continue  # beside its path a point is as near to a stretch of it, where it is slow
         raise MotionError(
             f"sample {k}: the point {offset.tolist()} of '{local_name(path.follower.own)}' is there with its "
             f"joint at {best[k, 0]:.4g} and at {found[k, other]:.4g}",

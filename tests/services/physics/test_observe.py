@@ -11,6 +11,8 @@ from services.learning import Seen, seen_in
 from services.physics.chain import chain
 from services.physics.oracle import Kinematics
 from services.physics.tree import build
+from tests.predicates.learn import observed
+from tests.small import small_twin
 
 CONTAINERS = "sink_area_left_middle_drawer_main", "iai_fridge_door"
 
@@ -49,6 +51,17 @@ def test_where_a_track_rests_noise_does_not_count(name: str) -> None:
     shares = np.concatenate((np.zeros(40), np.linspace(0.0, 0.93, 60), np.full(40, 0.93)))
     found, upper = seen(name, shares, 0.002)
     assert float(found.motion.values[-1, 0]) == pytest.approx(0.93 * upper, abs=0.002)
+
+
+def test_a_folding_doors_noisy_track_is_its_own_where_the_handle_hardly_moves() -> None:
+    """Beside its path a sample was as near to a stretch of it, which was taken for two places."""
+    twin = small_twin("a")
+    door = twin.container("folding_door")
+    handle = chain(build(twin.mechanism(twin.environment)), door.handle, twin.state)
+    track = observed.seen(handle.poses(observed.stopping(0.95))[0][:, :3, 3], 2, 0.003)
+    found = seen_in(twin, learn(track), Kinematics())
+    assert found.followed.container.iri == door.iri
+    assert float(found.motion.values[-1, 0]) == pytest.approx(1.9, abs=0.02)
 
 
 def test_the_track_of_another_handle_is_the_motion_of_its_door(tmp_path: Path) -> None:
