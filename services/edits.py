@@ -28,6 +28,7 @@ from sdt_kg.mechanism import Geometry, Joint, JointType, Mechanism, Pose, ShapeT
 from sdt_kg.numbers import number_in
 from sdt_kg.scenes.build import pose_of
 from sdt_kg.twin import Twin
+from sdt_kg.urdf.document import LARGEST
 from sdt_kg.urdf.meshes import mesh_hash
 from services.motions import read_motion
 from services.requests import parse_state
@@ -141,7 +142,7 @@ def _set(twin: Twin, name: str, value: str, text: str) -> Edit:
     whole, dot, what = name.rpartition(".")
     if not dot:
         raise InputError(f"'{text}' names no property", allowed=EDITS["set"])
-    (number,) = numbers_of(value, (1,), text)
+    (number,) = numbers_of(value, (1,), text, math.inf)
     return changed(twin, joint_called(twin, whole), **{what: number})
 
 
@@ -241,16 +242,17 @@ def joint_called(twin: Twin, name: str) -> Iri:
     return joint_iri(owner, joint)
 
 
-def numbers_of(text: str, counts: tuple[int, ...], whole: str) -> list[float]:
+def numbers_of(text: str, counts: tuple[int, ...], whole: str, largest: float = LARGEST) -> list[float]:
     """The finite numbers of a text with commas between.
 
     Args:
         text: The numbers.
         counts: How many they may be.
         whole: What they are part of, for the error.
+        largest: How large each may be, as in a model's file unless it is said.
 
     Raises:
-        InputError: They are not so many, or not numbers.
+        InputError: They are not so many, not numbers, or too large.
     """
     try:
         numbers = [number_in(part) for part in text.split(",")]
@@ -260,6 +262,8 @@ def numbers_of(text: str, counts: tuple[int, ...], whole: str) -> list[float]:
         wanted = " or ".join(map(str, counts))
         allowed = f"{wanted} finite numbers with commas between" if counts != (1,) else "one finite number"
         raise InputError(f"'{whole}': '{text}' is no such number or numbers", allowed=allowed)
+    if max(map(abs, numbers)) > largest:
+        raise InputError(f"'{whole}': {max(numbers, key=abs):g} is too large", allowed=f"up to {largest:g}")
     return numbers
 
 

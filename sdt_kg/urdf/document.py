@@ -21,9 +21,9 @@ MAX_DEPTH: Final = 100
 MOVABLE_TYPES: Final = ("prismatic", "revolute", "continuous")
 JOINT_TYPES: Final = ("fixed", *MOVABLE_TYPES)
 LARGEST: Final = 1e6
-"""[m or rad] Of a pose, a size or an axis: no kitchen's or robot's is larger, and no product overflows."""
+"""[m or rad] Of a pose, a size, an axis or a mimic: no model has a larger one, and no product overflows."""
 
-BOUNDED: Final = ("origin", "box", "cylinder", "sphere", "axis", "mesh")
+BOUNDED: Final = ("origin", "box", "cylinder", "sphere", "axis", "mesh", "mimic")
 POSITIVE: Final = {("box", "size"), ("cylinder", "radius"), ("cylinder", "length"), ("sphere", "radius")}
 
 

@@ -31,7 +31,7 @@ from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.sets import grasp_settings
 from services.embodiment.hopeless import hopeless
 from services.embodiment.plan import Planner
-from services.embodiment.planned import Planned
+from services.embodiment.planned import Planned, no_motion
 from services.embodiment.prove import boxes
 from services.embodiment.report import refusal
 from services.embodiment.setting import Setting, container_of
@@ -191,6 +191,9 @@ class WholeBody:
         rejected: list[tuple[Diagnosis, ...]] = []
         for planned in planner.plans(Several if self.regrasps else None):
             at = time.perf_counter()
+            if endless := no_motion(planned.body):
+                rejected.append(endless)
+                continue
             outcome = self._certificate(case.twin, setting, planned.body)
             clock.spent("certify", at)
             if isinstance(outcome, Certified):

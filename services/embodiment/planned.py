@@ -4,7 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
-from sdt_kg.motion import BodyMotion, Motion
+from predicates.case import Diagnosis, Kind
+from sdt_kg.errors import MotionError
+from sdt_kg.motion import BodyMotion, Motion, check_body_motion
 from services.embodiment.hold.holding import Holding
 from services.embodiment.ways.approach import Approach
 from services.embodiment.ways.assemble import Assembler
@@ -37,3 +39,12 @@ class Anew(Protocol):
     def lacking(self) -> Iterator[tuple[str, tuple[float, float]]]:
         """Grippers for which a part of the way was not found, and from which value to which [rad or m]."""
         ...
+
+
+def no_motion(body: BodyMotion) -> tuple[Diagnosis, ...]:
+    """Why what was planned is no motion, as where a joint needs centuries; empty where it is one."""
+    try:
+        check_body_motion(body)
+    except MotionError as error:
+        return (Diagnosis(Kind.EMBODIMENT, f"what was planned is no motion: {error}"),)
+    return ()

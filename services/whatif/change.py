@@ -1,5 +1,6 @@
 """Changes of a world: all at once, or by a share where there is something between nothing and all of it."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
@@ -139,7 +140,7 @@ def _move_ends(world: World, name: str, value: str) -> tuple[np.ndarray, np.ndar
 def _set_ends(world: World, name: str, value: str) -> tuple[np.ndarray, np.ndarray]:
     joint_name, _, what = name.rpartition(".")
     twin = world.service.twin
-    (end,) = numbers_of(value, (1,), f"set:{name}={value}")
+    (end,) = numbers_of(value, (1,), f"set:{name}={value}", math.inf)
     joint = _joint_at(twin, joint_called(twin, joint_name))
     now = {
         "lowerLimit": joint.limits.lower,

@@ -23,6 +23,7 @@ BENT = 0.5  # [1] of an acceleration limit that what turns on its way may take
 BRIEFEST = 1e-5  # [1] of the way's time at full speed that speeding up takes at least
 UNBOUNDED = 1e6  # [1/s2] of the share of a way that nothing bounds
 LEAST = 1e-12  # [1/s2] the square of a speed along a way, where rounding leaves none
+USED = 1e-12, 1e12  # [1] of a limit that a way at full speed may be said to use: no product overflows
 BASE_LINEAR = slice(0, 2)
 TURNS = (
     2e-3  # [rad or m] back and forth by less, τ counts as going straight to its end: twice what it may be off
@@ -44,8 +45,9 @@ def _slowest(rate: Array, limit: Array) -> float:
     """Largest factor on rates (…, n) that keeps them within the limits, the first two by their norm."""
     norm = np.linalg.norm(rate[..., BASE_LINEAR], axis=-1, keepdims=True)
     single = np.abs(rate[..., 2:])
-    used = np.concatenate([norm / limit[0], single / limit[2:]], axis=-1)
-    return float(1.0 / max(used.max(initial=0.0), 1e-12))
+    with np.errstate(over="ignore"):
+        used = np.concatenate([norm / limit[0], single / limit[2:]], axis=-1)
+    return float(1.0 / np.clip(used.max(initial=0.0), *USED))
 
 
 def straight(start: Array, end: Array, bound: Bound, spacing: float) -> Timed | None:
@@ -157,7 +159,7 @@ def fastest(
         np.hstack((most[0], most[2:], own))
         for most, own in zip((bound.velocity, bound.acceleration), container, strict=True)
     )
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         square = np.fmin.reduce((velocity / rates) ** 2, axis=1, initial=UNBOUNDED)
         square = np.fmin(square, np.fmin.reduce(BENT * acceleration / bends, axis=1, initial=UNBOUNDED))
         room = np.where(slope > 0, bound.upper - x, x - bound.lower) + LAG

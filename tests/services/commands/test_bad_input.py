@@ -155,6 +155,12 @@ BAD_URDF = {
         JOINT.format(xyz="1e200 0 0", axis="0 0 1", lower=0),
         ["1e200", "up to 1e+06"],
     ),
+    "mimic out of this world": (
+        JOINT.format(xyz="0 0 0", axis="0 0 1", lower=0).replace(
+            "/></joint>", '/><mimic joint="k" multiplier="-1e300"/></joint>'
+        ),
+        ["-1e300", "up to 1e+06"],
+    ),
     "inverted limits": (JOINT.format(xyz="0 0 0", axis="0 0 1", lower=2), ["'j'", "limit"]),
     "NaN": (JOINT.format(xyz="nan 0 0", axis="0 0 1", lower=0), ["'j'", "nan"]),
     "loop": (

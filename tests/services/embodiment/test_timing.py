@@ -24,6 +24,19 @@ def test_a_straight_segment_uses_its_limits_and_keeps_them() -> None:
     assert not timed.v[[0, -1]].any()
 
 
+@pytest.mark.parametrize("limit", [5e-324, 1e-300, 1e300])
+def test_limits_beyond_what_doubles_square_end_in_no_error(limit: float) -> None:
+    for bound in (
+        Bound.alone(np.array([1.0, 1.0, limit]), np.ones(3)),
+        Bound.alone(np.ones(3), np.array([1.0, 1.0, limit])),
+    ):
+        timed = timing.straight(np.zeros(3), np.ones(3), bound, 0.5)
+        assert timed is not None
+        assert np.isfinite(timed.times).all()
+        way = Followed.through(np.linspace(0, 1, 5), np.linspace(np.zeros(3), np.ones(3), 5))
+        assert np.isfinite(timing.fastest(way, bound, FREE, 21)[0].times).all()
+
+
 def random_path(rng: np.random.Generator) -> Followed:
     """Of a base, an arm of five joints that bend now and then, and a container."""
     count = int(rng.integers(3, 9))

@@ -11,10 +11,11 @@ import robots
 from predicates.case import Answer, ArtefactKind, Case, Kind, Quantity
 from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
-from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.motion import LARGEST, BodyMotion, Motion
 from sdt_kg.state import Interval, Region
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container, Twin
+from services.edits import parse_edit
 from services.embodiment.certify.check import Certified, certify
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.oracle import WholeBody
@@ -284,3 +285,10 @@ def test_a_search_that_could_not_begin_claims_nothing_of_grippers() -> None:
     none, spent = (each.reason for each in answer.diagnoses)
     assert "no grasp was found in time that fits around the handle" in none
     assert spent.endswith("its budget of 1e-09 s was spent")
+
+
+def test_a_motion_of_centuries_is_no_answer_and_no_error() -> None:
+    """What was planned with a joint that hardly moves ended in an error about times that nobody had given."""
+    twin = load_twin("b", ["pr2"])
+    slow = parse_edit(twin, "set:pr2/torso_lift_joint.velocityLimit=1e-12").applied(twin)
+    assert performed(ask(WholeBody(Drive.OMNI), slow, FRIDGE)).times[-1] <= LARGEST

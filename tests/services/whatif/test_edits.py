@@ -75,6 +75,20 @@ def test_a_limit_of_the_robot_may_be_otherwise_by_a_share_too() -> None:
         changed(WORLD, (parse_change("set:pr2/lift_jnt.upperLimit=0.1"),))
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "handle:low_drawer=1e300,0,0",
+        "furniture:low_drawer=-1e200,0",
+        "box:crate=1,1,1@1e9,0,0",
+        "pose:low_drawer_joint=1e7,0,0",
+    ],
+)
+def test_a_place_out_of_this_world_is_refused_as_in_a_file(text: str) -> None:
+    with pytest.raises(InputError, match=r"is too large; allowed: up to 1e\+06"):
+        changed(WORLD, (parse_change(text),))
+
+
 def test_what_hangs_on_a_door_is_no_furniture() -> None:
     handle = local_name(TWIN.containers()[0].handle)
     with pytest.raises(InputError, match="which moves"):
