@@ -1,7 +1,8 @@
 """What an annotation says of its model, against that model: names, structure, numbers, what is lacking."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Final
@@ -10,7 +11,7 @@ import pyoxigraph as ox
 
 from sdt_kg.errors import AnnotationError
 from sdt_kg.iri import SDT, Iri, body_iri, joint_iri, local_name, model_iri
-from sdt_kg.mechanism import JointType, Mechanism
+from sdt_kg.mechanism import Joint, JointType, Mechanism
 from sdt_kg.store import Triple
 from sdt_kg.triples import Facts
 from sdt_kg.triples.annotation import missing_of
@@ -31,6 +32,8 @@ VALUES: Final = {
 
 WOUND: Final = 4 * math.pi
 """[rad] A joint without limits is no farther from 0 than two turns, or somebody wrote degrees; ours."""
+
+POSITIONS: Final = ("parkedPosition", "openPosition", "closedPosition")
 
 SUBJECTS: Final = {
     "mayTouch": "body",
@@ -202,18 +205,42 @@ def _check_terms(triples: Iterable[Triple], file: Path) -> None:
 def _check_positions(facts: Facts, mechanism: Mechanism, file: Path) -> None:
     for joint in mechanism.joints:
         iri = joint_iri(mechanism.name, joint.name)
-        for name in ("parkedPosition", "openPosition", "closedPosition"):
-            value = facts.one(iri, name)
-            limits, whose, remedy = (joint.limits.lower, joint.limits.upper), "is outside its limits", ""
-            if joint.type is JointType.CONTINUOUS:
-                limits, whose = (-WOUND, WOUND), "is more than two turns away"
-                remedy = "give it in rad, without whole turns"
-            if isinstance(value, int | float) and not limits[0] <= value <= limits[1]:
-                raise AnnotationError(
-                    f"{file}: sdt:{name} {value:g} of joint '{joint.name}' {whose}",
-                    allowed=f"{limits[0]:g} to {limits[1]:g}",
-                    remedy=remedy,
-                )
+        for name in POSITIONS:
+            _check_position(joint, name, facts.one(iri, name), f"{file}: ")
+
+
+def check_edited(mechanism: Mechanism, subject: Iri, changes: Mapping[str, object]) -> None:
+    """Positions that an edit gives are inside limits, those that it gives too, as a file's are.
+
+    Raises:
+        AnnotationError: With what is allowed.
+    """
+    given = [name for name in POSITIONS if name in changes]
+    joints = (each for each in mechanism.joints if joint_iri(mechanism.name, each.name) == subject)
+    joint = next(joints, None) if given else None
+    if joint is None:
+        return
+    lower, upper = (changes.get(name) for name in ("lowerLimit", "upperLimit"))
+    limits = replace(
+        joint.limits,
+        lower=lower if isinstance(lower, int | float) else joint.limits.lower,
+        upper=upper if isinstance(upper, int | float) else joint.limits.upper,
+    )
+    for name in given:
+        _check_position(replace(joint, limits=limits), name, changes[name], "")
+
+
+def _check_position(joint: Joint, name: str, value: object, where: str) -> None:
+    limits, whose, remedy = (joint.limits.lower, joint.limits.upper), "is outside its limits", ""
+    if joint.type is JointType.CONTINUOUS:
+        limits, whose = (-WOUND, WOUND), "is more than two turns away"
+        remedy = "give it in rad, without whole turns"
+    if isinstance(value, int | float) and not limits[0] <= value <= limits[1]:
+        raise AnnotationError(
+            f"{where}sdt:{name} {value:g} of joint '{joint.name}' {whose}",
+            allowed=f"{limits[0]:g} to {limits[1]:g}",
+            remedy=remedy,
+        )
 
 
 def _check_speeds(facts: Facts, mechanism: Mechanism, file: Path) -> None:

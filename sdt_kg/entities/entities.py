@@ -7,6 +7,7 @@ from itertools import chain
 from typing import TypeVar
 
 from sdt_kg.annotating.annotate import TEE_GRAPH, annotate, tee_facts, tee_triples
+from sdt_kg.annotating.checks import check_edited
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
 from sdt_kg.entities.container import Container, containers_of
 from sdt_kg.entities.coupling import Coupling
@@ -159,6 +160,7 @@ class Entities:
             if value is not None and not fits(properties()[name], term_of(value)):
                 raise InputError(f"sdt:{name} cannot be {value!r}", allowed=properties()[name].value)
         model = self.model_of(subject)
+        check_edited(self.mechanism(model), subject, changes)
         replaced = {SDT + name for name in changes}
         removed = frozenset(
             triple

@@ -8,6 +8,7 @@ import pytest
 
 from sdt_kg.errors import AnnotationError
 from sdt_kg.load import load_twin
+from services.edits import parse_edit
 from tests.services.embodiment.gantry import FOLDER
 
 GANTRY = "https://example.org/id/gantry"
@@ -170,3 +171,30 @@ def test_degrees_of_a_joint_without_limits_are_refused(tmp_path: Path, degrees: 
     said = refused(tmp_path, "j:wrist_joint ", f"j:wrist_joint sdt:parkedPosition {degrees} ; ")
     assert f"sdt:parkedPosition {float(degrees):g} of joint 'wrist_joint' is more than two turns away" in said
     assert "allowed: -12.5664 to 12.5664; give it in rad, without whole turns" in said
+
+
+@pytest.mark.parametrize(
+    ("edit", "said"),
+    [
+        (
+            "wrist_joint.parkedPosition=180",
+            "of joint 'wrist_joint' is more than two turns away; allowed: -12.5",
+        ),
+        ("lift_joint.parkedPosition=30", "of joint 'lift_joint' is outside its limits; allowed: 0 to 0.6"),
+        ("up_joint.openPosition=2", "of joint 'up_joint' is outside its limits; allowed: 0 to 0.04"),
+    ],
+)
+def test_an_edit_gives_positions_as_a_file_does(edit: str, said: str) -> None:
+    twin = load_twin(FOLDER / "cell.urdf", [FOLDER / "gantry.urdf"])
+    with pytest.raises(AnnotationError) as caught:
+        parse_edit(twin, f"set:gantry/{edit}")
+    assert said in str(caught.value)
+
+
+def test_a_position_is_inside_the_limits_that_come_with_it() -> None:
+    twin = load_twin(FOLDER / "cell.urdf", [FOLDER / "gantry.urdf"])
+    lift = f"{GANTRY}/joint/lift_joint"
+    edited = twin.with_edit(lift, upperLimit=0.9, parkedPosition=0.8)
+    assert edited.robot(edited.robots[0]).parked["lift_joint"] == 0.8
+    with pytest.raises(AnnotationError, match=r"allowed: 0 to 0\.2"):
+        twin.with_edit(lift, upperLimit=0.2, parkedPosition=0.3)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from predicates.case import Evidence, Quantity
 from sdt_kg.errors import MotionError, UnknownEntityError
-from sdt_kg.iri import joint_iri, local_name
+from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.mechanism import Joint, JointType, Mechanism
 from sdt_kg.motion import ANOTHER, BodyMotion, check_body_motion
 from services.embodiment.certify.findings import Findings, Violation
@@ -49,8 +49,9 @@ def whole_motion(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> tu
     A listed joint that mimics another which is not listed moves that one.
 
     Raises:
-        MotionError: Shapes do not fit, times do not increase, or a value is no number of a motion.
-        UnknownEntityError: The robot or the kitchen has no such movable joint.
+        MotionError: Shapes do not fit, times do not increase, a value is no number of a motion, or a joint of
+            the robot is fixed.
+        UnknownEntityError: The robot or the kitchen has no such joint.
     """
     _check_arrays(motion)
     motion, findings = without_fixed(scene, motion, tolerances)
@@ -143,13 +144,25 @@ def _check_arrays(motion: BodyMotion) -> None:
 
 
 def _coordinates(scene: Scene, joints: Iterable[str]) -> Indices:
-    names = list(joints)
+    names, fixed = list(joints), _fixed(scene)
     for name in names:
+        if name in fixed:
+            raise MotionError(
+                f"joint '{local_name(name)}' of the robot is fixed",
+                allowed="joints that move",
+                remedy="leave it out",
+            )
         if name not in scene.coordinate:
             raise UnknownEntityError("joint", local_name(name), [local_name(known) for known in scene.names])
     if len(set(names)) < len(names):
         raise MotionError("a body motion lists a joint twice", allowed="each joint once")
     return np.array([scene.coordinate[name] for name in names], dtype=np.intp)
+
+
+def _fixed(scene: Scene) -> set[Iri]:
+    """Joints of the robot that do not move."""
+    own = scene.robot.mechanism
+    return {joint_iri(own.name, each.name) for each in own.joints if each.type is JointType.FIXED}
 
 
 def _same(scene: Scene, k: int, off: Pieces, tolerances: Tolerances) -> Findings:

@@ -1,5 +1,6 @@
 """Kitchen joints that cannot move may be listed in a motion: where they are, and nowhere else."""
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -87,3 +88,15 @@ def test_a_file_may_list_a_joint_of_the_robot_that_has_equal_limits_where_they_a
     motion = read_motion(tmp_path / "motion.npz", twin, twin.robots[0])
     assert isinstance(motion, BodyMotion)
     assert isinstance(judge(twin, motion), Certified)
+
+
+def test_a_robots_fixed_joint_is_said_to_be_fixed(tmp_path: Path) -> None:
+    lamp = '<link name="lamp"/><joint name="lamp_joint" type="fixed"><parent link="base"/><child link="lamp"/></joint>'
+    text = (FOLDER / "gantry.urdf").read_text(encoding="utf-8")
+    (tmp_path / "gantry.urdf").write_text(text.replace("</robot>", f"{lamp}</robot>"), encoding="utf-8")
+    shutil.copy(FOLDER / "gantry.ttl", tmp_path)
+    twin, motion = load_twin(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"]), opening()
+    with pytest.raises(
+        MotionError, match="joint 'lamp_joint' of the robot is fixed; allowed: joints that move"
+    ):
+        judge(twin, replace(motion, joints=("lamp_joint", *motion.joints[1:])))
