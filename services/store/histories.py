@@ -48,6 +48,17 @@ def keep_history(history: History, place: str) -> list[Path]:
     return written
 
 
+def check_before(place: str) -> None:
+    """A history can be kept at the place, and what is there can be read, so that it stays.
+
+    Raises:
+        InputError: As `check_place` says, or the file is no RDF.
+    """
+    check_place(place)
+    if Path(place).is_file():
+        readable(place).close()
+
+
 def check_place(place: str) -> None:
     """A history can be kept at the place, with samples beside it; looked at before there is one.
 

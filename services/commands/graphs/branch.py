@@ -26,7 +26,7 @@ from services.commands.options import (
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.edits import EDITS, parse_edit, twin_of
 from services.store.files import is_saved_graph
-from services.store.histories import check_place, keep_history, kept_history
+from services.store.histories import check_before, keep_history, kept_history
 from services.store.output import write_file
 
 SHORT_KEY = 12
@@ -72,7 +72,7 @@ def branch(
     if output is not None:
         checked_format(output)
     if place is not None:
-        check_place(place)
+        check_before(place)
     history, last = _begun(kitchen, robots, annotation, parent)
     for text in edits:
         history, last = history.derived(last, parse_edit(last.twin, text))

@@ -125,3 +125,12 @@ def test_a_saved_branch_is_a_kitchen_for_every_command(sdt, tmp_path: Path) -> N
     broken.write_text(text.replace("openFrom", "closedTo"), encoding="utf-8")
     done = sdt("satisfies", str(broken))
     assert (done.code, done.err.count("\n")) == (2, 1)
+
+
+def test_a_history_is_not_begun_where_what_is_there_cannot_be_read(sdt, tmp_path: Path) -> None:
+    place = tmp_path / "kept.trig"
+    place.write_text("garbage <<", encoding="utf-8")
+    done = sdt("branch", KITCHEN, "move:top_drawer=open", "--history", str(place))
+    assert (done.code, done.out) == (2, "")
+    assert "kept.trig is not valid RDF" in done.err
+    assert place.read_text(encoding="utf-8") == "garbage <<"
