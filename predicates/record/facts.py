@@ -52,6 +52,16 @@ class Facts:
                 remedy="it was changed: judge the case again into another store",
             )
 
+    def check_once(self, subject: Iri, names: Iterable[Iri]) -> None:
+        """The individual has none of these properties twice: else queries find what nobody reads.
+
+        Raises:
+            InputError: It has.
+        """
+        for name in names:
+            if len(values := self._values.get((subject, name), [])) > 1:
+                raise damaged(subject, f"it has {len(values)} values of {name}")
+
     def truth(self, subject: Iri, name: Iri) -> bool | None:
         """The boolean, None where there is none."""
         value = self.value(subject, name)

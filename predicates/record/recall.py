@@ -1,11 +1,13 @@
 """A repeated question gets the stored verdict (ARCHITECTURE, decision 8)."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from predicates.case import Answer, Case, Kind, Outcome, Verdict
+from predicates.record.explained import PREDICATE_TERM
 from predicates.record.inputs import BUDGET_INPUT, NOT_HASHED, Inputs
 from predicates.record.stored import StoredVerdict
+from predicates.scope import tee_class_of_hash
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
 
@@ -42,7 +44,7 @@ def answers_again(stored: StoredVerdict, inputs: Inputs) -> bool:
 
 
 def check_coherent(stored: StoredVerdict) -> None:
-    """The outcome is what Eq. (4) makes of the rest.
+    """The outcome is what Eq. (4) makes of the rest, which says what its inputs say.
 
     Raises:
         InputError: It is not: the record contradicts itself.
@@ -50,6 +52,27 @@ def check_coherent(stored: StoredVerdict) -> None:
     if not _is_coherent(stored):
         what = f"says {stored.outcome.value}, and its answers and diagnoses do not"
         raise InputError(f"the record of {stored.iri} {what}", remedy=REMEDY)
+    for what in says_otherwise(stored):
+        raise InputError(f"the record of {stored.iri} contradicts itself: {what}", remedy=REMEDY)
+
+
+def says_otherwise(stored: StoredVerdict) -> Iterator[str]:
+    """What a record says of drive, class and answers that its inputs, or its verdict, say otherwise.
+
+    What early versions did not write is not missed.
+    """
+    inputs = dict(stored.inputs)
+    tee = tee_class_of_hash(inputs.get("tee_class", ""))
+    for name, said, found in (
+        ("drive", stored.drive, inputs.get("embodiment.drive")),
+        ("class", stored.tee_class, tee and tee.iri),
+    ):
+        if None not in {said, found} and said != found:
+            yield f"the verdict's {name} is {said}, by its inputs {found}"
+    holds = (stored.satisfies_request, stored.causes, stored.can_perform)
+    for name, whole in zip(PREDICATE_TERM.values(), holds, strict=True):
+        if name in stored.answers and stored.answers[name] is not whole:
+            yield f"its answer of {name} is {stored.answers[name]}, and the verdict says {whole}"
 
 
 def _decisive(inputs: Inputs) -> dict[str, str]:

@@ -1,7 +1,7 @@
 """Verdicts as a store holds them: triples → values."""
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 
 import pyoxigraph as ox
 
@@ -29,6 +29,11 @@ _KIND = {name: kind for kind, name in DIAGNOSIS_CLASS.items()}
 VERBS = {verb.value.capitalize(): verb for verb in Verb}
 _QUANTITY = {quantity.value: quantity for quantity in Quantity}
 OUTCOMES = {name: outcome for outcome, name in OUTCOME_TERM.items()}
+ONCE = (
+    *("outcome", "satisfiesRequest", "causes", "canPerform", "environment", "teeClass", "robot"),
+    *("drive", "gripper", "task", "container", "motion", "bodyMotion"),
+)
+"""What a record says of its verdict no more than once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +48,11 @@ class StoredVerdict:
         notes: In alphabetical order.
         figures: Certified margins: name → (value, unit).
         artefact: What re-verifies it, if it has one.
+        drive: How the base moves; None where that is not said, as gripper and class.
+        gripper: Which one acts.
+        tee_class: IRI of the class D that it is relative to.
+        moved: Joint → position [rad or m] of what is not where the kitchen starts.
+        answers: Predicate → whether it holds, as each answer by itself says.
     """
 
     iri: Iri
@@ -60,6 +70,11 @@ class StoredVerdict:
     inputs: tuple[tuple[str, str], ...]
     seconds: float
     artefact: Artefact | None = None
+    drive: str | None = None
+    gripper: str | None = None
+    tee_class: Iri | None = None
+    moved: Mapping[Iri, float] = field(default_factory=dict[Iri, float])
+    answers: Mapping[str, bool | None] = field(default_factory=dict[str, bool | None])
 
 
 def read_verdicts(store: ox.Store) -> Iterator[StoredVerdict]:
@@ -118,6 +133,7 @@ def read_positions(facts: Facts, judged: Iri) -> dict[Iri, float]:
 
 def _verdict(facts: Facts, iri: Iri) -> StoredVerdict:
     facts.check_kind(iri, "Verdict")
+    facts.check_once(iri, (LAW + name for name in ONCE))
     task = facts.text(iri, LAW + "task")
     verb = facts.text(task, LAW + "verb") if task else None
     return StoredVerdict(
@@ -135,6 +151,14 @@ def _verdict(facts: Facts, iri: Iri) -> StoredVerdict:
         figures=dict(_figure(facts, each) for each in facts.all(iri, LAW + "figure")),
         inputs=read_inputs(facts, iri),
         seconds=facts.number(iri, LAW + "seconds") or 0.0,
+        drive=facts.text(iri, LAW + "drive"),
+        gripper=facts.text(iri, LAW + "gripper"),
+        tee_class=facts.text(iri, LAW + "teeClass"),
+        moved=read_positions(facts, iri),
+        answers={
+            local_name(facts.needed(of, LAW + "predicate")): facts.truth(of, LAW + "holds")
+            for of in facts.all(iri, LAW + "answer")
+        },
     )
 
 

@@ -17,6 +17,9 @@ from predicates.specification.step import in_words
 from sdt_kg.iri import LAW, RDFS, Iri, task_result_iri
 from sdt_kg.task import Verb
 
+ONCE: Final = ("taskOutcome", "environment", "robot", "teeClass", "stepsAsked", "qualityValue", "writtenAs")
+"""What a record says of its result no more than once."""
+
 _STANDING: Final = {name: standing for standing, name in STANDING_TERM.items()}
 
 
@@ -84,6 +87,7 @@ def read_result(quads: Iterable[ox.Quad], iri: Iri) -> StoredResult:
 
 def _result(facts: Facts, iri: Iri) -> StoredResult:
     facts.check_kind(iri, "TaskResult")
+    facts.check_once(iri, (LAW + name for name in ONCE))
     return StoredResult(
         iri=iri,
         label=facts.needed(iri, RDFS + "label"),

@@ -10,6 +10,8 @@ from sdt_kg.twin import Container, Twin
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.written import read_proof, to_bytes
 
+DRIVE = "drive: "
+"""How the note begins that says how the base moves."""
 START = "start: "
 """How the note begins that says where the robot starts."""
 

@@ -26,7 +26,7 @@ from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
 from services.embodiment.floor import aloft, check_base, check_start
-from services.embodiment.handles import START, held_by, refused
+from services.embodiment.handles import DRIVE, START, held_by, refused
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.sets import grasp_settings
 from services.embodiment.hopeless import hopeless
@@ -227,7 +227,7 @@ class WholeBody:
             in_full=True,
         )
         clock.spent("certify", at)
-        notes = (f"drive: {drive.value}", "the body motion was given; it was only checked")
+        notes = (DRIVE + drive.value, "the body motion was given; it was only checked")
         notes += (START + ANY_START,) if self.any_start else ()
         notes += (*self.tolerances.notes, *_of_models(world.scene))
         parked = left_out(world.scene, case.body_motion)
@@ -254,7 +254,7 @@ class WholeBody:
     def _notes(self, setting: Setting, planned: Planned | None) -> tuple[str, ...]:
         x, y, yaw = setting.start
         notes = [
-            f"drive: {setting.drive.value}",
+            DRIVE + setting.drive.value,
             f"{START}x {x:.3f} m, y {y:.3f} m, yaw {yaw:.3f} rad, parked",
         ]
         usual = setting.world.scene.twin.kitchen().start

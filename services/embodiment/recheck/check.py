@@ -25,6 +25,7 @@ from services.embodiment.recheck.claim import (
     figures_differ,
     inputs_differ,
     loosened,
+    others_differ,
     twin_differs,
 )
 from services.embodiment.recheck.embodiment import Certifier, is_at
@@ -171,16 +172,15 @@ def _certify_again(  # noqa: PLR0913, PLR0917 - one trial
         trial.reasons += reasons or ["the predicates that hold are not those of which the verdict says so"]
         return
     trial.found(figures_differ(certificate.figures, performed.figures, "the certificate", "the recheck"))
+    if stored is not None:
+        found = {name: figure for each in answers if each for name, figure in each.figures.items()}
+        trial.found(others_differ(stored, certificate, found, physics))
     if tee_class_of(physics) is not D_ARTIC and HOLDS in performed.figures:
         trial.reasons.append(
             f"{container.name} is let go on the way, and where forces count it might move then"
         )
     trial.notes += [*_notes(checker, stored, physics), *_refused(stored)]
-    said, found = certificate.nearest, performed.notes
-    trial.notes += [f"the certificate does not say: {each}" for each in found if each not in said]
-    trial.notes += [
-        f"the certificate says, and it is not found again: {each}" for each in said if each not in found
-    ]
+    trial.notes += _said_otherwise(certificate.nearest, performed.notes)
 
 
 def _judged_again(
@@ -225,6 +225,14 @@ def _notes(checker: Certifier, stored: StoredVerdict | None, physics: Physics) -
             "a motion of the container was asked for; that the body motion keeps its times was not compared"
         )
     return notes
+
+
+def _said_otherwise(said: tuple[str, ...], found: tuple[str, ...]) -> Iterator[str]:
+    """In what a certificate's sentences are not those of the recheck."""
+    for each in (one for one in found if one not in said):
+        yield f"the certificate does not say: {each}"
+    for each in (one for one in said if one not in found):
+        yield f"the certificate says, and it is not found again: {each}"
 
 
 def _refused(stored: StoredVerdict | None) -> Iterator[str]:

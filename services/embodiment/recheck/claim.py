@@ -8,14 +8,18 @@ import numpy as np
 
 from predicates.case import Case, Outcome
 from predicates.meant import coupled
-from predicates.oracle import Physics
+from predicates.oracle import Physics, tee_class_of
 from predicates.record.inputs import UNKNOWN_INPUT, inputs_of, verdict_iri
+from predicates.record.recall import says_otherwise
 from predicates.record.stored import StoredVerdict
 from sdt_kg.iri import local_name
+from sdt_kg.scope import D_ARTIC
 from sdt_kg.task import UNKNOWN, Task
+from sdt_kg.twin import Twin
 from services.embodiment.certify.asked import OFF
 from services.embodiment.certify.certificate import Certificate, Figures
 from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.handles import DRIVE
 from services.embodiment.recheck.embodiment import Certifier
 from services.embodiment.recheck.models import models_differ
 from services.policy import MOST_CONTACT
@@ -76,10 +80,22 @@ def claim_differs(stored: StoredVerdict, certificate: Certificate) -> Iterator[s
         if said != certified:
             yield f"the verdict's {name} is {_name(said)}, its certificate's {_name(certified)}"
     yield from models_differ(stored, certificate.models, "certificate")
+    yield from says_otherwise(stored)
+    yield from _acts_otherwise(stored, certificate)
     if OFF in stored.figures and certificate.asked is None:
         yield "the verdict is about a motion that was asked for, and its certificate has none"
     held = {name: stored.figures[name] for name in certificate.figures if name in stored.figures}
     yield from figures_differ(certificate.figures, held, "the certificate", "the verdict")
+
+
+def _acts_otherwise(stored: StoredVerdict, certificate: Certificate) -> Iterator[str]:
+    """In what a verdict names another gripper than its certificate, or notes another drive than it has."""
+    acts, drive = certificate.motion.gripper or None, dict(stored.inputs).get("embodiment.drive")
+    if stored.gripper not in {None, acts}:
+        yield f"the verdict's gripper is {stored.gripper}, its certificate's {acts}"
+    for note in stored.notes:
+        if note.startswith(DRIVE) and note != f"{DRIVE}{drive}":
+            yield f"the verdict notes '{note}', and its drive is {drive}"
 
 
 def inputs_differ(stored: StoredVerdict, checker: Certifier, physics: Physics) -> Iterator[str]:
@@ -103,6 +119,35 @@ def inputs_differ(stored: StoredVerdict, checker: Certifier, physics: Physics) -
         yield "the verdict is about a body motion that was given, and its certificate has another one"
     if not checker.starts_as(said.get("embodiment.start")):
         yield f"the verdict's start is {said.get('embodiment.start')}, its certificate's {certificate.start}"
+    yield from moved_differs(stored, checker.twin)
+
+
+def moved_differs(stored: StoredVerdict, twin: Twin) -> Iterator[str]:
+    """Which joints a verdict has elsewhere than the twin in the state that was asked about."""
+    start = twin.entities.coupling.start()
+    moved = {joint: at for joint, at in twin.state.items() if at != start[joint]}
+    for joint in sorted({*stored.moved, *moved}):
+        said, found = stored.moved.get(joint), moved.get(joint)
+        if said != found:
+            where = ["where the kitchen starts" if at is None else f"at {at:g}" for at in (said, found)]
+            yield f"the verdict has {local_name(joint)} {where[0]}, its state {where[1]}"
+
+
+def others_differ(
+    stored: StoredVerdict, certificate: Certificate, found: Figures, physics: Physics
+) -> Iterator[str]:
+    """Which figures of a verdict, beyond its certificate's, are not found again where the same Φ looks.
+
+    Where forces count, what the robot bears is not checked again, and its figures are left out.
+    """
+    if dict(stored.inputs).get("physics") != physics.version:
+        return
+    more, again = (
+        {n: each[n] for n in each if n not in certificate.figures} for each in (stored.figures, found)
+    )
+    if tee_class_of(physics) is not D_ARTIC:
+        more = {name: more[name] for name in more if name in again}
+    yield from figures_differ(more, again, "the verdict", "the recheck")
 
 
 def _as_given(checker: Certifier, physics: Physics) -> Iterator[str]:

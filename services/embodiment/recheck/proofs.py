@@ -12,6 +12,7 @@ from predicates.record.inputs import (
     task_text,
     verdict_iri,
 )
+from predicates.record.recall import says_otherwise
 from predicates.record.stored import StoredVerdict
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import local_name
@@ -23,6 +24,7 @@ from services.embodiment.proof_check.claim import Claim
 from services.embodiment.proof_check.content import Proof
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.written import read_proof
+from services.embodiment.recheck.claim import moved_differs
 from services.embodiment.recheck.embodiment import faces, is_at
 from services.embodiment.recheck.models import TwinOf, at_hand, models_differ
 
@@ -86,6 +88,7 @@ def _claim_differs(stored: StoredVerdict, claim: Claim) -> Iterator[str]:
         if said != proved:
             yield f"the verdict's {name} is {said and local_name(said)}, its proof's {local_name(proved)}"
     yield from models_differ(stored, claim.models, "proof")
+    yield from says_otherwise(stored)
 
 
 def _question_differs(stored: StoredVerdict, proof: Proof, twin: Twin) -> Iterator[str]:
@@ -94,6 +97,7 @@ def _question_differs(stored: StoredVerdict, proof: Proof, twin: Twin) -> Iterat
     low, high = claim.span
     if said.get("state") != state_hash(twin.state):
         yield "the verdict's input 'state' is not the state of its proof"
+    yield from moved_differs(stored, twin)
     if claim.timing is not None and said.get("motion", UNKNOWN_INPUT) == UNKNOWN_INPUT:
         yield "the proof is about times, and the verdict about no motion that has any"
     at = claim.state[twin.container(claim.container).joint]

@@ -64,6 +64,9 @@ def test_a_verdict_that_says_something_else_than_its_proof_does_not_hold(entry: 
         replace(stored, container=f"{stored.container}2"),
         replace(stored, diagnoses=tuple(replace(each, proof=False) for each in stored.diagnoses)),
         replace(stored, inputs=tuple((k, v.replace("fixed", "omni")) for k, v in stored.inputs)),
+        replace(stored, drive="omni"),
+        replace(stored, tee_class="https://example.org/tee#D_artic_dyn"),
+        replace(stored, moved={"https://example.org/id/b/joint/iai_fridge_door_joint": 0.3}),
     )
     for other in others:
         assert not recheck_verdict(other, artefact, by_name).holds
