@@ -133,6 +133,17 @@ def test_what_was_saved_before_a_class_was_added_is_read(drawer: Path) -> None:
     assert described(Twin.from_quads(store)) == described(twin)
 
 
+def test_what_was_saved_before_another_class_asked_for_more_is_read(drawer: Path) -> None:
+    twin = load_twin(drawer)
+    store = store_of(twin)
+    shapes = ox.NamedNode(TEE + "hasPhysicsShape")
+    (some, *_) = store.quads_for_pattern(
+        ox.NamedNode(TEE + "D_artic_dyn"), shapes, None, ox.NamedNode(TEE_GRAPH)
+    )
+    store.remove(some)
+    assert described(Twin.from_quads(store)) == described(twin)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -59,7 +59,8 @@ def recheck(
     directory or the address of a SPARQL server, all of which is meant; or FILE is a certificate that `sdt
     achieve --certificate` wrote. A verdict without certificate or proof shows nothing and is only counted.
     Of a task's result, its steps' verdicts, where each step begins, the rules and J are checked. What is
-    about other models of these names than those at hand is not checked.
+    about other models of these names than those at hand, or relative to a class D of another version, is
+    not checked.
 
     Exit 0 everything holds, 1 something does not or was not checked, 2 bad input.
     """
@@ -202,7 +203,7 @@ def _print(results: Sequence[Rechecked], without: int) -> None:
         for line in (*each.reasons, *each.notes):
             click.echo(f"  {line}")
     held, others = sum(each.holds for each in results), sum(each.about_others for each in results)
-    unchecked = f"{others} about other models, not checked; " if others else ""
+    unchecked = f"{others} about other models or classes, not checked; " if others else ""
     click.echo(f"{held} of {len(results)} hold; {unchecked}{without} verdict(s) without certificate or proof")
 
 

@@ -29,7 +29,13 @@ from services.embodiment.recheck.claim import (
     twin_differs,
 )
 from services.embodiment.recheck.embodiment import Certifier, is_at
-from services.embodiment.recheck.models import OtherModelsError, TwinOf, at_hand
+from services.embodiment.recheck.models import (
+    OtherClassError,
+    OtherModelsError,
+    TwinOf,
+    at_hand,
+    check_class,
+)
 from services.embodiment.recheck.proofs import about, proof_again
 from services.physics.oracle import Kinematics
 
@@ -45,8 +51,8 @@ class Rechecked:
         reasons: Why it does not hold; empty if it does.
         notes: What was checked how, and what was not.
         seconds: Of checking.
-        about_others: Whether it is about models of another content than those at hand: what it claims was
-            not checked, and nothing speaks against it.
+        about_others: Whether it is about models, or relative to a class, of another content than those at
+            hand: what it claims was not checked, and nothing speaks against it.
     """
 
     of: str
@@ -83,7 +89,7 @@ class Trial:
 
     def failed(self, error: InputError) -> None:
         """What could not be read or had is a reason."""
-        self.about_others = isinstance(error, OtherModelsError)
+        self.about_others = isinstance(error, OtherModelsError | OtherClassError)
         self.reasons.append(str(error))
 
     def ended(self) -> Rechecked:
@@ -96,8 +102,8 @@ def recheck_verdict(
 ) -> Rechecked:
     """Whether a stored verdict says what its artefact shows, and the artefact holds.
 
-    A part that cannot be read, and models that are gone, are reasons why it does not; with models of
-    another content it is not checked.
+    A part that cannot be read, and models that are gone, are reasons why it does not; with models or a class
+    D of another content it is not checked.
 
     Args:
         stored: The verdict.
@@ -117,6 +123,7 @@ def recheck_verdict(
             return trial.ended()
         certificate = read_certificate(artefact.content)
         if not trial.found(claim_differs(stored, certificate)):
+            check_class(stored)
             task = UNKNOWN if stored.verb is None else Task(stored.verb, stored.container or UNKNOWN)
             _certify_again(trial, certificate, task, twin_of, stored, physics or Kinematics())
     except InputError as error:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 
 from predicates.record.stored import StoredVerdict
+from predicates.scope import tee_class_of_hash
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.twin import Twin
@@ -27,6 +28,27 @@ class OtherModelsError(InputError):
             f"({source})",
             remedy="name the models that it is about with --kitchen and --robot",
         )
+
+
+class OtherClassError(InputError):
+    """A verdict is relative to a class that has other figures or shapes here: nothing can be said of it."""
+
+    def __init__(self, stated: str, known: str) -> None:
+        super().__init__(
+            f"it is relative to {known} of another version, of content hash {stated[:16]}…",
+            remedy="judge its case again",
+        )
+
+
+def check_class(stored: StoredVerdict) -> None:
+    """The class D that a verdict is relative to is one of this version's.
+
+    Raises:
+        OtherClassError: It is not.
+    """
+    stated = dict(stored.inputs).get("tee_class", "")
+    if tee_class_of_hash(stated) is None:
+        raise OtherClassError(stated, local_name(stored.tee_class or "a class D"))
 
 
 def at_hand(twin_of: TwinOf, models: Models, state: dict[Iri, float]) -> tuple[Twin, str]:

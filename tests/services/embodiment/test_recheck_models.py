@@ -1,18 +1,20 @@
 """A store has one model of each name for queries; a recheck takes the one that a verdict is about."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pyoxigraph as ox
 import pytest
 from click.testing import CliRunner
 
+from predicates.record.inputs import verdict_iri
 from sdt_kg.iri import ID
 from sdt_kg.load import load_twin
 from services.commands.saved.recheck import as_meant
 from services.commands.saved.recheck import recheck as recheck_command
 from services.dynamics.data import with_forces
-from services.embodiment.recheck import Saved
+from services.embodiment.recheck import Saved, recheck_verdict
 from services.embodiment.recheck.saved import by_name
 from services.store.files import SavedVerdicts
 from services.store.models import REPLACED
@@ -74,6 +76,18 @@ def test_a_certificate_about_another_kitchen_of_that_name_is_not_checked(
     asked = CliRunner().invoke(recheck_command, [str(store), "--json"])
     (told,) = json.loads(asked.stdout)
     assert (told["holds"], told["about_other_models"], asked.exit_code) == (None, True, 1)
+
+
+def test_a_certificate_relative_to_a_class_of_another_version_is_not_checked(kept: Kept) -> None:
+    saved = Saved(kept.file)
+    (entry,) = saved.entries()
+    assert entry.stored is not None
+    assert entry.artefact is not None
+    inputs = tuple((name, "0" * 64 if name == "tee_class" else value) for name, value in entry.stored.inputs)
+    other = replace(entry.stored, inputs=inputs, iri=verdict_iri(inputs))
+    found = recheck_verdict(other, entry.artefact, saved.twin)
+    assert (found.holds, found.about_others) == (False, True)
+    assert "it is relative to D_artic of another version" in found.reasons[0]
 
 
 @pytest.mark.parametrize("content", ["no base 64", "bm8gemxpYg==", "eJwDAAA="])
