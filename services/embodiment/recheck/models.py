@@ -19,13 +19,19 @@ Where there is one of this content, it is that one.
 
 
 class OtherModelsError(InputError):
-    """What is at hand under the name of a model has another content: nothing can be checked with it."""
+    """What is there is another model, or one of that name of another content: nothing can be checked with it.
 
-    def __init__(self, model: Iri, stated: str, found: str, source: str) -> None:
+    Attributes:
+        found: Content hash of what is there; None where nothing of that name is.
+    """
+
+    def __init__(self, model: Iri, stated: str, found: str | None, source: str) -> None:
         self.model, self.stated, self.found = model, stated, found
+        which = name = local_name(model)
+        if found is not None:
+            which = f"another {name}, of content hash {stated[:16]}…, not {found[:16]}…"
         super().__init__(
-            f"it is about another {local_name(model)}, of content hash {stated[:16]}…, not {found[:16]}… "
-            f"({source})",
+            f"it is about {which} ({source})",
             remedy="name the models that it is about with --kitchen and --robot",
         )
 
@@ -55,12 +61,13 @@ def at_hand(twin_of: TwinOf, models: Models, state: dict[Iri, float]) -> tuple[T
     """The twin of these models in this state, and where it is from.
 
     Raises:
-        OtherModelsError: A model of that name is there, of another content.
+        OtherModelsError: Other models are there, or one of that name of another content.
         InputError: The models cannot be had, or not in this state.
     """
     twin, source = twin_of(models)
     for model, stated in models:
-        found = twin.content_hash(model)
+        there = model in {twin.environment, *twin.robots}
+        found = twin.content_hash(model) if there else None
         if found != stated:
             raise OtherModelsError(model, stated, found, source)
     return twin.at(state), source

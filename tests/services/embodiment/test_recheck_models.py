@@ -78,6 +78,14 @@ def test_a_certificate_about_another_kitchen_of_that_name_is_not_checked(
     assert (told["holds"], told["about_other_models"], asked.exit_code) == (None, True, 1)
 
 
+def test_a_certificate_about_another_robot_than_the_one_that_is_given_is_not_checked(kept: Kept) -> None:
+    given = ["--kitchen", str(kept.folder / "cell.urdf"), "--robot", "stretch"]
+    asked = CliRunner().invoke(recheck_command, [str(kept.file), *given, "--json"])
+    (told,) = json.loads(asked.stdout)
+    assert (told["holds"], told["about_other_models"], asked.exit_code) == (None, True, 1)
+    assert "it is about gantry (models " in told["reasons"][0]
+
+
 def test_a_certificate_relative_to_a_class_of_another_version_is_not_checked(kept: Kept) -> None:
     saved = Saved(kept.file)
     (entry,) = saved.entries()
