@@ -7,16 +7,17 @@ import numpy as np
 from predicates.case import Answer, Artefact, ArtefactKind, Case
 from predicates.meant import containers_meant, coupled, moved_by
 from predicates.oracle import Embodiment, Replayed
-from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion, check_body_motion
 from sdt_kg.twin import Twin
+from services.bus.oracles.agrees import Demand
 from services.bus.oracles.codec import Plain, answer_value, replayed_value
 from services.embodiment.certify.certificate import Certificate, models_of, read_certificate
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.written import read_proof
 from services.embodiment.recheck.claim import figures_differ
+from services.policy import Policy
 
 SAME = 1e-9
 """[rad, m or s] By which two who compute it differ."""
@@ -28,12 +29,12 @@ class UnfitReplyError(SdtError):
     """What an oracle replied is no answer to what it was asked: nothing follows from it."""
 
 
-def answer_to(asked: Case, drive: Drive | None, here: Embodiment, plain: Plain) -> Answer:
-    """What an oracle answered to whether CanPerform holds of a case.
+def answer_to(asked: Case, policy: Policy, here: Embodiment, plain: Plain) -> Answer:
+    """What an oracle answered to whether CanPerform holds of a case, under a policy.
 
     Args:
         asked: The case.
-        drive: How the base moves; None: as the robot's own.
+        policy: Under which it was asked.
         here: R of this process, under the same policy: what it holds of is certified here too.
         plain: What the bus carried.
 
@@ -42,7 +43,7 @@ def answer_to(asked: Case, drive: Drive | None, here: Embodiment, plain: Plain) 
         UnfitReplyError: It is an answer to something else, or does not hold here.
     """
     answer = answer_value(asked.twin, plain)
-    check_answer(asked, drive, answer)
+    check_answer(asked, policy, answer)
     if answer.holds:
         _check_again(asked, answer, here)
     return answer
@@ -96,7 +97,7 @@ def _are_near(one: Motion, other: Motion) -> bool:
     )
 
 
-def check_answer(asked: Case, drive: Drive | None, answer: Answer) -> None:
+def check_answer(asked: Case, policy: Policy, answer: Answer) -> None:
     """CanPerform was answered about this case; where it holds, with a certificate of this very motion.
 
     What is *proved* is verified here.
@@ -112,16 +113,16 @@ def check_answer(asked: Case, drive: Drive | None, answer: Answer) -> None:
             "it holds, with reasons why not" if answer.holds else "it gives no reason why not"
         )
     assert isinstance(asked.robot, str), "it is the robot that was asked about"
-    drive = drive or asked.twin.robot(asked.robot).drive
+    demand = Demand(asked, asked.robot, policy)
     if answer.holds:
-        _check_performed(asked, asked.robot, drive, answer)
+        _check_performed(demand, answer)
     elif any(each.proof for each in answer.diagnoses):
-        _check_proof(asked, asked.robot, drive, answer.artefact)
+        _check_proof(demand, answer.artefact)
 
 
-def _check_performed(asked: Case, robot: Iri, drive: Drive, answer: Answer) -> None:
+def _check_performed(demand: Demand, answer: Answer) -> None:
     """It holds of a body motion, which is the given one if one was, with a certificate of it."""
-    motion = answer.case.body_motion
+    asked, robot, motion = demand.asked, demand.robot, answer.case.body_motion
     if not isinstance(motion, BodyMotion) or motion.robot != robot:
         raise UnfitReplyError("it holds, and has no body motion of the robot")
     if isinstance(asked.body_motion, BodyMotion) and not _are_same(motion, asked.body_motion):
@@ -133,9 +134,9 @@ def _check_performed(asked: Case, robot: Iri, drive: Drive, answer: Answer) -> N
         certificate = read_certificate(answer.artefact.content)
     except InputError as error:
         raise UnfitReplyError(f"its body motion or certificate: {error}") from None
-    if certificate.drive is not drive:
-        raise UnfitReplyError(f"its certificate is about a base that is {certificate.drive.value}")
     _check_certificate(asked, robot, answer, certificate)
+    if certificate.drive is not demand.drive:
+        raise UnfitReplyError(f"its certificate is about a base that is {certificate.drive.value}")
     if not _are_same(motion, certificate.motion):
         raise UnfitReplyError("its certificate is about another body motion")
 
@@ -150,23 +151,28 @@ def _check_again(asked: Case, answer: Answer, here: Embodiment) -> None:
     for each in figures_differ(answer.figures, found, "the reply", "the certificate made here"):
         raise UnfitReplyError(each)
     theirs, ours = (read_certificate(each.artefact.content) for each in (answer, again) if each.artefact)
-    if (theirs.start, theirs.tolerances) != (ours.start, ours.tolerances):
-        raise UnfitReplyError("its certificate is about another start or other tolerances")
+    if theirs.tolerances != ours.tolerances:
+        raise UnfitReplyError("its certificate is about other tolerances")
+    start, own = theirs.start, ours.start
+    if not (start == own or (start and own and np.allclose(start, own, rtol=0, atol=SAME))):
+        raise UnfitReplyError("its certificate is about another start")
 
 
-def _check_proof(asked: Case, robot: Iri, drive: Drive, artefact: Artefact | None) -> None:
+def _check_proof(demand: Demand, artefact: Artefact | None) -> None:
     """It is a proof, about this case and base policy, that holds and leaves nothing out."""
+    asked = demand.asked
     if artefact is None or artefact.kind is not ArtefactKind.PROOF:
         raise UnfitReplyError("it says that something is proved, and has no proof")
     try:
-        claim = read_proof(artefact.content).claim
-        if claim.drive is not drive:
-            raise UnfitReplyError(f"its proof is about a base that is {claim.drive.value}")
+        proof = read_proof(artefact.content)
+        claim = proof.claim
         if claim.partial:
             raise UnfitReplyError("it says that something is proved, and its proof leaves some holds out")
         if claim.container not in _containers(asked):
             raise UnfitReplyError("its proof is about another container")
-        checked = check(asked.twin, robot, asked.twin.container(claim.container), artefact.content)
+        for other in demand.of_proof(proof):
+            raise UnfitReplyError(f"its proof is about {other}")
+        checked = check(asked.twin, demand.robot, asked.twin.container(claim.container), artefact.content)
     except InputError as error:
         raise UnfitReplyError(f"its proof: {error}") from None
     if not checked.holds:

@@ -107,7 +107,7 @@ class RemoteEmbodiment:
 
     def perform(self, case: Case) -> Answer:
         """Body motion that follows the case's motion, certified; or the verification of its own."""
-        read = partial(answer_to, case, self.policy.drive, self.here)
+        read = partial(answer_to, case, self.policy, self.here)
         seconds = self.policy.budget + MARGIN
         return self.pinned.call("perform", case.twin, read, seconds, case=case_plain(case))
 

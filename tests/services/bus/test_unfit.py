@@ -17,7 +17,7 @@ from sdt_kg.errors import InputError
 from sdt_kg.motion import Array, Motion
 from sdt_kg.state import State
 from sdt_kg.task import Task, Verb
-from services.app import Policy, Service, load
+from services.app import Policy, Service, load, whole_body
 from services.bus import keys
 from services.bus.keys import Oracle
 from services.bus.oracles.bound import UnfitReplyError, answer_to, check_replayed, replayed_of
@@ -29,18 +29,20 @@ from services.embodiment.certify.certificate import Figures, read_certificate
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.content import LEAF
 from services.embodiment.proof_check.written import read_proof, to_bytes
+from services.embodiment.prove import Prover
 from services.judging.codec import CBOR, from_cbor, to_cbor
 from services.judging.problems import BusUnavailableError
 from tests.services.bus.conftest import free_endpoint
 
 DRAWER, OTHER = "sink_area_left_middle_drawer_main", "sink_area_left_upper_drawer_main"
 NAN = float("nan")
+FREE, FIXED = Policy(budget=60.0), Policy(Drive.FIXED, budget=60.0)
 Change = Callable[[Plain], object]
 
 
 @pytest.fixture(scope="module")
 def here() -> Service:
-    return load("b", ["pr2"], policy=Policy(budget=60.0))
+    return load("b", ["pr2"], policy=FREE)
 
 
 def case_of(here: Service, container: str) -> Case:
@@ -76,24 +78,24 @@ def test_the_right_answer_is_one_and_that_to_another_question_is_none(
     here: Service, asked: tuple[Case, Plain], foreign: Plain
 ) -> None:
     case, plain = asked
-    assert answer_to(case, None, here.embodiment, plain).holds
+    assert answer_to(case, FREE, here.embodiment, plain).holds
     for other in (foreign, plain | {"artefact": foreign["artefact"]}, plain | {"case": foreign["case"]}):
         with pytest.raises(UnfitReplyError):
-            answer_to(case, None, here.embodiment, other)
+            answer_to(case, FREE, here.embodiment, other)
     container = here.twin.container(DRAWER)
     for twin in (
         here.twin.at({container.joint: 0.05}),
         here.twin.with_edit(container.joint, upperLimit=0.47),
     ):
         with pytest.raises(UnfitReplyError, match="its certificate is about"):
-            answer_to(replace(case, twin=twin), None, here.embodiment, plain)
+            answer_to(replace(case, twin=twin), FREE, here.embodiment, plain)
 
 
 def test_a_certificate_under_another_base_policy_is_no_answer(
     here: Service, asked: tuple[Case, Plain]
 ) -> None:
     with pytest.raises(UnfitReplyError, match="a base that is omni"):
-        answer_to(asked[0], Drive.FIXED, here.embodiment, asked[1])
+        answer_to(asked[0], FIXED, here.embodiment, asked[1])
 
 
 def forged(
@@ -114,19 +116,19 @@ def test_what_is_found_elsewhere_is_certified_here_once_more(
 ) -> None:
     case, plain = asked
     q = read_certificate(plain["artefact"][1]).motion.q
-    assert answer_to(case, None, here.embodiment, forged(plain)).holds
+    assert answer_to(case, FREE, here.embodiment, forged(plain)).holds
     aside, hasty = q.copy(), np.array(plain["case"]["body_motion"]["times"]) / 2
     aside[len(q) // 2 :, 0] += 0.1
     with pytest.raises(UnfitReplyError, match="not certified here"):
-        answer_to(case, None, here.embodiment, forged(plain, q=aside))
+        answer_to(case, FREE, here.embodiment, forged(plain, q=aside))
     with pytest.raises(UnfitReplyError, match="velocity"):
-        answer_to(case, None, here.embodiment, forged(plain, times=hasty))
+        answer_to(case, FREE, here.embodiment, forged(plain, times=hasty))
     far = {"smallest distance, environment": (0.5, "m")}
     with pytest.raises(UnfitReplyError, match=r"environment' is 0\.5 m in the reply"):
-        answer_to(case, None, here.embodiment, forged(plain, far))
+        answer_to(case, FREE, here.embodiment, forged(plain, far))
     for parts in ({"start": None}, {"tolerances": Tolerances(contact=0.01)}):
-        with pytest.raises(UnfitReplyError, match="another start or other tolerances"):
-            answer_to(case, None, here.embodiment, forged(plain, parts=parts))
+        with pytest.raises(UnfitReplyError, match=r"another start|other tolerances"):
+            answer_to(case, FREE, here.embodiment, forged(plain, parts=parts))
 
 
 def test_what_has_its_times_is_certified_with_them(here: Service, asked: tuple[Case, Plain]) -> None:
@@ -135,23 +137,23 @@ def test_what_has_its_times_is_certified_with_them(here: Service, asked: tuple[C
     assert isinstance(motion, Motion)
     timed = replace(case, motion=replace(motion, timed=True))
     with pytest.raises(UnfitReplyError, match="not certified here"):
-        answer_to(timed, None, here.embodiment, plain)
+        answer_to(timed, FREE, here.embodiment, plain)
 
 
 def test_a_motion_that_is_given_is_certified_here_as_it_was_there(
     here: Service, asked: tuple[Case, Plain]
 ) -> None:
     case, plain = asked
-    found = answer_to(case, None, here.embodiment, plain).case
+    found = answer_to(case, FREE, here.embodiment, plain).case
     (given,) = can_perform(found, here.embodiment)
     assert given.holds
-    assert answer_to(found, None, here.embodiment, sent(given)).holds
+    assert answer_to(found, FREE, here.embodiment, sent(given)).holds
 
 
 @pytest.fixture(scope="module")
 def refuted() -> tuple[Service, Case, Plain]:
     """A case of which it is proved that it cannot be, and what an oracle rightly answers."""
-    there = load("b", ["stretch"], policy=Policy(Drive.FIXED, budget=60.0))
+    there = load("b", ["stretch"], policy=FIXED)
     case = case_of(there, "iai_fridge_door")
     (answer,) = can_perform(case, there.embodiment)
     assert any(each.proof for each in answer.diagnoses)
@@ -160,7 +162,7 @@ def refuted() -> tuple[Service, Case, Plain]:
 
 def test_what_is_proved_is_verified(refuted: tuple[Service, Case, Plain], asked: tuple[Case, Plain]) -> None:
     there, case, plain = refuted
-    assert any(each.proof for each in answer_to(case, Drive.FIXED, there.embodiment, plain).diagnoses)
+    assert any(each.proof for each in answer_to(case, FIXED, there.embodiment, plain).diagnoses)
     kind, content = plain["artefact"]
     proof = read_proof(content)
     first = replace(proof.refutations[0], tree=bytes([LEAF]))  # the whole box, at once
@@ -179,9 +181,50 @@ def test_what_is_proved_is_verified(refuted: tuple[Service, Case, Plain], asked:
     }
     for said, artefact in changed.items():
         with pytest.raises((InputError, UnfitReplyError), match=said):
-            answer_to(case, Drive.FIXED, there.embodiment, plain | {"artefact": artefact})
+            answer_to(case, FIXED, there.embodiment, plain | {"artefact": artefact})
     with pytest.raises(UnfitReplyError, match="its proof is about a base that is fixed"):
-        answer_to(case, None, there.embodiment, plain)
+        answer_to(case, FREE, there.embodiment, plain)
+
+
+def test_a_proof_or_certificate_about_another_start_is_no_answer(
+    refuted: tuple[Service, Case, Plain], asked: tuple[Case, Plain]
+) -> None:
+    for (case, plain), policy in ((refuted[1:], FIXED), (asked, FREE)):
+        base, contact = replace(policy, base=(0.1, 0.0, -0.5)), replace(policy, contact=0.05)
+        with pytest.raises(UnfitReplyError, match=r"is about another start|not certified here: .* starts"):
+            answer_to(case, base, whole_body(base), plain)
+        with pytest.raises(UnfitReplyError, match="is about other tolerances"):
+            answer_to(case, contact, whole_body(contact), plain)
+
+
+def test_a_proof_about_more_than_the_way_that_is_asked_about_is_no_answer(
+    refuted: tuple[Service, Case, Plain],
+) -> None:
+    there, case, plain = refuted
+    motion = case.motion
+    assert isinstance(motion, Motion)
+    with pytest.raises(UnfitReplyError, match="is about values that need not be passed"):
+        answer_to(
+            replace(case, motion=replace(motion, values=motion.values / 2)), FIXED, there.embodiment, plain
+        )
+
+
+def test_a_proof_about_times_is_an_answer_to_these_times_alone(here: Service) -> None:
+    case = case_of(here, DRAWER)
+    assert isinstance(case.motion, Motion)
+    motion = replace(
+        case.motion, times=np.linspace(0.0, 1e-3, len(case.motion.times)), velocities=None, timed=True
+    )
+    about = here.twin, here.twin.robots[0], here.twin.container(DRAWER), Drive.OMNI, (0.0, 0.0, 0.0)
+    proved = Prover(*about, motion.values[:, 0]).hurried(motion)
+    assert proved is not None
+    refusal = Answer(replace(case, motion=motion), False, (proved.diagnosis,), artefact=proved.artefact)
+    assert not answer_to(refusal.case, FREE, here.embodiment, sent(refusal)).holds
+    slower = replace(motion, times=motion.times * 1e6)
+    for other in (slower, replace(motion, timed=False)):
+        about_other = replace(case, motion=other)
+        with pytest.raises(UnfitReplyError, match="is about times that are not asked for"):
+            answer_to(about_other, FREE, here.embodiment, sent(replace(refusal, case=about_other)))
 
 
 def without(name: str) -> Change:
@@ -240,7 +283,7 @@ def test_what_is_no_answer_is_an_error_and_never_a_certificate(
 ) -> None:
     case, plain = asked
     with pytest.raises((InputError, UnfitReplyError)):
-        answer_to(case, None, here.embodiment, change(plain))  # pyright: ignore[reportArgumentType]  # that is the point
+        answer_to(case, FREE, here.embodiment, change(plain))  # pyright: ignore[reportArgumentType]  # that is the point
 
 
 @pytest.mark.parametrize(
