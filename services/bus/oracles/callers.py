@@ -4,12 +4,14 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, TypeVar
 
 import zenoh
 
 from sdt_kg.errors import InputError
 from sdt_kg.twin import Twin
+from services import versions
 from services.bus import keys
 from services.bus.asking import present, problem_in
 from services.bus.keys import Oracle
@@ -140,8 +142,12 @@ class Pinned:
     told: str = ""
 
     def version(self) -> str:
-        """The oracle's own, as it is now."""
-        self.told = self.callers.call("version", None, _version, **self.policy)
+        """The oracle's own, as it is now: this installation's, where an oracle of that is there."""
+        ours = partial(_version, own=_own(self.callers.kind, self.callers.tee))
+        try:
+            self.told = self.callers.call("version", None, ours, **self.policy)
+        except BusUnavailableError:
+            self.told = self.callers.call("version", None, _version, **self.policy)
         return self.told
 
     def call(
@@ -169,10 +175,18 @@ def _read(content: bytes, read: Callable[[Any], T]) -> T:
         raise UnfitReplyError(str(error)) from None
 
 
-def _version(said: object) -> str:
-    if not isinstance(said, str) or not said:
-        raise UnfitReplyError("it is no version")
+def _version(said: object, own: str = "") -> str:
+    """The version that was told; only our own will do, where that is given."""
+    if not isinstance(said, str) or not said or own not in {"", said}:
+        raise UnfitReplyError("it is no version" if not own else f"it is not '{own}'")
     return said
+
+
+def _own(kind: Oracle, tee: TeeName) -> str:
+    """Version of the oracle of this installation."""
+    if kind is Oracle.CAUSES:
+        return versions.kinematics() if tee == "d_artic" else versions.dynamics()
+    return versions.whole_body() if tee == "d_artic" else versions.bearing(versions.whole_body())
 
 
 def _twin_plain(twin: Twin, *, whole: bool = False) -> Plain:

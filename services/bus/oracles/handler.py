@@ -56,6 +56,10 @@ class OtherVersionError(SdtError):
     """The verdict would name a version that did not judge."""
 
 
+class UnreadTwinError(SdtError):
+    """The twin cannot be read here: it is of another version perhaps, or its files are elsewhere."""
+
+
 @dataclass(slots=True)
 class Twins:
     """The twins that were sent lately, by their key."""
@@ -67,13 +71,17 @@ class Twins:
 
         Raises:
             UnknownTwinError: Its quads are needed.
-            GraphError: The quads are no twin, or not the one that the key says.
+            UnreadTwinError: They are no twin for this version, on this machine.
+            GraphError: They are not the one that the key says.
         """
         key = str(plain["key"])
         if "quads" in plain:
             quads = list(ox.parse(plain["quads"], format=ox.RdfFormat.N_QUADS))
             robots = [str(robot) for robot in plain["robots"]]
-            sent = Twin.from_quads(quads, plain["environment"], robots)
+            try:
+                sent = Twin.from_quads(quads, plain["environment"], robots)
+            except GraphError as error:
+                raise UnreadTwinError(f"this oracle cannot read that twin: {error.what}") from None
             if twin_key(sent) != key:  # others ask by the key alone
                 raise GraphError(f"the quads are {twin_key(sent)}, and the key is {key}", allowed="one twin")
             self._known[key] = sent
@@ -90,7 +98,7 @@ def _handled(answer: Callable[[str, TeeName, Plain], object], task: Task) -> Don
     verb, _, tee = task.verb.partition(";")
     try:
         return Done(to_cbor(answer(verb, tee_of(tee or "d_artic"), _fields(task.payload))), CBOR)
-    except (UnknownTwinError, OtherVersionError) as error:
+    except (UnknownTwinError, OtherVersionError, UnreadTwinError) as error:
         return problem(ProblemType.CONFLICT, str(error))
     except SdtError as error:
         return problem_of(error)

@@ -17,10 +17,13 @@ from sdt_kg.task import Task, Verb
 from services.app import Policy, Service, load, whole_body
 from services.bus.keys import Oracle
 from services.bus.oracles.codec import policy_plain, twin_key
-from services.bus.oracles.handler import Twins, UnknownTwinError
+from services.bus.oracles.handler import Causing, Twins, UnknownTwinError
 from services.bus.oracles.remote import BusOracles
 from services.bus.oracles.server import oracle
 from services.bus.sessions import open_session
+from services.judging.codec import CBOR, to_cbor
+from services.judging.jobs import Task as Asked
+from services.judging.problems import Problem, ProblemType
 from tests.services.bus.conftest import free_endpoint
 from tests.services.bus.routed import START, routed
 
@@ -117,6 +120,16 @@ def test_a_twin_that_is_sent_under_the_key_of_another_is_refused(here: Service) 
     with pytest.raises(UnknownTwinError):
         twins.of({"key": twin_key(here.twin), "state": {}})
     assert twin_key(twins.of({"key": twin_key(edited), "state": {}, **sent})) == twin_key(edited)
+
+
+def test_a_twin_that_an_oracle_cannot_read_is_no_fault_of_who_asked(here: Service) -> None:
+    quads = [each for each in here.twin.serialize("nquads").splitlines() if b"openFrom" not in each]
+    sent = {"quads": b"\n".join(quads), "environment": here.twin.environment, "robots": here.twin.robots}
+    asked = {"version": here.physics.version, "twin": {"key": "k", "state": {}, **sent}}
+    found = Causing()(Asked("b", "replay", to_cbor(asked), CBOR, 60.0), lambda _: None)
+    assert isinstance(found, Problem)
+    assert found.kind is ProblemType.CONFLICT
+    assert "this oracle cannot read that twin" in found.detail
 
 
 def test_who_has_another_version_than_the_verdict_would_name_does_not_judge(

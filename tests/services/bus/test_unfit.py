@@ -425,3 +425,15 @@ def test_settings_are_those_that_this_version_has_under_the_same_policy(here: Se
         said |= {"version": "another", "settings": [["drive", "fixed"]]}
         other = BusOracles.on(session).embodiment(policy)
         assert other.settings(here.twin, robot) == (("drive", "fixed"),)
+
+
+@pytest.mark.oracle
+def test_an_oracle_of_this_version_is_asked_where_one_of_another_is_there_too(here: Service) -> None:
+    other = "kinematics 1, pin 1.0"
+    with (
+        open_session(listen=free_endpoint()) as session,
+        replying(session, Oracle.CAUSES, lambda _: to_cbor(other)),
+    ):
+        assert BusOracles.on(session).physics().version == other
+        with oracle(session, Oracle.CAUSES):
+            assert BusOracles.on(session).physics().version == here.physics.version
