@@ -93,26 +93,6 @@ def test_a_file_may_list_a_joint_of_the_robot_that_has_equal_limits_where_they_a
 def test_a_robots_fixed_joint_is_said_to_be_fixed(tmp_path: Path) -> None:
     lamp = """<link name="lamp"/><joint name="lamp_joint" type="fixed"><parent link="base"/>
 <child link="lamp"/></joint>"""
-    text = (FOLDER / "gantry.urdf").read_text()
-    (tmp_path / "gantry.urdf").write_text(text.replace('lower="0" upper="0.6"', 'lower="0.2" upper="0.2"'))
-    (tmp_path / "gantry.ttl").write_bytes((FOLDER / "gantry.ttl").read_bytes())
-    twin = load_twin(FOLDER / "cell.urdf", [tmp_path / "gantry.urdf"])
-    rests = RESTS.copy()
-    rests[:, 4] = listed
-    write_motion(tmp_path / "motion.npz", opening(rests=rests))
-    if not kept:
-        with pytest.raises(
-            MotionError, match=r"lift_joint .* but the joint is fixed; allowed: 0\.2, or leave"
-        ):
-            read_motion(tmp_path / "motion.npz", twin, twin.robots[0])
-        return
-    motion = read_motion(tmp_path / "motion.npz", twin, twin.robots[0])
-    assert isinstance(motion, BodyMotion)
-    assert isinstance(judge(twin, motion), Certified)
-
-
-def test_a_robots_fixed_joint_is_said_to_be_fixed(tmp_path: Path) -> None:
-    lamp = '<link name="lamp"/><joint name="lamp_joint" type="fixed"><parent link="base"/><child link="lamp"/></joint>'
     text = (FOLDER / "gantry.urdf").read_text(encoding="utf-8")
     (tmp_path / "gantry.urdf").write_text(text.replace("</robot>", f"{lamp}</robot>"), encoding="utf-8")
     shutil.copy(FOLDER / "gantry.ttl", tmp_path)
