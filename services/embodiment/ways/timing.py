@@ -47,7 +47,8 @@ def _slowest(rate: Array, limit: Array) -> float:
     single = np.abs(rate[..., 2:])
     with np.errstate(over="ignore"):
         used = np.concatenate([norm / limit[0], single / limit[2:]], axis=-1)
-    return float(1.0 / np.clip(used.max(initial=0.0), *USED))
+    least, most = USED
+    return 1.0 / min(max(float(used.max(initial=0.0)), least), most)
 
 
 def straight(start: Array, end: Array, bound: Bound, spacing: float) -> Timed | None:
