@@ -84,7 +84,8 @@ def with_carried(case: Case, body_motion: BodyMotion, container: Container, phys
     """
     own = case.robot in {UNKNOWN, body_motion.robot}
     motion = physics.carried(case.twin if own else case.twin.bare, body_motion, container)
-    if not {container.joint, container.active_joint} & set(body_motion.kitchen_joints):
+    together = {container.joint, *case.twin.entities.coupling.together(container.joint)}
+    if not together & set(body_motion.kitchen_joints):
         assert motion.velocities is not None, "Γ is a Hermite spline, so is what it carries"
         body_motion = replace(
             body_motion,

@@ -81,7 +81,7 @@ def carried(
     times, still = body_motion.times, twin.state[container.joint]
     values, velocities = np.full((len(times), 1), still), np.zeros((len(times), 1))
     columns = {joint: i for i, joint in enumerate(body_motion.kitchen_joints)}
-    if {container.active_joint, container.joint} & {*columns}:
+    if {container.joint, *twin.entities.coupling.together(container.joint)} & {*columns}:
         told = _telling(model, body_motion, container)
         i, k, coupling = columns[told], model.coordinate[told], model.coupling
         values, velocities = body_motion.kitchen_q[:, [i]], body_motion.kitchen_v[:, [i]]

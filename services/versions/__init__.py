@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
 
-KINEMATICS_VERSION = "16"
+KINEMATICS_VERSION = "17"
 DYNAMICS_VERSION = "6"
 EMBODIMENT_VERSION = "30"
 BEARING_VERSION = "5"
