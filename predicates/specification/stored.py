@@ -49,6 +49,7 @@ class StoredResult:
         asked: How many steps there are.
         rules: What each says in words, and what is known of it.
         value: J of the whole sequence.
+        tee_class: IRI of the class D that it is relative to; None where that is not said.
     """
 
     iri: Iri
@@ -63,6 +64,7 @@ class StoredResult:
     steps: tuple[StoredStep, ...]
     rules: tuple[tuple[str, Standing], ...]
     value: float | None
+    tee_class: Iri | None = None
 
 
 def results_of(store: ox.Store) -> list[Iri]:
@@ -101,6 +103,7 @@ def _result(facts: Facts, iri: Iri) -> StoredResult:
         steps=tuple(_step(facts, each) for each in facts.all(iri, LAW + "stepResult")),
         rules=tuple(_rule(facts, each) for each in facts.all(iri, LAW + "ruleAnswer")),
         value=facts.number(iri, LAW + "qualityValue"),
+        tee_class=facts.text(iri, LAW + "teeClass"),
     )
 
 

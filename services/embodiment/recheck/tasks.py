@@ -11,6 +11,7 @@ from predicates.oracle import LET_GO, Physics
 from predicates.questions import unhurried, with_carried
 from predicates.record.inputs import NOT_HASHED, UNKNOWN_INPUT, goal_of, input_hash, state_hash, task_text
 from predicates.record.stored import StoredVerdict
+from predicates.scope import tee_class_of_hash
 from predicates.specification.leg import Leg
 from predicates.specification.model import Quality, Specification
 from predicates.specification.quality import measured, total
@@ -84,6 +85,9 @@ def _contradicts_itself(stored: StoredResult) -> Iterator[str]:
     for name, model in (("environment", stored.environment), ("robot", stored.robot)):
         if said.get(name, "").split(" ")[0] != model:
             yield f"the result's input '{name}' is {said.get(name)}, and it says {model}"
+    tee = tee_class_of_hash(said.get("tee_class", ""))
+    if tee is not None and stored.tee_class not in {None, tee.iri}:
+        yield f"the result's class is {stored.tee_class}, by its inputs {tee.iri}"
 
 
 def _models(stored: StoredResult) -> Models:

@@ -174,6 +174,7 @@ WRONG: dict[str, tuple[Callable[[StoredResult], StoredResult], str]] = {
         lambda r: _asked_as(r, **{"embodiment.drive": "omni"}),
         "verdict's input 'embodiment.drive' is",
     ),
+    "class": (lambda r: replace(r, tee_class="https://example.org/tee#D_artic_dyn"), "the result's class is"),
     "robot": (lambda r: replace(r, robot="https://example.org/id/pr2"), "the result's input 'robot' is"),
 }
 
