@@ -5,6 +5,7 @@ import pyoxigraph as ox
 
 from predicates.record.facts import Facts
 from predicates.record.seal import RECORD_HASH
+from predicates.record.stored import read_inputs
 from sdt_kg.errors import InputError
 from sdt_kg.iri import LAW, local_name
 from sdt_kg.store import rows_of
@@ -14,7 +15,7 @@ from services.commands.show import csv_is_asked, print_json, print_rows
 from services.store.files import is_saved_graph, readable
 from services.store.records import all_recalled
 from services.why import SHORT_KEY, outcome, question, results_of, sections, task, verdicts_of, why
-from services.why.words import in_capitals
+from services.why.words import standing
 
 
 @click.command(name="why")
@@ -58,7 +59,7 @@ def _list(saved: ox.Store, as_json: bool) -> None:
         {
             "verdict": each,
             "question": task.question(each, facts),
-            "outcome": in_capitals(task.outcome_of(each, facts)),
+            "outcome": standing(task.outcome_of(each, facts), read_inputs(facts, each)),
         }
         for each in results_of(saved)
         if each not in damaged

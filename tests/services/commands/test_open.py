@@ -2,8 +2,11 @@
 
 from pathlib import Path
 
+from predicates.specification.read import read_specification
 from services.app import Service
+from services.specifications import achieve_task, keep
 from services.store.files import SavedVerdicts
+from tests.services.pages.test_tasks import TASK
 from tests.small import small_twin
 from tests.small.before import LiftsBefore
 from tests.small.lift import Lifts
@@ -88,3 +91,12 @@ def test_what_another_version_judged_counts_as_outdated_and_says_what_to_do(sdt,
     assert f"--save {place}, judged anew" in said
     told = {each["question"]: each["outcome"] for each in sdt("why", str(place), "--json").json}
     assert told["Can pr2 open low_drawer in kitchen a?"] == "OUTDATED, WAS CERTIFIED"
+
+
+def test_the_result_of_a_task_that_another_version_judged_is_listed_as_outdated(sdt, tmp_path: Path) -> None:
+    place, service = tmp_path / "kept.trig", Service(small_twin("a", ("pr2",)), oracles=LiftsBefore())
+    with SavedVerdicts(place) as saved:
+        keep(saved, achieve_task(service, read_specification(service.twin, TASK % 1.5, "task.ttl")))
+    listed = {each["question"]: each["outcome"] for each in sdt("why", str(place), "--json").json}
+    assert all(said.startswith("OUTDATED, WAS ") for said in listed.values())
+    assert any("do '" in question for question in listed)
