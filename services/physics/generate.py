@@ -10,7 +10,7 @@ from sdt_kg.motion import Motion
 from sdt_kg.state import Interval
 from sdt_kg.twin import Twin
 from services.physics.chain import follower
-from services.physics.replay import effective_bounds
+from services.physics.replay import Bounds, effective_bounds
 from services.physics.spline import Hermite, at_rest_velocities
 from services.physics.tree import Model
 
@@ -25,8 +25,8 @@ LIMIT_SHARE = 0.99
 """[1] Share of the velocity and acceleration limits that a generated motion uses."""
 
 
-def generate(model: Model, twin: Twin, joint: Iri, goal: Interval) -> Motion:
-    """Motion of a joint into an interval: a quintic in time, speed and acceleration 0 at both ends.
+def generate(model: Model, twin: Twin, joint: Iri, goal: Interval) -> Motion | None:
+    """Motion of a joint into an interval: a quintic in time, at rest at both ends; None if it is stuck.
 
     Not timed: whoever follows it may be slower.
 
@@ -42,6 +42,8 @@ def generate(model: Model, twin: Twin, joint: Iri, goal: Interval) -> Motion:
     """
     followed = follower(model, joint)
     bounds = effective_bounds(model, twin, followed)
+    if is_stuck(bounds):
+        return None
     begin = followed.multiplier * twin.state.get(followed.active, 0.0) + followed.offset
     target = _target(begin, max(goal.lower, bounds.lower), min(goal.upper, bounds.upper), local_name(joint))
     u = np.linspace(0, 1, SAMPLES)
@@ -56,6 +58,11 @@ def generate(model: Model, twin: Twin, joint: Iri, goal: Interval) -> Motion:
     if duration == 0:
         raise OracleRejectedError(f"{local_name(joint)} has no limit of velocity or acceleration")
     return Motion(joint, u * duration, values, timed=False)
+
+
+def is_stuck(bounds: Bounds) -> bool:
+    """Whether a joint, or one that it moves with, has no speed or acceleration to move with."""
+    return min(bounds.velocity, bounds.acceleration) <= 0
 
 
 def _target(begin: float, lower: float, upper: float, name: str) -> float:

@@ -14,6 +14,7 @@ from sdt_kg.errors import MotionError
 from sdt_kg.motion import Array, Motion
 from sdt_kg.twin import Container, Twin
 from services.physics.chain import chain
+from services.physics.generate import is_stuck
 from services.physics.points import PointPath, as_point, as_values, world_T_body
 from services.physics.replay import Bounds, effective_bounds, spline_of
 from services.physics.tree import Model
@@ -209,7 +210,9 @@ def _smooth(times: Array, values: Array, knots: Array) -> Array:
 
 
 def _stretch(motion: Motion, bounds: Bounds) -> float:
-    """Factor of time at which the motion uses LIMIT_SHARE of its limits."""
+    """Factor of time at which the motion uses LIMIT_SHARE of its limits; 1 where nothing may move."""
+    if is_stuck(bounds):
+        return 1.0
     spline = spline_of(motion)
     speed, force = (float(np.abs(each).max()) for _, each in (spline.velocity(), spline.acceleration()))
     return max(

@@ -50,7 +50,9 @@ class Kinematics:
     def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:
         model = self._of(twin)
         for joint, interval in goal.intervals:
-            yield generate(model, twin, joint, interval)
+            motion = generate(model, twin, joint, interval)
+            if motion is not None:
+                yield motion
 
     def carried(self, twin: Twin, body_motion: BodyMotion, container: Container) -> Motion:
         return carried(

@@ -36,6 +36,7 @@ def test_force_bound_of_a_motion(benchmark) -> None:
     mechanics = Dynamics().mechanics(twin, container)
     model = build(twin.mechanism(twin.environment))
     motion = generate(model, twin, container.joint, Interval(container.open_from, container.upper))
+    assert motion is not None
     assert benchmark(need, mechanics, motion).most > 0
 
 

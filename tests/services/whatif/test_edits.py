@@ -7,14 +7,19 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from predicates.case import Case
+from predicates.causes import causes
 from predicates.record.inputs import inputs_of, verdict_iri
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import History
 from sdt_kg.iri import body_iri, local_name
 from sdt_kg.mechanism import JointType, Mechanism
+from sdt_kg.motion import Motion
+from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.app import Policy, Service
 from services.edits import parse_edit
+from services.physics.oracle import Kinematics
 from services.whatif import World, changed, parse_change
 from tests.small import small_twin
 
@@ -87,6 +92,21 @@ def test_a_limit_of_the_robot_may_be_otherwise_by_a_share_too() -> None:
 def test_a_place_out_of_this_world_is_refused_as_in_a_file(text: str) -> None:
     with pytest.raises(InputError, match=r"is too large; allowed: up to 1e\+06"):
         changed(WORLD, (parse_change(text),))
+
+
+@pytest.mark.parametrize("limit", ["velocityLimit", "accelerationLimit"])
+def test_a_container_that_moves_with_a_stuck_joint_is_caused_by_nothing(limit: str) -> None:
+    """Its own limits are inside of D_artic; what it follows is not asked there."""
+    twin = changed(WORLD, (parse_change(f"set:upper_panel_joint.{limit}=0"),)).service.twin
+    door = twin.container("folding_door")
+    task = Task(Verb.OPEN, door.iri)
+    (answer,) = causes(Case(twin, task=task), Kinematics())
+    assert not answer.holds
+    (said,) = answer.diagnoses
+    assert said.reason.endswith("folding_door moves with a joint whose velocity or acceleration limit is 0")
+    moved = Motion(door.joint, np.linspace(0, 9, 50), np.linspace(0, 1.9, 50)[:, None], timed=False)
+    (answer,) = causes(Case(twin, task=task, motion=moved), Kinematics())
+    assert not answer.holds
 
 
 def test_what_hangs_on_a_door_is_no_furniture() -> None:
