@@ -1,9 +1,14 @@
 """A motion that is played: where it is, whether it runs, and what is to be seen at a time."""
 
+import re
 from collections.abc import Sequence
+from typing import Final
 
 from services.viewer.picture.marks import Mark, What
 from services.viewer.picture.timeline import Timeline
+
+SIGNS: Final = re.compile(r"[!-/:-@\[-`{-~]")
+"""ASCII punctuation: what a backslash before it makes plain in Markdown (CommonMark 2.4)."""
 
 AROUND = 0.5
 """[s] A mark of a certificate is seen so long before and after its time."""
@@ -51,11 +56,18 @@ class Film:
         return shown
 
     def says(self) -> str:
-        """Phase and time, in Markdown."""
+        """Phase and time, in Markdown; the phases' names come from files, and are not read as that."""
         if self.timeline is None:
             return ""
         phase = self.timeline.phase(self.time)
         names = " → ".join(
-            f"**{each.name}**" if each is phase else each.name for each in self.timeline.phases
+            f"**{name}**" if each is phase else name
+            for each in self.timeline.phases
+            for name in (_plain(each.name),)
         )
         return f"{names}  \n{self.time:.1f} of {self.timeline.duration:.1f} s"
+
+
+def _plain(name: str) -> str:
+    """A name in which nothing is a sign of Markdown or HTML."""
+    return SIGNS.sub(r"\\\g<0>", " ".join(name.split()))

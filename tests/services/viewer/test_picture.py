@@ -1,6 +1,7 @@
 """What is drawn is what is judged: postures, shapes, films and marks against the judge's own."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -228,6 +229,13 @@ def test_a_certificates_closest_pair_is_marked_at_its_time_only(twin: Twin) -> N
     assert film.seen(None) == [region, mark]
     film.time = 0.0
     assert film.seen(mark) == [mark, region]
+
+
+def test_names_of_phases_are_read_neither_as_markdown_nor_as_html(twin: Twin) -> None:
+    names = "<img src=http://x/y>", "**b** [a](b)\n# c_é"
+    motion = replace(body_motion(twin), phases=((names[0], 0), (names[1], 1)))
+    said = Film(Timeline(motion, twin.state, twin.entities.coupling)).says()
+    assert said.startswith(r"**\<img src\=http\:\/\/x\/y\>** → \*\*b\*\* \[a\]\(b\) \# c\_é")
 
 
 def test_a_film_stops_at_its_end_and_begins_again(twin: Twin) -> None:
