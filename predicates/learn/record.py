@@ -24,7 +24,7 @@ MILLIMETRE = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """What names a learned Φ′: a hash of the track, the joint and the twin that it is about."""
+    """What names a learned Φ′: a hash of all of the track, of the joint, and of the twin and its state."""
 
     digest: str
 
@@ -32,7 +32,9 @@ class Key:
     def of(twin: Twin, container: Container, track: Track) -> "Key":
         """The key of what a track says of a container of a twin."""
         parent = twin.content_hash(twin.environment)
-        text = f"{track_hash(track)} {container.joint} {parent}"
+        more = ("" if each is None else each.tobytes().hex() for each in (track.orientations, track.forces))
+        seen = hashlib.sha256(" ".join(more).encode()).hexdigest()
+        text = f"{track_hash(track)} {seen} {container.joint} {parent} {sorted(twin.state.items())}"
         return Key(hashlib.sha256(text.encode()).hexdigest()[:32])
 
     @property

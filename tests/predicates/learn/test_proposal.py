@@ -1,5 +1,7 @@
 """Φ′: a track that the twin cannot replay, the edited twin, and that Causes then replays it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from predicates.learn import Track, learn
 from predicates.learn.explain import explain
 from predicates.learn.frames import world_T_of
 from predicates.learn.proposal import Proposal, propose
+from predicates.learn.record import Key
 from sdt_kg.errors import InputError
 from sdt_kg.mechanism import JointType
 from sdt_kg.task import Task, Verb
@@ -176,6 +179,21 @@ def test_what_causes_says_of_a_learned_joint_it_says_with_its_uncertainty() -> N
     assert f"seen from 0 to {proposal.seen[1]:.4g} m; limits of position are kept" in note
     (other,) = causes(Case(twin, task=Task(Verb.OPEN, twin.container("low_drawer").iri)), PHYSICS)
     assert not any("learned" in each for each in other.notes)
+
+
+def test_what_is_learned_has_a_name_of_its_own_for_other_forces_orientations_and_states() -> None:
+    track, container = slid("low_drawer", 0.4), TWIN.container("low_drawer")
+    ones = np.ones((len(track.positions), 3))
+    tracks = (
+        track,
+        replace(track, forces=ones),
+        replace(track, forces=-ones),
+        replace(track, orientations=ones),
+    )
+    keys = {Key.of(TWIN, container, each).iri for each in tracks}
+    assert len(keys) == 4
+    assert Key.of(standing("low_drawer", 0.1), container, track).iri not in keys
+    assert Key.of(TWIN, container, replace(track, forces=ones.copy())).iri in keys
 
 
 def test_a_coupled_joint_is_not_edited_alone() -> None:
