@@ -1,6 +1,7 @@
 """τ of a container under a body motion: as that says, or as a gripper drags the handle along."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,6 +38,12 @@ STOP_STEP = 1e-5
 
 BEGINS = 200
 """[1] Of more samples at which the hold may begin some are looked at first, then those about the best."""
+
+RESTS = 1e-12
+"""[1, m] By which a tool's pose and fingertips that rest differ from one sample to the next: rounding."""
+
+BLOCK = 64
+"""[1] Samples in which a hold is followed at first."""
 
 INSTANT = 1e-4
 """[s] Half of the interval over which the velocity of a dragged joint is taken."""
@@ -211,24 +218,49 @@ def _longest_hold(  # noqa: PLR0913, PLR0917 - two paths, what joins them, and w
     """
 
     def hold_from(begin: int) -> _Hold:
-        values = _positions(handle, bounds, twin, tools[begin:], tools[begin])
-        fitted = handle.poses((values - handle.follower.offset) / handle.follower.multiplier)[0]
-        gaps, angles = apart(fitted, tools[begin:] @ _tool_T_handle(handle, twin, tools[begin]))
-        inside = (values >= bounds.lower - LIMIT_PLAY) & (values <= bounds.upper + LIMIT_PLAY)
-        closed = (np.abs(fingers[begin:] - fingers[begin]) <= FINGER_PLAY).all(axis=1)
-        fits = (gaps <= POSE_TOLERANCE) & (angles <= ANGLE_TOLERANCE) & inside & closed
-        length = len(fits) if fits.all() else int(np.argmin(fits))
-        return _Hold(begin, begin + length - 1, values[:length])
+        held = list[Array]()
+        tool_T_handle = _tool_T_handle(handle, twin, tools[begin])
+        for block in _blocks(begin, len(tools), bounds):
+            values = _positions(handle, bounds, twin, tools[block], tools[begin])
+            fitted = handle.poses((values - handle.follower.offset) / handle.follower.multiplier)[0]
+            gaps, angles = apart(fitted, tools[block] @ tool_T_handle)
+            inside = (values >= bounds.lower - LIMIT_PLAY) & (values <= bounds.upper + LIMIT_PLAY)
+            closed = (np.abs(fingers[block] - fingers[begin]) <= FINGER_PLAY).all(axis=1)
+            fits = (gaps <= POSE_TOLERANCE) & (angles <= ANGLE_TOLERANCE) & inside & closed
+            held.append(values if fits.all() else values[: int(np.argmin(fits))])
+            if not fits.all():
+                break
+        values = np.concatenate(held)
+        return _Hold(begin, begin + len(values) - 1, values)
 
     def best(begins: list[int]) -> _Hold | None:
         return max(map(hold_from, begins), key=lambda hold: _rank(hold, bounds), default=None)
 
+    near = _moving(tools, fingers, near)
     step = len(near) // BEGINS + 1
     found = best(near[::step])
     if found is None or step == 1:
         return found
     at = near.index(found.begin)
     return best(near[max(at - step + 1, 0) : at + step])
+
+
+def _moving(tools: Array, fingers: Array, near: list[int]) -> list[int]:
+    """The samples without those at which hand and fingers are as at the one before: one tells of all."""
+    if len(near) <= 1:
+        return near
+    at = np.array(near)
+    poses = np.hstack((tools[at].reshape(len(at), -1), fingers[at]))
+    rests = (np.abs(np.diff(poses, axis=0)) <= RESTS).all(axis=1) & (np.diff(at) == 1)
+    return at[np.concatenate(([True], ~rests))].tolist()
+
+
+def _blocks(begin: int, end: int, bounds: Bounds) -> Iterator[slice]:
+    """Samples from one on, in blocks that grow: most holds end soon. Turns without end are counted in one."""
+    size = BLOCK if math.isfinite(bounds.upper) else end - begin
+    while begin < end:
+        yield slice(begin, min(begin + size, end))
+        begin, size = begin + size, 2 * size
 
 
 def _rank(hold: _Hold, bounds: Bounds) -> tuple[int, int, float]:

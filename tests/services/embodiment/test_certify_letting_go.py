@@ -11,7 +11,7 @@ from predicates.law import law
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import model_iri
 from sdt_kg.load import load_twin
-from sdt_kg.motion import BodyMotion
+from sdt_kg.motion import Array, BodyMotion
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused, certify, survey
@@ -209,6 +209,35 @@ def test_a_finely_sampled_motion_is_dragged_from_the_same_moment_with_few_looks(
     assert len(looks) < most / 2
     np.testing.assert_allclose(few, every, atol=1e-9)
     np.testing.assert_allclose(few, motion.kitchen_q, atol=1e-5)
+
+
+def test_a_hand_that_rests_at_the_handle_for_long_is_looked_at_once(
+    twin: Twin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    motion, more = letting_go(OPENED, AWAY), 3000
+    last = int(np.argmax(motion.kitchen_q[:, 0] > 0)) - 1  # the drawer has not moved yet, and all rests
+    assert not motion.v[last].any()
+
+    def rested(rows: Array) -> Array:
+        return np.insert(rows, [last + 1] * more, rows[last], axis=0)
+
+    rest = np.linspace(0.0, 30.0, more + 1)[1:]
+    times = np.concatenate(
+        (motion.times[: last + 1], motion.times[last] + rest, motion.times[last + 1 :] + 30.0)
+    )
+    parts = {name: rested(getattr(motion, name)) for name in ("base", "base_v", "q", "v")}
+    none = np.zeros((len(times), 0))
+    bare = replace(motion, times=times, kitchen_joints=(), kitchen_q=none, kitchen_v=none, phases=(), **parts)
+    looks, fit = [], carry.fitted_positions
+
+    def counted(*about: object) -> object:
+        looks.append(len(about[-1]))  # type: ignore[arg-type]
+        return fit(*about)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(carry, "fitted_positions", counted)
+    values = Kinematics().carried(twin, bare, twin.container("drawer_main")).values
+    np.testing.assert_allclose(values, rested(motion.kitchen_q), atol=1e-5)
+    assert sum(looks) < 50 * len(times)
 
 
 def test_every_kind_of_violation_is_told_of_a_hand_that_lets_go_wrongly(twin: Twin) -> None:
