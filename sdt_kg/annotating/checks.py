@@ -215,19 +215,43 @@ def check_edited(mechanism: Mechanism, subject: Iri, changes: Mapping[str, objec
     Raises:
         AnnotationError: With what is allowed.
     """
-    given = [name for name in POSITIONS if name in changes]
+    joint = _edited(mechanism, subject, changes)
+    if joint is not None:
+        for name in POSITIONS:
+            _check_position(joint, name, changes.get(name), "")
+
+
+def check_limits(mechanism: Mechanism, subject: Iri, changes: Mapping[str, object]) -> None:
+    """Limits that an edit gives have room between them, as a file's have.
+
+    Raises:
+        AnnotationError: The lower is above the upper.
+    """
+    joint = _edited(mechanism, subject, changes)
+    if joint is not None and joint.limits.lower > joint.limits.upper:
+        lower, upper = joint.limits.lower, joint.limits.upper
+        raise AnnotationError(
+            f"joint '{joint.name}' between {lower:g} and {upper:g}: its lower limit is above its upper one",
+            allowed="a lower limit that is not above the upper one",
+            remedy="edit the other one first",
+        )
+
+
+def _edited(mechanism: Mechanism, subject: Iri, changes: Mapping[str, object]) -> Joint | None:
+    """The joint with the limits that an edit gives; None where it is about no joint, or gives neither."""
+    if not changes.keys() & {*POSITIONS, "lowerLimit", "upperLimit"}:
+        return None
     joints = (each for each in mechanism.joints if joint_iri(mechanism.name, each.name) == subject)
-    joint = next(joints, None) if given else None
+    joint = next(joints, None)
     if joint is None:
-        return
+        return None
     lower, upper = (changes.get(name) for name in ("lowerLimit", "upperLimit"))
     limits = replace(
         joint.limits,
         lower=lower if isinstance(lower, int | float) else joint.limits.lower,
         upper=upper if isinstance(upper, int | float) else joint.limits.upper,
     )
-    for name in given:
-        _check_position(replace(joint, limits=limits), name, changes[name], "")
+    return replace(joint, limits=limits)
 
 
 def _check_position(joint: Joint, name: str, value: object, where: str) -> None:

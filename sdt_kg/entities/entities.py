@@ -7,7 +7,7 @@ from itertools import chain
 from typing import TypeVar
 
 from sdt_kg.annotating.annotate import TEE_GRAPH, annotate, tee_facts, tee_triples
-from sdt_kg.annotating.checks import check_edited
+from sdt_kg.annotating.checks import check_edited, check_limits
 from sdt_kg.annotation import KitchenAnnotation, RobotAnnotation
 from sdt_kg.entities.container import Container, containers_of
 from sdt_kg.entities.coupling import Coupling
@@ -161,6 +161,8 @@ class Entities:
                 raise InputError(f"sdt:{name} cannot be {value!r}", allowed=properties()[name].value)
         model = self.model_of(subject)
         check_edited(self.mechanism(model), subject, changes)
+        if model != self.environment:  # in a kitchen the Law abstains of it
+            check_limits(self.mechanism(model), subject, changes)
         replaced = {SDT + name for name in changes}
         removed = frozenset(
             triple

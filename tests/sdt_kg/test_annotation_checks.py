@@ -181,6 +181,8 @@ def test_degrees_of_a_joint_without_limits_are_refused(tmp_path: Path, degrees: 
             "of joint 'wrist_joint' is more than two turns away; allowed: -12.5",
         ),
         ("lift_joint.parkedPosition=30", "of joint 'lift_joint' is outside its limits; allowed: 0 to 0.6"),
+        ("lift_joint.lowerLimit=0.7", "joint 'lift_joint' between 0.7 and 0.6: its lower limit is above"),
+        ("lift_joint.upperLimit=-1", "joint 'lift_joint' between 0 and -1: its lower limit is above"),
         ("up_joint.openPosition=2", "of joint 'up_joint' is outside its limits; allowed: 0 to 0.04"),
     ],
 )
