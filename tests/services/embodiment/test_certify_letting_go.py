@@ -240,6 +240,26 @@ def test_a_hand_that_rests_at_the_handle_for_long_is_looked_at_once(
     assert sum(looks) < 50 * len(times)
 
 
+@pytest.mark.parametrize("begins", [True, False])
+def test_closed_fingers_do_not_slide_along_the_handle_between_samples(twin: Twin, begins: bool) -> None:
+    """Before the drawer moves, or once it has stopped, four samples have the hand in its grasp."""
+    motion, times = opening(), np.array([2.0, 6.0, 8.0])
+    at = int(np.argmax(motion.kitchen_q[:, 0] > 0)) - 1 if begins else len(motion.times) - 1
+
+    def rested(rows: Array) -> Array:
+        return np.insert(rows, [at + 1] * len(times), rows[at], axis=0)
+
+    parts = {name: rested(getattr(motion, name)) for name in ("base", "q", "v", "kitchen_q", "kitchen_v")}
+    later = motion.times[at + 1 :] + times[-1]
+    parts["times"] = np.concatenate((motion.times[: at + 1], motion.times[at] + times, later))
+    still = replace(motion, base_v=rested(motion.base_v), **parts)
+    assert isinstance(judge(twin, still), Certified)
+    swung = still.base_v.copy()
+    swung[at + 1 : at + 3, 1] = 0.06, -0.06  # [m/s] along the bar: 60 mm there and back
+    found = refusal(twin, replace(still, base_v=swung), Quantity.DISTANCE)
+    assert any("drawer_handle" in each.reason for each in found)
+
+
 def test_every_kind_of_violation_is_told_of_a_hand_that_lets_go_wrongly(twin: Twin) -> None:
     shut, back = (25.0, *AWAY[1:7], 0.002, AWAY[8]), (28.0, *OPENED[1:7], 0.002, OPENED[8])
     motion = letting_go(OPENED, AWAY, shut, back)

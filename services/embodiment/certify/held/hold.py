@@ -5,7 +5,6 @@ still be at the handle as long as the tool stays in its grasp, and from then on 
 the tool is in its next grasp, if there is one: a container that rests on the way may be taken hold of anew.
 """
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -17,9 +16,10 @@ from sdt_kg.iri import Iri, body_iri, local_name
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.grip import NOTHING, Grip, Pinch
+from services.embodiment.certify.held.slip import DEEPEST, Attached, Slip
 from services.embodiment.certify.held.stints import last, rests
 from services.embodiment.certify.held.surface import Posed, Surface, own_shapes
-from services.embodiment.certify.sweep.kinematics import Of, Placed, farther
+from services.embodiment.certify.sweep.kinematics import Placed, farther
 from services.embodiment.certify.sweep.pieces import positions
 from services.embodiment.certify.sweep.subject import Subject
 from services.physics.model import Scene
@@ -29,21 +29,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 FINE = 2e-4  # [m or rad] precision of the largest tool error that is reported
-DEEPEST = 12  # halvings of a piece in the check of the tool
 FIRST = np.zeros(1, dtype=np.intp)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Attached:
-    """A frame that is fixed to a carrier: carrier_T_frame, shape (4, 4)."""
-
-    carrier: int
-    placement: Array
-
-    def world(self, placed: Placed) -> tuple[Array, Array]:
-        """Rotations and origins in the world, shapes (U, 3, 3) and (U, 3)."""
-        rotation, origin = placed.rotation[:, self.carrier], placed.origin[:, self.carrier]
-        return rotation @ self.placement[:3, :3], origin + rotation @ self.placement[:3, 3]
 
 
 class Hold:
@@ -78,6 +64,7 @@ class Hold:
         robot = scene.robot.mechanism.name
         self.fingers = _shapes_of(scene, [body_iri(robot, name) for name in gripper.fingers])
         self.bar = _shapes_of(scene, [container.handle])
+        self.slip = Slip(checked, self.tool, self.handle, begin)
         self.last, self.onward = self._ends()
         self.time = float(self.pieces.start[begin])
         self.until = float(self.pieces.start[self.last] + self.pieces.duration[self.last])
@@ -86,43 +73,12 @@ class Hold:
         """Last piece before the tool leaves its grasp while the container rests, and first one after that."""
         k = self.scene.coordinate[self.container.joint]
         for rest in rests(self.checked.pieces, k, self.begin):
-            if len(self._off(rest.start + 1, rest.stop + 1)):
+            if len(self.slip.off(rest.start + 1, rest.stop + 1)):
                 return rest.start - 1, rest.stop
         return last(self.checked.pieces, k), None
 
     def _attached(self, joint: int, joint_T_frame: Array) -> Attached:
         return Attached(int(self.kinematics.carrier[joint]), self.kinematics.fixed[joint] @ joint_T_frame)
-
-    def _relative(self, placed: Placed) -> tuple[Array, Array]:
-        """handle_T_tool: rotations (U, 3, 3) and origins (U, 3)."""
-        tool_R, tool_p = self.tool.world(placed)
-        handle_R, handle_p = self.handle.world(placed)
-        back = np.swapaxes(handle_R, 1, 2)
-        return back @ tool_R, (back @ (tool_p - handle_p)[:, :, None])[:, :, 0]
-
-    @cached_property
-    def _at_grasp(self) -> Placed:
-        q, v, _ = self.pieces.at(np.array([self.begin]), np.zeros(1))
-        return self.kinematics.place(q, v)
-
-    @cached_property
-    def _grasp(self) -> tuple[Array, Array]:
-        return self._relative(self._at_grasp)
-
-    def _errors(self, placed: Placed) -> tuple[Array, Array]:
-        """How far the tool is from its grasp [m], and the norm of its rotation's change [rad]."""
-        rotation, origin = self._relative(placed)
-        rotation_0, origin_0 = self._grasp
-        turned = np.linalg.norm(rotation - rotation_0, axis=(1, 2)) / np.sqrt(2)
-        return np.linalg.norm(origin - origin_0, axis=1), turned
-
-    def _off(self, first: int, stop: int) -> Indices:
-        """Which of these samples have the tool out of its grasp."""
-        samples, end = np.arange(first, stop), len(self.pieces.start) - 1
-        pieces = np.minimum(samples, end)
-        q, v, _ = self.pieces.at(pieces, np.where(samples > end, self.pieces.duration[pieces], 0.0))
-        slipped, turned = self._errors(self.kinematics.place(q, v))
-        return samples[(slipped > self.tolerances.tool_position) | (turned > self.tolerances.tool_angle)]
 
     @cached_property
     def arrived(self) -> float:
@@ -130,10 +86,12 @@ class Hold:
 
         The first of all if it was nowhere else; that of the grasp itself if another hold came before.
         """
-        off = self._off(self._since or 0, self.begin)
-        if len(off):
-            return float(self.pieces.start[off[-1] + 1])
-        return float(self.pieces.start[0]) if self._since is None else self.time
+        off = self.slip.off(self._since or 0, self.begin)
+        if not len(off) and self._since is not None:
+            return self.time
+        first = int(off[-1]) + 1 if len(off) else 0
+        leaving = self.slip.leaving(first, self.begin)
+        return float(self.pieces.start[int(leaving[-1]) + 1 if len(leaving) else first])
 
     @cached_property
     def left(self) -> int:
@@ -142,8 +100,10 @@ class Hold:
         It begins with the last sample up to which the tool, after the container has stopped, is in its grasp.
         """
         count = len(self.pieces.start)
-        off = self._off(self.last + 2, (count if self.onward is None else self.onward) + 1)
-        return int(off[0]) - 1 if len(off) else count
+        off = self.slip.off(self.last + 2, (count if self.onward is None else self.onward) + 1)
+        end = int(off[0]) - 1 if len(off) else count
+        leaving = self.slip.leaving(self.last + 1, end)
+        return int(leaving[0]) if len(leaving) else end
 
     def clear_from(self) -> float:
         """When that piece begins [s]; infinite if there is none."""
@@ -151,7 +111,7 @@ class Hold:
 
     def contact(self) -> Findings:
         """At the grasp two fingers have the handle between them: they reach over it and touch it."""
-        placed = self._at_grasp
+        placed = self.slip.at_grasp
         tool_R, _ = self.tool.world(placed)
         robot = self.scene.robot.mechanism.name
         bodies = [body_iri(robot, name) for name in self.gripper.fingers]
@@ -228,10 +188,7 @@ class Hold:
         most = np.array([self.most[0], 2 * np.sin(self.most[1] / 2)])
         level, intervals = self.timeline.depth, np.arange(self.begin, self.last + 1)
         for halving in range(DEEPEST + 1):
-            spans = self.timeline.spans(level + halving, intervals)
-            placed = self.kinematics.place(spans.q, spans.v)
-            error = np.stack(self._errors(placed))
-            upper = error + np.stack(self.kinematics.bounds(spans, placed, self._ball(placed)))
+            spans, error, upper = self.slip.on(level + halving, intervals)
             if halving == DEEPEST:  # what is not shown by now is refused
                 error = upper
             seen = np.maximum(seen, error.max(axis=1))
@@ -252,10 +209,6 @@ class Hold:
             findings.figures["tool turn"] = (float(2 * np.arcsin(safe[1] / 2)), "rad")
         return findings
 
-    def _ball(self, placed: Placed) -> Of:
-        _, origin = self.tool.world(placed)
-        return Of(self.tool.carrier, self.handle.carrier, origin, np.zeros(len(origin)))
-
     def _slips(self, findings: Findings, row: int, error: Array, time: Array, most: Array) -> None:
         if not error.any():
             return
@@ -272,7 +225,7 @@ class Hold:
 
     def keeps_fingers(self) -> Findings:
         """While they hold, the fingers do not move against the tool by more than a contact allows."""
-        findings, placed = Findings(), self._at_grasp
+        findings, placed = Findings(), self.slip.at_grasp
         values, _ = positions(self.pieces)
         later = values[:, self.begin : self.last + 1]
         shift = np.abs(later - self.pieces.c[0, self.begin]).max(axis=(0, 1))
