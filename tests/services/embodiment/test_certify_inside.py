@@ -1,6 +1,8 @@
 """What is wholly inside a closed mesh touches none of its triangles, and is refused all the same."""
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from numpy.typing import NDArray
 
 from predicates.case import Quantity
 from sdt_kg.load import load_twin
+from sdt_kg.motion import Array
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified
 from tests.services.embodiment.gantry import FOLDER, gantry_twin, opening
@@ -82,14 +85,38 @@ def test_a_mesh_elsewhere_changes_nothing(tmp_path: Path) -> None:
     assert away.nearest == plain.nearest
 
 
-def test_fingers_in_a_handle_of_many_small_triangles_are_as_deep_as_in_a_solid_one(tmp_path: Path) -> None:
+def meshed(folder: Path) -> Twin:
+    """The cell whose drawer has a bar of small triangles."""
     bar = trimesh.creation.box((0.01, 0.2, 0.01))
     small = trimesh.remesh.subdivide_to_size(bar.vertices, bar.faces, 0.004)
-    trimesh.Trimesh(*small).export(tmp_path / "bar.stl")
+    trimesh.Trimesh(*small).export(folder / "bar.stl")
     cell, solid = (FOLDER / "cell.urdf").read_text(), '<box size="0.01 0.2 0.01"/>'
-    meshed = cell.replace(solid, f'<mesh filename="{tmp_path / "bar.stl"}"/>', 1)
-    (tmp_path / "cell.urdf").write_text(meshed)
-    twin = load_twin(tmp_path / "cell.urdf", [FOLDER / "gantry.urdf"])
+    (folder / "cell.urdf").write_text(cell.replace(solid, f'<mesh filename="{folder / "bar.stl"}"/>', 1))
+    return load_twin(folder / "cell.urdf", [FOLDER / "gantry.urdf"])
+
+
+def test_fingers_in_a_handle_of_many_small_triangles_are_as_deep_as_in_a_solid_one(tmp_path: Path) -> None:
+    twin = meshed(tmp_path)
     assert isinstance(judge(twin, closed(opening(), 0.0035)), Certified)  # 1.5 mm deep in a bar of 10 mm
     found = refusal(twin, closed(opening(), 0.0005), Quantity.DISTANCE)
     assert min(one.evidence.value for one in found if one.evidence) == pytest.approx(-0.0045, abs=1e-5)
+
+
+def test_fingers_that_press_into_such_a_handle_between_samples_are_refused(tmp_path: Path) -> None:
+    """Before the drawer moves: at four samples, and halfway, the fingers are open or touch."""
+    motion, times, twin = opening(), np.array([0.5, 4.5, 5.0]), meshed(tmp_path)
+    at = int(np.argmax(motion.kitchen_q[:, 0] > 0)) - 1
+
+    def rested(rows: Array) -> Array:
+        return np.insert(rows, [at + 1] * len(times), rows[at], axis=0)
+
+    names = ("base", "base_v", "q", "v", "kitchen_q", "kitchen_v")
+    parts: dict[str, Any] = {name: rested(getattr(motion, name)) for name in names}
+    later = motion.times[at + 1 :] + times[-1]
+    parts["times"] = np.concatenate((motion.times[: at + 1], motion.times[at] + times, later))
+    q, v = parts["q"][at + 1 : at + 3, 3], parts["v"][at + 1 : at + 3, 3]
+    q += 0.004
+    assert isinstance(judge(twin, replace(motion, **parts)), Certified)
+    v -= 0.021  # [m/s] 8 mm less a quarter of the way on, as much more after three
+    found = refusal(twin, replace(motion, **parts), Quantity.DISTANCE)
+    assert min(one.evidence.value for one in found if one.evidence) == pytest.approx(-0.0041, abs=5e-4)

@@ -2,8 +2,8 @@
 
 The sweep knows how deep a finger is in each single triangle. Many small ones let a finger through,
 since a little way aside parts it from each, so here the depth is that of the mesh's points in the
-finger: its vertices, and the middles of its triangles. It is looked at at many times, not between
-them, and the verdict says so; the sweep still sees what passes through large triangles.
+finger: its vertices, and the middles of its triangles. Between samples it is bounded by how far the
+finger moves against the handle; the sweep still sees what passes through large triangles.
 """
 
 from functools import lru_cache
@@ -16,39 +16,63 @@ from predicates.case import Evidence, Quantity
 from sdt_kg.iri import local_name
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
+from services.embodiment.certify.held.slip import DEEPEST
 from services.embodiment.certify.sweep import compiled
 from services.embodiment.certify.sweep.depth import faces
-from services.embodiment.certify.sweep.kinematics import Placed
+from services.embodiment.certify.sweep.kinematics import Of, Placed
+from services.embodiment.certify.sweep.pieces import Spans
 from services.embodiment.certify.sweep.subject import Subject
 
 Array = NDArray[np.float64]
-NOTE = "the handle is a mesh: how deep fingers are in it was looked at at each sample and halfway to the next"
+NOTE = "the handle is a mesh: how deep fingers are in it is that of its vertices and its triangles' middles"
+
+FINE = 5e-4
+"""[m] Precision of the largest depth that is told."""
 
 
 def pressed(checked: Subject, hold: Hold) -> Findings:
     """No point of a handle's mesh is deeper in a finger than the tolerance allows, while it is held."""
     findings, solids = Findings(), checked.scene.solids
     meshes = [int(k) for k in hold.bar if isinstance(solids[k].shape, coal.BVHModelBase)]
-    if not meshes:
-        return findings
-    findings.nearest.append(NOTE)
-    pieces = checked.timeline.pieces
-    times = np.sort(
-        np.concatenate((pieces.start, pieces.start + pieces.duration / 2, [checked.timeline.end]))
-    )
-    times = times[(times >= hold.arrived) & (times <= hold.clear_from())]
-    piece = np.clip(np.searchsorted(pieces.start, times, side="right") - 1, 0, len(pieces.start) - 1)
-    q, v, _ = pieces.at(piece, times - pieces.start[piece])
-    placed = checked.kinematics.place(q, v)
+    if meshes:
+        findings.nearest.append(NOTE)
     for mesh in meshes:
-        points, at = _points(solids[mesh].shape), checked.shapes.along(placed, mesh)
         for finger in map(int, hold.fingers):
-            found = depths(checked, placed, finger, at, points)
-            for n in {int(np.argmax(found > checked.tolerances.depth)), int(np.argmax(found))}:
-                if found[n] > checked.tolerances.depth:
-                    pair, depth, time = (finger, mesh), float(found[n]), float(times[n])
-                    findings.violations.append(_violation(checked, pair, depth, time))
+            findings.add(_in(checked, hold, finger, mesh))
     return findings
+
+
+def _in(checked: Subject, hold: Hold, finger: int, mesh: int) -> Findings:
+    """Where a finger is too deep in a mesh, first and worst; what is not shown to be less is refused."""
+    findings, most, worst = Findings(), checked.tolerances.depth, 0.0
+    timeline, points = checked.timeline, _points(checked.scene.solids[mesh].shape)
+    first = int(np.searchsorted(timeline.pieces.start, hold.arrived))
+    intervals, found = np.arange(first, hold.left), list[tuple[float, float]]()
+    for halving in range(DEEPEST + 1):
+        if not len(intervals):
+            break
+        spans = timeline.spans(timeline.depth + halving, intervals)
+        placed = checked.kinematics.place(spans.q, spans.v)
+        depth = depths(checked, placed, finger, checked.shapes.along(placed, mesh), points)
+        upper = depth + _moves(checked, spans, placed, finger, mesh)
+        if halving == DEEPEST:
+            depth = upper
+        worst = max(worst, float(depth.max()))
+        found += zip(spans.middle[depth > most].tolist(), depth[depth > most].tolist(), strict=True)
+        intervals = intervals[(upper > most) & ((depth <= most) | (upper > worst + FINE))]
+        intervals = np.concatenate((2 * intervals, 2 * intervals + 1))
+    if found:
+        for time, depth in {min(found), max(found, key=lambda each: each[1])}:
+            findings.violations.append(_violation(checked, (finger, mesh), depth, time))
+    return findings
+
+
+def _moves(checked: Subject, spans: Spans, placed: Placed, finger: int, mesh: int) -> Array:
+    """How far any point of a finger moves against a mesh, from the middles of intervals on, at most [m]."""
+    shapes, every = checked.shapes, np.arange(len(placed.origin))
+    centre, radius = shapes.centres(placed, every, np.full_like(every, finger)), shapes.radius[finger]
+    ball = Of(int(shapes.carrier[finger]), int(shapes.carrier[mesh]), centre, np.full(len(every), radius))
+    return checked.kinematics.bounds(spans, placed, ball)[0]
 
 
 @lru_cache(maxsize=64)
