@@ -10,7 +10,7 @@ import numpy as np
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import joint_iri
 from sdt_kg.load import load_twin
-from sdt_kg.motion import BodyMotion
+from sdt_kg.motion import Array, BodyMotion
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused, Tolerances, certify
 from services.physics.model import Scene
@@ -39,6 +39,22 @@ def closed(motion: BodyMotion, half_open: float) -> BodyMotion:
     q[:, column] = 0.04 - (0.04 - q[:, column]) * part
     v[:, column] *= part
     return replace(motion, q=q, v=v)
+
+
+def resting(motion: BodyMotion, at: int, times: Array) -> BodyMotion:
+    """The motion with a sample more so many seconds after one, each as that one is; the others come later."""
+    names = ("base", "base_v", "q", "v", "kitchen_q", "kitchen_v")
+    parts = {
+        name: np.insert(rows := getattr(motion, name), [at + 1] * len(times), rows[at], axis=0)
+        for name in names
+    }
+    later = motion.times[at] + times, motion.times[at + 1 :] + times[-1]
+    return replace(motion, times=np.concatenate((motion.times[: at + 1], *later)), **parts)
+
+
+def before_it_moves(motion: BodyMotion) -> int:
+    """The last sample at which the first joint of the kitchen has not moved yet."""
+    return int(np.argmax(motion.kitchen_q[:, 0] > 0)) - 1
 
 
 @cache

@@ -1,8 +1,6 @@
 """What is wholly inside a closed mesh touches none of its triangles, and is refused all the same."""
 
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,12 +9,11 @@ from numpy.typing import NDArray
 
 from predicates.case import Quantity
 from sdt_kg.load import load_twin
-from sdt_kg.motion import Array
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified
 from tests.services.embodiment.gantry import FOLDER, gantry_twin, opening
 from tests.services.embodiment.judging import judge, refusal
-from tests.services.embodiment.mutations import closed
+from tests.services.embodiment.mutations import before_it_moves, closed, resting
 
 pytestmark = pytest.mark.oracle
 
@@ -104,19 +101,10 @@ def test_fingers_in_a_handle_of_many_small_triangles_are_as_deep_as_in_a_solid_o
 
 def test_fingers_that_press_into_such_a_handle_between_samples_are_refused(tmp_path: Path) -> None:
     """Before the drawer moves: at four samples, and halfway, the fingers are open or touch."""
-    motion, times, twin = opening(), np.array([0.5, 4.5, 5.0]), meshed(tmp_path)
-    at = int(np.argmax(motion.kitchen_q[:, 0] > 0)) - 1
-
-    def rested(rows: Array) -> Array:
-        return np.insert(rows, [at + 1] * len(times), rows[at], axis=0)
-
-    names = ("base", "base_v", "q", "v", "kitchen_q", "kitchen_v")
-    parts: dict[str, Any] = {name: rested(getattr(motion, name)) for name in names}
-    later = motion.times[at + 1 :] + times[-1]
-    parts["times"] = np.concatenate((motion.times[: at + 1], motion.times[at] + times, later))
-    q, v = parts["q"][at + 1 : at + 3, 3], parts["v"][at + 1 : at + 3, 3]
-    q += 0.004
-    assert isinstance(judge(twin, replace(motion, **parts)), Certified)
-    v -= 0.021  # [m/s] 8 mm less a quarter of the way on, as much more after three
-    found = refusal(twin, replace(motion, **parts), Quantity.DISTANCE)
+    twin, at = meshed(tmp_path), before_it_moves(opening())
+    motion = resting(opening(), at, np.array([0.5, 4.5, 5.0]))
+    motion.q[at + 1 : at + 3, 3] += 0.004
+    assert isinstance(judge(twin, motion), Certified)
+    motion.v[at + 1 : at + 3, 3] -= 0.021  # [m/s] 8 mm less a quarter of the way on, as much more after three
+    found = refusal(twin, motion, Quantity.DISTANCE)
     assert min(one.evidence.value for one in found if one.evidence) == pytest.approx(-0.0041, abs=5e-4)

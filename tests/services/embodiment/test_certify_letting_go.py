@@ -11,7 +11,7 @@ from predicates.law import law
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import model_iri
 from sdt_kg.load import load_twin
-from sdt_kg.motion import Array, BodyMotion
+from sdt_kg.motion import BodyMotion
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified, Refused, certify, survey
@@ -21,6 +21,7 @@ from services.physics import carry
 from services.physics.oracle import Kinematics
 from tests.services.embodiment.gantry import FOLDER, LETTING_GO, RESTS, START, gantry_twin, opening
 from tests.services.embodiment.judging import judge, refusal
+from tests.services.embodiment.mutations import before_it_moves, resting
 from tests.small import FOLDER as SMALL
 
 pytestmark = pytest.mark.oracle
@@ -214,20 +215,10 @@ def test_a_finely_sampled_motion_is_dragged_from_the_same_moment_with_few_looks(
 def test_a_hand_that_rests_at_the_handle_for_long_is_looked_at_once(
     twin: Twin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    motion, more = letting_go(OPENED, AWAY), 3000
-    last = int(np.argmax(motion.kitchen_q[:, 0] > 0)) - 1  # the drawer has not moved yet, and all rests
-    assert not motion.v[last].any()
-
-    def rested(rows: Array) -> Array:
-        return np.insert(rows, [last + 1] * more, rows[last], axis=0)
-
-    rest = np.linspace(0.0, 30.0, more + 1)[1:]
-    times = np.concatenate(
-        (motion.times[: last + 1], motion.times[last] + rest, motion.times[last + 1 :] + 30.0)
-    )
-    parts = {name: rested(getattr(motion, name)) for name in ("base", "base_v", "q", "v")}
-    none = np.zeros((len(times), 0))
-    bare = replace(motion, times=times, kitchen_joints=(), kitchen_q=none, kitchen_v=none, phases=(), **parts)
+    motion, none = letting_go(OPENED, AWAY), {"kitchen_joints": (), "phases": ()}
+    still = resting(motion, before_it_moves(motion), np.linspace(0.0, 30.0, 3001)[1:])
+    empty = np.zeros((len(still.times), 0))
+    bare = replace(still, kitchen_q=empty, kitchen_v=empty, **none)
     looks, fit = [], carry.fitted_positions
 
     def counted(*about: object) -> object:
@@ -236,27 +227,19 @@ def test_a_hand_that_rests_at_the_handle_for_long_is_looked_at_once(
 
     monkeypatch.setattr(carry, "fitted_positions", counted)
     values = Kinematics().carried(twin, bare, twin.container("drawer_main")).values
-    np.testing.assert_allclose(values, rested(motion.kitchen_q), atol=1e-5)
-    assert sum(looks) < 50 * len(times)
+    np.testing.assert_allclose(values, still.kitchen_q, atol=1e-5)
+    assert sum(looks) < 50 * len(still.times)
 
 
 @pytest.mark.parametrize("begins", [True, False])
 def test_closed_fingers_do_not_slide_along_the_handle_between_samples(twin: Twin, begins: bool) -> None:
     """Before the drawer moves, or once it has stopped, four samples have the hand in its grasp."""
-    motion, times = opening(), np.array([2.0, 6.0, 8.0])
-    at = int(np.argmax(motion.kitchen_q[:, 0] > 0)) - 1 if begins else len(motion.times) - 1
-
-    def rested(rows: Array) -> Array:
-        return np.insert(rows, [at + 1] * len(times), rows[at], axis=0)
-
-    parts = {name: rested(getattr(motion, name)) for name in ("base", "q", "v", "kitchen_q", "kitchen_v")}
-    later = motion.times[at + 1 :] + times[-1]
-    parts["times"] = np.concatenate((motion.times[: at + 1], motion.times[at] + times, later))
-    still = replace(motion, base_v=rested(motion.base_v), **parts)
+    motion = opening()
+    at = before_it_moves(motion) if begins else len(motion.times) - 1
+    still = resting(motion, at, np.array([2.0, 6.0, 8.0]))
     assert isinstance(judge(twin, still), Certified)
-    swung = still.base_v.copy()
-    swung[at + 1 : at + 3, 1] = 0.06, -0.06  # [m/s] along the bar: 60 mm there and back
-    found = refusal(twin, replace(still, base_v=swung), Quantity.DISTANCE)
+    still.base_v[at + 1 : at + 3, 1] = 0.06, -0.06  # [m/s] along the bar: 60 mm there and back
+    found = refusal(twin, still, Quantity.DISTANCE)
     assert any("drawer_handle" in each.reason for each in found)
 
 
