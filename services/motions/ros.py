@@ -67,8 +67,7 @@ def read_bag(path: Path, twin: Twin, robot: Iri | None) -> Given:
             if v is not None:
                 speeds[name] = v
     arrays = {"times": times}
-    frame = next((each.header.frame_id for _, each in joints if BASE_JOINTS[0] in each.joint_names), "")
-    arrays |= _base(columns, speeds, poses, times, frame)
+    arrays |= _base(columns, speeds, poses, times, _frame(joints))
     return Given(arrays | _split(columns, speeds, twin, robot), lambda sample: f"point {sample}")
 
 
@@ -211,6 +210,15 @@ def _rates(speeds: dict[str, Array], names: list[str]) -> Array | None:
                 allowed="velocities of all of base, robot or kitchen, or of none of it",
             )
     return np.array([speeds[name] for name in names]).T if known else None
+
+
+def _frame(joints: list[tuple[str, Message]]) -> str:
+    """The one frame that trajectories of the base's joints name; none where they name none."""
+    named = {each.header.frame_id for _, each in joints if {*BASE_JOINTS} & {*each.joint_names}} - {""}
+    if len(named) > 1:
+        said = f"joints of the base are given in the frames {' and '.join(sorted(named))}"
+        raise MotionError(said, allowed="one frame for all of them")
+    return next(iter(named), "")
 
 
 def _base(

@@ -151,11 +151,15 @@ def bag(
         ]
         begins = kinds["Header"](kinds["Time"](later, 0), frame)
         messages.append(("/base", kinds["MultiDOFJointTrajectory"](begins, ["world_joint"], poses)))
-    if base == "joints of another":
-        rows = zip(TIMES, ARRAYS["base"], strict=True)
+    parts = {
+        "joints of another": [("/base", "odom", slice(3))],
+        "yaw of another": [("/at", frame, slice(2)), ("/base", "odom", slice(2, 3))],
+    }
+    for topic, name, which in parts.get(base, []):
+        rows = zip(TIMES, ARRAYS["base"][:, which], strict=True)
         at = [kinds["JointTrajectoryPoint"](row, none, none, none, since(t)) for t, row in rows]
-        odom = kinds["Header"](kinds["Time"](0, 0), "odom")
-        messages.append(("/base", kinds["JointTrajectory"](odom, ["base_x", "base_y", "base_yaw"], at)))
+        own = kinds["Header"](kinds["Time"](0, 0), name)
+        messages.append((topic, kinds["JointTrajectory"](own, ["base_x", "base_y", "base_yaw"][which], at)))
     messages = [(topic, messages[0][1] if other is None else other) for topic, other in others] + messages
     writer = rosbag2.Writer(folder / "bag", version=9, storage_plugin=rosbag2.StoragePlugin.MCAP)
     if compression is not None:
@@ -231,6 +235,8 @@ def test_a_bag_says_the_same(tmp_path: Path, base: str, speeds: dict[str, np.nda
         ),
         ({"frame": "odom"}, "bag: .* frame 'odom'; allowed: .*world"),
         ({"base": "joints of another"}, "bag: .* frame 'odom'; allowed: .*world"),
+        ({"base": "yaw of another"}, "base are given in the frames odom and world; allowed: one frame"),
+        ({"base": "yaw of another", "frame": ""}, "bag: .* frame 'odom'; allowed: .*world"),
         ({"others": [("/arm", empty_way("lift_joint"))]}, "message 2 of /arm is another than the first"),
         (
             {"others": [("/again", None)]},
