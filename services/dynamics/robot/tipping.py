@@ -5,6 +5,7 @@ n · (z - P) F_z >= 0 for the point z of its force, where z F_z = (-M_y, M_x) fo
 point below the base's origin. The moment that tips is minus that.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -12,7 +13,9 @@ import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 from scipy.spatial import ConvexHull, QhullError
 
-from sdt_kg.iri import local_name
+from sdt_kg.errors import InputError
+from sdt_kg.iri import Iri, local_name
+from sdt_kg.triples import Facts
 from sdt_kg.twin import Twin
 from services.dynamics.model import Array
 from services.dynamics.robot.balls import Vectors
@@ -48,11 +51,24 @@ def tipping(scene: Scene, twin: Twin) -> tuple[Callable[[Loads], Interval] | Non
     unknown, _ = unweighed(scene)
     if unknown:
         return None, f"since the model gives no mass of {', '.join(unknown[:4])}"
-    slack = max(facts.number(each, "contactWithin", 0.0) for each in bodies)
+    slack = max(_within(facts, each) for each in bodies)
     polygon = _polygon(scene, [local_name(each) for each in bodies], slack)
     if polygon is None:
         return None, "since the bodies of sdt:standsOn lie on a line"
     return lambda loads: tipped(loads, polygon), ""
+
+
+def _within(facts: Facts, body: Iri) -> float:
+    """How far a wheel's point of contact may be from its body's origin [m].
+
+    Raises:
+        InputError: It is less than nothing, which would widen what the wheels span.
+    """
+    found = facts.number(body, "contactWithin", 0.0)
+    if not 0 <= found < math.inf:
+        said = f"sdt:contactWithin of {local_name(body)} is {found:g} m"
+        raise InputError(said, allowed="0 or above, and finite")
+    return found
 
 
 def unweighed(scene: Scene) -> tuple[list[str], list[str]]:

@@ -225,3 +225,12 @@ def test_bundled_robots_say_where_their_wheels_touch_the_floor(name: str, points
     assert len(service.twin.entities.facts.iris(robot, "standsOn")) == points
     over, absent = tipping(Scene(service.twin, robot), service.twin)
     assert (over is None, bool(absent)) == (points == 0, points == 0)
+
+
+def test_a_wheel_that_touches_the_floor_less_than_nowhere_off_is_refused() -> None:
+    """A negative distance would widen what the wheels span."""
+    service = load("b", ["tiago_dual"]).with_forces()
+    robot = service.robot("tiago_dual")
+    twin = service.twin.with_edit(f"{robot}/body/caster_front_left_1_link", contactWithin=-0.2)
+    with pytest.raises(InputError, match=r"contactWithin of caster_front_left_1_link is -0\.2 m; allowed: 0"):
+        tipping(Scene(twin, robot), twin)
