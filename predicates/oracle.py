@@ -14,6 +14,9 @@ from sdt_kg.twin import Container, Twin
 LET_GO = "force that may move it when let go"
 """Name of a figure of Replayed: the container is not sure to stay where the motion ends."""
 
+RESTLESS = "containers that may move by themselves"
+"""Name of a figure of Replayed: so many that nobody holds are not sure to stay where the state has them."""
+
 
 @dataclass(frozen=True, slots=True)
 class Replayed:

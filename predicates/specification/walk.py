@@ -1,6 +1,6 @@
 """A sequence step by step: what each asks where the last one ended, and what all of them add up to."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 from predicates.case import Diagnosis, Kind, Outcome
@@ -22,12 +22,14 @@ class Taken:
         leg: What its motion does to the kitchen; None where it is not certified, so that nothing follows.
         final: The state in which the motion ends; None likewise.
         drifts: Whether the container may move when it is let go, so that `final` is not where it stays.
+        restless: Whether another, which nobody holds, may move meanwhile.
     """
 
     outcome: Outcome
     leg: Leg | None = None
     final: State | None = None
     drifts: bool = False
+    restless: bool = False
 
 
 class Walk:
@@ -50,6 +52,7 @@ class Walk:
         self.expected = 0
         self._outcomes: list[Outcome] = []
         self._adrift: Request | None = None
+        self._restless: Request | None = None
         self._undone: list[Diagnosis] = []
         self._unsure: list[Diagnosis] = []
 
@@ -89,8 +92,19 @@ class Walk:
             if self._stopped:
                 self.expected += len(steps) - number
                 break
-        if self.complete and self._adrift is not None and self.specification.rules:
-            self._unsure.append(_drifts(self._adrift, "nothing bounds what the rules are about from then on"))
+        if self.complete and self.specification.rules:
+            self._unsure += self._unbounded()
+
+    def _unbounded(self) -> Iterator[Diagnosis]:
+        """Why rules may be about what is not where the motions have it."""
+        if self._adrift is not None:
+            yield _drifts(self._adrift, "nothing bounds what the rules are about from then on")
+        if self._restless is not None:
+            reason = (
+                f"a container that nobody holds may move by itself in '{self._restless}', as its verdict "
+                "says, so that nothing bounds what the rules are about"
+            )
+            yield Diagnosis(Kind.OUT_OF_SCOPE, reason)
 
     def outcome(self, standings: Iterable[Standing]) -> Outcome:
         """What the steps, and the rules that stand so, add up to."""
@@ -117,6 +131,8 @@ class Walk:
         self.legs.append(taken.leg)
         self.twin = self.twin.at(taken.final)
         self._adrift = request if taken.drifts else None
+        if taken.restless and self._restless is None:
+            self._restless = request
 
     def _look_back(self, step: Step) -> None:
         """See what of a step for every container is undone at its end, by what moves together."""

@@ -56,16 +56,18 @@ class Dynamics:
             one = forced(own, container, values, off)
             found.append(one)
             pulled += _of_one_handle(one.diagnoses, container) if coupled(twin, container) else one.diagnoses
-        moving, told = unheld(model, twin, moved[0], mechanics[0])
-        violations, open_questions = _decided((*replayed.violations, *dict.fromkeys(pulled), *moving))
-        notes = (*(note for one in found for note in one.notes), *_at_each(moved), *told, *open_questions)
+        others = unheld(model, twin, moved[0], mechanics[0])
+        violations, open_questions = _decided(
+            (*replayed.violations, *dict.fromkeys(pulled), *others.diagnoses)
+        )
+        notes = (*(note for one in found for note in one.notes), *_at_each(moved), *others.notes)
         of_all = dict(figure for one in found for figure in one.figures.items())
         figures = of_all | max((one.figures for one in found), key=lambda each: each[AT_MOST])
         return replace(
             replayed,
             violations=violations,
-            notes=(*replayed.notes, *dict.fromkeys(notes)),
-            figures=figures,
+            notes=(*replayed.notes, *dict.fromkeys((*notes, *open_questions))),
+            figures=figures | others.figures,
         )
 
     def generate(self, twin: Twin, goal: Region) -> Iterator[Motion]:

@@ -1,8 +1,10 @@
 """Containers that a motion leaves alone: a verdict rests on their staying where the state has them."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from predicates.case import Diagnosis, Evidence, Quantity
+from predicates.oracle import RESTLESS
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri
 from sdt_kg.twin import Container, Twin
@@ -13,10 +15,23 @@ from services.dynamics.rest import at_rest
 from services.physics.tree import Model
 
 
-def unheld(
-    model: Model, twin: Twin, container: Container, mechanics: Mechanics
-) -> tuple[tuple[Diagnosis, ...], tuple[str, ...]]:
-    """Abstentions about those that hang on what moves or rest for no value, and notes about others in doubt.
+@dataclass(frozen=True, slots=True)
+class Unheld:
+    """What is found of them.
+
+    Attributes:
+        diagnoses: Abstentions about those that hang on what moves, or rest for no value.
+        notes: About others in doubt.
+        figures: How many of these may move, if any may.
+    """
+
+    diagnoses: tuple[Diagnosis, ...]
+    notes: tuple[str, ...]
+    figures: dict[str, tuple[float, str]]
+
+
+def unheld(model: Model, twin: Twin, container: Container, mechanics: Mechanics) -> Unheld:
+    """What is to be said of all containers but one, and those that move with it.
 
     Args:
         model: Built from the twin's environment.
@@ -43,7 +58,8 @@ def unheld(
             diagnoses.append(left_open(its, what, pull(its, rest)))
         elif not rest.stays:
             doubtful.append(each.name)
-    return tuple(diagnoses), tuple(_notes(doubtful, unknown))
+    figures = {RESTLESS: (float(len(doubtful)), "1")} if doubtful else {}
+    return Unheld(tuple(diagnoses), tuple(_notes(doubtful, unknown)), figures)
 
 
 def _alone(twin: Twin, container: Container) -> Iterator[Container]:

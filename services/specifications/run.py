@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Verdict
-from predicates.oracle import LET_GO
+from predicates.oracle import LET_GO, RESTLESS
 from predicates.specification.leg import Leg
 from predicates.specification.model import KeepsDistance, Rule, Specification
 from predicates.specification.quality import better, measured, total
@@ -96,7 +96,8 @@ class _Run:
         self._answers = best.answers
         final, caused = best.verdict.case.final, best.verdict.causes
         assert isinstance(final, State), "what is certified has a final state"
-        return Taken(best.verdict.outcome, best.leg, final, caused is not None and LET_GO in caused.figures)
+        figures = {} if caused is None else caused.figures
+        return Taken(best.verdict.outcome, best.leg, final, LET_GO in figures, RESTLESS in figures)
 
     def _tried(self, request: Request, seed: int) -> "_Try":
         verdict = self._judged(request, seed)

@@ -9,7 +9,7 @@ from functools import cache
 from importlib.metadata import version
 
 KINEMATICS_VERSION = "17"
-DYNAMICS_VERSION = "6"
+DYNAMICS_VERSION = "7"
 EMBODIMENT_VERSION = "31"
 BEARING_VERSION = "5"
 """Each is raised whenever an answer of that oracle may change."""

@@ -1,13 +1,13 @@
 """A task's result against its steps' verdicts: where each begins, the rules, the outcome, J."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from hashlib import sha256
 from itertools import zip_longest
 
 from predicates.case import Answer, Artefact, Case, Outcome
 from predicates.causes import causes
-from predicates.oracle import LET_GO, Physics
+from predicates.oracle import LET_GO, RESTLESS, Physics
 from predicates.questions import unhurried, with_carried
 from predicates.record.inputs import NOT_HASHED, UNKNOWN_INPUT, goal_of, input_hash, state_hash, task_text
 from predicates.record.stored import StoredVerdict
@@ -157,8 +157,9 @@ class _Again:
             return Taken(verdict.outcome)
         certificate = read_certificate(artefact.content)
         self._taken.append((twin, certificate))
-        final, drifts = _ends(request, twin, certificate, self.physics)
-        return Taken(verdict.outcome, Leg.of(number, twin, certificate.motion), final, drifts)
+        final, figures = _ends(request, twin, certificate, self.physics)
+        leg = Leg.of(number, twin, certificate.motion)
+        return Taken(verdict.outcome, leg, final, LET_GO in figures, RESTLESS in figures)
 
     def _is_of_other(
         self,
@@ -237,13 +238,15 @@ def _is_other(step: StoredStep, request: Request) -> Iterator[str]:
         yield f"the specification asks '{request}' here"
 
 
-def _ends(request: Request, twin: Twin, certificate: Certificate, physics: Physics) -> tuple[State, bool]:
-    """The state in which a certified motion ends, by Φ, and whether the container may move on then."""
+def _ends(
+    request: Request, twin: Twin, certificate: Certificate, physics: Physics
+) -> tuple[State, Mapping[str, tuple[float, str]]]:
+    """The state in which a certified motion ends, by Φ, and the figures of Causes."""
     case = Case(twin, certificate.robot, body_motion=certificate.motion)
     carried = with_carried(case, certificate.motion, request.container, physics)
     caused = next(causes(unhurried(carried), physics))
     assert isinstance(caused.case.final, State), "what was certified has a final state"
-    return caused.case.final, LET_GO in caused.figures
+    return caused.case.final, caused.figures
 
 
 def _rules_differ(stored: StoredResult, answers: Sequence[RuleAnswer]) -> Iterator[str]:

@@ -10,7 +10,7 @@ from services.app import Policy, Service
 from services.dynamics.oracle import Dynamics
 from services.dynamics.robot.bearing import Bearing
 from services.specifications import TaskResult, achieve_task
-from tests.services.dynamics.forced import RUNNERS, edited, forced_twin
+from tests.services.dynamics.forced import HINGE, RUNNERS, edited, forced_twin
 from tests.small.lift import Lift
 
 HEAD = "@prefix law: <https://example.org/law#> . @prefix t: <https://example.org/id/t/> ."
@@ -59,6 +59,19 @@ def test_rules_are_not_bounded_once_a_door_is_let_go_that_falls(
 ) -> None:
     keeps = 'law:containerName "oven_door" ; law:limitPosition 1.4'
     assert run(forced_twin(("pr2",)), of, keeps=keeps).outcome is outcome
+
+
+def test_rules_are_not_bounded_while_a_door_that_nobody_holds_may_fall() -> None:
+    twin = edited(HINGE, forced_twin(("pr2",)), breakAwayFriction=(2.0, 60.0))
+    ajar = twin.at({twin.container("oven_door").joint: 1.2})
+    keeps = 'law:containerName "oven_door" ; law:limitPosition 1.25'
+    found = run(ajar, DRAWER, keeps=keeps)
+    assert (found.outcome, found.steps[0].verdict.outcome) == (Outcome.ABSTAINED, Outcome.CERTIFIED)
+    (diagnosis,) = found.diagnoses
+    assert (diagnosis.kind, diagnosis.proof) == (Kind.OUT_OF_SCOPE, False)
+    assert "that nobody holds may move by itself in 'open top_drawer'" in diagnosis.reason
+    assert run(ajar, DRAWER).outcome is Outcome.CERTIFIED, "it is taken to stay, and the verdict says so"
+    assert run(twin, DRAWER, keeps=keeps).outcome is Outcome.CERTIFIED, "closed, it stays"
 
 
 def test_a_step_to_a_position_abstains_where_the_law_does() -> None:
