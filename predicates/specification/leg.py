@@ -8,7 +8,7 @@ import numpy as np
 
 from predicates.specification.cubic import Array, Cubic
 from sdt_kg.history.events import claims, own_positions
-from sdt_kg.history.trajectory import HELD_FROM, Grasp, Trajectory
+from sdt_kg.history.trajectory import Grasp, Trajectory, held_from
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion
 from sdt_kg.state import State
@@ -42,10 +42,10 @@ class Leg:
         """The leg of a body motion that says how the kitchen's joints move."""
         spline = Cubic(motion.times, motion.kitchen_q, motion.kitchen_v)
         times = _with_crossings(twin, motion.kitchen_joints, spline)
-        held, grasp = dict(motion.phases).get(HELD_FROM), None
-        if held is not None:
-            grasp = Grasp(motion.robot, int(np.searchsorted(times, float(motion.times[held]))))
-        return Leg(number, twin, motion, Trajectory(motion.kitchen_joints, times, spline.at(times), grasp))
+        held = [int(np.searchsorted(times, float(motion.times[sample]))) for sample in held_from(motion)]
+        grasp = Grasp(motion.robot, held[0]) if held else None
+        trajectory = Trajectory(motion.kitchen_joints, times, spline.at(times), grasp, tuple(held[1:]))
+        return Leg(number, twin, motion, trajectory)
 
     def positions(self, container: Container) -> Array:
         """The container's own joint at each sample of the trajectory, shape (T,) [rad or m]."""

@@ -126,7 +126,8 @@ def _grasps(twin: Twin, trajectory: Trajectory) -> Iterator[Event]:
     grasp = trajectory.grasp
     if grasp is None:
         return
-    time = float(trajectory.times[grasp.sample])
     for container in twin.containers():
         if container.joint in trajectory.joints or container.active_joint in trajectory.joints:
-            yield Event(EventType.GRASPED, container.handle, grasp.sample, time, grasp.robot)
+            for sample in (grasp.sample, *trajectory.again):
+                time = float(trajectory.times[sample])
+                yield Event(EventType.GRASPED, container.handle, sample, time, grasp.robot)

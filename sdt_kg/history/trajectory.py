@@ -25,7 +25,7 @@ POSITION_SLACK: Final = 1e-4
 """[rad or m] How far beyond a limit a sample may lie, by rounding; it then counts as at the limit."""
 
 HELD_FROM: Final = "follow"
-"""Phase of a BodyMotion from whose first sample on the handle is held."""
+"""Phase of a BodyMotion from whose first sample on the handle is held; in `follow 2` it is held anew."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +34,16 @@ class Grasp:
 
     robot: Iri
     sample: int
+
+
+def held_from(motion: BodyMotion) -> tuple[int, ...]:
+    """First samples of the phases in which the handle is held, in order."""
+    told = ((*name.partition(" "), sample) for name, sample in motion.phases)
+    return tuple(
+        sample
+        for name, apart, number, sample in told
+        if name == HELD_FROM and (not apart or number.isdecimal())
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,12 +55,14 @@ class Trajectory:
         times: Shape (T,), increasing [s].
         positions: Shape (T, m) [rad or m].
         grasp: Who held the handle, and from when; None where no robot is known.
+        again: Samples at which that robot took it anew, having let go.
     """
 
     joints: tuple[Iri, ...]
     times: Array
     positions: Array
     grasp: Grasp | None = None
+    again: tuple[int, ...] = ()
 
     @staticmethod
     def of(motion: Motion | BodyMotion) -> "Trajectory":
@@ -61,9 +73,9 @@ class Trajectory:
                 that are no motion.
         """
         if isinstance(motion, BodyMotion):
-            held = dict(motion.phases).get(HELD_FROM)
-            grasp = None if held is None else Grasp(motion.robot, held)
-            made = Trajectory(motion.kitchen_joints, motion.times, motion.kitchen_q, grasp)
+            held = held_from(motion)
+            grasp = Grasp(motion.robot, held[0]) if held else None
+            made = Trajectory(motion.kitchen_joints, motion.times, motion.kitchen_q, grasp, held[1:])
         elif motion.is_poses:
             raise MotionError(
                 "a path of poses has no articulation values",
@@ -98,7 +110,8 @@ class Trajectory:
 
     def _content(self) -> bytes:
         """What is hashed: an archive's bytes would depend on the library's version."""
-        head = "\n".join((*self.joints, repr(self.grasp), repr(self.positions.shape)))
+        again = (repr(self.again),) if self.again else ()
+        head = "\n".join((*self.joints, repr(self.grasp), *again, repr(self.positions.shape)))
         arrays = (self.times.astype("<f8").tobytes(), self.positions.astype("<f8").tobytes())
         return b"\n".join((head.encode(), *arrays))
 
@@ -141,6 +154,7 @@ class Trajectory:
             positions=self.positions,
             robot=np.array(robot, dtype=np.str_),
             held_from=np.array(sample, dtype=np.int64),
+            held_again=np.array(self.again, dtype=np.int64),
         )
         return out.getvalue()
 
@@ -155,11 +169,12 @@ class Trajectory:
             with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
                 joints: Sequence[str] = arrays["joints"].tolist()
                 robot, held = str(arrays["robot"]), int(arrays["held_from"])
+                again = tuple(map(int, arrays["held_again"])) if "held_again" in arrays else ()
                 times, positions = (np.asarray(arrays[name], np.float64) for name in ("times", "positions"))
         except (ValueError, KeyError, OSError, EOFError, TypeError, zipfile.BadZipFile) as error:
             raise MotionError(f"no archive of a trajectory: {error}") from None
         grasp = Grasp(robot, held) if robot else None
-        return Trajectory(tuple(joints), times, positions, grasp)._checked()
+        return Trajectory(tuple(joints), times, positions, grasp, again)._checked()
 
 
 def _rounded(joint: Joint | None, value: float) -> float:

@@ -19,6 +19,7 @@ from predicates.specification.model import (
 )
 from predicates.specification.queries import InGraph
 from predicates.specification.rules import Approach, RuleAnswer, Standing, checked, first_broken
+from sdt_kg.history.trajectory import Grasp, Trajectory
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion
 from tests.small import small_twin
@@ -195,6 +196,28 @@ def test_what_begins_between_the_same_two_samples_is_told_in_its_order() -> None
         assert ask(query(earlier.format(first.iri, then.iri), over=Scope.EVENTS), BOTH).standing is standing
     assert ask(OpensBefore(LOW, HIGH), BOTH).standing is Standing.KEPT
     assert ask(OpensBefore(HIGH, LOW), BOTH).standing is Standing.BROKEN
+
+
+def test_a_handle_that_is_let_go_and_taken_anew_is_grasped_twice() -> None:
+    times, still, none = np.arange(4.0), np.zeros((4, 3)), np.zeros((4, 0))
+    q = np.array([[0.0], [0.2], [0.2], [0.46]])
+    robot, phases = (
+        "https://example.org/id/r",
+        (("follow", 0), ("let go", 1), ("follow 2", 2), ("follow on", 3)),
+    )
+    motion = BodyMotion(robot, "", (), times, still, none, none, still, (LOW.joint,), q, 0 * q, phases=phases)
+    twice = Leg.of(1, TWIN, motion)
+    sure = (twice.trajectory.times[0], *twice.trajectory.times[[*twice.trajectory.again]])
+    assert sure == (0.0, 2.0), "the last phase is only called nearly so"
+    again = "ASK { ?one a sdt:Grasped . ?other a sdt:Grasped FILTER (?one != ?other) }"
+    found = ask(query(again, over=Scope.EVENTS), twice)
+    assert (found.standing, found.time) == (Standing.BROKEN, 2.0)
+    back = Trajectory.from_bytes(twice.trajectory.to_bytes())
+    assert (back.grasp, back.again, back.iri) == (
+        Grasp(robot, 0),
+        twice.trajectory.again,
+        twice.trajectory.iri,
+    )
 
 
 def test_what_begins_at_once_is_in_no_order() -> None:
