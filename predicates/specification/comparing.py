@@ -74,30 +74,43 @@ def numbers_in(sparql: str) -> list[float]:
 
 def predicates_in(sparql: str) -> frozenset[Iri] | None:
     """Predicates of all its triple patterns; None where one is a variable or a path, or if in doubt."""
+    found = _patterns(sparql)
+    named = None if found is None else [predicate for _, predicate, _ in found]
+    if named is None or not all(isinstance(each, rdflib.URIRef) for each in named):
+        return None
+    return frozenset(map(str, named))
+
+
+def only_asks_for(sparql: str, kinds: frozenset[Iri]) -> bool:
+    """Whether all that its triple patterns are about is of one of these classes; no if in doubt."""
+    found = _patterns(sparql)
+    if found is None or predicates_in(sparql) is None:
+        return False
+    typed = {subject for subject, name, kind in found if name == rdflib.RDF.type and str(kind) in kinds}
+    return all(subject in typed for subject, _, _ in found)
+
+
+def _patterns(sparql: str) -> list[tuple[object, object, object]] | None:
+    """All triple patterns; None if in doubt."""
     try:
         algebra: Any = prepareQuery(sparql, initNs=PREFIXES).algebra  # rdflib does not type it
     except ParseBaseException:  # what two parsers do not agree on
         return None
-    found: set[Iri] = set()
-    for predicate in _predicates(algebra):
-        if not isinstance(predicate, rdflib.URIRef):
-            return None
-        found.add(str(predicate))
-    return frozenset(found)
+    return _triples(algebra)
 
 
-def _predicates(part: Any) -> list[object]:  # noqa: ANN401 - a tree of rdflib's own kinds
-    """Predicates of the triple patterns anywhere in a part of an algebra."""
-    found: list[object] = []
+def _triples(part: Any) -> list[tuple[object, object, object]]:  # noqa: ANN401 - a tree of rdflib's own kinds
+    """The triple patterns anywhere in a part of an algebra."""
+    found: list[tuple[object, object, object]] = []
     parts: Any = part
     if isinstance(part, dict):  # an algebra's node, whose own get() answers for what it lacks
         if "triples" in part:
             for triples in parts["triples"]:  # each one triple, or several in a row
-                found += triples[1::3]
+                found += zip(triples[::3], triples[1::3], triples[2::3], strict=True)
         parts = list(parts.values())
     if isinstance(parts, list | tuple):
         for each in cast("list[Any]", parts):
-            found += _predicates(each)
+            found += _triples(each)
     return found
 
 

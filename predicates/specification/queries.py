@@ -15,12 +15,12 @@ import numpy as np
 import pyoxigraph as ox
 
 from predicates.case import Diagnosis, Evidence, Kind, Quantity
-from predicates.specification.comparing import numbers_in, only_compares, predicates_in
+from predicates.specification.comparing import numbers_in, only_asks_for, only_compares, predicates_in
 from predicates.specification.cubic import Array
 from predicates.specification.leg import Leg
 from predicates.specification.model import Demand, QueryRule, Scope
 from predicates.specification.rules import RuleAnswer, Standing, text
-from sdt_kg.history.events import events_along
+from sdt_kg.history.events import EventType, events_along
 from sdt_kg.history.records import event_triples, first_triples
 from sdt_kg.history.trajectory import Trajectory
 from sdt_kg.iri import ID, PREFIXES, SDT, Iri
@@ -32,6 +32,7 @@ RUN: Final = ID + "task-run"
 
 EXACT: Final = "in every gap between the numbers that the query can compare with, and at each"
 SAMPLED: Final = "at samples and extrema of the spline"
+NO_GRASPS: Final = frozenset(SDT + each.value for each in EventType if each is not EventType.GRASPED)
 BY_EVENTS: Final = "after every event, and before the first"
 
 Asked = tuple[float, Twin]
@@ -123,8 +124,9 @@ def _over_events(rule: QueryRule, legs: Sequence[Leg]) -> RuleAnswer:
     merged.extend(ox.Quad(each.subject, each.predicate, each.object) for each in store)
     opened = [each.iri for each in legs[0].twin.containers() if _is_open_at_first(legs[0], each.iri)]
     _say(merged, first_triples(RUN, opened))
-    exact = _knows_no_clock(rule.sparql)
-    how = BY_EVENTS if exact else f"{BY_EVENTS}, their times to within a sample"
+    sure = only_asks_for(rule.sparql, NO_GRASPS) or not any(map(_grasps_unknown, legs))
+    clock = not _knows_no_clock(rule.sparql)
+    exact, how = sure and not clock, f"{BY_EVENTS}, their times to within a sample" if clock else BY_EVENTS
     wrong = rule.demand is Demand.NEVER
     last, before, number = legs[-1], 0, 0
     if rule.demand is not Demand.AT_THE_END and _ask(merged, rule.sparql) is wrong:
@@ -144,7 +146,10 @@ def _over_events(rule: QueryRule, legs: Sequence[Leg]) -> RuleAnswer:
         return _reached(rule, last, yes=False)
     if exact:
         return RuleAnswer(text(rule), Standing.KEPT, how)
-    reason = f"'{text(rule)}' is not broken, but asks when, and times of events are those of samples"
+    why = "asks when, and times of events are those of samples"
+    if not sure:
+        why = "may ask when which handle is grasped, and that is not told of all motions"
+    reason = f"'{text(rule)}' is not broken, but {why}"
     return RuleAnswer(text(rule), Standing.UNBOUNDED, how, Diagnosis(Kind.SEMANTIC, reason))
 
 
@@ -154,6 +159,14 @@ def _knows_no_clock(sparql: str) -> bool:
     if named is None or named & {SDT + "time", SDT + "sample"}:
         return False
     return SDT + "step" not in named or (only_compares(sparql) and not numbers_in(sparql))
+
+
+def _grasps_unknown(leg: Leg) -> bool:
+    """Whether it is not told when a handle is held, or which of several that move together."""
+    joints, every = leg.trajectory.joints, leg.twin.containers()
+    active = {each.active_joint for each in every if each.joint in joints or each.active_joint in joints}
+    handles = sum(1 + len(each.more_handles) for each in every if each.active_joint in active)
+    return leg.trajectory.grasp is None or handles > 1
 
 
 def _is_open_at_first(leg: Leg, container: Iri) -> bool:

@@ -1,6 +1,7 @@
 """Rules along a motion that a person can follow: one joint of the small kitchen, two samples, a bump."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from predicates.specification.queries import InGraph
 from predicates.specification.rules import Approach, RuleAnswer, Standing, checked, first_broken
 from sdt_kg.history.trajectory import Grasp, Trajectory
 from sdt_kg.iri import Iri
+from sdt_kg.load import load_twin
 from sdt_kg.motion import BodyMotion
 from tests.small import small_twin
 
@@ -218,6 +220,35 @@ def test_a_handle_that_is_let_go_and_taken_anew_is_grasped_twice() -> None:
         twice.trajectory.again,
         twice.trajectory.iri,
     )
+
+
+def test_which_of_several_handles_is_grasped_is_not_told() -> None:
+    """Of two drawers that move together either may be held."""
+    pair = load_twin(Path(__file__).parents[2] / "services" / "dynamics" / "pair.urdf")
+    lower, upper = (pair.container(f"{name}_drawer") for name in ("lower", "upper"))
+    both = held(leg(1, {upper.joint: ([0.0, upper.upper], [0.0, 0.0])}, pair))
+    for asked, standing in (
+        (f"a sdt:Grasped ; sdt:about <{lower.handle}>", Standing.BROKEN),
+        (f"a sdt:Grasped ; sdt:about <{pair.container('left_leaf').handle}>", Standing.UNBOUNDED),
+        (f"sdt:about <{pair.container('left_leaf').handle}>", Standing.UNBOUNDED),
+        (f"a sdt:Opened ; sdt:about <{upper.iri}>", Standing.BROKEN),
+        (f"a sdt:Closed ; sdt:about <{upper.iri}>", Standing.KEPT),
+    ):
+        rule = query(f"ASK {{ ?e {asked} }}", over=Scope.EVENTS)
+        found = checked(rule, [both], Far(Approach(keeps=True)), InGraph(pair))
+        assert found.standing is standing, asked
+
+
+def test_a_motion_that_does_not_tell_when_it_holds_is_not_said_to_hold_nothing() -> None:
+    other = query(f"ASK {{ ?e a sdt:Grasped ; sdt:about <{HIGH.handle}> }}", over=Scope.EVENTS)
+    assert ask(other, OPENS).standing is Standing.UNBOUNDED
+    assert ask(other, held(OPENS)).standing is Standing.KEPT
+
+
+def held(leg: Leg) -> Leg:
+    """The leg, whose handle is held from the first sample on."""
+    motion = replace(leg.motion, robot="https://example.org/id/r", phases=(("follow", 0),))
+    return Leg.of(leg.number, leg.twin, motion)
 
 
 def test_what_begins_at_once_is_in_no_order() -> None:
