@@ -1,10 +1,14 @@
 """What decides CanPerform beyond twin, robot and task."""
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
+from sdt_kg.iri import Iri
+
+if TYPE_CHECKING:
+    from sdt_kg.twin import Twin
 
 DEFAULT_BUDGET: Final = 20.0
 """[s] How long CanPerform searches for one container before it gives up."""
@@ -60,3 +64,7 @@ class Policy:
             from services.motions.units import check_start  # noqa: PLC0415 - seldom given
 
             check_start(self.base)
+
+    def drive_of(self, twin: "Twin", robot: Iri) -> Drive:
+        """How the base of a robot moves: as is said here, or as its own does."""
+        return self.drive or twin.robot(robot).drive

@@ -8,15 +8,13 @@ import pyoxigraph as ox
 
 from predicates.learn.articulation import Learned
 from predicates.learn.coupled import Coupled
-from predicates.learn.frames import with_joint
+from predicates.learn.frames import rejoined
 from predicates.learn.record import Key, track_hash
 from predicates.learn.track import Array
-from sdt_kg.entities import Replacement
 from sdt_kg.errors import InputError
 from sdt_kg.iri import LAW, PROV, RDF, RDFS, Iri, local_name
 from sdt_kg.mechanism import LEARNED, Joint, JointType, Mimic
 from sdt_kg.store import Triple
-from sdt_kg.triples.from_mechanism import mechanism_triples
 from sdt_kg.twin import Container, Twin
 
 PLAY = 0.02
@@ -79,10 +77,7 @@ def follow(twin: Twin, leader: Container, container: Container, found: Coupled) 
     times = f"times {found.multiplier:.4g} ± {found.multiplier_deviation:.2g} (standard deviation)"
     note = f"{LEARNED} of each: it follows {leader.name}, {times}"
     after = replace(joint, mimic=mimic, notes=(*joint.notes, note))
-    edited = with_joint(kitchen, after, np.eye(4))
-    old, new = (frozenset(mechanism_triples(each, "Environment")) for each in (kitchen, edited))
-    edit = f"learned: joint '{joint.name}' follows '{mimic.joint}'"
-    changed = twin.rewritten(Replacement(twin.environment, old - new, new - old, edit))
+    changed = rejoined(twin, after, np.eye(4), f"learned: joint '{joint.name}' follows '{mimic.joint}'")
     assumptions = (
         f"{leader.name} leads: that two joints move together does not show which drives the other",
         f"at the begin both are where the twin has them, {play:+.4f} beside the fitted line",

@@ -7,8 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from predicates.learn.track import Array
+from sdt_kg.entities import Replacement
 from sdt_kg.iri import Iri, joint_iri
 from sdt_kg.mechanism import Body, Joint, JointType, Mechanism, Pose
+from sdt_kg.triples.from_mechanism import mechanism_triples
+from sdt_kg.twin import Twin
 
 SAME = 1e-12
 """[m, 1] Entries of a transform that differ by less from the identity's are the identity's."""
@@ -81,6 +84,14 @@ def with_joint(mechanism: Mechanism, joint: Joint, child_T_old: Array) -> Mechan
         for each in mechanism.bodies
     )
     return replace(mechanism, joints=tuple(joints), bodies=tuple(bodies))
+
+
+def rejoined(twin: Twin, joint: Joint, child_T_old: Array, words: str) -> Twin:
+    """The twin with that joint of its kitchen replaced as by `with_joint`; the edit, in words."""
+    kitchen = twin.mechanism(twin.environment)
+    edited = with_joint(kitchen, joint, child_T_old)
+    old, new = (frozenset(mechanism_triples(each, "Environment")) for each in (kitchen, edited))
+    return twin.rewritten(Replacement(twin.environment, old - new, new - old, words))
 
 
 def _moved(body: Body, child_T_old: Array) -> Body:

@@ -4,12 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from predicates.learn.frames import with_joint
+from predicates.learn.frames import rejoined
 from predicates.learn.phases import Latch, PushToOpen
-from sdt_kg.entities import Replacement
 from sdt_kg.iri import local_name
 from sdt_kg.mechanism import LEARNED
-from sdt_kg.triples.from_mechanism import mechanism_triples
 from sdt_kg.twin import Container, Twin
 
 UNJUDGED = "no verdict counts with it: D_artic has no forces, D_artic_dyn those of force data (--forces)"
@@ -20,10 +18,7 @@ def held(twin: Twin, container: Container, phase: Latch | PushToOpen) -> Twin:
     kitchen = twin.mechanism(twin.environment)
     joint = kitchen.joint(local_name(container.joint))
     after = replace(joint, notes=(*joint.notes, f"{LEARNED} to be held by {_what(phase)}; {UNJUDGED}"))
-    edited = with_joint(kitchen, after, np.eye(4))
-    old, new = (frozenset(mechanism_triples(each, "Environment")) for each in (kitchen, edited))
-    edit = f"learned: what holds {container.name}"
-    return twin.rewritten(Replacement(twin.environment, old - new, new - old, edit))
+    return rejoined(twin, after, np.eye(4), f"learned: what holds {container.name}")
 
 
 def _what(phase: Latch | PushToOpen) -> str:

@@ -10,13 +10,11 @@ import numpy as np
 
 from predicates.learn.articulation import Articulation
 from predicates.learn.fitting.vectors import cross
-from predicates.learn.frames import motion_of, pose_of, with_joint, world_T_of
+from predicates.learn.frames import motion_of, pose_of, rejoined, world_T_of
 from predicates.learn.track import Array
-from sdt_kg.entities import Replacement
 from sdt_kg.errors import InputError
 from sdt_kg.iri import joint_iri, local_name
 from sdt_kg.mechanism import LEARNED, Joint, JointType, Limits, Mechanism
-from sdt_kg.triples.from_mechanism import mechanism_triples
 from sdt_kg.twin import Container, Twin
 
 UNSURE = 3.0
@@ -85,10 +83,8 @@ def propose(
     # the frame at the present position, moved back by it, is the frame at 0
     after = replace(after, origin=pose_of(frame @ np.linalg.inv(motion_of(after, now))))
     child_T_old: Array = np.asarray(np.linalg.inv(frame) @ parent_T_child, dtype=np.float64)
-    edited = with_joint(kitchen, after, child_T_old)
-    old, new = (frozenset(mechanism_triples(each, "Environment")) for each in (kitchen, edited))
-    note = f"learned: joint '{joint.name}' of {container.name} is {after.type.value}"
-    changed = twin.rewritten(Replacement(twin.environment, old - new, new - old, note))
+    words = f"learned: joint '{joint.name}' of {container.name} is {after.type.value}"
+    changed = rejoined(twin, after, child_T_old, words)
     return Proposal(container, joint, after, learned, seen, changed, tuple(assumptions))
 
 

@@ -19,7 +19,7 @@ from sdt_kg.errors import InputError, OracleRejectedError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion
 from sdt_kg.twin import Container, Twin
-from services.app import Policy, Service
+from services.app import Service
 from services.codesign.touched import Touched
 from services.embodiment.certify.check import Certified, certify
 from services.embodiment.oracle import WholeBody
@@ -118,8 +118,3 @@ def narrowed(scene: Scene, touched: Touched, container: Container) -> tuple[Scen
         other.self_pairs = scene.self_pairs[:0]
         other.environment_pairs = scene.environment_pairs[np.array(kept)[scene.environment_pairs[:, 1]]]
     return other, Swept(len(other.self_pairs) + len(other.environment_pairs), of)
-
-
-def drive_of(policy: Policy, twin: Twin, robot: Iri) -> Drive:
-    """How the base moves under a policy."""
-    return policy.drive or twin.robot(robot).drive

@@ -6,7 +6,7 @@ from predicates.case import Case
 from sdt_kg.entities.container import Container
 from sdt_kg.iri import Iri, body_iri
 from sdt_kg.twin import Twin
-from services.codesign.again import FREEDOM, drive_of, whole_body
+from services.codesign.again import FREEDOM, whole_body
 from services.codesign.entries import How
 from services.codesign.touched import Touched
 from services.embodiment.setting import container_of
@@ -36,7 +36,7 @@ def reusable(before: World, after: World, case: Case, found: Touched) -> How | N
     if not held or not _new(one.twin, other.twin) >= found.bodies or _gone(one.twin, other.twin):
         return None
     robot = before.robot_iri
-    drives = [FREEDOM.index(drive_of(each.policy, each.twin, robot)) for each in (one, other)]
+    drives = [FREEDOM.index(each.policy.drive_of(each.twin, robot)) for each in (one, other)]
     grippers = [set(each.twin.robot(robot).grippers) for each in (one, other)]
     if drives[1] > drives[0] or not grippers[1] <= grippers[0] or not _start_alike(before, after, case):
         return None

@@ -94,7 +94,7 @@ class WholeBody:
         self.drive, self.start, self.budget, self.seed = drive, start, budget, seed
         self.any_start, self.margins, self.coupled = any_start, Margins(), coupled
         self.regrasps = regrasps
-        self.tolerances = Tolerances() if contact is None else replace(Tolerances(), contact=contact)
+        self.tolerances = Tolerances.within(contact)
         self._physics = Kinematics()
         self._compiled, self._worlds = False, Worlds(self.margins)
 

@@ -11,16 +11,13 @@ from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri
 from sdt_kg.motion import BodyMotion, Motion, check_body_motion
 from sdt_kg.twin import Twin
-from services.bus.oracles.agrees import Demand
+from services.bus.oracles.agrees import SAME, Demand
 from services.bus.oracles.codec import Plain, answer_value, replayed_value
 from services.embodiment.certify.certificate import Certificate, models_of, read_certificate
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.written import read_proof
 from services.embodiment.recheck.claim import figures_differ
 from services.policy import Policy
-
-SAME = 1e-9
-"""[rad, m or s] By which two who compute it differ."""
 
 ARRAYS = ("times", "base", "base_v", "q", "v", "kitchen_q", "kitchen_v")
 

@@ -12,7 +12,6 @@ from predicates.oracle import Embodiment, Physics
 from sdt_kg.errors import GraphError, InputError, SdtError
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.twin import Twin
-from services.app import Forces, whole_body
 from services.bus.keys import Oracle
 from services.bus.oracles.codec import (
     Plain,
@@ -25,6 +24,7 @@ from services.bus.oracles.codec import (
     replayed_plain,
     twin_key,
 )
+from services.bus.oracles.own import own_embodiment, own_physics
 from services.judging.codec import CBOR, from_cbor, to_cbor
 from services.judging.jobs import Done, Handler, Task
 from services.judging.problems import Problem, ProblemType, problem, problem_of
@@ -128,10 +128,9 @@ class Causing:
     """Φ in a worker's process."""
 
     def __init__(self) -> None:
-        from services.physics.oracle import Kinematics  # noqa: PLC0415 - only where physics is asked for
-
         self._twins = Twins()
-        self._physics: dict[TeeName, Physics] = {"d_artic": Kinematics(), "d_artic_dyn": Forces().physics()}
+        tees: tuple[TeeName, ...] = ("d_artic", "d_artic_dyn")
+        self._physics: dict[TeeName, Physics] = {tee: own_physics(tee) for tee in tees}
 
     def __call__(self, task: Task, recall: Callable[[str], bytes | None]) -> Done | Problem:
         """Answer version, replay, generate or carried."""
@@ -183,7 +182,7 @@ class Performing:
         key = f"{tee} {policy}"
         if key not in self._known:
             self._known = {
-                key: whole_body(policy) if tee == "d_artic" else Forces().embodiment(policy),
+                key: own_embodiment(tee, policy),
                 **dict(list(self._known.items())[: TWINS_KEPT - 1]),
             }
         return self._known[key]

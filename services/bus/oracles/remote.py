@@ -13,7 +13,7 @@ from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN, TeeClass
 from sdt_kg.state import Region
 from sdt_kg.twin import Container, Twin
-from services.app import Forces, Oracles, Policy, whole_body
+from services.app import Oracles, Policy
 from services.bus.keys import Oracle
 from services.bus.oracles.bound import UnfitReplyError, answer_to, check_replayed, replayed_of
 from services.bus.oracles.callers import Callers, Pinned
@@ -25,6 +25,7 @@ from services.bus.oracles.codec import (
     policy_plain,
     region_plain,
 )
+from services.bus.oracles.own import own_embodiment, own_physics
 from services.bus.sessions import Reach
 
 MARGIN = 30.0
@@ -40,11 +41,7 @@ class RemotePhysics:
     @cached_property
     def here(self) -> Physics:
         """Φ of this process."""
-        if self.tee_class is D_ARTIC_DYN:
-            return Forces().physics()
-        from services.physics.oracle import Kinematics  # noqa: PLC0415 - not needed to ask for a version
-
-        return Kinematics()
+        return own_physics(self.pinned.callers.tee)
 
     @property
     def tee_class(self) -> TeeClass:
@@ -87,8 +84,7 @@ class RemoteEmbodiment:
     @cached_property
     def here(self) -> Embodiment:
         """R of this process under the same policy, which is asked about motions that were found."""
-        forces = self.pinned.callers.tee == "d_artic_dyn"
-        return Forces().embodiment(self.policy) if forces else whole_body(self.policy)
+        return own_embodiment(self.pinned.callers.tee, self.policy)
 
     @property
     def version(self) -> str:

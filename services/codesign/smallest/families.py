@@ -7,7 +7,7 @@ from itertools import combinations
 from predicates.case import Outcome, Verdict
 from sdt_kg.iri import Iri, body_iri, local_name
 from sdt_kg.twin import Container, Twin
-from services.codesign.again import FREEDOM, drive_of
+from services.codesign.again import FREEDOM
 from services.whatif import Change, World, parse_change
 
 ROBOTS = ("pr2", "tiago_dual", "stretch")
@@ -94,7 +94,7 @@ def _robots(world: World) -> Family:
 
 def _drives(world: World) -> Family:
     """Every other drive, the one with more freedom first."""
-    now = drive_of(world.service.policy, world.service.twin, world.robot_iri)
+    now = world.service.policy.drive_of(world.service.twin, world.robot_iri)
     others = tuple(each.value for each in reversed(FREEDOM) if each is not now)
     names = tuple(f"drive:{each}" for each in others)
     return Family("which drive", names, range=", ".join(others), resolution="each")

@@ -68,6 +68,11 @@ class Tolerances:
                 raise InputError(f"the tolerance '{field.name}' is not a number", allowed="0 or above")
 
     @classmethod
+    def within(cls, contact: float | None) -> "Tolerances":
+        """The usual ones, but for how far a finger may be from the handle, where that is said."""
+        return cls() if contact is None else cls(contact=contact)
+
+    @classmethod
     def told(cls, given: Mapping[str, float]) -> "Tolerances":
         """Those of an artefact; `lag`, which some do not have yet, is as ever.
 

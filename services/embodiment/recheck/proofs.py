@@ -155,8 +155,13 @@ def _starts_as(text: str, claim: Claim, twin: Twin, container: Container) -> boo
     x, y, yaw = claim.start
     if not text.endswith(TURNED):
         return text == pose_text(x, y, yaw)
+    return is_at(claim.start, text) and is_turned(claim, twin, container)
+
+
+def is_turned(claim: Claim, twin: Twin, container: Container) -> bool:
+    """Whether a proof's base pose is turned to the handle."""
     statement = Statement(twin, claim.models[1][0], container, claim.drive, claim.start, claim.tolerances)
-    return is_at(claim.start, text) and faces(claim.start, statement.handle_origin())
+    return faces(claim.start, statement.handle_origin())
 
 
 def _notes(stored: StoredVerdict | None) -> list[str]:
