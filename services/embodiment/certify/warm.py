@@ -5,6 +5,7 @@ import numpy as np
 from services.embodiment.certify.held.moved import press, tolerated
 from services.embodiment.certify.held.pressed import depths
 from services.embodiment.certify.sweep.clearance import Pairs, Sweep
+from services.embodiment.certify.sweep.kinematics import Of
 from services.embodiment.certify.sweep.pieces import hermite
 from services.embodiment.certify.sweep.subject import subject
 from services.embodiment.certify.tolerances import Tolerances
@@ -27,6 +28,8 @@ def warm(scene: Scene) -> None:
     first = checked.pieces.columns(pieces.moving).c[:2, 0]
     placed = checked.kinematics.place(first[:1], first[1:])
     checked.pieces.at(np.zeros(1, np.intp), np.zeros(1))
+    spans = checked.timeline.spans(0, np.zeros(1, np.intp))
+    checked.kinematics.bounds(spans, placed, Of(0, 0, np.zeros((1, 3)), 0.0))
     both, row, way = pairs.ravel(), np.array([[0, 1]]), np.zeros(3)
     posed = both, *checked.shapes.middles(placed, both)
     asked, room = (np.zeros((4, 3)), 0.0, 0.0), (np.empty(3), np.zeros(ROOM))

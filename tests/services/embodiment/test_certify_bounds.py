@@ -118,7 +118,7 @@ def test_no_point_of_a_body_moves_farther_than_its_bound(scene: Scene, seed: int
         placed = kinematics.place(spans.q, spans.v)
         for one, other in rng.choice(len(scene.solids), (25, 2)):
             centre = shapes.centres(placed, np.zeros(1, dtype=np.intp), np.array([one]))
-            ball = Of(int(shapes.carrier[one]), int(shapes.carrier[other]), centre, shapes.radius[[one]])
+            ball = Of(int(shapes.carrier[one]), int(shapes.carrier[other]), centre, float(shapes.radius[one]))
             shift, turn = kinematics.bounds(spans, placed, ball)
             far, turned = farthest(scene, checked.pieces, spans.start[0], spans.end[0], one, other, rng)
             assert far <= shift[0] + 1e-9

@@ -7,6 +7,7 @@ finger moves against the handle; the sweep still sees what passes through large 
 """
 
 from functools import lru_cache
+from itertools import product
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
@@ -24,6 +25,7 @@ from services.embodiment.certify.sweep.pieces import Spans
 from services.embodiment.certify.sweep.subject import Subject
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 NOTE = "the handle is a mesh: how deep fingers are in it is that of its vertices and its triangles' middles"
 
 FINE = 5e-4
@@ -36,25 +38,39 @@ def pressed(checked: Subject, hold: Hold) -> Findings:
     meshes = [int(k) for k in hold.bar if isinstance(solids[k].shape, coal.BVHModelBase)]
     if meshes:
         findings.nearest.append(NOTE)
-    for mesh in meshes:
-        for finger in map(int, hold.fingers):
-            findings.add(_in(checked, hold, finger, mesh))
+        first = int(np.searchsorted(checked.timeline.pieces.start, hold.arrived))
+        pieces = np.arange(first, hold.left)
+        looks = _looks(checked, 0, pieces)
+        for mesh, finger in product(meshes, map(int, hold.fingers)):
+            findings.add(_in(checked, (finger, mesh), pieces, looks))
     return findings
 
 
-def _in(checked: Subject, hold: Hold, finger: int, mesh: int) -> Findings:
-    """Where a finger is too deep in a mesh, first and worst; what is not shown to be less is refused."""
+def _looks(checked: Subject, halving: int, intervals: Indices) -> tuple[Spans, Placed]:
+    """What moves on some intervals, so often halved, of the motion's pieces, and where it is in their middles."""
+    spans = checked.timeline.spans(checked.timeline.depth + halving, intervals)
+    return spans, checked.kinematics.place(spans.q, spans.v)
+
+
+def _in(
+    checked: Subject, pair: tuple[int, int], intervals: Indices, looks: tuple[Spans, Placed]
+) -> Findings:
+    """Where a finger is too deep in a mesh, first and worst; what is not shown to be less is refused.
+
+    Args:
+        checked: The motion.
+        pair: Finger and mesh.
+        intervals: The pieces on which that is asked.
+        looks: What moves on these.
+    """
     findings, most, worst = Findings(), checked.tolerances.depth, 0.0
-    timeline, points = checked.timeline, _points(checked.scene.solids[mesh].shape)
-    first = int(np.searchsorted(timeline.pieces.start, hold.arrived))
-    intervals, found = np.arange(first, hold.left), list[tuple[float, float]]()
+    points, found = _points(checked.scene.solids[pair[1]].shape), list[tuple[float, float]]()
     for halving in range(DEEPEST + 1):
         if not len(intervals):
             break
-        spans = timeline.spans(timeline.depth + halving, intervals)
-        placed = checked.kinematics.place(spans.q, spans.v)
-        depth = depths(checked, placed, finger, checked.shapes.along(placed, mesh), points)
-        upper = depth + _moves(checked, spans, placed, finger, mesh)
+        spans, placed = looks if halving == 0 else _looks(checked, halving, intervals)
+        depth = depths(checked, placed, pair[0], checked.shapes.along(placed, pair[1]), points)
+        upper = depth + _moves(checked, spans, placed, pair)
         if halving == DEEPEST:
             depth = upper
         worst = max(worst, float(depth.max()))
@@ -63,15 +79,17 @@ def _in(checked: Subject, hold: Hold, finger: int, mesh: int) -> Findings:
         intervals = np.concatenate((2 * intervals, 2 * intervals + 1))
     if found:
         for time, depth in {min(found), max(found, key=lambda each: each[1])}:
-            findings.violations.append(_violation(checked, (finger, mesh), depth, time))
+            findings.violations.append(_violation(checked, pair, depth, time))
     return findings
 
 
-def _moves(checked: Subject, spans: Spans, placed: Placed, finger: int, mesh: int) -> Array:
+def _moves(checked: Subject, spans: Spans, placed: Placed, pair: tuple[int, int]) -> Array:
     """How far any point of a finger moves against a mesh, from the middles of intervals on, at most [m]."""
-    shapes, every = checked.shapes, np.arange(len(placed.origin))
-    centre, radius = shapes.centres(placed, every, np.full_like(every, finger)), shapes.radius[finger]
-    ball = Of(int(shapes.carrier[finger]), int(shapes.carrier[mesh]), centre, np.full(len(every), radius))
+    shapes, (finger, mesh) = checked.shapes, pair
+    every = np.arange(len(placed.origin))
+    centre = shapes.centres(placed, every, np.full_like(every, finger))
+    carriers = int(shapes.carrier[finger]), int(shapes.carrier[mesh])
+    ball = Of(*carriers, centre, float(shapes.radius[finger]))
     return checked.kinematics.bounds(spans, placed, ball)[0]
 
 

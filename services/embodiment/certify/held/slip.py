@@ -74,7 +74,7 @@ class Slip:
         spans = self._checked.timeline.spans(level, intervals)
         placed = self._kinematics.place(spans.q, spans.v)
         error, (_, origin) = self._errors(placed), self._tool.world(placed)
-        ball = Of(self._tool.carrier, self._handle.carrier, origin, np.zeros(len(origin)))
+        ball = Of(self._tool.carrier, self._handle.carrier, origin, 0.0)
         return spans, error, error + np.stack(self._kinematics.bounds(spans, placed, ball))
 
     def off(self, first: int, stop: int) -> Indices:

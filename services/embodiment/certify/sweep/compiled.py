@@ -1,6 +1,6 @@
 """Compiled inner loops of the certifier: placements, bounds on motion, depths.
 
-The formulas are those of `Kinematics.bounds`, one item at a time. Nothing here is shared with planning.
+The formulas of bounds are told by `Kinematics.bounds`. Nothing here is shared with planning.
 """
 
 import math
@@ -205,6 +205,30 @@ def second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, move
     spin = math.sqrt(wx * wx + wy * wy + wz * wz)
     half = (end[u] - start[u]) / 2.0
     return min(moved, half * (math.sqrt(x * x + y * y + z * z) + spin * radius + half * bend / 2.0))
+
+
+@kernel(makes=False)
+def bounds(i, j, centre, radius, path, revolute, placed, spans, levers, moved, turned):
+    """How far points of balls (U, 3) on carrier i move, and turn, against carrier j is in the last two."""
+    omega, (start, end, shift, v_max, a_max) = placed[3], spans
+    for u in range(moved.shape[0]):
+        c = centre[u]
+        first = first_order(u, i, j, c, radius, path, revolute, placed, spans, levers)
+        moved[u] = second_order(u, i, j, c, radius, path, revolute, placed, spans, levers, first)
+        way, rate, gain = 0.0, 0.0, 0.0
+        for k in range(1, path.shape[0]):
+            if revolute[k] and path[i, k] != path[j, k]:
+                way += shift[u, k - 1]
+                rate += v_max[u, k - 1]
+                gain += a_max[u, k - 1]
+        x, y, z = (
+            omega[u, i, 0] - omega[u, j, 0],
+            omega[u, i, 1] - omega[u, j, 1],
+            omega[u, i, 2] - omega[u, j, 2],
+        )
+        half = (end[u] - start[u]) / 2.0
+        sharp = half * (math.sqrt(x * x + y * y + z * z) + half * (gain + rate * rate) / 2.0)
+        turned[u] = min(way, sharp) if math.isfinite(rate) else way
 
 
 @subkernel

@@ -98,43 +98,27 @@ class Kinematics:
         Returns:
             Shift [m] and turn [rad; of the operator norm of the rotation's change], shape (U,).
         """
-        own = np.flatnonzero(self.path[of.carrier] ^ self.path[of.against])
-        turns, joints = self.revolute[own], own - 1
-        arm = cross(of.centre[:, None] - placed.origin[:, own], placed.axis[:, own])
-        lever = np.where(turns, np.linalg.norm(arm, axis=2) + of.radius[:, None], 1.0)
-        shift = spans.shift[:, joints]
-        moved, turned = (lever * shift).sum(axis=1), shift[:, turns].sum(axis=1)
-        if not np.isfinite(spans.v_max).all():
-            return moved, turned
-        reach = np.where(turns, lever + moved[:, None], lever)
-        v, a = spans.v_max[:, joints], spans.a_max[:, joints]
-        rate, gain = v[:, turns].sum(axis=1), a[:, turns].sum(axis=1)
-        bend = (reach * a).sum(axis=1) + 2 * rate * (reach * v).sum(axis=1)
-        omega = placed.omega[:, of.carrier] - placed.omega[:, of.against]
-        linear = placed.linear[:, of.carrier] - placed.linear[:, of.against]
-        spin = np.linalg.norm(omega, axis=1)
-        speed = np.linalg.norm(linear + cross(omega, of.centre), axis=1) + spin * of.radius
-        half = (spans.end - spans.start) / 2
-        sharp_move = half * (speed + half * bend / 2)
-        sharp_turn = half * (spin + half * (gain + rate**2) / 2)
-        return np.minimum(moved, sharp_move), np.minimum(turned, sharp_turn)
+        moved, turned = np.empty((2, len(of.centre)))
+        between = of.carrier, of.against, of.centre, of.radius, self.path, self.revolute
+        compiled.bounds(*between, placed.arrays, spans.arrays, np.empty(len(self.path)), moved, turned)
+        return moved, turned
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Of:
-    """Balls whose motion is to be bounded, one for each of U spans.
+    """Balls of one size whose motion is to be bounded, one for each of U spans.
 
     Attributes:
         carrier: What carries the balls.
         against: Carrier against which they move.
         centre: In the world at the span's middle, shape (U, 3) [m].
-        radius: Shape (U,) [m].
+        radius: [m].
     """
 
     carrier: int
     against: int
     centre: Array
-    radius: Array
+    radius: float
 
 
 def cross(one: Array, other: Array) -> Array:
