@@ -104,8 +104,9 @@ def check_numbers(name: str, array: Array) -> None:
     Raises:
         MotionError: With the index of the first wrong sample.
     """
-    wrong = np.argwhere(~(np.abs(array) <= LARGEST))  # also what is not a number
-    if wrong.size:
+    within = np.abs(array) <= LARGEST  # what is not a number is not
+    if not within.all():
+        wrong = np.argwhere(~within)
         raise MotionError(
             f"'{name}' of sample {int(wrong[0][0])} is {array[tuple(wrong[0])]:g}",
             allowed=f"finite numbers up to {LARGEST:g}",

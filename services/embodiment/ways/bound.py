@@ -58,6 +58,8 @@ class Bound:
         later it is, is looked for by Newton's method: bounded next where it was exceeded most.
         """
         slowed = np.flatnonzero(np.isfinite(self.gain))
+        if not len(slowed):
+            return 1.0
         pieces = hermite(timed.times, timed.x[:, slowed], timed.v[:, slowed])
         lower, upper = self.lower[slowed] - LAG, self.upper[slowed] + LAG
         asked = 1.0 / self.gain[slowed]

@@ -87,6 +87,18 @@ def merge(parents, links, own, carrier, fixed, parent, offset, path):
 
 
 @kernel(makes=False)
+def hermite(times, q, v, c):
+    """Coefficients of cubic pieces through samples q, v (T, nq) at times (T,) are in c (4, T - 1, nq)."""
+    for n in range(c.shape[1]):
+        h = times[n + 1] - times[n]
+        for k in range(c.shape[2]):
+            step, one, other = q[n + 1, k] - q[n, k], v[n, k], v[n + 1, k]
+            c[0, n, k], c[1, n, k] = q[n, k], one
+            c[2, n, k] = (3 * step / h - 2 * one - other) / h
+            c[3, n, k] = (one + other - 2 * step / h) / (h * h)
+
+
+@kernel(makes=False)
 def at(piece, s, c, q, v, a):
     """What coordinates do at s into pieces with coefficients c (4, N, nq) is in the last three, (U, nq)."""
     for u in range(q.shape[0]):

@@ -86,16 +86,9 @@ class Pieces:
 
 def hermite(times: Array, q: Array, v: Array) -> Pieces:
     """Cubic Hermite pieces through T samples of q and v, shape (T, nq)."""
-    h = np.diff(times)
-    c = np.zeros((4, len(h), q.shape[1]))
-    c[0] = q[:-1]
-    own = np.flatnonzero((q != q[0]).any(axis=0) | (v != 0).any(axis=0))
-    q, v, w = q[:, own], v[:, own], h[:, None]
-    step = np.diff(q, axis=0)
-    c[1, :, own] = v[:-1].T
-    c[2, :, own] = ((3 * step / w - 2 * v[:-1] - v[1:]) / w).T
-    c[3, :, own] = ((v[:-1] + v[1:] - 2 * step / w) / w**2).T
-    return Pieces(times[:-1], h, c)
+    c = np.empty((4, len(times) - 1, q.shape[1]))
+    compiled.hermite(*map(np.ascontiguousarray, (times, q, v)), c)
+    return Pieces(times[:-1], np.diff(times), c)
 
 
 def positions(pieces: Pieces) -> tuple[Array, Array]:
