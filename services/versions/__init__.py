@@ -10,7 +10,7 @@ from importlib.metadata import version
 
 KINEMATICS_VERSION = "17"
 DYNAMICS_VERSION = "7"
-EMBODIMENT_VERSION = "31"
+EMBODIMENT_VERSION = "32"
 BEARING_VERSION = "5"
 """Each is raised whenever an answer of that oracle may change."""
 

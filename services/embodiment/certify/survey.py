@@ -195,7 +195,7 @@ def _depth(checked: Subject, pair: tuple[int, int], times: list[float]) -> list[
     found: list[tuple[float, float]] = []
     for k, time in enumerate(times):
         depth = checked.shapes.depth(placed, k, pair) if ways[k] > 0 else 0.0
-        found.append((float(ways[k]) if depth is None else min(depth, float(ways[k])), time))
+        found.append((min(depth, float(ways[k])), time))
     return found
 
 

@@ -3,7 +3,6 @@
 import numpy as np
 
 from services.embodiment.certify.held.moved import press, tolerated
-from services.embodiment.certify.held.pressed import depths
 from services.embodiment.certify.sweep.clearance import Pairs, Sweep
 from services.embodiment.certify.sweep.kinematics import Of
 from services.embodiment.certify.sweep.pieces import hermite
@@ -35,5 +34,3 @@ def warm(scene: Scene) -> None:
     asked, room = (np.zeros((4, 3)), 0.0, 0.0), (np.empty(3), np.zeros(ROOM))
     press(checked.shapes.convex, row, posed, way, *asked, 0.0, room)
     tolerated(checked.shapes.convex, (row, row), posed, (way, way), *asked, room)
-    for finger, handle in pairs.tolist():
-        depths(checked, placed, finger, checked.shapes.along(placed, handle), np.zeros((1, 3)))

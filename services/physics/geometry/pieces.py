@@ -74,7 +74,7 @@ class Piece:
 
 
 def pieces(geometry: Geometry) -> tuple[Piece, ...]:
-    """A primitive as it is; of a mesh each convex component as its hull, the others as triangles.
+    """A primitive as it is; of a mesh its `components`.
 
     Triangles have no inside: how deep something is in them is too little, never too much.
     """
@@ -82,12 +82,12 @@ def pieces(geometry: Geometry) -> tuple[Piece, ...]:
     if geometry.shape is not ShapeType.MESH:
         box = shape.aabb_local
         return (Piece(box.min_.copy(), box.max_.copy(), lambda: shape),)
-    return _components(geometry.mesh_hash, geometry.size, shape)
+    return components(shape)
 
 
 @lru_cache(maxsize=1024)
-def _components(mesh_hash: str, scale: tuple[float, ...], mesh: coal.BVHModelBase) -> tuple[Piece, ...]:
-    del mesh_hash, scale  # the key; the mesh itself is one object for both
+def components(mesh: coal.BVHModelBase) -> tuple[Piece, ...]:
+    """Of a mesh each convex component as its hull, the others as triangles; kept, so not to be changed."""
     points, faces = faces_of(mesh)
     index = same_points(points)[1][faces]
     label = joined(index, int(index.max()) + 1)[index[:, 0]]

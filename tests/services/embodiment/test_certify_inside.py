@@ -82,26 +82,52 @@ def test_a_mesh_elsewhere_changes_nothing(tmp_path: Path) -> None:
     assert away.nearest == plain.nearest
 
 
-def meshed(folder: Path) -> Twin:
-    """The cell whose drawer has a bar of small triangles."""
-    bar = trimesh.creation.box((0.01, 0.2, 0.01))
-    small = trimesh.remesh.subdivide_to_size(bar.vertices, bar.faces, 0.004)
-    trimesh.Trimesh(*small).export(folder / "bar.stl")
+def meshed(folder: Path, bar: trimesh.Trimesh) -> Twin:
+    """The cell whose drawer has this bar, which lies along y."""
+    bar.export(folder / "bar.stl")
     cell, solid = (FOLDER / "cell.urdf").read_text(), '<box size="0.01 0.2 0.01"/>'
     (folder / "cell.urdf").write_text(cell.replace(solid, f'<mesh filename="{folder / "bar.stl"}"/>', 1))
     return load_twin(folder / "cell.urdf", [FOLDER / "gantry.urdf"])
 
 
+def fine_bar() -> trimesh.Trimesh:
+    """A bar of small triangles, 10 mm thick."""
+    bar = trimesh.creation.box((0.01, 0.2, 0.01))
+    return trimesh.Trimesh(*trimesh.remesh.subdivide_to_size(bar.vertices, bar.faces, 0.004))
+
+
+def round_bar(hollow: bool) -> trimesh.Trimesh:
+    """A bar of long faces, 10 mm thick: no corner nor middle of a triangle is where a hand holds it."""
+    made = (
+        trimesh.creation.annulus(0.003, 0.005, 0.2, 16)
+        if hollow
+        else trimesh.creation.cylinder(0.005, 0.2, 16)
+    )
+    made.apply_transform(trimesh.transformations.euler_matrix(np.pi / 2, 0.3, 0.0))
+    return made
+
+
 def test_fingers_in_a_handle_of_many_small_triangles_are_as_deep_as_in_a_solid_one(tmp_path: Path) -> None:
-    twin = meshed(tmp_path)
+    twin = meshed(tmp_path, fine_bar())
     assert isinstance(judge(twin, closed(opening(), 0.0035)), Certified)  # 1.5 mm deep in a bar of 10 mm
     found = refusal(twin, closed(opening(), 0.0005), Quantity.DISTANCE)
     assert min(one.evidence.value for one in found if one.evidence) == pytest.approx(-0.0045, abs=1e-5)
 
 
+@pytest.mark.parametrize("hollow", [False, True])
+def test_fingers_in_a_handle_of_long_triangles_are_as_deep_as_in_a_solid_one(
+    tmp_path: Path, hollow: bool
+) -> None:
+    bar = round_bar(hollow)
+    twin, half = meshed(tmp_path, bar), float(np.ptp(bar.vertices, axis=0)[0] / 2)
+    assert isinstance(judge(twin, closed(opening(), half - 0.0015)), Certified)
+    found = refusal(twin, closed(opening(), half - 0.003), Quantity.DISTANCE)
+    assert min(one.evidence.value for one in found if one.evidence) == pytest.approx(-0.003, abs=2e-5)
+
+
 def test_fingers_that_press_into_such_a_handle_between_samples_are_refused(tmp_path: Path) -> None:
     """Before the drawer moves: at four samples, and halfway, the fingers are open or touch."""
-    twin, at = meshed(tmp_path), before_it_moves(opening())
+    twin, at = meshed(tmp_path, fine_bar()), before_it_moves(opening())
     motion = resting(opening(), at, np.array([0.5, 4.5, 5.0]))
     motion.q[at + 1 : at + 3, 3] += 0.004
     assert isinstance(judge(twin, motion), Certified)

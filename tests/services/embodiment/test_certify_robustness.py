@@ -7,12 +7,13 @@ from pathlib import Path
 import coal
 import numpy as np
 import pytest
+from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from sdt_kg.load import load_twin
 from services.embodiment.certify import Certified
-from services.embodiment.certify.sweep.depth import deepest, faces, placed
+from services.embodiment.certify.sweep.depth import FINE, deepest, faces, placed, surface_depth
 from services.physics.geometry.shapes import hull
 from tests.services.embodiment.gantry import FOLDER, gantry_twin, opening
 from tests.services.embodiment.judging import judge
@@ -85,8 +86,6 @@ def test_depth_of_what_is_round_is_right_to_a_fifth_of_a_millimetre_whatever_its
     assert depth(ball, ball, aslant) == pytest.approx(0.6 - np.linalg.norm(aslant), abs=2e-4)
     # A capsule leans by 45° over the middle of a block whose upper face is at z = 0.
     block, capsule = faces(coal.Box(4.0, 4.0, 4.0)), faces(coal.Capsule(0.3, 0.3))
-    assert block is not None
-    assert capsule is not None
     leaning = Rotation.from_euler("x", 45, degrees=True).as_matrix()
     found = deepest(
         placed(capsule, leaning, np.array((0, 0, 0.2))), placed(block, np.eye(3), np.array((0, 0, -2.0)))
@@ -97,10 +96,26 @@ def test_depth_of_what_is_round_is_right_to_a_fifth_of_a_millimetre_whatever_its
 def test_the_faces_of_a_hull_hold_all_its_points_and_meet_three_each() -> None:
     points = np.random.default_rng(0).normal(size=(60, 3))
     found = faces(hull(points))
-    assert found is not None
     beyond = points @ found.normals.T - found.offsets
     assert beyond.max() <= 1e-12
     assert (np.count_nonzero(beyond > -1e-12, axis=0) >= 3).all()
     expected = ConvexHull(points).equations
     ours = np.column_stack((found.normals, -found.offsets))
     assert np.abs(ours[:, None] - expected).max(axis=2).min(axis=0).max() < 1e-9
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_triangles_are_as_deep_in_a_hull_as_a_linear_programme_finds(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    body = faces(hull(rng.normal(scale=0.01, size=(30, 3))))
+    triangles = rng.normal(size=(20, 3, 3)) * rng.uniform(0.003, 0.1) + rng.normal(scale=0.005, size=3)
+    found = surface_depth(triangles, body)
+    # The most that a point of a triangle, a mean of its corners, may be moved away and stay in the hull.
+    for corners in triangles:
+        rows = np.column_stack((body.normals @ corners.T, np.ones(len(body.normals))))
+        one = [[1.0, 1.0, 1.0, 0.0]], [1.0]
+        free = [(0, None)] * 3 + [(None, None)]
+        best = linprog((0, 0, 0, -1), rows, body.offsets, *one, bounds=free).x[3]
+        assert best <= found + 1e-12
+        found_here = surface_depth(corners[None], body)
+        assert max(best, 0.0) - 1e-12 <= found_here <= max(best, 0.0) + 1.001 * FINE

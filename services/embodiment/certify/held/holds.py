@@ -9,7 +9,6 @@ from sdt_kg.errors import UnknownEntityError
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
-from services.embodiment.certify.held.pressed import pressed
 from services.embodiment.certify.held.stints import begin
 from services.embodiment.certify.sweep.kinematics import unit_of
 from services.embodiment.certify.sweep.subject import Subject
@@ -51,7 +50,6 @@ def held_so(
     for hold in holds:
         _add(findings, hold.follows())
         _add(findings, hold.keeps_fingers())
-        _add(findings, pressed(checked, hold))
     findings.nearest = [*dict.fromkeys(findings.nearest), *let_go(holds)]
     if len(holds) > 1:
         findings.figures[HOLDS] = (float(len(holds)), "1")

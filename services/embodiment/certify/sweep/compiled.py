@@ -292,36 +292,3 @@ def swept(shapes, placed, spans, path, revolute, room, low, high):
             moved = first_order(u, carrier, 0, c, shapes[4][s], path, revolute, placed, spans, levers)
             for i in range(3):
                 low[u, s, i], high[u, s, i] = c[i] - half[i] - moved, c[i] + half[i] + moved
-
-
-@kernel(makes=False)
-def deepest_points(points, mesh, own, box, normals, offsets, room, found):
-    """Depth of the deepest of some points (K, 3) in a convex shape at each time is in `found` (T,); or 0.
-
-    `mesh` and `own` are poses of the points and of the shape at these times, `box` the corners of its own
-    box; a point x lies inside where normals · x <= offsets. `room` is room: shapes (3, 3), (3,) and (3,).
-    """
-    turn, way, y = room
-    for t in range(found.shape[0]):
-        found[t] = 0.0
-        for i in range(3):
-            way[i] = 0.0
-            for k in range(3):
-                way[i] += own[0][t, k, i] * (mesh[1][t, k] - own[1][t, k])
-                turn[i, k] = 0.0
-                for m in range(3):
-                    turn[i, k] += own[0][t, m, i] * mesh[0][t, m, k]
-        for n in range(points.shape[0]):
-            inside = True
-            for i in range(3):
-                y[i] = (
-                    way[i] + turn[i, 0] * points[n, 0] + turn[i, 1] * points[n, 1] + turn[i, 2] * points[n, 2]
-                )
-                inside = inside and box[0][i] < y[i] < box[1][i]
-            if not inside:
-                continue
-            depth = math.inf
-            for f in range(normals.shape[0]):
-                off = normals[f, 0] * y[0] + normals[f, 1] * y[1] + normals[f, 2] * y[2]
-                depth = min(depth, offsets[f] - off)
-            found[t] = max(found[t], depth)

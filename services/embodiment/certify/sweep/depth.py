@@ -1,4 +1,4 @@
-"""How deep one body is in another: the deepest point of either inside the other.
+"""How deep one body is in another: the deepest point of either inside the other, or of a surface in a body.
 
 This is what is reported of a collision. It is no more than the shift that would part the two shapes,
 which says little of a rod through a board, and it changes no faster than the bodies move.
@@ -19,6 +19,7 @@ SIDES = 64  # of the prism about a cylinder: its edges stand out by 0.12 % of th
 DIRECTIONS = 100  # of the polyhedron about what is round, before it is cut where the answer lies
 CUTS = 30  # such cuts at most; without the last ones a depth is a little too large
 EXACT = 1e-4  # [m] what is round is cut until its polyhedron stands out by less
+FINE = 1e-5  # [m] precision of how deep triangles are: they are parted where they may be deeper by more
 GOLDEN = np.pi * (3 - np.sqrt(5))
 
 
@@ -60,8 +61,9 @@ class Faces:
         )
 
 
-def faces(shape: coal.CollisionGeometry) -> Faces | None:
-    """A polyhedron about a convex shape, in its own frame; None for a shape that is not convex."""
+@lru_cache(maxsize=512)
+def faces(shape: coal.CollisionGeometry) -> Faces:
+    """A polyhedron about a convex shape, in its own frame; kept, so not to be changed."""
     if isinstance(shape, coal.Box):
         return Faces(np.vstack((np.eye(3), -np.eye(3))), np.tile(shape.halfSide, 2))
     if isinstance(shape, coal.Cylinder):
@@ -72,13 +74,7 @@ def faces(shape: coal.CollisionGeometry) -> Faces | None:
         return _round(0.0, shape.radius)
     if isinstance(shape, coal.Capsule):
         return _round(shape.halfLength, shape.radius)
-    if isinstance(shape, coal.Convex):
-        return _hull(shape)
-    return None
-
-
-@lru_cache(maxsize=256)
-def _hull(shape: coal.Convex) -> Faces:
+    assert isinstance(shape, coal.Convex), f"{type(shape)} has no inside"
     # A hull that was kept has its points alone: qhull tells the faces.
     whole = shape if shape.num_normals_and_offsets else hull_of_solid(np.array(shape.points()))
     return Faces(np.array(whole.normals()), -np.array(whole.offsets()).ravel())
@@ -109,6 +105,25 @@ def placed(one: Faces, rotation: Array, origin: Array) -> Faces:
     normals = one.normals @ rotation.T
     core = None if one.core is None else one.core @ rotation.T + origin
     return Faces(normals, one.offsets + normals @ origin, core, one.radius)
+
+
+def surface_depth(triangles: Array, body: Faces) -> float:
+    """Depth of the deepest point of triangles (N, 3, 3) in a body [m], by up to `FINE` too large; 0 outside.
+
+    A point is as deep as the nearest plane of a face is far. For each of these that is linear on a triangle,
+    so that the middle is as deep as the least of the corners' means, and no point deeper than the least of
+    their largest: what may be deeper than the deepest middle is cut in four.
+    """
+    found, left = 0.0, triangles
+    while len(left):
+        deep = body.offsets - left @ body.normals.T
+        most = deep.max(axis=1).min(axis=1)
+        found = max(found, float(deep.mean(axis=1).min(axis=1).max()))
+        left = left[most > found + FINE]
+        middles = (left + np.roll(left, -1, axis=1)) / 2
+        corners = np.stack((left, middles, np.roll(middles, 1, axis=1)), axis=2)
+        left = np.concatenate((corners.reshape(-1, 3, 3), middles))
+    return found + FINE if found > 0 else 0.0
 
 
 def deepest(one: Faces, other: Faces) -> float:

@@ -1,20 +1,25 @@
 """The scene's collision shapes, placed by the certifier's own kinematics."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment.certify.sweep.depth import Faces, deepest, faces
+from services.embodiment.certify.sweep.depth import deepest, faces, surface_depth
 from services.embodiment.certify.sweep.depth import placed as placed_faces
 from services.embodiment.certify.sweep.kinematics import Kinematics, Placed
+from services.physics.geometry.pieces import Piece, components
+from services.physics.geometry.shapes import corners
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 _First = tuple["Placed | None", dict[int, tuple[Array, Array]]]
+
+Depth = Callable[[Piece, coal.CollisionGeometry, Array, Array], float]
+"""Of a body in a part of a mesh, in whose frame the body's rotation (3, 3) and origin (3,) [m] are."""
 
 STILL = np.zeros(3)
 SPHERE, CYLINDER = 1, 2
@@ -42,11 +47,11 @@ class Shapes:
         self.carrier = kinematics.carrier[joints]
         self.radius = np.linalg.norm(self._half, axis=1)
         self.placing = (self.carrier, self._rotation, self._centre, self._half, self.radius)
+        self._is_mesh = [isinstance(one.shape, coal.BVHModelBase) for one in scene.solids]
         self._kind = [_KINDS.get(type(one.shape), 0) for one in scene.solids]
         # One request for all would do no harm as long as nothing is cached in it (FACTS: GJK's
         # cached guess makes answers depend on history); the result is cleared at each call.
         self._request, self._result = coal.DistanceRequest(), coal.DistanceResult()
-        self._faces: dict[int, Faces | None] = {}
         self._first: _First = (None, {})
 
     def path(self, shape: int) -> list[int]:
@@ -73,22 +78,16 @@ class Shapes:
         one, other = self.frames(placed, span, pairs[:, 0]), self.frames(placed, span, pairs[:, 1])
         return np.array([self._distance(*item) for item in zip(pairs.tolist(), *one, *other, strict=True)])
 
-    def depth(self, placed: Placed, span: int, pair: tuple[int, int]) -> float | None:
-        """Depth of the deepest point of either shape inside the other [m]; None if one is not convex."""
-        at = np.array([span])
-        polyhedra: list[Faces] = []
+    def depth(self, placed: Placed, span: int, pair: tuple[int, int]) -> float:
+        """Depth of the deepest point of either shape inside the other [m]; of meshes see `_in_mesh`."""
+        at, frames = np.array([span]), list[Array]()
         for shape in pair:
-            own = self._faces_of(shape)
-            if own is None:
-                return None
             rotation, origin = self.frames(placed, at, np.array([shape]))
-            polyhedra.append(placed_faces(own, rotation[0], origin[0]))
-        return deepest(*polyhedra)
-
-    def _faces_of(self, shape: int) -> Faces | None:
-        if shape not in self._faces:
-            self._faces[shape] = faces(self._shapes[shape])
-        return self._faces[shape]
+            frames += (rotation[0], origin[0])
+        if any(self._is_mesh[shape] for shape in pair):
+            return self._in_mesh(pair, _deepest, *frames)
+        one, other = (faces(self._shapes[shape]) for shape in pair)
+        return deepest(placed_faces(one, frames[0], frames[1]), placed_faces(other, frames[2], frames[3]))
 
     def nearest_points(
         self, placed: Placed, pair: tuple[int, int], shift: Array = STILL
@@ -135,7 +134,29 @@ class Shapes:
     def _distance(self, pair: Sequence[int], *frames: Array) -> float:
         if {self._kind[pair[0]], self._kind[pair[1]]} == {SPHERE, CYLINDER}:
             return self._ball_and_cylinder(pair, *frames)
-        return self._coal(pair, *frames)
+        distance = self._coal(pair, *frames)
+        if distance > 0 or not (self._is_mesh[pair[0]] or self._is_mesh[pair[1]]):
+            return distance
+        # Coal tells of a mesh how deep that of its triangles is which it finds first.
+        return -self._in_mesh(pair, _way, *frames)
+
+    def _in_mesh(self, pair: Sequence[int], deep: Depth, *frames: Array) -> float:
+        """How deep a convex shape is in a mesh, or the mesh in it [m]; 0 or less where they are apart.
+
+        It is as deep as in the deepest of the mesh's parts: in a convex one as in any solid, in another as
+        its surface is.
+        """
+        first = self._is_mesh[pair[0]]
+        mesh, convex = pair if first else pair[::-1]
+        turn, at, own_R, own_p = frames if first else (*frames[2:], *frames[:2])
+        body, box = self._shapes[convex], self._shapes[convex].aabb_local
+        mesh_R, mesh_p = turn.T @ own_R, turn.T @ (own_p - at)
+        middle = mesh_p + mesh_R @ (box.min_ + box.max_) / 2
+        half, found = np.abs(mesh_R) @ (box.max_ - box.min_) / 2, 0.0
+        for part in components(self._shapes[mesh]):
+            if (part.low < middle + half).all() and (part.high > middle - half).all():
+                found = max(found, deep(part, body, mesh_R, mesh_p))
+        return found
 
     def _coal(self, pair: Sequence[int], *frames: Array) -> float:
         one_R, one_p, other_R, other_p = frames
@@ -153,3 +174,25 @@ class Shapes:
         gap = np.array([np.hypot(x[0], x[1]) - cylinder.radius, abs(x[2]) - cylinder.halfLength])
         outside = float(np.linalg.norm(np.maximum(gap, 0)))
         return outside + min(0.0, float(gap.max())) - ball.radius
+
+
+def _way(part: Piece, body: coal.CollisionGeometry, rotation: Array, origin: Array) -> float:
+    """The way that would part them [m]."""
+    if isinstance(part.shape, coal.BVHModelBase):
+        return _at_surface(part.shape, body, rotation, origin)
+    request, result, at = coal.DistanceRequest(), coal.DistanceResult(), coal.Transform3s(rotation, origin)
+    return -float(coal.distance(part.shape, coal.Transform3s(), body, at, request, result))
+
+
+def _deepest(part: Piece, body: coal.CollisionGeometry, rotation: Array, origin: Array) -> float:
+    """Depth of the deepest point of either inside the other [m]."""
+    if isinstance(part.shape, coal.BVHModelBase):
+        return _at_surface(part.shape, body, rotation, origin)
+    return deepest(faces(part.shape), placed_faces(faces(body), rotation, origin))
+
+
+def _at_surface(
+    part: coal.BVHModelBase, body: coal.CollisionGeometry, rotation: Array, origin: Array
+) -> float:
+    """Depth of the deepest point of a part's triangles inside a body [m]."""
+    return surface_depth(corners(part), placed_faces(faces(body), rotation, origin))
