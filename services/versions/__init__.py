@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
 
-KINEMATICS_VERSION = "17"
+KINEMATICS_VERSION = "18"
 DYNAMICS_VERSION = "7"
 EMBODIMENT_VERSION = "32"
 BEARING_VERSION = "5"

@@ -7,13 +7,13 @@ from pathlib import Path
 import coal
 import numpy as np
 import pytest
-from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from sdt_kg.load import load_twin
 from services.embodiment.certify import Certified
-from services.embodiment.certify.sweep.depth import FINE, deepest, faces, placed, surface_depth
+from services.embodiment.certify.sweep.depth import deepest
+from services.physics.geometry.depth import faces, placed
 from services.physics.geometry.shapes import hull
 from tests.services.embodiment.gantry import FOLDER, gantry_twin, opening
 from tests.services.embodiment.judging import judge
@@ -102,20 +102,3 @@ def test_the_faces_of_a_hull_hold_all_its_points_and_meet_three_each() -> None:
     expected = ConvexHull(points).equations
     ours = np.column_stack((found.normals, -found.offsets))
     assert np.abs(ours[:, None] - expected).max(axis=2).min(axis=0).max() < 1e-9
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_triangles_are_as_deep_in_a_hull_as_a_linear_programme_finds(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    body = faces(hull(rng.normal(scale=0.01, size=(30, 3))))
-    triangles = rng.normal(size=(20, 3, 3)) * rng.uniform(0.003, 0.1) + rng.normal(scale=0.005, size=3)
-    found = surface_depth(triangles, body)
-    # The most that a point of a triangle, a mean of its corners, may be moved away and stay in the hull.
-    for corners in triangles:
-        rows = np.column_stack((body.normals @ corners.T, np.ones(len(body.normals))))
-        one = [[1.0, 1.0, 1.0, 0.0]], [1.0]
-        free = [(0, None)] * 3 + [(None, None)]
-        best = linprog((0, 0, 0, -1), rows, body.offsets, *one, bounds=free).x[3]
-        assert best <= found + 1e-12
-        found_here = surface_depth(corners[None], body)
-        assert max(best, 0.0) - 1e-12 <= found_here <= max(best, 0.0) + 1.001 * FINE

@@ -12,8 +12,8 @@ import trimesh
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, Pose, ShapeType
 from sdt_kg.urdf.meshes import mesh_hash
-from services.embodiment.certify.sweep.depth import faces
 from services.keeping.files import folder
+from services.physics.geometry.depth import faces
 from services.physics.geometry.fans import fanned
 from services.physics.geometry.hulls import FINE
 from services.physics.geometry.kept import PIECES as KIND

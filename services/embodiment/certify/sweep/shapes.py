@@ -6,11 +6,11 @@ import coal  # pyright: ignore[reportMissingImports]  # found through a .pth fil
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment.certify.sweep.depth import deepest, faces, surface_depth
-from services.embodiment.certify.sweep.depth import placed as placed_faces
+from services.embodiment.certify.sweep.depth import deepest
 from services.embodiment.certify.sweep.kinematics import Kinematics, Placed
+from services.physics.geometry.depth import faces, surface_depth
+from services.physics.geometry.depth import placed as placed_faces
 from services.physics.geometry.pieces import Piece, components
-from services.physics.geometry.shapes import corners
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]
@@ -179,7 +179,7 @@ class Shapes:
 def _way(part: Piece, body: coal.CollisionGeometry, rotation: Array, origin: Array) -> float:
     """The way that would part them [m]."""
     if isinstance(part.shape, coal.BVHModelBase):
-        return _at_surface(part.shape, body, rotation, origin)
+        return surface_depth(part.shape, body, rotation, origin)
     request, result, at = coal.DistanceRequest(), coal.DistanceResult(), coal.Transform3s(rotation, origin)
     return -float(coal.distance(part.shape, coal.Transform3s(), body, at, request, result))
 
@@ -187,12 +187,5 @@ def _way(part: Piece, body: coal.CollisionGeometry, rotation: Array, origin: Arr
 def _deepest(part: Piece, body: coal.CollisionGeometry, rotation: Array, origin: Array) -> float:
     """Depth of the deepest point of either inside the other [m]."""
     if isinstance(part.shape, coal.BVHModelBase):
-        return _at_surface(part.shape, body, rotation, origin)
+        return surface_depth(part.shape, body, rotation, origin)
     return deepest(faces(part.shape), placed_faces(faces(body), rotation, origin))
-
-
-def _at_surface(
-    part: coal.BVHModelBase, body: coal.CollisionGeometry, rotation: Array, origin: Array
-) -> float:
-    """Depth of the deepest point of a part's triangles inside a body [m]."""
-    return surface_depth(corners(part), placed_faces(faces(body), rotation, origin))

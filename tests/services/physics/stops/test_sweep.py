@@ -207,6 +207,22 @@ def test_a_drawer_does_not_pass_a_wall_that_is_a_bent_mesh(tmp_path: Path, bent:
         assert PHYSICS.replay(stands, motion).violations
 
 
+@pytest.mark.parametrize("sections", [16, 128])
+def test_a_drawer_comes_no_deeper_into_a_ring_of_small_triangles_than_into_one_of_large_ones(
+    tmp_path: Path, sections: int
+) -> None:
+    ring = trimesh.creation.torus(0.08, 0.04, major_sections=sections, minor_sections=sections)
+    ring.export(tmp_path / "ring.stl")
+    bent = DRAWER.replace('<box size="{thickness} {thickness} 1"/>', '<mesh filename="ring.stl"/>')
+    (tmp_path / "post.urdf").write_text(bent.format(at=0.3))
+    twin = load_twin(tmp_path / "post.urdf")
+    answer = asked(twin, "drawer")
+    assert not answer.holds
+    assert isinstance(answer.case.final, State)
+    met = 0.3 - 0.12 - 0.009  # the front, whose thickness allows a quarter of it
+    assert answer.case.final[twin.container("drawer").joint] == pytest.approx(met + 0.018 / 4, abs=1e-4)
+
+
 def test_bent_meshes_that_were_fitted_together_slide_on_each_other(tmp_path: Path) -> None:
     board = angle(tmp_path / "front.stl", 0.018, 0.5, 0.02, 0.2)
     urdf = DRAWER.replace('<box size="0.018 0.5 0.2"/>', board).format(at=0.0, thickness=0.1)

@@ -1,0 +1,47 @@
+"""How deep the triangles of a mesh are in a convex body, against a linear programme for each."""
+
+import coal
+import numpy as np
+import pytest
+import trimesh
+from numpy.typing import NDArray
+from scipy.optimize import linprog
+from scipy.spatial.transform import Rotation
+
+from services.physics.geometry.depth import FINE, Faces, faces, placed, surface_depth
+from services.physics.geometry.shapes import Triangles, hull
+
+pytestmark = pytest.mark.oracle
+
+Array = NDArray[np.float64]
+
+
+def deepest_by_programme(corners: Array, body: Faces) -> float:
+    """The most that a point of a triangle, a mean of its corners, may be moved away and stay in the body."""
+    rows = np.column_stack((body.normals @ corners.T, np.ones(len(body.normals))))
+    whole, share = ([[1.0, 1.0, 1.0, 0.0]], [1.0]), [(0, None)] * 3 + [(None, None)]
+    return float(linprog((0, 0, 0, -1), rows, body.offsets, *whole, bounds=share).x[3])
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_triangles_are_as_deep_in_a_hull_as_a_linear_programme_finds(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    shape = hull(rng.normal(scale=0.01, size=(30, 3))) if seed % 2 else coal.Box(0.02, 0.03, 0.01)
+    at = Rotation.random(rng=rng).as_matrix(), rng.normal(scale=0.005, size=3)
+    triangles = rng.normal(size=(20, 3, 3)) * rng.uniform(0.003, 0.1) + at[1]
+    best = [max(deepest_by_programme(each, placed(faces(shape), *at)), 0.0) for each in triangles]
+    assert max(best) > 0
+    for corners, depth in zip(triangles, best, strict=True):
+        found = surface_depth(Triangles(corners, np.array([[0, 1, 2]])), shape, *at)
+        assert depth - 1e-9 <= found + (FINE if found == 0 else 0.0) <= depth + 1.001 * FINE
+    whole = Triangles(triangles.reshape(-1, 3), np.arange(60).reshape(-1, 3))
+    assert surface_depth(whole, shape, *at) == pytest.approx(max(best), abs=1.001 * FINE)
+
+
+def test_a_box_is_as_deep_in_a_ball_of_small_triangles_as_it_is_pushed() -> None:
+    """What coal says of such a mesh is how deep the triangle is that it finds first."""
+    ball = trimesh.creation.icosphere(4, 0.1)
+    mesh = Triangles(np.array(ball.vertices), np.array(ball.faces))
+    for deep in (0.001, 0.01, 0.05):
+        found = surface_depth(mesh, coal.Box(0.2, 0.3, 0.3), np.eye(3), np.array((0.2 - deep, 0.0, 0.0)))
+        assert found == pytest.approx(deep, abs=1.001 * FINE)
