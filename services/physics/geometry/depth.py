@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.physics.geometry.deepest import deepest_point
+from services.physics.geometry.inside import Where, where
 from services.physics.geometry.shapes import corners, hull_of_solid
 
 Array = NDArray[np.float64]
@@ -16,6 +17,7 @@ SIDES = 64  # of the prism about a cylinder: its edges stand out by 0.12 % of th
 DIRECTIONS = 100  # of the polyhedron about what is round
 FINE = 1e-5  # [m] precision of how deep triangles are
 WAITING = 128  # parts of a triangle that wait to be looked at: three of each size, and few sizes above `FINE`
+POINT, STILL = coal.Sphere(1e-9), np.eye(3)
 GOLDEN = np.pi * (3 - np.sqrt(5))
 
 
@@ -94,6 +96,17 @@ def _directions() -> Array:
     z, turn = 1 - 2 * k / DIRECTIONS, GOLDEN * k
     flat = np.sqrt(1 - z**2)
     return np.column_stack((flat * np.cos(turn), flat * np.sin(turn), z))
+
+
+def tip_depth(mesh: coal.BVHModelBase, points: Array) -> float:
+    """How deep the deepest of some points (K, 3) of a mesh's frame is inside it [m]; 0 if none is in it."""
+    box, found = mesh.aabb_local, 0.0
+    for point in points[((points > box.min_) & (points < box.max_)).all(axis=1)]:
+        request, result, at = coal.DistanceRequest(), coal.DistanceResult(), coal.Transform3s(STILL, point)
+        depth = float(coal.distance(mesh, coal.Transform3s(), POINT, at, request, result))
+        if depth > found and where(mesh, point) is Where.INSIDE:
+            found = depth
+    return found
 
 
 def placed(one: Faces, rotation: Array, origin: Array) -> Faces:

@@ -66,11 +66,7 @@ class Piece:
     @cached_property
     def corners(self) -> Array:
         """Points whose hull is the shape, shape (K, 3) [m]; none of what is round or triangles."""
-        if isinstance(self.shape, coal.ConvexBase):
-            return np.array(self.shape.points())
-        if isinstance(self.shape, coal.Box):
-            return np.array(list(product(*np.stack((self.low, self.high), axis=1).tolist())))
-        return np.empty((0, 3))
+        return outline(self.shape) if isinstance(self.shape, coal.ConvexBase | coal.Box) else np.empty((0, 3))
 
 
 def pieces(geometry: Geometry) -> tuple[Piece, ...]:
@@ -151,7 +147,7 @@ def beyond(piece: Piece, way: Array, least: float) -> Piece | None:
         triangles = corners(shape)
         triangles = _clipped(triangles, triangles @ way - least)
         return bent(triangles) if len(triangles) else None
-    points = piece.corners if len(piece.corners) else _outermost(shape)
+    points = piece.corners if len(piece.corners) else outline(shape)
     along = points @ way - least
     if (along > 0).all():
         return piece
@@ -164,8 +160,12 @@ def beyond(piece: Piece, way: Array, least: float) -> Piece | None:
     return Piece(kept.min(axis=0), kept.max(axis=0), partial(hull_of_solid, kept))
 
 
-def _outermost(shape: coal.CollisionGeometry) -> Array:
-    """Points of the surface of what is round, shape (K, 3), whose hull it is nearly [m]."""
+def outline(shape: coal.CollisionGeometry) -> Array:
+    """Points of a convex shape's surface, shape (K, 3), whose hull it is; of what is round nearly [m]."""
+    if isinstance(shape, coal.ConvexBase):
+        return np.array(shape.points())
+    if isinstance(shape, coal.Box):
+        return np.array(list(product((-1.0, 1.0), repeat=3))) * shape.halfSide
     turn = np.linspace(0.0, 2 * np.pi, AROUND, endpoint=False)
     ring = np.stack((np.cos(turn), np.sin(turn), np.zeros(AROUND)), axis=1)
     rise = np.linspace(-np.pi / 2, np.pi / 2, AROUND // 2 + 1)

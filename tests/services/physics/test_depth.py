@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
-from services.physics.geometry.depth import FINE, Faces, faces, placed, surface_depth
+from services.physics.geometry.depth import FINE, Faces, faces, placed, surface_depth, tip_depth
 from services.physics.geometry.shapes import Triangles, hull
 
 pytestmark = pytest.mark.oracle
@@ -45,3 +45,11 @@ def test_a_box_is_as_deep_in_a_ball_of_small_triangles_as_it_is_pushed() -> None
     for deep in (0.001, 0.01, 0.05):
         found = surface_depth(mesh, coal.Box(0.2, 0.3, 0.3), np.eye(3), np.array((0.2 - deep, 0.0, 0.0)))
         assert found == pytest.approx(deep, abs=1.001 * FINE)
+
+
+def test_a_point_is_in_the_wall_of_a_tube_or_in_its_hole() -> None:
+    tube = trimesh.creation.annulus(0.03, 0.05, 0.2, 256)
+    mesh = Triangles(np.array(tube.vertices), np.array(tube.faces))
+    in_wall, in_hole, outside = np.array(((0.042, 0, 0), (0.02, 0, 0), (0.06, 0, 0)))
+    assert tip_depth(mesh, np.array((in_wall, in_hole, outside))) == pytest.approx(0.008, abs=1e-5)
+    assert tip_depth(mesh, np.array((in_hole, outside))) == 0

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from services.embodiment.certify.sweep.depth import deepest
 from services.embodiment.certify.sweep.kinematics import Kinematics, Placed
-from services.physics.geometry.depth import faces, surface_depth
+from services.physics.geometry.depth import faces, surface_depth, tip_depth
 from services.physics.geometry.depth import placed as placed_faces
-from services.physics.geometry.pieces import Piece, components
+from services.physics.geometry.pieces import Piece, components, outline
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]
@@ -144,7 +144,7 @@ class Shapes:
         """How deep a convex shape is in a mesh, or the mesh in it [m]; 0 or less where they are apart.
 
         It is as deep as in the deepest of the mesh's parts: in a convex one as in any solid, in another as
-        its surface is.
+        its surface is in the shape, or a corner of the shape in it.
         """
         first = self._is_mesh[pair[0]]
         mesh, convex = pair if first else pair[::-1]
@@ -179,7 +179,7 @@ class Shapes:
 def _way(part: Piece, body: coal.CollisionGeometry, rotation: Array, origin: Array) -> float:
     """The way that would part them [m]."""
     if isinstance(part.shape, coal.BVHModelBase):
-        return surface_depth(part.shape, body, rotation, origin)
+        return _in_bent(part.shape, body, rotation, origin)
     request, result, at = coal.DistanceRequest(), coal.DistanceResult(), coal.Transform3s(rotation, origin)
     return -float(coal.distance(part.shape, coal.Transform3s(), body, at, request, result))
 
@@ -187,5 +187,11 @@ def _way(part: Piece, body: coal.CollisionGeometry, rotation: Array, origin: Arr
 def _deepest(part: Piece, body: coal.CollisionGeometry, rotation: Array, origin: Array) -> float:
     """Depth of the deepest point of either inside the other [m]."""
     if isinstance(part.shape, coal.BVHModelBase):
-        return surface_depth(part.shape, body, rotation, origin)
+        return _in_bent(part.shape, body, rotation, origin)
     return deepest(faces(part.shape), placed_faces(faces(body), rotation, origin))
+
+
+def _in_bent(part: coal.BVHModelBase, body: coal.CollisionGeometry, rotation: Array, origin: Array) -> float:
+    """The same of a part that is not convex, for points of its surface and corners of the body."""
+    tips = outline(body) @ rotation.T + origin
+    return max(surface_depth(part, body, rotation, origin), tip_depth(part, tips))
