@@ -1,6 +1,6 @@
 """What the relations need of the world, as Protocols; `services` fulfils them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
@@ -16,6 +16,15 @@ LET_GO = "force that may move it when let go"
 
 RESTLESS = "containers that may move by themselves"
 """Name of a figure of Replayed: so many that nobody holds are not sure to stay where the state has them."""
+
+UNCHECKED = "not checked to stay: "
+"""How figures of Replayed are called, each ending with a container's name, that tell of what moves by a force
+that nobody knows: a container which nobody holds, taken to stay where the state has it."""
+
+
+def not_checked(figures: Mapping[str, tuple[float, str]]) -> tuple[str, ...]:
+    """Names of the containers of which figures tell that nobody checked whether they stay."""
+    return tuple(name.removeprefix(UNCHECKED) for name in figures if name.startswith(UNCHECKED))
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,22 +30,25 @@ class Leg:
             them, and wherever a container begins or ceases to be open, closed or at a limit: from one
             sample of it to the next each joint only rises or only falls. What a joint reaches, it
             therefore reaches at one of these samples, and what happens earlier is at an earlier one.
+        not_checked: Names of containers that the trajectory has where they were, and of which nobody
+            checked whether they stay there; of those that move together, one.
     """
 
     number: int
     twin: Twin
     motion: BodyMotion
     trajectory: Trajectory
+    not_checked: tuple[str, ...] = ()
 
     @staticmethod
-    def of(number: int, twin: Twin, motion: BodyMotion) -> "Leg":
+    def of(number: int, twin: Twin, motion: BodyMotion, not_checked: tuple[str, ...] = ()) -> "Leg":
         """The leg of a body motion that says how the kitchen's joints move."""
         spline = Cubic(motion.times, motion.kitchen_q, motion.kitchen_v)
         times = _with_crossings(twin, motion.kitchen_joints, spline)
         held = [int(np.searchsorted(times, float(motion.times[sample]))) for sample in held_from(motion)]
         grasp = Grasp(motion.robot, held[0]) if held else None
         trajectory = Trajectory(motion.kitchen_joints, times, spline.at(times), grasp, tuple(held[1:]))
-        return Leg(number, twin, motion, trajectory)
+        return Leg(number, twin, motion, trajectory, not_checked)
 
     def positions(self, container: Container) -> Array:
         """The container's own joint at each sample of the trajectory, shape (T,) [rad or m]."""

@@ -26,9 +26,9 @@ from predicates.specification.model import (
     Rule,
     StaysClosed,
 )
-from sdt_kg.iri import Iri, local_name
+from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.state import State
-from sdt_kg.twin import Container
+from sdt_kg.twin import Container, Twin
 
 ROUNDING: Final = 1e-9
 """[rad or m] How far beyond a bound a position may be by rounding."""
@@ -121,6 +121,12 @@ def at_the_end(rule: Rule) -> bool:
 
 def checked(rule: Rule, legs: Sequence[Leg], clearance: Clearance, queries: Queries) -> RuleAnswer:
     """What becomes of a rule under the motions of one step or more, in order."""
+    found = _of_motions(rule, legs, clearance, queries)
+    return (_in_doubt(rule, legs, found.how) if found.standing is Standing.KEPT else None) or found
+
+
+def _of_motions(rule: Rule, legs: Sequence[Leg], clearance: Clearance, queries: Queries) -> RuleAnswer:
+    """What becomes of a rule if nothing moves but what the motions move."""
     match rule:
         case StaysClosed(container):
             return _bounded(rule, container, container.closed_to, legs)
@@ -138,6 +144,49 @@ def first_broken(answers: Sequence[RuleAnswer]) -> RuleAnswer | None:
     """The rule that is broken first; one that is broken only at the end comes last."""
     broken = [each for each in answers if each.standing is Standing.BROKEN]
     return min(broken, key=lambda each: (each.step or 0, each.time or 0.0), default=None)
+
+
+def _in_doubt(rule: Rule, legs: Sequence[Leg], how: str) -> RuleAnswer | None:
+    """That it is not known where something is that the rule is about, for want of a check; None if it is."""
+    for leg in legs:
+        about = _about(rule, leg.twin)
+        names = [
+            name
+            for name in leg.not_checked
+            if about is None or leg.twin.container(name).active_joint in about
+        ]
+        if names:
+            reason = (
+                f"no motion breaks '{text(rule)}', but in step {leg.number} it is not checked, for want of a "
+                f"force model, whether {', '.join(names)} stays where it is"
+            )
+            diagnosis = Diagnosis(Kind.OUT_OF_SCOPE, reason)
+            return RuleAnswer(text(rule), Standing.UNBOUNDED, how, diagnosis, leg.number)
+    return None
+
+
+def _about(rule: Rule, twin: Twin) -> frozenset[Iri] | None:
+    """Active joints on which hangs whether the rule is kept; None: it may be any."""
+    match rule:
+        case StaysClosed(container) | NeverBeyond(container, _):
+            return frozenset({container.active_joint})
+        case OpensBefore(first, then):
+            return frozenset({first.active_joint, then.active_joint})
+        case KeepsDistance(body):
+            return _above(twin, body)
+        case QueryRule():
+            return None
+
+
+def _above(twin: Twin, body: Iri) -> frozenset[Iri]:
+    """Active joints of all that carries a body of the kitchen."""
+    mechanism, followers = twin.mechanism(twin.environment), twin.entities.coupling.followers
+    carrying, name, found = {each.child: each for each in mechanism.joints}, local_name(body), set[Iri]()
+    while name in carrying:
+        joint = joint_iri(mechanism.name, carrying[name].name)
+        found.add(followers[joint].active if joint in followers else joint)
+        name = carrying[name].parent
+    return frozenset(found)
 
 
 def _bounded(rule: Rule, container: Container, bound: float, legs: Sequence[Leg]) -> RuleAnswer:

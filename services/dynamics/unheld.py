@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from predicates.case import Diagnosis, Evidence, Quantity
-from predicates.oracle import RESTLESS
+from predicates.oracle import RESTLESS, UNCHECKED
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri
 from sdt_kg.twin import Container, Twin
@@ -22,7 +22,7 @@ class Unheld:
     Attributes:
         diagnoses: Abstentions about those that hang on what moves, or rest for no value.
         notes: About others in doubt.
-        figures: How many of these may move, if any may.
+        figures: How many of these may move, if any may; and each of which that was not checked.
     """
 
     diagnoses: tuple[Diagnosis, ...]
@@ -59,6 +59,7 @@ def unheld(model: Model, twin: Twin, container: Container, mechanics: Mechanics)
         elif not rest.stays:
             doubtful.append(each.name)
     figures = {RESTLESS: (float(len(doubtful)), "1")} if doubtful else {}
+    figures |= {UNCHECKED + name: (1.0, "1") for name in unknown}
     return Unheld(tuple(diagnoses), tuple(_notes(doubtful, unknown)), figures)
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from predicates.case import Answer, Case, Diagnosis, Kind, Outcome, Verdict
-from predicates.oracle import LET_GO, RESTLESS
+from predicates.oracle import LET_GO, RESTLESS, not_checked
 from predicates.specification.leg import Leg
 from predicates.specification.model import KeepsDistance, Rule, Specification
 from predicates.specification.quality import better, measured, total
@@ -94,9 +94,8 @@ class _Run:
         if best.leg is None:
             return Taken(best.verdict.outcome)
         self._answers = best.answers
-        final, caused = best.verdict.case.final, best.verdict.causes
+        final, figures = best.verdict.case.final, _caused(best.verdict)
         assert isinstance(final, State), "what is certified has a final state"
-        figures = {} if caused is None else caused.figures
         return Taken(best.verdict.outcome, best.leg, final, LET_GO in figures, RESTLESS in figures)
 
     def _tried(self, request: Request, seed: int) -> "_Try":
@@ -122,7 +121,7 @@ class _Run:
         body = verdict.case.body_motion
         if verdict.outcome is not Outcome.CERTIFIED or not isinstance(body, BodyMotion):
             return None
-        return Leg.of(len(self.steps) + 1, self.walk.twin, body)
+        return Leg.of(len(self.steps) + 1, self.walk.twin, body, not_checked(_caused(verdict)))
 
     def _checked(self, rules: Sequence[Rule], legs: Sequence[Leg]) -> list[RuleAnswer]:
         return [checked(rule, legs, self._clearance, self._queries) for rule in rules]
@@ -184,3 +183,8 @@ class _Run:
     def _total(self) -> float | None:
         quality = self.specification.quality
         return None if quality is None else total(quality, [step.value for step in self.steps])
+
+
+def _caused(verdict: Verdict) -> dict[str, tuple[float, str]]:
+    """What Φ found in figures."""
+    return {} if verdict.causes is None else verdict.causes.figures

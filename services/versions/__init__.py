@@ -9,7 +9,7 @@ from functools import cache
 from importlib.metadata import version
 
 KINEMATICS_VERSION = "18"
-DYNAMICS_VERSION = "7"
+DYNAMICS_VERSION = "8"
 EMBODIMENT_VERSION = "32"
 BEARING_VERSION = "5"
 """Each is raised whenever an answer of that oracle may change."""

@@ -7,7 +7,7 @@ from itertools import zip_longest
 
 from predicates.case import Answer, Artefact, Case, Outcome
 from predicates.causes import causes
-from predicates.oracle import LET_GO, RESTLESS, Physics
+from predicates.oracle import LET_GO, RESTLESS, Physics, not_checked
 from predicates.questions import unhurried, with_carried
 from predicates.record.inputs import NOT_HASHED, UNKNOWN_INPUT, goal_of, input_hash, state_hash, task_text
 from predicates.record.stored import StoredVerdict
@@ -158,7 +158,7 @@ class _Again:
         certificate = read_certificate(artefact.content)
         self._taken.append((twin, certificate))
         final, figures = _ends(request, twin, certificate, self.physics)
-        leg = Leg.of(number, twin, certificate.motion)
+        leg = Leg.of(number, twin, certificate.motion, not_checked(figures))
         return Taken(verdict.outcome, leg, final, LET_GO in figures, RESTLESS in figures)
 
     def _is_of_other(

@@ -1,18 +1,23 @@
 """Tasks relative to D_artic_dyn: what moves when it is let go, and what the intervals leave open."""
 
+import pyoxigraph as ox
 import pytest
 
 from predicates.case import Kind, Outcome
 from predicates.oracle import Embodiment, Physics
 from predicates.specification.read import read_specification
+from predicates.specification.rules import Standing
+from sdt_kg.entities import Replacement
 from sdt_kg.twin import Twin
 from services.app import Policy, Service
+from services.dynamics.data import HAS_FORCE_MODEL
 from services.dynamics.oracle import Dynamics
 from services.dynamics.robot.bearing import Bearing
 from services.specifications import TaskResult, achieve_task
 from tests.services.dynamics.forced import HINGE, RUNNERS, edited, forced_twin
 from tests.small.lift import Lift
 
+OVEN = "https://example.org/id/b/joint/oven_door_joint"
 HEAD = "@prefix law: <https://example.org/law#> . @prefix t: <https://example.org/id/t/> ."
 STEP = 't:{0} a law:Task ; law:index {0} ; law:verb law:Open ; law:containerName "{1}" {2} .'
 
@@ -72,6 +77,24 @@ def test_rules_are_not_bounded_while_a_door_that_nobody_holds_may_fall() -> None
     assert "that nobody holds may move by itself in 'open top_drawer'" in diagnosis.reason
     assert run(ajar, DRAWER).outcome is Outcome.CERTIFIED, "it is taken to stay, and the verdict says so"
     assert run(twin, DRAWER, keeps=keeps).outcome is Outcome.CERTIFIED, "closed, it stays"
+
+
+def test_a_rule_about_a_container_without_a_force_model_is_not_told_as_kept() -> None:
+    only_drawer = Replacement(
+        forced_twin().environment,
+        frozenset({(OVEN, HAS_FORCE_MODEL, ox.NamedNode(HINGE))}),
+        frozenset(),
+        "the oven's force model is not known",
+    )
+    twin = forced_twin(("pr2",)).rewritten(only_drawer)
+    found = run(twin, DRAWER, keeps='law:containerName "oven_door" ; law:limitPosition 1.4')
+    assert (found.outcome, found.steps[0].verdict.outcome) == (Outcome.ABSTAINED, Outcome.CERTIFIED)
+    assert [(each.standing, each.step) for each in found.rules] == [(Standing.UNBOUNDED, 1)]
+    (diagnosis,) = found.diagnoses
+    assert (diagnosis.kind, diagnosis.proof) == (Kind.OUT_OF_SCOPE, False)
+    assert "it is not checked, for want of a force model, whether oven_door stays" in diagnosis.reason
+    own = run(twin, DRAWER, keeps='law:containerName "top_drawer" ; law:limitPosition 0.5')
+    assert own.outcome is Outcome.CERTIFIED, "what the step moves is known"
 
 
 def test_a_step_to_a_position_abstains_where_the_law_does() -> None:
