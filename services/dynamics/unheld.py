@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from predicates.case import Diagnosis, Evidence, Quantity
 from predicates.oracle import RESTLESS, UNCHECKED
 from sdt_kg.errors import OracleRejectedError
-from sdt_kg.iri import Iri
+from sdt_kg.iri import Iri, local_name
 from sdt_kg.twin import Container, Twin
 from services.dynamics.judge import inside, left_open, pull, way
 from services.dynamics.model import Mechanics
 from services.dynamics.parameters import mechanics_of
 from services.dynamics.rest import at_rest
-from services.physics.tree import Model
+from services.physics.tree import UNIVERSE, Model
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,8 @@ def unheld(model: Model, twin: Twin, container: Container, mechanics: Mechanics)
             doubtful.append(each.name)
     figures = {RESTLESS: (float(len(doubtful)), "1")} if doubtful else {}
     figures |= {UNCHECKED + name: (1.0, "1") for name in unknown}
-    return Unheld(tuple(diagnoses), tuple(_notes(doubtful, unknown)), figures)
+    notes = (*_notes(doubtful, unknown), *_stiff(model, twin, container, mechanics))
+    return Unheld(tuple(diagnoses), notes, figures)
 
 
 def _alone(twin: Twin, container: Container) -> Iterator[Container]:
@@ -77,6 +78,25 @@ def _carried(model: Model, mechanics: Mechanics) -> set[Iri]:
     own = [each.mechanics.joint for each in mechanics.moving]
     below = {k for joint in own for k in model.model.subtrees[model.model.getJointId(joint)]}
     return {model.model.names[k] for k in below} - {*own}
+
+
+def _stiff(model: Model, twin: Twin, container: Container, mechanics: Mechanics) -> Iterator[str]:
+    """Joints taken to be still: those that hang on the container and are none, those that it hangs on."""
+    counted = {each.joint for each in twin.containers()}
+    own = {each.mechanics.joint for each in mechanics.moving}
+    hanging = sorted(map(local_name, _carried(model, mechanics) - counted))
+    if hanging:
+        yield (
+            f"taken to be rigid with {container.name}, though no force model says what drives them as it "
+            f"moves: {', '.join(hanging)}"
+        )
+    above = {k for joint in own for k in model.model.supports[model.model.getJointId(joint)]} - {UNIVERSE}
+    carrying = sorted(local_name(each) for each in {model.model.names[k] for k in above} - own)
+    if carrying:
+        yield (
+            f"taken not to move under the force on {container.name}, which hangs on them: "
+            f"{', '.join(carrying)}"
+        )
 
 
 def _notes(doubtful: list[str], unknown: list[str]) -> Iterator[str]:

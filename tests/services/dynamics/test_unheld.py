@@ -47,6 +47,41 @@ def test_a_door_that_only_some_values_move_is_told_of() -> None:
     assert not any("may move" in each for each in closed.notes)
 
 
+KNOB = (
+    '<link name="knob"><collision><geometry><box size="0.03 0.03 0.03"/></geometry></collision></link>'
+    '<joint name="knob_joint" type="revolute"><parent link="left_leaf"/><child link="knob"/>'
+    '<origin xyz="-0.03 -0.2 0"/><axis xyz="1 0 0"/>'
+    '<limit lower="0" upper="1" velocity="1" effort="1"/></joint></robot>'
+)
+
+
+def test_joints_that_are_taken_to_be_rigid_with_what_moves_or_not_to_move_under_it_are_told(
+    tmp_path: Path,
+) -> None:
+    text = (HERE / "pair.urdf").read_text().replace("</robot>", KNOB)
+    (tmp_path / "pair.urdf").write_text(
+        text.replace(
+            '<joint name="wall_joint" type="fixed">', '<joint name="wall_joint" type="prismatic">'
+        ).replace('<origin xyz="2 0 0"/></joint>', '<origin xyz="2 0 0"/>' + SLIDES + "</joint>", 1)
+    )
+    twin = with_forces(load_twin(tmp_path / "pair.urdf"), HERE / "pair_forces.ttl")
+    notes = dict[str, str]()
+    for name in ("left_leaf", "upper_drawer"):
+        (verdict,) = law(Case(twin, task=Task(Verb.OPEN, twin.container(name).iri)), Dynamics())
+        assert verdict.causes is not None
+        notes[name] = "\n".join(verdict.causes.notes)
+    assert "taken to be rigid with left_leaf" in notes["left_leaf"]
+    assert "as it moves: knob_joint" in notes["left_leaf"]
+    assert (
+        "taken not to move under the force on left_leaf, which hangs on them: wall_joint"
+        in notes["left_leaf"]
+    )
+    assert "taken to be rigid" not in notes["upper_drawer"]
+
+
+SLIDES = '<axis xyz="1 0 0"/><limit lower="0" upper="0.1" velocity="1" effort="1"/>'
+
+
 @pytest.fixture
 def tilting(tmp_path: Path) -> Twin:
     """A leaf that folds down, and on it a drawer with a friction of 4 to 8 N."""
