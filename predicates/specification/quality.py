@@ -8,6 +8,7 @@ import numpy as np
 from predicates.case import Answer
 from predicates.specification.cubic import Array, Cubic
 from predicates.specification.model import Quality
+from sdt_kg.mechanism import Mechanism
 from sdt_kg.motion import BodyMotion
 
 UNITS: Final = {
@@ -57,6 +58,12 @@ def measured(
     if quality is Quality.PATH_LENGTH:
         return float(np.abs(np.diff(joints.at(joints.refined()), axis=0)).sum())
     return _way(motion.times, base)
+
+
+def unweighed(robot: Mechanism) -> tuple[str, ...]:
+    """Bodies that have a shape and no mass in the robot's model: WORK knows nothing of what they weigh."""
+    bodies = (each for each in robot.bodies if each.collision)
+    return tuple(sorted(each.name for each in bodies if each.inertia is None or each.inertia.mass <= 0))
 
 
 def total(quality: Quality, values: Sequence[float | None]) -> float | None:

@@ -4,7 +4,8 @@ from typing import Any
 
 from predicates.case import Outcome
 from predicates.record import diagnosis_json, to_json
-from predicates.specification.quality import UNITS
+from predicates.specification.model import Quality
+from predicates.specification.quality import UNITS, unweighed
 from predicates.specification.result import StepResult, TaskResult
 from predicates.specification.rules import RuleAnswer
 from sdt_kg.iri import local_name
@@ -31,6 +32,7 @@ def result_json(result: TaskResult) -> Json:
     every = any(each.container is None for each in result.specification.steps)
     if every and result.of > 1 and result.outcome is Outcome.NOT_CERTIFIED:
         notes.append(ORDER)
+    notes += _unweighed(result)
     return {
         "task": result.specification.label,
         "iri": result.specification.iri,
@@ -48,6 +50,18 @@ def result_json(result: TaskResult) -> Json:
         "notes": [*notes, *([NOMINAL] if result.rules else [])],
         "seconds": round(result.seconds, 3),
     }
+
+
+def _unweighed(result: TaskResult) -> list[str]:
+    """That J, where it is work, knows nothing of what some bodies weigh."""
+    robot = result.case.robot
+    if result.specification.quality is not Quality.WORK or not isinstance(robot, str):
+        return []
+    names = unweighed(result.case.twin.mechanism(robot))
+    if not names:
+        return []
+    so = "it has no value" if result.value is None else "they count as weightless in it"
+    return [f"mechanical work: the robot's model gives no mass of {', '.join(names)}: {so}"]
 
 
 def _step_json(step: StepResult) -> Json:

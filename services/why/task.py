@@ -120,6 +120,8 @@ def _quality(iri: Iri, facts: Facts) -> Iterator[str]:
     if by is not None:
         said = "no value" if value is None else with_unit(value, facts.needed(iri, LAW + "unit"))
         yield f"J = {local_name(by)}: {said}, of the best found, step by step; not the optimum"
+        if local_name(by) == "MechanicalWork":
+            yield "bodies of which the robot's model gives no mass count as weightless in it"
 
 
 def _again(iri: Iri, steps: list[Iri], facts: Facts) -> Iterator[str]:

@@ -8,6 +8,7 @@ What a joint gives back is not credited. By quadrature: |·| has kinks.
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
+from predicates.specification.quality import unweighed
 from sdt_kg.motion import BodyMotion
 from services.embodiment.certify.motion import whole_motion
 from services.embodiment.certify.tolerances import Tolerances
@@ -18,10 +19,13 @@ NODES = 8
 
 
 def mechanical_work(scene: Scene, motion: BodyMotion) -> float | None:
-    """[J] Work of joints and base; None where the mass of a body of the base is not known."""
-    bodies = scene.robot.mechanism.bodies
-    unknown = {body.name for body in bodies if body.collision and body.inertia is None}
-    if _carried_with(scene, scene.annotation.base_body) & unknown:
+    """[J] Work of joints and base.
+
+    Bodies without mass count as 0 (`predicates.specification.quality.unweighed` names them). None where
+    one of these is of the base, or all that has a shape of what a joint moves as one.
+    """
+    unknown = {*unweighed(scene.robot.mechanism)}
+    if any(_weighs_nothing(group, unknown, scene) for group in _rigid(scene)):
         return None
     pieces, _ = whole_motion(scene, motion, Tolerances())
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
@@ -38,7 +42,17 @@ def mechanical_work(scene: Scene, motion: BodyMotion) -> float | None:
     return float((powers * np.tile(weights / 2, count) * pieces.duration[which]).sum())
 
 
-def _carried_with(scene: Scene, body: str) -> set[str]:
-    """Bodies that are rigid with one."""
-    joint, _ = scene.robot.attached[body]
-    return {name for name, (other, _) in scene.robot.attached.items() if other == joint}
+def _rigid(scene: Scene) -> list[set[str]]:
+    """Bodies that are rigid with one another."""
+    found = dict[int, set[str]]()
+    for name, (joint, _) in scene.robot.attached.items():
+        found.setdefault(joint, set()).add(name)
+    return list(found.values())
+
+
+def _weighs_nothing(group: set[str], unknown: set[str], scene: Scene) -> bool:
+    """Whether a part of the base, or all that has a shape of what else moves as one, has no known mass."""
+    if scene.annotation.base_body in group:
+        return bool(group & unknown)
+    shaped = {each.name for each in scene.robot.mechanism.bodies if each.collision}
+    return bool(group & unknown) and group & shaped <= unknown

@@ -232,6 +232,15 @@ def test_a_real_robot_that_holds_a_handle_is_near_to_it(sdt, tmp_path: Path) -> 
 
 
 @pytest.mark.oracle
+def test_work_names_bodies_whose_mass_nobody_knows(sdt) -> None:
+    done = sdt("task", "open_drawer_with_little_work", "--kitchen", "b", "--robot", "pr2", "--json")
+    assert (done.code, done.json["outcome"]) == (0, "certified"), done.json
+    assert done.json["quality"]["value"] > 0
+    (note,) = (each for each in done.json["notes"] if each.startswith("mechanical work"))
+    assert note.endswith("no mass of l_force_torque_link: they count as weightless in it")
+
+
+@pytest.mark.oracle
 def test_a_robot_is_near_to_the_mat_on_which_it_stands(sdt, tmp_path: Path) -> None:
     text = (Path(__file__).parents[1] / "dynamics" / "pair.urdf").read_text()
     mat = """<link name="mat"><collision><geometry><box size="6 6 0.02"/></geometry></collision></link>

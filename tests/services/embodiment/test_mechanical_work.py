@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from predicates.specification.quality import unweighed
+from sdt_kg.iri import body_iri
 from sdt_kg.motion import BodyMotion
 from services.app import load
 from services.embodiment.certify.work import mechanical_work
@@ -46,3 +48,13 @@ def test_a_robot_whose_base_has_no_mass_in_its_model_has_no_value(scenes: dict[s
         scene.robot_iri, "", ("joint_lift",), times, still, np.array([[0.2], [0.3]]), np.zeros((2, 1)), still
     )
     assert mechanical_work(scene, motion) is None
+
+
+def test_a_sensor_without_mass_is_named_and_a_joint_that_moves_nothing_but_such_has_no_value(
+    scenes: dict[str, Scene],
+) -> None:
+    scene = scenes["pr2"]
+    assert unweighed(scene.robot.mechanism) == ("l_force_torque_link",)
+    twin = scene.twin.with_edit(body_iri("pr2", "l_wrist_flex_link") + "/inertia", mass=0.0)
+    assert unweighed(twin.mechanism(scene.robot_iri)) == ("l_force_torque_link", "l_wrist_flex_link")
+    assert mechanical_work(Scene(twin, scene.robot_iri), lifted(scene, 1.0)) is None
