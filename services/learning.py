@@ -203,13 +203,20 @@ def together_in(
 def together_triples(
     twin: Twin, tracks: tuple[Learned, Learned], found: SeenTogether
 ) -> tuple[Key, list[Triple]]:
-    """Φ′ of the coupling in RDF, and of each joint that was learned before it."""
+    """Φ′ of the coupling in RDF, of each joint that was learned before it, and of what held either."""
     triples = list(following_triples(twin, tracks, found.following))
-    for proposal in found.proposals:
-        learned = tracks[0] if proposal.container.iri == found.following.leader.iri else tracks[1]
-        triples += learned_triples(twin, proposal.container, learned.track, proposal.learned)
-        triples += proposal_triples(Key.of(twin, proposal.container, learned.track).iri, proposal)
+    proposed = {each.container.iri: each for each in found.proposals}
+    for learned, seen in zip(tracks, (found.first, found.second), strict=True):
+        proposal, phase = proposed.get(seen.followed.container.iri), held_by(learned)
+        if proposal is not None or isinstance(phase, Latch | PushToOpen):
+            triples += branch_triples(twin, learned, seen, proposal)[1]
     return key_of(twin, tracks, found.following), triples
+
+
+def together_held(tracks: tuple[Learned, Learned], found: SeenTogether) -> Twin:
+    """The twin in which the second follows the first, and each joint says what was seen to hold it."""
+    first = with_held(found.following.twin, found.first, tracks[0])
+    return with_held(first, found.second, tracks[1])
 
 
 def held_by(learned: Learned) -> Latch | PushToOpen | Plain | None:

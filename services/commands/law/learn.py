@@ -37,6 +37,7 @@ from services.learning import (
     placed,
     proposal_for,
     seen_in,
+    together_held,
     together_in,
     together_triples,
     with_held,
@@ -221,7 +222,7 @@ def _coupled(
         )
     if accept:
         path = output or Path(f"{found.following.container.name}.learned.trig")
-        write_branch(path, found.following.twin, *together_triples(service.twin, tracks, found))
+        write_branch(path, together_held(tracks, found), *together_triples(service.twin, tracks, found))
         row["accepted"] = str(path)
     return row
 

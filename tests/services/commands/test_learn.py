@@ -13,7 +13,7 @@ from predicates.case import Case
 from predicates.causes import causes
 from predicates.learn import learn
 from sdt_kg.errors import InputError
-from sdt_kg.iri import LAW
+from sdt_kg.iri import LAW, local_name
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
 from services.app import load
@@ -193,6 +193,36 @@ def test_a_drawer_that_follows_another_is_proposed_and_accepted(tmp_path: Path) 
     high = found.container("high_drawer")
     assert high.active_joint == found.container("low_drawer").joint
     assert high.multiplier == row["coupling_proposal"]["multiplier"]
+
+
+def test_latches_are_kept_of_both_containers_that_move_together(tmp_path: Path) -> None:
+    logged, _ = log("latch", 0)
+    assert logged.forces is not None
+    paths = [str(tmp_path / f"{name}.csv") for name in ("low_drawer", "high_drawer")]
+    for path in paths:
+        track = logged.positions @ TURN.T
+        track += slid(Path(path).stem, 0.0).positions.mean(axis=0) - track[:20].mean(axis=0)
+        np.savetxt(path, np.column_stack([logged.times, track, logged.forces @ TURN.T]))
+    branch = tmp_path / "both.trig"
+    row = run(paths[0], "--kitchen", KITCHEN, "--with", paths[1], "--accept", "-o", str(branch))
+    assert (row["mechanism"]["kind"], row["second"]["mechanism"]["kind"]) == ("latch", "latch")
+    store = ox.Store()
+    store.load(path=str(branch), format=ox.RdfFormat.TRIG)
+    held = f"SELECT ?c ?n WHERE {{ GRAPH ?g {{ ?p <{LAW}breakAwayForce> ?n ; <{LAW}container> ?c }} }}"
+    twin, forces = (
+        Twin.from_quads(store),
+        {each["c"].value: float(each["n"].value) for each in store.query(held)},
+    )  # type: ignore[misc]
+    low, high = (twin.container(name) for name in ("low_drawer", "high_drawer"))
+    assert high.active_joint == low.joint
+    for joint, kept in ((low, row), (high, row["second"])):
+        assert forces[joint.iri] == kept["mechanism"]["force"]
+        (note,) = (
+            each
+            for each in twin.mechanism(twin.environment).joint(local_name(joint.joint)).notes
+            if "to be held by" in each
+        )
+        assert "no verdict counts with it" in note
 
 
 def test_a_drawer_that_is_seen_to_turn_is_no_container_and_the_reason_is_told(tmp_path: Path) -> None:
