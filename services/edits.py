@@ -1,7 +1,7 @@
 """What people type, turned into edits of a twin; and the twin that a name, file or store stands for."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -230,16 +230,35 @@ _MAKERS: Final[dict[str, Callable[[Twin, str, str, str], Edit]]] = {
 
 
 def joint_called(twin: Twin, name: str) -> Iri:
-    """A joint of the kitchen or, as ROBOT/JOINT, of a robot."""
-    model, slash, joint = name.rpartition("/")
+    """A joint of the kitchen or, as ROBOT/JOINT, of a robot; a joint's name may have a / in it itself.
+
+    Raises:
+        UnknownEntityError: There is no such kitchen, robot or joint.
+        InputError: A joint of the kitchen is called as one of a robot is named here.
+    """
     models = {twin.name(each): each for each in (twin.environment, *twin.robots)}
-    owner = model if slash else twin.name(twin.environment)
-    if owner not in models:
-        raise UnknownEntityError("kitchen or robot", owner, models)
-    names = [each.name for each in twin.mechanism(models[owner]).joints]
-    if joint not in names:
-        raise UnknownEntityError("joint", joint, names)
-    return joint_iri(owner, joint)
+    names = {owner: [each.name for each in twin.mechanism(iri).joints] for owner, iri in models.items()}
+    kitchen = twin.name(twin.environment)
+    readings = [(owner, name.removeprefix(f"{owner}/")) for owner in models if name.startswith(f"{owner}/")]
+    found = [(owner, joint) for owner, joint in [(kitchen, name), *readings] if joint in names[owner]]
+    if len(found) > 1:
+        raise InputError(
+            f"'{name}' is a joint of {' and of '.join(owner for owner, _ in found)}",
+            allowed="a name that is one joint's",
+            remedy=f"'{kitchen}/{name}' is the kitchen's; give the other another name in its file",
+        )
+    if not found:
+        raise _no_joint(name, readings[-1] if readings else (kitchen, name), names)
+    return joint_iri(*found[0])
+
+
+def _no_joint(name: str, reading: tuple[str, str], names: Mapping[str, Sequence[str]]) -> UnknownEntityError:
+    """What is not there: the joint, or the model before the /, if no joint is called with one."""
+    owner, joint = reading
+    model, slash, _ = name.partition("/")
+    if slash and model not in names and not any("/" in each for each in names[owner]):
+        return UnknownEntityError("kitchen or robot", model, names)
+    return UnknownEntityError("joint", joint, names[owner])
 
 
 def numbers_of(text: str, counts: tuple[int, ...], whole: str, largest: float = LARGEST) -> list[float]:

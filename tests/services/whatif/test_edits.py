@@ -1,6 +1,7 @@
 """Edits as typed: what is moved is where it is said, different things commute, undoing restores."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from predicates.causes import causes
 from predicates.record.inputs import inputs_of, verdict_iri
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.history import History
-from sdt_kg.iri import body_iri, local_name
+from sdt_kg.iri import body_iri, joint_iri, local_name
+from sdt_kg.load import load_twin
 from sdt_kg.mechanism import JointType, Mechanism
 from sdt_kg.motion import Motion
 from sdt_kg.task import Task, Verb
@@ -21,7 +23,7 @@ from services.app import Policy, Service
 from services.edits import parse_edit
 from services.physics.oracle import Kinematics
 from services.whatif import World, changed, parse_change
-from tests.small import small_twin
+from tests.small import FOLDER, small_twin
 
 TWIN = small_twin("a", ("pr2",))
 WORLD = World(Service(TWIN, Policy()), "pr2")
@@ -222,3 +224,56 @@ def _iri(world: World) -> str:
     service = world.service
     case = service.case(f"open:{TWIN.containers()[0].name}", world.robot_iri)
     return verdict_iri(inputs_of(case, service.physics, service.embodiment))
+
+
+def slashed(tmp_path: Path, *names: str) -> Twin:
+    """Drawers whose joints have these names, and the small robot."""
+    parts = (
+        f"""<link name="drawer_{k}"/><joint name="{name}" type="prismatic">
+          <parent link="room"/><child link="drawer_{k}"/><axis xyz="1 0 0"/>
+          <limit lower="0" upper="0.4" velocity="1" effort="1"/></joint>"""
+        for k, name in enumerate(names)
+    )
+    path = tmp_path / "room.urdf"
+    path.write_text(f'<robot name="room"><link name="room"/>{"".join(parts)}</robot>')
+    return load_twin(path, [FOLDER / "pr2.urdf"])
+
+
+def upper(twin: Twin, model: str, joint: str) -> float:
+    return twin.mechanism(model).joint(joint).limits.upper
+
+
+def test_a_joint_with_a_slash_in_its_name_is_edited(tmp_path: Path) -> None:
+    twin = slashed(tmp_path, "left/rail", "rail")
+    (robot,) = twin.robots
+    own = next(each for each in twin.mechanism(robot).joints if each.type is JointType.PRISMATIC).name
+    for text, model, joint in (
+        ("set:left/rail.upperLimit=0.3", twin.environment, "left/rail"),
+        ("set:room/left/rail.upperLimit=0.3", twin.environment, "left/rail"),
+        ("set:room/rail.upperLimit=0.3", twin.environment, "rail"),
+        (f"set:pr2/{own}.upperLimit=0.3", robot, own),
+    ):
+        assert upper(parse_edit(twin, text).applied(twin), model, joint) == 0.3, text
+        world = World(Service(twin, Policy()), "pr2")
+        after = changed(world, (parse_change(text),)).service.twin
+        assert upper(after, model, joint) == pytest.approx(0.3), text
+    moved = parse_edit(twin, "move:left/rail=0.2").applied(twin)
+    assert moved.state[joint_iri("room", "left/rail")] == 0.2
+
+
+def test_a_name_with_a_slash_that_is_none_or_two_is_told(tmp_path: Path) -> None:
+    twin = slashed(tmp_path, "left/rail", "pr2/lift_joint", "base")
+    own = twin.mechanism(twin.robots[0]).joints[0].name
+    for text, said in (
+        ("set:left/rial.upperLimit=0.3", "no joint named 'left/rial'"),
+        ("set:pr2/nothing.upperLimit=0.3", "no joint named 'nothing'"),
+    ):
+        with pytest.raises(UnknownEntityError, match=said):
+            parse_edit(twin, text)
+    with pytest.raises(UnknownEntityError, match="no kitchen or robot named 'pr3'"):
+        parse_edit(TWIN, f"set:pr3/{own}.upperLimit=0.3")
+    both = slashed(tmp_path, f"pr2/{own}")
+    with pytest.raises(InputError, match=f"'room/pr2/{own}' is the kitchen's"):
+        parse_edit(both, f"set:pr2/{own}.upperLimit=0.3")
+    edited = parse_edit(both, f"set:room/pr2/{own}.upperLimit=0.3").applied(both)
+    assert upper(edited, both.environment, f"pr2/{own}") == 0.3
