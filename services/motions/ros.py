@@ -18,6 +18,7 @@ from sdt_kg.iri import Iri
 from sdt_kg.motion import Array
 from sdt_kg.twin import Twin
 from services.bags import bag_at
+from services.motions.base import check_names, check_plane, planar
 from services.motions.given import Given
 
 JOINTS, POSES = "trajectory_msgs/msg/JointTrajectory", "trajectory_msgs/msg/MultiDOFJointTrajectory"
@@ -32,12 +33,6 @@ BASE_JOINTS = ("base_x", "base_y", "base_yaw")
 CDR = "cdr"
 """How ROS 2 writes messages."""
 NANO = 1e-9
-UPRIGHT = 1e-3
-"""[1] How far x and y of a base's quaternion, and its norm, may be from those of a turn about z."""
-
-FLAT = 1e-3
-"""[m, m/s or rad/s] How far a base may rise, and how fast leave the plane."""
-
 SAME_TIME = 1e-6  # [s]
 ALLOWED = f"messages of {JOINTS}, with the base as {POSES} or as joints {', '.join(BASE_JOINTS)}"
 
@@ -51,8 +46,11 @@ def read_bag(path: Path, twin: Twin, robot: Iri | None) -> Given:
         InputError: The library for bags is not installed.
         MotionError: No bag, no trajectory, no base, or parts that do not fit together.
     """
+    robot = twin.robots[0] if robot is None and len(twin.robots) == 1 else robot
     joints, poses = _messages(path)
     _check_stamps([*joints, *poses])
+    for topic, message in poses:
+        check_names(topic, message.joint_names, twin, robot)
     times = _times(joints[0][1].points, joints[0][0])
     columns: dict[str, Array] = {}
     speeds: dict[str, Array] = {}
@@ -240,27 +238,13 @@ def _base(
         if len(point.transforms) != 1:
             said = f"point {k} of {topic} has {len(point.transforms)} transforms"
             raise MotionError(said, allowed="1, of the base")
-    base = np.array([_planar(k, point.transforms[0]) for k, point in enumerate(message.points)])
+    base = np.array([planar(k, point.transforms[0]) for k, point in enumerate(message.points)])
     base[:, 2] = np.unwrap(base[:, 2])
     turning = _has_velocities(topic, message.points, 1)
     twists = [point.velocities[0] for point in message.points] if turning else []
-    _check_plane(topic, [point.transforms[0].translation.z for point in message.points], twists)
+    check_plane(topic, [point.transforms[0].translation.z for point in message.points], twists)
     rates = np.array([(each.linear.x, each.linear.y, each.angular.z) for each in twists])
     return _framed(base, rates if turning else None, message.header.frame_id)
-
-
-def _check_plane(topic: str, heights: list[float], twists: list[Message]) -> None:
-    """The base stays in its plane: only what is in it is read."""
-    for k, height in enumerate(heights):
-        if not abs(height - heights[0]) <= FLAT:
-            said = f"z of the base is {height:.6g} m at point {k} of {topic}"
-            raise MotionError(said, allowed=f"{heights[0]:.6g} m, as at point 0: a base moves in the plane")
-    for k, each in enumerate(twists):
-        out = {"linear z": each.linear.z, "angular x": each.angular.x, "angular y": each.angular.y}
-        for name, speed in out.items():
-            if not abs(speed) <= FLAT:
-                said = f"{name} of the base's velocity is {speed:.6g} at point {k} of {topic}"
-                raise MotionError(said, allowed="0: a base moves in the plane, by linear x, y and angular z")
 
 
 def _framed(base: Array, rates: Array | None, frame: str) -> dict[str, np.ndarray]:
@@ -268,20 +252,10 @@ def _framed(base: Array, rates: Array | None, frame: str) -> dict[str, np.ndarra
     return arrays if rates is None else arrays | {"base_velocities": rates}
 
 
-def _planar(k: int, transform: Message) -> tuple[float, float, float]:
-    """x, y, yaw of a transform that only moves in the plane and turns about z."""
-    at, turn = transform.translation, transform.rotation
-    norm = float(np.linalg.norm((turn.x, turn.y, turn.z, turn.w)))
-    if abs(norm - 1) > UPRIGHT or max(abs(turn.x), abs(turn.y)) > UPRIGHT:
-        raise MotionError(f"the base is tilted at point {k}", allowed="a unit quaternion about z")
-    return at.x, at.y, 2 * float(np.arctan2(turn.z, turn.w))
-
-
 def _split(
     columns: dict[str, Array], speeds: dict[str, Array], twin: Twin, robot: Iri | None
 ) -> dict[str, np.ndarray]:
     """Joints of the robot and of the kitchen, by their names."""
-    robot = twin.robots[0] if robot is None and len(twin.robots) == 1 else robot
     own = set() if robot is None else {joint.name for joint in twin.mechanism(robot).joints}
     kitchen = {joint.name for joint in twin.mechanism(twin.environment).joints} - own
     groups = {

@@ -96,6 +96,7 @@ def bag(
     later: int = 0,
     placed: int = 1,
     others: Sequence[tuple[str, object]] = (),
+    of: str = "world_joint",
     compression: object = None,
 ) -> Path:
     """ARRAYS as a bag, the first points of which have the velocities SPEEDS."""
@@ -150,7 +151,7 @@ def bag(
             )
         ]
         begins = kinds["Header"](kinds["Time"](later, 0), frame)
-        messages.append(("/base", kinds["MultiDOFJointTrajectory"](begins, ["world_joint"], poses)))
+        messages.append(("/base", kinds["MultiDOFJointTrajectory"](begins, [of], poses)))
     parts = {
         "joints of another": [("/base", "odom", slice(3))],
         "yaw of another": [("/at", frame, slice(2)), ("/base", "odom", slice(2, 3))],
@@ -214,6 +215,14 @@ def test_a_bag_says_the_same(tmp_path: Path, base: str, speeds: dict[str, np.nda
         same(motion_of(ARRAYS | speeds, TWIN, PR2), read_motion(path, TWIN, PR2), tolerance=1e-12)
 
 
+@pytest.mark.parametrize("of", ["", "virtual_joint", "base"])
+def test_the_joint_of_a_bags_transforms_may_be_called_as_the_base_is_or_as_nothing_is(
+    tmp_path: Path, of: str
+) -> None:
+    path = bag(tmp_path, base="transforms", of=of)
+    same(motion_of(ARRAYS, TWIN, PR2), read_motion(path, TWIN, PR2), tolerance=1e-12)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -232,6 +241,14 @@ def test_a_bag_says_the_same(tmp_path: Path, base: str, speeds: dict[str, np.nda
         (
             {"base": "transforms", "later": 3},
             "/base begins at 3.0* s by .*; allowed: 0.0* s, as that of /arm",
+        ),
+        (
+            {"base": "transforms", "of": "lift_joint"},
+            "of 'lift_joint', which is a part of pr2 and not",
+        ),
+        (
+            {"base": "transforms", "of": "low_drawer"},
+            "of 'low_drawer', which is in the kitchen and",
         ),
         ({"frame": "odom"}, "bag: .* frame 'odom'; allowed: .*world"),
         ({"base": "joints of another"}, "bag: .* frame 'odom'; allowed: .*world"),
