@@ -14,6 +14,7 @@ DRIVE = "drive: "
 """How the note begins that says how the base moves."""
 START = "start: "
 """How the note begins that says where the robot starts."""
+GIVEN = "the body motion was given; it was only checked"
 
 
 def held_by(container: Container, held: Container) -> tuple[str, ...]:

@@ -26,7 +26,7 @@ from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
 from services.embodiment.floor import aloft, check_base, check_start
-from services.embodiment.handles import DRIVE, START, held_by, refused
+from services.embodiment.handles import DRIVE, GIVEN, START, held_by, refused
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.sets import grasp_settings
 from services.embodiment.hopeless import hopeless
@@ -227,7 +227,7 @@ class WholeBody:
             in_full=True,
         )
         clock.spent("certify", at)
-        notes = (DRIVE + drive.value, "the body motion was given; it was only checked")
+        notes = (DRIVE + drive.value, GIVEN)
         notes += (START + ANY_START,) if self.any_start else ()
         notes += (*self.tolerances.notes, *_of_models(world.scene))
         parked = left_out(world.scene, case.body_motion)

@@ -37,6 +37,7 @@ from services.embodiment.recheck.models import (
     check_class,
 )
 from services.embodiment.recheck.proofs import about, proof_again
+from services.embodiment.recheck.words import words_differ
 from services.physics.oracle import Kinematics
 
 
@@ -188,6 +189,9 @@ def _certify_again(  # noqa: PLR0913, PLR0917 - one trial
         )
     trial.notes += [*_notes(checker, stored, physics), *_refused(stored)]
     trial.notes += _said_otherwise(certificate.nearest, performed.notes)
+    if stored is not None:
+        same = dict(stored.inputs).get("physics") == physics.version
+        trial.notes += words_differ(stored, answers, twin, certificate.robot, same=same)
 
 
 def _judged_again(

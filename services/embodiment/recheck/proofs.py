@@ -27,6 +27,7 @@ from services.embodiment.proof_check.written import read_proof
 from services.embodiment.recheck.claim import moved_differs
 from services.embodiment.recheck.embodiment import faces, is_at
 from services.embodiment.recheck.models import TwinOf, at_hand, models_differ
+from services.embodiment.recheck.words import words_beside_proof
 
 ROUNDING = 1e-9  # [rad or m] of a goal's middle
 
@@ -54,6 +55,8 @@ def proof_again(content: bytes, twin_of: TwinOf, stored: StoredVerdict | None) -
             reasons += _policy_differs(dict(stored.inputs), one, twin, held)
     notes = [source, checked.statement, *checked.assumptions]
     notes += [f"boxes refuted one by one: {checked.leaves}"] if checked.leaves else []
+    if stored is not None:
+        notes += words_beside_proof(stored, twin, robot)
     return reasons, [*notes, *_notes(stored)]
 
 

@@ -76,6 +76,30 @@ def test_what_a_record_says_that_its_certificate_does_not_is_found(
     assert said in "; ".join(found.reasons)
 
 
+def without_note(beginning: str) -> Change:
+    """The verdict no more has the notes that begin so."""
+
+    def change(store: ox.Store) -> None:
+        for quad in list(store.quads_for_pattern(None, ox.NamedNode(LAW + "note"), None)):
+            if isinstance(quad.object, ox.Literal) and quad.object.value.startswith(beginning):
+                store.remove(quad)
+
+    return change
+
+
+def test_what_a_record_says_in_words_is_compared_with_what_is_found_again(kept: Kept, tmp_path: Path) -> None:
+    whole = changed(kept, tmp_path, lambda store: None)
+    assert whole.holds
+    assert whole.notes == ("models of the saved graphs",)
+    found = changed(kept, tmp_path, without_note("nearest (handle)"))
+    assert found.holds, "words decide nothing"
+    assert any(each.startswith("the verdict does not note: nearest (handle)") for each in found.notes)
+    boast = adding(("note", ox.Literal("checked on the real robot")))
+    found = changed(kept, tmp_path, boast)
+    (rest,) = (each for each in found.notes if each.startswith("notes of the verdict that were not checked"))
+    assert "checked on the real robot" in rest
+
+
 @pytest.mark.parametrize(
     "change",
     [
