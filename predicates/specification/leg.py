@@ -52,7 +52,7 @@ class Leg:
 
     def positions(self, container: Container) -> Array:
         """The container's own joint at each sample of the trajectory, shape (T,) [rad or m]."""
-        found = own_positions(container, self.trajectory.joints, self.trajectory.positions)
+        found = own_positions(self.twin, container, self.trajectory.joints, self.trajectory.positions)
         if found is None:
             return np.full(len(self.trajectory.times), self.twin.state[container.joint])
         return found
@@ -65,17 +65,22 @@ class Leg:
 def _with_crossings(twin: Twin, joints: tuple[Iri, ...], spline: Cubic) -> Array:
     """Times of samples and extrema, and between them the first at which something has begun or ended."""
     times = spline.refined()
-    crossed = np.sort([each for one in twin.containers() for each in _crossings(one, joints, spline, times)])
+    crossed = np.sort(
+        [each for one in twin.containers() for each in _crossings(twin, one, joints, (spline, times))]
+    )
     apart = np.diff(np.append(crossed, np.inf)) > AT_ONCE
     later = times[np.searchsorted(times, crossed)] - crossed
     return np.union1d(times, crossed[apart & (later > AT_ONCE)])
 
 
-def _crossings(container: Container, joints: tuple[Iri, ...], spline: Cubic, times: Array) -> Iterator[float]:
+def _crossings(
+    twin: Twin, container: Container, joints: tuple[Iri, ...], way: tuple[Cubic, Array]
+) -> Iterator[float]:
     """Times at which what is claimed of a container is another than at the sample before, by halving."""
+    spline, times = way
 
     def so(at: Array) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
-        own = own_positions(container, joints, spline.at(at))
+        own = own_positions(twin, container, joints, spline.at(at))
         return np.zeros((0, len(at)), dtype=bool) if own is None else claims(container, own)
 
     holds = so(times)

@@ -163,8 +163,9 @@ def _knows_no_clock(sparql: str) -> bool:
 
 def _grasps_unknown(leg: Leg) -> bool:
     """Whether it is not told when a handle is held, or which of several that move together."""
-    joints, every = leg.trajectory.joints, leg.twin.containers()
-    active = {each.active_joint for each in every if each.joint in joints or each.active_joint in joints}
+    followers, every = leg.twin.entities.coupling.followers, leg.twin.containers()
+    joints = leg.trajectory.joints
+    active = {followers[joint].active if joint in followers else joint for joint in joints}
     handles = sum(1 + len(each.more_handles) for each in every if each.active_joint in active)
     return leg.trajectory.grasp is None or handles > 1
 

@@ -10,7 +10,7 @@ from predicates.specification.rules import RuleAnswer
 from predicates.specification.step import Request
 from sdt_kg.iri import Iri, task_result_iri
 
-RULES_VERSION = "8"
+RULES_VERSION = "9"
 """Raised whenever the judgement of steps and rules or the choice by J may change."""
 
 

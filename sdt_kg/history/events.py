@@ -94,24 +94,40 @@ def events_along(twin: Twin, trajectory: Trajectory) -> list[Event]:
     """Events of a trajectory that begins in the twin's state, in the order of their samples."""
     found = list(_grasps(twin, trajectory))
     for container in twin.containers():
-        values = own_positions(container, trajectory.joints, trajectory.positions)
+        values = own_positions(twin, container, trajectory.joints, trajectory.positions)
         if values is not None:
             values[0] = twin.state[container.joint]
             found += _changes(container, values, trajectory)
     return sorted(found, key=lambda event: (event.sample or 0, event.about, event.type.value))
 
 
-def own_positions(container: Container, joints: Sequence[Iri], positions: Values) -> Values | None:
+def own_positions(
+    twin: Twin, container: Container, joints: Sequence[Iri], positions: Values
+) -> Values | None:
     """The container's own position at each sample, shape (T,) [rad or m]; None where none of them moves it.
 
     Args:
-        container: Whose joint, or the one that it follows, may be among them.
+        twin: Whose joints move together.
+        container: Whose joint, the one that it follows, or another that follows that, may be among them.
         joints: IRIs of m joints.
         positions: Shape (T, m).
     """
-    if container.active_joint in joints:
-        return container.multiplier * positions[:, joints.index(container.active_joint)] + container.offset
-    return positions[:, joints.index(container.joint)].copy() if container.joint in joints else None
+    if container.joint in joints and container.active_joint not in joints:
+        return positions[:, joints.index(container.joint)].copy()
+    active = _active(twin, container.active_joint, joints, positions)
+    return None if active is None else container.multiplier * active + container.offset
+
+
+def _active(twin: Twin, active: Iri, joints: Sequence[Iri], positions: Values) -> Values | None:
+    """Positions of a joint that others may follow, by its own, else by those of the first that does."""
+    if active in joints:
+        return positions[:, joints.index(active)]
+    followers = twin.entities.coupling.followers
+    for index, joint in enumerate(joints):
+        each = followers.get(joint)
+        if each is not None and each.active == active and each.multiplier != 0:
+            return (positions[:, index] - each.offset) / each.multiplier
+    return None
 
 
 def _changes(container: Container, values: Values, trajectory: Trajectory) -> Iterator[Event]:
@@ -127,7 +143,7 @@ def _grasps(twin: Twin, trajectory: Trajectory) -> Iterator[Event]:
     if grasp is None:
         return
     for container in twin.containers():
-        if container.joint in trajectory.joints or container.active_joint in trajectory.joints:
+        if own_positions(twin, container, trajectory.joints, trajectory.positions) is not None:
             for sample in (grasp.sample, *trajectory.again):
                 time = float(trajectory.times[sample])
                 yield Event(EventType.GRASPED, container.handle, sample, time, grasp.robot)

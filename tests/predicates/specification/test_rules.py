@@ -20,6 +20,7 @@ from predicates.specification.model import (
 )
 from predicates.specification.queries import InGraph
 from predicates.specification.rules import Approach, RuleAnswer, Standing, checked, first_broken
+from sdt_kg.history.events import events_along
 from sdt_kg.history.trajectory import Grasp, Trajectory
 from sdt_kg.iri import Iri
 from sdt_kg.load import load_twin
@@ -86,6 +87,26 @@ def test_a_container_that_follows_another_joint_is_measured_by_its_own() -> None
     assert ask(NeverBeyond(FOLDING, 0.6), turning).standing is Standing.KEPT
     assert ask(NeverBeyond(FOLDING, 0.59), turning).standing is Standing.BROKEN
     assert ask(StaysClosed(FOLDING), turning).standing is Standing.BROKEN
+
+
+def test_what_moves_with_a_follower_that_alone_is_listed_moves(tmp_path: Path) -> None:
+    text = (Path(__file__).parents[2] / "services" / "dynamics" / "pair.urdf").read_text()
+    own = text[text.index('<link name="lower_drawer">') : text.index("</robot>")]
+    third = own.replace("lower_drawer", "third_drawer").replace('multiplier="0.5"', 'multiplier="0.25"')
+    (tmp_path / "pair.urdf").write_text(text.replace("</robot>", third + "</robot>"))
+    twin = load_twin(tmp_path / "pair.urdf")
+    lower, upper, third_drawer = (
+        twin.container(name) for name in ("lower_drawer", "upper_drawer", "third_drawer")
+    )
+    one = leg(1, {lower.joint: ([0.0, 0.1], [0.0, 0.0])}, twin)
+    assert one.positions(upper)[-1] == pytest.approx(0.2)
+    assert one.positions(third_drawer)[-1] == pytest.approx(0.05)
+    for container, bound in ((upper, 0.19), (third_drawer, 0.04)):
+        answer = ask(NeverBeyond(container, bound), one)
+        assert answer.standing is Standing.BROKEN
+        assert answer.diagnosis is not None
+    about = {event.about for event in events_along(twin, one.trajectory)}
+    assert about >= {lower.iri, upper.iri, third_drawer.iri}
 
 
 def test_a_container_that_is_open_at_first_breaks_at_once() -> None:
