@@ -123,15 +123,8 @@ def _generated(case: Case, goal: Region, physics: Physics) -> Answer:
         diagnoses += () if diagnoses else tuple(_left(case, replayed))
         solved = replace(case, motion=replayed.motion, final=replayed.final)
         return Answer(solved, not diagnoses, diagnoses, _notes(case, replayed), figures=replayed.figures)
-    reason = f"the physics found no motion into the goal{_stuck(case, goal)}"
+    reason = "the physics found no motion into the goal"
     return Answer(case, holds=False, diagnoses=(Diagnosis(Kind.CAUSAL, reason),))
-
-
-def _stuck(case: Case, goal: Region) -> str:
-    """That a container moves with what is stuck, in words; empty where none does."""
-    moved = (container for joint, _ in goal.intervals for container in moved_by(case.twin, joint))
-    stuck = [each.name for each in moved if min(each.velocity, each.acceleration) <= 0]
-    return f": {stuck[0]} moves with a joint whose velocity or acceleration limit is 0" if stuck else ""
 
 
 def _notes(case: Case, replayed: Replayed) -> tuple[str, ...]:

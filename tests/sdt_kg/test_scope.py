@@ -41,8 +41,14 @@ def test_a_drawer_is_in_scope(drawer: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
-        ({"velocityLimit": 0.0}, {("slide", "velocityLimit", 0.0, 0)}),
-        ({"velocityLimit": None}, {("slide", "velocityLimit", None, 1)}),
+        (
+            {"velocityLimit": 0.0},
+            {("slide", "velocityLimit", 0.0, 0), ("slide", "effectiveVelocityLimit", 0.0, 0)},
+        ),
+        (
+            {"velocityLimit": None},
+            {("slide", "velocityLimit", None, 1), ("slide", "effectiveVelocityLimit", None, 1)},
+        ),
         ({"accelerationLimit": 1000.0}, {("slide", "accelerationLimit", 1000.0, 100)}),
         (
             {"upperLimit": 4.0},
@@ -104,7 +110,7 @@ def test_kitchen_and_robot_are_looked_at_apart_and_nothing_is_missed_by_that() -
     (robot,), container = twin.robots, twin.containers()[0]
     twin = twin.with_edit(robot, baseLinearVelocity=0.0).with_edit(container.joint, velocityLimit=0.0)
     whole = check(request_graph(twin, container, robot, LAW + "Open"), D_ARTIC.shapes, [])
-    assert len(whole) == 2
+    assert len(whole) == 3
     assert violations(twin, container, robot, LAW + "Open") == whole
 
 

@@ -231,6 +231,18 @@ def test_a_real_robot_that_holds_a_handle_is_near_to_it(sdt, tmp_path: Path) -> 
     assert evidence["time"] > 0
 
 
+@pytest.mark.parametrize("goal", ["", "; law:goalPosition 0.4 "])
+def test_a_step_abstains_where_the_container_moves_with_what_is_stuck(goal: str) -> None:
+    twin = small_twin("a", ("pr2",))
+    stuck = twin.with_edit(twin.container("folding_door").active_joint, velocityLimit=0.0)
+    asked = task().replace('"low_drawer"', f'"folding_door" {goal}')
+    result = run(asked, small(stuck))
+    assert result.outcome is Outcome.ABSTAINED
+    (diagnosis,) = result.diagnoses
+    assert (diagnosis.kind, diagnosis.proof) == (Kind.OUT_OF_SCOPE, False)
+    assert diagnosis.violation is not None
+
+
 @pytest.mark.oracle
 def test_work_names_bodies_whose_mass_nobody_knows(sdt) -> None:
     done = sdt("task", "open_drawer_with_little_work", "--kitchen", "b", "--robot", "pr2", "--json")
