@@ -212,6 +212,11 @@ def bundled(kind: str, name: str) -> Path:
     return _FOLDERS[kind](name) / f"{name}.urdf"
 
 
+def bundled_names(kind: str) -> list[str]:
+    """Names of all bundled models of a kind, `kitchen` or `robot`."""
+    return sorted(each.parent.name for each in _FOLDERS[kind]("").glob("*/*.urdf"))
+
+
 def _is_bundled(kind: str, name: str) -> bool:
     return "/" not in name and bundled(kind, name).is_file()
 
@@ -229,7 +234,7 @@ def model_path(kind: str, name_or_path: str | Path) -> Path:
     suffixes = (*MODEL_SUFFIXES, *(SCENE_SUFFIXES if kind == "kitchen" else ()))
     if path.suffix in suffixes and path.is_file():
         return path
-    names = sorted(each.parent.name for each in _FOLDERS[kind]("").glob("*/*.urdf"))
+    names = bundled_names(kind)
     remedy = f"a bundled name, or the path of a file that is there ({', '.join(suffixes)})"
     raise UnknownEntityError(kind, text, names, remedy)
 

@@ -12,9 +12,9 @@ from predicates.case import Verdict
 from predicates.counterfactual import Contrast
 from predicates.record import StoredVerdict, diagnosis_json, to_json, to_record
 from sdt_kg.annotation import Drive
-from sdt_kg.errors import InputError, SdtError
+from sdt_kg.errors import InputError, SdtError, UnknownEntityError
 from sdt_kg.iri import Iri
-from sdt_kg.load import model_name
+from sdt_kg.load import bundled_names, model_name
 from services.app import Oracles, Policy, Service, load
 from services.judging.answers import motion_given, n_quads
 from services.judging.codec import JSON
@@ -22,7 +22,7 @@ from services.judging.jobs import Done, Handler, Kept, Quads, Task
 from services.judging.loaded import Models, check_same
 from services.judging.problems import Problem, ProblemType, problem, problem_of
 from services.store.records import recalled
-from services.whatif import World, changed, parse_change
+from services.whatif import Change, World, changed, parse_change
 
 KEPT: Final = 4
 """Combinations of kitchen, state and policy whose scenes are kept."""
@@ -52,7 +52,8 @@ class JudgeSetup:
         """Load everything."""
         services = {model_name(each): load(each, self.robots) for each in self.kitchens}
         oracles = None if self.oracles is None else self.oracles()
-        return Judge(services, {model_name(each): each for each in self.robots}, self.served, oracles)
+        kitchens, robots = ({model_name(each): each for each in of} for of in (self.kitchens, self.robots))
+        return Judge(services, kitchens, robots, self.served, oracles)
 
 
 @dataclass(slots=True)
@@ -61,12 +62,13 @@ class Judge:
 
     Attributes:
         services: By the kitchen's name.
-        robots: Name → bundled name or path, as loaded.
+        kitchens, robots: Name → bundled name or path, as loaded.
         served: What all of it was when the server read it.
         oracles: Who answers for Φ and R; None: this process.
     """
 
     services: dict[str, Service]
+    kitchens: dict[str, str]
     robots: dict[str, str]
     served: Models
     oracles: Oracles | None = None
@@ -99,7 +101,7 @@ class Judge:
         service = self._under(head)
         name = service.twin.name(service.robot(head["robot"]))
         world = World(service, self.robots.get(name, name))
-        other = changed(world, tuple(parse_change(each) for each in head["edits"]))
+        other = changed(world, tuple(self._change(each) for each in head["edits"]))
         found = Contrast(_one(world, head["task"]), _one(other, head["task"]))
         told = {
             "turned": found.turned,
@@ -110,6 +112,28 @@ class Judge:
             "counterfactual": to_json(found.counterfactual),
         }
         return told, _records([found.actual, found.counterfactual])
+
+    def _change(self, text: str) -> Change:
+        """The change that a text means, if it reads no file that only the text names.
+
+        Raises:
+            InputError: It is none, or names a file, or another model than those loaded and the bundled ones.
+        """
+        kind, _, rest = text.partition(":")
+        if kind == "mesh":
+            raise InputError(
+                f"'{text}' names a file: an agent's edits read none",
+                allowed="obstacles that are boxes (box:), models that are loaded or bundled",
+                remedy="sdt whatif, which its user types, takes meshes",
+            )
+        loaded = {"kitchen": self.kitchens, "robot": self.robots}.get(kind)
+        if loaded is None:
+            return parse_change(text)
+        names = {**{each: each for each in bundled_names(kind)}, **loaded}
+        if rest not in names:
+            remedy = f"one of these; what sdt mcp is started with (--{kind} PATH) is loaded"
+            raise UnknownEntityError(kind, rest, names, remedy)
+        return parse_change(f"{kind}:{names[rest]}")
 
     def _recall(self, iri: Iri) -> StoredVerdict | None:
         """What the server keeps under a verdict's IRI."""

@@ -99,6 +99,7 @@ def test_a_verdict_has_the_iri_that_it_has_in_process(agent: Agent) -> None:
 BACKWARDS = {**MOTION, "times": [8.0, 0.0]}
 RAGGED = {**MOTION, "values": [[0.0], [1.0, 2.0]]}
 CASE: dict[str, Any] = {"task": f"open:{DRAWER}", "robot": "pr2", "motion": MOTION}
+ASKED: dict[str, Any] = {"task": CASE["task"], "robot": "pr2"}
 
 
 @pytest.mark.parametrize(
@@ -115,7 +116,10 @@ CASE: dict[str, Any] = {"task": f"open:{DRAWER}", "robot": "pr2", "motion": MOTI
         ("verify_motion", {**CASE, "motion": {**MOTION, "tims": []}}, "invalid-request", "'tims'"),
         ("verify_motion", {**CASE, "motion": {**MOTION, "poses": []}}, "invalid-request", "'poses'"),
         ("verify_motion", {**CASE, "seed": -1}, "invalid-request", "greater than or equal to 0"),
-        ("what_if", {"task": CASE["task"], "robot": "pr2", "edits": ["paint:it"]}, "invalid-request", "jam:"),
+        ("what_if", {**ASKED, "edits": ["paint:it"]}, "invalid-request", "jam:"),
+        ("what_if", {**ASKED, "edits": ["robot:/etc/robot.urdf"]}, "invalid-request", "no robot named"),
+        ("what_if", {**ASKED, "edits": ["kitchen:../kitchen.urdf"]}, "invalid-request", "no kitchen named"),
+        ("what_if", {**ASKED, "edits": ["mesh:m=/etc/m.stl@1,0,0"]}, "invalid-request", "names a file"),
         ("diagnose", {"verdict": "no-such"}, "invalid-request", "verify_motion makes one"),
         ("select", {"query": "INSERT DATA { <a:a> <a:b> <a:c> }"}, "invalid-request", "SPARQL that reads"),
         ("select", {"query": "SELECT * { SERVICE <http://a/> { ?s ?p ?o } }"}, "forbidden", "leave it out"),
