@@ -30,6 +30,8 @@ from services.physics.tree import Bounds
 Array = NDArray[np.float64]
 
 SUBSAMPLES = 32  # of the base's speed on each piece; what lies between is bounded
+SIDEWAYS, DRIFT = "sideways velocity", "sideways path"
+"""Names of figures of a base on wheels that roll ahead."""
 FINER = 32  # what is not looked at is less than this part of the sideways velocity, or path, that is allowed
 
 
@@ -278,9 +280,7 @@ def _rolls(scene: Scene, base: Pieces, tolerances: Tolerances) -> Findings:
     if drift > tolerances.drift and most.max() <= tolerances.sideways:
         rolls = base.duration[base.c[1:].any(axis=(0, 2))].sum()
         _, _, drift = sideways(along, axle, 2 * tolerances.drift / (FINER * rolls))
-    findings = Findings(
-        figures={"sideways velocity": (float(most.max()), "m/s"), "sideways path": (drift, "m")}
-    )
+    findings = Findings(figures={SIDEWAYS: (float(most.max()), "m/s"), DRIFT: (drift, "m")})
     entity = scene.names[scene.base[0]]
     side = "before" if axle > 0 else "behind"
     where = "" if axle == 0 else f": its wheels turn about a line {abs(axle):.3f} m {side} sdt:baseBody"

@@ -6,7 +6,8 @@ when moved anywhere within it, so a finger that presses on the handle from the f
 :math:`\pm(\sqrt 2 e + engaged)` along x and z of the tool, on a way of at most `contact` - e, still does
 after any error e. A tool whose way is displaced by e slips at most 2 e on a handle that turns. An error
 of yaw moves no point by more than itself times the point's distance from the base; half of the room is
-left for that it also turns the hand. Each figure is for its error alone, and none says more than is shown.
+left for that it also turns the hand. A base on wheels then moves sideways by as much of its velocity more,
+if it drives where it did. Each figure is for its error alone, and none says more than is shown.
 """
 
 from collections.abc import Sequence
@@ -18,6 +19,8 @@ from numpy.typing import NDArray
 from sdt_kg.mechanism import JointType
 from services.embodiment.certify.findings import Findings
 from services.embodiment.certify.held.hold import Hold
+from services.embodiment.certify.limits import DRIFT, SIDEWAYS
+from services.embodiment.certify.sweep.pieces import velocities
 from services.embodiment.certify.sweep.subject import Subject
 from services.physics.model import Scene
 
@@ -32,12 +35,23 @@ def tolerated(holds: Sequence[Hold], found: Findings, reach: float) -> Figures:
     slip, _ = found.figures["tool slip"]
     turn, _ = found.figures["tool turn"]
     base = min(room, (slips - slip) / 2)
-    yaw = min(base / (2 * reach), (turns - turn) / 2)
+    yaw = min(base / (2 * reach), (turns - turn) / 2, _rolling(holds[0].checked, found.figures))
     return {
         "handle error tolerated": (max(room, 0.0), "m"),
         "base error tolerated": (max(base, 0.0), "m"),
         "base turn tolerated": (max(float(yaw), 0.0), "rad"),
     }
+
+
+def _rolling(checked: Subject, figures: Figures) -> float:
+    """Error of yaw under which wheels still roll ahead [rad]; infinite where they roll to all sides."""
+    if SIDEWAYS not in figures:
+        return np.inf
+    base, tolerances = checked.pieces.columns(checked.scene.base[:2]), checked.tolerances
+    speed = np.linalg.norm(np.abs(velocities(base)[0]).max(axis=0), axis=1)
+    room = tolerances.sideways - figures[SIDEWAYS][0], tolerances.drift - figures[DRIFT][0]
+    most = float(speed.max()), float(speed @ base.duration)
+    return min((left / gone for left, gone in zip(room, most, strict=True) if gone > 0), default=np.inf)
 
 
 def reach_of(checked: Subject) -> float:

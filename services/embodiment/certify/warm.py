@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from services.embodiment.certify.held.moved import press, tolerated
+from services.embodiment.certify.held.moved import farthest, press, tolerated
 from services.embodiment.certify.sweep.clearance import Pairs, Sweep
 from services.embodiment.certify.sweep.kinematics import Of
 from services.embodiment.certify.sweep.pieces import hermite
@@ -31,6 +31,7 @@ def warm(scene: Scene) -> None:
     checked.kinematics.bounds(spans, placed, Of(0, 0, np.zeros((1, 3)), 0.0))
     both, row, way = pairs.ravel(), np.array([[0, 1]]), np.zeros(3)
     posed = both, *checked.shapes.middles(placed, both)
-    asked, room = (np.zeros((4, 3)), 0.0, 0.0), (np.empty(3), np.zeros(ROOM))
-    press(checked.shapes.convex, row, posed, way, *asked, 0.0, room)
-    tolerated(checked.shapes.convex, (row, row), posed, (way, way), *asked, room)
+    sides, asked, room = np.zeros((4, 3)), (0.0, 0.0, 0.0), (np.empty(3), np.zeros(ROOM))
+    press(checked.shapes.convex, row, posed, way, sides, *asked, room)
+    tolerated(checked.shapes.convex, (row, row), posed, (way, way), sides, *asked, room)
+    farthest(checked.shapes.convex, row, posed, way, *asked, 0.0, room)

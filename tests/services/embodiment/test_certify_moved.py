@@ -71,6 +71,28 @@ def test_what_fingers_reach_over_is_how_far_the_handle_may_be_elsewhere() -> Non
     assert abs(gap) < 2 * AGREES
     assert over == pytest.approx(0.004, abs=AGREES + EXACT)
     rows = ROWS, np.array([[2, 1]])
-    found = tolerated(convex, rows, posed, (INWARD, -INWARD), SIDES, CONTACT, ENGAGED, room())
+    asked = CONTACT, ENGAGED, 0.5
+    found = tolerated(convex, rows, posed, (INWARD, -INWARD), SIDES, *asked, room())
     assert 0 < found <= (0.004 - ENGAGED) / np.sqrt(2)
     assert touches(both, posed[1][:2], middle[:2], np.zeros(3) - 1e-5 * np.array([0.0, 1.0, 0.0]))
+
+
+@pytest.mark.parametrize("handle", [coal.Cylinder(0.006, 0.1), coal.Box(0.1, 0.012, 0.01), coal.Sphere(0.01)])
+def test_a_handle_elsewhere_by_what_is_tolerated_is_met_by_faces_that_look_along_the_way(
+    handle: coal.CollisionGeometry,
+) -> None:
+    rng, (_, convex), shown = np.random.default_rng(3), shapes(handle), 0
+    asked, rows, ways = (CONTACT, ENGAGED, 0.5), (ROWS, np.array([[2, 1]])), (INWARD, -INWARD)
+    for _ in range(300):
+        turn = np.array([np.eye(3), Rotation.from_rotvec(rng.normal(size=3) * 0.3).as_matrix(), np.eye(3)])
+        middle = np.array([[0.0, 0.012, 0.0], rng.normal(size=3) * 3e-3, [0.0, -0.012, 0.0]])
+        every = np.array([0, 1, 0])
+        error = tolerated(convex, rows, (every, turn, middle), ways, SIDES, *asked, room())
+        for way in np.vstack((np.eye(3), -np.eye(3), rng.normal(size=(6, 3)))) if error else ():
+            elsewhere = middle + np.array([[0.0], [1.0], [0.0]]) * error * way / np.linalg.norm(way)
+            for pairs, inward in zip(rows, ways, strict=True):
+                gap, over = press(convex, pairs, (every, turn, elsewhere), inward, SIDES, *asked, room())
+                assert gap <= CONTACT + AGREES
+                assert over >= ENGAGED - AGREES
+        shown += error > 0
+    assert shown > 10

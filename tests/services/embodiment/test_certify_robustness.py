@@ -10,6 +10,7 @@ import pytest
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
+from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
 from services.embodiment.certify import Certified
 from services.embodiment.certify.sweep.depth import deepest
@@ -58,6 +59,19 @@ def test_a_base_elsewhere_by_what_is_tolerated_still_opens(
     error = NEARLY * np.array((x * shift, y * shift, yaw * turn))
     verdict = judge(gantry_twin(tmp_path), replace(motion, base=motion.base + error), start=None)
     assert isinstance(verdict, Certified), verdict.diagnoses
+
+
+def test_a_base_on_wheels_that_is_turned_by_what_is_tolerated_still_rolls_ahead(tmp_path: Path) -> None:
+    twin, motion, aslant = gantry_twin(tmp_path), opening(), np.array((0.0, 0.0, 0.012))
+    motion = replace(motion, base=motion.base + aslant)
+    verdict = judge(twin, motion, Drive.DIFFERENTIAL, start=None)
+    assert isinstance(verdict, Certified), verdict.diagnoses
+    turn = NEARLY * verdict.figures["base turn tolerated"][0]
+    assert turn > 0
+    for error in (turn, -turn):
+        turned = replace(motion, base=motion.base + np.array((0.0, 0.0, error)))
+        verdict = judge(twin, turned, Drive.DIFFERENTIAL, start=None)
+        assert isinstance(verdict, Certified), verdict.diagnoses
 
 
 def depth(one: coal.CollisionGeometry, other: coal.CollisionGeometry, offset: Sequence[float]) -> float:

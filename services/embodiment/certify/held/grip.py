@@ -131,26 +131,22 @@ class Grip:
     def room(self, pinch: Pinch) -> float:
         """By how much the handle may be elsewhere and is still between these fingers [m].
 
-        The faces that meet are those that meet at the grasp. At least so much is shown, for one convex
-        piece of each finger and one of the handle; nothing, where a piece fills a hollow of its finger, or
-        reaches farther than its triangles.
+        At least so much is shown, for one convex piece of each finger and one of the handle; nothing, where
+        a piece fills a hollow of its finger, or reaches farther than its triangles.
         """
         if not self._hollow.isdisjoint(pinch.fingers):
             return 0.0
         both = tuple(self._pairs[body] for body in pinch.fingers)
         contact, engaged = self._tolerances.contact, self._tolerances.engaged
-        asked = contact, engaged, self._room
-        error = moved.tolerated(self._shapes.convex, both, self._posed, self._inward, self._sides, *asked)
+        convex, posed, asked = self._shapes.convex, self._posed, (contact, engaged, self._slope)
+        error = moved.tolerated(convex, both, posed, self._inward, self._sides, *asked, self._room)
         far = engaged + float(np.sqrt(2.0)) * error
-        real = [
-            (self._surfaces[body], inward)
-            for body, inward in zip(pinch.fingers, self._inward, strict=True)
-            if body in self._surfaces
-        ]
-        shown = all(
-            each.touches(inward, -contact, contact - error, self._sides, far) for each, inward in real
-        )
-        return error if shown else 0.0
+        for body, pairs, inward in zip(pinch.fingers, both, self._inward, strict=True):
+            if body in self._surfaces:
+                most = moved.farthest(convex, pairs, posed, inward, *asked, error, self._room)
+                if not self._surfaces[body].touches(inward, -contact, most, self._sides, far):
+                    return 0.0
+        return error
 
     def lacking(self) -> Iri:
         """The finger to blame if no two have the handle between them: one that is missing on its side."""

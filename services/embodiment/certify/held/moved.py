@@ -11,13 +11,14 @@ from services.physics.geometry.packed import bounds_of
 
 STEP = 1e-3  # [m] what is thinner than this, finger and handle together, may be passed over, hence refused
 EXACT = 1e-7  # [m] of the way until finger and handle touch
+COARSE = 1e-5  # [m] of the way until they come as near as the handle may be elsewhere
 TOUCH = 1e-6  # [m] what is nearer touches
 ROOM_STEPS = 6  # halvings of the tolerance of contact
 
 
 @subkernel
-def _touching(convex, pairs, posed, side, aside, inward, first, step, count, room):
-    """Which of `count` ways inward, `first`, `first` + `step`, …, has a finger touch the handle; -1 if none.
+def _touching(convex, pairs, posed, side, aside, inward, first, step, count, near, room):
+    """Which of `count` ways inward, `first`, `first` + `step`, …, has a finger `near` the handle; -1 if none.
 
     The finger is moved `aside` to a side before [m].
     """
@@ -30,10 +31,33 @@ def _touching(convex, pairs, posed, side, aside, inward, first, step, count, roo
             for m in range(3):
                 at[m] = middle[i, m] + (aside * side[m] + way * inward[m])
             a, b = every[i], every[j]
-            _, high = bounds_of(convex, a, b, rotation[i], at, rotation[j], middle[j], TOUCH, TOUCH, work)
-            if -math.inf < high <= TOUCH:  # that of two meshes is −inf: nothing is known
+            _, high = bounds_of(convex, a, b, rotation[i], at, rotation[j], middle[j], near, near, work)
+            if -math.inf < high <= near:  # that of two meshes is −inf: nothing is known
                 return k
     return -1
+
+
+@subkernel
+def _met(convex, pairs, posed, inward, contact, near, exact, room):
+    """The finger's first way inward on which it comes `near` the handle: at least, and at most [m].
+
+    NaN where it does not, by any way of at most `contact`, and where it begins so.
+    """
+    begin = -2.0 * contact - STEP
+    count = math.ceil((contact - EXACT - begin) / STEP)
+    found = _touching(convex, pairs, posed, inward, 0.0, inward, begin, STEP, count, near, room)
+    clear, gap = begin + (found - 1) * STEP, begin + found * STEP
+    if found < 0 and _touching(convex, pairs, posed, inward, 0.0, inward, contact, 0.0, 1, near, room) == 0:
+        clear, gap = begin + (count - 1) * STEP, contact
+    elif found <= 0:
+        return math.nan, math.nan
+    while gap - clear > exact:
+        way = (clear + gap) / 2.0
+        if _touching(convex, pairs, posed, inward, 0.0, inward, way, 0.0, 1, near, room) == 0:
+            gap = way
+        else:
+            clear = way
+    return clear, gap
 
 
 @kernel(makes=False)
@@ -42,21 +66,10 @@ def press(convex, pairs, posed, inward, sides, contact, engaged, slope, room):
 
     Gap is NaN where the finger does not press on the handle when moved inward.
     """
-    begin, side = -2.0 * contact - STEP, inward
-    count = math.ceil((contact - EXACT - begin) / STEP)
-    found = _touching(convex, pairs, posed, side, 0.0, inward, begin, STEP, count, room)
-    clear, gap = begin + (found - 1) * STEP, begin + found * STEP
-    if found < 0 and _touching(convex, pairs, posed, side, 0.0, inward, contact, 0.0, 1, room) == 0:
-        clear, gap = begin + (count - 1) * STEP, contact
-    elif found <= 0:
+    _, gap = _met(convex, pairs, posed, inward, contact, TOUCH, EXACT, room)
+    if math.isnan(gap):
         return math.nan, 0.0
-    while gap - clear > EXACT:
-        way = (clear + gap) / 2.0
-        if _touching(convex, pairs, posed, side, 0.0, inward, way, 0.0, 1, room) == 0:
-            gap = way
-        else:
-            clear = way
-    if gap < 0.0 and _touching(convex, pairs, posed, side, 0.0, inward, 0.0, 0.0, 1, room) < 0:
+    if gap < 0.0 and _touching(convex, pairs, posed, inward, 0.0, inward, 0.0, 0.0, 1, TOUCH, room) < 0:
         return math.nan, 0.0
     over = engaged
     for k in range(sides.shape[0]):
@@ -65,7 +78,8 @@ def press(convex, pairs, posed, inward, sides, contact, engaged, slope, room):
             steps = max(math.ceil(moved * slope / STEP), 1)
             step = moved * slope / steps
             way = gap + steps * step
-            if _touching(convex, pairs, posed, sides[k], moved, inward, way, -step, steps + 1, room) >= 0:
+            side = sides[k]
+            if _touching(convex, pairs, posed, side, moved, inward, way, -step, steps + 1, TOUCH, room) >= 0:
                 within = moved
             else:
                 without = moved
@@ -75,24 +89,37 @@ def press(convex, pairs, posed, inward, sides, contact, engaged, slope, room):
 
 
 @kernel(makes=False)
-def tolerated(convex, both, posed, inwards, sides, contact, engaged, room):
+def farthest(convex, pairs, posed, inward, contact, engaged, slope, error, room):
+    """By what way from a corner a finger has to touch, wherever within `error` of here the handle is [m].
+
+    No such way is as short as that where there is none.
+    """
+    clear, _ = _met(convex, pairs, posed, inward, contact, error, COARSE, room)
+    return -2.0 * contact if math.isnan(clear) else min(contact - error, clear + engaged * slope)
+
+
+@kernel(makes=False)
+def tolerated(convex, both, posed, inwards, sides, contact, engaged, slope, room):
     """By how much the handle may be elsewhere and is still between two fingers [m].
 
     Pairs of either finger are in `both`, and its way inward in `inwards`. One of its pieces has to touch the
-    same piece of the handle from every corner.
+    same piece of the handle from every corner, by a way that is longer than where it then touches from the
+    middle by no more than faces that look along it allow.
     """
     error, step = 0.0, contact
     for _ in range(ROOM_STEPS):
         step /= 2.0
-        reach, most = engaged + math.sqrt(2.0) * (error + step), contact - error - step
-        count, kept = math.floor((most + contact) / STEP) + 1, 0  # none below -contact
+        reach, kept = engaged + math.sqrt(2.0) * (error + step), 0
         for f in range(2):
+            most = farthest(convex, both[f], posed, inwards[f], contact, engaged, slope, error + step, room)
+            count = math.floor((most + contact) / STEP) + 1  # none below -contact
             stays = False
             for n in range(both[f].shape[0]):
                 corners = 0
                 for k in range(sides.shape[0]):
                     pair, inward = both[f][n : n + 1], inwards[f]
-                    way = _touching(convex, pair, posed, sides[k], reach, inward, most, -STEP, count, room)
+                    side = sides[k]
+                    way = _touching(convex, pair, posed, side, reach, inward, most, -STEP, count, TOUCH, room)
                     corners += 1 if way >= 0 else 0
                     if way < 0:
                         break
