@@ -1,6 +1,6 @@
 """A body motion as cubic pieces of all the scene's coordinates, and whether it is one of that scene."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -56,7 +56,7 @@ def whole_motion(scene: Scene, motion: BodyMotion, tolerances: Tolerances) -> tu
     _check_arrays(motion)
     motion, findings = without_fixed(scene, motion, tolerances)
     robot = [joint_iri(scene.robot.mechanism.name, name) for name in motion.joints]
-    own = _coordinates(scene, [*robot, *motion.kitchen_joints])
+    own = _coordinates(scene, robot, motion.kitchen_joints)
     count = len(motion.times)
     q = np.tile(scene.q(motion.base[0], {}), (count, 1))
     v = np.zeros_like(q)
@@ -143,17 +143,21 @@ def _check_arrays(motion: BodyMotion) -> None:
         )
 
 
-def _coordinates(scene: Scene, joints: Iterable[str]) -> Indices:
-    names, fixed = list(joints), _fixed(scene)
-    for name in names:
-        if name in fixed:
-            raise MotionError(
-                f"joint '{local_name(name)}' of the robot is fixed",
-                allowed="joints that move",
-                remedy="leave it out",
-            )
-        if name not in scene.coordinate:
-            raise UnknownEntityError("joint", local_name(name), [local_name(known) for known in scene.names])
+def _coordinates(scene: Scene, robot: Sequence[Iri], kitchen: Sequence[Iri]) -> Indices:
+    """Those of joints of the robot and of the kitchen, neither of which moves what is the other's."""
+    fixed, (first, *_, last) = _fixed(scene), scene.base.tolist()
+    for names, known in ((robot, scene.names[last + 1 :]), (kitchen, scene.names[:first])):
+        for name in names:
+            if name in fixed:
+                raise MotionError(
+                    f"joint '{local_name(name)}' of the robot is fixed",
+                    allowed="joints that move",
+                    remedy="leave it out",
+                )
+            if name not in known:
+                whose = "joint" if names is robot else "joint of the kitchen"
+                raise UnknownEntityError(whose, local_name(name), map(local_name, known))
+    names = [*robot, *kitchen]
     if len(set(names)) < len(names):
         raise MotionError("a body motion lists a joint twice", allowed="each joint once")
     return np.array([scene.coordinate[name] for name in names], dtype=np.intp)

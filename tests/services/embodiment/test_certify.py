@@ -306,3 +306,21 @@ def test_what_is_no_motion_is_an_error(twin: Twin) -> None:
             judge(twin, one)
     with pytest.raises(UnknownEntityError, match="lift_joint"):
         judge(twin, replace(motion, joints=("lift_jiont", *motion.joints[1:])))
+
+
+@pytest.mark.parametrize("moved", ["base_x", "joint/lift_joint"])
+def test_nothing_of_the_robot_moves_as_a_joint_of_the_kitchen(twin: Twin, moved: str) -> None:
+    # What carries such a motion out moves base and joints as it says of these: here they stand still.
+    motion, one = opening(), f"{model_iri('gantry')}/{moved}"
+    listed = motion.joints.index("lift_joint")
+    column, rate = motion.base[:, :1], motion.base_v[:, :1]
+    stands = replace(motion, base=0 * motion.base, base_v=0 * motion.base_v)
+    if moved != "base_x":
+        column, rate = motion.q[:, [listed]], motion.v[:, [listed]]
+        names = tuple(name for name in motion.joints if name != "lift_joint")
+        without = np.delete(motion.q, listed, axis=1), np.delete(motion.v, listed, axis=1)
+        stands = replace(motion, joints=names, q=without[0], v=without[1])
+    kitchen = np.hstack((motion.kitchen_q, column)), np.hstack((motion.kitchen_v, rate))
+    joints = (*motion.kitchen_joints, one)
+    with pytest.raises(UnknownEntityError, match="no joint of the kitchen named"):
+        judge(twin, replace(stands, kitchen_joints=joints, kitchen_q=kitchen[0], kitchen_v=kitchen[1]))
