@@ -1,8 +1,9 @@
 r"""Mechanical work of a body motion: J of Π, as far as the robot's model gives masses.
 
 :math:`W = \int \sum_j |\tau_j \dot q_j|\,dt` over joints and base, with :math:`\tau` from inverse dynamics:
-inertia and gravity of the robot's bodies. Without friction, motors, and what the container resists with.
-What a joint gives back is not credited. By quadrature: |·| has kinks.
+inertia and gravity of the robot's bodies. A base's ways along x and y are one, whichever way the kitchen's
+axes look: what turns its velocity does no work. Without friction, motors, and what the container resists
+with. What a joint gives back is not credited. By quadrature: |·| has kinks.
 """
 
 import numpy as np
@@ -33,12 +34,13 @@ def mechanical_work(scene: Scene, motion: BodyMotion) -> float | None:
     which = np.repeat(np.arange(count), NODES)
     share = np.tile((nodes + 1) / 2, count)
     q, v, a = pieces.at(which, share * pieces.duration[which])
-    model, own = scene.model, np.arange(scene.base[0], scene.model.nq)
+    model, plane = scene.model, scene.base[:2]
+    own = np.arange(scene.base[2], model.nq)
     data = model.createData()
     powers = np.empty(len(which))
     for n in range(len(which)):
         torques = pin.rnea(model, data, q[n], v[n], a[n])
-        powers[n] = np.abs(torques[own] * v[n, own]).sum()
+        powers[n] = np.abs(torques[own] * v[n, own]).sum() + abs(torques[plane] @ v[n, plane])
     return float((powers * np.tile(weights / 2, count) * pieces.duration[which]).sum())
 
 

@@ -58,3 +58,16 @@ def test_a_sensor_without_mass_is_named_and_a_joint_that_moves_nothing_but_such_
     twin = scene.twin.with_edit(body_iri("pr2", "l_wrist_flex_link") + "/inertia", mass=0.0)
     assert unweighed(twin.mechanism(scene.robot_iri)) == ("l_force_torque_link", "l_wrist_flex_link")
     assert mechanical_work(Scene(twin, scene.robot_iri), lifted(scene, 1.0)) is None
+
+
+def test_work_of_the_base_does_not_depend_on_where_the_kitchens_axes_look(scenes: dict[str, Scene]) -> None:
+    scene, angle = scenes["pr2"], np.linspace(0.0, np.pi / 2, 40)
+    times, none = 5 * angle, np.zeros((40, 0))
+    found: list[float | None] = []
+    for turn in (0.0, np.pi / 4):
+        at, way = angle + turn, angle + turn + np.pi / 2  # a quarter of a circle, driven along it
+        base = np.column_stack((np.cos(at), np.sin(at), way))
+        speed = np.column_stack((np.cos(way), np.sin(way), np.ones_like(way))) / 5
+        motion = BodyMotion(scene.robot_iri, "", (), times, base, none, none, speed)
+        found.append(mechanical_work(scene, motion))
+    assert found[0] == pytest.approx(found[1], rel=1e-6)
