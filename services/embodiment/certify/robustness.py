@@ -4,12 +4,14 @@ A constant error moves the robot, or the handle, rigidly by at most e, wherever 
 distance keeps it then less e. Two convex shapes that touch when moved to four corners of a square touch
 when moved anywhere within it, so a finger that presses on the handle from the four corners
 :math:`\pm(\sqrt 2 e + engaged)` along x and z of the tool, on a way of at most `contact` - e, still does
-after any error e. A tool whose way is displaced by e slips at most 2 e on a handle that turns. An error
-of yaw moves no point by more than itself times the point's distance from the base; half of the room is
-left for that it also turns the hand. A base on wheels then moves sideways by as much of its velocity more,
-if it drives where it did. Each figure is for its error alone, and none says more than is shown.
+after any error e. A tool whose way is displaced by e slips at most 2 e on a handle that turns, also as it
+leaves it once the container rests. An error of yaw moves no point by more than itself times the point's
+distance from the base; half of the room is left for that it also turns the hand. A base on wheels then
+moves sideways by as much of its velocity more, if it drives where it did. Each figure is for its error
+alone, and none says more than is shown.
 """
 
+import math
 from collections.abc import Sequence
 from functools import lru_cache
 
@@ -24,6 +26,9 @@ from services.embodiment.certify.sweep.pieces import velocities
 from services.embodiment.certify.sweep.subject import Subject
 from services.physics.model import Scene
 
+PARTED = 3
+"""[1] Halvings of a piece on which the tool's error is bounded."""
+
 Array = NDArray[np.float64]
 Figures = dict[str, tuple[float, str]]
 
@@ -31,16 +36,27 @@ Figures = dict[str, tuple[float, str]]
 def tolerated(holds: Sequence[Hold], found: Findings, reach: float) -> Figures:
     """Errors of handle [m] and base [m, rad] under which every check would still hold; see `reach_of`."""
     slips, turns = (min(most) for most in zip(*(hold.most for hold in holds), strict=True))
+    left = np.min([_left(hold) for hold in holds], axis=0)
     room = min(*(hold.room for hold in holds), *found.slack.values())
-    slip, _ = found.figures["tool slip"]
-    turn, _ = found.figures["tool turn"]
-    base = min(room, (slips - slip) / 2)
-    yaw = min(base / (2 * reach), (turns - turn) / 2, _rolling(holds[0].checked, found.figures))
+    slip = min(slips - found.figures["tool slip"][0], float(left[0]))
+    turn = min(turns - found.figures["tool turn"][0], float(left[1]))
+    base = min(room, slip / 2)
+    yaw = min(base / (2 * reach), turn / 2, _rolling(holds[0].checked, found.figures))
     return {
         "handle error tolerated": (max(room, 0.0), "m"),
         "base error tolerated": (max(base, 0.0), "m"),
         "base turn tolerated": (max(float(yaw), 0.0), "rad"),
     }
+
+
+def _left(hold: Hold) -> tuple[float, float]:
+    """By how much more the tool may be off [m, rad] as it leaves; else fingers had to be clear sooner."""
+    after, tolerances = np.arange(hold.last + 1, hold.left), hold.tolerances
+    if not len(after):
+        return np.inf, np.inf
+    parts = (after[:, None] << PARTED) + np.arange(1 << PARTED)
+    away, turned = hold.slip.on(hold.timeline.depth + PARTED, parts.ravel())[2].max(axis=1).tolist()
+    return tolerances.tool_position - away, tolerances.tool_angle - 2 * math.asin(min(turned / 2, 1.0))
 
 
 def _rolling(checked: Subject, figures: Figures) -> float:

@@ -11,12 +11,14 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from sdt_kg.annotation import Drive
+from sdt_kg.iri import joint_iri
 from sdt_kg.load import load_twin
-from services.embodiment.certify import Certified
+from sdt_kg.motion import BodyMotion
+from services.embodiment.certify import Certified, Tolerances, certify
 from services.embodiment.certify.sweep.depth import deepest
 from services.physics.geometry.depth import faces, placed
 from services.physics.geometry.shapes import hull
-from tests.services.embodiment.gantry import FOLDER, gantry_twin, opening
+from tests.services.embodiment.gantry import FOLDER, RESTS, gantry_twin, opening
 from tests.services.embodiment.judging import judge
 
 pytestmark = pytest.mark.oracle
@@ -71,6 +73,63 @@ def test_a_base_on_wheels_that_is_turned_by_what_is_tolerated_still_rolls_ahead(
     for error in (turn, -turn):
         turned = replace(motion, base=motion.base + np.array((0.0, 0.0, error)))
         verdict = judge(twin, turned, Drive.DIFFERENTIAL, start=None)
+        assert isinstance(verdict, Certified), verdict.diagnoses
+
+
+HINGE = np.array((1.255, 0.35))
+DOOR = """<link name="door"><collision><origin xyz="0 -0.35 0"/>
+<geometry><box size="0.02 0.4 0.2"/></geometry></collision></link>
+<joint name="door_joint" type="revolute"><parent link="world"/><child link="door"/>
+<origin xyz="1.255 0.35 0.5"/><axis xyz="0 0 -1"/>
+<limit lower="0" upper="1.5" velocity="1" effort="9"/></joint>
+<link name="door_handle"><collision><geometry><box size="0.01 0.2 0.01"/></geometry></collision></link>
+<joint name="door_handle_joint" type="fixed"><parent link="door"/><child link="door_handle"/>
+<origin xyz="-0.05 -0.35 0"/></joint></robot>"""
+ANGLE, SWING = 1.4, 20.0  # [rad] of the door, in so many seconds
+
+
+def swinging(drift: float) -> BodyMotion:
+    """The base drives about the door's hinge, which is in hand; then the hand leaves, at first by so much."""
+    before = opening(rests=RESTS[:4])
+    part = np.linspace(0.0, 1.0, 400)[1:]
+    angle, rate = ANGLE * (3 * part**2 - 2 * part**3), ANGLE * (6 * part - 6 * part**2) / SWING
+    arm = before.base[-1, :2] - HINGE
+    cos, sin = np.cos(angle), np.sin(angle)
+    x, y = arm[0] * cos + arm[1] * sin, arm[1] * cos - arm[0] * sin
+    base = np.column_stack((HINGE[0] + x, HINGE[1] + y, -angle))
+    base_v = rate[:, None] * np.column_stack((y, -x, -np.ones_like(x)))
+    back = -np.array((cos[-1], -sin[-1], 0.0))
+    base = np.vstack((before.base, base, base[-1] + drift * back, base[-1] + (drift + 0.1) * back))
+    base_v = np.vstack((before.base_v, base_v, np.zeros((2, 3))))
+    q = np.tile(before.q[-1], (len(base), 1))
+    q[: len(before.q)], q[-2:, 3], v = before.q, 0.03, np.zeros_like(q)
+    v[: len(before.q)] = before.v
+    kitchen_q, kitchen_v = np.zeros((2, len(base), 1))
+    kitchen_q[len(before.q) :, 0] = np.append(angle, [ANGLE, ANGLE])
+    kitchen_v[len(before.q) : -2, 0] = rate
+    end = before.times[-1]
+    times = np.concatenate((before.times, end + SWING * part, end + SWING + np.array((4.0, 8.0))))
+    joints = before.joints, times, base, q, v, base_v
+    return BodyMotion(before.robot, "hand", *joints, (joint_iri("cell", "door_joint"),), kitchen_q, kitchen_v)
+
+
+@pytest.mark.parametrize("drift", [0.0, 0.0015])
+def test_a_hand_that_leaves_a_door_has_let_it_go_where_the_base_is_elsewhere_too(
+    tmp_path: Path, drift: float
+) -> None:
+    text = (FOLDER / "cell.urdf").read_text()
+    cell = text[: text.index('<link name="cabinet">')] + DOOR
+    (tmp_path / "cell.urdf").write_text(cell)
+    twin, motion = load_twin(tmp_path / "cell.urdf", [FOLDER / "gantry.urdf"]), swinging(drift)
+    about = twin.container("door"), Tolerances()
+    verdict = certify(twin, twin.robots[0], motion, *about, drive=Drive.OMNI)
+    assert isinstance(verdict, Certified), verdict.diagnoses
+    error = NEARLY * verdict.figures["base error tolerated"][0]
+    assert error > 1e-4
+    for way in np.linspace(0, 2 * np.pi, 8, endpoint=False):
+        shift = error * np.array((np.cos(way), np.sin(way), 0.0))
+        shifted = replace(motion, base=motion.base + shift)
+        verdict = certify(twin, twin.robots[0], shifted, *about, drive=Drive.OMNI)
         assert isinstance(verdict, Certified), verdict.diagnoses
 
 
