@@ -6,7 +6,7 @@ import numpy as np
 
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri, local_name
-from sdt_kg.motion import Motion
+from sdt_kg.motion import LARGEST, Motion
 from sdt_kg.state import Interval
 from sdt_kg.twin import Twin
 from services.physics.chain import follower
@@ -26,7 +26,7 @@ LIMIT_SHARE = 0.99
 
 
 def generate(model: Model, twin: Twin, joint: Iri, goal: Interval) -> Motion | None:
-    """Motion of a joint into an interval: a quintic in time, at rest at both ends; None if it is stuck.
+    """Motion of a joint into an interval: a quintic in time, at rest at both ends; None if it hardly can.
 
     Not timed: whoever follows it may be slower.
 
@@ -57,6 +57,8 @@ def generate(model: Model, twin: Twin, joint: Iri, goal: Interval) -> Motion | N
     )
     if duration == 0:
         raise OracleRejectedError(f"{local_name(joint)} has no limit of velocity or acceleration")
+    if duration > LARGEST:
+        return None
     return Motion(joint, u * duration, values, timed=False)
 
 

@@ -107,7 +107,7 @@ def _gradual(text: str, kind: str, rest: str) -> Change:
 
     def numbers(world: World, share: float) -> np.ndarray:
         start, end = ends(world, name, value)
-        return start + share * (end - start)
+        return (1 - share) * start + share * end  # with all of it, to the last bit what was asked
 
     def at(world: World, share: float) -> World:
         values = ",".join(repr(float(each)) for each in numbers(world, share))

@@ -112,6 +112,21 @@ def test_about_a_container_that_moves_with_a_stuck_joint_the_law_abstains(limit:
         assert (said.evidence.entity, said.evidence.value, said.evidence.bound) == (door.joint, 0.0, 0.0)
 
 
+def test_a_whole_change_is_to_the_last_bit_what_was_asked() -> None:
+    twin = changed(WORLD, (parse_change("set:low_drawer_joint.velocityLimit=0.1"),)).service.twin
+    joint = twin.mechanism(twin.environment).joint("low_drawer_joint")
+    assert joint.limits.velocity == 0.1
+
+
+@pytest.mark.parametrize("limit", ["velocityLimit", "accelerationLimit"])
+def test_what_would_take_longer_than_any_motion_is_not_caused_and_no_error(limit: str) -> None:
+    twin = changed(WORLD, (parse_change(f"set:low_drawer_joint.{limit}=1e-300"),)).service.twin
+    (answer,) = causes(Case(twin, task=Task(Verb.OPEN, twin.container("low_drawer").iri)), Kinematics())
+    (said,) = answer.diagnoses
+    assert said.reason == "the physics found no motion into the goal"
+    assert not said.proof
+
+
 def test_what_hangs_on_a_door_is_no_furniture() -> None:
     handle = local_name(TWIN.containers()[0].handle)
     with pytest.raises(InputError, match="which moves"):
