@@ -7,7 +7,7 @@ from typing import Final
 from sdt_kg.annotation import Drive
 from sdt_kg.entities import Replacement
 from sdt_kg.errors import InputError
-from sdt_kg.history import Rewritten
+from sdt_kg.history import Rewritten, brought
 from sdt_kg.iri import SDT, local_name
 from sdt_kg.load import load_twin, model_name
 from services.edits import parse_edit
@@ -55,7 +55,8 @@ def _other_robot(world: World, name: str) -> World:
 
 
 def _other_kitchen(world: World, name: str) -> World:
-    return world.with_models(load_twin(name, [world.robot]))
+    """The robot comes along as it is, whatever was changed of it before."""
+    return world.with_models(brought(world.service.twin, world.robot_iri).applied(load_twin(name)))
 
 
 def _other_drive(world: World, name: str) -> World:

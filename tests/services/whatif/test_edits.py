@@ -112,6 +112,14 @@ def test_about_a_container_that_moves_with_a_stuck_joint_the_law_abstains(limit:
         assert (said.evidence.entity, said.evidence.value, said.evidence.bound) == (door.joint, 0.0, 0.0)
 
 
+def test_a_robot_that_was_changed_is_the_same_one_in_another_kitchen() -> None:
+    higher, elsewhere = map(parse_change, ("set:pr2/lift_joint.upperLimit=0.9", "kitchen:b"))
+    before, after = (changed(WORLD, each).service.twin for each in ((higher,), (higher, elsewhere)))
+    (robot,) = after.robots
+    assert after.name(after.environment) == "b"
+    assert after.content_hash(robot) == before.content_hash(robot) != TWIN.content_hash(robot)
+
+
 def test_a_whole_change_is_to_the_last_bit_what_was_asked() -> None:
     twin = changed(WORLD, (parse_change("set:low_drawer_joint.velocityLimit=0.1"),)).service.twin
     joint = twin.mechanism(twin.environment).joint("low_drawer_joint")
