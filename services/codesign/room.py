@@ -59,9 +59,13 @@ def _start_alike(before: World, after: World, case: Case) -> bool:
 
 
 def _same_container(before: Twin, after: Twin, name: str, found: Touched) -> bool:
-    """Whether its figures are equal, and neither it nor its handle is touched."""
+    """Whether figures, and limits of what moves with it, are equal; neither it nor its handle is touched."""
     one: Container = before.container(name)
-    return after.container(name) == one and not {one.iri, one.handle} & found.bodies
+    if after.container(name) != one or {one.iri, one.handle} & found.bodies:
+        return False
+    joints = one.joint, *before.entities.coupling.together(one.joint)
+    kitchens = [twin.entities.coupling.joints for twin in (before, after)]
+    return all(kitchens[0][each].limits == kitchens[1][each].limits for each in joints)
 
 
 def _bodies(twin: Twin) -> set[Iri]:

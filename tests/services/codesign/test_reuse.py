@@ -93,6 +93,13 @@ def test_taking_an_obstacle_away_or_letting_the_base_roll_more_freely_asks_for_a
         assert answering(before, after) is None
 
 
+def test_a_container_that_is_slowed_less_near_its_limit_asks_for_a_new_search() -> None:
+    twin = SMALL.service.twin
+    joint = twin.container(FIRST).joint
+    slowed = SMALL.with_twin(twin.with_edit(joint, softLimitGain=0.05))
+    assert answering(slowed, otherwise(f"set:{local_name(joint)}.softLimitGain=5", world=slowed)) is None
+
+
 @pytest.mark.oracle
 @pytest.mark.parametrize(("at", "how"), [((3.0, 3.0), How.LESS_ROOM), ((0.0, 0.0), None)])
 def test_a_search_answers_for_no_world_in_which_the_robot_must_start_elsewhere(at, how) -> None:
