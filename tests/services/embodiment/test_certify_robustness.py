@@ -7,6 +7,7 @@ from pathlib import Path
 import coal
 import numpy as np
 import pytest
+import trimesh
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
@@ -61,6 +62,28 @@ def test_a_base_elsewhere_by_what_is_tolerated_still_opens(
     error = NEARLY * np.array((x * shift, y * shift, yaw * turn))
     verdict = judge(gantry_twin(tmp_path), replace(motion, base=motion.base + error), start=None)
     assert isinstance(verdict, Certified), verdict.diagnoses
+
+
+@pytest.mark.parametrize("up", [1.0, -1.0])
+def test_a_handle_of_many_small_triangles_is_no_deeper_in_a_finger_where_it_is_elsewhere(
+    tmp_path: Path, up: float
+) -> None:
+    radius, deep = 0.012, 0.0013
+    trimesh.creation.icosphere(subdivisions=4, radius=radius).export(tmp_path / "knob.stl")
+    text = (FOLDER / "cell.urdf").read_text()
+    bar = text[text.index('<link name="drawer_handle">') : text.index('<joint name="drawer_handle_joint"')]
+    knob = '<collision><geometry><mesh filename="knob.stl"/></geometry></collision></link>'
+    text = text.replace(bar, f'<link name="drawer_handle">{knob}')
+    rests = RESTS.copy()
+    rests[3:, 7] = radius - deep
+    error = 0.0
+    for _ in range(2):
+        at = f'xyz="-0.295 0 {up * NEARLY * error!r}"'
+        (tmp_path / "cell.urdf").write_text(text.replace('xyz="-0.295 0 0"', at))
+        verdict = judge(load_twin(tmp_path / "cell.urdf", [FOLDER / "gantry.urdf"]), opening(rests=rests))
+        assert isinstance(verdict, Certified), verdict.diagnoses
+        error = error or verdict.figures["handle error tolerated"][0]
+    assert 0.0004 < error < 0.002 - deep
 
 
 def test_a_base_on_wheels_that_is_turned_by_what_is_tolerated_still_rolls_ahead(tmp_path: Path) -> None:
