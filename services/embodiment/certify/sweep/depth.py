@@ -11,9 +11,7 @@ from services.physics.geometry.depth import Faces
 
 Array = NDArray[np.float64]
 
-CUTS = (
-    30  # of what is round where the answer lies, at most; without the last ones a depth is a little too large
-)
+CUTS = 30  # of what is round where the answer lies at most; without the last a depth is a little too large
 EXACT = 1e-4  # [m] what is round is cut until its polyhedron stands out by less
 
 
