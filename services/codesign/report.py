@@ -1,8 +1,9 @@
 """A grid as rows and as JSON: what is certified in each world, what turned and why, what was reused."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from services.codesign.entries import REUSED, Entry, Grid, How, Json
+from services.codesign.entries import REUSED, Entry, Found, Grid, How, Json
 
 AS_IT_IS = "as it is"
 ENTRY_COLUMNS = (
@@ -35,24 +36,29 @@ def outcome_name(entry: Entry) -> str:
 
 
 def counts(grid: Grid) -> list[Json]:
-    """One row for each world: certified of judged, for each kitchen and robot, and by how many more."""
-    rows: dict[tuple[str, ...], dict[str, list[int]]] = {}
+    """One row for each world: what `certified_of_judged` says, for each kitchen and robot."""
+    rows: dict[tuple[str, ...], dict[str, list[Found]]] = {}
     for each in grid.entries:
-        count = rows.setdefault(each.edits, {}).setdefault(f"{each.kitchen} {each.robot}", [0, 0])
-        count[0] += each.found.is_certified
-        count[1] += each.found.outcome is not None
+        rows.setdefault(each.edits, {}).setdefault(f"{each.kitchen} {each.robot}", []).append(each.found)
     actual = rows[()]
-    made: list[Json] = []
-    for edits, row in rows.items():
-        made.append({"world": world_name(edits), **{name: _count(row[name], actual[name]) for name in row}})
-    return made
+    return [
+        {"world": world_name(edits), **{name: certified_of_judged(row[name], actual[name]) for name in row}}
+        for edits, row in rows.items()
+    ]
 
 
-def _count(count: Sequence[int], actual: Sequence[int]) -> str:
-    if not count[1]:
-        return "no such world"
-    more = count[0] - actual[0]
-    return f"{count[0]} / {count[1]}" + (f" ({more:+d})" if more else "")
+def certified_of_judged(founds: Sequence[Found], actual: Sequence[Found]) -> str:
+    """Certified of judged, by how many more than in the world as it is, and how many have no verdict."""
+    judged, lost = _judged(founds), sum(each.how is How.LOST for each in founds)
+    if not judged:
+        return "no verdict" if lost else "no such world"
+    certified, before = (sum(each.is_certified for each in some) for some in (founds, actual))
+    more = f" ({certified - before:+d})" if certified != before and judged == _judged(actual) else ""
+    return f"{certified} / {judged}{more}" + (f", {lost} without a verdict" if lost else "")
+
+
+def _judged(founds: Sequence[Found]) -> int:
+    return sum(each.outcome is not None for each in founds)
 
 
 def turned_predicates(one: Entry, other: Entry) -> str:
@@ -82,11 +88,11 @@ def turned_rows(grid: Grid) -> list[Json]:
 
 
 def why(entry: Entry) -> str:
-    """The first reason, with how sure it is."""
+    """The first reason, with how sure that one is."""
     if not entry.found.diagnoses:
         return ""
-    first = entry.found.diagnoses[0]
-    basis = entry.found.basis
+    first, *_ = entry.found.diagnoses
+    basis = replace(entry.found, diagnoses=(first,)).basis
     return f"{first['reason']}" + (f" ({basis})" if basis else "")
 
 

@@ -1,5 +1,5 @@
 # Edit   Stretch opens the high drawer too.
-# Loses  pr2,a,high_drawer
+# Loses  pr2,a,high_drawer,2
 PREFIX id: <https://example.org/id/>
 PREFIX law: <https://example.org/law#>
 

@@ -1,5 +1,5 @@
 # Edit   PR2 is certified no more for the high drawer.
-# Gains  a,high_drawer,2
+# Gains  a,high_drawer,2,0
 PREFIX id: <https://example.org/id/>
 PREFIX law: <https://example.org/law#>
 

@@ -13,7 +13,15 @@ from services.app import Service, load
 from services.codesign.entries import Entry as Judged
 from services.codesign.entries import Found, Grid, How, found_of
 from services.codesign.grid import Asked, Key, run, worlds_of
-from services.codesign.report import entry_rows, outcome_name, reuse_lines, turned_rows, why, world_name
+from services.codesign.report import (
+    certified_of_judged,
+    entry_rows,
+    outcome_name,
+    reuse_lines,
+    turned_rows,
+    why,
+    world_name,
+)
 from services.embodiment.certify.certificate import read_certificate
 from services.physics.model import Scene
 from services.reports.pages.figure import Figure, drawn
@@ -140,13 +148,12 @@ def counts(found: Coverage) -> Table:
     for edits in found.worlds:
         row: dict[str, object] = {"world": world_name(edits), "edits": len(edits)}
         for robot in found.asked.robots:
-            number, before = found.certified(edits, robot), found.certified((), robot)
-            more = f" ({number - before:+d})" if number != before else ""
-            row[robot] = f"{number} of {len(found.cells(edits, robot))}{more}"
+            here, before = ([one.found for one in found.cells(each, robot)] for each in (edits, ()))
+            row[robot] = certified_of_judged(here, before)
         rows.append(row)
     return Table.of(
         "codesign_counts",
-        "Certified containers in each world; in brackets the difference to the world as it is.",
+        "Certified of judged containers in each world; in brackets the difference to the world as it is.",
         rows,
     )
 
@@ -158,7 +165,7 @@ def figure(found: Coverage) -> Figure:
         axes = drawing.add_subplot()
         for number, robot in enumerate(found.asked.robots):
             shade = ("#26384f", "#b5651d", "#5d8a66", "#8a5d80")[number % 4]
-            values = [found.certified(edits, robot) for edits in found.worlds]
+            values = [_drawn(found, edits, robot) for edits in found.worlds]
             rows = [row + 0.16 * (number - (len(found.asked.robots) - 1) / 2) for row in range(len(names))]
             axes.hlines(rows, values[0], values, color=shade, linewidth=1.0)
             axes.plot(values, rows, "o", color=shade, markersize=4.5, label=robot)
@@ -169,6 +176,12 @@ def figure(found: Coverage) -> Figure:
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=4, borderaxespad=0.2)
     return Figure("codesign_coverage", "Coverage of each robot, world by world.", drawing)
+
+
+def _drawn(found: Coverage, edits: Edits, robot: str) -> float:
+    """How many are certified; what cannot be drawn where nothing was judged."""
+    judged = any(each.found.outcome is not None for each in found.cells(edits, robot))
+    return found.certified(edits, robot) if judged else float("nan")
 
 
 def matrix(found: Coverage) -> Table:

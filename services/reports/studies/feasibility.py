@@ -8,6 +8,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from predicates.case import Outcome
 from predicates.record.report import figures
+from sdt_kg.motion import BodyMotion
 from services.reports.pages.figure import Figure, drawn
 from services.reports.pages.table import Cell, Table
 from services.reports.scene.clip import Clip
@@ -33,8 +34,10 @@ MEANS = {
 }
 """What a colour says."""
 
-PHASES = ("drive", "approach", "grasp", "follow")
-SHADES = ("#c6ccd4", "#93a1b3", "#5d7189", "#26384f")
+ON_THE_WAY = "leave"
+"""What comes between holds: letting go, leaving, driving back."""
+PHASES = ("drive", "approach", "grasp", "follow", ON_THE_WAY)
+SHADES = ("#c6ccd4", "#93a1b3", "#5d7189", "#26384f", "#b5651d")
 
 
 def counts(found: Judgements) -> Table:
@@ -150,36 +153,34 @@ def durations(found: Judgements) -> Figure:
     """How long each certified motion takes, phase by phase."""
     with drawn(0.55 * len(found.robots) + 0.9) as drawing:
         axes = drawing.add_subplot()
+        shown = set[str]()
         for row, robot in enumerate(found.robots):
-            spent = np.array([_seconds(one) for one in found.of(robot) if one.motion is not None]).reshape(
-                -1, len(PHASES)
-            )
             left = 0.0
-            for phase, shade, seconds in zip(
-                PHASES, SHADES, np.median(spent, axis=0) if len(spent) else (), strict=False
-            ):
-                axes.barh(
-                    row, seconds, left=left, height=0.62, color=shade, label=phase if row == 0 else None
-                )
-                left += seconds
+            spent = [seconds(one.motion) for one in found.of(robot) if one.motion is not None]
+            for phase, shade in zip(PHASES, SHADES, strict=True):
+                median = float(np.median([each[phase] for each in spent])) if spent else 0.0
+                axes.barh(row, median, left=left, height=0.62, color=shade)
+                left += median
+                shown |= {phase} if median else set()
         axes.set_yticks(range(len(found.robots)), found.robots)
         axes.set_ylim(len(found.robots) - 0.5, -0.5)
         axes.grid(visible=False, axis="y")
         axes.set_xlabel("s, median over the certified motions of each phase")
-        if axes.get_legend_handles_labels()[0]:
-            axes.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=len(PHASES), borderaxespad=0.2)
+        shades = zip(PHASES, SHADES, strict=True)
+        handles = [Patch(facecolor=shade, label=phase) for phase, shade in shades if phase in shown]
+        if handles:
+            axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1.0), ncols=len(PHASES))
     return Figure("feasibility_durations", "Where the time of a certified motion goes.", drawing)
 
 
-def _seconds(one: Judged) -> list[float]:
-    """Duration of each phase of a certified motion [s]."""
-    assert one.motion is not None
-    times, begins = one.motion.times, [first for _, first in one.motion.phases]
-    ends = [*begins[1:], len(times) - 1]
-    spent = {
-        name: times[end] - times[first] for (name, first), end in zip(one.motion.phases, ends, strict=True)
-    }
-    return [float(spent.get(phase, 0.0)) for phase in PHASES]
+def seconds(motion: BodyMotion) -> Counter[str]:
+    """Duration of each phase of a certified motion, over all holds [s]."""
+    begins = [first for _, first in motion.phases]
+    spent = Counter[str]()
+    for (name, first), end in zip(motion.phases, [*begins[1:], len(motion.times) - 1], strict=True):
+        phase = name.rstrip(" 0123456789")  # those of later holds are numbered
+        spent[phase if phase in PHASES else ON_THE_WAY] += float(motion.times[end] - motion.times[first])
+    return spent
 
 
 def refusals(found: Judgements) -> Table:

@@ -43,11 +43,14 @@ def said(verdict: Verdict) -> str:
 
 
 def ground(verdict: Verdict) -> str:
-    """`proved`, `measured` of a motion that was given or made, or `not proved`: a search that gave up."""
-    if is_proved(verdict):
-        return "proved"
+    """On what the first failure rests.
+
+    `proved`, `measured` of a motion that was given or made, or `not proved`: a search that gave up.
+    """
     kind = failed(verdict)
     own = [each for each in verdict.diagnoses if each.kind.value.replace("_", " ") == kind]
+    if any(each.proof for each in own):
+        return "proved"
     return "not proved" if all(each.search is not None for each in own) else "measured"
 
 

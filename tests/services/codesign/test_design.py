@@ -8,7 +8,7 @@ from services.app import Policy
 from services.codesign.design import covers_of, designed, together_in
 from services.codesign.entries import Entry, Found, Grid, How
 from services.codesign.grid import Asked
-from services.codesign.report import counts, reuse, turned_rows
+from services.codesign.report import counts, reuse, turned_rows, why
 
 REASON = (
     {"kind": "embodiment", "reason": "too high", "evidence": None, "proof": False, "search": {"seeds": 9}},
@@ -69,6 +69,10 @@ def test_a_refusal_says_whether_it_was_proved_measured_or_only_searched() -> Non
     assert basis(searched, measured) == "measured"
     assert basis(searched, measured, proved) == "proved"
     assert not basis(measured, outcome=Outcome.ABSTAINED)
+    refused = Found("", Outcome.NOT_CERTIFIED, How.LAW, {}, (measured, proved))
+    assert (
+        why(Entry("k", "one", "a", (), refused)) == "too high (measured)"
+    )  # what is proved is another reason
 
 
 @pytest.mark.oracle

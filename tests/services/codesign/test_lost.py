@@ -59,7 +59,8 @@ def test_a_case_without_a_verdict_turns_nothing_and_is_called_neither_refused_no
     assert turned_rows(grid) == []
     assert [each["outcome"] for each in entry_rows(grid)] == ["certified", "no verdict"] * 2
     assert reuse(grid)["how"] == {"asked anew": 1, "no verdict: nothing came of it": 1}
-    assert [list(each.values())[1:] for each in counts(grid)] == [["1 / 1"], ["1 / 1"]]
+    assert [list(each.values())[1:] for each in counts(grid)] == [["1 / 1, 1 without a verdict"]] * 2
+    assert [list(each.values())[1:] for each in counts(Grid(entries[1::2]))] == [["no verdict"]] * 2
 
 
 def test_a_grid_goes_on_when_a_worker_is_killed_from_outside() -> None:

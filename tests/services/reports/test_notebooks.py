@@ -57,8 +57,8 @@ def test_codesign_counts_every_world_and_keeps_the_verdict_about_the_kitchen_as_
     parameters = {"kitchen": "b", "robots": "stretch", "task": f"open:{DRAWER}", "jobs": 1}
     parameters |= {"store": str(store)}
     counts, *_, verdicts = run("codesign", edits=f"jam:{DRAWER}", **parameters, **ONE)
-    assert re.search(r"as it is\s+0\s+1 of 1\s", words(counts))
-    assert re.search(rf"jam:{DRAWER}\s+1\s+0 of 1 \(-1\)", words(counts))
+    assert re.search(r"as it is\s+0\s+1 / 1\s", words(counts))
+    assert re.search(rf"jam:{DRAWER}\s+1\s+0 / 1 \(-1\)", words(counts))
     named = re.findall(r"https://example\.org/id/verdict/[0-9a-f]{64}", words(verdicts))
     assert len(set(named)) == 2
     (kept,) = (row for row in store.read_text().splitlines() if "law#Verdict>" in row)

@@ -1,0 +1,49 @@
+"""What reports say of verdicts: on what a refusal rests, where the time goes, which worlds there are."""
+
+import numpy as np
+
+from predicates.case import Case, Diagnosis, Kind, Outcome, Search, Verdict
+from sdt_kg.motion import BodyMotion
+from services.app import Policy
+from services.codesign.entries import Entry, Found, Grid, How
+from services.codesign.grid import Asked
+from services.reports.studies import codesign
+from services.reports.studies.feasibility import seconds
+from services.reports.studies.words import is_proved, said
+from tests.small import small_twin
+
+RUNS_INTO = Diagnosis(Kind.CAUSAL, "the drawer runs into the door")
+PROVED = Diagnosis(Kind.EMBODIMENT, "no gripper comes there", proof=True)
+GAVE_UP = Diagnosis(Kind.EMBODIMENT, "no body motion found", search=Search(1, 0, 0, 1.0))
+
+
+def refused(*diagnoses: Diagnosis) -> Verdict:
+    return Verdict("", Outcome.NOT_CERTIFIED, Case(small_twin()), None, None, None, diagnoses, (), 0.0)
+
+
+def test_a_refusal_is_said_to_rest_on_what_its_first_failure_rests_on() -> None:
+    assert said(refused(RUNS_INTO, PROVED)) == "causal, measured"
+    assert is_proved(refused(RUNS_INTO, PROVED))
+    assert said(refused(PROVED)) == "embodiment, proved"
+    assert said(refused(RUNS_INTO, GAVE_UP)) == "causal, measured"
+    assert said(refused(GAVE_UP)) == "embodiment, not proved"
+
+
+def test_the_time_of_a_motion_in_several_holds_is_that_of_all_of_them() -> None:
+    names = ("drive", "approach", "grasp", "follow", "let go", "leave", "approach 2", "grasp 2", "follow 2")
+    begins = (0.0, 4.0, 6.0, 7.0, 10.0, 11.0, 13.0, 16.0, 17.0)
+    times = np.array([*begins, 19.0])
+    still, none = np.zeros((len(times), 3)), np.zeros((len(times), 0))
+    phases = tuple((name, sample) for sample, name in enumerate(names))
+    motion = BodyMotion("robot", "hand", (), times, still, none, none, still, phases=phases)
+    assert seconds(motion) == {"drive": 4.0, "approach": 5.0, "grasp": 2.0, "follow": 5.0, "leave": 3.0}
+
+
+def test_a_world_that_cannot_be_made_certifies_nothing_and_takes_nothing_away() -> None:
+    done = Found("", Outcome.CERTIFIED, How.LAW, {})
+    gone = Found("", None, How.NO_WORLD, {})
+    edits = ("broken:left",)
+    entries = [Entry("k", "stretch", "drawer", *each) for each in (((), done), (edits, gone))]
+    coverage = codesign.Coverage(Asked(("k",), ("stretch",), "open", (edits,), Policy()), Grid(entries))
+    rows = codesign.counts(coverage).rows
+    assert [row[-1] for row in rows] == ["1 / 1", "no such world"]
