@@ -11,6 +11,7 @@ from predicates.scope import out_of_scope
 from sdt_kg.errors import NoModeError, UnknownEntityError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import Motion
+from sdt_kg.numbers import told_apart
 from sdt_kg.state import Interval, Region, State
 from sdt_kg.task import Task
 from sdt_kg.twin import Container, Twin
@@ -205,7 +206,11 @@ def _outside_goal(case: Case, joint: Iri, position: float, interval: Interval, p
     unit = unit_of(case.twin, moved[0]) if moved else "1"
     bound = interval.lower if position < interval.lower else interval.upper
     evidence = Evidence(Quantity.POSITION, position, bound, unit, entity=joint)
-    reason = f"{local_name(joint)} ends at {position:.4g}, not in {_text(interval)}"
+    at, lower = told_apart(position, interval.lower, 4)
+    upper = f"{interval.upper:.4g}"
+    if bound == interval.upper:
+        at, upper = told_apart(position, bound, 4)
+    reason = f"{local_name(joint)} ends at {at}, not in [{lower}, {upper}]"
     return Diagnosis(Kind.CAUSAL, reason, evidence, proof)
 
 

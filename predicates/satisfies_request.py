@@ -8,6 +8,7 @@ from predicates.meant import tasks_meant, unit_of
 from predicates.scope import verb_iri
 from sdt_kg.errors import NoModeError
 from sdt_kg.iri import Iri, local_name
+from sdt_kg.numbers import told_apart
 from sdt_kg.state import Interval, Region, State
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container, Twin
@@ -88,8 +89,9 @@ def _unmet(twin: Twin, container: Container, verb: Verb, final: State) -> Diagno
     position = final[container.joint]
     bound = threshold(container, verb)
     unit = unit_of(twin, container)
-    demand = f"open begins at {bound:.4g}" if verb is Verb.OPEN else f"closed ends at {bound:.4g}"
-    reason = f"{container.name} ends at {position:.4g} {unit}: {demand} {unit}"
+    at, demanded = told_apart(position, bound, 4)
+    demand = f"open begins at {demanded}" if verb is Verb.OPEN else f"closed ends at {demanded}"
+    reason = f"{container.name} ends at {at} {unit}: {demand} {unit}"
     evidence = Evidence(Quantity.POSITION, position, bound, unit, entity=container.joint)
     return Diagnosis(Kind.SEMANTIC, reason, evidence, proof=True)
 

@@ -1,5 +1,8 @@
 """Numbers as people and files write them."""
 
+DIGITS = 17
+"""[1] Digits that tell any two numbers apart."""
+
 
 def number_in(text: str) -> float:
     """The number that a text is, infinite or none at all where it says so: inf, nan.
@@ -21,3 +24,19 @@ def check_written(text: str) -> None:
     """No number in Python alone; raises as `number_in`."""
     if "_" in text or not text.isascii():
         raise ValueError(f"'{text}' is no number")
+
+
+def told_apart(value: float, bound: float, digits: int, form: str = "g") -> tuple[str, str]:
+    """Both figures with so many digits, or with as many more as it takes to tell them apart.
+
+    Args:
+        value: One figure.
+        bound: The other.
+        digits: At least; all of them for the form `g`, those behind the point for `f`.
+        form: As in a format.
+    """
+    for count in range(digits, DIGITS + 1):
+        told = f"{value:.{count}{form}}", f"{bound:.{count}{form}}"
+        if told[0] != told[1]:
+            return told
+    return f"{value:.{digits}{form}}", f"{bound:.{digits}{form}}"

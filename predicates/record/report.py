@@ -1,14 +1,18 @@
 """Verdicts as JSON objects, with names instead of IRIs."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from predicates.case import Answer, Diagnosis, Evidence, Verdict
 from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import local_name
 from sdt_kg.motion import BodyMotion
+from sdt_kg.numbers import told_apart
 from sdt_kg.scope import TeeClass
 from sdt_kg.task import Task
 
 SIGNIFICANT = 6
-"""[digits] Figures in JSON are rounded to so many; triples keep them all."""
+"""[digits] Figures in JSON are rounded to so many, or to as many more as tell a value from its bound."""
 
 
 def answers(verdict: Verdict) -> dict[str, Answer | None]:
@@ -116,10 +120,11 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, object]:
 
 def _evidence_json(evidence: Evidence) -> dict[str, object]:
     """Evidence with what it has: an entity or two links, a time, a scope, a path."""
+    value, bound = map(float, told_apart(evidence.value, evidence.bound, SIGNIFICANT))
     found: dict[str, object] = {
         "quantity": evidence.quantity.value,
-        "value": _rounded(evidence.value),
-        "bound": _rounded(evidence.bound),
+        "value": _finite(value),
+        "bound": _finite(bound),
         "unit": evidence.unit,
         "time": None if evidence.time is None else _rounded(evidence.time),
     }
@@ -134,7 +139,23 @@ def _evidence_json(evidence: Evidence) -> dict[str, object]:
     return found
 
 
+def told_evidence(evidence: Mapping[str, Any], unknown: str) -> str:
+    """Value and bound of evidence as `diagnosis_json` has it; `unknown` where there is no value."""
+    unit = "" if evidence["unit"] == "1" else f" {evidence['unit']}"
+    value, bound = evidence["value"], evidence["bound"]
+    if bound is None:
+        return unknown if value is None else f"{value:g}{unit}"
+    if value is None:
+        return f"{unknown}, bound {bound:g}{unit}"
+    told, demanded = told_apart(value, bound, SIGNIFICANT)
+    return f"{told}{unit}, bound {demanded}{unit}"
+
+
 def _rounded(value: float) -> float | None:
-    """The value to SIGNIFICANT digits; JSON has no infinity and no NaN, which become null."""
-    rounded = float(f"{value:.{SIGNIFICANT}g}")
-    return rounded if abs(rounded) < float("inf") else None
+    """The value to SIGNIFICANT digits."""
+    return _finite(float(f"{value:.{SIGNIFICANT}g}"))
+
+
+def _finite(value: float) -> float | None:
+    """JSON has no infinity and no NaN, which become null."""
+    return value if abs(value) < float("inf") else None

@@ -27,6 +27,7 @@ from predicates.specification.model import (
     StaysClosed,
 )
 from sdt_kg.iri import Iri, joint_iri, local_name
+from sdt_kg.numbers import told_apart
 from sdt_kg.state import State
 from sdt_kg.twin import Container, Twin
 
@@ -196,7 +197,8 @@ def _bounded(rule: Rule, container: Container, bound: float, legs: Sequence[Leg]
         if beyond.size:
             return _broken(rule, leg, int(beyond[0]), container, (values, bound))
     greatest = max(float(leg.positions(container).max()) for leg in legs)
-    how = f"at samples and extrema of the spline: at most {greatest:.4g}, bound {bound:.4g}"
+    most, allowed = told_apart(greatest, bound, 4)
+    how = f"at samples and extrema of the spline: at most {most}, bound {allowed}"
     return RuleAnswer(text(rule), Standing.KEPT, how)
 
 
@@ -221,7 +223,8 @@ def _broken(
     value, at = float(values[sample]), float(leg.trajectory.times[sample])
     unit = unit_of(leg.twin, container)
     evidence = Evidence(Quantity.POSITION, value, bound, unit, entity=container.joint, time=at)
-    reason = f"step {leg.number} breaks '{text(rule)}': {container.name} is at {value:.4g} {unit}"
+    told, _ = told_apart(value, bound, 4)
+    reason = f"step {leg.number} breaks '{text(rule)}': {container.name} is at {told} {unit}"
     how = "at samples and extrema of the spline"
     diagnosis = Diagnosis(Kind.SEMANTIC, reason, evidence)
     return RuleAnswer(text(rule), Standing.BROKEN, how, diagnosis, leg.number, at, leg.state(sample))
@@ -255,7 +258,8 @@ def _near(rule: KeepsDistance, leg: Leg, clearance: Clearance) -> RuleAnswer | N
     )
     standing = Standing.UNBOUNDED if found.keeps is None else Standing.BROKEN
     said = "breaks" if standing is Standing.BROKEN else "is not shown to keep"
-    part = "" if found.link is None else f": {local_name(found.link)} is {value:.4g} m from it"
+    told, _ = told_apart(value, rule.distance, 4)
+    part = "" if found.link is None else f": {local_name(found.link)} is {told} m from it"
     diagnosis = Diagnosis(Kind.SEMANTIC, f"step {leg.number} {said} '{text(rule)}'{part}", evidence)
     times = leg.trajectory.times
     sample = len(times) - 1 if found.time is None else int(np.searchsorted(times, found.time))

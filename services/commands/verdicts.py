@@ -6,6 +6,7 @@ from typing import Any
 import click
 
 from predicates.case import Search
+from predicates.record.report import told_evidence
 from services.commands.exits import Exit
 from services.commands.show import csv_is_asked, print_json, print_rows
 
@@ -91,12 +92,9 @@ def diagnosis_text(diagnosis: Json) -> str:
 
 
 def _evidence_text(evidence: Json) -> str:
-    unit = "" if evidence["unit"] == "1" else f" {evidence['unit']}"
     who = " and ".join(evidence.get("links", [])) or evidence.get("entity", "")
     when = "" if evidence["time"] is None else f" at {evidence['time']:g} s"
-    bound = "" if evidence["bound"] is None else f", bound {evidence['bound']:g}{unit}"
-    value = "none" if evidence["value"] is None else f"{evidence['value']:g}{unit}"
-    return f"{evidence['quantity']} of {who}: {value}{bound}{when}"
+    return f"{evidence['quantity']} of {who}: {told_evidence(evidence, 'none')}{when}"
 
 
 def _line(name: str, value: object) -> None:

@@ -9,6 +9,7 @@ from predicates.oracle import LET_GO
 from predicates.scope import outside
 from sdt_kg.iri import local_name
 from sdt_kg.motion import Motion
+from sdt_kg.numbers import told_apart
 from sdt_kg.scope import D_ARTIC_DYN, Violation
 from sdt_kg.twin import Container
 from services.dynamics.model import Mechanics
@@ -58,8 +59,8 @@ def forced(mechanics: Mechanics, container: Container, motion: Motion, off: floa
     how = "by monotonicity" if needed.monotone else "by interval bounds along the motion"
     notes = (
         f"{D_ARTIC_DYN.name}: the largest force at the handle, along its path, is between "
-        f"{needed.least:.1f} N and {needed.most:.1f} N, {allowed:g} N allowed: {how}, for every value of "
-        f"force model {models}",
+        f"{_told(needed.least, allowed)} and {_told(needed.most, allowed)}, {allowed:g} N allowed: {how}, "
+        f"for every value of force model {models}",
     )
     figures = {
         AT_MOST: (needed.most, "N"),
@@ -70,6 +71,11 @@ def forced(mechanics: Mechanics, container: Container, motion: Motion, off: floa
         notes += (f"when let go {container.name} moves {way(end)}, or may",)
         figures[LET_GO] = (end.pull, mechanics.unit)
     return Forced(diagnoses, notes, figures)
+
+
+def _told(force: float, allowed: float) -> str:
+    """A force, with as many digits as tell it from what is allowed."""
+    return f"{told_apart(force, allowed, 1, 'f')[0]} N"
 
 
 def inside(mechanics: Mechanics, q: float) -> float:
@@ -88,8 +94,8 @@ def _too_much(
     if needed.least > allowed:
         verb = "opens" if motion.values[-1, 0] >= motion.values[0, 0] else "closes"
         reason = (
-            f"{container.name} {verb}, but needs {needed.least:.1f} N where {allowed:g} N is allowed, "
-            f"at {needed.least_time:.3f} s"
+            f"{container.name} {verb}, but needs {_told(needed.least, allowed)} where {allowed:g} N is "
+            f"allowed, at {needed.least_time:.3f} s"
         )
         evidence = Evidence(
             Quantity.FORCE, needed.least, allowed, "N", entity=container.handle, time=needed.least_time
@@ -99,7 +105,7 @@ def _too_much(
     elif needed.most > allowed:
         what = (
             f"the intervals leave open whether {container.name} needs more than {allowed:g} N: "
-            f"its largest force is between {needed.least:.1f} N and {needed.most:.1f} N; "
+            f"its largest force is between {_told(needed.least, allowed)} and {_told(needed.most, allowed)}; "
             "narrow them by measuring"
         )
         evidence = Evidence(

@@ -8,6 +8,7 @@ from typing import Any, Final
 import pyoxigraph as ox
 
 from predicates.case import Outcome, Search
+from predicates.record.report import told_evidence
 from sdt_kg.errors import InputError, UnknownEntityError
 from sdt_kg.iri import Iri, verdict_iri
 from services.mcp_server import arguments
@@ -194,9 +195,6 @@ def _reason(diagnosis: Json) -> str:
 def _measured(evidence: dict[str, Any] | None) -> list[str]:  # JSON
     if evidence is None:
         return []
-    unit = "" if evidence["unit"] == "1" else f" {evidence['unit']}"
     who = " and ".join(evidence.get("links", [])) or evidence.get("entity", "")
-    value = "unknown" if evidence["value"] is None else f"{evidence['value']:g}{unit}"
-    bound = "" if evidence["bound"] is None else f", bound {evidence['bound']:g}{unit}"
     when = "" if evidence["time"] is None else f", at {evidence['time']:g} s"
-    return [f"   {evidence['quantity']} of {who}: {value}{bound}{when}"]
+    return [f"   {evidence['quantity']} of {who}: {told_evidence(evidence, 'unknown')}{when}"]

@@ -18,10 +18,10 @@ from sdt_kg.errors import MotionError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.mechanism import JointType
 from sdt_kg.motion import Motion, check_numbers, check_times
+from sdt_kg.numbers import told_apart
 from sdt_kg.state import State
 from sdt_kg.twin import Twin
 from services.physics.chain import Chain, Follower, chain, follower
-from services.physics.figures import told_apart
 from services.physics.spline import Excess, Hermite, at_rest_velocities, excesses
 from services.physics.tree import Model
 

@@ -9,8 +9,10 @@ from urllib.parse import unquote
 from predicates.case import Diagnosis, Evidence, Outcome, Quantity
 from predicates.record.facts import Facts
 from predicates.record.inputs import UNKNOWN_INPUT, Inputs
+from predicates.record.report import SIGNIFICANT
 from predicates.record.stored import read_positions
 from sdt_kg.iri import ID, Iri, local_name
+from sdt_kg.numbers import told_apart
 from services.versions import outdated
 
 SHORT_KEY = 12
@@ -92,12 +94,10 @@ def _measured(evidence: Evidence) -> str:
     who = [local_name(each) for each in evidence.links or ((evidence.entity,) if evidence.entity else ())]
     of = f" of {' and '.join(who)}" if who else ""
     when = "" if evidence.time is None else f", {evidence.time:.4g} s into the motion"
-    bound = (
-        ""
-        if math.isnan(evidence.bound)
-        else f", where the bound is {with_unit(evidence.bound, evidence.unit)}"
-    )
-    return f"measured: {evidence.quantity.value}{of} {with_unit(evidence.value, evidence.unit)}{bound}{when}"
+    value, bound = told_apart(evidence.value, evidence.bound, SIGNIFICANT)
+    unit = "" if evidence.unit == "1" else f" {evidence.unit}"
+    beside = "" if math.isnan(evidence.bound) else f", where the bound is {bound}{unit}"
+    return f"measured: {evidence.quantity.value}{of} {value}{unit}{beside}{when}"
 
 
 def versions(inputs: Iterable[tuple[str, str]]) -> Iterator[str]:

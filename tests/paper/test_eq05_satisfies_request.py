@@ -35,6 +35,12 @@ def test_a_state_that_does_not_meet_the_request_says_how_far_it_is() -> None:
     assert (diagnosis.evidence.value, diagnosis.evidence.bound, diagnosis.evidence.unit) == (0.25, 0.45, "m")
 
 
+def test_a_state_that_all_but_meets_the_request_is_not_told_to_meet_it() -> None:
+    almost = TWIN.at({DRAWER.joint: 0.449999}).state
+    (answer,) = satisfies_request(Case(TWIN, task=Task(Verb.OPEN, DRAWER.iri), final=almost))
+    assert answer.diagnoses[0].reason == "top_drawer ends at 0.449999 m: open begins at 0.45 m"
+
+
 def test_open_without_a_container_asks_about_each_of_them() -> None:
     answers = list(satisfies_request(Case(TWIN, task=Task(Verb.OPEN), final=OPENED)))
     assert [answer.holds for answer in answers] == [False, True]  # oven_door, top_drawer

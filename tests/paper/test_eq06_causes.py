@@ -40,6 +40,20 @@ def test_a_motion_that_stops_short_causes_something_else_than_the_given_state() 
     assert diagnosis.reason == "low_drawer_joint ends at 0.2, not in [0.45, 0.5]"
 
 
+@pytest.mark.parametrize(
+    ("goal", "told"),
+    [
+        ((0.200001, 0.5), "ends at 0.2, not in [0.200001, 0.5]"),
+        ((0, 0.199999), "ends at 0.2, not in [0, 0.199999]"),
+    ],
+)
+def test_a_motion_that_ends_just_beside_the_goal_is_not_told_to_end_in_it(
+    goal: tuple[float, float], told: str
+) -> None:
+    answer = verified(slide(0, 0.1, 0.2), final=Region(((DRAWER.joint, Interval(*goal)),)))
+    assert answer.diagnoses[0].reason == f"low_drawer_joint {told}"
+
+
 def test_a_task_without_motion_finds_one_into_its_region() -> None:
     (answer,) = causes(Case(TWIN, task=Task(Verb.OPEN, DRAWER.iri)), PHYSICS)
     assert answer.holds

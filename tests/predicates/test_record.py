@@ -8,7 +8,8 @@ import pytest
 
 from predicates.case import Case, Diagnosis, Evidence, Kind, Outcome, Quantity, Search, Verdict
 from predicates.law import law
-from predicates.record import read_verdicts, to_json, to_record, write
+from predicates.record import diagnosis_json, read_verdicts, to_json, to_record, write
+from predicates.record.report import told_evidence
 from sdt_kg.iri import ID, LAW
 from sdt_kg.task import Task, Verb
 from services.physics.oracle import Kinematics
@@ -107,6 +108,16 @@ def test_a_collision_keeps_links_time_and_scope() -> None:
     )
     (read,) = read_verdicts(stored(made))
     assert read.diagnoses == made.diagnoses
+
+
+def test_a_value_beyond_its_bound_is_told_so_in_json_and_in_words() -> None:
+    evidence = Evidence(Quantity.VELOCITY, 0.20000001, 0.2, "m/s", time=1.0)
+    said = diagnosis_json(Diagnosis(Kind.EMBODIMENT, "too fast", evidence))["evidence"]
+    assert isinstance(said, dict)
+    assert (said["value"], said["bound"]) == (0.20000001, 0.2)
+    assert told_evidence(said, "none") == "0.20000001 m/s, bound 0.2 m/s"
+    assert told_evidence(said | {"bound": None}, "none") == "0.2 m/s"
+    assert told_evidence(said | {"value": None}, "none") == "none, bound 0.2 m/s"
 
 
 def test_writing_twice_changes_nothing() -> None:

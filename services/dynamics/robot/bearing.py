@@ -11,6 +11,7 @@ from predicates.scope import outside
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
+from sdt_kg.numbers import told_apart
 from sdt_kg.scope import D_ARTIC_DYN, Violation
 from sdt_kg.twin import Container, Twin
 from services.dynamics.cells import Cells, cells, instants
@@ -98,14 +99,16 @@ def _judged(bound: Bound, forces: Iri) -> list[Diagnosis]:
     if bound.most <= bound.bound:
         return []
     if bound.least > bound.farthest:
+        least, _ = told_apart(bound.least, bound.farthest, 1, "f")
         reason = (
-            f"{bound.name} is {bound.least:.1f} {bound.unit} or more in the motion that was found, "
+            f"{bound.name} is {least} {bound.unit} or more in the motion that was found, "
             f"{bound.farthest:g} {bound.unit} allowed; another motion may ask less"
         )
         return [Diagnosis(Kind.EMBODIMENT, reason, bound.evidence(bound.least, bound.farthest))]
+    least, most = (told_apart(each, bound.bound, 1, "f")[0] for each in (bound.least, bound.most))
     what = (
-        f"the intervals leave open whether the robot bears it: {bound.name} is between {bound.least:.1f} "
-        f"and {bound.most:.1f} {bound.unit}, {bound.bound:g} {bound.unit} surely allowed"
+        f"the intervals leave open whether the robot bears it: {bound.name} is between {least} "
+        f"and {most} {bound.unit}, {bound.bound:g} {bound.unit} surely allowed"
     )
     violation = Violation(forces, None, bound.most, bound.bound, what, UNDECIDED)
     found = outside(violation, D_ARTIC_DYN)

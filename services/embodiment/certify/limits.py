@@ -11,6 +11,7 @@ from predicates.case import Evidence, Quantity
 from sdt_kg.annotation import Drive
 from sdt_kg.iri import local_name
 from sdt_kg.mechanism import JointType
+from sdt_kg.numbers import told_apart
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.sweep.kinematics import joint_axes, unit_of
@@ -23,7 +24,6 @@ from services.embodiment.certify.sweep.pieces import (
     velocities,
 )
 from services.embodiment.certify.tolerances import Tolerances
-from services.physics.figures import told_apart
 from services.physics.model import Scene
 from services.physics.tree import Bounds
 
@@ -97,9 +97,10 @@ def _slowing(scene: Scene, pieces: Pieces, tolerances: Tolerances) -> Findings:
         room = max(float(room), 0.0)
         least = room * float(bounds.gain[k])
         unit, time = unit_of(scene, k), float(pieces.start[n] + at)
+        fast, slow = told_apart(speed, least, 4)
         reason = (
-            f"{local_name(scene.names[k])} moves at {speed:.4g} {unit}/s, {room:.3g} {unit} before "
-            f"its limit, where its safety controller lets it move at {least:.4g} {unit}/s"
+            f"{local_name(scene.names[k])} moves at {fast} {unit}/s, {room:.3g} {unit} before "
+            f"its limit, where its safety controller lets it move at {slow} {unit}/s"
         )
         evidence = Evidence(Quantity.VELOCITY, speed, least, f"{unit}/s", scene.names[k], time=time)
         violation = Violation("slowed near its limit: robot", reason, evidence, float(excess[i, n, j]))

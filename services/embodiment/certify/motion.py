@@ -12,6 +12,7 @@ from sdt_kg.errors import MotionError, UnknownEntityError
 from sdt_kg.iri import Iri, joint_iri, local_name
 from sdt_kg.mechanism import Joint, JointType, Mechanism
 from sdt_kg.motion import ANOTHER, BodyMotion, check_body_motion
+from sdt_kg.numbers import told_apart
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.sweep.kinematics import joint_axes, unit_of
 from services.embodiment.certify.sweep.pieces import Pieces, hermite, positions
@@ -235,7 +236,8 @@ def start(
         if abs(off[k]) > most:
             unit, whose = ("rad" if turning else "m"), ("parked" if robot else "the kitchen's state")
             name = local_name(scene.names[k])
-            reason = f"{name} starts at {q[k]:.4g} {unit} and not at {parked[k]:.4g} {unit} ({whose})"
+            at, demanded = told_apart(float(q[k]), float(parked[k]), 4)
+            reason = f"{name} starts at {at} {unit} and not at {demanded} {unit} ({whose})"
             time = float(pieces.start[0])
             evidence = Evidence(
                 Quantity.POSITION, float(q[k]), float(parked[k]), unit, scene.names[k], time=time

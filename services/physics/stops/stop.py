@@ -7,9 +7,9 @@ import numpy as np
 from predicates.case import Diagnosis, Evidence, Kind, Quantity
 from predicates.oracle import Replayed
 from sdt_kg.iri import local_name
+from sdt_kg.numbers import told_apart
 from sdt_kg.twin import Twin
 from services.physics.chain import follower
-from services.physics.figures import told_apart
 from services.physics.replay import BEYOND_STOPS, effective_bounds, spline_of, state_with
 from services.physics.stops.path import Block
 from services.physics.stops.sweep import Sweep

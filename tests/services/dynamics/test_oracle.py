@@ -65,6 +65,11 @@ def test_excessive_force_is_a_causal_failure_of_its_own() -> None:
     assert judged(edited(RUNNERS, latchForce=(176, 200))).outcome is Outcome.NOT_CERTIFIED
 
 
+def test_a_force_that_is_refused_is_told_as_more_than_is_allowed() -> None:
+    (diagnosis,) = answered(edited(RUNNERS, latchForce=(56.04, 70))).diagnoses
+    assert "needs 60.04 N where 60 N is allowed" in diagnosis.reason
+
+
 @pytest.mark.parametrize(
     ("figures", "element"),
     [

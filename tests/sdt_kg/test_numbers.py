@@ -2,7 +2,7 @@
 
 import pytest
 
-from services.physics.figures import told_apart
+from sdt_kg.numbers import told_apart
 
 
 @pytest.mark.parametrize(
