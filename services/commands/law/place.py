@@ -2,6 +2,7 @@
 
 import click
 
+from predicates.case import Kind
 from sdt_kg.errors import InputError
 from sdt_kg.load import model_name
 from sdt_kg.task import UNKNOWN
@@ -19,6 +20,7 @@ from services.commands.options import (
     states_option,
 )
 from services.commands.show import countdown, csv_is_asked, print_json, print_rows
+from services.commands.verdicts import Json
 from services.requests import parse_task
 
 
@@ -49,7 +51,7 @@ def place(
     The map says of each square of base positions: certified, proved impossible, blocked by furniture, or
     unknown. --csv prints the poses, the best first.
 
-    Exit 0 there is such a pose, 1 none was found, 2 bad input.
+    Exit 0 there is such a pose, 1 none was found, 3 out of scope, 2 bad input.
     """
     from services.embodiment.place import answer, place  # noqa: PLC0415 - loads the oracle
 
@@ -66,4 +68,12 @@ def place(
     else:
         for line in answer.lines(found):
             click.echo(line)
-    raise SystemExit(0 if found.spots else Exit.NO)
+    raise SystemExit(exit_of(answer.to_json(found)))
+
+
+def exit_of(said: Json) -> Exit:
+    """What the command ends with, of its JSON object."""
+    if said["spots"]:
+        return Exit.DONE
+    kinds = {each["kind"] for each in said["diagnoses"]}
+    return Exit.ABSTAINED if kinds == {Kind.OUT_OF_SCOPE.value} else Exit.NO

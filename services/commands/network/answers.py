@@ -97,8 +97,20 @@ def _task(to: "Connection", asked: Asked, as_json: bool) -> int:
 
 
 def _place(to: "Connection", asked: Asked, as_json: bool) -> int:
+    """Poses, or that there are none and how sure that is; the exit code is that of `sdt place`."""
+    from services.commands.law.place import exit_of  # noqa: PLC0415 - other verbs need it not
+    from services.embodiment.place.answer import none_found  # noqa: PLC0415 - loads the oracle
+
     found = to.place(asked.text, asked.robot, *asked.states, budget=asked.budget)
-    return _rows(found["spots"], as_json)
+    if as_json:
+        print_json(found)
+    else:
+        _rows(found["spots"], as_json)
+        for each in found["diagnoses"]:
+            click.echo(f"{each['kind']}: {each['reason']}", err=True)
+        if not found["spots"] and found["map"]["cells"]:
+            click.echo(none_found(found["container"], impossible=found["impossible"]), err=True)
+    return exit_of(found)
 
 
 def _why(to: "Connection", asked: Asked, as_json: bool) -> int:

@@ -46,6 +46,12 @@ def base_of(found: Spot) -> str:
     return ",".join(f"{value:.{DECIMALS}f}" for value in (found.x, found.y, found.yaw))
 
 
+def none_found(container: str, *, impossible: bool) -> str:
+    """That no pose was found, and how sure that is."""
+    how = "every pose of the map is proved impossible" if impossible else "searched, not proved"
+    return f"no pose found for {container}: {how}"
+
+
 def lines(found: Placement) -> Iterator[str]:
     """What people read: poses, then the map with y upwards."""
     for each in found.diagnoses:
@@ -58,8 +64,7 @@ def lines(found: Placement) -> Iterator[str]:
     if len(found.spots) > SHOWN:
         yield f"and {len(found.spots) - SHOWN} more"
     if not found.spots and found.rows:
-        how = "every pose of the map is proved impossible" if found.impossible else "searched, not proved"
-        yield f"no pose found for {found.container}: {how}"
+        yield none_found(found.container, impossible=found.impossible)
     if found.rows:
         cell = found.rows[0][0]
         size = SIDE / len(found.rows)

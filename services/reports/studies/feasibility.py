@@ -176,7 +176,7 @@ def durations(found: Judgements) -> Figure:
 def seconds(motion: BodyMotion) -> dict[str, float]:
     """Duration of each phase of a certified motion, over all holds [s]."""
     begins = [first for _, first in motion.phases]
-    spent = dict.fromkeys(PHASES, 0.0)
+    spent: dict[str, float] = dict.fromkeys(PHASES, 0.0)
     for (name, first), end in zip(motion.phases, [*begins[1:], len(motion.times) - 1], strict=True):
         phase = name.rstrip(" 0123456789")  # those of later holds are numbered
         spent[phase if phase in PHASES else ON_THE_WAY] += float(motion.times[end] - motion.times[first])

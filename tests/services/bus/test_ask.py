@@ -2,6 +2,7 @@
 
 from services.bus.server import Server
 from services.commands.exits import Exit
+from tests.small import FOLDER
 
 CONTAINER = "iai_fridge_door"
 
@@ -44,3 +45,17 @@ def test_nobody_who_says_how_he_is_is_no_answer(sdt, bus: tuple[str, Server]) ->
     nobody = sdt("ask", "c", "health", "--connect", bus[0])
     assert nobody.code == Exit.NO_ORACLE
     assert "no server of 'c' is on the bus" in nobody.err
+
+
+def test_place_without_a_pose_is_told_and_ends_as_without_a_bus(sdt, bus: tuple[str, Server]) -> None:
+    asked = (f"open:{CONTAINER}", "--state", f"{CONTAINER}=open", "--budget", "2")
+    there = sdt("ask", "b", "place", *asked, "--robot", "pr2", "--connect", bus[0])
+    here = sdt("place", "--kitchen", "b", "--robot", "pr2", "--task", *asked)
+    assert (there.code, here.code) == (Exit.NO, Exit.NO)
+    assert there.err
+    assert there.err.splitlines()[0] in here.out
+
+
+def test_place_out_of_scope_is_no_no(sdt) -> None:
+    asked = ("--kitchen", str(FOLDER / "a.urdf"), "--robot", "pr2", "--task", "open:swing_door")
+    assert sdt("place", *asked).code == Exit.ABSTAINED
