@@ -15,7 +15,7 @@ from services.commands.show import csv_is_asked, print_json, print_rows
 from services.store.files import is_saved_graph, readable
 from services.store.records import all_recalled
 from services.why import SHORT_KEY, outcome, question, results_of, sections, task, verdicts_of, why
-from services.why.words import standing
+from services.why.words import moved, standing
 
 
 @click.command(name="why")
@@ -64,12 +64,21 @@ def _list(saved: ox.Store, as_json: bool) -> None:
         for each in results_of(saved)
         if each not in damaged
     ]
-    rows += [{"verdict": each.iri, "question": question(each), "outcome": outcome(each)} for each in verdicts]
+    rows += [
+        {
+            "verdict": each.iri,
+            "question": question(each),
+            "drive": facts.text(each.iri, LAW + "drive") or "",
+            "state": ", ".join(moved(each.iri, facts)),
+            "outcome": outcome(each),
+        }
+        for each in verdicts
+    ]
     rows += [{"verdict": iri, "question": why, "outcome": "DAMAGED"} for iri, why in damaged.items()]
     rows = [{**each, "verdict": local_name(each["verdict"])[:SHORT_KEY]} for each in rows]
     if not rows:
         raise InputError("there is no verdict in it", remedy="sdt achieve … --save FILE keeps one")
-    print_rows(rows, ("verdict", "question", "outcome"), as_json=as_json)
+    print_rows(rows, ("verdict", "question", "drive", "state", "outcome"), as_json=as_json)
     for note in mixed(verdicts):
         click.echo(f"note: {note}", err=True)
 

@@ -59,6 +59,18 @@ def test_several_are_listed(sdt: Callable[..., Done], saved: Path) -> None:
     assert sdt("why", rows[0]["verdict"], "--store", str(saved)).code == 0
 
 
+def test_the_same_question_in_two_worlds_is_told_apart(sdt: Callable[..., Done], saved: Path) -> None:
+    robot = ("--robot", str(SMALL / "stretch.urdf"))
+    asked = ("achieve", "--kitchen", str(SMALL / "a.urdf"), *robot, "--task", "open:swing_door")
+    sdt(*asked, "--state", "low_drawer=0.2", "--drive", "fixed", "--save", str(saved))
+    rows = sdt("why", str(saved), "--json").json
+    assert {row["question"] for row in rows} == {"Can stretch open swing_door in kitchen a?"}
+    assert sorted((row["drive"], row["state"]) for row in rows) == [
+        ("fixed", "low_drawer_joint at 0.2"),
+        ("omni", ""),
+    ]
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
