@@ -11,6 +11,7 @@ from sdt_kg.iri import Iri
 from sdt_kg.mechanism import JointType
 from services.embodiment.body import contacts, kernels, postures
 from services.physics.geometry.convex import BALL, MESH
+from services.physics.geometry.gap import gap
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]
@@ -126,14 +127,10 @@ class World:
 
     def distance(self, pair: Pair, r: Array, p: Array) -> float:
         """Signed distance of two shapes [m], negative when they penetrate."""
-        one, other = pair
-        request, result = coal.DistanceRequest(), coal.DistanceResult()
-        solids, at = self.scene.solids, self._transform
-        return float(
-            coal.distance(
-                solids[one].shape, at(one, r, p), solids[other].shape, at(other, r, p), request, result
-            )
+        (one, one_at), (other, other_at) = (
+            (self.scene.solids[k].shape, self._transform(k, r, p)) for k in pair
         )
+        return gap(one, one_at, other, other_at)[0]
 
     def distances(self, pairs: NDArray[np.int64], r: Array, p: Array) -> Array:
         """Signed distances of pairs of shapes (M, 2) [m], negative when they penetrate, shape (M,)."""

@@ -4,6 +4,9 @@ import math
 
 from services.kernel import kernel, subkernel
 
+WAITING = 128
+"""[1] Parts of a triangle that wait in the room: three of each size, and there are few sizes above `fine`."""
+
 
 @kernel(makes=False)
 def deepest_point(triangles, normals, offsets, fine, room):

@@ -7,7 +7,7 @@ import coal  # pyright: ignore[reportMissingImports]  # found through a .pth fil
 import numpy as np
 from numpy.typing import NDArray
 
-from services.physics.geometry.deepest import deepest_point
+from services.physics.geometry.deepest import WAITING, deepest_point
 from services.physics.geometry.inside import Where, where
 from services.physics.geometry.shapes import corners, hull_of_solid
 
@@ -16,8 +16,8 @@ Array = NDArray[np.float64]
 SIDES = 64  # of the prism about a cylinder: its edges stand out by 0.12 % of the radius
 DIRECTIONS = 100  # of the polyhedron about what is round
 FINE = 1e-5  # [m] precision of how deep triangles are
-WAITING = 128  # parts of a triangle that wait to be looked at: three of each size, and few sizes above `FINE`
-POINT, STILL = coal.Sphere(1e-9), np.eye(3)
+THIN = 1e-9  # [m] radius of what stands for a point or a line
+POINT, STILL = coal.Sphere(THIN), np.eye(3)
 GOLDEN = np.pi * (3 - np.sqrt(5))
 
 
@@ -102,11 +102,16 @@ def tip_depth(mesh: coal.BVHModelBase, points: Array) -> float:
     """How deep the deepest of some points (K, 3) of a mesh's frame is inside it [m]; 0 if none is in it."""
     box, found = mesh.aabb_local, 0.0
     for point in points[((points > box.min_) & (points < box.max_)).all(axis=1)]:
-        request, result, at = coal.DistanceRequest(), coal.DistanceResult(), coal.Transform3s(STILL, point)
-        depth = float(coal.distance(mesh, coal.Transform3s(), POINT, at, request, result))
+        depth = _off(mesh, POINT, STILL, point)
         if depth > found and where(mesh, point) is Where.INSIDE:
             found = depth
     return found
+
+
+def _off(mesh: coal.BVHModelBase, shape: coal.CollisionGeometry, rotation: Array, origin: Array) -> float:
+    """How far a shape without volume is from a mesh, in whose frame its pose is [m]; 0 where they touch."""
+    request, result, at = coal.DistanceRequest(), coal.DistanceResult(), coal.Transform3s(rotation, origin)
+    return max(0.0, float(coal.distance(mesh, coal.Transform3s(), shape, at, request, result)))
 
 
 def placed(one: Faces, rotation: Array, origin: Array) -> Faces:
@@ -126,10 +131,13 @@ def surface_depth(
 
     Args:
         mesh: Its triangles.
-        shape: What is round is taken with a polyhedron about it.
+        shape: A cylinder is taken as a prism about it.
         rotation: Of the shape in the mesh's frame, shape (3, 3).
         origin: Of the shape there [m], shape (3,).
     """
+    if isinstance(shape, coal.Sphere | coal.Capsule):
+        half = 0.0 if isinstance(shape, coal.Sphere) else shape.halfLength
+        return max(0.0, shape.radius - _off(mesh, coal.Capsule(THIN, 2 * half), rotation, origin))
     body, room = placed(faces(shape), rotation, origin), np.empty((WAITING, 3, 3))
     triangles = np.ascontiguousarray(corners(mesh))
     found = deepest_point(triangles, body.normals, body.offsets, FINE, room)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.mechanism import Geometry, ShapeType
 from services.kernel import kernel
+from services.physics.geometry.deepest import WAITING, deepest_point
 from services.physics.geometry.shapes import (
     Triangles,
     corners,
@@ -29,6 +30,11 @@ SAME_POINT = 6
 CONVEX_SHARE = 0.02
 """[1] By how much of its hull a component's volume may fall short to count as convex: chamfers do."""
 
+MOST_DENT = 0.01
+"""[m] How deep a dent in it may be then, as deep as parts may be in each other: what is drawn into a slot of a
+wall is not in the wall. The fronts of the kitchens' sources have grooves of 9 mm."""
+
+FINE_DENT = 1e-4  # [m] precision of how deep it is
 
 AROUND = 32
 """[1] Points about what is round that stand for it where it is cut."""
@@ -208,7 +214,15 @@ def _shape(triangles: Array, solid: Array, flat: bool) -> coal.CollisionGeometry
         return whole
     filled = whole.computeVolume()
     volume = abs(float(np.linalg.det(triangles - triangles.mean(axis=(0, 1))).sum())) / 6
-    return whole if abs(volume - filled) <= CONVEX_SHARE * filled else _triangles(triangles)
+    full = abs(volume - filled) <= CONVEX_SHARE * filled
+    return whole if full and _dent(triangles, whole) <= MOST_DENT else _triangles(triangles)
+
+
+def _dent(triangles: Array, whole: coal.Convex) -> float:
+    """How deep the deepest point of a component's triangles is in its hull [m], to `FINE_DENT`."""
+    normals, offsets = np.array(whole.normals()), -np.array(whole.offsets()).ravel()
+    room = np.empty((WAITING, 3, 3))
+    return deepest_point(np.ascontiguousarray(triangles), normals, offsets, FINE_DENT, room)
 
 
 def _triangles(triangles: Array) -> coal.BVHModelBase:

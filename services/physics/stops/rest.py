@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from sdt_kg.iri import Iri
 from sdt_kg.mechanism import Joint, JointType, Limits
 from services.physics.geometry.bodies import BodyShape, shapes_of
-from services.physics.geometry.depth import surface_depth
+from services.physics.geometry.gap import gap
 from services.physics.tree import Array, Model
 
 ALLOWANCE = 0.01
@@ -195,26 +195,7 @@ def gap_between(
     one: BodyShape, one_at: coal.Transform3s, other: BodyShape, other_at: coal.Transform3s
 ) -> tuple[float, Array]:
     """Distance of two shapes [m], negative where they penetrate, and from one to the other its direction."""
-    # Request and result of its own for each call: a cached guess gives wrong answers.
-    request, result = coal.DistanceRequest(), coal.DistanceResult()
-    first, second = one.piece.shape, other.piece.shape
-    gap, toward = float(coal.distance(first, one_at, second, other_at, request, result)), result.normal
-    if gap <= 0 and _is_mesh(first) != _is_mesh(second):
-        pair = (first, one_at, second, other_at) if _is_mesh(first) else (second, other_at, first, one_at)
-        gap = -_depth_in(*pair)
-    return gap, toward
-
-
-def _is_mesh(shape: coal.CollisionGeometry) -> bool:
-    return isinstance(shape, coal.BVHModelBase)
-
-
-def _depth_in(
-    mesh: coal.BVHModelBase, mesh_at: coal.Transform3s, body: coal.CollisionGeometry, at: coal.Transform3s
-) -> float:
-    """Depth of the deepest point of a mesh's triangles in a body [m]."""
-    seen = mesh_at.inverse() * at
-    return surface_depth(mesh, body, seen.getRotation(), seen.getTranslation())
+    return gap(one.piece.shape, one_at, other.piece.shape, other_at)
 
 
 def _start(limits: Limits) -> float:

@@ -10,6 +10,7 @@ from services.embodiment.certify.sweep.depth import deepest
 from services.embodiment.certify.sweep.kinematics import Kinematics, Placed
 from services.physics.geometry.depth import faces, surface_depth, tip_depth
 from services.physics.geometry.depth import placed as placed_faces
+from services.physics.geometry.gap import beyond_cylinder
 from services.physics.geometry.pieces import Piece, components, outline
 from services.physics.model import Scene
 
@@ -166,14 +167,11 @@ class Shapes:
         return float(coal.distance(one, one_T, other, other_T, self._request, self._result))
 
     def _ball_and_cylinder(self, pair: Sequence[int], *frames: Array) -> float:
-        """Coal's own answer is right outside, and too deep inside (a sphere's centre in a cylinder)."""
         one_R, one_p, other_R, other_p = frames
         first = self._kind[pair[0]] == SPHERE
         ball, cylinder = (self._shapes[i] for i in (pair if first else pair[::-1]))
-        x = (other_R if first else one_R).T @ (other_p - one_p)
-        gap = np.array([np.hypot(x[0], x[1]) - cylinder.radius, abs(x[2]) - cylinder.halfLength])
-        outside = float(np.linalg.norm(np.maximum(gap, 0)))
-        return outside + min(0.0, float(gap.max())) - ball.radius
+        middle = (other_R if first else one_R).T @ (other_p - one_p)
+        return beyond_cylinder(cylinder, middle) - ball.radius
 
 
 def _way(part: Piece, body: coal.CollisionGeometry, rotation: Array, origin: Array) -> float:

@@ -207,6 +207,34 @@ def test_a_drawer_does_not_pass_a_wall_that_is_a_bent_mesh(tmp_path: Path, bent:
         assert PHYSICS.replay(stands, motion).violations
 
 
+def test_a_front_that_runs_in_a_slot_of_a_wall_stops_where_the_slot_ends(tmp_path: Path) -> None:
+    # The slot is 1.8 % of the wall: in a solid one the front was drawn 80 mm deep, and so might go through it.
+    face, ground = 0.17 - 0.2, 0.26 - 0.2
+    line = [
+        (-2, face),
+        (-0.06, face),
+        (-0.06, ground),
+        (0.1, ground),
+        (0.1, face),
+        (2, face),
+        (2, 0.17),
+        (-2, 0.17),
+    ]
+    flat = [(0, 1, 2), (0, 2, 7), (2, 3, 6), (2, 6, 7), (3, 4, 5), (3, 5, 6)]
+    sides = [(k, (k + 1) % 8, (k + 1) % 8 + 8) for k in range(8)]
+    sides += [(k, (k + 1) % 8 + 8, k + 8) for k in range(8)]
+    faces = [each[::-1] for each in flat] + [(a + 8, b + 8, c + 8) for a, b, c in flat] + sides
+    corners = [(x, y, z) for z in (-1.0, 1.0) for x, y in line]
+    trimesh.Trimesh(corners, faces, process=False).export(tmp_path / "wall.stl")
+    wall = DRAWER.replace('<box size="{thickness} {thickness} 1"/>', '<mesh filename="wall.stl"/>')
+    (tmp_path / "post.urdf").write_text(wall.format(at=0.0))
+    twin = load_twin(tmp_path / "post.urdf")
+    answer = asked(twin, "drawer")
+    assert not answer.holds
+    assert isinstance(answer.case.final, State)
+    assert 0.091 <= answer.case.final[twin.container("drawer").joint] <= 0.0965
+
+
 @pytest.mark.parametrize("sections", [16, 128])
 def test_a_drawer_comes_no_deeper_into_a_ring_of_small_triangles_than_into_one_of_large_ones(
     tmp_path: Path, sections: int
