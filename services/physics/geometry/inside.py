@@ -8,12 +8,14 @@ closed if an even number of faces meets at each of its edges; an open part has n
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
+from itertools import combinations, starmap
 
 import coal  # pyright: ignore[reportMissingImports]  # found through a .pth file
 import numpy as np
 from numpy.typing import NDArray
 
 from services.physics.geometry.pieces import joined, same_points
+from services.physics.geometry.shapes import Triangles
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -63,12 +65,14 @@ def where(mesh: coal.BVHModelBase, point: Array) -> Where:
         point: On no triangle.
     """
     near = [part for part in _parts(mesh) if part.has_in_box(point)]
-    turns = [round(_winding(part.triangles - point)) for part in near if part.alike]
+    turns = [(part, round(_winding(part.triangles - point))) for part in near if part.alike]
+    about = [part for part, turn in turns if turn != 0]
     odd = any(_odd(part.triangles - point) for part in near if part.closed and not part.alike)
-    if odd or sum(turns) != 0:
+    if odd or sum(turn for _, turn in turns) != 0:
         return Where.INSIDE
-    if any(turns):
-        return Where.CAVITY
+    if about:
+        # Of two surfaces about a point that do not meet one is inside the other.
+        return Where.INSIDE if any(starmap(_meet, combinations(about, 2))) else Where.CAVITY
     return Where.OUTSIDE if all(part.closed for part in near) else Where.UNSEEN
 
 
@@ -96,6 +100,16 @@ def _parts(mesh: coal.BVHModelBase) -> tuple[Part, ...]:
         corners = np.ascontiguousarray(vertices[faces[label[: len(faces)] == each]])
         parts.append(Part(corners, closed, closed and bool((turn[own] == 0).all())))
     return tuple(parts)
+
+
+def _meet(one: Part, other: Part) -> bool:
+    """Whether the surfaces of two parts touch."""
+    first, second = (
+        Triangles(part.triangles.reshape(-1, 3), np.arange(3 * len(part.triangles)).reshape(-1, 3))
+        for part in (one, other)
+    )
+    here, request, result = coal.Transform3s(), coal.DistanceRequest(), coal.DistanceResult()
+    return float(coal.distance(first, here, second, here, request, result)) <= 0
 
 
 def _winding(corners: Array) -> float:

@@ -31,8 +31,8 @@ CONVEX_SHARE = 0.02
 """[1] By how much of its hull a component's volume may fall short to count as convex: chamfers do."""
 
 MOST_DENT = 0.01
-"""[m] How deep a dent in it may be then, as deep as parts may be in each other: what is drawn into a slot of a
-wall is not in the wall. The fronts of the kitchens' sources have grooves of 9 mm."""
+"""[m] How deep a dent in it may be then, as deep as parts may be in each other: what is drawn into a slot of
+a wall is not in the wall. The fronts of the kitchens' sources have grooves of 9 mm."""
 
 FINE_DENT = 1e-4  # [m] precision of how deep it is
 

@@ -208,7 +208,7 @@ def test_a_drawer_does_not_pass_a_wall_that_is_a_bent_mesh(tmp_path: Path, bent:
 
 
 def test_a_front_that_runs_in_a_slot_of_a_wall_stops_where_the_slot_ends(tmp_path: Path) -> None:
-    # The slot is 1.8 % of the wall: in a solid one the front was drawn 80 mm deep, and so might go through it.
+    # The slot is 1.8 % of the wall: in a solid one the front was drawn 80 mm deep, and so might go through.
     face, ground = 0.17 - 0.2, 0.26 - 0.2
     line = [
         (-2, face),
