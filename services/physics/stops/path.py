@@ -58,8 +58,8 @@ class Block:
 
     Attributes:
         position: Of the actuated joint [rad or m].
-        depth: [m] How deep they are there.
-        allowed: [m] How deep they may be.
+        depth: [m] How deep they are there; negative is their distance.
+        allowed: [m] How deep they may be; negative is the distance that they have to keep.
     """
 
     position: float
@@ -229,7 +229,8 @@ class Path:
 
         Two meshes of triangles that touch where they were fitted together do not tell how deep they are: of
         the second what is farther away there is followed. Where they touch elsewhere at the beginning they
-        have to come apart at once.
+        have to come apart at once. Two that neither begin nor were fitted nearer than the shortest step may
+        not come so near: between two steps they might pass through each other.
         """
         least = _least(one, other)
         if least == TOUCH and self._rest.touch(one, other):
@@ -244,10 +245,10 @@ class Path:
         while speed > 0:
             against = self._placed(other, position) if moves else against
             gap, toward = gap_between(one, self._placed(one, position), other, against)
-            if position == self._begin:
-                free = 2 * LEAST_STEP if least == TOUCH and gap < -TOUCH else 0.0
+            if position == self._begin and least == TOUCH:
+                allowed, free = self._of_meshes(one, other, gap)
             if gap < -allowed - grazes and not (free and position == self._begin):
-                return Block(position, -gap, max(allowed, 0.0), one.body, other.body)
+                return Block(position, -gap, 0.0 if allowed == TOUCH else allowed, one.body, other.body)
             if position == end or (until - position) * direction <= 0:
                 return None
             # On a way of this length they do not come to be too deep, however fast they come nearer.
@@ -257,6 +258,13 @@ class Path:
             ahead = position + direction * step
             position, free = end if (end - ahead) * direction <= 0 else float(ahead), 0.0
         return None
+
+    def _of_meshes(self, one: BodyShape, other: BodyShape, gap: float) -> tuple[float, float]:
+        """[m] What two meshes that begin so far apart are allowed, and a step to come apart on."""
+        if gap < -TOUCH:
+            return TOUCH, 2 * LEAST_STEP
+        near = gap < LEAST_STEP or self._rest.touch(one, other, LEAST_STEP)
+        return TOUCH if near else -LEAST_STEP, 0.0
 
     def _allowed(self, one: BodyShape, other: BodyShape, least: float) -> tuple[float, float]:
         """[m] How deep the shapes may be in each other as they were drawn, and the step by which they go on.

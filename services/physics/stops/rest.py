@@ -88,9 +88,9 @@ class Rest:
         """[m] How deep the shapes are in each other as they were fitted, 0 where they are apart."""
         return max(0.0, -self._gap(one, other))
 
-    def touch(self, one: BodyShape, other: BodyShape) -> bool:
-        """Whether the shapes touch as they were fitted."""
-        return self._gap(one, other) <= 0
+    def touch(self, one: BodyShape, other: BodyShape, near: float = 0.0) -> bool:
+        """Whether the shapes touch as they were fitted, or are so near each other [m]."""
+        return self._gap(one, other) <= near
 
     def _gap(self, one: BodyShape, other: BodyShape) -> float:
         """[m] Between the shapes as they were fitted; without end where one was put there later."""

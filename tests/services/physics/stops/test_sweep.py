@@ -251,6 +251,29 @@ def test_a_drawer_comes_no_deeper_into_a_ring_of_small_triangles_than_into_one_o
     assert answer.case.final[twin.container("drawer").joint] == pytest.approx(met + 0.018 / 4, abs=1e-4)
 
 
+def sheet(file: Path) -> str:
+    """A bent sheet without thickness, aslant to x."""
+    ground = ((0.0, -0.1), (0.2, 0.0), (0.408, 0.1))
+    corners = [(x, y, z) for z in (-0.05, 0.05) for x, y in ground]
+    faces = [(0, 1, 4), (0, 4, 3), (1, 2, 5), (1, 5, 4)]
+    trimesh.Trimesh(corners, faces, process=False).export(file)
+    return f'<mesh filename="{file.name}"/>'
+
+
+def test_a_sheet_does_not_pass_through_one_like_it_between_two_steps(tmp_path: Path) -> None:
+    thin = DRAWER.replace('<box size="{thickness} {thickness} 1"/>', sheet(tmp_path / "wall.stl"))
+    thin = thin.replace('<box size="0.018 0.5 0.2"/>', sheet(tmp_path / "front.stl"))
+    thin = thin.replace('<origin xyz="0.05 0 0"/>', '<origin xyz="0.05 0 0.5"/>')
+    for at in (0.23, 0.2317, 0.301):
+        (tmp_path / "post.urdf").write_text(thin.replace("{at} 0.2 0", f"{at} 0 0"))
+        answer = asked(load_twin(tmp_path / "post.urdf"), "drawer")
+        assert not answer.holds
+        assert isinstance(answer.case.final, State)
+        (joint, stopped_at), *_ = answer.case.final.positions
+        assert at - 0.002 <= stopped_at <= at, joint
+        assert "passes through" in answer.diagnoses[0].reason
+
+
 def test_bent_meshes_that_were_fitted_together_slide_on_each_other(tmp_path: Path) -> None:
     board = angle(tmp_path / "front.stl", 0.018, 0.5, 0.02, 0.2)
     urdf = DRAWER.replace('<box size="0.018 0.5 0.2"/>', board).format(at=0.0, thickness=0.1)
