@@ -71,13 +71,19 @@ class TableResult:
         ]
 
     def _repr_html_(self) -> str:
-        """Certified of judged, kitchen by robot, for Jupyter."""
+        """Certified of all, and how many have no verdict, kitchen by robot, for Jupyter."""
         counts = self.cells()
+        lost = Counter((each["kitchen"], each["robot"]) for each in self.without_verdict())
+
+        def told(kitchen: str, robot: str) -> str:
+            without = lost[kitchen, robot]
+            certified, total = counts[kitchen].get(robot, (0, 0))
+            return (
+                f"{certified} / {total}{f', {without} without a verdict' if without else ''}" if total else ""
+            )
+
         robots = list(dict.fromkeys(robot for row in counts.values() for robot in row))
-        rows = [
-            (kitchen, *(f"{row[robot][0]} / {row[robot][1]}" if robot in row else "" for robot in robots))
-            for kitchen, row in counts.items()
-        ]
+        rows = [(kitchen, *(told(kitchen, robot) for robot in robots)) for kitchen in counts]
         return html_grid(("kitchen", *robots), rows)
 
     def to_json(self) -> dict[str, object]:

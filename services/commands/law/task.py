@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from predicates.case import Outcome
+from predicates.record.report import told_evidence
 from predicates.specification.model import Specification
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
@@ -198,7 +199,7 @@ def _print_quality(quality: Json | None) -> None:
 
 def _evidence(said: Json) -> str:
     when = "" if said["time"] is None else f" at {said['time']:g} s"
-    return f"{said['quantity']}: {said['value']} {said['unit']}, bound {said['bound']}{when}"
+    return f"{said['quantity']}: {told_evidence(said, 'unknown')}{when}"
 
 
 def _chosen(step: Json, said: Json) -> str:

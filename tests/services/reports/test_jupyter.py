@@ -6,7 +6,10 @@ from predicates.case import Case, Diagnosis, Kind, Outcome, Search
 from predicates.law import law
 from sdt_kg.display import Badge, card, grid
 from sdt_kg.task import Task, Verb
+from services.app import Policy
 from services.physics.oracle import Kinematics
+from services.sweep.cell import Cell, Unjudged
+from services.table import TableResult
 from tests.small import small_twin
 from tests.small.lift import Lift
 
@@ -55,3 +58,9 @@ def test_a_verdict_shows_outcome_predicates_and_how_sure_each_reason_is() -> Non
     assert ">not certified<" in text
     assert "too far (not proved: a search gave up)" in text
     assert "too high (proved)" in text
+
+
+def test_a_table_says_how_many_cases_have_no_verdict() -> None:
+    case = Cell("a", "pr2", "open:drawer", (), Policy())
+    shown = TableResult(unjudged=[Unjudged(case, "the process that judged it died twice")])._repr_html_()
+    assert "0 / 1, 1 without a verdict" in shown
