@@ -10,7 +10,7 @@ from services.embodiment.certify.sweep.depth import deepest
 from services.embodiment.certify.sweep.kinematics import Kinematics, Placed
 from services.physics.geometry.depth import faces, surface_depth, tip_depth
 from services.physics.geometry.depth import placed as placed_faces
-from services.physics.geometry.gap import beyond_cylinder
+from services.physics.geometry.gap import beyond_cylinder, gap
 from services.physics.geometry.pieces import Piece, components, outline
 from services.physics.model import Scene
 
@@ -115,11 +115,6 @@ class Shapes:
             known[shape] = rotation[0], origin[0]
         return known[shape]
 
-    def along(self, placed: Placed, shape: int) -> tuple[Array, Array]:
-        """Rotations and origins of one shape in the world at all configurations, (U, 3, 3) and (U, 3) [m]."""
-        rotation, origin = (each[:, self.carrier[shape]] for each in (placed.rotation, placed.origin))
-        return rotation @ self._rotation[shape], origin + rotation @ self._origin[shape]
-
     def middles(self, placed: Placed, shape: Indices) -> tuple[Array, Array]:
         """Rotations and middles of shapes' boxes at the first configuration, shapes (M, 3, 3) and (M, 3)."""
         first = np.zeros_like(shape)
@@ -178,8 +173,8 @@ def _way(part: Piece, body: coal.CollisionGeometry, rotation: Array, origin: Arr
     """The way that would part them [m]."""
     if isinstance(part.shape, coal.BVHModelBase):
         return _in_bent(part.shape, body, rotation, origin)
-    request, result, at = coal.DistanceRequest(), coal.DistanceResult(), coal.Transform3s(rotation, origin)
-    return -float(coal.distance(part.shape, coal.Transform3s(), body, at, request, result))
+    distance, _ = gap(part.shape, coal.Transform3s(), body, coal.Transform3s(rotation, origin))
+    return -distance
 
 
 def _deepest(part: Piece, body: coal.CollisionGeometry, rotation: Array, origin: Array) -> float:

@@ -46,6 +46,16 @@ def stopped(twin: Twin, verb: Verb) -> set[str]:
     return {each.name for each in twin.containers() if not asked(twin, each.name, verb).holds}
 
 
+def stopped_in(folder: Path, urdf: str) -> tuple[Answer, float]:
+    """What is said of a kitchen's drawer that does not come open, and where it is stopped [m]."""
+    (folder / "post.urdf").write_text(urdf)
+    twin = load_twin(folder / "post.urdf")
+    answer = asked(twin, "drawer")
+    assert not answer.holds
+    assert isinstance(answer.case.final, State)
+    return answer, answer.case.final[twin.container("drawer").joint]
+
+
 def with_post(folder: Path, at: float, thickness: float) -> Twin:
     (folder / "post.urdf").write_text(DRAWER.format(at=at, thickness=thickness))
     return load_twin(folder / "post.urdf")
@@ -227,12 +237,8 @@ def test_a_front_that_runs_in_a_slot_of_a_wall_stops_where_the_slot_ends(tmp_pat
     corners = [(x, y, z) for z in (-1.0, 1.0) for x, y in line]
     trimesh.Trimesh(corners, faces, process=False).export(tmp_path / "wall.stl")
     wall = DRAWER.replace('<box size="{thickness} {thickness} 1"/>', '<mesh filename="wall.stl"/>')
-    (tmp_path / "post.urdf").write_text(wall.format(at=0.0))
-    twin = load_twin(tmp_path / "post.urdf")
-    answer = asked(twin, "drawer")
-    assert not answer.holds
-    assert isinstance(answer.case.final, State)
-    assert 0.091 <= answer.case.final[twin.container("drawer").joint] <= 0.0965
+    _, at = stopped_in(tmp_path, wall.format(at=0.0))
+    assert 0.091 <= at <= 0.0965
 
 
 @pytest.mark.parametrize("sections", [16, 128])
@@ -242,13 +248,9 @@ def test_a_drawer_comes_no_deeper_into_a_ring_of_small_triangles_than_into_one_o
     ring = trimesh.creation.torus(0.08, 0.04, major_sections=sections, minor_sections=sections)
     ring.export(tmp_path / "ring.stl")
     bent = DRAWER.replace('<box size="{thickness} {thickness} 1"/>', '<mesh filename="ring.stl"/>')
-    (tmp_path / "post.urdf").write_text(bent.format(at=0.3))
-    twin = load_twin(tmp_path / "post.urdf")
-    answer = asked(twin, "drawer")
-    assert not answer.holds
-    assert isinstance(answer.case.final, State)
+    _, at = stopped_in(tmp_path, bent.format(at=0.3))
     met = 0.3 - 0.12 - 0.009  # the front, whose thickness allows a quarter of it
-    assert answer.case.final[twin.container("drawer").joint] == pytest.approx(met + 0.018 / 4, abs=1e-4)
+    assert at == pytest.approx(met + 0.018 / 4, abs=1e-4)
 
 
 def sheet(file: Path) -> str:
@@ -265,12 +267,8 @@ def test_a_sheet_does_not_pass_through_one_like_it_between_two_steps(tmp_path: P
     thin = thin.replace('<box size="0.018 0.5 0.2"/>', sheet(tmp_path / "front.stl"))
     thin = thin.replace('<origin xyz="0.05 0 0"/>', '<origin xyz="0.05 0 0.5"/>')
     for at in (0.23, 0.2317, 0.301):
-        (tmp_path / "post.urdf").write_text(thin.replace("{at} 0.2 0", f"{at} 0 0"))
-        answer = asked(load_twin(tmp_path / "post.urdf"), "drawer")
-        assert not answer.holds
-        assert isinstance(answer.case.final, State)
-        (joint, stopped_at), *_ = answer.case.final.positions
-        assert at - 0.002 <= stopped_at <= at, joint
+        answer, where = stopped_in(tmp_path, thin.replace("{at} 0.2 0", f"{at} 0 0"))
+        assert at - 0.002 <= where <= at
         assert "passes through" in answer.diagnoses[0].reason
 
 
