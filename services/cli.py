@@ -9,7 +9,6 @@ import logging
 import os
 import sys
 import traceback
-from importlib.metadata import version
 from pathlib import Path
 
 import click
@@ -98,7 +97,7 @@ CLOSING = "Exit codes:\n" + "\n".join(f"  {code.value:<11}{text}" for code, text
     metavar="FILE.toml",
     help="Settings; else SDT_CONFIG, ./sdt.toml, ~/.config/sdt/config.toml (sdt config --help).",
 )
-@click.version_option(version("sdt-kg"), prog_name="sdt")
+@click.version_option(package_name="sdt-kg", prog_name="sdt")
 @click.pass_context
 def sdt(context: click.Context, config: Path | None) -> None:
     """Certify that a robot's body motion will achieve a task.
