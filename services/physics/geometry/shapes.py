@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.errors import UrdfError
 from sdt_kg.mechanism import Geometry, ShapeType
-from sdt_kg.urdf import meshes, obj
+from sdt_kg.urdf import meshes, obj, unread
 from sdt_kg.urdf.meshes import metres, triangles_of
 from services.physics.geometry import fans, hulls
 from services.physics.geometry.fans import FEW, cones_of
@@ -22,6 +22,7 @@ AGREED = 1e-5  # [1] share of a mesh's size by which two readers' bounds may dif
 FLAT = 1e-6  # [m] a mesh thinner than this has no volume: qhull crashes on it
 LONGEST = 100.0  # [m] of a mesh, as long as the floor: handles of 0.1 m in millimetres are longer
 SHORTEST = 1e-3  # [m] of a mesh: walls in metres that are scaled as if in millimetres are shorter
+SAID = 60  # signs of a line that an error shows
 PADDING = 1e-4  # [m] how far the hull of a flat mesh stands out on both sides
 
 
@@ -79,9 +80,7 @@ def _loaded(
     """
     meshes.check_whole(Path(mesh_file), mesh_file)
     try:
-        mesh = _of_plain(mesh_file, scale) or _whole(
-            coal.MeshLoader(tree).load(mesh_file, np.array(scale) * metres(Path(mesh_file))), mesh_file, scale
-        )
+        mesh = _of_plain(mesh_file, scale) or _by_assimp(mesh_file, scale, tree)
     except (RuntimeError, ValueError) as error:
         said = " ".join(str(error).rpartition("message:")[2].split())  # before it: where in coal's sources
         raise UrdfError(
@@ -103,6 +102,22 @@ def _of_plain(mesh_file: str, scale: tuple[float, ...]) -> coal.BVHModelBase | N
     path = Path(mesh_file)
     found = obj.plain(path.read_bytes()) if path.suffix.lower() == obj.SUFFIX and path.is_file() else None
     return None if found is None else Triangles(found[0] * np.array(scale), found[1])
+
+
+def _by_assimp(mesh_file: str, scale: tuple[float, ...], tree: coal.NODE_TYPE) -> coal.BVHModelBase:
+    """The mesh as Assimp reads it.
+
+    Raises:
+        UrdfError: It would read another shape than the file says, or for ever.
+        ValueError, RuntimeError: It cannot read it.
+    """
+    path = Path(mesh_file)
+    if path.is_file() and (found := unread.unread(path.suffix, path.read_bytes())):
+        line, wrong, remedy = found
+        said = line.decode(errors="replace").strip()[:SAID]
+        raise UrdfError(f"mesh {mesh_file} cannot be read as written: '{said}' {wrong}", remedy=remedy)
+    mesh = coal.MeshLoader(tree).load(mesh_file, np.array(scale) * metres(path))
+    return _whole(mesh, mesh_file, scale)
 
 
 def _whole(mesh: coal.BVHModelBase, mesh_file: str, scale: tuple[float, ...]) -> coal.BVHModelBase:
@@ -171,7 +186,7 @@ def _hulls(
         pieces = convex_pieces(_corners(mesh_file, mesh_hash, scale), fineness)
         return [array for points in pieces for array in _hulled(points)]
 
-    arrays = iter(kept((_code(), mesh_hash, scale, fineness), cut))
+    arrays = iter(kept((_code(), Path(mesh_file).suffix.lower(), mesh_hash, scale, fineness), cut))
     return tuple(map(Hull, arrays, arrays, arrays, arrays))
 
 
@@ -208,7 +223,7 @@ def _hulled(points: NDArray[np.float64]) -> tuple[Array, Array, Array, Array]:
 @cache
 def _code() -> str:
     """Hash of the code that makes pieces, and the version of what reads meshes and makes hulls."""
-    sources = (Path(__file__), *(Path(str(each.__file__)) for each in (fans, hulls, meshes, obj)))
+    sources = (Path(__file__), *(Path(str(each.__file__)) for each in (fans, hulls, meshes, obj, unread)))
     return hashlib.sha256(b"".join(each.read_bytes() for each in sources)).hexdigest() + version("coal")
 
 

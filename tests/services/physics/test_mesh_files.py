@@ -88,3 +88,39 @@ def test_the_robots_pieces_hold_every_mesh_of_a_file(tmp_path: Path) -> None:
 def test_a_format_whose_first_node_would_be_left_out_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UrdfError, match="may lie in other files too"):
         surface(mesh(tmp_path / "mesh.gltf", "{}"))
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "shown"),
+    [
+        ("a.obj", QUADS.replace("f 5", " f 5"), "'f 5 6 7 8' begins with a blank"),
+        ("a.obj", QUADS.replace("v 11 0 3", "\tv 11 0 3"), "'v 11 0 3' begins with a blank"),
+        ("a.obj", "v .5 0 0\n" + QUADS, "'v .5 0 0' is no point"),
+        ("a.obj", "v 1,0 0 0\n" + QUADS, "'v 1,0 0 0' is no point"),
+        ("a.obj", "v 1 0\n" + QUADS, "'v 1 0' is no point"),
+        ("a.obj", "v 1 0 \\\n.5\n" + QUADS, "'v 1 0 .* .5' is no point"),
+        ("A.OBJ", "v 0 0 0 1 1\n" + QUADS, "'v 0 0 0 1 1' is no point"),
+        ("a.obj", QUADS + "surf 0 1 0 1 1 2 3 4\n", "'surf 0 1 0 1 1 2 3 4' is of a free-form"),
+        ("a.off", "OFF # ours\n\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "'OFF # ours' has a comment"),
+        ("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n# one\n\n3 0 1 2\n", "'# one' has a comment"),
+    ],
+)
+def test_a_line_that_assimp_would_leave_out_or_never_end_is_refused(
+    name: str, content: str, shown: str, tmp_path: Path
+) -> None:
+    # Points behind one that is left out had its number: another shape, or a misleading "index out of range".
+    with pytest.raises(UrdfError, match=shown):
+        surface(mesh(tmp_path / name, content))
+
+
+def test_points_with_weights_colours_comments_and_signs_are_read(tmp_path: Path) -> None:
+    whole = QUADS.replace("usemtl b\n", "")
+    spelled = whole.replace("v 1 0 0", "v 2 0 -.0 2 # half").replace("v 1 2 0", "v +1. 2e0 0 1 1 1")
+    assert triangles(mesh(tmp_path / "spelled.obj", spelled)) == triangles(mesh(tmp_path / "as.obj", whole))
+
+
+def test_pieces_of_the_same_bytes_in_another_format_are_not_taken_for_this_one(tmp_path: Path) -> None:
+    corner = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"
+    assert solids(mesh(tmp_path / "a.obj", corner))
+    with pytest.raises(UrdfError, match="cannot be read"):
+        solids(mesh(tmp_path / "a.ply", corner))
