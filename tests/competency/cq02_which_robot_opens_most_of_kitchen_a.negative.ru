@@ -1,6 +1,6 @@
 # Edit   PR2 opens the side door and the folding door no more.
-# Loses  pr2,4,5
-# Gains  pr2,2,5
+# Loses  pr2,4,4
+# Gains  pr2,2,4
 PREFIX id: <https://example.org/id/>
 PREFIX law: <https://example.org/law#>
 

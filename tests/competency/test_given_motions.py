@@ -20,7 +20,9 @@ from tests.small.lift import Lift
 TWIN = small_twin("a", ("pr2", "stretch"))
 QUESTIONS = (
     "cq01_which_containers_does_stretch_fail",
+    "cq02_which_robot_opens_most_of_kitchen_a",
     "cq03_which_verdicts_rest_on_a_proof",
+    "cq16_by_how_much_does_a_robot_miss",
     "cq17_which_containers_does_no_robot_open",
 )
 
