@@ -67,12 +67,14 @@ class Service:
         policy: What decides CanPerform beyond the case.
         recall: What is stored under a verdict's IRI, so that nothing is judged twice.
         oracles: Who answers for Φ and R; None: this process.
+        handle_force: [N] What `with_forces` was told to allow at every handle, for kitchens that come later.
     """
 
     twin: Twin
     policy: Policy = field(default_factory=Policy)
     recall: Recall = nothing_stored
     oracles: Oracles | None = None
+    handle_force: float | None = None
 
     def at(self, *states: str) -> "Service":
         """The same kitchen with these joints elsewhere: `JOINT=VALUE`, `all=open`, and so on."""
@@ -92,7 +94,8 @@ class Service:
         """
         from services.dynamics.data import with_forces  # noqa: PLC0415 - only where forces are asked about
 
-        return replace(self, twin=with_forces(self.twin, file, handle_force), oracles=self._forced())
+        twin = with_forces(self.twin, file, handle_force)
+        return replace(self, twin=twin, oracles=self._forced(), handle_force=handle_force)
 
     def satisfies(self) -> Iterator[Answer]:
         """Every request which the present state meets: SatisfiesRequest, backwards."""

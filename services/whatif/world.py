@@ -37,7 +37,7 @@ class World:
         if tee_class_of(self.service.physics) == D_ARTIC_DYN:
             from services.dynamics.data import with_forces  # noqa: PLC0415 - only where forces are asked about
 
-            twin = with_forces(twin)
+            twin = with_forces(twin, handle_force=self.service.handle_force)
         return self.with_twin(twin)
 
     def edited(self, text: str) -> "World":

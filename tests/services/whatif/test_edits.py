@@ -19,7 +19,7 @@ from sdt_kg.mechanism import JointType, Mechanism
 from sdt_kg.motion import Motion
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Twin
-from services.app import Policy, Service
+from services.app import Policy, Service, load
 from services.edits import parse_edit
 from services.physics.oracle import Kinematics
 from services.whatif import World, changed, parse_change
@@ -301,3 +301,13 @@ def test_a_name_with_a_slash_that_is_none_or_two_is_told(tmp_path: Path) -> None
         parse_edit(both, f"set:pr2/{own}.upperLimit=0.3")
     edited = parse_edit(both, f"set:room/pr2/{own}.upperLimit=0.3").applied(both)
     assert upper(edited, both.environment, f"pr2/{own}") == 0.3
+
+
+@pytest.mark.parametrize("edit", ["kitchen:b", "robot:stretch"])
+def test_the_force_that_is_allowed_at_handles_goes_along_to_another_kitchen(edit: str) -> None:
+    world = World(load("a", robots=["pr2"]).with_forces(handle_force=7.0), "pr2")
+    there = changed(world, [parse_change(edit)]).service.twin
+    facts = there.entities.facts
+    models = {model for each in there.containers() for model in facts.iris(each.joint, "hasForceModel")}
+    assert models
+    assert {facts.number(model, "allowedHandleForce") for model in models} == {7.0}
