@@ -7,12 +7,17 @@ import pyoxigraph as ox
 
 from sdt_kg.errors import GraphError
 from sdt_kg.iri import ID, RDF, SDT, Iri, local_name
+from sdt_kg.numbers import DIGITS
 from sdt_kg.store import value_of
 from sdt_kg.twin import Twin
+
+Node = ox.NamedNode | ox.BlankNode | ox.Literal | ox.Triple
+"""The object of a quad."""
 
 TYPE = ox.NamedNode(RDF + "type")
 POSITION = SDT + "position"
 _PARTS = ("/origin", "/pose", "/inertia", "/collision/", "/note/", "/event/")
+_SHORT = 6  # digits of a figure, as `g` tells it, unless two need more to be told apart
 _UNITS = {"PrismaticJoint": " m", "RevoluteJoint": " rad", "ContinuousJoint": " rad"}
 
 
@@ -48,38 +53,47 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class _Known:
-    """Types and thresholds of joints, and subjects that only one side has."""
+    """Types of joints, what opens and closes where before and after, and subjects that only one side has."""
 
     types: dict[Iri, str]
-    open_from: dict[Iri, float]
-    closed_to: dict[Iri, float]
+    before: "_Thresholds"
+    after: "_Thresholds"
     moves: dict[Iri, str]
     gone: frozenset[Iri]
     come: frozenset[Iri]
 
-    def change(self, key: tuple[Iri, Iri], old: list[object], new: list[object]) -> Iterator[str]:
+    def change(self, key: tuple[Iri, Iri], old: list[Node], new: list[Node]) -> Iterator[str]:
         """Sentences on one property of one subject that both sides have; none if only its graph differs."""
         subject, predicate = key
         what = local_name(predicate)
-        if sorted(map(repr, old)) == sorted(map(repr, new)):
+        if sorted(map(str, old)) == sorted(map(str, new)):
             return
+        was, now = _apart(old, new)
         if predicate == POSITION and len(old) == len(new) == 1:
-            yield self._moved(subject, old[0], new[0])
+            yield f"{local_name(subject)} moved from {was} to {now}{self._turned(subject, old[0], new[0])}"
         elif old and new:
-            yield f"{_owner(subject)}: {what} {_list(old)} → {_list(new)}"
+            yield f"{_owner(subject)}: {what} {was} → {now}"
         elif new:
-            yield f"{_owner(subject)}: {what} {_list(new)} added"
+            yield f"{_owner(subject)}: {what} {now} added"
         else:
-            yield f"{_owner(subject)}: {what} {_list(old)} removed"
+            yield f"{_owner(subject)}: {what} {was} removed"
 
-    def _moved(self, joint: Iri, old: object, new: object) -> str:
+    def _turned(self, joint: Iri, old: Node, new: Node) -> str:
+        """The unit of a joint's positions, and what was open or closed and is no more."""
         unit = _UNITS.get(self.types.get(joint, ""), "")
-        text = f"{local_name(joint)} moved from {_list([old])} to {_list([new])}{unit}"
-        was, now = self._word(joint, old), self._word(joint, new)
+        was, now = self.before.word(joint, value_of(old)), self.after.word(joint, value_of(new))
         owner = self.moves.get(joint)
-        return text + (f": {owner} {was} → {now}" if owner and was != now else "")
+        return unit + (f": {owner} {was} → {now}" if owner and was != now else "")
 
-    def _word(self, joint: Iri, at: object) -> str:
+
+@dataclass(frozen=True, slots=True)
+class _Thresholds:
+    """From where joints are open and up to where closed, on one side."""
+
+    open_from: dict[Iri, float]
+    closed_to: dict[Iri, float]
+
+    def word(self, joint: Iri, at: object) -> str:
         if isinstance(at, float) and at >= self.open_from.get(joint, float("inf")):
             return "open"
         if isinstance(at, float) and at <= self.closed_to.get(joint, float("-inf")):
@@ -116,21 +130,26 @@ def _named(quads: Iterable[ox.Quad]) -> frozenset[ox.Quad]:
 
 
 def _known(first: frozenset[ox.Quad], second: frozenset[ox.Quad]) -> _Known:
-    numbers: dict[str, dict[Iri, float]] = {"openFrom": {}, "closedTo": {}}
     types: dict[Iri, str] = {}
     moves: dict[Iri, str] = {}
     for quad in (*first, *second):
         subject, value = _text(quad.subject), value_of(quad.object)
-        predicate = quad.predicate.value.removeprefix(SDT)
-        if predicate in numbers and isinstance(value, float):
-            numbers[predicate][subject] = value
-        elif predicate == "hasJoint":
+        if quad.predicate.value == SDT + "hasJoint":
             moves[str(value)] = local_name(subject)
         elif quad.predicate == TYPE and local_name(str(value)) in _UNITS:
             types[subject] = local_name(str(value))
     before, after = ({_text(quad.subject) for quad in side} for side in (first, second))
     gone, come = frozenset(before - after), frozenset(after - before)
-    return _Known(types, numbers["openFrom"], numbers["closedTo"], moves, gone, come)
+    return _Known(types, _thresholds(first), _thresholds(second), moves, gone, come)
+
+
+def _thresholds(quads: Iterable[ox.Quad]) -> _Thresholds:
+    found: dict[str, dict[Iri, float]] = {"openFrom": {}, "closedTo": {}}
+    for quad in quads:
+        value, numbers = value_of(quad.object), found.get(quad.predicate.value.removeprefix(SDT))
+        if numbers is not None and isinstance(value, float):
+            numbers[_text(quad.subject)] = value
+    return _Thresholds(found["openFrom"], found["closedTo"])
 
 
 def _text(term: object) -> str:
@@ -176,13 +195,13 @@ def _whole(iri: Iri) -> Iri:
     return min((iri.partition(part)[0] for part in _PARTS), key=len)
 
 
-def _values(quads: list[ox.Quad], wholes: set[Iri]) -> dict[tuple[Iri, Iri], list[object]]:
+def _values(quads: list[ox.Quad], wholes: set[Iri]) -> dict[tuple[Iri, Iri], list[Node]]:
     """Subject and property → values, of what both sides have."""
-    found: dict[tuple[Iri, Iri], list[object]] = {}
+    found: dict[tuple[Iri, Iri], list[Node]] = {}
     for quad in quads:
         subject = _text(quad.subject)
         if subject not in wholes:
-            found.setdefault((subject, quad.predicate.value), []).append(value_of(quad.object))
+            found.setdefault((subject, quad.predicate.value), []).append(quad.object)
     return found
 
 
@@ -193,6 +212,16 @@ def _owner(subject: Iri) -> str:
     return f"{local_name(whole)} {part}".strip()
 
 
-def _list(values: list[object]) -> str:
-    texts = (f"{each:g}" if isinstance(each, float) else local_name(str(each)) for each in values)
+def _apart(old: list[Node], new: list[Node]) -> tuple[str, str]:
+    """Both as people write them; where that is the same text, with more digits, or as triples have them."""
+    for digits in range(_SHORT, DIGITS + 1):
+        told = _list(old, digits), _list(new, digits)
+        if told[0] != told[1]:
+            return told
+    return ", ".join(sorted(map(str, old))), ", ".join(sorted(map(str, new)))
+
+
+def _list(nodes: list[Node], digits: int) -> str:
+    values = map(value_of, nodes)
+    texts = (f"{each:.{digits}g}" if isinstance(each, float) else local_name(str(each)) for each in values)
     return ", ".join(sorted(texts))

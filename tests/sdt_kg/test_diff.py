@@ -110,3 +110,36 @@ def test_people_read_what_moved_what_changed_and_what_came_and_went() -> None:
     (gone, *_) = twin_difference(twin, TakenAway(twin.robots[0]).applied(twin)).sentences()
     assert gone.startswith("removed: pr2 (Robot")
     assert changed(twin, PANEL, velocityLimit=1.0).by.removed == frozenset()
+
+
+def sentences(before: str, after: str) -> list[str]:
+    head = "PREFIX s: <https://example.org/sdt#> PREFIX x: <https://example.org/x/> "
+    one, two = (list(ox.parse(head + each + " .", format=ox.RdfFormat.TURTLE)) for each in (before, after))
+    return difference(one, two).sentences()
+
+
+def test_figures_that_differ_are_told_so_that_they_do() -> None:
+    assert sentences("x:a x:p 0.48e0", "x:a x:p 0.48000001e0") == ["a: p 0.48 → 0.48000001"]
+    assert sentences("x:a s:position 1.41371660e0", "x:a s:position 1.41371670e0") == [
+        "a moved from 1.4137166 to 1.4137167"
+    ]
+
+
+def test_texts_that_differ_in_language_or_type_alone_are_told() -> None:
+    assert sentences('x:a x:p "tür"', 'x:a x:p "tür"@de') == ['a: p "tür" → "tür"@de']
+    whole, decimal = (
+        "<http://www.w3.org/2001/XMLSchema#integer>",
+        "<http://www.w3.org/2001/XMLSchema#decimal>",
+    )
+    assert sentences("x:a x:p 1", "x:a x:p 1.0") == [f'a: p "1"^^{whole} → "1.0"^^{decimal}']
+
+
+def test_what_was_open_is_told_by_the_threshold_it_had() -> None:
+    door = "x:door s:hasJoint x:j . x:j a s:RevoluteJoint ; "
+    before, after = (
+        door + f"s:openFrom {at}e0 ; s:position {where}e0" for at, where in ((1.4, 1.2), (1.1, 1.15))
+    )
+    assert sentences(before, after) == [
+        "j: openFrom 1.4 → 1.1",
+        "j moved from 1.2 to 1.15 rad: door half open → open",
+    ]
