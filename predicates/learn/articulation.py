@@ -38,7 +38,8 @@ class Articulation:
         swung: By what that turned the axis from where the track alone shows it, and the standard deviation
             of that [rad]; zeros where it was not.
         curve: The path; None if fixed.
-        extent: Diagonal of the box that holds all samples but spikes [m]: the point moved by less.
+        extent: Diagonal of the box that holds all samples but spikes [m]: the point moved by less. Of one
+            that stands still no less than it may deviate: samples that are all the same may be rounded.
     """
 
     joint_type: JointType

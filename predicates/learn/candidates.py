@@ -56,7 +56,7 @@ def still(track: Track, cells: Cells, turning: Turning | None) -> Articulation:
     return Articulation(
         JointType.FIXED, np.zeros(3), origin, 0.0, np.zeros(len(distances)), (0.0, 0.0), distances,
         scale, int((distances > OUTLIER * scale).sum()), {"origin": spread}, evidence, Plumb.FREE, (0.0, 0.0),
-        None, cells.extent,
+        None, max(cells.extent, STILL_SCALE),
     )  # fmt: skip
 
 

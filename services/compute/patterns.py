@@ -6,11 +6,12 @@ without any term of law: is no question about verdicts, `?s ?p ?o` or the names 
 computed for it. In one that has such a term, whatever can match a verdict's record counts.
 """
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
-from rdflib.plugins.sparql.algebra import translateQuery
+from rdflib.plugins.sparql.algebra import translateQuery, traverse
 from rdflib.plugins.sparql.parser import parseQuery
 from rdflib.plugins.sparql.parserutils import CompValue
 from rdflib.term import Literal, Node, URIRef, Variable
@@ -37,6 +38,8 @@ _BARRIERS: Final = {"AggregateJoin", "Group", "ToMultiSet"}
 _UNTRANSLATED: Final = "GroupGraphPatternSub"
 """What rdflib leaves of an EXISTS that is selected: syntax, in which paths are not resolved."""
 _TESTS: Final = {"Builtin_EXISTS", "Builtin_NOTEXISTS"}
+
+_ESCAPED: Final = re.compile(r"\\(.)")
 
 _PARTS: Final = {
     "environment": "environments",
@@ -105,13 +108,21 @@ def may_take_back(sparql: str) -> bool:
 
 def _translated(sparql: str) -> Algebra:
     try:
-        return translateQuery(parseQuery(sparql), initNs=dict(PREFIXES)).algebra
+        parsed = parseQuery(sparql)
+        traverse(parsed, _unescaped)
+        return translateQuery(parsed, initNs=dict(PREFIXES)).algebra
     except Exception as error:  # noqa: BLE001 - rdflib's translation has no exception of its own
         raise QueryError(
             f"cannot tell what the query asks for: {error}",
             allowed="SPARQL 1.1",
             remedy="ask without --compute",
         ) from None
+
+
+def _unescaped(node: object) -> None:
+    r"""Names as they are meant: of `id:b\/body`, as we write it, rdflib makes an IRI with a backslash."""
+    if isinstance(node, CompValue) and node.name == "pname" and "localname" in node:
+        node["localname"] = _ESCAPED.sub(r"\1", node["localname"])
 
 
 def _patterns(group: Algebra, outer: _Scope) -> Iterator[Pattern]:

@@ -65,6 +65,11 @@ def test_what_is_taken_to_be_fixed_may_have_moved_by_less_than_is_told(travel: f
     assert best(JointType.FIXED, np.zeros((100, 3)), noise=0.0005).extent < 0.006
 
 
+def test_samples_that_are_all_the_same_do_not_say_that_nothing_moved_at_all() -> None:
+    # A tracker that tells millimetres: "moved less than 0 mm" was no claim that the samples bear.
+    assert best(JointType.FIXED, np.round(drawer(stopping(0.0004)), 3), noise=0.0).extent == 0.001
+
+
 @pytest.mark.parametrize("noise", [0.0005, 0.001, 0.002, 0.004])
 @pytest.mark.parametrize("samples", [200, 500])
 def test_what_goes_steadily_by_five_noise_levels_is_not_fixed_for_sure(noise: float, samples: int) -> None:

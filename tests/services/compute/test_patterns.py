@@ -52,6 +52,8 @@ def select(where: str) -> set[Pattern]:
         ("?v law:robot id:pr2 ; law:motion/law:entity ?j . ?j sdt:upperLimit|sdt:lowerLimit ?o ; ?p ?q",
          Pattern(robots=PR2)),
         ("?v law:robot id:pr2 . VALUES ?p { sdt:upperLimit } ?j ?p ?o", Pattern(robots=PR2)),
+        (r"?v law:container id:a\/body\/low_drawer", Pattern(containers=DRAWER)),
+        (r"?v law:container ?c . FILTER(?c IN (id:a\/body\/low_drawer))", Pattern(containers=DRAWER)),
     ],
 )  # fmt: skip
 def test_what_binds_every_solution_bounds_the_case(where: str, expected: Pattern) -> None:
