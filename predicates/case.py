@@ -194,6 +194,10 @@ class Outcome(Enum):
     ABSTAINED = "abstained"
 
 
+UNKNOWN_INPUT = "unknown"
+"""What the inputs of a verdict say of what was to be solved for."""
+
+
 @dataclass(frozen=True, slots=True)
 class Verdict:
     """CanAchieve.
@@ -237,6 +241,12 @@ class Verdict:
             badge = Badge.BAD
         return card(self._question(), rows, (self.outcome.value.replace("_", " "), badge))
 
+    @property
+    def is_of_given_motion(self) -> bool:
+        """Whether a motion was given to be verified: of another one, what is proved says nothing."""
+        inputs = dict(self.inputs)
+        return any(inputs.get(each, UNKNOWN_INPUT) != UNKNOWN_INPUT for each in ("motion", "body_motion"))
+
     def _question(self) -> str:
         """Who, what, where."""
         task, robot = self.case.task, self.case.robot
@@ -248,8 +258,9 @@ class Verdict:
 
     def _reasons(self) -> Iterator[tuple[str, str]]:
         """Kind and reason of each diagnosis, and how sure it is."""
+        proved = " (proved of the motion that was given)" if self.is_of_given_motion else " (proved)"
         for each in self.diagnoses:
-            sure = " (proved)" if each.proof else " (not proved: a search gave up)" if each.search else ""
+            sure = proved if each.proof else " (not proved: a search gave up)" if each.search else ""
             yield each.kind.value.replace("_", " "), each.reason + sure
 
 

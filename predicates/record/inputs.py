@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Iterable
 
-from predicates.case import Case
+from predicates.case import UNKNOWN_INPUT, Case
 from predicates.oracle import Embodiment, Physics, tee_class_of
 from predicates.scope import tee_class_hash
 from sdt_kg.errors import InputError
@@ -19,8 +19,6 @@ BUDGET_INPUT = "embodiment.budget"
 
 NOT_HASHED = frozenset({BUDGET_INPUT})
 """Inputs which bound how long is searched: a longer search answers the same question."""
-
-UNKNOWN_INPUT = "unknown"
 
 START_INPUT = "embodiment.start"
 ANY_START = "where and as the motion begins"

@@ -30,36 +30,42 @@ COLUMNS = (
 """Of a verdict on one line."""
 
 
-def verdict_row(verdict: Json) -> Json:
-    """A verdict's JSON object on one line."""
+def verdict_row(verdict: Json, *, given: bool = False) -> Json:
+    """A verdict's JSON object on one line; as `print_verdict`."""
     diagnoses = verdict["diagnoses"]
-    why = "; ".join(diagnosis_text(each) for each in diagnoses)
+    why = "; ".join(diagnosis_text(each, given=given) for each in diagnoses)
     return verdict | {"why": why, "proof": any(each["proof"] for each in diagnoses)}
 
 
-def told(objects: Sequence[Json], *, as_json: bool) -> int:
-    """Print the verdicts; the exit code: 0 all certified, 1 some not, 3 all abstained."""
+def told(objects: Sequence[Json], *, as_json: bool, given: bool = False) -> int:
+    """Print the verdicts; the exit code: 0 all certified, 1 some not, 3 all abstained.
+
+    Args:
+        objects: Of the verdicts.
+        as_json: As they are.
+        given: They are about a motion that was given: what is proved is proved of that one.
+    """
     if as_json:
         print_json(list(objects))
     elif csv_is_asked():
-        print_rows([verdict_row(each) for each in objects], COLUMNS)
+        print_rows([verdict_row(each, given=given) for each in objects], COLUMNS)
     else:
         for each in objects:
-            print_verdict(each)
+            print_verdict(each, given=given)
     outcomes = {each["outcome"] for each in objects}
     if outcomes == {"certified"}:
         return Exit.DONE
     return Exit.ABSTAINED if outcomes == {"abstained"} else Exit.NO
 
 
-def print_verdict(verdict: Json) -> None:
+def print_verdict(verdict: Json, *, given: bool = False) -> None:
     """Outcome, the three predicates, every reason with its evidence, the figures, the notes."""
     click.echo("{outcome}  {task}({container})  {robot} in kitchen {kitchen}".format_map(verdict))
     _line("state", ", ".join(f"{joint} at {at:g}" for joint, at in verdict["state"].items()) or None)
     for name in PREDICATES:
         _line(name, {True: "yes", False: "no", None: "not asked"}[verdict[name]])
     for diagnosis in verdict["diagnoses"]:
-        click.echo(f"  {diagnosis_text(diagnosis)}")
+        click.echo(f"  {diagnosis_text(diagnosis, given=given)}")
         if diagnosis["evidence"]:
             click.echo(f"    {_evidence_text(diagnosis['evidence'])}")
     _line("gripper", verdict["gripper"])
@@ -79,11 +85,11 @@ def print_verdict(verdict: Json) -> None:
     click.echo(f"  {verdict['iri']}")
 
 
-def diagnosis_text(diagnosis: Json) -> str:
-    """Kind, reason, and whether it is proved, or what was searched."""
+def diagnosis_text(diagnosis: Json, *, given: bool = False) -> str:
+    """Kind, reason, and whether it is proved (only of a motion that was given), or what was searched."""
     text = f"{diagnosis['kind']}: {diagnosis['reason']}"
     if diagnosis["proof"]:
-        return f"{text} (proved)"
+        return f"{text} (proved of the motion that was given)" if given else f"{text} (proved)"
     search = diagnosis["search"]
     if search is None:
         return text

@@ -36,6 +36,8 @@ def refused() -> ox.Store:
     (verdict,) = law(case, Kinematics(), Lift())
     assert verdict.outcome is Outcome.NOT_CERTIFIED
     assert any(each.proof for each in verdict.diagnoses)
+    assert "(proved of the motion that was given)" in str(verdict)
+    assert "(proved)" not in str(verdict)
     store = ox.Store()
     write(store, to_record(verdict))
     return store

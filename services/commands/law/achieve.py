@@ -139,7 +139,8 @@ def achieve(
             _write_motion(verdicts, motion_out)
         if certificate:
             _write_certificate(verdicts, certificate)
-        code = told([to_json(verdict) for verdict in verdicts], as_json=as_json)
+        objects = [to_json(verdict) for verdict in verdicts]
+        code = told(objects, as_json=as_json, given=given is not None)
     raise SystemExit(code)
 
 

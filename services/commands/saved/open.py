@@ -17,6 +17,7 @@ from services.commands.show import csv_is_asked, print_json, print_rows
 from services.store.files import is_saved_graph
 from services.store.records import all_recalled
 from services.versions import outdated
+from services.why import results_of
 
 COLUMNS = (
     "kitchen",
@@ -56,12 +57,14 @@ def open_command(context: click.Context, *, store: str, pages: bool, as_json: bo
             allowed="FILE.trig, FILE.nq, a store directory or the address of a server",
             remedy="sdt achieve … --save FILE keeps a verdict",
         )
-    verdicts, damaged = all_recalled(without_twins(store))
+    saved = without_twins(store)
+    verdicts, damaged = all_recalled(saved)
+    results = sum(each not in damaged for each in results_of(saved))
     rows, notes = _rows(verdicts), [*_of_then(shlex.quote(store), verdicts), *mixed(verdicts)]
     following = _following(store, rows)
     if as_json:
-        found = {"store": store, "verdicts": len(verdicts), "cases": rows, "mixed": notes, "next": following}
-        print_json(found | {"damaged": damaged})
+        found = {"store": store, "verdicts": len(verdicts), "task_results": results, "cases": rows}
+        print_json(found | {"mixed": notes, "next": following, "damaged": damaged})
     else:
         print_rows(rows, COLUMNS)
         for line in notes:
@@ -71,7 +74,7 @@ def open_command(context: click.Context, *, store: str, pages: bool, as_json: bo
                 f"note: not counted: {why}; asked again with --save {store}, it is judged anew", err=True
             )
         if not csv_is_asked():
-            _say(verdicts, following)
+            _say(verdicts, results, following)
     if pages:
         root = context.find_root().command
         assert isinstance(root, click.Group)
@@ -139,8 +142,9 @@ def _class(row: Row) -> str:
     return "NotCertified" if row["not_certified"] else "Certified"
 
 
-def _say(verdicts: Sequence[StoredVerdict], following: Sequence[str]) -> None:
-    click.echo(f"\n{len(verdicts)} verdict{'' if len(verdicts) == 1 else 's'}")
+def _say(verdicts: Sequence[StoredVerdict], results: int, following: Sequence[str]) -> None:
+    tasks = f", and {results} result{'' if results == 1 else 's'} of tasks" if results else ""
+    click.echo(f"\n{len(verdicts)} verdict{'' if len(verdicts) == 1 else 's'}{tasks}")
     if not verdicts:
         click.echo("none: sdt achieve … --save keeps one there")
         return

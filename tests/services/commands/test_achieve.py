@@ -1,9 +1,14 @@
 """`sdt achieve` and `sdt table`: outcomes, exit codes, files, JSON."""
 
+import csv
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from sdt_kg.load import load_twin
+from sdt_kg.motion import Motion
+from services.motions import write_motion
 from tests.services.store.test_folder import files_of_at_most
 from tests.small import FOLDER
 
@@ -89,6 +94,19 @@ def test_the_motion_of_another_robot_is_refused(sdt, tmp_path: Path) -> None:
     done = achieve(sdt, "--motion", motion, "--json", robot="stretch")
     assert done.code in {1, 2}
     assert "Traceback" not in done.err
+
+
+def test_what_is_proved_of_a_motion_that_was_given_is_said_so(sdt, tmp_path: Path) -> None:
+    twin = load_twin("b")
+    times, positions = np.array([0.0, 1.0, 2.0]), np.array([[0.0], [0.1], [0.2]])
+    short = tmp_path / "short.npz"
+    write_motion(short, Motion(twin.container(DRAWER).joint, times, positions, timed=False))
+    done = achieve(sdt, "--motion", str(short))
+    assert done.code == 1, done.err
+    assert "(proved of the motion that was given)" in done.out
+    assert "(proved)" not in done.out
+    (row,) = csv.DictReader(achieve(sdt, "--motion", str(short), "--csv").out.splitlines())
+    assert row["why"].endswith("(proved of the motion that was given)")
 
 
 def test_what_is_open_already_is_not_certified(sdt) -> None:

@@ -100,3 +100,5 @@ def test_the_result_of_a_task_that_another_version_judged_is_listed_as_outdated(
     listed = {each["question"]: each["outcome"] for each in sdt("why", str(place), "--json").json}
     assert all(said.startswith("OUTDATED, WAS ") for said in listed.values())
     assert any("do '" in question for question in listed)
+    assert sdt("open", str(place), "--json").json["task_results"] == 1
+    assert ", and 1 result of tasks\n" in sdt("open", str(place)).out
