@@ -100,7 +100,7 @@ def task_command(
     service = in_class(service, tee, forces)
     specification = specification_of(service.twin, source)
     with SavedVerdicts(save) if save is not None else nullcontext() as saved:
-        result = _judged(service, specification, model_name(robot))
+        result = _judged(service, specification, model_name(robot), saved)
         if saved is not None:
             keep(saved, result)
         _say(result_json(result), as_json=as_json)  # before the store is closed, which may not fit
@@ -117,11 +117,20 @@ def _say(said: Json, *, as_json: bool) -> None:
         _print(said)
 
 
-def _judged(service: Service, specification: Specification, robot: str) -> TaskResult:
-    """The result, with a bar on the way; how many steps there are is known when they are reached."""
+def _judged(
+    service: Service, specification: Specification, robot: str, saved: SavedVerdicts | None
+) -> TaskResult:
+    """The result, with a bar on the way; how many steps there are is known when they are reached.
+
+    The verdict of each step is kept as it is done: whoever interrupts loses the others alone.
+    """
+    if saved is not None:
+        saved.add_twin(service.twin)
     with progress(specification.label, len(specification.steps)) as bar:
 
         def told(step: StepResult, of: int) -> None:
+            if saved is not None:
+                saved.add(step.verdict)
             if bar:
                 now = step.verdict.outcome.value
                 bar.update(bar.task_ids[0], advance=1, total=of, now=now)

@@ -1,5 +1,6 @@
 """`sdt task` and what it stands on: sequences, rules that are broken, the best by J, bad input."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,6 +8,8 @@ import pytest
 
 from predicates.case import Kind, Outcome
 from predicates.specification.read import read_specification
+from predicates.specification.step import Request
+from predicates.specification.walk import Taken, Walk
 from sdt_kg.errors import InputError
 from sdt_kg.twin import Twin
 from services.app import Policy, Service, load
@@ -250,6 +253,33 @@ def test_work_names_bodies_whose_mass_nobody_knows(sdt) -> None:
     assert done.json["quality"]["value"] > 0
     (note,) = (each for each in done.json["notes"] if each.startswith("mechanical work"))
     assert note.endswith("no mass of l_force_torque_link: they count as weightless in it")
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("kept", ["kept", "kept.trig"])
+def test_steps_that_were_done_before_an_interrupt_are_kept(
+    sdt, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kept: str
+) -> None:
+    judged = Walk.go
+
+    def interrupted(walk: Walk, take: Callable[..., Taken], told: Callable[[int], None]) -> None:
+        def once(request: Request) -> Taken:
+            if walk.legs:
+                raise KeyboardInterrupt
+            return take(request)
+
+        judged(walk, once, told)
+
+    monkeypatch.setattr(Walk, "go", interrupted)
+    place = str(tmp_path / kept)
+    words = ("--kitchen", "a", "--robot", "pr2", "--save", place)
+    done = sdt("task", "dishwasher_then_drawer", *words)
+    assert (done.code, done.err.splitlines()[-1]) == (
+        130,
+        "interrupted: verdicts which were finished are saved",
+    )
+    found = sdt("open", place, "--json").json
+    assert (found["verdicts"], found["task_results"]) == (1, 0)
 
 
 @pytest.mark.oracle
