@@ -66,7 +66,7 @@ class _Known:
         """Sentences on one property of one subject that both sides have; none if only its graph differs."""
         subject, predicate = key
         what = local_name(predicate)
-        if sorted(map(str, old)) == sorted(map(str, new)):
+        if sorted(map(_meant, old)) == sorted(map(_meant, new)):
             return
         was, now = _apart(old, new)
         if predicate == POSITION and len(old) == len(new) == 1:
@@ -210,6 +210,13 @@ def _owner(subject: Iri) -> str:
     whole = _whole(subject)
     part = subject.removeprefix(whole).strip("/").replace("/", " ")
     return f"{local_name(whole)} {part}".strip()
+
+
+def _meant(node: Node) -> str:
+    """What a term says, however its number is spelled: of one datatype 0 and 0.0 are the same."""
+    if isinstance(node, ox.Literal):
+        return f"{value_of(node)!r} {node.datatype.value} {node.language}"
+    return str(node)
 
 
 def _apart(old: list[Node], new: list[Node]) -> tuple[str, str]:
