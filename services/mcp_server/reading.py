@@ -183,7 +183,7 @@ async def select(desk: Desk, asked: arguments.Select) -> Report:
     lines = (head, *notes, " | ".join(columns), *(" | ".join(row) for row in shown))
     more = f"ask for more 'rows' (up to 200) or with LIMIT and OFFSET; {ROWS} rows are the most of any query"
     data: Json = {"columns": columns, "count": len(rows), "rows": shown}
-    return Report(lines, data | told, "rows", more)
+    return Report(lines, data | told, "rows", more, len(rows) - len(shown))
 
 
 def _cell(node: object) -> str:

@@ -21,12 +21,14 @@ class Report:
         data: The same for programs.
         listed: Key of the list in the data that may be shortened; empty: the data is short.
         more: What to ask for the rest.
+        unlisted: How many more there are than the list has.
     """
 
     lines: tuple[str, ...]
     data: Json = field(default_factory=dict[str, Any])
     listed: str = ""
     more: str = "ask for less at a time"
+    unlisted: int = 0
 
     def text(self) -> str:
         """At most LIMIT characters."""
@@ -44,15 +46,16 @@ class Report:
         return "\n".join((*kept, f"… {left} of {len(self.lines)} lines left out; {self.more}"[:NOTICE]))
 
     def content(self) -> Json:
-        """The data, at most LIMIT characters as JSON; `left_out` counts what the list has no more."""
+        """The data, at most LIMIT characters as JSON; `left_out` counts what there is beside the list."""
         if not self.listed:
             return self.data
         entries = list[Any](self.data[self.listed])  # whatever the list holds
-        room = LIMIT - size(self.data | {self.listed: [], "left_out": len(entries)})
+        there = len(entries) + self.unlisted
+        room = LIMIT - size(self.data | {self.listed: [], "left_out": there})
         kept = 0
         while kept < len(entries) and (room := room - size(entries[kept]) - 2) >= 0:
             kept += 1
-        return self.data | {self.listed: entries[:kept], "left_out": len(entries) - kept}
+        return self.data | {self.listed: entries[:kept], "left_out": there - kept}
 
 
 def size(value: object) -> int:

@@ -159,6 +159,12 @@ def test_a_long_report_is_cut_and_says_so(agent: Agent, tool: str, given: dict[s
         assert "lines left out; ask" in text(answer)
 
 
+def test_rows_that_were_not_asked_for_are_left_out_too(agent: Agent) -> None:
+    for query, rows in (("SELECT ?j { ?j sdt:upperLimit ?u }", 2), ("SELECT * { ?s ?p ?o } LIMIT 90", 60)):
+        found = data(agent("select", query=query, rows=rows))
+        assert len(found["rows"]) + found["left_out"] == found["count"] > rows
+
+
 def test_a_shortened_verdict_still_tells_the_worst_of_each_quantity() -> None:
     def reason(quantity: str, value: float) -> dict[str, Any]:
         evidence = {"quantity": quantity, "value": value, "bound": 1.0, "unit": "rad/s", "time": 0.0}
