@@ -1,6 +1,7 @@
 """How far one joint may take a shape towards another, told by the direction that parts the two."""
 
 import numpy as np
+import pinocchio as pin  # pyright: ignore[reportMissingImports]  # found through a .pth file
 
 from services.physics.stops.passing import Array, Way
 
@@ -55,3 +56,9 @@ class Course:
             return np.inf
         before = np.arccos(np.clip(room[far] / reach[far], -1.0, 1.0))
         return float(((crest[far] - before - angle) % (2 * np.pi)).min()) / abs(self._way.rate)
+
+
+def seen(at: pin.SE3, points: Array) -> Array:
+    """Points, shape (K, 3), where they are with their frame there."""
+    there: Array = points @ at.rotation.T + at.translation
+    return there

@@ -17,9 +17,10 @@ from sdt_kg.mechanism import Joint, JointType
 from sdt_kg.state import State
 from services.physics.geometry.bodies import BodyShape
 from services.physics.stops.bearing import Bearing
-from services.physics.stops.course import Course
+from services.physics.stops.course import Course, seen
 from services.physics.stops.passing import Boxes, Way, may_meet
 from services.physics.stops.rest import ALLOWANCE, gap_between, placed
+from services.physics.stops.slide import Meshes, Placed, free_way
 from services.physics.tree import Array, Indices, Model
 
 THIN_SHARE = 0.25
@@ -29,8 +30,9 @@ depth that a thin shape reaches when it passes right through another. Triangles 
 THROUGH = 0.45
 """[1] Share of that at which one has nearly passed right through the other."""
 
-TOUCH = -1e-6
-"""[m] What is allowed of two meshes of triangles, which have no depth in each other: they may not touch."""
+TOUCH = -1e-5
+"""[m] What is allowed of two meshes of triangles, which have no depth in each other: they may not come so
+near. It is their shortest step, too, on which neither passes through the other."""
 
 GRAZES = 1e-6
 """[m] By how much more than is allowed shapes are in each other that are too deep: more than rounding. A
@@ -179,8 +181,8 @@ class Path:
         if self._way is None or not len(corners) or not len(against):
             return None
         frames = self._frames(self._begin)
-        corners = _seen(frames[one.joint] * one.pose, corners)
-        return Course(self._way, corners, _seen(frames[other.joint] * other.pose, against))
+        corners = seen(frames[one.joint] * one.pose, corners)
+        return Course(self._way, corners, seen(frames[other.joint] * other.pose, against))
 
     def _boxes(self, shapes: Shapes, some: Indices, positions: Array) -> Boxes:
         """Those about some shapes with the actuated joint at each position, shape (N, S)."""
@@ -229,42 +231,46 @@ class Path:
 
         Two meshes of triangles that touch where they were fitted together do not tell how deep they are: of
         the second what is farther away there is followed. Where they touch elsewhere at the beginning they
-        have to come apart at once. Two that neither begin nor were fitted nearer than the shortest step may
-        not come so near: between two steps they might pass through each other.
+        have to come apart at once; they stop before they do, not to go on from there through each other.
         """
         least = _least(one, other)
-        if least == TOUCH and self._rest.touch(one, other):
+        if least == TOUCH and self._rest.touch(one, other, -TOUCH):
             away = self._bearing.away(other, one)
             if away is None:
                 return None
             other = away
         direction, speed = np.sign(end - self._begin), self._speed(one) + self._speed(other)
         moves, against = other.joint in self._moving, self._placed(other, self._begin)
-        (allowed, shortest), position, free = self._allowed(one, other, least), self._begin, 0.0
+        (allowed, shortest), position, before = self._allowed(one, other, least), self._begin, self._begin
         course, grazes = (None, 0.0) if least == TOUCH else (self._course(one, other), GRAZES)
         while speed > 0:
             against = self._placed(other, position) if moves else against
-            gap, toward = gap_between(one, self._placed(one, position), other, against)
-            if position == self._begin and least == TOUCH:
-                allowed, free = self._of_meshes(one, other, gap)
-            if gap < -allowed - grazes and not (free and position == self._begin):
-                return Block(position, -gap, 0.0 if allowed == TOUCH else allowed, one.body, other.body)
+            at = self._placed(one, position)
+            gap, toward = gap_between(one, at, other, against)
+            deep = gap < -allowed - grazes
+            if deep and not (least == TOUCH and position == self._begin):
+                return Block(before if least == TOUCH else position, -gap, allowed, one.body, other.body)
             if position == end or (until - position) * direction <= 0:
                 return None
             # On a way of this length they do not come to be too deep, however fast they come nearer.
-            step = max(gap + max(allowed, 0.0), shortest, free) / speed
+            room = gap + allowed
+            if least == TOUCH:
+                shapes = one.piece.shape, other.piece.shape
+                room = self._apart(shapes, (at, against), gap, abs(end - position))
+            step = max(room, shortest) / speed
             if course is not None:
                 step = max(step, course.free(abs(position - self._begin), toward, allowed + 2 * grazes))
             ahead = position + direction * step
-            position, free = end if (end - ahead) * direction <= 0 else float(ahead), 0.0
+            before, position = position, end if (end - ahead) * direction <= 0 else float(ahead)
         return None
 
-    def _of_meshes(self, one: BodyShape, other: BodyShape, gap: float) -> tuple[float, float]:
-        """[m] What two meshes that begin so far apart are allowed, and a step to come apart on."""
+    def _apart(self, meshes: Meshes, at: Placed, gap: float, far: float) -> float:
+        """How far the first goes on [m] before it comes too near the second, or is apart from it again."""
         if gap < -TOUCH:
-            return TOUCH, 2 * LEAST_STEP
-        near = gap < LEAST_STEP or self._rest.touch(one, other, LEAST_STEP)
-        return TOUCH if near else -LEAST_STEP, 0.0
+            return 2 * LEAST_STEP
+        if gap > LEAST_STEP or self._way is None or not self._way.slides:
+            return gap + 2 * TOUCH
+        return free_way(meshes, at, far * self._way.rate * self._way.axis, -TOUCH)
 
     def _allowed(self, one: BodyShape, other: BodyShape, least: float) -> tuple[float, float]:
         """[m] How deep the shapes may be in each other as they were drawn, and the step by which they go on.
@@ -272,19 +278,13 @@ class Path:
         Where one is ahead of the other, never so deep as to pass right through.
         """
         if least == TOUCH:
-            return least, LEAST_STEP
+            return least, -least
         deep, thickness = self._rest.depth(one, other), _thickness(one, other)
         allowed, through = least + REST_FACTOR * deep, THROUGH * thickness
         shortest = min(LEAST_STEP, STEP_SHARE * thickness)
         if deep and allowed > through and self._rest.is_ahead(one, other):
             return max(through, deep + shortest), shortest
         return allowed, max(least / 2, shortest)
-
-
-def _seen(at: pin.SE3, points: Array) -> Array:
-    """Points, shape (K, 3), where they are with their frame there."""
-    seen: Array = points @ at.rotation.T + at.translation
-    return seen
 
 
 def _least(one: BodyShape, other: BodyShape) -> float:

@@ -48,13 +48,10 @@ def stopped(sweep: Sweep, model: Model, twin: Twin, replayed: Replayed) -> Repla
 def _violation(block: Block, time: float) -> Diagnosis:
     moved, other = local_name(block.moved), local_name(block.other)
     depth, allowed = told_apart(1e3 * block.depth, 1e3 * block.allowed, 1, "f")
-    reason = f"{moved} runs into {other}: {depth} mm deep at {time:.3f} s, {allowed} mm allowed"
-    if block.depth < 0:
-        near, least = told_apart(-1e3 * block.depth, -1e3 * block.allowed, 2, "f")
-        reason = (
-            f"{moved} runs into {other}, or nearly: {near} mm apart at {time:.3f} s; of two meshes that come "
-            f"nearer than {least} mm it is not seen whether one passes through the other"
-        )
+    how = f"{depth} mm deep at {time:.3f} s, {allowed} mm allowed"
+    if block.allowed < 0:
+        how = f"at {time:.3f} s; two meshes that are not convex may not touch"
+    reason = f"{moved} runs into {other}: {how}"
     evidence = Evidence(
         Quantity.DISTANCE,
         -block.depth,
