@@ -1,7 +1,7 @@
 """Shapes whose depth in each other means something: primitives, and the convex components of meshes."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from itertools import product
 
@@ -13,6 +13,7 @@ from sdt_kg.mechanism import Geometry, ShapeType
 from services.kernel import kernel
 from services.physics.geometry.deepest import WAITING, deepest_point
 from services.physics.geometry.shapes import (
+    PADDING,
     Triangles,
     corners,
     faces_of,
@@ -76,14 +77,16 @@ class Piece:
 
 
 def pieces(geometry: Geometry) -> tuple[Piece, ...]:
-    """A primitive as it is; of a mesh its `components`.
+    """A primitive as it is, but no thinner than what is flat; of a mesh its `components`.
 
-    Triangles have no inside: how deep something is in them is too little, never too much.
+    How deep something is in what is thinner is less than depths are precise. Triangles have no inside: how
+    deep something is in them is too little, never too much.
     """
-    (shape,) = surface(geometry)
     if geometry.shape is not ShapeType.MESH:
+        (shape,) = surface(replace(geometry, size=tuple(max(each, 2 * PADDING) for each in geometry.size)))
         box = shape.aabb_local
         return (Piece(box.min_.copy(), box.max_.copy(), lambda: shape),)
+    (shape,) = surface(geometry)
     return components(shape)
 
 
@@ -202,7 +205,7 @@ def _clipped(triangles: Array, along: Array) -> Array:
 def _piece(points: Array, faces: Indices) -> Piece:
     """One component, of some faces."""
     own = points[np.unique(faces)]
-    solid = with_volume(own)
+    solid = with_volume(own, PADDING)
     flat = len(solid) > len(own)
     return Piece(solid.min(axis=0), solid.max(axis=0), partial(_shape, points[faces], solid, flat))
 

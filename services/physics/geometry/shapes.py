@@ -269,11 +269,11 @@ def hull_of_solid(points: NDArray[np.float64]) -> coal.ConvexBase:
     return hull
 
 
-def with_volume(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The points, and where they lie in a plane or on a line copies on both sides of it."""
+def with_volume(points: NDArray[np.float64], flat: float = FLAT) -> NDArray[np.float64]:
+    """The points, and where they are thinner than `flat` [m] copies on both sides."""
     _, spread, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
-    most = 2 * FLAT * np.sqrt(len(points))  # of what is so flat, and rounded
+    most = 2 * flat * np.sqrt(len(points))  # of what is so flat, and rounded
     for axis in axes[spread < most]:
-        if np.ptp(points @ axis) < FLAT:
+        if np.ptp(points @ axis) < flat:
             points = np.vstack((points + PADDING * axis, points - PADDING * axis))
     return points

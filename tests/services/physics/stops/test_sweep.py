@@ -275,6 +275,19 @@ def test_a_sheet_does_not_pass_through_one_like_it_between_two_steps(tmp_path: P
     assert not asked(twin.at({drawer.joint: where}), "drawer").holds  # nor from there on
 
 
+@pytest.mark.parametrize("thickness", [1e-6, 1e-5])
+@pytest.mark.parametrize("meshes", [False, True])
+def test_nothing_is_so_thin_that_it_passes(tmp_path: Path, thickness: float, meshes: bool) -> None:
+    plate, wall = f'<box size="{thickness} 0.5 0.2"/>', f'<box size="{thickness} 0.3 0.2"/>'
+    if meshes:
+        trimesh.creation.box((thickness, 0.5, 0.2)).export(tmp_path / "plate.stl")
+        plate, wall = '<mesh filename="plate.stl"/>', sheet(tmp_path / "wall.stl")
+    urdf = DRAWER.replace('<box size="{thickness} {thickness} 1"/>', wall)
+    urdf = urdf.replace('<box size="0.018 0.5 0.2"/>', plate).replace('"0.05 0 0"', '"0.05 0 0.5"')
+    _, where = stopped_in(tmp_path, urdf.format(at=0.3))
+    assert 0.2999 <= where <= 0.3003
+
+
 @pytest.mark.parametrize("at", [2e-4, 0.1])
 def test_a_bent_sheet_does_not_turn_through_one_like_it(tmp_path: Path, at: float) -> None:
     turned = f"""<robot name="leaf"><link name="world"/>
