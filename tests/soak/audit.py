@@ -1,8 +1,8 @@
 """Body motions judged by code that shares nothing with what made and certified them.
 
 The files are read again (`machine`), splines are scipy's, distances coal's: of primitives as they are, of
-meshes by their triangles, not by hulls. Looked at wherever something has moved by `step`, from look to
-look as far as the last distance allows.
+meshes by their triangles, not by hulls. How deep a mesh is, `depths` tells. Looked at wherever something has
+moved by `step`, from look to look as far as the last distance allows.
 """
 
 from collections.abc import Iterator, Mapping
@@ -24,6 +24,7 @@ CLOSED, OPEN = 0.01, 0.9  # [rad or m] beyond the lower limit, and share of the 
 MOVES = 1e-6  # [rad or m] the container has begun to move
 NEAR = 0.02  # [m] pairs whose boxes stay farther apart are not looked at
 SAMPLED = 32  # looks at rates between two samples
+SOME = 4  # looks at how deep fingers are in a handle, while they hold it
 
 
 @dataclass(frozen=True)
@@ -200,7 +201,9 @@ def _holds(found: Judgement, way: Way) -> NDArray[np.bool_]:
         end = last if rest is None else rest.start
         found.keeps("slip", 0.002 - float(slip[begin : end + 1].max()), 3e-4)
         found.keeps("turn", np.radians(1.0) - float(turn[begin : end + 1].max()), 5e-4)
-        _touches(found, way, begin)
+        touches = [_touch(way, look) for look in np.linspace(begin, end, SOME).astype(int)]
+        found.keeps("contact", 0.002 - sorted(touches[0])[1], 2e-4)
+        found.keeps("depth", 0.002 + min(map(min, touches)), 1e-3)
         come = np.flatnonzero(away[before:begin])
         gone = np.flatnonzero(away[end:])
         until = end + int(gone[0]) if len(gone) else len(value)
@@ -228,17 +231,15 @@ def _rests(value: Array, begin: int, last: int) -> Iterator[slice]:
         at = stop
 
 
-def _touches(found: Judgement, way: Way, begin: int) -> None:
-    """Two fingers are at the handle as the container begins to move, neither too deep."""
-    touch: dict[str, float] = {}  # of each finger, by the link with which it begins
+def _touch(way: Way, look: int) -> list[float]:
+    """How far fingers, one for each link with which they begin, are from the handle; negative is deep."""
+    touch: dict[str, float] = {}
     for finger in (one for one in way.robot if one.link in way.fingers):
         first = _first(way, finger.link)
         for bar in (one for one in way.kitchen if one.link == way.stage.handle):
-            distance = gap(finger, way.frames[finger.link][begin], bar, way.rooms[bar.link][begin])
+            distance = gap(finger, way.frames[finger.link][look], bar, way.rooms[bar.link][look])
             touch[first] = min(touch.get(first, np.inf), distance)
-    one, other = sorted(touch.values())[:2]
-    found.keeps("contact", 0.002 - other, 2e-4)
-    found.keeps("depth", 0.002 + one, 2e-4)
+    return [*touch.values()]
 
 
 def _first(way: Way, finger: str) -> str:

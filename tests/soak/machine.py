@@ -1,10 +1,12 @@
 """A URDF file as other code reads it: joints, limits, placements along a motion, and solids for distances.
 
-Nothing of the project is used. Meshes are their triangles; boxes, cylinders and spheres are themselves.
+Nothing of the project is used. Meshes are their triangles; boxes, cylinders and spheres are themselves,
+but for their depth in meshes.
 """
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -14,6 +16,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from tests.robots.shapes import Links, Shape, numbers, transform
+from tests.soak.depths import depth, parts
 
 Array = NDArray[np.float64]
 SIGNS = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T
@@ -26,12 +29,19 @@ class Solid:
     Attributes:
         pose: link_T_shape.
         corners: Of a box about it, in the link's frame, shape (8, 3) [m].
+        surface: In the link's frame; of what is round, nearly.
     """
 
     link: str
     shape: coal.CollisionGeometry
     pose: Array
     corners: Array
+    surface: trimesh.Trimesh
+
+    @cached_property
+    def parts(self) -> list[Array]:
+        """Triangles of each part of its surface, in the link's frame."""
+        return parts(self.surface)
 
     def at(self, world_T_link: Array) -> coal.Transform3s:
         frame = world_T_link @ self.pose
@@ -39,9 +49,14 @@ class Solid:
 
 
 def gap(one: Solid, frame: Array, other: Solid, other_frame: Array) -> float:
-    """Distance [m]; of primitives that overlap minus their depth, of meshes 0."""
+    """Distance [m]; of what overlaps minus its depth: of primitives coal's, of meshes that of `depths`."""
     request, result = coal.DistanceRequest(), coal.DistanceResult()
-    return float(coal.distance(one.shape, one.at(frame), other.shape, other.at(other_frame), request, result))
+    at = one.at(frame), other.at(other_frame)
+    distance = float(coal.distance(one.shape, at[0], other.shape, at[1], request, result))
+    if distance > 0 or not any(isinstance(solid.shape, coal.BVHModelBase) for solid in (one, other)):
+        return distance
+    seen = np.linalg.inv(other_frame) @ frame
+    return -depth([part @ seen[:3, :3].T + seen[:3, 3] for part in one.parts], other.parts)
 
 
 class Machine:
@@ -136,11 +151,11 @@ class Machine:
 
     def _solids(self, link: str) -> Iterable[Solid]:
         for mesh in self.urdf.meshes(link):
-            yield Solid(link, _triangles(mesh), np.eye(4), _corners(mesh.bounds))
+            yield Solid(link, _triangles(mesh), np.eye(4), _corners(mesh.bounds), mesh)
         for shape in self.urdf.shapes(link):
             ends = np.stack((-shape.half, shape.half))
             around = _corners(ends) @ shape.pose[:3, :3].T + shape.pose[:3, 3]
-            yield Solid(link, _primitive(shape), shape.pose, around)
+            yield Solid(link, _primitive(shape), shape.pose, around, _surface(shape))
 
 
 def _in_the_end(joint: str, follows: Mapping[str, tuple[str, float, float]]) -> tuple[str, float, float]:
@@ -174,6 +189,14 @@ def _primitive(shape: Shape) -> coal.CollisionGeometry:
     if shape.kind == "box":
         return coal.Box(*shape.size)
     return coal.Cylinder(*shape.size) if shape.kind == "cylinder" else coal.Sphere(float(shape.size[0]))
+
+
+def _surface(shape: Shape) -> trimesh.Trimesh:
+    if shape.kind == "box":
+        return trimesh.creation.box(shape.size, shape.pose)
+    if shape.kind == "cylinder":
+        return trimesh.creation.cylinder(*shape.size, transform=shape.pose)
+    return trimesh.creation.icosphere(radius=float(shape.size[0])).apply_transform(shape.pose)
 
 
 def _triangles(mesh: trimesh.Trimesh) -> coal.BVHModelOBBRSS:

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
+from trimesh import transformations
 
 import kitchens
 import robots
@@ -24,7 +26,7 @@ from services.sweep.cell import CellResult
 from services.table import cells, run
 from tests.soak.annotated import Note, accelerations
 from tests.soak.audit import Stage, audited
-from tests.soak.machine import Machine
+from tests.soak.machine import Machine, gap
 from tests.soak.rewritten import Variant, variants, with_box, with_limit, with_origin
 from tests.soak.test_tables import REFERENCE_KITCHENS, REFERENCE_ROBOTS, ROBOTS
 
@@ -120,6 +122,30 @@ def test_the_judge_places_joints_of_equal_limits_and_what_follows_in_a_chain(tmp
     found = Machine(tmp_path / "robot.urdf").place({"motor": 0.5}, [f"{name}_link" for name in slides])
     heights = [float(found[f"{name}_link"][0, 2, 3]) for name in slides]
     assert heights == pytest.approx([0.2, -2 * (3 * 0.5 + 0.2) + 0.1, 3 * 0.5 + 0.2, 0.5])
+
+
+@pytest.mark.parametrize("deep", [-0.001, 0.001, 0.004])
+def test_the_judge_tells_to_a_millimetre_how_deep_a_ball_is_in_a_mesh_wherever_the_two_are(
+    tmp_path: Path, deep: float
+) -> None:
+    """A handle of a bar and two posts that are sunk into it."""
+    sizes = (0.015, 0.3, 0.015), (0.06, 0.012, 0.012), (0.06, 0.012, 0.012)
+    posts = [trimesh.creation.box(size) for size in sizes]
+    for post, y in zip(posts[1:], (-0.12, 0.12), strict=True):
+        post.apply_translation((-0.03, y, 0.0))
+    trimesh.util.concatenate(posts).export(tmp_path / "handle.stl")
+    shapes = {"handle": '<mesh filename="handle.stl"/>', "ball": '<sphere radius="0.01"/>'}
+    links = "".join(
+        f'<link name="{name}"><collision><geometry>{shape}</geometry></collision></link>'
+        for name, shape in shapes.items()
+    )
+    joint = '<joint name="to" type="fixed"><parent link="handle"/><child link="ball"/></joint>'
+    (tmp_path / "both.urdf").write_text(f'<robot name="both">{links}{joint}</robot>')
+    handle, ball = Machine(tmp_path / "both.urdf").solids
+    world, at = transformations.euler_matrix(0.3, 0.6, 0.2), np.eye(4)
+    at[:3, 3] = 0.0075 + 0.01 - deep, 0.02, 0.001
+    assert gap(ball, world @ at, handle, world) == pytest.approx(-deep, abs=1e-3)
+    assert gap(handle, world, ball, world @ at) == pytest.approx(-deep, abs=1e-3)
 
 
 @pytest.mark.reference
