@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from services.physics.geometry.deepest import WAITING, deepest_point
 from services.physics.geometry.inside import Where, where
-from services.physics.geometry.shapes import corners, hull_of_solid
+from services.physics.geometry.shapes import Triangles, corners, hull_of_solid
 
 Array = NDArray[np.float64]
 
 SIDES = 64  # of the prism about a cylinder: its edges stand out by 0.12 % of the radius
 DIRECTIONS = 100  # of the polyhedron about what is round
 FINE = 1e-5  # [m] precision of how deep triangles are
+FINE_SKIN = 1e-4  # [m] precision of how deep a body's surface is in a mesh
 THIN = 1e-9  # [m] radius of what stands for a point or a line
 POINT, STILL = coal.Sphere(THIN), np.eye(3)
 GOLDEN = np.pi * (3 - np.sqrt(5))
@@ -98,20 +99,63 @@ def _directions() -> Array:
     return np.column_stack((flat * np.cos(turn), flat * np.sin(turn), z))
 
 
-def tip_depth(mesh: coal.BVHModelBase, points: Array) -> float:
-    """How deep the deepest of some points (K, 3) of a mesh's frame is inside it [m]; 0 if none is in it."""
+def skin_depth(mesh: coal.BVHModelBase, triangles: Array) -> float:
+    """How deep the deepest point of triangles (M, 3, 3) of a mesh's frame is inside it [m]; else 0.
+
+    It is too large by `FINE_SKIN` at most. What is in the mesh is no deeper than its corners are off that
+    triangle of the mesh which is nearest to its middle: how far a triangle is off is convex. What may be
+    deeper is halved.
+    """
     box, found = mesh.aabb_local, 0.0
-    for point in points[((points > box.min_) & (points < box.max_)).all(axis=1)]:
-        depth = _off(mesh, POINT, STILL, point)
-        if depth > found and where(mesh, point) is Where.INSIDE:
-            found = depth
-    return found
+    while len(triangles):
+        near = (triangles.min(axis=1) < box.max_) & (triangles.max(axis=1) > box.min_)
+        left: list[Array] = []
+        for part in triangles[near.all(axis=1)]:
+            middle = part.mean(axis=0)
+            reach = float(np.linalg.norm(part - middle, axis=1).max())
+            off, nearest = _off(mesh, POINT, STILL, middle)
+            if off + reach <= found + FINE_SKIN:
+                continue
+            most = reach - off
+            if where(mesh, middle) is Where.INSIDE:
+                found, most = max(found, off), min(off + reach, _off_triangle(mesh, nearest, part))
+            if most > found + FINE_SKIN:
+                left += _halves(part)
+        triangles = np.array(left)
+    return found + FINE_SKIN if found > 0 else 0.0
 
 
-def _off(mesh: coal.BVHModelBase, shape: coal.CollisionGeometry, rotation: Array, origin: Array) -> float:
-    """How far a shape without volume is from a mesh, in whose frame its pose is [m]; 0 where they touch."""
+def _off_triangle(mesh: coal.BVHModelBase, number: int, points: Array) -> float:
+    """How far the farthest of some points (K, 3) is from one triangle of a mesh [m]."""
+    return max(_off(_triangle(mesh, number), POINT, STILL, point)[0] for point in points)
+
+
+@lru_cache(maxsize=4096)
+def _triangle(mesh: coal.BVHModelBase, number: int) -> coal.BVHModelBase:
+    """One triangle of a mesh; kept, so not to be changed."""
+    vertices, indices = mesh.vertices(), mesh.tri_indices(number)
+    corners = np.array([vertices[indices[k]] for k in range(3)])
+    return Triangles(corners, np.array([[0, 1, 2]]))
+
+
+def _halves(triangle: Array) -> list[Array]:
+    """A triangle (3, 3), cut across its longest edge."""
+    longest = int(np.argmax(np.linalg.norm(np.roll(triangle, -1, axis=0) - triangle, axis=1)))
+    a, b, c = np.roll(triangle, -longest, axis=0)
+    middle = (a + b) / 2
+    return [np.array((a, middle, c)), np.array((middle, b, c))]
+
+
+def _off(
+    body: coal.CollisionGeometry, shape: coal.CollisionGeometry, rotation: Array, origin: Array
+) -> tuple[float, int]:
+    """How far a shape without volume is from a body, in whose frame its pose is [m]; 0 where they touch.
+
+    Of a mesh, too, the number of its triangle that is nearest.
+    """
     request, result, at = coal.DistanceRequest(), coal.DistanceResult(), coal.Transform3s(rotation, origin)
-    return max(0.0, float(coal.distance(mesh, coal.Transform3s(), shape, at, request, result)))
+    distance = float(coal.distance(body, coal.Transform3s(), shape, at, request, result))
+    return max(0.0, distance), int(result.b1)
 
 
 def placed(one: Faces, rotation: Array, origin: Array) -> Faces:
@@ -137,7 +181,7 @@ def surface_depth(
     """
     if isinstance(shape, coal.Sphere | coal.Capsule):
         half = 0.0 if isinstance(shape, coal.Sphere) else shape.halfLength
-        return max(0.0, shape.radius - _off(mesh, coal.Capsule(THIN, 2 * half), rotation, origin))
+        return max(0.0, shape.radius - _off(mesh, coal.Capsule(THIN, 2 * half), rotation, origin)[0])
     body, room = placed(faces(shape), rotation, origin), np.empty((WAITING, 3, 3))
     triangles = np.ascontiguousarray(corners(mesh))
     found = deepest_point(triangles, body.normals, body.offsets, FINE, room)

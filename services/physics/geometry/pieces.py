@@ -186,6 +186,15 @@ def outline(shape: coal.CollisionGeometry) -> Array:
     return np.vstack([about + end for end in np.outer((-half, half), (0.0, 0.0, 1.0))])
 
 
+@lru_cache(maxsize=512)
+def skin(shape: coal.CollisionGeometry) -> Array:
+    """Triangles of a convex shape's surface, that of its `outline`, shape (M, 3, 3) [m]; kept."""
+    from scipy.spatial import ConvexHull  # noqa: PLC0415 - slow to import, and few need it
+
+    points = outline(shape)
+    return points[ConvexHull(points).simplices]
+
+
 def _clipped(triangles: Array, along: Array) -> Array:
     """The parts of triangles, shape (M, 3, 3), where what their corners have `along`, (M, 3), is above 0."""
     above = along > 0

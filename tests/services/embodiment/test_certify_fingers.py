@@ -167,3 +167,44 @@ def test_what_of_a_finger_does_not_reach_over_the_bar_holds_nothing_though_a_pie
     assert any(f"reaches {1000 * over:.1f} mm over" in each.reason for each in verdict.diagnoses), (
         verdict.diagnoses
     )
+
+
+BRACKET = (-0.005, -0.1), (0.045, -0.1), (0.045, -0.09), (0.005, -0.09)
+"""[m] Half of its outline, seen from above: as the bar and the posts of the cell's handle."""
+SPLIT = (0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 7), (4, 5, 6), (4, 6, 7)
+
+
+def bracketed(folder: Path, thick: float) -> Twin:
+    """The bar and its posts as one mesh that is not convex, and fingers so thick."""
+    robot, cell = texts()
+    for side in ("0.04 0 0.005", "0.04 0 -0.005"):
+        thin = side.replace("0.005", str(thick / 2))
+        robot = robot.replace(
+            f'<origin xyz="{side}"/><geometry><box size="0.06 0.02 0.01"/>',
+            f'<origin xyz="{thin}"/><geometry><box size="0.06 0.02 {thick}"/>',
+        )
+    outline = np.array((*BRACKET, *((x, -y) for x, y in BRACKET[::-1])))
+    bracket = trimesh.creation.extrude_triangulation(outline, SPLIT, 0.01)
+    bracket.apply_translation((0.0, 0.0, -0.005))
+    bracket.export(folder / "bracket.stl")
+    start = cell.index('<link name="drawer_handle">')
+    shape = '<collision><geometry><mesh filename="bracket.stl"/></geometry></collision>'
+    shape = f'<link name="drawer_handle">{shape}'
+    return twin_of(folder, robot, cell[:start] + shape + cell[cell.index("</link>", start) :])
+
+
+@pytest.mark.parametrize("thick", [0.002, 0.003, 0.01])
+@pytest.mark.parametrize(("deep", "holds"), [(0.001, True), (0.0022, False), (0.004, False)])
+def test_fingers_that_cut_into_a_bent_handle_do_not_hold_it_however_thin_they_are(
+    tmp_path: Path, thick: float, deep: float, holds: bool
+) -> None:
+    # They reach beyond the bar to both sides, so that no corner of either is in it.
+    rests = RESTS.copy()
+    rests[3:, 7] = 0.005 - deep
+    verdict = judge(bracketed(tmp_path, thick), opening(rests=rests))
+    if holds:
+        assert isinstance(verdict, Certified), verdict.diagnoses
+        assert verdict.figures["smallest distance, handle"][0] == pytest.approx(-deep, abs=2e-4)
+        return
+    assert isinstance(verdict, Refused)
+    assert any("mm in each other" in each.reason for each in verdict.diagnoses)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
-from services.physics.geometry.depth import FINE, Faces, faces, placed, surface_depth, tip_depth
+from services.physics.geometry.depth import FINE, FINE_SKIN, Faces, faces, placed, skin_depth, surface_depth
 from services.physics.geometry.shapes import Triangles, hull
 
 pytestmark = pytest.mark.oracle
@@ -51,5 +51,19 @@ def test_a_point_is_in_the_wall_of_a_tube_or_in_its_hole() -> None:
     tube = trimesh.creation.annulus(0.03, 0.05, 0.2, 256)
     mesh = Triangles(np.array(tube.vertices), np.array(tube.faces))
     in_wall, in_hole, outside = np.array(((0.042, 0, 0), (0.02, 0, 0), (0.06, 0, 0)))
-    assert tip_depth(mesh, np.array((in_wall, in_hole, outside))) == pytest.approx(0.008, abs=1e-5)
-    assert tip_depth(mesh, np.array((in_hole, outside))) == 0
+    points = np.repeat(np.array((in_wall, in_hole, outside))[:, None], 3, axis=1)
+    assert skin_depth(mesh, points) - FINE_SKIN == pytest.approx(0.008, abs=1e-5)
+    assert skin_depth(mesh, points[1:]) == 0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_triangle_is_as_deep_in_a_mesh_as_the_deepest_of_its_points(seed: int) -> None:
+    """A box in small triangles, of which each point knows how deep it is."""
+    rng, half = np.random.default_rng(seed), np.array((0.02, 0.03, 0.01))
+    box = trimesh.creation.box(2 * half).subdivide().subdivide()
+    mesh = Triangles(np.array(box.vertices), np.array(box.faces))
+    triangle = rng.normal(scale=0.03, size=(3, 3))
+    points = rng.dirichlet((1.0, 1.0, 1.0), 200_000) @ triangle
+    deepest = max(float((half - np.abs(points)).min(axis=1).max()), 0.0)
+    assert deepest > 0
+    assert deepest <= skin_depth(mesh, triangle[None]) <= deepest + FINE_SKIN + 2e-4

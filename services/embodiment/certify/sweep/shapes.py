@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from services.embodiment.certify.sweep.depth import deepest
 from services.embodiment.certify.sweep.kinematics import Kinematics, Placed
-from services.physics.geometry.depth import faces, surface_depth, tip_depth
+from services.physics.geometry.depth import faces, skin_depth, surface_depth
 from services.physics.geometry.depth import placed as placed_faces
 from services.physics.geometry.gap import beyond_cylinder, gap
-from services.physics.geometry.pieces import Piece, components, outline
+from services.physics.geometry.pieces import Piece, components, skin
 from services.physics.model import Scene
 
 Array = NDArray[np.float64]
@@ -140,7 +140,7 @@ class Shapes:
         """How deep a convex shape is in a mesh, or the mesh in it [m]; 0 or less where they are apart.
 
         It is as deep as in the deepest of the mesh's parts: in a convex one as in any solid, in another as
-        its surface is in the shape, or a corner of the shape in it.
+        its surface is in the shape, or the shape's in it.
         """
         first = self._is_mesh[pair[0]]
         mesh, convex = pair if first else pair[::-1]
@@ -185,6 +185,6 @@ def _deepest(part: Piece, body: coal.CollisionGeometry, rotation: Array, origin:
 
 
 def _in_bent(part: coal.BVHModelBase, body: coal.CollisionGeometry, rotation: Array, origin: Array) -> float:
-    """The same of a part that is not convex, for points of its surface and corners of the body."""
-    tips = outline(body) @ rotation.T + origin
-    return max(surface_depth(part, body, rotation, origin), tip_depth(part, tips))
+    """The same of a part that is not convex, for points of both surfaces."""
+    in_part = skin_depth(part, skin(body) @ rotation.T + origin)
+    return max(surface_depth(part, body, rotation, origin), in_part)
