@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.physics.geometry.deepest import WAITING, deepest_point
-from services.physics.geometry.inside import Where, where
+from services.physics.geometry.inside import within
 from services.physics.geometry.shapes import Triangles, corners, hull_of_solid
 
 Array = NDArray[np.float64]
@@ -117,7 +117,7 @@ def skin_depth(mesh: coal.BVHModelBase, triangles: Array) -> float:
             if off + reach <= found + FINE_SKIN:
                 continue
             most = reach - off
-            if where(mesh, middle) is Where.INSIDE:
+            if within(mesh, middle):
                 found, most = max(found, off), min(off + reach, _off_triangle(mesh, nearest, part))
             if most > found + FINE_SKIN:
                 left += _halves(part)

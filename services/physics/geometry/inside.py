@@ -23,6 +23,7 @@ Indices = NDArray[np.intp]
 DIRECTIONS = ((0.29, 0.53, 0.797), (-0.71, 0.37, 0.6), (0.61, -0.43, 0.665), (-0.17, -0.88, 0.443))
 """Of rays, one after the other until one meets no edge: askew, since furniture is not."""
 
+HALF = 0.5  # [1] of all directions in which a surface is seen from inside
 GRAZES = 1e-9  # [1] relative: a ray that passes an edge more closely says nothing
 
 
@@ -74,6 +75,17 @@ def where(mesh: coal.BVHModelBase, point: Array) -> Where:
         # Of two surfaces about a point that do not meet one is inside the other.
         return Where.INSIDE if any(starmap(_meet, combinations(about, 2))) else Where.CAVITY
     return Where.OUTSIDE if all(part.closed for part in near) else Where.UNSEEN
+
+
+def within(mesh: coal.BVHModelBase, point: Array) -> bool:
+    """Whether a point (3,) [m] of the mesh's frame lies inside it, or an open part goes around it by half.
+
+    What has a gap is open, and all the same solid for a finger (Jacobson et al., 2013).
+    """
+    found = where(mesh, point)
+    if found is not Where.UNSEEN:
+        return found is Where.INSIDE
+    return any(abs(_winding(part.triangles - point)) > HALF for part in _parts(mesh) if not part.closed)
 
 
 @lru_cache(maxsize=1024)

@@ -174,8 +174,8 @@ BRACKET = (-0.005, -0.1), (0.045, -0.1), (0.045, -0.09), (0.005, -0.09)
 SPLIT = (0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 7), (4, 5, 6), (4, 6, 7)
 
 
-def bracketed(folder: Path, thick: float) -> Twin:
-    """The bar and its posts as one mesh that is not convex, and fingers so thick."""
+def bracketed(folder: Path, thick: float, ended: bool = True) -> Twin:
+    """The bar and its posts as one mesh that is not convex, and fingers so thick; or posts without ends."""
     robot, cell = texts()
     for side in ("0.04 0 0.005", "0.04 0 -0.005"):
         thin = side.replace("0.005", str(thick / 2))
@@ -186,6 +186,8 @@ def bracketed(folder: Path, thick: float) -> Twin:
     outline = np.array((*BRACKET, *((x, -y) for x, y in BRACKET[::-1])))
     bracket = trimesh.creation.extrude_triangulation(outline, SPLIT, 0.01)
     bracket.apply_translation((0.0, 0.0, -0.005))
+    if not ended:
+        bracket.update_faces((bracket.triangles[:, :, 0] < 0.044).any(axis=1))
     bracket.export(folder / "bracket.stl")
     start = cell.index('<link name="drawer_handle">')
     shape = '<collision><geometry><mesh filename="bracket.stl"/></geometry></collision>'
@@ -193,15 +195,16 @@ def bracketed(folder: Path, thick: float) -> Twin:
     return twin_of(folder, robot, cell[:start] + shape + cell[cell.index("</link>", start) :])
 
 
-@pytest.mark.parametrize("thick", [0.002, 0.003, 0.01])
+@pytest.mark.parametrize("ended", [True, False])
+@pytest.mark.parametrize("thick", [0.002, 0.01])
 @pytest.mark.parametrize(("deep", "holds"), [(0.001, True), (0.0022, False), (0.004, False)])
 def test_fingers_that_cut_into_a_bent_handle_do_not_hold_it_however_thin_they_are(
-    tmp_path: Path, thick: float, deep: float, holds: bool
+    tmp_path: Path, ended: bool, thick: float, deep: float, holds: bool
 ) -> None:
     # They reach beyond the bar to both sides, so that no corner of either is in it.
     rests = RESTS.copy()
     rests[3:, 7] = 0.005 - deep
-    verdict = judge(bracketed(tmp_path, thick), opening(rests=rests))
+    verdict = judge(bracketed(tmp_path, thick, ended), opening(rests=rests))
     if holds:
         assert isinstance(verdict, Certified), verdict.diagnoses
         assert verdict.figures["smallest distance, handle"][0] == pytest.approx(-deep, abs=2e-4)
