@@ -65,7 +65,7 @@ class Followed:
         reach: Distance from the handle's origin to the observed point [m].
         offset: The observed point in the handle's frame, shape (3,) [m].
         values: Shape (T,): position of the container's own joint nearest to each sample [rad or m].
-        distances: Shape (T,): how far the sample is from the path that the twin allows [m].
+        distances: Shape (T,): how far the sample is from the twin's path, the joint's limits aside [m].
         radius: Of the point's circle [m]; 1 for a slide, so that lengths are lengths.
     """
 

@@ -278,7 +278,7 @@ def show_kitchen(row: Json, proposal: Json | None) -> None:
     verdict = "replays it" if row["replayed"] else "cannot replay it"
     print_line(
         f"\nkitchen   {row['container']}, {row['start']:.3f} to {row['end']:.3f}: the twin {verdict},"
-        f" median distance {row['distance_median'] * 1000:.1f} mm",
+        f" median distance {row['distance_median'] * 1000:.1f} mm, limits aside",
         highlight=False,
     )
     print_line(f"tasks     {', '.join(row['tasks']) or 'none'}", highlight=False)

@@ -28,8 +28,9 @@ learning.track_figure(found)
 # %% [markdown]
 # ## In the kitchen
 #
-# The twin's own path is fitted to the same samples. It *fits* if it is as near to them as the noise of the
-# track allows; the physics *replays* the motion if it also keeps the joint's limits.
+# The twin's own path is fitted to the same samples. It *fits* if, within the limits of the joint's position,
+# it is as near to them as the noise of the track allows; the physics *replays* the motion if nothing else is
+# in its way either.
 
 # %%
 learning.in_kitchen(found)

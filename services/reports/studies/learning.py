@@ -170,7 +170,7 @@ def _row(which: str, seen: Seen) -> dict[str, object]:
     return {
         "twin": which,
         "container": seen.followed.container.name,
-        "median distance from its path [mm]": 1000 * float(np.median(seen.followed.distances)),
+        "median distance from its path, limits aside [mm]": 1000 * float(np.median(seen.followed.distances)),
         "its path fits": seen.fits,
         "replayed": seen.replayed,
         "tasks": ", ".join(tasks) or "none",
@@ -239,7 +239,10 @@ def track_figure(found: Lesson) -> Figure:
         )
         deviations.set(xlabel="sample", ylabel="mm", title="distance from the path")
         deviations.set_ylim(bottom=0)
-    caption = "The track, the joint that explains it best, and the path that the twin allows the same point."
+    caption = (
+        "The track, the joint that explains it best, and the path of the same point in the twin, where the"
+        " track is beyond the joint's limits too."
+    )
     return Figure("learning_track", caption, drawing)
 
 

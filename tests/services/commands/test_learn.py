@@ -96,6 +96,18 @@ def test_a_known_motion_is_named_by_its_task(known: str) -> None:
     assert row["proposal"] is None
 
 
+def test_the_distance_from_a_path_beyond_its_limits_is_said_to_leave_them_aside(tmp_path: Path) -> None:
+    path = tmp_path / "beyond.csv"
+    np.savetxt(path, slid("low_drawer", 0.9).positions)  # the drawer goes to 0.5 m
+    done = CliRunner().invoke(sdt, ["learn", str(path), "--kitchen", KITCHEN])
+    (line,) = (each for each in done.output.splitlines() if each.startswith("kitchen "))
+    assert line.startswith(
+        "kitchen   low_drawer, 0.000 to 0.500: the twin cannot replay it, median distance "
+    )
+    assert float(line.split("median distance ")[1].split()[0]) < 10
+    assert line.endswith(" mm, limits aside")
+
+
 def test_another_joint_is_proposed_and_not_accepted_silently(hinged: str, tmp_path: Path) -> None:
     row = run(hinged, "--kitchen", KITCHEN, code=1)
     assert row["kitchen"]["replayed"] is False
