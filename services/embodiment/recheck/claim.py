@@ -18,6 +18,7 @@ from sdt_kg.task import UNKNOWN, Task
 from sdt_kg.twin import Twin
 from services.embodiment.certify.asked import OFF
 from services.embodiment.certify.certificate import Certificate, Figures
+from services.embodiment.certify.held.holds import HOLDS
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.handles import DRIVE
 from services.embodiment.recheck.embodiment import Certifier
@@ -119,7 +120,20 @@ def inputs_differ(stored: StoredVerdict, checker: Certifier, physics: Physics) -
         yield "the verdict is about a body motion that was given, and its certificate has another one"
     if not checker.starts_as(said.get("embodiment.start")):
         yield f"the verdict's start is {said.get('embodiment.start')}, its certificate's {certificate.start}"
+    yield from _held_otherwise(stored, certificate)
     yield from moved_differs(stored, checker.twin)
+
+
+def _held_otherwise(stored: StoredVerdict, certificate: Certificate) -> Iterator[str]:
+    """In what a certificate holds the container as the verdict's inputs do not allow."""
+    said = dict(stored.inputs)
+    if "embodiment.holds" in said and HOLDS in certificate.figures:
+        yield "the verdict is about one hold, and its certificate has several"
+    if "embodiment.handles" in said and stored.container != certificate.container:
+        yield (
+            f"the verdict is about handles of {_name(stored.container)} itself, "
+            f"and its certificate holds {_name(certificate.container)}"
+        )
 
 
 def moved_differs(stored: StoredVerdict, twin: Twin) -> Iterator[str]:
