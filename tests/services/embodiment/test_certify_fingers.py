@@ -39,6 +39,24 @@ def texts() -> tuple[str, str]:
     return (FOLDER / "gantry.urdf").read_text(), (FOLDER / "cell.urdf").read_text()
 
 
+def with_fingers(robot: str, thick: float) -> str:
+    """The gantry with fingers so thick [m], on the same side of each finger's origin."""
+    for side in ("0.04 0 0.005", "0.04 0 -0.005"):
+        at = side.replace("0.005", str(thick / 2))
+        robot = robot.replace(
+            f'<origin xyz="{side}"/><geometry><box size="0.06 0.02 0.01"/>',
+            f'<origin xyz="{at}"/><geometry><box size="0.06 0.02 {thick}"/>',
+        )
+    return robot
+
+
+def with_handle(cell: str, shape: str) -> str:
+    """The cell with one shape in place of the handle's."""
+    start = cell.index('<link name="drawer_handle">')
+    handle = f'<link name="drawer_handle"><collision><geometry>{shape}</geometry></collision>'
+    return cell[:start] + handle + cell[cell.index("</link>", start) :]
+
+
 def closing(finger: float, aside: float = 0.0) -> np.ndarray:
     """Rests of the good motion with the fingers always like that, the hand moved up or down."""
     rests = RESTS.copy()
@@ -66,21 +84,9 @@ def test_thin_fingers_on_one_side_of_a_thin_plate_do_not_hold_it(
     tmp_path: Path, aside: float, holds: bool
 ) -> None:
     robot, cell = texts()
-    for side in ("0.04 0 0.005", "0.04 0 -0.005"):
-        thin = side.replace("0.005", str(THIN / 2))
-        robot = robot.replace(
-            f'<origin xyz="{side}"/><geometry><box size="0.06 0.02 0.01"/>',
-            f'<origin xyz="{thin}"/><geometry><box size="0.06 0.02 {THIN}"/>',
-        )
-    start = cell.index('<link name="drawer_handle">')
-    plate = f'<box size="0.01 0.2 {THIN}"/>'
-    cell = (
-        cell[:start]
-        + f'<link name="drawer_handle"><collision><geometry>{plate}</geometry></collision>'
-        + cell[cell.index("</link>", start) :]
-    )
+    cell = with_handle(cell, f'<box size="0.01 0.2 {THIN}"/>')
     finger = THIN / 2 + 0.0005 if holds else 0.0
-    verdict = judge(twin_of(tmp_path, robot, cell), opening(rests=closing(finger, aside)))
+    verdict = judge(twin_of(tmp_path, with_fingers(robot, THIN), cell), opening(rests=closing(finger, aside)))
     if holds:
         assert isinstance(verdict, Certified), verdict.diagnoses
         return
@@ -177,22 +183,13 @@ SPLIT = (0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 7), (4, 5, 6), (4, 6, 7)
 def bracketed(folder: Path, thick: float, ended: bool = True) -> Twin:
     """The bar and its posts as one mesh that is not convex, and fingers so thick; or posts without ends."""
     robot, cell = texts()
-    for side in ("0.04 0 0.005", "0.04 0 -0.005"):
-        thin = side.replace("0.005", str(thick / 2))
-        robot = robot.replace(
-            f'<origin xyz="{side}"/><geometry><box size="0.06 0.02 0.01"/>',
-            f'<origin xyz="{thin}"/><geometry><box size="0.06 0.02 {thick}"/>',
-        )
     outline = np.array((*BRACKET, *((x, -y) for x, y in BRACKET[::-1])))
     bracket = trimesh.creation.extrude_triangulation(outline, SPLIT, 0.01)
     bracket.apply_translation((0.0, 0.0, -0.005))
     if not ended:
         bracket.update_faces((bracket.triangles[:, :, 0] < 0.044).any(axis=1))
     bracket.export(folder / "bracket.stl")
-    start = cell.index('<link name="drawer_handle">')
-    shape = '<collision><geometry><mesh filename="bracket.stl"/></geometry></collision>'
-    shape = f'<link name="drawer_handle">{shape}'
-    return twin_of(folder, robot, cell[:start] + shape + cell[cell.index("</link>", start) :])
+    return twin_of(folder, with_fingers(robot, thick), with_handle(cell, '<mesh filename="bracket.stl"/>'))
 
 
 @pytest.mark.parametrize("ended", [True, False])
