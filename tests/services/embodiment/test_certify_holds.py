@@ -81,6 +81,37 @@ def test_a_rest_during_which_the_hand_stays_is_no_second_hold(twin: Twin) -> Non
     assert "holds" not in found.figures
 
 
+def beside(aside: float, opened: float = 0.04) -> np.ndarray:
+    """The fingers open where the drawer rests, and close again so far beside, without going back."""
+    rests = TWICE[[*range(5), 5, BACK, SHUT, SHUT + 1]].copy()
+    rests[6:, Y], rests[5:7, FINGER] = aside, opened
+    return rests
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.001, 0.003, 0.03])
+@pytest.mark.parametrize("step", [0.1, 100.0])
+def test_a_hand_that_opens_may_close_again_in_place_or_beside(twin: Twin, aside: float, step: float) -> None:
+    found = judge(twin, opening(step, beside(aside)))
+    assert isinstance(found, Certified), found.diagnoses
+    assert found.figures["holds"] == (2.0, "1")
+
+
+@pytest.mark.parametrize(("opened", "lets_go"), [(0.0065, False), (0.008, True)])
+def test_fingers_that_stay_near_the_handle_have_not_let_it_go(
+    twin: Twin, opened: float, lets_go: bool
+) -> None:
+    rests = beside(0.001, opened)
+    rests[[3, 4, 7, 8], FINGER] = 0.0035  # 1.5 mm deep in the handle
+    found = judge(twin, opening(rests=rests))
+    assert isinstance(found, Certified) is lets_go
+    if not lets_go:
+        assert "moves by up to 3.0 mm while it holds the handle" in reasons(twin, opening(rests=rests))
+
+
+def test_where_one_hold_is_asked_for_the_hand_does_not_open_on_the_way(twin: Twin) -> None:
+    assert "is let go at 0.23 m" in reasons(twin, opening(rests=beside(0.0)), one_hold=True)
+
+
 def test_a_certificate_of_two_holds_is_verified_again(twin: Twin) -> None:
     found = judge(twin, twice())
     assert isinstance(found, Certified)

@@ -6,6 +6,7 @@ the tool is in its next grasp, if there is one: a container that rests on the wa
 """
 
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,12 +71,20 @@ class Hold:
         self.until = float(self.pieces.start[self.last] + self.pieces.duration[self.last])
 
     def _ends(self) -> tuple[int, int | None]:
-        """Last piece before the tool leaves its grasp while the container rests, and first one after that."""
+        """Last piece before the hand leaves its grasp while the container rests, and first one after that."""
         k = self.scene.coordinate[self.container.joint]
         for rest in rests(self.checked.pieces, k, self.begin):
-            if len(self.slip.off(rest.start + 1, rest.stop + 1)):
+            if len(self.slip.off(rest.start + 1, rest.stop + 1)) or self._is_anew(rest):
                 return rest.start - 1, rest.stop
         return last(self.checked.pieces, k), None
+
+    def _is_anew(self, rest: slice) -> bool:
+        """Whether the fingers open in place and close again: at a sample they are all off the handle."""
+        samples = np.arange(rest.start + 1, rest.stop + 1)
+        shift = np.abs(self.pieces.c[0, samples] - self.pieces.c[0, self.begin])
+        moved = np.array([self._moved(finger, shift) for finger in self.fingers]).max(axis=0, initial=0.0)
+        opened = samples[moved > self.tolerances.contact]
+        return bool(len(opened)) and opened[-1] < rest.stop and not self._near(opened).all()
 
     def _attached(self, joint: int, joint_T_frame: Array) -> Attached:
         return Attached(int(self.kinematics.carrier[joint]), self.kinematics.fixed[joint] @ joint_T_frame)
@@ -84,12 +93,11 @@ class Hold:
     def arrived(self) -> float:
         """Time of the sample from which on the tool is in its grasp: the fingers may close.
 
-        The first of all if it was nowhere else; that of the grasp itself if another hold came before.
+        The first of all if it was nowhere else; if another hold came before, the first after that was left.
         """
-        off = self.slip.off(self._since or 0, self.begin)
-        if not len(off) and self._since is not None:
-            return self.time
-        first = int(off[-1]) + 1 if len(off) else 0
+        since = min(self._since or 0, self.begin)
+        off = self.slip.off(since, self.begin)
+        first = int(off[-1]) + 1 if len(off) else since
         leaving = self.slip.leaving(first, self.begin)
         return float(self.pieces.start[int(leaving[-1]) + 1 if len(leaving) else first])
 
@@ -100,8 +108,9 @@ class Hold:
         It begins with the last sample up to which the tool, after the container has stopped, is in its grasp.
         """
         count = len(self.pieces.start)
-        off = self.slip.off(self.last + 2, (count if self.onward is None else self.onward) + 1)
-        end = int(off[0]) - 1 if len(off) else count
+        stop = count if self.onward is None else self.onward
+        off = self.slip.off(self.last + 2, stop + 1)
+        end = int(off[0]) - 1 if len(off) else stop
         leaving = self.slip.leaving(self.last + 1, end)
         return int(leaving[0]) if len(leaving) else end
 
@@ -145,19 +154,21 @@ class Hold:
     def later(self) -> "Hold | None":
         """The first sample after the container began to move at which it is held, if there is one."""
         pieces = np.arange(self.begin, self.last + 1)
-        q, v, _ = self.pieces.at(pieces, np.zeros(len(pieces)))
-        placed = self.kinematics.place(q, v)
-        touched = np.zeros(len(pieces), dtype=bool)
-        for finger in self.fingers:
-            for bar in self.bar:
-                pair = np.tile((finger, bar), (len(pieces), 1))
-                gaps = self.shapes.distances(placed, np.arange(len(pieces)), pair)
-                touched |= gaps <= self.tolerances.contact
-        for begin in pieces[touched]:
+        for begin in pieces[self._near(pieces)]:
             late = Hold(self.checked, self.container, self.gripper, int(begin))
             if not late.contact().violations:
                 return late
         return None
+
+    def _near(self, pieces: Indices) -> NDArray[np.bool_]:
+        """Whether any finger is as near to the handle as a contact allows, where these pieces begin."""
+        q, v, _ = self.pieces.at(pieces, np.zeros(len(pieces)))
+        placed, near = self.kinematics.place(q, v), np.zeros(len(pieces), dtype=bool)
+        for finger, bar in product(self.fingers, self.bar):
+            pair = np.tile((finger, bar), (len(pieces), 1))
+            gaps = self.shapes.distances(placed, np.arange(len(pieces)), pair)
+            near |= gaps <= self.tolerances.contact
+        return near
 
     def _not_held(self, grip: Grip, pinch: Pinch | None) -> Findings:
         handle, tolerances = local_name(self.container.handle), self.tolerances
@@ -225,17 +236,11 @@ class Hold:
 
     def keeps_fingers(self) -> Findings:
         """While they hold, the fingers do not move against the tool by more than a contact allows."""
-        findings, placed = Findings(), self.slip.at_grasp
-        values, _ = positions(self.pieces)
+        findings, (values, _) = Findings(), positions(self.pieces)
         later = values[:, self.begin : self.last + 1]
         shift = np.abs(later - self.pieces.c[0, self.begin]).max(axis=(0, 1))
         for finger in self.fingers:
-            between = (
-                self.kinematics.path[self.shapes.carrier[finger]] ^ self.kinematics.path[self.tool.carrier]
-            )
-            centre = self.shapes.centres(placed, FIRST, np.array([finger]))[0]
-            lever = self.kinematics.levers(placed, centre) + self.shapes.radius[finger]
-            moved = float((between[1:] * np.where(self.kinematics.revolute[1:], lever[1:], 1) * shift).sum())
+            moved = float(self._moved(finger, shift))
             if moved > self.tolerances.contact:
                 body = self.scene.solids[finger].body
                 reason = f"{local_name(body)} moves by up to {moved * 1000:.1f} mm while it holds the handle"
@@ -244,6 +249,14 @@ class Hold:
                 )
                 findings.violations.append(Violation("fingers", reason, evidence, moved))
         return findings
+
+    def _moved(self, finger: int, shift: Array) -> Array:
+        """How far a finger's shape moves against the tool at most [m], by how much coordinates are off."""
+        placed = self.slip.at_grasp
+        between = self.kinematics.path[self.shapes.carrier[finger]] ^ self.kinematics.path[self.tool.carrier]
+        centre = self.shapes.centres(placed, FIRST, np.array([finger]))[0]
+        lever = self.kinematics.levers(placed, centre) + self.shapes.radius[finger]
+        return (between[1:] * np.where(self.kinematics.revolute[1:], lever[1:], 1) * shift).sum(axis=-1)
 
 
 def _shapes_of(scene: Scene, bodies: list[Iri]) -> list[int]:
