@@ -10,7 +10,7 @@ from importlib.metadata import version
 
 KINEMATICS_VERSION = "19"
 DYNAMICS_VERSION = "8"
-EMBODIMENT_VERSION = "33"
+EMBODIMENT_VERSION = "34"
 BEARING_VERSION = "5"
 """Each is raised whenever an answer of that oracle may change."""
 
