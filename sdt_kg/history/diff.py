@@ -48,7 +48,8 @@ class Difference:
         for key in sorted(old.keys() | new.keys()):
             lines += self.known.change(key, old.get(key, []), new.get(key, []))
         inferred = len(self.removed | self.added) - len(removed) - len(added)
-        return lines + ([f"and {inferred} inferred triples differ"] if inferred else [])
+        differ = "1 inferred triple differs" if inferred == 1 else f"{inferred} inferred triples differ"
+        return lines + ([f"and {differ}"] if inferred else [])
 
 
 @dataclass(frozen=True, slots=True)

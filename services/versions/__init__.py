@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
 
-KINEMATICS_VERSION = "19"
+KINEMATICS_VERSION = "20"
 DYNAMICS_VERSION = "8"
 EMBODIMENT_VERSION = "34"
 BEARING_VERSION = "5"

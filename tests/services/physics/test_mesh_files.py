@@ -113,6 +113,49 @@ def test_a_line_that_assimp_would_leave_out_or_never_end_is_refused(
         surface(mesh(tmp_path / name, content))
 
 
+CORNER = ["0 0 0", "1 0 0", "0 1 0", "0 0 1", "3 0 2 1", "3 0 1 3", "3 0 3 2", "3 1 2 3"]
+
+
+def off(head: str = "OFF\n4 4 6", rows: list[str] = CORNER, **other: str) -> str:
+    """A corner as an OFF file; rows by their number in words are written otherwise."""
+    said = [other.get(f"row{i}", row) for i, row in enumerate(rows)]
+    return "\n".join([head, *said]) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("content", "shown"),
+    [
+        (off(row7="3 1 2 4"), "'3 1 2 4' is no face"),  # the last point was taken
+        (off(row7="3 1 2 -1"), "'3 1 2 -1' is no face"),
+        (off(row7="3 1 2 3.0"), "'3 1 2 3.0' is no face"),
+        (off(row7="4 1 2 3"), "'4 1 2 3' is no face"),
+        (off(row3="0 0 1,5"), "'0 0 1,5' is no point"),
+        (off(row3="0 0 1d-1"), "'0 0 1d-1' is no point"),  # 1 it was
+        (off("OFF 4 3 6"), "'3 1 2 3' is more than the 4 points and 3 faces"),
+        (off("4OFF\n4 4 6"), "'4OFF' says that points have four coordinates"),
+    ],
+)
+def test_numbers_of_an_off_file_that_assimp_reads_otherwise_are_refused(
+    content: str, shown: str, tmp_path: Path
+) -> None:
+    with pytest.raises(UrdfError, match=shown):
+        surface(mesh(tmp_path / "a.off", content))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        off("OFF 4 4 6"),
+        off(" OFF\n\n 4\t4  6", row2="\t0 1. -0"),
+        off("COFF\n4 4 6", [row + " 255 0 0 255" for row in CORNER]),
+        off(row3="0 0 1e0 7", row7="3 1 2 3 255 0 0"),
+        off().replace("\n", "\r\n"),
+    ],
+)
+def test_other_ways_to_write_an_off_file_are_read(content: str, tmp_path: Path) -> None:
+    assert triangles(mesh(tmp_path / "a.off", content)) == triangles(mesh(tmp_path / "as.off", off()))
+
+
 def test_points_with_weights_colours_comments_and_signs_are_read(tmp_path: Path) -> None:
     whole = QUADS.replace("usemtl b\n", "")
     spelled = whole.replace("v 1 0 0", "v 2 0 -.0 2 # half").replace("v 1 2 0", "v +1. 2e0 0 1 1 1")
