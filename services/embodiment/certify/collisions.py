@@ -9,6 +9,7 @@ from predicates.case import Evidence, Quantity
 from sdt_kg.iri import local_name
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
+from services.embodiment.certify.held.through import most_depth
 from services.embodiment.certify.sweep.clearance import NEAR, PRECISION, Clearance, Distance, Pairs, Sweep
 from services.embodiment.certify.sweep.pieces import Timeline, positions
 from services.embodiment.certify.sweep.subject import Subject
@@ -105,7 +106,8 @@ def _touch(checked: Subject, hold: Hold | None, shapes: Indices, level: int) -> 
     kept = _keep(checked, shapes, level)
     if hold is None:
         return kept
-    held = np.full(len(kept.shapes), -checked.tolerances.depth)
+    pairs = ((checked.scene.solids[i].shape for i in pair) for pair in shapes)
+    held = np.array([-most_depth(finger, bar, checked.tolerances.depth) for finger, bar in pairs])
     return Pairs(kept.shapes, kept.least, held, hold.arrived, level)
 
 

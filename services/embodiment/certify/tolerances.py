@@ -17,7 +17,7 @@ class Tolerances:
         margin: Distance to be kept from everything, beyond the robot's overhang [m].
         resolution: A pair that keeps less than this beyond the margin may be refused [m].
         contact: How far a finger may be from the handle that it holds [m].
-        depth: How deep it may be in it [m].
+        depth: How deep it may be in it [m]; less where both are thin (`held/through.py`).
         engaged: How far each finger has to reach over the handle that it holds, up, down, forth
             and back [m]. Ours: more than `depth`, so that no fingertip that stands in front of a
             bar, or is as deep in its front as it may be, counts; and more than `tool_position`,

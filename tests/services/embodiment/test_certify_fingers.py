@@ -94,6 +94,34 @@ def test_thin_fingers_on_one_side_of_a_thin_plate_do_not_hold_it(
     assert any("before it is held" in each.reason for each in verdict.diagnoses)
 
 
+def with_plate(cell: str, shape: str) -> str:
+    """The cell with a shape more of the handle, 20 mm above the bar."""
+    end = cell.index("</link>", cell.index('<link name="drawer_handle">'))
+    plate = f'<collision><origin xyz="0 0 0.02"/><geometry>{shape}</geometry></collision>'
+    return cell[:end] + plate + cell[end:]
+
+
+@pytest.mark.parametrize(("finger", "plate"), [(0.001, 0.002), (0.0025, 0.001), (0.0032, 0.0002)])
+@pytest.mark.parametrize("meshed", [False, True])
+@pytest.mark.parametrize("through", [False, True])
+def test_no_finger_is_so_thin_that_it_comes_through_the_handle(
+    tmp_path: Path, finger: float, plate: float, meshed: bool, through: bool
+) -> None:
+    # Halfway through the plate the upper finger is less than the 2 mm in it that are tolerated.
+    robot, cell = texts()
+    shape = f'<box size="0.01 0.2 {plate}"/>'
+    if meshed:
+        trimesh.creation.box((0.01, 0.2, plate)).export(tmp_path / "plate.stl")
+        shape = '<mesh filename="plate.stl"/>'
+    twin = twin_of(tmp_path, with_fingers(robot, finger), with_plate(cell, shape))
+    verdict = judge(twin, opening(rests=RESTS if through else closing(WIDE)))
+    if not through:
+        assert isinstance(verdict, Certified), verdict.diagnoses
+        return
+    assert isinstance(verdict, Refused)
+    assert any("up_finger and drawer_handle are" in each.reason for each in verdict.diagnoses)
+
+
 @pytest.mark.parametrize(("apart", "holds"), [(0.0018, True), (0.0032, False)])
 def test_fingers_that_one_motor_drives_differ_by_no_more_than_their_springs_give(
     tmp_path: Path, apart: float, holds: bool
@@ -180,12 +208,18 @@ BRACKET = (-0.005, -0.1), (0.045, -0.1), (0.045, -0.09), (0.005, -0.09)
 SPLIT = (0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 7), (4, 5, 6), (4, 6, 7)
 
 
+def bent(high: float) -> trimesh.Trimesh:
+    """Bar and posts as one mesh that is not convex, so high [m]."""
+    outline = np.array((*BRACKET, *((x, -y) for x, y in BRACKET[::-1])))
+    bracket = trimesh.creation.extrude_triangulation(outline, SPLIT, high)
+    bracket.apply_translation((0.0, 0.0, -high / 2))
+    return bracket
+
+
 def bracketed(folder: Path, thick: float, ended: bool = True) -> Twin:
     """The bar and its posts as one mesh that is not convex, and fingers so thick; or posts without ends."""
     robot, cell = texts()
-    outline = np.array((*BRACKET, *((x, -y) for x, y in BRACKET[::-1])))
-    bracket = trimesh.creation.extrude_triangulation(outline, SPLIT, 0.01)
-    bracket.apply_translation((0.0, 0.0, -0.005))
+    bracket = bent(0.01)
     if not ended:
         bracket.update_faces((bracket.triangles[:, :, 0] < 0.044).any(axis=1))
     bracket.export(folder / "bracket.stl")
@@ -194,7 +228,7 @@ def bracketed(folder: Path, thick: float, ended: bool = True) -> Twin:
 
 @pytest.mark.parametrize("ended", [True, False])
 @pytest.mark.parametrize("thick", [0.002, 0.01])
-@pytest.mark.parametrize(("deep", "holds"), [(0.001, True), (0.0022, False), (0.004, False)])
+@pytest.mark.parametrize(("deep", "holds"), [(0.0007, True), (0.0022, False), (0.004, False)])
 def test_fingers_that_cut_into_a_bent_handle_do_not_hold_it_however_thin_they_are(
     tmp_path: Path, ended: bool, thick: float, deep: float, holds: bool
 ) -> None:
@@ -208,3 +242,17 @@ def test_fingers_that_cut_into_a_bent_handle_do_not_hold_it_however_thin_they_ar
         return
     assert isinstance(verdict, Refused)
     assert any("mm in each other" in each.reason for each in verdict.diagnoses)
+
+
+@pytest.mark.parametrize("through", [False, True])
+def test_no_finger_is_so_thin_that_it_comes_through_a_bent_part_of_the_handle(
+    tmp_path: Path, through: bool
+) -> None:
+    robot, cell = texts()
+    bent(0.001).export(tmp_path / "bent.stl")
+    cell = with_plate(cell, '<mesh filename="bent.stl"/>')
+    verdict = judge(
+        twin_of(tmp_path, with_fingers(robot, 0.001), cell),
+        opening(rests=RESTS if through else closing(WIDE)),
+    )
+    assert isinstance(verdict, Refused) is through

@@ -108,6 +108,18 @@ def test_fingers_that_stay_near_the_handle_have_not_let_it_go(
         assert "moves by up to 3.0 mm while it holds the handle" in reasons(twin, opening(rests=rests))
 
 
+@pytest.mark.parametrize(("again", "certified"), [(0.0065, True), (0.0071, False), (0.04, False)])
+def test_fingers_may_close_less_than_before_as_long_as_they_hold(
+    twin: Twin, again: float, certified: bool
+) -> None:
+    rests = beside(0.0)
+    rests[[3, 4], FINGER], rests[7:, FINGER] = 0.0035, again  # 1.5 mm deep in the handle; 2 mm off at most
+    found = judge(twin, opening(rests=rests))
+    assert isinstance(found, Certified) is certified
+    if not certified:
+        assert "moves on before it is held anew" in reasons(twin, opening(rests=rests))
+
+
 def test_where_one_hold_is_asked_for_the_hand_does_not_open_on_the_way(twin: Twin) -> None:
     assert "is let go at 0.23 m" in reasons(twin, opening(rests=beside(0.0)), one_hold=True)
 

@@ -79,12 +79,12 @@ class Hold:
         return last(self.checked.pieces, k), None
 
     def _is_anew(self, rest: slice) -> bool:
-        """Whether the fingers open in place and close again: at a sample they are all off the handle."""
+        """Whether the fingers open in place, and may close again: at a sample all are off the handle."""
         samples = np.arange(rest.start + 1, rest.stop + 1)
         shift = np.abs(self.pieces.c[0, samples] - self.pieces.c[0, self.begin])
         moved = np.array([self._moved(finger, shift) for finger in self.fingers]).max(axis=0, initial=0.0)
         opened = samples[moved > self.tolerances.contact]
-        return bool(len(opened)) and opened[-1] < rest.stop and not self._near(opened).all()
+        return bool(len(opened)) and not self._near(opened).all()
 
     def _attached(self, joint: int, joint_T_frame: Array) -> Attached:
         return Attached(int(self.kinematics.carrier[joint]), self.kinematics.fixed[joint] @ joint_T_frame)
