@@ -153,6 +153,30 @@ def test_a_door_is_opened_by_the_other_of_its_handles(tmp_path: Path) -> None:
     assert Certifier(twin, by_own).perform(given).holds is False
 
 
+@pytest.mark.parametrize(("low", "certified"), [(1.6, True), (0.1, False)])
+def test_a_handle_on_what_is_mounted_on_a_door_is_another_of_its_handles(
+    tmp_path: Path, low: float, certified: bool
+) -> None:
+    tall(tmp_path, low)
+    file, mount = tmp_path / "tall.urdf", '<link name="mount"/><joint name="mount_joint" type="fixed">'
+    more = 'parent link="{}"/><child link="more_handle"/>'
+    text = file.read_text().replace(more.format("tall_door"), more.format("mount"))
+    mount += '<parent link="tall_door"/><child link="mount"/></joint></robot>'
+    file.write_text(text.replace("</robot>", mount))
+    twin = beside(file, "stretch")
+    (container,) = twin.containers()
+    assert local_name(container.handle) == "high_handle"
+    assert [local_name(each) for each in container.more_handles] == ["more_handle"]
+    verdict = opened(twin, WholeBody(Drive.OMNI))
+    assert recheck(kept(tmp_path, verdict)).reasons == ()
+    if certified:
+        assert verdict.outcome is Outcome.CERTIFIED
+        assert verdict.can_perform is not None
+        assert "held by more_handle, another handle of tall_door" in verdict.can_perform.notes
+        return
+    assert len(proof_of(verdict).others) == 1
+
+
 def test_a_base_has_its_place_by_another_handle(tmp_path: Path) -> None:
     two, moved = tall(tmp_path, 1.6, "tiago_dual"), pair(tmp_path, 1.0, "tiago_dual")
     for twin, name in ((two, "tall_door"), (moved, "left_door")):
