@@ -10,7 +10,7 @@ from importlib.metadata import version
 
 KINEMATICS_VERSION = "20"
 DYNAMICS_VERSION = "8"
-EMBODIMENT_VERSION = "34"
+EMBODIMENT_VERSION = "35"
 BEARING_VERSION = "5"
 """Each is raised whenever an answer of that oracle may change."""
 
