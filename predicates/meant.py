@@ -70,6 +70,12 @@ def by_other_handles(twin: Twin, container: Container) -> tuple[Container, ...]:
     return (*container.by_each_handle[1:], *others)
 
 
+def handles_of_no_container(twin: Twin, container: Container) -> tuple[Iri, ...]:
+    """Handles (IRIs) on what moves with the container and is none: nobody looks at them."""
+    rows = twin.select("handles_of_no_container", container=container.iri)
+    return tuple(str(row["handle"]) for row in rows)
+
+
 def _joint(twin: Twin, of: Iri) -> Iri | None:
     """The joint itself, or the nearest one that moves the body; None if nothing does."""
     mechanism, name = twin.mechanism(twin.environment), local_name(of)

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from predicates.case import Answer, Artefact, ArtefactKind
+from predicates.meant import handles_of_no_container
 from sdt_kg.iri import local_name
 from sdt_kg.task import UNKNOWN
 from sdt_kg.twin import Container, Twin
@@ -34,7 +35,8 @@ def refused(twin: Twin, answers: Sequence[Answer], by: Sequence[Container]) -> A
         by: The container by its own handle, then what is moved by each other one.
     """
     (answer, *more), (container, *others) = answers, by
-    if not others:
+    beyond = ", ".join(map(local_name, handles_of_no_container(twin, container)))
+    if not others and not beyond:
         return answer
     names = [local_name(each.handle) for each in others]
     looked, passed = ", ".join(names[: len(more)]), ", ".join(names[len(more) :])
@@ -45,6 +47,7 @@ def refused(twin: Twin, answers: Sequence[Answer], by: Sequence[Container]) -> A
         return replace(answer, diagnoses=diagnoses, notes=said, artefact=artefact)
     said = (*_starts(answers, names), *((f"nor by {looked}, as far as was looked",) if looked else ()))
     said += (f"not looked for by {passed}, where the force would be another",) if passed else ()
+    said += (f"not looked for by {beyond}, which is no container's",) if beyond else ()
     said = (*answer.notes, *said, f"what is said is of {local_name(container.handle)}")
     if _proved(answer) is None:
         return replace(answer, notes=said)

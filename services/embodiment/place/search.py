@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from predicates.case import Case, Diagnosis
 from predicates.causes import causes
-from predicates.meant import by_other_handles
+from predicates.meant import by_other_handles, handles_of_no_container
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri
@@ -207,7 +207,8 @@ class _Question:
         found = self.spots(rows)
         here, values = (0.0, 0.0, 0.0), self.motion.values[:, 0]
         prover = Prover(self.twin, self.robot, self.container, Drive.FIXED, here, values)
-        if not by_other_handles(self.twin, self.container):
+        about = self.twin, self.container
+        if not (by_other_handles(*about) or handles_of_no_container(*about)):
             Excluder(prover, self.after(MAPPED)).exclude(rows)
         block(rows, self.world, self.kits.outside(), self.after(1.0))
         seconds = worked() - self.began

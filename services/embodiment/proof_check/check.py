@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from predicates.meant import by_other_handles
+from predicates.meant import by_other_handles, handles_of_no_container
 from sdt_kg.errors import InputError, SdtError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.twin import Container, Twin
@@ -78,7 +78,9 @@ def check(twin: Twin, robot: Iri, container: Container, content: bytes) -> Check
             tuple(dict.fromkeys((*found.assumptions, *more.assumptions))),
             found.leaves + more.leaves,
         )
-    return found
+    unknown = map(local_name, handles_of_no_container(twin, container))
+    moves = f"moves {container.name}, too, though it is no container's, and of it nothing is proved"
+    return replace(found, reasons=(*found.reasons, *(f"{handle} {moves}" for handle in unknown)))
 
 
 def _by_handle(twin: Twin, robot: Iri, container: Container, proof: Proof) -> Checked:

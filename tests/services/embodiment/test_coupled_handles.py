@@ -7,6 +7,7 @@ import pytest
 
 from predicates.case import Case, Outcome, Verdict
 from predicates.law import law
+from predicates.meant import handles_of_no_container
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import local_name
@@ -113,6 +114,31 @@ def test_of_doors_that_move_together_each_handle_is_proved_too_high(tmp_path: Pa
         found = recheck_artefact("changed", content, lambda *_: (twin, "given"))
         assert any(reason in each for each in found.reasons), found.reasons
     placed = place(twin, twin.robots[0], Task(Verb.OPEN, twin.container("left_door").iri), budget=2.0)
+    assert not any(cell.status is Status.PROVED for row in placed.rows for cell in row)
+
+
+def test_where_a_handle_of_no_container_moves_a_door_nothing_is_proved_of_the_door(tmp_path: Path) -> None:
+    pair(tmp_path, 1.0)
+    file = tmp_path / "pair.urdf"
+    more = 'parent link="{}"/><child link="right_handle"/>'
+    front = '<link name="front"/><joint name="front_joint" type="fixed"><parent link="right_door"/>'
+    front += '<child link="front"/></joint></robot>'
+    text = file.read_text().replace(more.format("right_door"), more.format("front"))
+    file.write_text(text.replace("</robot>", front))
+    twin = beside(file, "stretch")
+    assert [each.name for each in twin.containers()] == ["left_door"]
+    left = twin.container("left_door")
+    assert [local_name(each) for each in handles_of_no_container(twin, left)] == ["right_handle"]
+    verdict = judged(twin)
+    assert verdict.outcome is Outcome.NOT_CERTIFIED
+    assert not any(each.proof for each in verdict.diagnoses)
+    assert verdict.can_perform is not None
+    assert verdict.can_perform.artefact is None
+    assert "not looked for by right_handle, which is no container's" in verdict.can_perform.notes
+    alone = proof_of(opened(tall(tmp_path, None), WholeBody(Drive.OMNI)))
+    found = check(twin, twin.robots[0], left, to_bytes(alone))
+    assert any(each.startswith("right_handle moves left_door, too, though") for each in found.reasons)
+    placed = place(twin, twin.robots[0], Task(Verb.OPEN, left.iri), budget=2.0)
     assert not any(cell.status is Status.PROVED for row in placed.rows for cell in row)
 
 
