@@ -211,7 +211,7 @@ def _lever(scene: Scene, joint: str, gripper: Gripper) -> float:
 def _longest_hold(  # noqa: PLR0913, PLR0917 - two paths, what joins them, and where the search may begin
     handle: Chain, bounds: Bounds, twin: Twin, tools: Array, fingers: Array, near: list[int]
 ) -> _Hold | None:
-    """The hold that explains the motion best; None if no tool comes near.
+    """The hold that explains the motion best; None if no tool comes near, or the joint is beyond a stop.
 
     A gripper that comes along the joint's own direction is held to the right moment by the joint's
     limits: taken too early, it would push a closed drawer through the cabinet.
@@ -234,7 +234,8 @@ def _longest_hold(  # noqa: PLR0913, PLR0917 - two paths, what joins them, and w
         return _Hold(begin, begin + len(values) - 1, values)
 
     def best(begins: list[int]) -> _Hold | None:
-        return max(map(hold_from, begins), key=lambda hold: _rank(hold, bounds), default=None)
+        holds = (hold for hold in map(hold_from, begins) if len(hold.values))  # none from beyond a stop
+        return max(holds, key=lambda hold: _rank(hold, bounds), default=None)
 
     near = _moving(tools, fingers, near)
     step = len(near) // BEGINS + 1

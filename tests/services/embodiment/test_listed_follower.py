@@ -61,3 +61,14 @@ def test_whichever_joint_is_listed_and_asked_about_it_opens(
         case = Case(twin, twin.robots[0], task, body_motion=motion)
         (verdict,) = law(case, Kinematics(), WholeBody(Drive.OMNI, START))
         assert verdict.outcome is Outcome.CERTIFIED, verdict.diagnoses
+
+
+def test_a_drawer_that_is_drawn_beyond_its_stop_is_held_by_nobody(tmp_path: Path) -> None:
+    twin = cell(tmp_path, '<mimic joint="rod_joint" offset="-0.02"/>', "", ROD)
+    assert twin.state[joint_iri("cell", "drawer_main_joint")] == pytest.approx(-0.02)
+    motion = opening()
+    bare = replace(
+        motion, kitchen_joints=(), kitchen_q=motion.kitchen_q[:, :0], kitchen_v=motion.kitchen_v[:, :0]
+    )
+    carried = Kinematics().carried(twin, bare, twin.container("drawer_main"))
+    assert carried.values == pytest.approx(-0.02)
