@@ -8,7 +8,7 @@ from typing import Final
 from sdt_kg.display import Badge, card
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
-from sdt_kg.scope import Violation
+from sdt_kg.shacl import Violation
 from sdt_kg.state import Region, State
 from sdt_kg.task import UNKNOWN, Task, Unknown
 from sdt_kg.twin import Twin

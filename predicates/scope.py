@@ -2,7 +2,8 @@
 
 from predicates.case import Case, Diagnosis, Evidence, Kind, Quantity
 from sdt_kg.iri import LAW, Iri, local_name
-from sdt_kg.scope import D_ARTIC, TEE_CLASSES, TeeClass, Violation, violations
+from sdt_kg.scope import D_ARTIC, TEE_CLASSES, TeeClass, violations
+from sdt_kg.shacl import Violation
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container
 

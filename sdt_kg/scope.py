@@ -6,73 +6,35 @@ since a typo in a target would otherwise let everything pass.
 """
 
 import hashlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from decimal import Decimal
 from functools import cached_property, lru_cache
 from itertools import chain
 from typing import Final
 
 import pyoxigraph as ox
 import rdflib
-from rdflib.namespace import RDF as RDF_NS
-from rdflib.term import Node
 
 import ontology
 from sdt_kg.annotating.annotate import tee_triples
 from sdt_kg.entities.moving_together import MOVES_WITH, moving_together
-from sdt_kg.iri import LAW, RDF, SDT, SH, TEE, Iri, local_name
-from sdt_kg.shacl import pyshacl
-from sdt_kg.store import Triple, Value
+from sdt_kg.iri import LAW, RDF, SDT, TEE, Iri, local_name
+from sdt_kg.shacl import Violation, check, order
+from sdt_kg.store import Triple
 from sdt_kg.triples import Facts
 from sdt_kg.triples.to_rdflib import rdflib_graph
 from sdt_kg.twin import Container, Twin
 
 _TASK: Final = "https://example.org/id/request/task"
-_SH: Final = rdflib.Namespace(SH)
 
 KEPT: Final = 256
-"""[1] Requests whose violations are kept: the containers of some kitchens."""
+"""[1] Parts of requests whose violations are kept: the containers of some kitchens, and robots."""
 
-Engine = Callable[[rdflib.Graph, rdflib.Graph], rdflib.Graph]
-"""Data and shapes → SHACL validation report."""
+Asked = tuple["TeeClass", tuple[Triple, ...], tuple[Iri, ...]]
+"""A class, what is said of a request's kitchen or robot, and the shapes that have to find something there."""
 
-# Constraint component → the parameter which holds its bound.
-_BOUNDS: Final = {
-    "ClassConstraintComponent": "class",
-    "InConstraintComponent": "in",
-    "LessThanConstraintComponent": "lessThan",
-    "LessThanOrEqualsConstraintComponent": "lessThanOrEquals",
-    "MaxCountConstraintComponent": "maxCount",
-    "MaxExclusiveConstraintComponent": "maxExclusive",
-    "MaxInclusiveConstraintComponent": "maxInclusive",
-    "MinCountConstraintComponent": "minCount",
-    "MinExclusiveConstraintComponent": "minExclusive",
-    "MinInclusiveConstraintComponent": "minInclusive",
-}
-
-
-@dataclass(frozen=True, slots=True)
-class Violation:
-    """One SHACL result.
-
-    Attributes:
-        focus: The individual that is outside, or the shape which found none to look at.
-        path: The property concerned, None for a constraint on the individual itself.
-        value: Its value, None where there is none.
-        bound: What the shape asks for, None where it is no single value.
-        message: What to repair.
-        shape: IRI of the shape.
-        component: IRI of the constraint component, None for a shape without focus node.
-    """
-
-    focus: Iri
-    path: Iri | None
-    value: Value
-    bound: Value
-    message: str
-    shape: Iri
-    component: Iri | None = None
+Seen = dict[Asked, tuple[Violation, ...]]
+"""How it lies outside the class."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +48,10 @@ class TeeClass:
 
     iri: Iri
     name: str
+
+    def __reduce__(self) -> tuple[type["TeeClass"], tuple[Iri, str]]:
+        """Another process reads its files itself."""
+        return TeeClass, (self.iri, self.name)
 
     @cached_property
     def _facts(self) -> Facts:
@@ -157,11 +123,33 @@ def violations(
         tee: D.
     """
     wider = [] if tee.refined is None else violations(twin, container, robot, verb, tee.refined)
-    asked = ["Environment", "Physics", *(["Task"] if verb is not None else [])]
-    found = _checked(tee, tuple(_of_kitchen(twin, container, verb, tee)), _shapes_of(tee, asked))
+    found = chain.from_iterable(_checked(*each) for each in _asked(twin, container, robot, verb, tee))
+    return [*wider, *sorted(found, key=order)]
+
+
+def look(twin: Twin, verb: Iri | None = None, tee: TeeClass = D_ARTIC) -> Seen:
+    """What `violations` finds of all containers, for another process to `remember`."""
+    asked = (each for one in twin.containers() for each in _asked(twin, one, None, verb, tee))
+    return {each: _checked(*each) for each in asked}
+
+
+def remember(found: Seen) -> None:
+    """What another process found is not looked for here; what is said otherwise by then is."""
+    _elsewhere.update(found)
+
+
+_elsewhere: Seen = {}
+"""What another process found, until it is asked for."""
+
+
+def _asked(
+    twin: Twin, container: Container, robot: Iri | None, verb: Iri | None, tee: TeeClass
+) -> Iterator[Asked]:
+    """The kitchen's and the robot's part of a request: no shape looks from one into the other."""
+    parts = ["Environment", "Physics", *(["Task"] if verb is not None else [])]
+    yield tee, tuple(_of_kitchen(twin, container, verb, tee)), _shapes_of(tee, parts)
     if robot is not None:
-        found += _checked(tee, tuple(_of_robot(twin, robot, tee)), _shapes_of(tee, ["Robot"]))
-    return [*wider, *sorted(found, key=_order)]
+        yield tee, tuple(_of_robot(twin, robot, tee)), _shapes_of(tee, ["Robot"])
 
 
 def _shapes_of(tee: TeeClass, parts: list[str]) -> tuple[Iri, ...]:
@@ -170,78 +158,9 @@ def _shapes_of(tee: TeeClass, parts: list[str]) -> tuple[Iri, ...]:
 
 @lru_cache(maxsize=KEPT)
 def _checked(tee: TeeClass, request: tuple[Triple, ...], expected: tuple[Iri, ...]) -> tuple[Violation, ...]:
-    """Violations of the kitchen's or the robot's part of a request: no shape looks from one into the other.
-
-    Kept, since a motion is found and verified for the same one, and other robots are asked about it.
-    """
-    return tuple(check(rdflib_graph(request), tee.shapes, list(expected)))
-
-
-def pyshacl_report(data: rdflib.Graph, shapes: rdflib.Graph) -> rdflib.Graph:
-    """The validation report of pySHACL, without inference: the engine of every verdict."""
-    report = pyshacl().validate(data, shacl_graph=shapes, inference="none")[1]
-    assert isinstance(report, rdflib.Graph), "pyshacl answers with a graph, or raises"
-    return report
-
-
-def check(
-    data: rdflib.Graph, shapes: rdflib.Graph, expected: list[Iri], engine: Engine = pyshacl_report
-) -> list[Violation]:
-    """SHACL results of the data, and a violation for each expected shape without focus node."""
-    found = [_without_focus(shape) for shape in expected if not _has_focus(data, shapes, shape)]
-    found += read_report(data, shapes, engine(data, shapes))
-    return sorted(found, key=_order)
-
-
-def _order(each: Violation) -> tuple[str, str, str]:
-    return each.focus, each.path or "", each.message
-
-
-def read_report(data: rdflib.Graph, shapes: rdflib.Graph, report: rdflib.Graph) -> list[Violation]:
-    """The results of a SHACL validation report about the data; details of a result are not results."""
-    return [_violation(data, shapes, report, result) for result in report.objects(None, _SH.result)]
-
-
-def _has_focus(data: rdflib.Graph, shapes: rdflib.Graph, shape: Iri) -> bool:
-    node = rdflib.URIRef(shape)
-    found = [data.subjects(RDF_NS.type, each) for each in shapes.objects(node, _SH.targetClass)]
-    found += [data.objects(None, each) for each in shapes.objects(node, _SH.targetObjectsOf)]
-    return any(next(each, None) is not None for each in found)
-
-
-def _without_focus(shape: Iri) -> Violation:
-    said = f"the shape <{shape}> finds nothing to look at: nothing is known to be inside the class"
-    return Violation(shape, None, None, None, said, shape)
-
-
-def _violation(data: rdflib.Graph, shapes: rdflib.Graph, report: rdflib.Graph, result: Node) -> Violation:
-    def one(name: str) -> Node | None:
-        return report.value(result, _SH[name])
-
-    focus, path, source = one("focusNode"), one("resultPath"), one("sourceShape")
-    component = str(one("sourceConstraintComponent"))
-    parameter = _BOUNDS.get(component.removeprefix(SH), "")
-    bound = shapes.value(source, _SH[parameter]) if parameter else None
-    if parameter.startswith("lessThan") and focus is not None and bound is not None:
-        bound = data.value(focus, bound)
-    return Violation(
-        focus=str(focus),
-        path=None if path is None else str(path),
-        value=_value(one("value")),
-        bound=_value(bound),
-        message=str(one("resultMessage")),
-        shape=str(source),
-        component=component,
-    )
-
-
-def _value(node: Node | None) -> Value:
-    if not isinstance(node, rdflib.Literal):
-        return None if node is None or isinstance(node, rdflib.BNode) else str(node)
-    value = node.toPython()
-    if isinstance(value, bool | int | str):
-        return value
-    return float(value) if isinstance(value, float | Decimal) else str(node)
+    """Violations of a part of a request: kept, since a motion is found and verified for the same one."""
+    found = _elsewhere.pop((tee, request, expected), None)
+    return tuple(check(rdflib_graph(request), tee.shapes, list(expected))) if found is None else found
 
 
 def request_graph(

@@ -1,15 +1,70 @@
-"""pySHACL without the grammar of SPARQL, half of what importing it takes: no shape of ours asks for it."""
+"""SHACL results as violations, by pySHACL without the grammar of SPARQL.
+
+That is half of what importing it takes, and no shape of ours asks for it.
+"""
 
 import sys
 import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from decimal import Decimal
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
 from typing import Any, Final
 
+import rdflib
+from rdflib.namespace import RDF as RDF_NS
+from rdflib.term import Node
+
+from sdt_kg.iri import SH, Iri
+from sdt_kg.store import Value
+
 SPARQL: Final = "rdflib.plugins.sparql"
 """A package that imports all of its modules; pySHACL begins with two, which need no others."""
+
+_SH: Final = rdflib.Namespace(SH)
+
+Engine = Callable[[rdflib.Graph, rdflib.Graph], rdflib.Graph]
+"""Data and shapes → SHACL validation report."""
+
+# Constraint component → the parameter which holds its bound.
+_BOUNDS: Final = {
+    "ClassConstraintComponent": "class",
+    "InConstraintComponent": "in",
+    "LessThanConstraintComponent": "lessThan",
+    "LessThanOrEqualsConstraintComponent": "lessThanOrEquals",
+    "MaxCountConstraintComponent": "maxCount",
+    "MaxExclusiveConstraintComponent": "maxExclusive",
+    "MaxInclusiveConstraintComponent": "maxInclusive",
+    "MinCountConstraintComponent": "minCount",
+    "MinExclusiveConstraintComponent": "minExclusive",
+    "MinInclusiveConstraintComponent": "minInclusive",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """One SHACL result.
+
+    Attributes:
+        focus: The individual that is outside, or the shape which found none to look at.
+        path: The property concerned, None for a constraint on the individual itself.
+        value: Its value, None where there is none.
+        bound: What the shape asks for, None where it is no single value.
+        message: What to repair.
+        shape: IRI of the shape.
+        component: IRI of the constraint component, None for a shape without focus node.
+    """
+
+    focus: Iri
+    path: Iri | None
+    value: Value
+    bound: Value
+    message: str
+    shape: Iri
+    component: Iri | None = None
 
 
 @cache
@@ -28,3 +83,71 @@ def pyshacl() -> Any:  # noqa: ANN401 - its annotations are partial
         return import_module("pyshacl")
     finally:
         del sys.modules[SPARQL]
+
+
+def pyshacl_report(data: rdflib.Graph, shapes: rdflib.Graph) -> rdflib.Graph:
+    """The validation report of pySHACL, without inference: the engine of every verdict."""
+    report = pyshacl().validate(data, shacl_graph=shapes, inference="none")[1]
+    assert isinstance(report, rdflib.Graph), "pyshacl answers with a graph, or raises"
+    return report
+
+
+def check(
+    data: rdflib.Graph, shapes: rdflib.Graph, expected: list[Iri], engine: Engine = pyshacl_report
+) -> list[Violation]:
+    """SHACL results of the data, and a violation for each expected shape without focus node."""
+    found = [_without_focus(shape) for shape in expected if not _has_focus(data, shapes, shape)]
+    found += read_report(data, shapes, engine(data, shapes))
+    return sorted(found, key=order)
+
+
+def order(each: Violation) -> tuple[str, str, str]:
+    """The same order each time."""
+    return each.focus, each.path or "", each.message
+
+
+def read_report(data: rdflib.Graph, shapes: rdflib.Graph, report: rdflib.Graph) -> list[Violation]:
+    """The results of a SHACL validation report about the data; details of a result are not results."""
+    return [_violation(data, shapes, report, result) for result in report.objects(None, _SH.result)]
+
+
+def _has_focus(data: rdflib.Graph, shapes: rdflib.Graph, shape: Iri) -> bool:
+    node = rdflib.URIRef(shape)
+    found = [data.subjects(RDF_NS.type, each) for each in shapes.objects(node, _SH.targetClass)]
+    found += [data.objects(None, each) for each in shapes.objects(node, _SH.targetObjectsOf)]
+    return any(next(each, None) is not None for each in found)
+
+
+def _without_focus(shape: Iri) -> Violation:
+    said = f"the shape <{shape}> finds nothing to look at: nothing is known to be inside the class"
+    return Violation(shape, None, None, None, said, shape)
+
+
+def _violation(data: rdflib.Graph, shapes: rdflib.Graph, report: rdflib.Graph, result: Node) -> Violation:
+    def one(name: str) -> Node | None:
+        return report.value(result, _SH[name])
+
+    focus, path, source = one("focusNode"), one("resultPath"), one("sourceShape")
+    component = str(one("sourceConstraintComponent"))
+    parameter = _BOUNDS.get(component.removeprefix(SH), "")
+    bound = shapes.value(source, _SH[parameter]) if parameter else None
+    if parameter.startswith("lessThan") and focus is not None and bound is not None:
+        bound = data.value(focus, bound)
+    return Violation(
+        focus=str(focus),
+        path=None if path is None else str(path),
+        value=_value(one("value")),
+        bound=_value(bound),
+        message=str(one("resultMessage")),
+        shape=str(source),
+        component=component,
+    )
+
+
+def _value(node: Node | None) -> Value:
+    if not isinstance(node, rdflib.Literal):
+        return None if node is None or isinstance(node, rdflib.BNode) else str(node)
+    value = node.toPython()
+    if isinstance(value, bool | int | str):
+        return value
+    return float(value) if isinstance(value, float | Decimal) else str(node)

@@ -9,7 +9,8 @@ from rdflib.term import Node
 
 from sdt_kg.annotating.annotate import tee_triples
 from sdt_kg.iri import RDF, RDFS, SH, TEE, Iri, local_name
-from sdt_kg.scope import D_ARTIC, TeeClass, Violation, request_graph, violations
+from sdt_kg.scope import D_ARTIC, TeeClass, request_graph, violations
+from sdt_kg.shacl import Violation
 from sdt_kg.twin import Container, LeftOut, Twin
 
 _SH = rdflib.Namespace(SH)

@@ -25,6 +25,7 @@ from services.sweep.worker import (
     dear_first,
     prepare,
     prepare_robot,
+    remember_looks,
     service_of,
     stored_verdict,
     verdict_of,
@@ -201,6 +202,7 @@ def _loading(firsts: Sequence[Cell]) -> Loading[Cell]:
 def _prepare_robots(robots: Sequence[Cell]) -> None:
     for case in robots:
         prepare_robot(case)
+    remember_looks()
 
 
 def _prepare(firsts: Sequence[Cell], asked: Cell) -> None:

@@ -10,7 +10,7 @@ from predicates.record.inputs import UNKNOWN_INPUT
 from predicates.record.report import answers
 from sdt_kg.entities import query_text
 from sdt_kg.iri import LAW, PROV, RDF, SH, Iri, part_iri
-from sdt_kg.scope import Violation
+from sdt_kg.shacl import Violation
 from sdt_kg.state import State
 from sdt_kg.store import Term, Triple, term_of
 

@@ -11,7 +11,7 @@ from predicates.record.facts import Facts, term
 from predicates.record.inputs import Inputs
 from predicates.record.seal import check_unbroken, read_triples
 from sdt_kg.iri import LAW, PROV, RDF, SH, Iri, graph_iri, local_name, verdict_iri
-from sdt_kg.scope import Violation
+from sdt_kg.shacl import Violation
 from sdt_kg.task import Verb
 
 DIAGNOSIS_CLASS = {

@@ -10,7 +10,8 @@ from predicates.scope import outside
 from sdt_kg.iri import local_name
 from sdt_kg.motion import Motion
 from sdt_kg.numbers import told_apart
-from sdt_kg.scope import D_ARTIC_DYN, Violation
+from sdt_kg.scope import D_ARTIC_DYN
+from sdt_kg.shacl import Violation
 from sdt_kg.twin import Container
 from services.dynamics.model import Mechanics
 from services.dynamics.need import Need, need

@@ -7,7 +7,8 @@ result says why. Here is the shape, before it becomes a class of the ontology (p
 import rdflib
 
 from sdt_kg.iri import local_name
-from sdt_kg.scope import check, request_graph, violations
+from sdt_kg.scope import request_graph, violations
+from sdt_kg.shacl import check
 from services import load
 
 LIGHT = "https://example.org/tee/light#"

@@ -1,54 +1,80 @@
-"""Kitchens read by another process, while this one loads what else it needs."""
+"""Kitchens read and looked at by another process, while this one loads what else it needs."""
 
 import multiprocessing as mp
 import pickle
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from typing import TypeVar
 
+from sdt_kg.entities import Entities
 from sdt_kg.errors import SdtError
+from sdt_kg.scope import Seen
 from sdt_kg.twin import Twin
 from services.keeping.text import recalled, told
 from services.stopping import end_at_once
 from services.sweep.process import end_with_parent
 
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Ahead:
+    """What comes from the other process, one after the other; nothing where it died."""
+
+    _pipe: Connection
+
+    def kitchens(self) -> dict[str, Twin]:
+        """Those that it could read, once; waits for them."""
+        return {name: Twin(recalled(said, containers)) for name, said, containers in self._come([])}
+
+    def seen(self) -> Seen:
+        """How what their containers are asked about lies outside, once, after the kitchens; waits for it."""
+        return self._come({})
+
+    def _come(self, nothing: T) -> T:
+        try:
+            return pickle.loads(self._pipe.recv_bytes())  # noqa: S301 - what our own copy has sent
+        except EOFError:
+            return nothing
+
 
 @contextmanager
-def reading(kitchens: Sequence[str], read: Callable[[str], Twin]) -> Iterator[Callable[[], dict[str, Twin]]]:
-    """A copy of this process reads them; what is yielded waits for it, and tells those that it could read.
+def reading(
+    kitchens: Sequence[str], read: Callable[[str], Twin], look: Callable[[Twin], Seen]
+) -> Iterator[Ahead]:
+    """A copy of this process reads them and looks at each, and ends when nobody waits any more.
 
     Forked: nothing that the copy uses may be locked by another thread of this process.
     """
     context = mp.get_context("fork")
     ours, theirs = context.Pipe(duplex=False)
-    process = context.Process(target=_read, args=(theirs, kitchens, read), daemon=True)
+    process = context.Process(target=_read, args=(theirs, kitchens, read, look), daemon=True)
     process.start()
     theirs.close()  # with the process's own end its death is the end of what comes in
     try:
-        yield lambda: dict(_come(ours))
+        yield Ahead(ours)
     finally:
         ours.close()
         process.kill()  # what nobody waited for, nobody wants
         process.join()
 
 
-def _read(pipe: Connection, kitchens: Sequence[str], read: Callable[[str], Twin]) -> None:
-    """Each that can be read is sent; in the new process."""
+def _read(
+    pipe: Connection, kitchens: Sequence[str], read: Callable[[str], Twin], look: Callable[[Twin], Seen]
+) -> None:
+    """All that can be read is sent, then how it looks; in the new process."""
     end_at_once()
     end_with_parent()
-    known: list[bytes] = []  # sent when all are read: a pipe holds less than one of them
+    known: dict[str, Entities] = {}
     for name in kitchens:
         with suppress(SdtError):  # whoever needs it reads it again, and is told
             twin = read(name)
             if not twin.robots:
-                known.append(pickle.dumps((name, told(twin.entities), twin.entities.containers)))
-    for each in known:
-        pipe.send_bytes(each)
-
-
-def _come(pipe: Connection) -> Iterator[tuple[str, Twin]]:
-    with suppress(EOFError):
-        while True:
-            # What our own copy has sent.
-            name, said, containers = pickle.loads(pipe.recv_bytes())  # noqa: S301
-            yield name, Twin(recalled(said, containers))
+                known[name] = twin.entities
+    pipe.send_bytes(pickle.dumps([(name, told(each), each.containers) for name, each in known.items()]))
+    seen: Seen = {}
+    for each in known.values():
+        seen |= look(Twin(each))
+    pipe.send_bytes(pickle.dumps(seen))

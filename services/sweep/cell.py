@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from predicates.record import Record
 from sdt_kg.load import model_name
+from sdt_kg.task import Verb
 from services.app import Policy
 from services.relative import KINEMATIC, Relative
 
@@ -34,6 +35,11 @@ class Cell:
     def loaded(self) -> tuple[str, str, tuple[str, ...], Policy, Relative]:
         """What a worker loads for the case, and keeps for those that follow."""
         return self.kitchen, self.robot, self.states, self.policy, self.relative
+
+    @property
+    def verb(self) -> Verb:
+        """What is to be done with the container."""
+        return Verb(self.task.partition(":")[0])
 
     @property
     def container(self) -> str:

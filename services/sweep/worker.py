@@ -2,10 +2,10 @@
 
 import logging
 import threading
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from importlib import import_module
 from pathlib import Path
 
@@ -17,14 +17,16 @@ from predicates.questions import questions
 from predicates.record import to_json, to_record
 from predicates.record.inputs import inputs_of, verdict_iri
 from predicates.record.recall import Recall
+from predicates.scope import verb_iri
 from sdt_kg.entities import Entities
 from sdt_kg.errors import SdtError
 from sdt_kg.iri import SDT, Iri, model_iri
 from sdt_kg.load import GRAPH_FORMATS, load_twin, model_name, with_robot
 from sdt_kg.mechanism import Body, JointType, Mechanism, Pose
-from sdt_kg.scope import violations
+from sdt_kg.scope import Seen, look, remember, violations
 from sdt_kg.shacl import pyshacl
 from sdt_kg.store import Triple
+from sdt_kg.task import Verb
 from sdt_kg.triples import mechanism_triples
 from sdt_kg.triples.from_mechanism import pose_triples
 from sdt_kg.twin import Twin
@@ -75,11 +77,12 @@ def prepare(cell: Cell) -> None:
     """
     from services.embodiment.oracle import WholeBody  # noqa: PLC0415 - a sweep that finds all stored needs none
 
+    remember_looks()
     with suppress(SdtError):
         service, robot = service_of(cell), robot_of(cell)
         next(service.causes(cell.task), None)
         # What shapes say of a robot is kept for all containers.
-        violations(service.twin, service.twin.container(cell.container), robot)
+        violations(service.twin, service.twin.container(cell.container), robot, verb_iri(cell.verb))
         if isinstance(service.embodiment, WholeBody):
             service.embodiment.prepare(service.twin, robot)
 
@@ -93,7 +96,7 @@ def prepare_robot(cell: Cell) -> None:
 
     with suppress(SdtError):
         service, robot = service_of(cell), robot_of(cell)
-        violations(service.twin, service.twin.container(cell.container), robot)
+        violations(service.twin, service.twin.container(cell.container), robot, verb_iri(cell.verb))
         if isinstance(service.embodiment, WholeBody):
             twin = with_robot(_empty_room(), _robot(_written(cell.robot)))
             service.embodiment.prepare(twin, twin.robots[0])
@@ -211,25 +214,41 @@ def _robot(robot: Written) -> Entities:
     return read_robot(robot.name)
 
 
-def read_ahead(kitchens: Sequence[str], robots: Sequence[str]) -> None:
-    """Another process reads the kitchens, while this one loads the oracles and robots.
+@contextmanager
+def reading_ahead(kitchens: Sequence[str], robots: Sequence[str], verb: Verb) -> Iterator[None]:
+    """Another process reads the kitchens and looks at their scope, while this one loads oracles and robots.
 
-    What cannot be read is told when it is asked for.
+    What cannot be read is told when it is asked for. What is seen counts from `remember_looks` on.
     """
     written = {_written(name): name for name in kitchens if Path(name).suffix not in GRAPH_FORMATS}
-    with reading(list(written.values()), load_twin) as come, unsought(for_good=True):
-        _load_oracles()
-        with suppress(SdtError):
+    pyshacl()  # for both processes, while no other thread makes it take twice as long
+    with reading(list(written.values()), load_twin, partial(look, verb=verb_iri(verb))) as ahead:
+        with unsought(for_good=True), suppress(SdtError):
+            _load_oracles()
             for robot in robots:
                 _robot(_written(robot))
-        found = come()
-    _ahead.update({each: found[name] for each, name in written.items() if name in found})
+        found = ahead.kitchens()
+        _ahead.update({each: found[name] for each, name in written.items() if name in found})
+        _looks.append(ahead.seen)
+        try:
+            yield
+        finally:
+            _looks.clear()
+
+
+_looks: list[Callable[[], Seen]] = []
+"""What another process sees of the kitchens, until it is waited for."""
+
+
+def remember_looks() -> None:
+    """What another process sees of the kitchens is not looked at here; waits for it."""
+    while _looks:
+        remember(_looks.pop()())
 
 
 def _load_oracles() -> None:
     for name in ("services.physics.oracle", "services.embodiment.oracle"):
         import_module(name)
-    pyshacl()
 
 
 _ahead: dict[Written, Twin] = {}

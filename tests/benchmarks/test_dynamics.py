@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from sdt_kg.scope import D_ARTIC_DYN, check, request_graph
+from sdt_kg.scope import D_ARTIC_DYN, request_graph
+from sdt_kg.shacl import check
 from sdt_kg.state import Interval
 from services.dynamics.forward.simulate import simulate
 from services.dynamics.model import ForceModel, Load, Mechanics, Values

@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from sdt_kg.load import load_twin
-from sdt_kg.scope import D_ARTIC, check, request_graph
+from sdt_kg.scope import D_ARTIC, request_graph
+from sdt_kg.shacl import check
 from services import load
 from services.physics.oracle import Kinematics
 

@@ -10,7 +10,8 @@ from predicates.case import Case
 from predicates.law import law
 from predicates.record import to_record
 from sdt_kg.load import load_twin
-from sdt_kg.scope import D_ARTIC, check, request_graph
+from sdt_kg.scope import D_ARTIC, request_graph
+from sdt_kg.shacl import check
 from sdt_kg.task import Task, Verb
 from services.compute import verdict_patterns
 from services.ontology_page.page import page

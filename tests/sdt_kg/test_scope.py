@@ -10,7 +10,8 @@ import rdflib
 import ontology
 from sdt_kg.iri import LAW, SDT, local_name
 from sdt_kg.load import load_twin
-from sdt_kg.scope import D_ARTIC, Violation, check, request_graph, violations
+from sdt_kg.scope import D_ARTIC, request_graph, violations
+from sdt_kg.shacl import Violation, check
 from sdt_kg.triples.to_rdflib import rdflib_graph
 from sdt_kg.twin import Twin
 from tests.sdt_kg.conftest import Write, joint, limit, link

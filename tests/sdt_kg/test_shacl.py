@@ -3,7 +3,7 @@
 from tests.sdt_kg.test_loader import said
 
 JUDGE = (
-    "import rdflib, sys; from sdt_kg.scope import pyshacl_report; "
+    "import rdflib, sys; from sdt_kg.shacl import pyshacl_report; "
     "shapes = rdflib.Graph().parse(data='''"
     "@prefix sh: <http://www.w3.org/ns/shacl#> . "
     "<e:shape> a sh:NodeShape ; sh:targetNode <e:a> ; {} .''', format='turtle'); "

@@ -3,7 +3,7 @@
 import rdflib
 import shifty
 
-from sdt_kg.scope import Engine, pyshacl_report
+from sdt_kg.shacl import Engine, pyshacl_report
 
 
 def pyshifty_report(data: rdflib.Graph, shapes: rdflib.Graph) -> rdflib.Graph:

@@ -9,7 +9,8 @@ from rdflib.namespace import RDF, SH
 from rdflib.term import Node, URIRef
 
 import ontology
-from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN, TeeClass, Violation, check
+from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN, TeeClass
+from sdt_kg.shacl import Violation, check
 from tests.shapes.engines import ENGINES
 
 PAIRS = Path(__file__).parent

@@ -13,7 +13,7 @@ import rdflib
 from rdflib.namespace import RDF, SH
 from rdflib.term import Node
 
-from sdt_kg.scope import Engine, Violation, check, read_report
+from sdt_kg.shacl import Engine, Violation, check, read_report
 from tests.shapes.engines import ENGINES
 
 SHT = rdflib.Namespace("http://www.w3.org/ns/shacl-test#")

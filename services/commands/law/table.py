@@ -11,6 +11,7 @@ import click
 from predicates.record.recall import nothing_stored
 from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin, model_name
+from sdt_kg.task import Verb
 from services.app import Policy
 from services.commands.exits import Exit
 from services.commands.options import (
@@ -29,7 +30,7 @@ from services.commands.verdicts import COLUMNS, Json, verdict_row
 from services.requests import ASKED, parse_state, state_joints, state_of_asked
 from services.store.output import write_file
 from services.sweep.cell import Cell, Unjudged
-from services.sweep.worker import read_ahead
+from services.sweep.worker import reading_ahead
 from services.table import CellResult, TableResult, cells, run
 
 if TYPE_CHECKING:
@@ -96,15 +97,15 @@ def table(
             f"everything is closed already; --state {ASKED}=open closes each from where it is", err=True
         )
     policy = Policy(Drive(drive) if drive else None, None, budget, seed)
-    if jobs > 1:
-        read_ahead(kitchens.split(","), robots.split(","))
-    cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)
-    # The table is told before the store is closed: a file is written then, and may not fit.
-    with _kept_in(save) if save is not None else nullcontext() as saved:
-        if saved:
-            _add_twins(saved, kitchens.split(","), robots.split(","), states)
-        result = _judged(cases, jobs, motions, saved, f"{verb}()")
-        _say(result, [each.verdict for each in result.results], csv_file, as_json=as_json)
+    ahead = reading_ahead(kitchens.split(","), robots.split(","), Verb(verb)) if jobs > 1 else nullcontext()
+    with ahead:
+        cases = cells(kitchens.split(","), robots.split(","), verb, states, policy)
+        # The table is told before the store is closed: a file is written then, and may not fit.
+        with _kept_in(save) if save is not None else nullcontext() as saved:
+            if saved:
+                _add_twins(saved, kitchens.split(","), robots.split(","), states)
+            result = _judged(cases, jobs, motions, saved, f"{verb}()")
+            _say(result, [each.verdict for each in result.results], csv_file, as_json=as_json)
     if save and not as_json and csv_file != STDOUT:
         click.echo(f"verdicts as triples: {save}")
     raise SystemExit(Exit.NO_ORACLE if result.unjudged else Exit.DONE)

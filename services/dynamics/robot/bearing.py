@@ -12,7 +12,8 @@ from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri, local_name
 from sdt_kg.motion import BodyMotion, Motion
 from sdt_kg.numbers import told_apart
-from sdt_kg.scope import D_ARTIC_DYN, Violation
+from sdt_kg.scope import D_ARTIC_DYN
+from sdt_kg.shacl import Violation
 from sdt_kg.twin import Container, Twin
 from services.dynamics.cells import Cells, cells, instants
 from services.dynamics.oracle import Dynamics

@@ -10,7 +10,7 @@ import ontology
 from predicates.specification.read import read_specification
 from sdt_kg.errors import InputError
 from sdt_kg.iri import LAW
-from sdt_kg.scope import check
+from sdt_kg.shacl import check
 from services.specifications import ready
 from tests.small import small_twin
 
