@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
-from typing import TypeVar
+from typing import Final, TypeVar
 
 from sdt_kg.entities import Entities
 from sdt_kg.errors import SdtError
@@ -15,6 +15,9 @@ from sdt_kg.twin import Twin
 from services.keeping.text import recalled, told
 from services.stopping import end_at_once
 from services.sweep.process import end_with_parent
+
+LOOKED_AT: Final = 64
+"""[1] Containers at most: as many as are looked at while robots are prepared; workers look at the others."""
 
 T = TypeVar("T")
 
@@ -76,5 +79,6 @@ def _read(
     pipe.send_bytes(pickle.dumps([(name, told(each), each.containers) for name, each in known.items()]))
     seen: Seen = {}
     for each in known.values():
-        seen |= look(Twin(each))
+        if len(seen) + len(each.containers) <= LOOKED_AT:
+            seen |= look(Twin(each))
     pipe.send_bytes(pickle.dumps(seen))

@@ -15,7 +15,7 @@ from sdt_kg.load import load_twin
 from sdt_kg.scope import look, violations
 from sdt_kg.task import Verb
 from sdt_kg.twin import Twin
-from services.sweep import worker
+from services.sweep import ahead, worker
 from services.sweep.ahead import reading
 from services.sweep.worker import kitchen_of, reading_ahead, remember_looks
 
@@ -55,8 +55,8 @@ def read_here(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 @pytest.mark.parametrize("name", ["a", "b"])
 def test_it_says_the_same_as_one_that_is_read_here(name: str) -> None:
-    with reading([name], load_twin, look) as ahead:
-        found = ahead.kitchens()
+    with reading([name], load_twin, look) as read:
+        found = read.kitchens()
     one, other = found[name], load_twin(name)
     kitchen = other.environment
     assert one.mechanism(kitchen) == other.mechanism(kitchen)
@@ -130,15 +130,22 @@ def test_what_is_outside_is_told_as_another_process_saw_it(tmp_path: Path) -> No
     assert not scope._elsewhere
 
 
+def test_more_than_can_be_looked_at_meanwhile_is_left_to_the_workers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ahead, "LOOKED_AT", len(load_twin("b").containers()))
+    with reading(["a", "b"], load_twin, look) as read:
+        assert read.kitchens().keys() == {"a", "b"}
+        assert len(read.seen()) == ahead.LOOKED_AT
+
+
 def _dies(_: str) -> Twin:
     os._exit(1)
 
 
 @pytest.mark.parametrize("read", [_dies])
 def test_where_the_other_process_dies_nothing_was_read(read: Callable[[str], Twin]) -> None:
-    with reading(["a", "b"], read, look) as ahead:
-        assert ahead.kitchens() == {}
-        assert ahead.seen() == {}
+    with reading(["a", "b"], read, look) as come:
+        assert come.kitchens() == {}
+        assert come.seen() == {}
 
 
 def test_who_does_not_wait_leaves_no_process_behind() -> None:
