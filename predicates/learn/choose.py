@@ -12,7 +12,7 @@ from predicates.learn.fitting.curve import Frame
 from predicates.learn.fitting.fit import ARC, LINE, Fit, Problem, fit
 from predicates.learn.fitting.priors import LARGE_RADIUS, SCALE, Gravity, Plumb
 from predicates.learn.fitting.starts import Start, starts
-from predicates.learn.fitting.turning import Turning, turning_of, turns_of
+from predicates.learn.fitting.turning import LEAST_TURN, Turning, turning_of, turns_of
 from predicates.learn.fitting.vectors import cross
 from predicates.learn.track import Array, Track, checked
 
@@ -52,7 +52,7 @@ def learn(track: Track, up: Array | None = UP) -> Learned:
             moving(track, _family(cells, gravity, LINE, line, None), turning, cells),
             moving(track, _family(cells, gravity, ARC, arc, turning), turning, cells),
         ]
-        if turning is None and _hides_arc(candidates[1], cells):
+        if not _tells_turn(turning, candidates[1]) and _hides_arc(candidates[1], cells):
             candidates[1:] = _either(*candidates[1:])
     if cells.may_shift:
         candidates = [_unsure(candidates[0], candidates[1:]), *candidates[1:]]
@@ -65,6 +65,13 @@ def _either(line: Articulation, arc: Articulation) -> list[Articulation]:
         return [line, arc]
     half = float(np.logaddexp(line.evidence, arc.evidence)) - math.log(2)
     return [replace(each, evidence=half) for each in (line, arc)]
+
+
+def _tells_turn(turning: Turning | None, line: Articulation) -> bool:
+    """Whether orientations turn, or would if an arc of a large radius led as far as a line."""
+    if turning is None:
+        return False
+    return turning.seen is not None or line.limits[1] - line.limits[0] > LEAST_TURN * LARGE_RADIUS
 
 
 def _hides_arc(line: Articulation, cells: Cells) -> bool:

@@ -14,6 +14,9 @@ from predicates.learn.track import Array, Track
 LEAST_TURN = math.radians(10)
 """[rad] An axis is read from orientations that turn by more than this: five times their usual deviation."""
 
+EVENLY = math.sqrt(12)
+"""[1] A turn at even speed, by the standard deviation of its angles."""
+
 SMALLEST = 1e-12
 """[1] Sine below which an angle has no axis."""
 
@@ -83,14 +86,19 @@ def turns_of(orientations: Array) -> Array:
 def turning_of(track: Track, vectors: Array, cells: Cells) -> Turning:
     """What rotation vectors, shape (T, 3), say of turning."""
     weights = cells.shares()
-    spread = np.ptp(vectors[weights > 0], axis=0)
-    if float(np.linalg.norm(spread)) < LEAST_TURN:
-        return Turning(vectors, weights, None)
-    axis = np.linalg.svd(vectors * np.sqrt(weights)[:, None], full_matrices=False)[2][0]
+    total = float(weights.sum())
+    off = vectors - weights @ vectors / total  # the middle sample is no better than others
+    _, sizes, axes = np.linalg.svd(off * np.sqrt(weights)[:, None], full_matrices=False)
+    axis, noise = axes[0], float(np.sum(sizes[1:] ** 2)) / 2
     angles = np.unwrap(vectors @ axis)
-    turn = math.sqrt(float(weights @ (angles - weights @ angles / weights.sum()) ** 2))
+    square = float(weights @ (angles - weights @ angles / total) ** 2) - noise
+    turn = math.sqrt(max(square, 0.0))
+    if EVENLY * turn < LEAST_TURN * math.sqrt(total):
+        return Turning(vectors, weights, None)
     arm, spread_of_arm = _arm(track.positions, axis, angles, weights, turn)
-    return Turning(vectors, weights, Seen(axis, max(TURN_SCALE / turn, 1e-3), arm, spread_of_arm))
+    short = float(np.linalg.norm(arm)) * noise / square  # by so much noise of the angles shortens it
+    seen = Seen(axis, max(TURN_SCALE / turn, 1e-3), arm, math.hypot(spread_of_arm, short))
+    return Turning(vectors, weights, seen)
 
 
 def _arm(positions: Array, axis: Array, angles: Array, weights: Array, turn: float) -> tuple[Array, float]:
