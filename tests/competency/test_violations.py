@@ -10,6 +10,7 @@ import pyoxigraph as ox
 import pytest
 
 import ontology
+from sdt_kg.iri import joint_iri
 from sdt_kg.load import load_twin
 from sdt_kg.store import checked_query, rows_of
 
@@ -46,3 +47,20 @@ def test_the_bundled_kitchens_violate_nothing(kitchen: str) -> None:
     twin = load_twin(kitchen, ["pr2", "tiago_dual", "stretch"])
     store = twin.entities.store.dump(twin.graphs())
     assert {check.name: found(store, check) for check in CHECKS} == {check.name: [] for check in CHECKS}
+
+
+def test_a_joint_that_follows_another_to_its_limit_is_not_beyond_it_by_rounding(tmp_path: Path) -> None:
+    turns = "".join(
+        f'<link name="{name}_link"/><joint name="{name}" type="revolute"><parent link="world"/>'
+        f'<child link="{name}_link"/><limit lower="0" upper="{upper}" velocity="1" effort="1"/>{more}</joint>'
+        for name, upper, more in (
+            ("turn", 1.0, ""),
+            ("follow", 0.7, '<mimic joint="turn" multiplier="1.2"/>'),
+        )
+    )
+    file = tmp_path / "k.urdf"
+    file.write_text(f'<robot name="k"><link name="world"/>{turns}</robot>')
+    twin = load_twin(file).at({joint_iri("k", "follow"): 0.7})
+    assert twin.state[joint_iri("k", "follow")] > 0.7
+    (check,) = (each for each in CHECKS if each.name.startswith("position_outside"))
+    assert found(twin.entities.store.dump(twin.graphs()), check) == []
