@@ -19,7 +19,7 @@ from services.physics.model import Scene
 from tests.services.embodiment.prove.standing import HERE, Change, Known, again, front, refuted_front, swept
 from tests.soak.doors import Front
 
-TIPS = 114  # front whose door comes to the head of the PR2, of which its shapes leave no room
+TIPS = 65  # front whose door comes into shapes of the TIAGo++, not into what is known of its bodies
 PASSING = (47, 51)  # fronts whose doors pass the corners that the PR2's base lacks
 STANDING = 31  # front whose door comes into the TIAGo++'s column
 BAR = 0.594  # [m] from the origin to what of a drawer's bar is nearest
@@ -29,12 +29,12 @@ FACE = 0.3342  # [m] from the origin to the front of the PR2's base
 
 @pytest.fixture(scope="module")
 def tipped(tmp_path_factory: pytest.TempPathFactory) -> Known:
-    """A front whose door comes into a collision shape of the PR2, not into what is known of its bodies."""
-    twin = front(tmp_path_factory.mktemp("front"), "pr2", TIPS)
+    """A front whose door comes into shapes of the TIAGo++, not into what is known of its bodies."""
+    twin = front(tmp_path_factory.mktemp("front"), "tiago_dual", TIPS)
     assert swept(twin, declared=False) is None
     proved = swept(twin, declared=True)
     assert proved is not None
-    assert not proved.diagnosis.proof, "a PR2 with closer shapes is not refuted"
+    assert not proved.diagnosis.proof, "a TIAGo++ with closer shapes is not refuted"
     assert "collision shapes" in proved.diagnosis.reason
     return twin, proved
 
