@@ -25,6 +25,7 @@ from services.embodiment.certify.limits import rolling
 from services.embodiment.certify.motion import left_out
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.certify.warm import warm as warm_certifier
+from services.embodiment.descent.descended import Descended
 from services.embodiment.floor import aloft, check_base, check_start
 from services.embodiment.handles import DRIVE, GIVEN, START, held_by, refused
 from services.embodiment.hold.kit import Kits
@@ -189,7 +190,7 @@ class WholeBody:
         began = worked()
         planner = Planner(setting, began + self.budget, self.seed, clock.spent)
         rejected: list[tuple[Diagnosis, ...]] = []
-        for planned in planner.plans(Several if self.regrasps else None):
+        for planned in planner.plans((Several, Descended) if self.regrasps else None):
             at = time.perf_counter()
             if endless := no_motion(planned.body):
                 rejected.append(endless)
@@ -227,8 +228,7 @@ class WholeBody:
             in_full=True,
         )
         clock.spent("certify", at)
-        notes = (DRIVE + drive.value, GIVEN)
-        notes += (START + ANY_START,) if self.any_start else ()
+        notes = (DRIVE + drive.value, GIVEN, *((START + ANY_START,) if self.any_start else ()))
         notes += (*self.tolerances.notes, *_of_models(world.scene))
         parked = left_out(world.scene, case.body_motion)
         notes += (f"not listed in the motion, so parked: {', '.join(parked)}",) if parked else ()

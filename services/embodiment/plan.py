@@ -18,7 +18,7 @@ from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import WAYPOINTS, Holding
 from services.embodiment.hold.kit import Kit, stuck
 from services.embodiment.hold.sampling import FULL, QUICK, Effort
-from services.embodiment.planned import Anew, Planned
+from services.embodiment.planned import Anew, Last, Planned
 from services.embodiment.prove import out_of_reach
 from services.embodiment.proving import EARLY_BOXES, LATE_BOXES, Proofs
 from services.embodiment.setting import Setting
@@ -34,7 +34,10 @@ TRIES = 4  # holdings of one batch that are approached
 SWEPT = 0.5  # [1] of the time that is left may go into it; what it takes beyond comes after the search
 SWEEP = 5.0  # [s] that are left for a proof that the container comes into the robot; else the search has them
 LIMITS = 1.5, 4.0, 16.0  # [s] for each part of a way in several holds, one after the other
+FIRST_TURNS, TURNS = 6, 24  # of each gripper's descents: before several holds are planned, and at last
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
+
+Regrasping = tuple[Callable[["Planner"], Anew], Callable[["Planner"], Last]]
 
 
 class Planner:
@@ -53,6 +56,7 @@ class Planner:
         start_contact: Shapes of robot and kitchen in contact at the start, and their distance [m].
         parts: Who planned parts of the way, in several holds.
         several: Who put them together, if it was tried.
+        descended: Who planned by descent, if it was tried.
         rough: Motions that leave limits: too fast where times are required, or beyond a joint's end.
     """
 
@@ -75,6 +79,7 @@ class Planner:
         self.proofs = Proofs(setting, spent, sought=not only)
         self.parts: list[Planner] = []
         self.several: Anew | None = None
+        self.descended: Last | None = None
         self.start_contact: tuple[tuple[int, int], float] | None = None
         self.unfit: Counter[tuple[int, int]] = Counter()
 
@@ -88,11 +93,11 @@ class Planner:
         """Whether the budget is spent."""
         return worked() > self.deadline
 
-    def plans(self, anew: "Callable[[Planner], Anew] | None" = None) -> Iterator[Planned]:
+    def plans(self, regrasping: "Regrasping | None" = None) -> Iterator[Planned]:
         """Body motions, one after the other, until the search gives up.
 
         Args:
-            anew: Who plans in several holds, where no one hold was found.
+            regrasping: Who plans in several holds, where no one hold was found; last, who does so by descent.
         """
         at = time.perf_counter()
         kits = self.kits()
@@ -115,22 +120,30 @@ class Planner:
                     return
                 yield from self._round(attempt, number)
         self._give_up()
-        yield from self._at_last(anew)
-        self._look_at_last()
-
-    def _at_last(self, anew: "Callable[[Planner], Anew] | None") -> Iterator[Planned]:
-        """Plans that many postures find together again, of bred grasps, or, base standing, in several holds.
-
-        Bred ones first where nothing could be followed: many have found nothing before. But where the base
-        stands they take longer than all else.
-        """
-        spread, bred, stands = self._spread(FULL), self._bred(), self.setting.drive is Drive.FIXED
-        self.several = several = anew(self) if stands and anew is not None else None
-        *quick, last = ([] if several is None else several.plans(limit) for limit in LIMITS)
-        if stands:
-            yield from chain(spread, *quick, bred, last)
-        else:
+        spread, bred = self._spread(FULL), self._bred()
+        if self.setting.drive is Drive.FIXED:
+            yield from self._standing(spread, bred, regrasping)
+        else:  # bred ones first where nothing could be followed: many have found nothing before
             yield from chain(*((spread, bred) if self._has_ways() else (bred, spread)))
+        self._look_at_last()
+        yield from self._descended(TURNS)
+
+    def _standing(
+        self, spread: Iterator[Planned], bred: Iterator[Planned], regrasping: "Regrasping | None"
+    ) -> Iterator[Planned]:
+        """The last plans where the base stands: bred grasps take longer there than all else."""
+        if regrasping is None:
+            yield from chain(spread, bred)
+            return
+        self.several = several = regrasping[0](self)
+        self.descended = regrasping[1](self)
+        *quick, last = map(several.plans, LIMITS)
+        yield from chain(spread, self._descended(FIRST_TURNS), *quick, bred, last)
+
+    def _descended(self, turns: int) -> Iterator[Planned]:
+        """Plans by descent, where that is tried, nothing is proved and there is time."""
+        if self.descended is not None and self.proofs.whole is None and not self.late():
+            yield from self.descended.plans(turns)
 
     def _between(self, number: int) -> Iterator[Planned]:
         """Before round `number`, an early look for proofs, and plans that many postures find together."""
@@ -253,7 +266,7 @@ class Planner:
         for holding in islice(holdings, TRIES):
             self.spent("holding", at)
             self.holdings += 1
-            planned = self._approached(attempt, holding)
+            planned = self.approached(attempt, holding)
             if planned is not None:
                 yield planned
                 self.refused += 1
@@ -262,7 +275,7 @@ class Planner:
             at = time.perf_counter()
         self.spent("holding", at)
 
-    def _approached(self, attempt: Attempt, holding: Holding) -> Planned | None:
+    def approached(self, attempt: Attempt, holding: Holding) -> Planned | None:
         at = time.perf_counter()
         self.placements += 1
         approach = attempt.approacher.approach(holding, attempt.searcher.problem, attempt.rng)

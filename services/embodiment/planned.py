@@ -41,6 +41,34 @@ class Anew(Protocol):
         ...
 
 
+@dataclass(frozen=True, slots=True)
+class Lack:
+    """Why a gripper's holds that a descent finds lead not all the way.
+
+    Attributes:
+        ends: First and last of the values of the container that are meant [rad or m].
+        held: Whether some reach each of these; else none does.
+        shapes: In contact there whatever the arm does.
+    """
+
+    gripper: str
+    ends: tuple[float, float]
+    held: bool = False
+    shapes: tuple[int, int] | None = None
+
+
+class Last(Protocol):
+    """Plans in holds that a descent finds; see `Descended`."""
+
+    def plans(self, turns: int) -> Iterator[Planned]:
+        """Those that are found in so many turns more."""
+        ...
+
+    def lacking(self) -> Iterator[Lack]:
+        """What each gripper lacks."""
+        ...
+
+
 def no_motion(body: BodyMotion) -> tuple[Diagnosis, ...]:
     """Why what was planned is no motion, as where a joint needs centuries; empty where it is one."""
     try:

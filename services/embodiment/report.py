@@ -43,6 +43,7 @@ def refusal(
     if not planner.holdings and (farthest := _farthest(planner)) is not None:
         found.append(Diagnosis(Kind.EMBODIMENT, *farthest, search=search))
     found.extend(Diagnosis(Kind.EMBODIMENT, *each, search=search) for each in _lacking(planner))
+    found.extend(Diagnosis(Kind.EMBODIMENT, *each, search=search) for each in _by_descent(planner))
     if planner.proofs.partial is not None:
         found.append(replace(planner.proofs.partial.diagnosis, search=search))
     if planner.late():
@@ -141,6 +142,25 @@ def _lacking(planner: Planner) -> Iterator[tuple[str, Evidence]]:
             f"from {first:.3g} to {last:.3g} {unit}"
         )
         yield reason, Evidence(Quantity.POSITION, first, last, unit, entity=container.joint)
+
+
+def _by_descent(planner: Planner) -> Iterator[tuple[str, Evidence]]:
+    """Where each gripper has no hold that a descent finds, if they were looked for."""
+    world, container, unit = planner.setting.world, planner.setting.container, _unit(planner)
+    for lack in () if planner.descended is None else planner.descended.lacking():
+        links, scope, (first, last) = None, "", lack.ends
+        reason = f"holds were looked for by descent: gripper {lack.gripper} has "
+        reason += "some" if lack.held else "none"
+        reason += f" with {container.name} at {first:.3g}{f' to {last:.3g}' * (first != last)} {unit}"
+        if lack.held:
+            reason += ", but no motion through them was found"
+        if lack.shapes is not None:
+            links = world.body[lack.shapes[0]], world.body[lack.shapes[1]]
+            scope = _scope(world, links)
+            reason += (
+                f": {local_name(links[0])} is too near to {local_name(links[1])} there wherever the arm is"
+            )
+        yield reason, Evidence(Quantity.POSITION, first, last, unit, container.joint, links, scope=scope)
 
 
 def _unit(planner: Planner) -> str:

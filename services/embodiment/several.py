@@ -138,7 +138,7 @@ class Legs:
 
     def _planned(self, ends: Ends, limit: float) -> tuple[Leg | None, float]:
         """One part in one hold, which can be let go at its end."""
-        planner = self._at(ends, min(worked() + limit, self.planner.deadline))
+        planner = self.at(ends, min(worked() + limit, self.planner.deadline))
         self.planner.parts.append(planner)
         for number, planned in enumerate(planner.plans(), 1):
             if ends[1] == self.last:
@@ -150,14 +150,14 @@ class Legs:
                 return None, limit
         return None, limit if planner.late() else np.inf
 
-    def _at(self, ends: Ends, deadline: float) -> Planner:
+    def at(self, ends: Ends, deadline: float) -> Planner:
         """Who plans one part."""
         whole = self.planner
         return Planner(self._setting(ends), deadline, whole.seed, whole.spent, only=self.gripper)
 
     def _back(self, holding: Holding, value: float) -> Back | None:
         """How the end of a holding is left, the container at a value; None if no way was found."""
-        planner = self._at((value, self.last), self.planner.deadline)
+        planner = self.at((value, self.last), self.planner.deadline)
         attempt = next((planner.attempt(kit) for kit in planner.kits()), None)
         if attempt is None:
             return None
@@ -201,8 +201,8 @@ class Several:
             if self._planner.proofs.whole is not None:
                 return
             for way in legs.ways(self._first, limit):
-                for bodies in _orders(way, self._planner.late):
-                    yield _joined([leg.planned for leg in way], bodies)
+                for bodies in orders(way, self._planner.late):
+                    yield joined([leg.planned for leg in way], bodies)
                 if self._planner.late():
                     return
 
@@ -217,7 +217,7 @@ def _moved(setting: Setting, value: float) -> Setting:
     return replace(setting, world=world, container=container, kits=kits, roads=Known())
 
 
-def _orders(legs: list[Leg], late: Callable[[], bool]) -> Iterator[list[BodyMotion]]:
+def orders(legs: list[Leg], late: Callable[[], bool]) -> Iterator[list[BodyMotion]]:
     """Motions through all of them: straight from one to the next where there is a way, then by parking."""
     straight, parking = [legs[0].planned.body], [legs[0].planned.body]
     for one, other in pairwise(legs):
@@ -230,7 +230,7 @@ def _orders(legs: list[Leg], late: Callable[[], bool]) -> Iterator[list[BodyMoti
         yield parking
 
 
-def _joined(planned: list[Planned], bodies: list[BodyMotion]) -> Planned:
+def joined(planned: list[Planned], bodies: list[BodyMotion]) -> Planned:
     """All of them in order, and the motion of the container from when it begins to move to its end."""
     body = _in_a_row(bodies)
     first, *others = planned

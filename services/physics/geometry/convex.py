@@ -134,7 +134,7 @@ def _outside(w, i, j, k, m):
 
 
 @subkernel
-def _nearest(w, count, share, v, spare, other):
+def nearest(w, count, share, v, spare, other):
     """(corners left, squared length) of the simplex' point nearest to the origin, which is in v.
 
     The corners that carry it come first; 0 corners: the origin is inside.
@@ -214,7 +214,7 @@ def bounds(shapes, a, b, ra, ca, rb, cb, free, hit, work):
         if high - low <= EXACT or (low > free and low >= GOOD * high):
             break
         w[4 * count], w[4 * count + 1], w[4 * count + 2] = px, py, pz
-        count, squared = _nearest(w, count + 1, share, v, spare, other)
+        count, squared = nearest(w, count + 1, share, v, spare, other)
         if count == 0 or squared <= EXACT * EXACT:
             return -math.inf, -around
         at = math.sqrt(squared) - around

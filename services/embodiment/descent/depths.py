@@ -1,0 +1,110 @@
+"""What a limb's shapes lack of the distances demanded of them, as a residual that a descent drives out."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from services.embodiment.body.limb import Limb, Margins, rules, touching
+from services.embodiment.body.world import MAY_TOUCH, Contact, Rules, World
+from services.embodiment.descent import witness
+from services.embodiment.descent.pressed import pressed
+from services.embodiment.hold.grasp import Hand
+from services.embodiment.hold.handle import Mechanics
+
+Array = NDArray[np.float64]
+Pair = tuple[int, int]
+
+BUFFER = 0.0005  # [m] beyond what certification demands
+SPARE = 0.2 * BUFFER  # [m] of that
+ROWS = 256  # pairs that count at once
+NOTHING = Margins(0.0, 0.0, 0.0)  # beyond what certification demands
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Depths:
+    """Pairs of one limb's shapes, its base standing, and a hand that holds one handle.
+
+    Attributes:
+        pairs: Shapes (P, 2), and the distances demanded of them (P,) [m].
+        levers: What `pressed` takes.
+    """
+
+    world: World
+    limb: Limb
+    hand: Hand
+    mechanics: Mechanics
+    pairs: tuple[NDArray[np.int64], Array]
+    levers: tuple
+    _found: tuple[NDArray[np.int64], Array]
+    _rows: Array
+    _room: tuple
+
+    def q(self, x: Array, shares: Array, value: float) -> Array:
+        """The scene's configuration at x (n,), fingers closed by shares (F,), the container at a value."""
+        return self.mechanics.put_each(self.limb.q(x, self.hand.closed(shares))[None], np.array([value]))[0]
+
+    def residual(self, x: Array, shares: Array, value: float) -> tuple[Array, Array]:
+        """What pairs lack (N,) [m], and how that changes with each variable, shape (N, n)."""
+        world, q = self.world, self.q(x, shares, value)
+        scene = world.tree, world.boxes, world.radius, world.half, world.shapes
+        count = pressed(q, *scene, self.pairs, self.levers, self._found, self._rows, self._room)
+        return self._found[1][:count].copy(), self._rows[:count].copy()
+
+
+def make_depths(world: World, limb: Limb, hand: Hand, mechanics: Mechanics, start: Array) -> Depths:
+    """Depths of a limb whose base stands at `start` (3,), of pairs that arm or fingers part.
+
+    Of its own pairs that are nearer than that where it is parked, half of what is there is demanded.
+    """
+    demands = touching(world, limb, rules(world, limb, NOTHING), (mechanics.container.handle,))
+    there = world.distances(demands.pairs, *world.frames(world.scene.q(tuple(start.tolist()), {})))
+    own = demands.own + np.clip((there - demands.own) / 2, 0.0, BUFFER)
+    levers = _levers(world, limb)
+    moves = _moves(world, limb, levers)
+    robot, kitchen = np.nonzero((demands.environment >= 0) & moves[:, None])
+    outside = demands.environment[robot, kitchen] + BUFFER
+    shapes = np.concatenate([demands.pairs, np.column_stack((robot + world.split, kitchen))])
+    pairs = np.ascontiguousarray(shapes, np.int64), np.concatenate([own, outside])
+    found = np.empty(ROWS, np.int64), np.empty(ROWS)
+    frames = np.empty((len(world.tree[0]), 3, 3)), np.empty((len(world.tree[0]), 3))
+    boxes = np.empty((len(world.body), 3, 3)), np.empty((len(world.body), 3))
+    room = frames, boxes, np.zeros(12), witness.room()
+    rows = np.empty((ROWS, len(limb.lower)))
+    return Depths(world, limb, hand, mechanics, pairs, levers, found, rows, room)
+
+
+def unmoved(limb: Limb, mechanics: Mechanics, start: Array, values: Array) -> Contact | None:
+    """What is too near to each other at one of these values (T,) of the container, whatever the arm does."""
+    world = mechanics.world
+    moves, demands = _moves(world, limb, _levers(world, limb)), rules(world, limb, NOTHING)
+    environment = np.where(moves[:, None], MAY_TOUCH, demands.environment)
+    q = mechanics.put(world.scene.q(tuple(start.tolist()), {}), values)
+    return world.contact(q, Rules(environment, demands.pairs[:0], demands.own[:0]))
+
+
+def _moves(world: World, limb: Limb, levers: tuple) -> NDArray[np.bool_]:
+    """Which shapes of the robot arm or fingers move, shape (robot shapes,)."""
+    moves = levers[3].any(axis=1)
+    moves[world.shapes_of((*limb.palm, *limb.fingers))] = True
+    return moves[world.split :]
+
+
+def _levers(world: World, limb: Limb) -> tuple:
+    """Joints that the arm's variables move, these variables, by how much each, and the shapes they carry."""
+    parents = world.tree[0]
+    above = np.zeros((len(parents), len(parents)), np.bool_)
+    for j in range(1, len(parents)):
+        above[j] = above[parents[j]]
+        above[j, j] = True
+    arm = np.abs(limb.expansion) > 0
+    arm[:, :3] = False
+    coordinates, variables = np.nonzero(arm)
+    joints = coordinates + 1
+    carried = np.ascontiguousarray(above[world.boxes[0]][:, joints])
+    return (
+        joints.astype(np.int64),
+        variables.astype(np.int64),
+        limb.expansion[coordinates, variables],
+        carried,
+    )

@@ -1,0 +1,245 @@
+"""Motions in holds that a descent finds, put together: the last that is tried where the base stands.
+
+Each hold is kept over a span of the container's way. As few as overlap from its first value to its last are
+taken, each let go where it and the next can be left; then all is as for several holds. Planning keeps smaller
+distances here than elsewhere: what fits by less than a millimetre is what the other stages miss.
+"""
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from services.embodiment.attempt import Attempt
+from services.embodiment.body.limb import Margins
+from services.embodiment.descent.depths import make_depths, unmoved
+from services.embodiment.descent.pinch import Pose, grips
+from services.embodiment.descent.posture import make_descent
+from services.embodiment.descent.spans import PIECES, Hold, Spans
+from services.embodiment.hold.fit import OPENINGS
+from services.embodiment.hold.grasp import Grasp
+from services.embodiment.hold.holding import Holding
+from services.embodiment.hold.kit import Kits
+from services.embodiment.hold.parts import parts
+from services.embodiment.plan import Planner
+from services.embodiment.planned import Lack, Planned
+from services.embodiment.setting import Setting
+from services.embodiment.several import Back, Leg, Legs, joined, orders
+from services.embodiment.ways.approach import Approach
+from services.embodiment.ways.roads import Known
+from services.embodiment.ways.timing import farthest, turns_back
+
+FINE = Margins(0.00025, 0.00025, 0.0001)
+"""[m] that planning keeps here beyond what certification demands: half of what a descent does."""
+SHARES = (*OPENINGS, 0.8)
+"""[1] by which the fingers are closed when the hand comes near."""
+STARTS = 240
+"""[1] Descents in a turn, at most: it ends when a hold is found and some reach everywhere."""
+IDLE = 2
+"""[1] Turns in a row of which no hold reaches a value that none did: then a gripper is out."""
+STRIDE = 3
+"""[1] Values from one to the next at which it is looked whether a hold can be left and another be come to."""
+
+Ends = tuple[float, float]
+Part = tuple[Hold, int, int]
+
+
+class Descended:
+    """Plans in holds that a descent finds, of one gripper and the other in turn."""
+
+    def __init__(self, planner: Planner) -> None:
+        self._planner = planner
+        self._each: list[_Search] = []
+
+    def plans(self, turns: int) -> Iterator[Planned]:
+        """Those that are found in so many turns more, while the budget lasts and holds reach farther."""
+        self._each = self._each or self._begun()
+        for _ in range(turns):
+            for one in self._each:
+                if self._planner.late():
+                    return
+                if not one.ended:
+                    yield from one.turn()
+
+    def _begun(self) -> "list[_Search]":
+        """Of each gripper, first who has followed the handle farthest; none where times are required."""
+        planner, setting, start = self._planner, self._planner.setting, self._planner.mechanics.start
+        straight = not setting.motion.timed and not turns_back(setting.motion)
+        fine = replace(setting, kits=Kits(setting.world, FINE), roads=Known())
+        ends = start, farthest(setting.motion, start, setting.container)
+        order = sorted(planner.attempts if straight else (), key=lambda one: -one.searcher.tally.came)
+        return [_Search(planner, fine, one.limb.gripper.name, ends) for one in order]
+
+    def lacking(self) -> Iterator[Lack]:
+        """Where grippers have no hold."""
+        for one in self._each:
+            yield one.lack()
+
+
+class _Search:
+    """The search with one gripper.
+
+    Attributes:
+        spans: The holds that were found.
+    """
+
+    def __init__(self, whole: Planner, setting: Setting, gripper: str, ends: Ends) -> None:
+        self._whole, self._ends, self._gripper = whole, ends, gripper
+        self._planner = Planner(setting, whole.deadline, whole.seed, whole.spent, only=gripper)
+        self._legs = Legs(self._planner, gripper, ends[1])
+        self._idle = 0
+        self._attempts: dict[int, Attempt] = {}
+        self._backs: dict[tuple[Hold, int], Back | None] = {}
+        self._attempt = self._of(self._planner)
+        self.spans = self._spans(self._attempt)
+        mechanics, start = self._planner.mechanics, np.array(setting.start)
+        self._contact = unmoved(self._attempt.limb, mechanics, start, self.spans.values)
+        whole.parts.append(self._planner)
+
+    @property
+    def ended(self) -> bool:
+        """Whether going on is in vain, as far as is seen."""
+        return self._contact is not None or self._idle >= IDLE
+
+    def lack(self) -> Lack:
+        """The first values that no hold reaches, or the first at which it is in vain to look for one."""
+        values = self.spans.values
+        if self._contact is not None:
+            at = float(values[self._contact.index])
+            return Lack(self._gripper, (at, at), shapes=self._contact.shapes)
+        none = np.flatnonzero(self.spans.cover() == 0).tolist()
+        if not none:
+            return Lack(self._gripper, self._ends, held=True)
+        last = next(k for k in none if k + 1 not in none)
+        return Lack(self._gripper, (float(values[none[0]]), float(values[last])))
+
+    def turn(self) -> Iterator[Planned]:
+        """Plans in the holds that are known after one turn more: none before some reach everywhere.
+
+        Holds of a motion that was not certified are taken no more.
+        """
+        at, late, before = time.perf_counter(), self._planner.late, np.count_nonzero(self.spans.cover())
+        self.spans.grow(STARTS, late)
+        self._attempt.searcher.tally.seeds = self.spans.descent.starts
+        self._planner.spent("descent", at)
+        farther = np.count_nonzero(self.spans.cover()) > before
+        self._idle = 0 if farther or self.spans.cover().all() else self._idle + 1
+        while self.spans.cover().all() and not late():
+            way = self._way()
+            if way is None:
+                return
+            if (legs := self._planned(way)) is not None:
+                for bodies in orders(legs, late):
+                    yield joined([leg.planned for leg in legs], bodies)
+                self.spans.leave({hold for hold, _, _ in way})
+
+    def _way(self) -> list[Part] | None:
+        """As few holds as lead all the way, each from where the one before is left; None if none do."""
+        holds = sorted(self.spans.holds, key=lambda one: -one.last)
+        begun = {hold for hold in holds if hold.first == 0 and self._back(hold, 0) is not None}
+        waiting = deque([(hold, 0)] for hold in holds if hold in begun)
+        while waiting:
+            way = waiting.popleft()
+            hold, begin = way[-1]
+            if hold.last == PIECES:
+                ends = [*(at for _, at in way[1:]), PIECES]
+                return [(*part, end) for part, end in zip(way, ends, strict=True)]
+            for other in holds:
+                changed = None if other in begun else self._changed(hold, begin, other)
+                if changed is not None:
+                    begun.add(other)
+                    waiting.append([*way, (other, changed)])
+        return None
+
+    def _changed(self, hold: Hold, begin: int, other: Hold) -> int | None:
+        """The first value after `begin` at which one hold can be left and another be come to."""
+        for index in range(max(begin + 1, other.first), min(hold.last + 1, other.last), STRIDE):
+            if self._planner.late():
+                return None
+            if self._back(hold, index) is not None and self._back(other, index) is not None:
+                return index
+        return None
+
+    def _back(self, hold: Hold, index: int) -> Back | None:
+        """How a hold is left at a value, fingers opened no wider than they need; None if no way is found."""
+        key = hold, index
+        if key not in self._backs:
+            self._backs[key] = self._left(hold, index)
+        return self._backs[key]
+
+    def _left(self, hold: Hold, index: int) -> Back | None:
+        attempt, hand = self._at(index), self.spans.depths.hand
+        for share in SHARES:
+            if self._planner.late():
+                break
+            if (share >= hold.shares).any():
+                continue
+            grasp = Grasp(*hold.tool, hold.number, hand.positions(hold.shares), hand.opening(share))
+            closed = hand.closed(hold.shares)
+            holding = Holding(attempt.limb, grasp, hold.at(index)[None], closed, "by descent")
+            approach = attempt.approacher.approach(holding, attempt.searcher.problem, attempt.rng)
+            if isinstance(approach, Approach):
+                return Back(holding, approach, attempt)
+        return None
+
+    def _at(self, index: int) -> Attempt:
+        """The search with the container at a value."""
+        if index not in self._attempts:
+            at = float(self.spans.values[index]), self._ends[1] if index < PIECES else self._ends[0]
+            self._attempts[index] = self._of(self._legs.at(at, self._planner.deadline))
+        return self._attempts[index]
+
+    def _of(self, planner: Planner) -> Attempt:
+        """The one attempt of who plans with one gripper."""
+        attempt = planner.attempt(next(iter(planner.kits())))
+        assert attempt is not None, "the handle was held"
+        planner.attempts.append(attempt)
+        return attempt
+
+    def _planned(self, way: list[Part]) -> list[Leg] | None:
+        """All parts of a way; a hold of which one is not found is taken no more."""
+        legs: list[Leg] = []
+        for part in way:
+            leg = self._leg(*part)
+            if leg is None:
+                self.spans.leave({part[0]})
+                return None
+            legs.append(leg)
+        return legs
+
+    def _leg(self, hold: Hold, begin: int, end: int) -> Leg | None:
+        """One part of the way, in one hold."""
+        values = float(self.spans.values[begin]), float(self.spans.values[end])
+        planner = self._legs.at(values, self._planner.deadline)
+        self._whole.parts.append(planner)
+        attempt, back = self._of(planner), self._back(hold, begin)
+        assert back is not None, "the way begins where one comes to it"
+        xs = self.spans.between(hold, attempt.searcher.problem.values)
+        holding = replace(back.holding, limb=attempt.limb, xs=xs)
+        if not attempt.searcher.free(xs, holding.rest):
+            return None
+        planned = planner.approached(attempt, holding)
+        return None if planned is None else Leg(planned, None if end == PIECES else self._back(hold, end))
+
+    def _spans(self, attempt: Attempt) -> Spans:
+        """The holds of the gripper: none as yet."""
+        setting, mechanics, limb = self._planner.setting, self._planner.mechanics, attempt.limb
+        start, bar = np.array(setting.start), attempt.fitter.bar
+        depths = make_depths(setting.world, limb, attempt.fitter.hand, mechanics, start)
+        held = grips(parts(setting.world, setting.container.handle, bar))
+        handle = _handle(self._planner, attempt)
+        rng = np.random.default_rng(self._planner.seed)
+        return Spans(make_descent(depths, held, handle, start, rng), np.linspace(*self._ends, PIECES + 1))
+
+
+def _handle(planner: Planner, attempt: Attempt) -> Callable[[float], Pose]:
+    """World pose of a handle's joint at a value of the container."""
+    q, joint = attempt.limb.q(attempt.limb.parked), attempt.fitter.bar.joint
+
+    def at(value: float) -> Pose:
+        r, p = planner.mechanics.handle_poses(q, joint, np.array([value]))
+        return r[0], p[0]
+
+    return at

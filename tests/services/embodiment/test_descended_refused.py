@@ -1,0 +1,100 @@
+"""Where a descent is in vain: when it ends, and what a refusal says of it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from predicates.case import Kind
+from sdt_kg.annotation import Drive
+from sdt_kg.load import load_twin
+from sdt_kg.motion import Motion
+from services.embodiment.body.limb import Margins
+from services.embodiment.body.world import World
+from services.embodiment.certify.tolerances import Tolerances
+from services.embodiment.descent.depths import unmoved
+from services.embodiment.descent.descended import IDLE, STARTS, Descended
+from services.embodiment.hold.kit import Kits
+from services.embodiment.plan import TURNS, Planner
+from services.embodiment.report import refusal
+from services.embodiment.setting import Setting
+from services.embodiment.ways.roads import Known
+from services.kernel import worked
+from services.physics.generate import DEPTH
+from services.physics.model import Scene
+from tests.soak.doors import draw, write
+
+pytestmark = pytest.mark.oracle
+
+HERE, FAR = (0.0, 0.0, 0.0), (-5.0, 0.0, 0.0)
+BAR_IN_BASE = 52
+"""A drawer whose bar is 1.2 mm in a TIAGo++'s base at the end of its way."""
+NO_HAND_FITS = 40
+BUDGET = 100.0  # [s]
+
+
+def planner_of(seed: int, folder: Path, start: tuple[float, float, float], budget: float) -> Planner:
+    """Who plans to open a front, and has looked for nothing as yet."""
+    twin = load_twin(write(draw(np.random.default_rng(seed)), folder, "front"), ["tiago_dual"])
+    world, container = World(Scene(twin, twin.robots[0])), twin.container("front_door")
+    ends = np.array([[0.0], [container.open_from + DEPTH]])
+    motion = Motion(container.joint, np.array([0.0, 1.0]), ends, timed=False)
+    own = Kits(world, Margins()), Known(), Tolerances()
+    setting = Setting(world, container, motion, Drive.FIXED, start, twin.robots[0], *own)
+    planner = Planner(setting, worked() + budget, 0, lambda _step, _since: None)
+    planner.attempts = [one for kit in planner.kits() if (one := planner.attempt(kit)) is not None]
+    assert len(planner.attempts) == 2
+    return planner
+
+
+def said(planner: Planner) -> list[str]:
+    """What a refusal says of the descents."""
+    found = refusal(planner, [], planner.searched(1.0), BUDGET)
+    assert {one.kind for one in found} == {Kind.EMBODIMENT}
+    return [one.reason for one in found if "by descent" in one.reason]
+
+
+def test_where_the_door_comes_into_what_no_arm_moves_nothing_is_started(tmp_path: Path) -> None:
+    planner = planner_of(BAR_IN_BASE, tmp_path, HERE, BUDGET)
+    before = planner.searched(0.0).seeds
+    planner.descended = descended = Descended(planner)
+    assert not list(descended.plans(TURNS))
+    assert planner.searched(0.0).seeds == before
+    assert said(planner) == [
+        f"holds were looked for by descent: gripper {gripper} has none with front_door at 0.449 m: "
+        "base_link is too near to front_handle there wherever the arm is"
+        for gripper in ("left", "right")
+    ]
+
+
+def test_what_is_in_contact_wherever_the_arm_is_is_found_at_its_value(tmp_path: Path) -> None:
+    planner = planner_of(BAR_IN_BASE, tmp_path, HERE, BUDGET)
+    last = float(planner.setting.motion.values[-1, 0])
+    limb, mechanics, world = planner.attempts[0].limb, planner.mechanics, planner.setting.world
+    contact = unmoved(limb, mechanics, np.array(HERE), np.linspace(0.0, last, 5))
+    assert contact is not None
+    assert contact.index == 4
+    for value, touches in ((last, True), (0.75 * last, False)):
+        q = mechanics.put(world.scene.q(HERE, {}), np.array([value]))[0]
+        apart = world.distance(contact.shapes, *world.frames(q))
+        assert (apart < world.scene.annotation.overhang) == touches
+    assert unmoved(limb, mechanics, np.array(FAR), np.linspace(0.0, last, 5)) is None
+
+
+def test_a_gripper_is_out_once_holds_reach_no_farther(tmp_path: Path) -> None:
+    planner = planner_of(NO_HAND_FITS, tmp_path, FAR, BUDGET)
+    planner.descended = descended = Descended(planner)
+    assert not list(descended.plans(TURNS))
+    assert not planner.late()
+    assert planner.searched(0.0).seeds == 2 * IDLE * STARTS
+    last = float(planner.setting.motion.values[-1, 0])
+    assert said(planner) == [
+        f"holds were looked for by descent: gripper {gripper} has none with front_door at 0 to {last:.3g} rad"
+        for gripper in ("left", "right")
+    ]
+
+
+def test_nothing_is_started_once_the_budget_is_spent(tmp_path: Path) -> None:
+    planner = planner_of(NO_HAND_FITS, tmp_path, HERE, 0.0)
+    assert not list(Descended(planner).plans(TURNS))
+    assert planner.searched(0.0).seeds == 0
