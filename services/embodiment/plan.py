@@ -18,7 +18,7 @@ from services.embodiment.hold.handle import Bar, Mechanics, find_bar
 from services.embodiment.hold.holding import WAYPOINTS, Holding
 from services.embodiment.hold.kit import Kit, stuck
 from services.embodiment.hold.sampling import FULL, QUICK, Effort
-from services.embodiment.planned import Anew, Last, Planned
+from services.embodiment.planned import Anew, Descents, Planned
 from services.embodiment.prove import out_of_reach
 from services.embodiment.proving import EARLY_BOXES, LATE_BOXES, Proofs
 from services.embodiment.setting import Setting
@@ -34,10 +34,11 @@ TRIES = 4  # holdings of one batch that are approached
 SWEPT = 0.5  # [1] of the time that is left may go into it; what it takes beyond comes after the search
 SWEEP = 5.0  # [s] that are left for a proof that the container comes into the robot; else the search has them
 LIMITS = 1.5, 4.0, 16.0  # [s] for each part of a way in several holds, one after the other
-FIRST_TURNS, TURNS = 6, 24  # of each gripper's descents: before several holds are planned, and at last
+FIRST = 6, 1  # turns of descents before several holds are planned, and of those in vain
+LAST = 24, 2  # the same at last
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
 
-Regrasping = tuple[Callable[["Planner"], Anew], Callable[["Planner"], Last]]
+Regrasping = tuple[Callable[["Planner"], Anew], Callable[["Planner"], Descents]]
 
 
 class Planner:
@@ -79,7 +80,7 @@ class Planner:
         self.proofs = Proofs(setting, spent, sought=not only)
         self.parts: list[Planner] = []
         self.several: Anew | None = None
-        self.descended: Last | None = None
+        self.descended: Descents | None = None
         self.start_contact: tuple[tuple[int, int], float] | None = None
         self.unfit: Counter[tuple[int, int]] = Counter()
 
@@ -97,7 +98,7 @@ class Planner:
         """Body motions, one after the other, until the search gives up.
 
         Args:
-            regrasping: Who plans in several holds, where no one hold was found; last, who does so by descent.
+            regrasping: Who plans in several holds, where no one hold was found, and who does so by descent.
         """
         at = time.perf_counter()
         kits = self.kits()
@@ -126,7 +127,7 @@ class Planner:
         else:  # bred ones first where nothing could be followed: many have found nothing before
             yield from chain(*((spread, bred) if self._has_ways() else (bred, spread)))
         self._look_at_last()
-        yield from self._descended(TURNS)
+        yield from self._descended(LAST)
 
     def _standing(
         self, spread: Iterator[Planned], bred: Iterator[Planned], regrasping: "Regrasping | None"
@@ -138,12 +139,12 @@ class Planner:
         self.several = several = regrasping[0](self)
         self.descended = regrasping[1](self)
         *quick, last = map(several.plans, LIMITS)
-        yield from chain(spread, self._descended(FIRST_TURNS), *quick, bred, last)
+        yield from chain(spread, self._descended(FIRST), *quick, bred, last)
 
-    def _descended(self, turns: int) -> Iterator[Planned]:
+    def _descended(self, turns: tuple[int, int]) -> Iterator[Planned]:
         """Plans by descent, where that is tried, nothing is proved and there is time."""
         if self.descended is not None and self.proofs.whole is None and not self.late():
-            yield from self.descended.plans(turns)
+            yield from self.descended.plans(*turns)
 
     def _between(self, number: int) -> Iterator[Planned]:
         """Before round `number`, an early look for proofs, and plans that many postures find together."""

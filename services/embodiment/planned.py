@@ -57,11 +57,11 @@ class Lack:
     shapes: tuple[int, int] | None = None
 
 
-class Last(Protocol):
+class Descents(Protocol):
     """Plans in holds that a descent finds; see `Descended`."""
 
-    def plans(self, turns: int) -> Iterator[Planned]:
-        """Those that are found in so many turns more."""
+    def plans(self, turns: int, idle: int) -> Iterator[Planned]:
+        """Those that are found in so many turns more, so many of them in vain."""
         ...
 
     def lacking(self) -> Iterator[Lack]:

@@ -1,4 +1,4 @@
-"""Motions in holds that a descent finds, put together: the last that is tried where the base stands.
+"""Motions in holds that a descent finds, put together, tried where the base stands.
 
 Each hold is kept over a span of the container's way. As few as overlap from its first value to its last are
 taken, each let go where it and the next can be left; then all is as for several holds. Planning keeps smaller
@@ -37,8 +37,6 @@ SHARES = (*OPENINGS, 0.8)
 """[1] by which the fingers are closed when the hand comes near."""
 STARTS = 240
 """[1] Descents in a turn, at most: it ends when a hold is found and some reach everywhere."""
-IDLE = 2
-"""[1] Turns in a row of which no hold reaches a value that none did: then a gripper is out."""
 STRIDE = 3
 """[1] Values from one to the next at which it is looked whether a hold can be left and another be come to."""
 
@@ -53,14 +51,19 @@ class Descended:
         self._planner = planner
         self._each: list[_Search] = []
 
-    def plans(self, turns: int) -> Iterator[Planned]:
-        """Those that are found in so many turns more, while the budget lasts and holds reach farther."""
+    def plans(self, turns: int, idle: int) -> Iterator[Planned]:
+        """Those that are found while the budget lasts.
+
+        Args:
+            turns: Of each gripper, at most.
+            idle: In a row, of which no hold reaches a value that none did: then a gripper is out.
+        """
         self._each = self._each or self._begun()
         for _ in range(turns):
             for one in self._each:
                 if self._planner.late():
                     return
-                if not one.ended:
+                if one.contact is None and one.idle < idle:
                     yield from one.turn()
 
     def _begun(self) -> "list[_Search]":
@@ -83,32 +86,29 @@ class _Search:
 
     Attributes:
         spans: The holds that were found.
+        idle: The last turns of which no hold reached a value that none did before.
+        contact: What is too near wherever the arm is, so that going on is in vain.
     """
 
     def __init__(self, whole: Planner, setting: Setting, gripper: str, ends: Ends) -> None:
         self._whole, self._ends, self._gripper = whole, ends, gripper
         self._planner = Planner(setting, whole.deadline, whole.seed, whole.spent, only=gripper)
         self._legs = Legs(self._planner, gripper, ends[1])
-        self._idle = 0
+        self.idle = 0
         self._attempts: dict[int, Attempt] = {}
         self._backs: dict[tuple[Hold, int], Back | None] = {}
         self._attempt = self._of(self._planner)
         self.spans = self._spans(self._attempt)
         mechanics, start = self._planner.mechanics, np.array(setting.start)
-        self._contact = unmoved(self._attempt.limb, mechanics, start, self.spans.values)
+        self.contact = unmoved(self._attempt.limb, mechanics, start, self.spans.values)
         whole.parts.append(self._planner)
-
-    @property
-    def ended(self) -> bool:
-        """Whether going on is in vain, as far as is seen."""
-        return self._contact is not None or self._idle >= IDLE
 
     def lack(self) -> Lack:
         """The first values that no hold reaches, or the first at which it is in vain to look for one."""
         values = self.spans.values
-        if self._contact is not None:
-            at = float(values[self._contact.index])
-            return Lack(self._gripper, (at, at), shapes=self._contact.shapes)
+        if self.contact is not None:
+            at = float(values[self.contact.index])
+            return Lack(self._gripper, (at, at), shapes=self.contact.shapes)
         none = np.flatnonzero(self.spans.cover() == 0).tolist()
         if not none:
             return Lack(self._gripper, self._ends, held=True)
@@ -125,7 +125,7 @@ class _Search:
         self._attempt.searcher.tally.seeds = self.spans.descent.starts
         self._planner.spent("descent", at)
         farther = np.count_nonzero(self.spans.cover()) > before
-        self._idle = 0 if farther or self.spans.cover().all() else self._idle + 1
+        self.idle = 0 if farther or self.spans.cover().all() else self.idle + 1
         while self.spans.cover().all() and not late():
             way = self._way()
             if way is None:

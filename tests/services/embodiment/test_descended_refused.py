@@ -13,9 +13,9 @@ from services.embodiment.body.limb import Margins
 from services.embodiment.body.world import World
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.descent.depths import unmoved
-from services.embodiment.descent.descended import IDLE, STARTS, Descended
+from services.embodiment.descent.descended import STARTS, Descended
 from services.embodiment.hold.kit import Kits
-from services.embodiment.plan import TURNS, Planner
+from services.embodiment.plan import LAST, Planner
 from services.embodiment.report import refusal
 from services.embodiment.setting import Setting
 from services.embodiment.ways.roads import Known
@@ -58,7 +58,7 @@ def test_where_the_door_comes_into_what_no_arm_moves_nothing_is_started(tmp_path
     planner = planner_of(BAR_IN_BASE, tmp_path, HERE, BUDGET)
     before = planner.searched(0.0).seeds
     planner.descended = descended = Descended(planner)
-    assert not list(descended.plans(TURNS))
+    assert not list(descended.plans(*LAST))
     assert planner.searched(0.0).seeds == before
     assert said(planner) == [
         f"holds were looked for by descent: gripper {gripper} has none with front_door at 0.449 m: "
@@ -84,9 +84,9 @@ def test_what_is_in_contact_wherever_the_arm_is_is_found_at_its_value(tmp_path: 
 def test_a_gripper_is_out_once_holds_reach_no_farther(tmp_path: Path) -> None:
     planner = planner_of(NO_HAND_FITS, tmp_path, FAR, BUDGET)
     planner.descended = descended = Descended(planner)
-    assert not list(descended.plans(TURNS))
+    assert not list(descended.plans(*LAST))
     assert not planner.late()
-    assert planner.searched(0.0).seeds == 2 * IDLE * STARTS
+    assert planner.searched(0.0).seeds == 2 * LAST[1] * STARTS
     last = float(planner.setting.motion.values[-1, 0])
     assert said(planner) == [
         f"holds were looked for by descent: gripper {gripper} has none with front_door at 0 to {last:.3g} rad"
@@ -96,5 +96,5 @@ def test_a_gripper_is_out_once_holds_reach_no_farther(tmp_path: Path) -> None:
 
 def test_nothing_is_started_once_the_budget_is_spent(tmp_path: Path) -> None:
     planner = planner_of(NO_HAND_FITS, tmp_path, HERE, 0.0)
-    assert not list(Descended(planner).plans(TURNS))
+    assert not list(Descended(planner).plans(*LAST))
     assert planner.searched(0.0).seeds == 0
