@@ -290,10 +290,7 @@ def _moving_pairs(world: World, limb: Limb) -> tuple[NDArray[np.int64], NDArray[
     fingers = {joint_iri(scene.robot.mechanism.name, one.joint) for one in limb.gripper.finger_joints}
     for k, source in enumerate(scene.coupling.source):
         moves[k] |= scene.names[source] in fingers
-    on_way = np.zeros((scene.model.njoints, scene.model.njoints), dtype=np.int64)
-    for j, parent in enumerate(world.tree[0][1:], 1):
-        on_way[j] = on_way[parent]
-        on_way[j, j] = moves[j - 1]
+    on_way = (world.above() & np.append(False, moves)).astype(np.int64)
     count = on_way.sum(axis=1)
     pairs = np.asarray(scene.self_pairs, dtype=np.int64).reshape(-1, 2)
     one, other = world.boxes[0][pairs.T]

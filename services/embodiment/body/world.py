@@ -89,6 +89,14 @@ class World:
         found = (i for body in set(bodies) for i in self._shapes.get(body, ()))
         return np.array(sorted(found), dtype=np.int64)
 
+    def above(self) -> NDArray[np.bool_]:
+        """Whether joint k carries joint j, or is it: element (j, k), shape (J, J)."""
+        parents = self.tree[0]
+        found = np.eye(len(parents), dtype=np.bool_)
+        for j, parent in enumerate(parents[1:], 1):
+            found[j] |= found[parent]
+        return found
+
     def frames(self, q: Array) -> tuple[Array, Array]:
         """World poses of all joint frames: rotations (J, 3, 3) and translations (J, 3)."""
         r, p = np.empty((len(self.tree[0]), 3, 3)), np.empty((len(self.tree[0]), 3))

@@ -13,7 +13,6 @@ from services.embodiment.hold.grasp import Hand
 from services.embodiment.hold.handle import Mechanics
 
 Array = NDArray[np.float64]
-Pair = tuple[int, int]
 
 BUFFER = 0.0005  # [m] beyond what certification demands
 SPARE = 0.2 * BUFFER  # [m] of that
@@ -92,16 +91,11 @@ def _moves(world: World, limb: Limb, levers: tuple) -> NDArray[np.bool_]:
 
 def _levers(world: World, limb: Limb) -> tuple:
     """Joints that the arm's variables move, these variables, by how much each, and the shapes they carry."""
-    parents = world.tree[0]
-    above = np.zeros((len(parents), len(parents)), np.bool_)
-    for j in range(1, len(parents)):
-        above[j] = above[parents[j]]
-        above[j, j] = True
     arm = np.abs(limb.expansion) > 0
     arm[:, :3] = False
     coordinates, variables = np.nonzero(arm)
     joints = coordinates + 1
-    carried = np.ascontiguousarray(above[world.boxes[0]][:, joints])
+    carried = np.ascontiguousarray(world.above()[world.boxes[0]][:, joints])
     return (
         joints.astype(np.int64),
         variables.astype(np.int64),
