@@ -223,10 +223,11 @@ def reading_ahead(kitchens: Sequence[str], robots: Sequence[str], verb: Verb) ->
     written = {_written(name): name for name in kitchens if Path(name).suffix not in GRAPH_FORMATS}
     pyshacl()  # for both processes, while no other thread makes it take twice as long
     with reading(list(written.values()), load_twin, partial(look, verb=verb_iri(verb))) as ahead:
-        with unsought(for_good=True), suppress(SdtError):
+        with unsought(for_good=True):
             _load_oracles()
-            for robot in robots:
-                _robot(_written(robot))
+            with suppress(SdtError):
+                for robot in robots:
+                    _robot(_written(robot))
         found = ahead.kitchens()
         _ahead.update({each: found[name] for each, name in written.items() if name in found})
         _looks.append(ahead.seen)
