@@ -277,6 +277,7 @@ class Planner:
         self.spent("holding", at)
 
     def approached(self, attempt: Attempt, holding: Holding) -> Planned | None:
+        """The motion with this holding; None if it is not come to, or leaves limits."""
         at = time.perf_counter()
         self.placements += 1
         approach = attempt.approacher.approach(holding, attempt.searcher.problem, attempt.rng)

@@ -76,9 +76,10 @@ class Descended:
         return [_Search(planner, fine, one.limb.gripper.name, ends) for one in order]
 
     def lacking(self) -> Iterator[Lack]:
-        """Where grippers have no hold."""
+        """Where grippers have no hold, of those for which some were looked for, or looking is in vain."""
         for one in self._each:
-            yield one.lack()
+            if one.contact is not None or one.spans.descent.starts > 0:
+                yield one.lack()
 
 
 class _Search:

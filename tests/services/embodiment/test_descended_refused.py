@@ -96,5 +96,7 @@ def test_a_gripper_is_out_once_holds_reach_no_farther(tmp_path: Path) -> None:
 
 def test_nothing_is_started_once_the_budget_is_spent(tmp_path: Path) -> None:
     planner = planner_of(NO_HAND_FITS, tmp_path, HERE, 0.0)
-    assert not list(Descended(planner).plans(*LAST))
+    planner.descended = descended = Descended(planner)
+    assert not list(descended.plans(*LAST))
     assert planner.searched(0.0).seeds == 0
+    assert said(planner) == []
