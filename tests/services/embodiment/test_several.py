@@ -5,34 +5,35 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from predicates.case import Outcome, Verdict
+from predicates.case import Verdict
 from sdt_kg.annotation import Drive
-from sdt_kg.motion import BodyMotion, Motion
-from services.app import Policy, Service, load
+from sdt_kg.motion import Motion
+from services.app import Service
 from services.embodiment import plan
 from services.embodiment.oracle import WholeBody
-from services.motions import arrays_of, motion_of
-from tests.soak.annotated import Note
-from tests.soak.audit import Stage, audited
-from tests.soak.doors import draw, write
-from tests.soak.test_audit import COARSE, NO_LESS, bundled, machine
+from tests.services.embodiment.standing_front import (
+    HERE,
+    asked,
+    body_of,
+    check_by_other_code,
+    check_given_again,
+    written,
+)
 
 pytestmark = pytest.mark.oracle
 
-HERE = (0.0, 0.0, 0.0)
 LASTS_NOT = 34
 """A door 0.92 m away that a TIAGo++ holds at each angle, and in no way that it can keep."""
-BUDGET = 60.0  # [s]
 
 
 @pytest.fixture(scope="module")
 def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write(draw(np.random.default_rng(LASTS_NOT)), tmp_path_factory.mktemp("front"), "front")
+    return written(LASTS_NOT, tmp_path_factory.mktemp("front"))
 
 
 @pytest.fixture(scope="module")
 def service(path: Path) -> Service:
-    return load(path, ["tiago_dual"], policy=Policy(Drive.FIXED, HERE, BUDGET))
+    return asked(path)
 
 
 @pytest.fixture(scope="module")
@@ -41,14 +42,6 @@ def found(service: Service) -> Verdict:
         patch.setattr(plan, "FIRST", (0, 0))  # holds by descent open it too
         (verdict,) = service.achieve("open:front_door")
     return verdict
-
-
-def body_of(verdict: Verdict) -> BodyMotion:
-    assert verdict.outcome is Outcome.CERTIFIED, verdict.diagnoses
-    assert verdict.can_perform is not None
-    body = verdict.can_perform.case.body_motion
-    assert isinstance(body, BodyMotion)
-    return body
 
 
 def test_it_is_certified_in_several_holds_and_says_so(found: Verdict) -> None:
@@ -82,27 +75,11 @@ def test_nothing_jumps_where_one_part_follows_another(found: Verdict) -> None:
 
 
 def test_who_shares_no_code_with_it_finds_no_rule_broken(found: Verdict, path: Path) -> None:
-    robot = (bundled("robots", "tiago_dual", suffix) for suffix in (".urdf", ".ttl"))
-    stage = Stage(
-        machine(path, True),
-        machine(next(robot), False),
-        Note(next(robot)),
-        {},
-        {},
-        "front_door_joint",
-        "front_handle",
-        "open",
-        "fixed",
-        HERE,
-    )
-    slack = audited(stage, arrays_of(body_of(found)), COARSE).slack
-    assert {rule: one for rule, one in slack.items() if one < NO_LESS} == {}
+    check_by_other_code(body_of(found), path)
 
 
 def test_it_is_certified_again_when_somebody_gives_it(service: Service, found: Verdict) -> None:
-    given = motion_of(arrays_of(body_of(found)), service.twin)
-    (verdict,) = service.achieve("open:front_door", motion=given)
-    assert verdict.outcome is Outcome.CERTIFIED, verdict.diagnoses
+    check_given_again(body_of(found), service)
 
 
 def test_where_one_hold_is_asked_for_it_is_refused(service: Service, found: Verdict) -> None:
