@@ -47,13 +47,26 @@ class Coupling:
         )
 
     def start(self) -> State:
-        """Every joint at 0 where its limits allow that, else at its lower limit; mimicking ones follow."""
-        free = {
-            iri: 0.0 if joint.limits.lower <= 0 <= joint.limits.upper else joint.limits.lower
-            for iri, joint in self.joints.items()
-            if iri not in self.followers
-        }
+        """Every joint at 0 where its limits allow that, else at its lower limit; mimicking ones follow.
+
+        Where those would leave their limits, the joint which they mimic is as much elsewhere as that asks.
+        """
+        free = {iri: self._at_first(iri) for iri in self.joints if iri not in self.followers}
         return State.of(self._complete(free))
+
+    def _at_first(self, active: Iri) -> float:
+        """Where a joint starts that mimics none: where it alone would, if no position suits all."""
+        limits = self.joints[active].limits
+        alone = 0.0 if limits.lower <= 0 <= limits.upper else limits.lower
+        low, high, fits = limits.lower, limits.upper, True
+        for iri, each in self.followers.items():
+            if each.active == active and each.multiplier != 0:
+                own = self.joints[iri].limits
+                one, other = sorted((end - each.offset) / each.multiplier for end in (own.lower, own.upper))
+                slack = LIMIT_TOLERANCE / abs(each.multiplier)
+                fits &= one - slack <= alone <= other + slack
+                low, high = max(low, one), min(high, other)
+        return alone if fits or low > high else min(max(alone, low), high)
 
     def moved(self, state: State, changes: Mapping[Iri, float]) -> State:
         """The state with these joints elsewhere.
@@ -83,7 +96,8 @@ class Coupling:
                     remedy="give one of the two",
                 )
         for joint in complete:
-            self._check_limits(joint, complete[joint])
+            if complete[joint] != now[joint]:  # what stays is where it was, and nobody moved it there
+                self._check_limits(joint, complete[joint])
         return State.of(complete)
 
     def together(self, joint: Iri) -> dict[Iri, tuple[float, float]]:

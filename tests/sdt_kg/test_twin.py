@@ -21,6 +21,7 @@ def kitchen_a() -> Twin:
 
 
 SLIDE = joint_iri("k", "slide")
+SLIDING = joint("slide", "prismatic", "world", "third", limit(0.0, 0.5))
 
 
 def requests(twin: Twin) -> list[tuple[str, str]]:
@@ -132,6 +133,37 @@ def test_the_effective_limit_is_the_minimum_over_the_coupling() -> None:
     slow = kitchen_a().with_edit(UPPER, velocityLimit=0.5, accelerationLimit=0.25)
     assert slow.container("cabinet4_door_bottom").velocity == 0.6
     assert slow.container("cabinet4_door_bottom").acceleration == 0.3
+
+
+@pytest.mark.parametrize(
+    ("low", "multiplier", "offset", "start"),
+    [(0.0, 1.0, 0.0, 0.0), (0.1, 1.0, 0.0, 0.1), (0.0, -0.5, 0.0499999, 0.0), (0.0, 0.5, -1e-7, 2e-7)],
+)
+def test_all_starts_where_the_limits_of_what_moves_together_allow(
+    write: Write, low: float, multiplier: float, offset: float, start: float
+) -> None:
+    """Figures of a file are rounded: half of 1.2 less 1e-7, say, is below 0."""
+    mimic = f'<mimic joint="turn" multiplier="{multiplier!r}" offset="{offset!r}"/>'
+    turns = (
+        joint("turn", "revolute", "world", "leaf", limit(0.0, 1.2)),
+        joint("follow", "revolute", "world", "other", limit(low, 1.2) + mimic),
+    )
+    twin = load_twin(write(link("world"), link("leaf"), link("other"), link("third"), *turns, SLIDING))
+    active, follower = joint_iri("k", "turn"), joint_iri("k", "follow")
+    assert twin.state[active] == pytest.approx(start, abs=1e-12)
+    assert twin.state[follower] == pytest.approx(multiplier * start + offset, abs=1e-12)
+    assert twin.at({SLIDE: 0.3}).state[active] == twin.state[active]
+
+
+def test_joints_that_contradict_each_other_are_in_nobody_elses_way(write: Write) -> None:
+    turns = (
+        joint("turn", "revolute", "world", "leaf", limit(0.0, 1.0)),
+        joint("follow", "revolute", "world", "other", limit(2.0, 3.0) + '<mimic joint="turn"/>'),
+    )
+    twin = load_twin(write(link("world"), link("leaf"), link("other"), link("third"), *turns, SLIDING))
+    assert twin.at({SLIDE: 0.3}).state[SLIDE] == 0.3
+    with pytest.raises(StateError, match=r"'follow' at 0\.5 rad is outside"):
+        twin.at({joint_iri("k", "turn"): 0.5})
 
 
 def test_moving_one_panel_moves_the_other() -> None:
