@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
 
-KINEMATICS_VERSION = "20"
+KINEMATICS_VERSION = "21"
 DYNAMICS_VERSION = "8"
 EMBODIMENT_VERSION = "36"
 BEARING_VERSION = "5"
