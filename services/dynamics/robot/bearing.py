@@ -19,6 +19,8 @@ from services.dynamics.cells import Cells, cells, instants
 from services.dynamics.oracle import Dynamics
 from services.dynamics.robot.checks import Bound, Checks, checks
 from services.dynamics.robot.load import Loads, loads
+from services.embodiment.certify.certificate import read_certificate
+from services.embodiment.certify.held.slant import slant
 from services.physics.model import Scene
 from services.versions import bearing
 
@@ -61,7 +63,7 @@ class Bearing:
         scene = Scene(twin, robot)
         mechanics = self._dynamics.mechanics(twin, container)
         carried = self._dynamics.carried(twin, body, container)
-        asked = checks(scene, twin, body.gripper)
+        asked = checks(scene, twin, body.gripper, partial(_slant, answer, scene))
         off = twin.state[container.joint] - float(carried.values[0, 0])
         bounds = _decided(asked, partial(loads, scene, body, mechanics), carried, off) if asked.of else []
         found = [each for bound in bounds for each in _judged(bound, mechanics.forces.iri)]
@@ -75,6 +77,13 @@ class Bearing:
         return replace(
             answer, case=case, holds=False, diagnoses=diagnoses, notes=notes, figures={}, artefact=None
         )
+
+
+def _slant(answer: Answer, scene: Scene) -> float | None:
+    """How far faces that hold look away from the way in which fingers close [rad]: a certificate tells."""
+    if answer.artefact is None:
+        return None
+    return slant(scene, answer.case.twin, read_certificate(answer.artefact.content))
 
 
 def _decided(asked: Checks, loaded: Callable[[Cells], Loads], carried: Motion, off: float) -> list[Bound]:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -17,6 +18,10 @@ from services.dynamics.robot.load import Loads
 from services.dynamics.robot.tipping import tipping, unweighed
 from services.embodiment.proof_check.interval import Interval
 from services.physics.model import Scene
+
+PARALLEL = "the faces that hold are taken to look along the way in which pads close: there is no certificate"
+
+LEAST = 1e-9  # [rad] half of a cone in which nothing is held
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,10 +97,18 @@ class Checks:
         return [each for check in self.of for each in check(loads)]
 
 
-def checks(scene: Scene, twin: Twin, gripper: str) -> Checks:
-    """All checks for which there are data."""
+def checks(scene: Scene, twin: Twin, gripper: str, slant: Callable[[], float | None]) -> Checks:
+    """All checks for which there are data.
+
+    Args:
+        scene: Kitchen and robot.
+        twin: What is known of both.
+        gripper: Name of the one that holds.
+        slant: How far the faces that hold look away from the way in which pads close, at most [rad];
+            None where nobody knows.
+    """
     found, missing = list[Check](), list[str]()
-    for make in (_efforts, _grip, _slip, _tip):
+    for make in (_efforts, partial(_grip, slant), _slip, _tip):
         check, absent = make(scene, twin, gripper)
         found += [] if check is None else [check]
         missing += absent
@@ -174,8 +187,12 @@ def _range(facts: Facts, subject: Iri, name: str) -> tuple[float, float]:
     return least, most
 
 
-def _grip(scene: Scene, twin: Twin, gripper: str) -> _Made:
-    """Friction of two pads, which close along the tool's y, against what pulls across them: the cone."""
+def _grip(slant: Callable[[], float | None], scene: Scene, twin: Twin, gripper: str) -> _Made:
+    """Friction of two pads, which close along the tool's y, against what pulls across them: the cone.
+
+    Where faces look elsewhere, by `slant`, the cone about y that is surely within theirs is so much narrower,
+    and that which theirs are in so much wider.
+    """
     iri = f"{scene.robot_iri}/gripper/{gripper}"
     facts = twin.entities.facts
     (grip, strongest), (friction, roughest) = (
@@ -186,15 +203,25 @@ def _grip(scene: Scene, twin: Twin, gripper: str) -> _Made:
         absent = " and no sdt:".join(name for name, value in given if math.isnan(value))
         return None, [f"not checked: grip at the handle, since {gripper} has no sdt:{absent}"]
 
+    known = slant()
+    off = 0.0 if known is None else known
+    surely, perhaps = (_friction(each, turned) for each, turned in ((friction, -off), (roughest, off)))
+
     def check(loads: Loads) -> Iterator[Bound]:
         # two pads press; what pushes one of them off takes from what friction holds
         force = loads.force.magnitude()
-        least = np.nextafter(_pulling(loads.beside, roughest).lo * force.lo / 2, 0.0)
-        most = np.nextafter(_pulling(loads.beside, friction).hi * force.hi / 2, np.inf)
+        least = np.nextafter(_pulling(loads.beside, perhaps).lo * force.lo / 2, 0.0)
+        most = np.nextafter(_pulling(loads.beside, surely).hi * force.hi / 2, np.inf)
         what = _Allowed("press of the pads that the pull across them takes", grip, "N", iri, strongest)
         yield what.over(loads, Interval(least, most))
 
-    return check, []
+    return check, [PARALLEL] if known is None else []
+
+
+def _friction(coefficient: float, turned: float) -> float:
+    """The coefficient of a cone that is wider by that angle [rad]: nearly none, or infinite, at its ends."""
+    angle = math.atan(coefficient) + turned
+    return math.inf if angle >= math.pi / 2 else math.tan(max(angle, LEAST))
 
 
 def _pulling(beside: Interval, friction: float) -> Interval:

@@ -21,6 +21,9 @@ Pairs = NDArray[np.intp]
 
 APART = 1e-5  # [m] from touching, so that nearest points are well defined
 NOTHING = 0.0  # [m] reaches over the handle
+ASIDE = 1e-3  # [m] a finger is moved to tell how the faces look that touch the handle
+LATER = 1e-4  # [m] what touches later than the first by more bears nothing
+SLANTS = np.radians((0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,6 +150,39 @@ class Grip:
                 if not self._surfaces[body].touches(inward, -contact, most, self._sides, far):
                     return 0.0
         return error
+
+    def slant(self, pinch: Pinch) -> float:
+        """How far faces with which they touch the handle look away from the way in which they close [rad].
+
+        No less than that: the least of `SLANTS` by which the way of each piece that touches first, or hardly
+        later, grows or shrinks when it is moved aside, which it may along both sides at once; else pi / 2.
+        """
+        found = 0.0
+        for body, inward in zip(pinch.fingers, self._inward, strict=True):
+            asked = inward, self._sides
+            gaps = [
+                (self._gap(pair, inward), pair)
+                for pair in np.split(self._pairs[body], len(self._pairs[body]))
+            ]
+            first = min(gap for gap, _ in gaps)
+            for gap, pair in gaps:
+                if gap > first + LATER:
+                    continue
+                on = self._shapes.convex, pair, self._posed, *asked, gap, ASIDE
+                least = next(
+                    (a for a in SLANTS if moved.looks_along(*on, float(np.tan(a)), self._room)), None
+                )
+                found = max(
+                    found, np.pi / 2 if least is None else float(np.arctan(np.sqrt(2) * np.tan(least)))
+                )
+        return found
+
+    def _gap(self, pair: Pairs, inward: Array) -> float:
+        """The way of one shape to one of the handle, inward; infinite if it does not press on that."""
+        tolerances = self._tolerances
+        asked = tolerances.contact, tolerances.engaged, self._slope, self._room
+        gap, _ = moved.press(self._shapes.convex, pair, self._posed, inward, self._sides, *asked)
+        return np.inf if np.isnan(gap) else float(gap)
 
     def lacking(self) -> Iri:
         """The finger to blame if no two have the handle between them: one that is missing on its side."""

@@ -120,18 +120,27 @@ class Hold:
 
     def contact(self) -> Findings:
         """At the grasp two fingers have the handle between them: they reach over it and touch it."""
+        grip = self._grip()
+        pinch = grip.pinch()
+        if pinch is None or pinch.over < self.tolerances.engaged:
+            return self._not_held(grip, pinch)
+        self.room = grip.room(pinch)
+        return Findings(figures={"finger to handle": (pinch.gap, "m")})
+
+    def slant(self) -> float:
+        """How far faces that hold look away from the way in which fingers close, at most [rad]."""
+        grip = self._grip()
+        pinch = grip.pinch()
+        return np.pi / 2 if pinch is None else grip.slant(pinch)
+
+    def _grip(self) -> Grip:
         placed = self.slip.at_grasp
         tool_R, _ = self.tool.world(placed)
         robot = self.scene.robot.mechanism.name
         bodies = [body_iri(robot, name) for name in self.gripper.fingers]
         fingers = {body: _shapes_of(self.scene, [body]) for body in bodies}
         surfaces = self._surfaces(placed)
-        grip = Grip(self.shapes, placed, tool_R[0], fingers, self.bar, surfaces, self.tolerances)
-        pinch = grip.pinch()
-        if pinch is None or pinch.over < self.tolerances.engaged:
-            return self._not_held(grip, pinch)
-        self.room = grip.room(pinch)
-        return Findings(figures={"finger to handle": (pinch.gap, "m")})
+        return Grip(self.shapes, placed, tool_R[0], fingers, self.bar, surfaces, self.tolerances)
 
     def _surfaces(self, placed: Placed) -> dict[Iri, Surface]:
         """Fingers with meshes, as these are, at the first configuration."""

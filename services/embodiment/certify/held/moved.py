@@ -89,6 +89,22 @@ def press(convex, pairs, posed, inward, sides, contact, engaged, slope, room):
 
 
 @kernel(makes=False)
+def looks_along(convex, pair, posed, inward, sides, gap, aside, slope, room):
+    """Whether a finger that touches after `gap`, moved `aside` to any side, does so nearly then.
+
+    By ways that differ by no more than `aside * slope`: where they meet, faces look that nearly along inward.
+    """
+    more = aside * slope
+    for k in range(sides.shape[0]):
+        later, sooner = gap + more, gap - more - 2.0 * TOUCH
+        if _touching(convex, pair, posed, sides[k], aside, inward, later, 0.0, 1, TOUCH, room) < 0:
+            return False
+        if _touching(convex, pair, posed, sides[k], aside, inward, sooner, 0.0, 1, TOUCH, room) >= 0:
+            return False
+    return True
+
+
+@kernel(makes=False)
 def farthest(convex, pairs, posed, inward, contact, engaged, slope, error, room):
     """By what way from a corner a finger has to touch, wherever within `error` of here the handle is [m].
 
