@@ -98,13 +98,14 @@ def mechanics_of(model: Model, twin: Twin, container: Container) -> Mechanics:
 def _other(model: Model, twin: Twin, container: Container, joint: Iri, moves: Moves) -> Other:
     """A joint that moves with a container's own, counted from closed to open, wherever its axis points."""
     load, (ratio, offset) = load_of(model, twin, joint, apart=moves), moves[joint]
-    chain = chain_of(model, twin, joint, moves)
+    forces, chain = force_model(twin, joint), chain_of(model, twin, joint, moves)
     if ratio < 0:
         load = replace(load, cosine=-load.cosine, constant=-load.constant)
+        forces = replace(forces, rest=-forces.rest)
         ratio, offset = -ratio, -offset
     lower, upper = (ratio * end + offset for end in (container.lower, container.upper))
     fold = None if chain is None else fold_of(model, twin, chain, moves)
-    own = Mechanics(joint, force_model(twin, joint), load, lower, upper, fold=fold)
+    own = Mechanics(joint, forces, load, lower, upper, fold=fold)
     return Other(ratio, offset, own)
 
 

@@ -23,7 +23,7 @@ FORM: Final = "payload:GRIPPER=SX,SY,SZ[,KG]"
 def carrying(twin: Twin, robot: Iri, gripper: Gripper, text: str) -> Rewritten:
     """The robot with a box whose middle is between the gripper's pads, its sides along the tool frame.
 
-    Its mass is recorded; D_artic is kinematics, in which a mass changes nothing.
+    Its mass counts where forces do (D_artic_dyn): D_artic is kinematics, in which a mass changes nothing.
 
     Args:
         twin: With the robot.
@@ -42,7 +42,7 @@ def carrying(twin: Twin, robot: Iri, gripper: Gripper, text: str) -> Rewritten:
     name = f"{gripper.name}_payload"
     if name in {each.name for each in mechanism.bodies}:
         raise InputError(f"gripper {gripper.name} carries something already", allowed="one payload a gripper")
-    inertia = _inertia(mass[0], sides) if mass else None
+    inertia = _inertia(mass[0], sides, gripper.tool) if mass else None
     box = Body(name, inertia, (Geometry(ShapeType.BOX, gripper.tool, tuple(sides)),))
     mount = Joint(f"{name}_mount", JointType.FIXED, gripper.tool_body, name)
     added = [*_triples(mechanism, box, mount), *_touching(mechanism, box, gripper)]
@@ -51,11 +51,11 @@ def carrying(twin: Twin, robot: Iri, gripper: Gripper, text: str) -> Rewritten:
     )
 
 
-def _inertia(mass: float, sides: list[float]) -> Inertia:
-    """Of a homogeneous box."""
+def _inertia(mass: float, sides: list[float], middle: Pose) -> Inertia:
+    """Of a homogeneous box whose middle is there."""
     x, y, z = (side * side for side in sides)
     return Inertia(
-        mass, Pose(), (mass * (y + z) / 12, 0.0, 0.0, mass * (x + z) / 12, 0.0, mass * (x + y) / 12)
+        mass, middle, (mass * (y + z) / 12, 0.0, 0.0, mass * (x + z) / 12, 0.0, mass * (x + y) / 12)
     )
 
 

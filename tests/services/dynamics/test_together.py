@@ -201,3 +201,25 @@ def test_a_motion_that_moves_several_containers_needs_the_force_at_each_handle(t
     assert [each.evidence.entity for each in at_each.violations if each.evidence] == [small.handle]
     assert not any(each.proof for each in at_each.violations)
     assert any("at the handles of lower_drawer and small_drawer" in note for note in at_each.notes)
+
+
+@pytest.mark.parametrize(("upper", "rest"), [(0.0, 0.5), (0.1, -0.5)], ids=["turned", "as in its file"])
+def test_a_spring_rests_where_its_own_joint_is_said_to_be(tmp_path: Path, upper: float, rest: float) -> None:
+    """The right leaf goes to -1.5 rad as the left one opens; limits that end at 0 turn its axis on import."""
+    ends = 'lower="-1.5" upper="{}"'
+    text = (HERE / "pair.urdf").read_text().replace(ends.format("0"), ends.format(upper))
+    (tmp_path / "pair.urdf").write_text(text)
+    own, leaf = f"<{ID}force_model/hinge>", f"<{ID}joint/right_leaf_joint>"
+    forces, springs = (HERE / "pair_forces.ttl").read_text(), f"<{ID}force_model/sprung>"
+    model = forces[forces.index(own) : forces.index(f"<{ID}joint/left")].replace(own, springs)
+    for name, value in (("StiffnessFrom", 8.0), ("StiffnessTo", 8.0), ("RestPosition", rest)):
+        model = model.replace(f"sdt:spring{name} 0.0", f"sdt:spring{name} {value!r}")
+    forces = forces.replace(f"{leaf} sdt:hasForceModel {own}", f"{leaf} sdt:hasForceModel {springs}")
+    (tmp_path / "forces.ttl").write_text(forces + model)
+    twin = with_forces(load_twin(tmp_path / "pair.urdf"), tmp_path / "forces.ttl")
+    mechanics = Dynamics().mechanics(twin, twin.container("left_leaf"))
+    assert at_rest(mechanics, 0.5).pull == pytest.approx(0.0, abs=1e-9)
+    assert at_rest(mechanics, 1.2).pull == pytest.approx(8.0 * 0.7)
+    assert at_rest(mechanics, 1.2).shuts
+    assert at_rest(mechanics, 0.0).pull == pytest.approx(8.0 * 0.5)
+    assert not at_rest(mechanics, 0.0).shuts

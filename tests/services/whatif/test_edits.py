@@ -175,6 +175,18 @@ def test_a_payload_takes_the_gripper_and_may_touch_that_hand_alone() -> None:
     assert body_iri(after.name(robot), body.name)
 
 
+def test_the_mass_of_a_payload_is_where_its_box_is() -> None:
+    world = World(load("b", ["tiago_dual"]), "tiago_dual")
+    robot = world.service.robot(None)
+    after = changed(world, (parse_change("payload:left=0.1,0.2,0.3,2"),)).service.twin
+    (gripper,) = (each for each in world.service.twin.robot(robot).grippers if each.name == "left")
+    (body,) = (each for each in after.mechanism(robot).bodies if each.name == "left_payload")
+    assert body.inertia is not None
+    assert body.inertia.pose == body.collision[0].pose == gripper.tool
+    assert gripper.tool.position == (0.05, 0.0, 0.0)
+    assert body.inertia.moments == pytest.approx((2 * 0.13 / 12, 0, 0, 2 * 0.10 / 12, 0, 2 * 0.05 / 12))
+
+
 BODIES, JOINTS = fixed_bodies(TWIN), [local_name(each.joint) for each in TWIN.containers()]
 EDITS = st.one_of(
     st.builds(
