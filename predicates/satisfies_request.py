@@ -85,8 +85,8 @@ def _within(inner: Region, outer: Region) -> bool:
 
 
 def _unmet(twin: Twin, container: Container, verb: Verb, final: State) -> Diagnosis:
-    """How far the state is from the request."""
-    position = final[container.joint]
+    """How far the state is from the request; joints that it does not name are where the twin has them."""
+    position = twin.at(final).state[container.joint]
     bound = threshold(container, verb)
     unit = unit_of(twin, container)
     at, demanded = told_apart(position, bound, 4)

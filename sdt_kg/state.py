@@ -22,7 +22,7 @@ class Interval:
 class State(Mapping[Iri, float]):
     """s: joint IRI → position [rad or m].
 
-    Joints that are not listed are at 0 where that lies inside their limits, else at the lower one.
+    Joints that are not listed are where the twin has them that it is about.
     """
 
     positions: tuple[tuple[Iri, float], ...] = ()

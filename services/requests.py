@@ -185,16 +185,18 @@ def _positions(twin: Twin, name: str, value: str) -> dict[Iri, float]:
         raise UnknownEntityError("joint or container", name, names)
     joint = names[name]
     if value in {"open", "closed"}:
-        matching = [each for each in twin.containers() if each.active_joint == joint]
+        matching = [each for each in twin.containers() if joint in {each.active_joint, each.joint}]
         if not matching:
             raise InputError(f"'{name}' is no container", allowed="a position for a joint, for example 0.2")
         # Of what moves together the one that is named: another may be open where this one is closed.
         named = next((each for each in matching if name in {each.name, local_name(each.joint)}), matching[0])
-        return {joint: _active(named, value)}
+        return {named.active_joint: _active(named, value)}
     try:
-        return {joint: number_in(value)}
+        at = number_in(value)
     except ValueError:
         raise StateError(f"'{name}={value}' has no number", allowed="a position in rad or m") from None
+    led = twin.entities.coupling.followers.get(joint)
+    return {joint: at} if led is None else {led.active: (at - led.offset) / led.multiplier}
 
 
 def _all_positions(twin: Twin, value: str) -> dict[Iri, float]:

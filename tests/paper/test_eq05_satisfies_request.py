@@ -5,7 +5,7 @@ import pytest
 from predicates.case import Answer, Case, Kind
 from predicates.satisfies_request import satisfies_request
 from sdt_kg.errors import NoModeError
-from sdt_kg.state import Interval, Region
+from sdt_kg.state import Interval, Region, State
 from sdt_kg.task import Task, Verb
 from tests.small import small_twin
 
@@ -39,6 +39,16 @@ def test_a_state_that_all_but_meets_the_request_is_not_told_to_meet_it() -> None
     almost = TWIN.at({DRAWER.joint: 0.449999}).state
     (answer,) = satisfies_request(Case(TWIN, task=Task(Verb.OPEN, DRAWER.iri), final=almost))
     assert answer.diagnoses[0].reason == "top_drawer ends at 0.449999 m: open begins at 0.45 m"
+
+
+@pytest.mark.parametrize(("at", "holds"), [(0.48, True), (0.25, False), (0.0, False)])
+def test_a_state_that_names_some_joints_has_the_others_where_the_twin_has_them(at: float, holds: bool) -> None:
+    twin = TWIN.at({DRAWER.joint: at})
+    case = Case(twin, task=Task(Verb.OPEN, DRAWER.iri), final=State.of({OVEN.joint: 0.3}))
+    (answer,) = satisfies_request(case)
+    assert answer.holds is holds
+    backwards = requests(list(satisfies_request(Case(twin, final=State.of({OVEN.joint: 0.3})))))
+    assert (("open", DRAWER.iri) in backwards) is holds
 
 
 def test_open_without_a_container_asks_about_each_of_them() -> None:

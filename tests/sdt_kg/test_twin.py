@@ -12,7 +12,7 @@ from sdt_kg.errors import StateError, UnknownEntityError
 from sdt_kg.iri import LAW, joint_iri, local_name
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
-from tests.sdt_kg.conftest import Write, joint, limit, link
+from tests.sdt_kg.conftest import DRAWER, Write, joint, limit, link
 
 
 @cache
@@ -133,6 +133,15 @@ def test_the_effective_limit_is_the_minimum_over_the_coupling() -> None:
     slow = kitchen_a().with_edit(UPPER, velocityLimit=0.5, accelerationLimit=0.25)
     assert slow.container("cabinet4_door_bottom").velocity == 0.6
     assert slow.container("cabinet4_door_bottom").acceleration == 0.3
+
+
+def test_a_wheel_without_limits_that_turns_along_allows_everything(write: Write) -> None:
+    wheel = '<axis xyz="0 0 1"/>{}<mimic joint="slide" multiplier="-8"/>'
+    for own, velocity in (("", 1.0), ('<limit velocity="4" effort="1"/>', 0.5)):
+        turning = joint("wheel_joint", "continuous", "world", "wheel", wheel.format(own))
+        (drawer,) = load_twin(write(*DRAWER, link("wheel"), turning)).containers()
+        assert (drawer.lower, drawer.upper, drawer.open_from, drawer.closed_to) == (0.0, 0.5, 0.45, 0.01)
+        assert (drawer.velocity, drawer.acceleration) == (velocity, 1 / 8)
 
 
 @pytest.mark.parametrize(

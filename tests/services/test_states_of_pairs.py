@@ -30,6 +30,8 @@ def pair(folder: Path) -> Twin:
         ("a_door=closed", (0.0, 1.4)),
         ("b_door=closed", (1.4, 0.0)),
         ("a_door_joint=open", (1.4, 0.0)),
+        ("b_door_joint=open", (0.0, 1.4)),
+        ("b_door_joint=0.4", (1.0, 0.4)),
     ],
 )
 def test_of_two_doors_the_named_one_is_open(tmp_path: Path, text: str, at: tuple[float, float]) -> None:
@@ -45,6 +47,8 @@ def test_of_two_doors_the_named_one_is_open(tmp_path: Path, text: str, at: tuple
         ("a_door=0.3", "a_door_joint=0.5"),
         ("a_door=open", "b_door=open"),
         ("a_door=0.3", "all=closed"),
+        ("a_door=0.3", "b_door_joint=1.4"),
+        ("b_door_joint=1.4", "a_door_joint=0.3"),
     ],
 )
 def test_a_state_that_puts_a_joint_at_two_places_is_refused(tmp_path: Path, texts: tuple[str, str]) -> None:
@@ -56,6 +60,12 @@ def test_a_joint_may_be_elsewhere_than_all_and_be_told_twice_where_it_is(tmp_pat
     twin = pair(tmp_path)
     state = parse_state(twin, ["all=closed", "a_door=0.3", "a_door_joint=0.3"])
     assert state[twin.container("a_door").joint] == pytest.approx(0.3)
+
+
+def test_a_joint_that_follows_may_be_elsewhere_than_all(tmp_path: Path) -> None:
+    twin = pair(tmp_path)
+    state = parse_state(twin, ["all=closed", "b_door_joint=1.4"])
+    assert state[twin.container("a_door").joint] == 0.0
 
 
 def test_a_door_that_turns_round_and_round_stays_where_all_others_open(tmp_path: Path) -> None:

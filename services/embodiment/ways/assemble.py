@@ -76,7 +76,7 @@ class Assembler:
         phases = [
             ("drive", self._drive(approach, opened, begins=begins)),
             ("approach", self._with_fingers(timing.joined([self._raised(approach), reach]), opened)),
-            ("grasp", self._grasp(xs[0], opened, closed)),
+            ("grasp", self._grasp(xs[0], opened, closed, follow.x[0])),
             ("follow", self._with_fingers(follow, closed)),
         ]
         whole, marks = _chained(phases)
@@ -130,8 +130,10 @@ class Assembler:
         path = Followed.through(np.linspace(0.0, 1.0, len(way)), way)
         return timing.fastest(path, self.body_bound, (np.inf, np.inf), REACH_SAMPLES)[0]
 
-    def _grasp(self, x: Array, opened: Array, closed: Array) -> Timed:
-        corners = np.stack([np.append(x, opened), np.append(x, closed)])
+    def _grasp(self, x: Array, opened: Array, closed: Array, begins: Array | None = None) -> Timed:
+        """Fingers close, or open, at x; or where the motion begins, if that is beside where the kitchen is."""
+        at = x if begins is None else begins
+        corners = np.stack([np.append(x, opened), np.append(at, opened), np.append(at, closed)])
         return timing.along(corners, self.bound, self.reach, SPACING)
 
     def _follow(self, xs: Array) -> tuple[Timed, Array, Array, tuple[float, float]]:
