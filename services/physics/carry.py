@@ -3,17 +3,19 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import chain as chained
 
 import numpy as np
 from numpy.typing import NDArray
 
+from predicates.meant import by_other_handles
 from sdt_kg.annotation import Gripper
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import Iri, body_iri, local_name
 from sdt_kg.mechanism import JointType
 from sdt_kg.motion import BodyMotion, Motion, check_body_motion
 from sdt_kg.twin import Container, Twin
-from services.physics.chain import Chain, chain
+from services.physics.chain import Chain, chain, of_own_joint
 from services.physics.model import Scene
 from services.physics.replay import (
     ANGLE_TOLERANCE,
@@ -69,7 +71,7 @@ def carried(
 
     If the body motion says how the kitchen moves, as it says; what it does not name stands still, as does
     everything under the motion of a robot that is not there. If it says nothing, the handle moves
-    rigidly with a gripper that is at it, for as long as the joint can follow and the fingers stay as
+    rigidly with a gripper that is at it (at its own first, else at another by which it moves), for as long as the joint can follow and the fingers stay as
     they are; before and after, the container stands still. Once they have opened they may close as far
     again, and hold it anew.
 
@@ -86,19 +88,19 @@ def carried(
     """
     check_body_motion(body_motion)
     times, still = body_motion.times, twin.state[container.joint]
-    values, velocities = np.full((len(times), 1), still), np.zeros((len(times), 1))
     columns = {joint: i for i, joint in enumerate(body_motion.kitchen_joints)}
     if {container.joint, *twin.entities.coupling.together(container.joint)} & {*columns}:
         told = _telling(model, body_motion, container)
-        i, k, coupling = columns[told], model.coordinate[told], model.coupling
-        values, velocities = body_motion.kitchen_q[:, [i]], body_motion.kitchen_v[:, [i]]
-        if told != container.joint:
-            ratio = container.multiplier / coupling.multiplier[k]
-            values = ratio * (values - coupling.offset[k]) + container.offset
-            velocities = ratio * velocities
-    elif not columns and body_motion.robot in twin.robots:
-        values, velocities = _dragged(model, scene(), twin, body_motion, container)
-    return Motion(container.joint, times, values, velocities=velocities)
+        values, velocities = (each[:, [columns[told]]] for each in (body_motion.kitchen_q, body_motion.kitchen_v))
+        return of_own_joint(model, container, Motion(told, times, values, velocities=velocities))
+    if not columns and body_motion.robot in twin.robots:
+        every = (container, *by_other_handles(twin, container))
+        dragged = (_dragged(model, scene(), twin, body_motion, each) for each in every)
+        own = next(dragged)
+        moved = (each for each in chained((own,), dragged) if np.ptp(each.values) > LIMIT_PLAY)
+        return of_own_joint(model, container, next(moved, own))
+    nowhere = np.zeros((len(times), 1))
+    return Motion(container.joint, times, nowhere + still, velocities=nowhere)
 
 
 def _telling(model: Model, body_motion: BodyMotion, container: Container) -> Iri:
@@ -119,13 +121,13 @@ def _telling(model: Model, body_motion: BodyMotion, container: Container) -> Iri
 
 def _dragged(
     model: Model, scene: Scene, twin: Twin, body_motion: BodyMotion, container: Container
-) -> tuple[Array, Array]:
-    """Positions and velocities of the own joint, shape (T, 1), as the gripper that moves it most does."""
+) -> Motion:
+    """Motion of the own joint, as the gripper that moves it most drags its handle along."""
     found = [
         _held(model, scene, twin, body_motion, container, each) for each in _grippers(scene, body_motion)
     ]
     values, velocities = max(found, key=lambda one: float(np.ptp(one[0])))
-    return values[:, None], velocities[:, None]
+    return Motion(container.joint, body_motion.times, values[:, None], velocities=velocities[:, None])
 
 
 def _held(  # noqa: PLR0913, PLR0917 - a world, a motion in it, and who moves what
