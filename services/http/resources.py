@@ -87,7 +87,7 @@ async def about(request: Request) -> View:
 async def _about(workers: Workers, iri: Iri) -> list[ox.Quad]:
     """Quads that mention an IRI, and if it is a graph's, what is in it."""
     asked = await workers.ask(Asked("about", iri, rows=MOST))
-    quads = list(ox.parse(asked.body, format=ox.RdfFormat.N_QUADS))
+    quads = list(dict.fromkeys(ox.parse(asked.body, format=ox.RdfFormat.N_QUADS)))
     return quads + (await _graph(workers, iri) if iri.startswith(f"{ID}graph/") else [])
 
 

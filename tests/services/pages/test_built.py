@@ -115,6 +115,12 @@ def test_static_files_are_kept_under_the_hash_of_their_content(served, pages) ->
     assert served.get("/static/..%2fapp.py").status_code == 404
 
 
+def test_what_a_resource_says_of_itself_is_told_once(served) -> None:
+    rows = served.get("/id/a/body/low_drawer.csv").text.splitlines()
+    assert [each for each in rows if each.count("/id/a/body/low_drawer,") == 2]  # it has itself as a body
+    assert len(rows) == len(set(rows))
+
+
 @pytest.mark.parametrize("stem", TABLES)
 def test_json_and_csv_say_the_same(served, stem: str) -> None:
     data = served.get(f"{stem}.json")

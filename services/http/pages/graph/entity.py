@@ -27,7 +27,9 @@ def entity(request: Request, iri: Iri, quads: list[ox.Quad], most: int) -> View:
     """
     node = ox.NamedNode(iri)
     about = [each for each in quads if each.subject == node]
-    mentions = [each for each in quads if each.object == node]
+    mentions = [
+        each for each in quads if each.object == node != each.subject
+    ]  # what it says of itself is above
     kinds = sorted({str(each.object) for each in about if each.predicate.value == RDF + "type"})
     data: Json = {
         "iri": iri,
