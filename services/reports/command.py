@@ -79,7 +79,13 @@ def report(
     if as_json:
         print_json([str(each) for each in written])
     else:
-        click.echo("\n".join(f"{each}  {each.stat().st_size / 1e6:.2f} MB" for each in written))
+        click.echo("\n".join(f"{each}  {_size(each)}" for each in written))
+
+
+def _size(file: Path) -> str:
+    """Of a file, for people."""
+    size = file.stat().st_size
+    return f"{size / 1e6:.2f} MB" if size >= 100_000 else f"{size / 1e3:.1f} kB"
 
 
 def _list(*, as_json: bool) -> None:

@@ -111,7 +111,8 @@ class Table:
         body = "".join("<tr>" + "".join(map(_cell, row)) + "</tr>" for row in self.rows)
         if not self.rows:
             body = f'<tr><td colspan="{max(1, len(self.columns))}">none</td></tr>'
-        caption = f"<caption>{html.escape(self.caption)}</caption>"
+        # The words stay where they are while a wide table is scrolled.
+        caption = f"<caption><span>{html.escape(self.caption)}</span></caption>"
         parts = f"{caption}<thead><tr>{head}</tr></thead><tbody>{body}</tbody>"
         label = html.escape(self.caption, quote=True)
         # Where it is wider than the page, it is scrolled by keyboard too.

@@ -83,9 +83,7 @@ def notebook(name: str) -> Notebook:
     """
     found = {path.stem: path for path in FOLDER.glob("*.py")}
     if name not in found:
-        raise UnknownEntityError(
-            "report", name, found, "sdt report --list names all: " + ", ".join(sorted(found))
-        )
+        raise UnknownEntityError("report", name, found, "sdt report --list says what each takes")
     return _read(found[name])
 
 

@@ -61,7 +61,7 @@ def counts(found: Judgements) -> Table:
             }
         )
     caption = (
-        f"{found.verb}(): containers that each robot is certified to {found.verb}, and the first failure of"
+        f"{found.verb}: containers that each robot is certified to {found.verb}, and the first failure of"
         " the others. 'Not proved' is a search that gave up: it denies nothing."
     )
     return Table.of("feasibility_counts", caption, rows)
@@ -106,7 +106,7 @@ def matrix_figure(found: Judgements) -> Figure:
         handles = [Patch(facecolor=COLORS[name], label=text) for name, text in MEANS.items() if name in shown]
         axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0, 1.0), ncols=4, borderaxespad=0.2)
     caption = (
-        f"{found.verb}() in kitchen {kitchen}. S, C, E: SatisfiesRequest, Causes, CanPerform is the first"
+        f"{found.verb} in kitchen {kitchen}. S, C, E: SatisfiesRequest, Causes, CanPerform is the first"
         " that fails; A: abstained, outside D_artic."
     )
     return Figure("feasibility_matrix", caption, drawing)
