@@ -13,7 +13,7 @@ from services.store.records import graph_of, is_result
 from services.why import task
 from services.why import verdict as of_verdict
 from services.why.verdict import PREDICATES, means, outcome, question
-from services.why.words import SHORT_KEY, Section, used
+from services.why.words import SHORT_KEY, STORE, Section, used
 
 REMEDY = (
     "'sdt why FILE' lists those of a file; verdicts about edited worlds are not kept: "
@@ -36,21 +36,22 @@ __all__ = [
 ]
 
 
-def why(source: ox.Store | Iterable[ox.Quad], iri: Iri) -> str:
+def why(source: ox.Store | Iterable[ox.Quad], iri: Iri, place: str = STORE) -> str:
     """The verdict, or the result of a task specification, in plain words.
 
     Args:
         source: A store that holds it, or the quads of its named graph.
         iri: Of the verdict or result, or the beginning of its hash.
+        place: The store as a shell knows it, for the commands that check again.
 
     Raises:
         UnknownEntityError: No such verdict, or several whose hash begins like this.
         InputError: Its record is damaged.
     """
-    return "\n\n".join("\n".join((each.title, *each.lines)) for each in sections(source, iri))
+    return "\n\n".join("\n".join((each.title, *each.lines)) for each in sections(source, iri, place))
 
 
-def sections(source: ox.Store | Iterable[ox.Quad], iri: Iri) -> tuple[Section, ...]:
+def sections(source: ox.Store | Iterable[ox.Quad], iri: Iri, place: str = STORE) -> tuple[Section, ...]:
     """The same part by part."""
     store = source if isinstance(source, ox.Store) else _store_of(source)
     full = _known(store, iri)
@@ -58,8 +59,8 @@ def sections(source: ox.Store | Iterable[ox.Quad], iri: Iri) -> tuple[Section, .
     facts = Facts(quads)
     if is_result(full):
         read_result(quads, full)  # of one that was changed nothing is told
-        return task.sections(full, facts)
-    return of_verdict.sections(read_verdict(quads, full), facts)
+        return task.sections(full, facts, place)
+    return of_verdict.sections(read_verdict(quads, full), facts, place)
 
 
 def _store_of(quads: Iterable[ox.Quad]) -> ox.Store:

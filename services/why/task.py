@@ -29,7 +29,7 @@ MEANS: Final = {
 STANDING: Final = {"Kept": "kept", "Broken": "BROKEN", "NotBounded": "not bounded"}
 
 
-def sections(iri: Iri, facts: Facts) -> tuple[Section, ...]:
+def sections(iri: Iri, facts: Facts, place: str) -> tuple[Section, ...]:
     """The result in plain words, part by part."""
     outcome = outcome_of(iri, facts)
     steps, rules = facts.all(iri, LAW + "stepResult"), facts.all(iri, LAW + "ruleAnswer")
@@ -44,7 +44,7 @@ def sections(iri: Iri, facts: Facts) -> tuple[Section, ...]:
         Section("Reasons", tuple(reasons(diagnoses))),
         Section("Quality", tuple(_quality(iri, facts))),
         Section("Versions and inputs", tuple(versions(inputs))),
-        Section("To check again", tuple(_again(iri, steps, facts))),
+        Section("To check again", tuple(_again(iri, steps, facts, place))),
     )
     return tuple(each for each in parts if each.lines)
 
@@ -124,10 +124,10 @@ def _quality(iri: Iri, facts: Facts) -> Iterator[str]:
             yield "bodies of which the robot's model gives no mass count as weightless in it"
 
 
-def _again(iri: Iri, steps: list[Iri], facts: Facts) -> Iterator[str]:
+def _again(iri: Iri, steps: list[Iri], facts: Facts, place: str) -> Iterator[str]:
     kept = facts.text(iri, LAW + "writtenAs") is not None
     if kept:
-        yield f"sdt recheck {iri} --store STORE"
+        yield f"sdt recheck {iri} --store {place}"
     yield (
         f"sdt task FILE --kitchen {local_name(facts.needed(iri, LAW + 'environment'))} "
         f"--robot {local_name(facts.needed(iri, LAW + 'robot'))}"
@@ -135,5 +135,5 @@ def _again(iri: Iri, steps: list[Iri], facts: Facts) -> Iterator[str]:
     what = "the specification (its law:writtenAs)" if kept else "the specification"
     yield f"  FILE: {what}, or the ready task that {facts.needed(iri, LAW + 'specification')} is"
     for each in steps:
-        yield f"sdt why {facts.needed(each, LAW + 'verdict')} --store STORE"
+        yield f"sdt why {facts.needed(each, LAW + 'verdict')} --store {place}"
     yield iri

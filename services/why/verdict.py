@@ -33,7 +33,7 @@ _CONTACT = re.compile(r"\bcontact=([^,)]+)")
 FORCES = {"D_artic": "no forces, no friction", "D_artic_dyn": "forces at the handle, the robot's as noted"}
 
 
-def sections(verdict: StoredVerdict, facts: Facts) -> tuple[Section, ...]:
+def sections(verdict: StoredVerdict, facts: Facts, place: str) -> tuple[Section, ...]:
     """The verdict in plain words, part by part."""
     parts = (
         Section(
@@ -48,7 +48,7 @@ def sections(verdict: StoredVerdict, facts: Facts) -> tuple[Section, ...]:
         ),
         Section("Notes", verdict.notes),
         Section("Versions and inputs", tuple(versions(verdict.inputs))),
-        Section("To check again", tuple(_again(verdict, facts))),
+        Section("To check again", tuple(_again(verdict, facts, place))),
     )
     return tuple(each for each in parts if each.lines)
 
@@ -159,14 +159,14 @@ def _answers(verdict: StoredVerdict, facts: Facts) -> Iterator[str]:
     yield f"all of it took {verdict.seconds:.3g} s"
 
 
-def _again(verdict: StoredVerdict, facts: Facts) -> Iterator[str]:
+def _again(verdict: StoredVerdict, facts: Facts, place: str) -> Iterator[str]:
     """Commands that ask the same once more."""
     command = _command(verdict, facts)
     if command:
         yield command
         yield "  the same inputs give the same IRI; kitchen and robot by the names that they were loaded with"
     if facts.text(verdict.iri, LAW + "artefact") is not None:
-        yield f"sdt recheck {verdict.iri} --store STORE"
+        yield f"sdt recheck {verdict.iri} --store {place}"
         yield "  re-verifies what the verdict keeps, without the code that found it"
     yield verdict.iri
 

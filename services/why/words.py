@@ -17,6 +17,8 @@ from services.versions import outdated
 
 SHORT_KEY = 12
 """[characters] Of a hash, where people read it."""
+STORE = "STORE"
+"""In commands to go on with, where nobody says what a shell would call the store."""
 SETTINGS = re.compile(r"^[A-Z]\w*\(((?:\w+=[-+.\deinf]+(?:, )?)+)\)$")
 """Settings as Python writes them, all numbers: as they are hashed, not as people read them."""
 

@@ -1,5 +1,7 @@
 """`sdt why`: a stored verdict in plain words."""
 
+import shlex
+
 import click
 import pyoxigraph as ox
 
@@ -14,8 +16,9 @@ from services.commands.saved.mixed import mixed
 from services.commands.show import csv_is_asked, print_json, print_rows
 from services.store.files import is_saved_graph, readable
 from services.store.records import all_recalled
+from services.store.server.remote import is_url
 from services.why import SHORT_KEY, outcome, question, results_of, sections, task, verdicts_of, why
-from services.why.words import moved, standing
+from services.why.words import STORE, moved, standing
 
 
 @click.command(name="why")
@@ -42,13 +45,18 @@ def why_command(verdict: str, store: str | None, as_json: bool) -> None:
         _list(saved, as_json)
         return
     iri = known[0] if iri is None else iri
+    place = STORE if is_url(source) else shlex.quote(source)  # an address may have a password in it
     if csv_is_asked():
-        rows = [{"section": each.title, "line": line} for each in sections(saved, iri) for line in each.lines]
+        rows = [
+            {"section": each.title, "line": line}
+            for each in sections(saved, iri, place)
+            for line in each.lines
+        ]
         print_rows(rows, ("section", "line"))
     elif as_json:
-        print_json([{"title": each.title, "lines": list(each.lines)} for each in sections(saved, iri)])
+        print_json([{"title": each.title, "lines": list(each.lines)} for each in sections(saved, iri, place)])
     else:
-        click.echo(why(saved, iri))
+        click.echo(why(saved, iri, place))
 
 
 def _list(saved: ox.Store, as_json: bool) -> None:

@@ -35,6 +35,7 @@ def test_one_saved_verdict_is_told(sdt: Callable[..., Done], saved: Path) -> Non
     assert done.out.startswith("Can stretch open swing_door in kitchen a? ABSTAINED")
     iri = done.out.strip().splitlines()[-1]
     assert sdt("why", iri, "--store", str(saved)).out == done.out
+    assert "--store STORE" not in done.out
     assert [part["title"] for part in sdt("why", str(saved), "--json").json][1:3] == ["Asked", "Answers"]
 
 
