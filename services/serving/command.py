@@ -60,7 +60,10 @@ from services.stopping import terminable
     help="Listen for Zenoh too, at tcp/127.0.0.1:7447 say; a twin's name in keys is its kitchen's.",
 )
 @click.option(
-    "--oracles", is_flag=True, help="On the bus, share the work among the oracles there ('sdt oracle')."
+    "--oracles",
+    is_flag=True,
+    help="On the bus, share the work among the oracles there: both of 'sdt oracle causes' and 'sdt oracle "
+    "canperform' have to be.",
 )
 @click.option(
     "--bus-config",

@@ -76,8 +76,8 @@ class Callers:
         while True:
             there = [each for each in self.instances() if each not in silent]
             if not there:
-                why = "".join(f"; {each}" for each in silent.values())
-                said = f"no oracle for {self.kind.value} answers on the bus{why}"
+                why = "; ".join(silent.values()) or f"sdt oracle {self.kind.value} --connect … starts one"
+                said = f"no oracle for {self.kind.value} answers on the bus; {why}"
                 raise BusUnavailableError(problem(ProblemType.UNAVAILABLE, said))
             instance = self._least_asked(there)
             try:
