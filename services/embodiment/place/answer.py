@@ -68,7 +68,10 @@ def lines(found: Placement) -> Iterator[str]:
     if found.rows:
         cell = found.rows[0][0]
         size = SIDE / len(found.rows)
-        yield f"map, squares of {size:.2f} m from x {cell.x:.2f} m, y {cell.y:.2f} m, y upwards:"
+        yield (
+            f"map, x to the right, y upwards, squares of {size:.2f} m; "
+            f"the middle of the one at the bottom left is at x {cell.x:.2f} m, y {cell.y:.2f} m:"
+        )
         for row in reversed(found.rows):
             yield "  " + " ".join(SIGNS[one.status] for one in row)
         yield "  " + ", ".join(f"{sign} {status.value}" for status, sign in SIGNS.items())

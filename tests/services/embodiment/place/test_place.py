@@ -1,5 +1,7 @@
 """`place`: every pose that is given is certified when it is asked again, and the map contradicts none."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -58,6 +60,15 @@ def test_the_map_shows_the_poses_and_proves_none_of_them_impossible(found: Place
         assert inside == near
     assert to_json(found)["impossible"] is False
     assert any("certified" in line and "#" in line for line in lines(found))
+
+
+def test_people_find_each_pose_on_the_map_that_they_read(found: Placement) -> None:
+    shown = list(lines(found))
+    (head,) = (k for k, line in enumerate(shown) if line.startswith("map, "))
+    size, x, y = map(float, re.findall(r"(-?[\d.]+) m", shown[head]))
+    rows = [line.split() for line in shown[head + 1 : head + 1 + len(found.rows)]][::-1]
+    for spot in found.spots:
+        assert rows[round((spot.y - y) / size)][round((spot.x - x) / size)] == "#"
 
 
 def test_a_square_across_the_room_is_proved_impossible_and_one_that_holds_a_pose_is_not(
