@@ -3,7 +3,9 @@
 import math
 import os
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TypeVar
 
 import click
 
@@ -13,6 +15,8 @@ from sdt_kg.numbers import check_written
 from services.commands.completion.types import KITCHEN, STATE
 from services.commands.show import CSV
 from services.store.output import check_file, check_folder
+
+Decorated = TypeVar("Decorated", bound=Callable[..., Any])  # click's own: whatever a command is made of
 
 KITCHEN_HELP = "Bundled kitchen (a, b) or path of a URDF, xacro, MJCF, SDF or saved twin (.nq, .trig)."
 ROBOT_HELP = "Bundled robot (pr2, tiago_dual, stretch) or path of a URDF or xacro."
@@ -113,6 +117,14 @@ robots_option = click.option(
     show_default=True,
     help="Bundled robots or paths, comma-separated.",
 )
+verb_option = click.option(
+    "--task",
+    "verb",
+    type=click.Choice(["open", "close"]),
+    default="open",
+    show_default=True,
+    help="What is to be done with each container.",
+)
 json_flag = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 csv_flag = click.option(
     "--csv",
@@ -132,17 +144,23 @@ def _once(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) ->
     return texts
 
 
-states_option = click.option(
-    "--state",
-    "states",
-    type=STATE,
-    multiple=True,
-    callback=_once,
-    metavar="JOINT=VALUE",
-    help="Start state: a joint or container at a position [rad or m], open or closed; all=open, all=closed, "
-    "all=half-open:SEED; in a table or sweep also asked=VALUE, of the container that each case is about. "
-    "Repeatable. Without it everything is closed; a server has its own state.",
-)
+def state_option(
+    more: str = "", *, without: str = "everything is closed"
+) -> Callable[[Decorated], Decorated]:
+    """`--state`, which says what else it takes here, and what holds where it is not given."""
+    return click.option(
+        "--state",
+        "states",
+        type=STATE,
+        multiple=True,
+        callback=_once,
+        metavar="JOINT=VALUE",
+        help="Start state: a joint or container at a position [rad or m], open or closed; all=open, "
+        f"all=closed, all=half-open:SEED{more}. Repeatable. Without it {without}.",
+    )
+
+
+states_option = state_option()
 drive_option = click.option(
     "--drive",
     type=click.Choice(["omni", "differential", "fixed"]),

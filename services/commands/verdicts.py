@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from predicates.case import Search
+from predicates.case import Quantity, Search
 from predicates.record.report import told_evidence
 from services.commands.exits import Exit
 from services.commands.show import csv_is_asked, print_json, print_rows
@@ -66,7 +66,7 @@ def print_verdict(verdict: Json, *, given: bool = False) -> None:
         _line(name, {True: "yes", False: "no", None: "not asked"}[verdict[name]])
     for diagnosis in verdict["diagnoses"]:
         click.echo(f"  {diagnosis_text(diagnosis, given=given)}")
-        if diagnosis["evidence"]:
+        if diagnosis["evidence"] and not _of_search(diagnosis):
             click.echo(f"    {_evidence_text(diagnosis['evidence'])}")
     _line("gripper", verdict["gripper"])
     _line("drive", verdict["drive"])
@@ -95,6 +95,11 @@ def diagnosis_text(diagnosis: Json, *, given: bool = False) -> str:
         return text
     tried = Search(*(search[name] for name in ("seeds", "branches", "placements", "seconds")))
     return f"{text} (not proved; {tried})"
+
+
+def _of_search(diagnosis: Json) -> bool:
+    """Whether what is measured is how long was searched: of the search, which the line before it tells."""
+    return diagnosis["search"] is not None and diagnosis["evidence"]["quantity"] == Quantity.TIME.value
 
 
 def _evidence_text(evidence: Json) -> str:

@@ -91,7 +91,7 @@ def path(context: click.Context, *, as_json: bool) -> None:
 
 
 @config.command()
-@click.option("-o", "--output", type=OutFile(), default=LOCAL, show_default=True)
+@click.option("-o", "--output", type=OutFile(), default=LOCAL, show_default=True, help="Where to.")
 @click.option("--force", is_flag=True, help="Overwrite the file if it is there.")
 def init(output: Path, *, force: bool) -> None:
     """Write a file to start from: every setting that commands share, commented out."""

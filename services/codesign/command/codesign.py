@@ -22,6 +22,7 @@ from services.commands.options import (
     seed_option,
     states_option,
     tee_option,
+    verb_option,
 )
 from services.commands.show import csv_text, print_json, print_rows
 from services.store.output import write_file
@@ -32,7 +33,7 @@ COVER_COLUMNS = ("kitchen", "robot", "certified", "of", "missing")
 @click.command()
 @kitchens_option
 @robots_option
-@click.option("--task", "verb", type=click.Choice(["open", "close"]), default="open", show_default=True)
+@verb_option
 @click.option(
     "--edit",
     "edits",
@@ -122,13 +123,20 @@ def _more(step: Step) -> str:
     return f"{len(step.gained)} more" + (f", {len(step.lost)} less" if step.lost else "")
 
 
+def _no_step(plan: Plan) -> str:
+    """Why nothing is edited."""
+    if not plan.candidates:
+        return "nothing to gain" if not plan.missing else "no candidate was found"
+    return f"none of {len(plan.candidates)} candidates gains more than it loses"
+
+
 def _print_plan(plan: Plan) -> None:
     click.echo(f"\nkitchen {plan.kitchen} for {plan.robot}, edits one after the other:")
     for step in plan.steps:
         lost = f"; no longer {', '.join(step.lost)}" if step.lost else ""
         click.echo(f"  {step.what}: {', '.join(step.gained)}{lost}  → {step.covered} of {plan.of}")
     if not plan.steps:
-        click.echo(f"  none of {len(plan.candidates)} candidates gains more than it loses")
+        click.echo(f"  {_no_step(plan)}")
     for step in plan.even:
         click.echo(f"  not taken: {step.what}: {', '.join(step.gained)}; no longer {', '.join(step.lost)}")
     for name, reason in plan.missing:

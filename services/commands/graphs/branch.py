@@ -189,7 +189,9 @@ def diff(
 @click.command()
 @click.argument("patch_file", type=click.Path(exists=True, dir_okay=False, path_type=Path), metavar="PATCH")
 @click.argument("source", metavar="A")
-@click.option("-o", "--output", type=OutFile(), required=True, metavar="FILE.trig|.nq")
+@click.option(
+    "-o", "--output", type=OutFile(), required=True, metavar="FILE.trig|.nq", help="Where what is made goes."
+)
 @click.option("--reverse", is_flag=True, help="Undo it: A is what it makes.")
 def patch(patch_file: Path, source: str, output: Path, reverse: bool) -> None:
     """Apply an RDF Patch that sdt diff wrote to A, a saved graph or kitchen, and write what that makes."""

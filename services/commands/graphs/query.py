@@ -31,6 +31,7 @@ from services.store.known import restricted
     "query_file",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     metavar="FILE.rq",
+    help="The query, in place of SPARQL.",
 )
 @click.option(
     "--known",

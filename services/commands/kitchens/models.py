@@ -74,9 +74,11 @@ def containers(kitchen: str, show_all: bool, as_json: bool) -> None:
         print_rows(counted + left_out, (*COLUMNS, *(("left_out", "reason") if show_all else ())))
         return
     print_rows(counted, COLUMNS)
-    if show_all:
+    if show_all and left_out:
         console().print()
         print_rows(left_out, ("name", "joint", "reason"))
+    elif show_all:
+        click.echo("\nno joint that moves is left out")
     for note in twin.notes:
         click.echo(f"note: {note}", err=True)
 
@@ -97,7 +99,14 @@ def container_row(container: Container) -> dict[str, object]:
 @kitchen_argument
 @click.option("--robot", "robots", multiple=True, type=ROBOT, help=ROBOT_HELP + " Repeatable.")
 @annotation_option
-@click.option("-o", "--output", type=OutFile(*GRAPH_FORMATS), required=True, metavar="FILE.ttl|.trig|.nq")
+@click.option(
+    "-o",
+    "--output",
+    type=OutFile(*GRAPH_FORMATS),
+    required=True,
+    metavar="FILE.ttl|.trig|.nq",
+    help="Where to; the suffix says the format.",
+)
 def graph(kitchen: str, robots: tuple[str, ...], annotation: str | None, output: Path) -> None:
     """Write the twin of KITCHEN (and robots) as RDF."""
     twin = load_twin(kitchen, robots, annotation=annotation)
@@ -111,7 +120,14 @@ def graph(kitchen: str, robots: tuple[str, ...], annotation: str | None, output:
 @annotation_option
 @tee_option
 @forces_option
-@click.option("--format", "form", type=click.Choice(["text", "turtle"]), default="text", show_default=True)
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["text", "turtle"]),
+    default="text",
+    show_default=True,
+    help="A table, or the SHACL report itself.",
+)
 @click.option(
     "--explain",
     "explained",

@@ -83,7 +83,7 @@ if TYPE_CHECKING:
 @click.option(
     "--motion-out",
     type=MOTION_FILE,
-    metavar="FILE.npz",
+    metavar="FILE",
     help="Write the certified body motion: .npz, .json or .csv.",
 )
 @click.option(

@@ -134,7 +134,7 @@ def show_learned(row: Json) -> None:
         "origin": _vector(row["origin"], deviations.get("origin"), "m"),
         "radius": _figure(row["radius"], deviations.get("radius"), "m"),
         "seen": None if row["limits"] is None else f"{row['limits'][0]:.3f} to {row['limits'][1]:.3f} {unit}",
-        "residual": f"{row['residual_rms'] * 1000:.1f} mm rms, {row['scale'] * 1000:.1f} mm without outliers",
+        "residual": f"{row['residual_rms'] * 1000:.1f} mm rms, noise {row['scale'] * 1000:.1f} mm",
         "samples": f"{row['samples']}, {row['missing']} missing, {row['outliers']} outliers",
         "held by": _held(row["mechanism"]),
         "coupling": _coupling(row.get("coupling")),
@@ -151,7 +151,7 @@ def show_learned(row: Json) -> None:
 def _vector(values: list[float] | None, deviation: float | None, unit: str) -> str | None:
     if values is None:
         return None
-    shown = ", ".join(f"{value:.3f}" for value in values)
+    shown = ", ".join(f"{round(value, 3) + 0.0:.3f}" for value in values)  # + 0.0: no -0.000
     return f"({shown})" + (f" ± {deviation:.3f} {unit}" if deviation is not None else "")
 
 

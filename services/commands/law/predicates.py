@@ -50,10 +50,15 @@ def satisfies(kitchen: str, states: tuple[str, ...], as_json: bool) -> None:
 @click.option(
     "--motion",
     type=click.Path(exists=True, path_type=Path),
-    metavar="FILE.npz",
-    help="Would this container's motion cause the task? Without it, motions that would.",
+    metavar="FILE",
+    help="Would this container's motion cause the task? .npz, .json or .csv. Without it, motions that would.",
 )
-@click.option("--motion-out", type=MOTION_FILE, metavar="FILE.npz", help="Write the first motion found.")
+@click.option(
+    "--motion-out",
+    type=MOTION_FILE,
+    metavar="FILE",
+    help="Write the first motion found: .npz, .json or .csv.",
+)
 @tee_option
 @forces_option
 @csv_flag

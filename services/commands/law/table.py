@@ -23,7 +23,8 @@ from services.commands.options import (
     json_flag,
     save_option,
     seed_option,
-    states_option,
+    state_option,
+    verb_option,
 )
 from services.commands.show import csv_text, print_json, print_rows, progress
 from services.commands.verdicts import COLUMNS, Json, verdict_row
@@ -49,9 +50,9 @@ STDOUT = Path("-")
     show_default=True,
     help="Bundled robots or paths, comma-separated.",
 )
-@click.option("--task", "verb", type=click.Choice(["open", "close"]), default="open", show_default=True)
+@verb_option
 @drive_option
-@states_option
+@state_option("; asked=VALUE is about the container of each case")
 @budget_option
 @seed_option
 @jobs_option

@@ -9,7 +9,7 @@ import click
 
 from sdt_kg.errors import InputError
 from services.commands.network.answers import ANSWERS, Asked
-from services.commands.options import FiniteRange, WholeRange, csv_flag, json_flag, states_option, tee_option
+from services.commands.options import FiniteRange, WholeRange, csv_flag, json_flag, state_option, tee_option
 from services.stopping import terminable
 
 ENDPOINT = "tcp/127.0.0.1:7447"
@@ -62,7 +62,7 @@ config_option = click.option(
 @connect_option
 @config_option
 @click.option("--robot", help="Robot of an achieve; may be left out where the server has one.")
-@states_option
+@state_option(without="the server's present state holds")
 @click.option(
     "--drive", type=click.Choice(["omni", "differential", "fixed"]), help="How the base moves, for achieve."
 )
@@ -73,7 +73,13 @@ config_option = click.option(
     metavar="NEWTON",
     help="Allowed at the handle, for d_artic_dyn; without it, what the kitchen's force data say.",
 )
-@click.option("--budget", type=FiniteRange(min=0, min_open=True), default=20.0, show_default=True)
+@click.option(
+    "--budget",
+    type=FiniteRange(min=0, min_open=True),
+    default=20.0,
+    show_default=True,
+    help="Seconds of CPU that the search for each container may take before it gives up.",
+)
 @click.option(
     "--deadline",
     type=FiniteRange(min=0, min_open=True),

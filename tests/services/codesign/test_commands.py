@@ -1,9 +1,11 @@
 """`sdt whatif --grid` and `sdt codesign`, as people type them."""
 
 import csv
+from pathlib import Path
 
 import pytest
 
+SMALL = Path(__file__).resolve().parents[2] / "small" / "b.urdf"
 DRAWER = "sink_area_left_middle_drawer_main"
 
 
@@ -100,6 +102,12 @@ def test_a_plan_takes_no_edit_that_can_be_made_nowhere(sdt) -> None:
     done = sdt("codesign", "--robots", "pr2", "--edit", "move:iai_fridge_door=1", "--edit", "clear:nix")
     assert (done.code, done.out) == (2, "")
     assert done.err.startswith("error: no body named 'nix'"), "the other can be made, in kitchen b only"
+
+
+@pytest.mark.oracle
+def test_where_nothing_is_missing_a_plan_says_that_there_is_nothing_to_gain(sdt) -> None:
+    asked = ("codesign", "--kitchens", str(SMALL), "--robots", "pr2", "--drive", "omni", "--within", "1")
+    assert "nothing to gain" in sdt(*asked).out
 
 
 @pytest.mark.parametrize("command", ["codesign", "whatif"])

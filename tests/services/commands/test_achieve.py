@@ -116,6 +116,12 @@ def test_what_is_open_already_is_not_certified(sdt) -> None:
     assert (diagnosis["kind"], diagnosis["proof"]) == ("causal", True)
 
 
+def test_how_long_was_searched_is_not_told_of_the_handle(sdt) -> None:
+    done = achieve(sdt, "--budget", "0.001")
+    assert "its budget of 0.001 s was spent" in done.out
+    assert "time of" not in done.out
+
+
 def test_people_read_what_was_certified(sdt) -> None:
     done = achieve(sdt)
     assert done.out.startswith(f"certified  open({DRAWER})  pr2 in kitchen b")

@@ -149,6 +149,16 @@ def test_every_command_that_tells_rows_tells_them_as_csv() -> None:
     assert without == SILENT | {"report", "sweep"}
 
 
+def test_every_option_says_what_it_does() -> None:
+    options = [
+        (name, each)
+        for name, command in all_commands()
+        for each in command.params
+        if isinstance(each, click.Option)
+    ]
+    assert [f"{name} {each.opts[0]}" for name, each in options if not each.help] == []
+
+
 def test_the_help_lists_every_exit_code_and_every_command(sdt: Callable[..., Done]) -> None:
     out = sdt("--help").out
     for code, meaning in MEANING.items():

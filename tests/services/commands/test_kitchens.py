@@ -16,6 +16,8 @@ from sdt_kg.iri import SDT
 from services.commands.graphs.query import _stopped_at_once
 from tests.services.http.test_interrupted import heard
 
+SMALL = Path(__file__).resolve().parents[2] / "small"
+
 
 @pytest.mark.parametrize(("kitchen", "doors", "drawers"), [("a", 8, 19), ("b", 3, 14)])
 def test_containers_are_those_of_the_paper(sdt, kitchen, doors, drawers) -> None:
@@ -28,6 +30,12 @@ def test_what_is_left_out_is_listed_with_its_reason(sdt) -> None:
     left_out = {each["name"]: each["reason"] for each in rows if each.get("left_out")}
     assert left_out["coffee_table_drawer"] == "it has no handle"
     assert len(left_out) == 11
+
+
+def test_where_nothing_is_left_out_is_said_so(sdt) -> None:
+    done = sdt("containers", str(SMALL / "b.urdf"), "--all")
+    assert "no joint that moves is left out" in done.out
+    assert "reason" not in done.out
 
 
 UNNAMED = """

@@ -64,6 +64,14 @@ def test_a_track_alone_has_a_joint_and_no_task(known: str) -> None:
     assert row["residual_rms"] == pytest.approx(0.0028, abs=0.0004)
 
 
+def test_people_read_no_minus_of_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "straight.csv"
+    np.savetxt(path, np.column_stack((np.linspace(0, 0.4, 40), np.full(40, -1e-9), np.zeros(40))))
+    shown = CliRunner().invoke(sdt, ["learn", str(path)]).output
+    assert "axis      (1.000, 0.000, 0.000)" in shown
+    assert "-0.000" not in shown
+
+
 def test_fixed_is_told_with_what_it_does_not_exclude(tmp_path: Path) -> None:
     path = tmp_path / "still.csv"
     np.savetxt(path, seen(drawer(stopping(0.01)), 0, 0.003).positions)
