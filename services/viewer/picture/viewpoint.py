@@ -34,6 +34,10 @@ ABOVE = 0.1
 """[m] The camera stands where nothing is below it down to here: else that fills half the picture."""
 BEFORE = 0.08
 """[m] The point of a front that has to be seen lies so far before its handle."""
+STANDS = 0.8
+"""[m] So far beyond the end of a handle's way stands about the robot that pulled it there."""
+ROOM = 2.5
+"""[m] From the camera to that robot: nearer, it fills the picture."""
 FIRST = 0.02
 """[1] Part of the way to open in which a handle moves along the normal of its front."""
 FRONTS = 40
@@ -51,10 +55,12 @@ class Fronts:
     Attributes:
         points: Before each handle, shape (F, 3) [m].
         normals: Which way each handle goes first, shape (F, 3), of length 1.
+        robot: About where stands who has opened the first, shape (3,) [m]; None: nobody has to be seen.
     """
 
     points: Array
     normals: Array
+    robot: Array | None = None
 
 
 def fronts_of(
@@ -78,7 +84,17 @@ def fronts_of(
         if away := float(np.linalg.norm(moved)):
             normals.append(moved / away)
             points.append(path[0] + BEFORE * normals[-1])
-    return Fronts(np.array(points).reshape(-1, 3), np.array(normals).reshape(-1, 3))
+    return Fronts(
+        np.array(points).reshape(-1, 3), np.array(normals).reshape(-1, 3), _robot(looks, joints, asked)
+    )
+
+
+def _robot(looks: Looks, joints: Mapping[str, float], asked: Container) -> Array | None:
+    """About where the robot stands once it has opened that: beyond the end of the handle's way, along it."""
+    ways = asked.lower + np.array([1.0 - FIRST, 1.0]) * (asked.open_from - asked.lower)
+    before, end = handle_path(looks, joints, local_name(asked.handle), local_name(asked.joint), ways, 2)
+    moved = float(np.linalg.norm(end - before))
+    return end + STANDS * (end - before) / moved if moved else None
 
 
 def largest(looks: Looks, joints: Mapping[str, float], world_T_root: Array) -> Array:
@@ -97,8 +113,8 @@ def largest(looks: Looks, joints: Mapping[str, float], world_T_root: Array) -> A
 def viewpoint(fronts: Fronts, hiding: Array) -> tuple[Array, Array] | None:
     """Where the camera stands and at what it looks, points (3,) [m]; None if no front can be seen.
 
-    The first front is seen if it can be, then as many others as can be, then all of them as near and as
-    straight as can be.
+    The first front is seen if it can be, then the robot that has opened it, then as many others as can be,
+    then all of them as near and as straight as can be.
 
     Args:
         fronts: Of the kitchen.
@@ -121,8 +137,9 @@ def viewpoint(fronts: Fronts, hiding: Array) -> tuple[Array, Array] | None:
         seen &= np.einsum("cfk,ck->cf", ways, middles) > CONE
     if not seen.any():
         return None
+    whole = seen[:, 0] & _in_picture(fronts.robot, places, _middles(ways, seen))
     worth = np.where(seen, facing / np.maximum(away, NEAREST), 0.0).sum(axis=1)
-    best = int(np.lexsort((worth, seen.sum(axis=1), seen[:, 0]))[-1])
+    best = int(np.lexsort((worth, seen.sum(axis=1), whole, seen[:, 0]))[-1])
     far = float(away[best][seen[best]].mean())
     return places[best], places[best] + far * _middles(ways, seen)[best]
 
@@ -148,6 +165,15 @@ def _middles(ways: Array, seen: Claims) -> Array:
     """Direction of the middle of what is seen from each place, shape (C, 3)."""
     summed = np.einsum("cfk,cf->ck", ways, seen.astype(float))
     return summed / np.maximum(np.linalg.norm(summed, axis=1, keepdims=True), 1e-9)
+
+
+def _in_picture(point: Array | None, places: Array, middles: Array) -> Claims:
+    """From which places (C, 3), not too near, the point, if any, is seen when that way (C, 3) is looked."""
+    if point is None:
+        return np.ones(len(places), bool)
+    ways = point - places
+    away = np.linalg.norm(ways, axis=1)
+    return (away > ROOM) & (np.einsum("ck,ck->c", ways, middles) > CONE * away)
 
 
 def _normals(triangles: Array) -> Array:

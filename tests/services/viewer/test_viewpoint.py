@@ -1,5 +1,7 @@
 """The first camera sees fronts from before them, with nothing between: in made-up rooms and bundled ones."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
@@ -10,7 +12,7 @@ from services.viewer.picture.looks import Looks
 from services.viewer.picture.shapes import collision_surfaces
 from services.viewer.picture.skeleton import Skeleton
 from services.viewer.picture.standing import kitchen_positions
-from services.viewer.picture.viewpoint import CLEAR, CONE, Fronts, fronts_of, largest, viewpoint
+from services.viewer.picture.viewpoint import CLEAR, CONE, ROOM, Fronts, fronts_of, largest, viewpoint
 
 Array = NDArray[np.float64]
 NOTHING = np.zeros((0, 3, 3))
@@ -56,6 +58,17 @@ def test_what_is_asked_about_is_seen_though_others_are_more() -> None:
     assert view is not None
     assert view[0][0] < -1.0
     assert is_seen(alone.points[0], *view)
+
+
+def test_the_robot_that_has_opened_it_is_seen_though_others_are_fewer() -> None:
+    robot = np.array([1.5, 4.0, 0.8])
+    for_fronts, for_robot = viewpoint(ROW, NOTHING), viewpoint(replace(ROW, robot=robot), NOTHING)
+    assert for_fronts is not None
+    assert for_robot is not None
+    assert not is_seen(robot, *for_fronts)
+    assert is_seen(robot, *for_robot)
+    assert np.linalg.norm(robot - for_robot[0]) > ROOM
+    assert is_seen(ROW.points[0], *for_robot)
 
 
 def test_there_is_no_view_of_nothing_and_none_through_walls() -> None:
