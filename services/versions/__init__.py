@@ -9,8 +9,8 @@ from functools import cache
 from importlib.metadata import version
 
 KINEMATICS_VERSION = "21"
-DYNAMICS_VERSION = "8"
-EMBODIMENT_VERSION = "36"
+DYNAMICS_VERSION = "9"
+EMBODIMENT_VERSION = "37"
 BEARING_VERSION = "6"
 """Each is raised whenever an answer of that oracle may change."""
 
