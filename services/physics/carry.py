@@ -71,9 +71,9 @@ def carried(
 
     If the body motion says how the kitchen moves, as it says; what it does not name stands still, as does
     everything under the motion of a robot that is not there. If it says nothing, the handle moves
-    rigidly with a gripper that is at it (at its own first, else at another by which it moves), for as long as the joint can follow and the fingers stay as
+    rigidly with a gripper that is at it, for as long as the joint can follow and the fingers stay as
     they are; before and after, the container stands still. Once they have opened they may close as far
-    again, and hold it anew.
+    again, and hold it anew. Where its own handle is not moved so, others are looked at by which it moves.
 
     Args:
         model: Built from the twin's environment.
@@ -91,7 +91,8 @@ def carried(
     columns = {joint: i for i, joint in enumerate(body_motion.kitchen_joints)}
     if {container.joint, *twin.entities.coupling.together(container.joint)} & {*columns}:
         told = _telling(model, body_motion, container)
-        values, velocities = (each[:, [columns[told]]] for each in (body_motion.kitchen_q, body_motion.kitchen_v))
+        both = body_motion.kitchen_q, body_motion.kitchen_v
+        values, velocities = (each[:, [columns[told]]] for each in both)
         return of_own_joint(model, container, Motion(told, times, values, velocities=velocities))
     if not columns and body_motion.robot in twin.robots:
         every = (container, *by_other_handles(twin, container))
@@ -119,9 +120,7 @@ def _telling(model: Model, body_motion: BodyMotion, container: Container) -> Iri
     return container.active_joint if container.active_joint in together else [container.joint, *together][-1]
 
 
-def _dragged(
-    model: Model, scene: Scene, twin: Twin, body_motion: BodyMotion, container: Container
-) -> Motion:
+def _dragged(model: Model, scene: Scene, twin: Twin, body_motion: BodyMotion, container: Container) -> Motion:
     """Motion of the own joint, as the gripper that moves it most drags its handle along."""
     found = [
         _held(model, scene, twin, body_motion, container, each) for each in _grippers(scene, body_motion)

@@ -42,7 +42,9 @@ def test_a_state_that_all_but_meets_the_request_is_not_told_to_meet_it() -> None
 
 
 @pytest.mark.parametrize(("at", "holds"), [(0.48, True), (0.25, False), (0.0, False)])
-def test_a_state_that_names_some_joints_has_the_others_where_the_twin_has_them(at: float, holds: bool) -> None:
+def test_a_state_that_names_some_joints_has_the_others_where_the_twin_has_them(
+    at: float, holds: bool
+) -> None:
     twin = TWIN.at({DRAWER.joint: at})
     case = Case(twin, task=Task(Verb.OPEN, DRAWER.iri), final=State.of({OVEN.joint: 0.3}))
     (answer,) = satisfies_request(case)

@@ -131,7 +131,7 @@ class Assembler:
         return timing.fastest(path, self.body_bound, (np.inf, np.inf), REACH_SAMPLES)[0]
 
     def _grasp(self, x: Array, opened: Array, closed: Array, begins: Array | None = None) -> Timed:
-        """Fingers close, or open, at x; or where the motion begins, if that is beside where the kitchen is."""
+        """Fingers close, or open, at x; or where the motion begins, if that is beside the kitchen's state."""
         at = x if begins is None else begins
         corners = np.stack([np.append(x, opened), np.append(at, opened), np.append(at, closed)])
         return timing.along(corners, self.bound, self.reach, SPACING)

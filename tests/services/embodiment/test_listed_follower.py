@@ -92,7 +92,9 @@ def test_the_hand_drags_a_drawer_by_another_handle_than_its_first(tmp_path: Path
     (tmp_path / "cell.urdf").write_text(text.replace("<!-- more -->", FIRST_HANDLE))
     twin = load_twin(tmp_path / "cell.urdf", [FOLDER / "gantry.urdf"])
     (drawer,) = twin.containers()
-    assert [drawer.handle, *drawer.more_handles] == [body_iri("cell", n) for n in ("a_handle", "drawer_handle")]
+    assert [drawer.handle, *drawer.more_handles] == [
+        body_iri("cell", n) for n in ("a_handle", "drawer_handle")
+    ]
     case = Case(twin, twin.robots[0], Task(Verb.OPEN, drawer.iri), body_motion=silent())
     (verdict,) = law(case, Kinematics(), WholeBody(Drive.OMNI, START))
     assert verdict.outcome is Outcome.CERTIFIED, verdict.diagnoses
