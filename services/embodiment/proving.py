@@ -85,14 +85,14 @@ class Proofs:
         if self.whole is not None or self._prover is None:
             return
         if self._stands and not late():
-            found = self._prover.prove(EARLY_BOXES, one_hold=True)
+            found = self._prover.prove(EARLY_BOXES, one_hold=True, late=late)
             if found is not None and found.diagnosis.proof:
                 self.whole = found
             else:
                 self.partial = found
         if not self.ended and tools and in_hand(setting.world, setting.container.handle, tools):
             boxes = EARLY_BOXES if self._stands else LATE_BOXES  # heights alone are cheap to compare
-            found = self._about(IN_HAND).prove(boxes, self._stands and not late())
+            found = self._about(IN_HAND).prove(boxes, self._stands and not late(), late)
             self.partial = found if found is None or not bred else _beyond(found, bred)
         self._spent("proof", at)
 

@@ -1,5 +1,6 @@
 """Where one hold cannot be had at all values of the container: cells of the wrist's place, one by one."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,13 +73,17 @@ class _Search:
         return self._tree[:count].tobytes() if outcome == FOUND else None
 
 
-def by_places(statement: Statement, arm: Arm, values: list[float]) -> Refutation | None:
-    """A refutation of one gripper, if each cell of places of its wrist is refuted at some value."""
+def by_places(
+    statement: Statement, arm: Arm, values: list[float], late: Callable[[], bool]
+) -> Refutation | None:
+    """A refutation of one gripper, if each cell of places of its wrist is refuted at some value in time."""
     if statement.level or not len(statement.target(values[0]).boxes):
         return None
     search = _Search(statement, arm, values)
     parts, stack = list[tuple[int, bytes]](), [search.whole]
     while stack:
+        if late():
+            return None
         low, high = stack.pop()
         if too_far(statement, arm, low, high):
             parts.append((-1, bytes([NO_HOLD])))

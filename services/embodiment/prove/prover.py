@@ -97,15 +97,16 @@ class Prover:
         other.start, other.statement, other._arms = start, self.statement.standing(start, room), {}
         return other
 
-    def prove(self, nodes: int, one_hold: bool = False) -> Proved | None:
+    def prove(self, nodes: int, one_hold: bool = False, late: Callable[[], bool] = never) -> Proved | None:
         """A verified proof, if one is found with at most so many boxes for each gripper and value.
 
         Args:
             nodes: Boxes.
             one_hold: Whether one hold at all values is refuted where no single value refutes all holds.
+            late: Whether time is up for that: half a minute for a gripper, if none is found.
         """
         assert self.statement.room == (0.0, 0.0, 0.0), "a claim is about one base pose"
-        found = self._verified(nodes, one_hold)
+        found = self._verified(nodes, one_hold, late)
         if found is None or self.span is None:
             return None
         refutations, leaves = found
@@ -151,7 +152,9 @@ class Prover:
         """Whether no base pose in the room will do, proved with so many boxes for each gripper and value."""
         return self._verified(nodes) is not None
 
-    def _verified(self, nodes: int, one_hold: bool = False) -> tuple[list[Refutation], int] | None:
+    def _verified(
+        self, nodes: int, one_hold: bool = False, late: Callable[[], bool] = never
+    ) -> tuple[list[Refutation], int] | None:
         """One refutation for each gripper, verified, and how many boxes were refuted in all."""
         if self.span is None:
             return None
@@ -161,7 +164,7 @@ class Prover:
             if found is None and self.statement.within is None:
                 found = self._by_fingers(gripper)
             if found is None and one_hold:
-                found = self._by_places(gripper)
+                found = self._by_places(gripper, late)
             if found is None:
                 return None
             refutations.append(found)
@@ -199,12 +202,12 @@ class Prover:
             self._arms[key] = statement, statement.arm(gripper)
         return self._arms[key]
 
-    def _by_places(self, gripper: Gripper) -> Refutation | None:
+    def _by_places(self, gripper: Gripper, late: Callable[[], bool]) -> Refutation | None:
         """A refutation of one hold of one gripper, at several values."""
         between, statement, arm = self._meant(gripper, None)
         if arm is None:
             return None
-        found = by_places(statement, arm, sorted(self._values())[::SPARSE])
+        found = by_places(statement, arm, sorted(self._values())[::SPARSE], late)
         return found if found is None else replace(found, between=between)
 
     def _by_limbs(self, gripper: Gripper) -> Refutation | None:

@@ -1,5 +1,6 @@
 """Which proofs the search comes to look for, and what they say of what was searched besides."""
 
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ HERE = (0.0, 0.0, 0.0)
 FAR = 41  # front whose handle the TIAGo++ touches with the ends of its fingers at best
 STANDING = 31  # front whose door comes into the TIAGo++'s column
 TIPS = 65  # front whose door comes into shapes of the TIAGo++, not into what is known of its bodies
+LASTS_NOT = 12  # front that the TIAGo++ holds at each angle, and in no way that lasts
 BRED = 96
 
 
@@ -65,6 +67,14 @@ def test_nothing_is_said_of_holds_in_hand_where_listed_grasps_have_it_farther_of
     known.look(0)
     known.look_at_holds([middle(about) + np.array([0.1, 0.0, 0.0])], BRED, late=lambda: True)
     assert not known.ended
+
+
+@pytest.mark.parametrize("looks", [1, 1000])
+def test_that_no_one_hold_lasts_is_looked_for_until_the_budget_ends(tmp_path: Path, looks: int) -> None:
+    known, calls = proofs(setting(tmp_path, LASTS_NOT, "tiago_dual", Drive.FIXED)), count()
+    known.look(0)
+    known.look_at_holds([], 0, late=lambda: next(calls) >= looks)
+    assert (known.partial is not None) is (looks > 1)
 
 
 @pytest.mark.parametrize(("number", "whole"), [(STANDING, True), (TIPS, False)])
