@@ -25,19 +25,18 @@ class Depths:
     """Pairs of one limb's shapes, its base standing, and a hand that holds one handle.
 
     Attributes:
-        pairs: Shapes (P, 2), and the distances demanded of them (P,) [m].
-        levers: What `pressed` takes.
+        scene, pairs, levers: What `pressed` takes.
+        room: The same: what it writes to.
     """
 
     world: World
     limb: Limb
     hand: Hand
     mechanics: Mechanics
-    pairs: tuple[NDArray[np.int64], Array]
+    pairs: tuple
+    scene: tuple
     levers: tuple
-    _found: tuple[NDArray[np.int64], Array]
-    _rows: Array
-    _room: tuple
+    room: tuple[tuple[NDArray[np.int64], Array], Array, tuple]
 
     def q(self, x: Array, shares: Array, value: float) -> Array:
         """The scene's configuration at x (n,), fingers closed by shares (F,), the container at a value."""
@@ -45,10 +44,10 @@ class Depths:
 
     def residual(self, x: Array, shares: Array, value: float) -> tuple[Array, Array]:
         """What pairs lack (N,) [m], and how that changes with each variable, shape (N, n)."""
-        world, q = self.world, self.q(x, shares, value)
-        scene = world.tree, world.boxes, world.radius, world.half, world.shapes
-        count = pressed(q, *scene, self.pairs, self.levers, self._found, self._rows, self._room)
-        return self._found[1][:count].copy(), self._rows[:count].copy()
+        (_, lacks), rows, _ = self.room
+        q = self.q(x, shares, value)
+        count = pressed(q, *self.scene, self.pairs, self.levers, *self.room)
+        return lacks[:count].copy(), rows[:count].copy()
 
 
 def make_depths(world: World, limb: Limb, hand: Hand, mechanics: Mechanics, start: Array) -> Depths:
@@ -64,13 +63,40 @@ def make_depths(world: World, limb: Limb, hand: Hand, mechanics: Mechanics, star
     robot, kitchen = np.nonzero((demands.environment >= 0) & moves[:, None])
     outside = demands.environment[robot, kitchen] + BUFFER
     shapes = np.concatenate([demands.pairs, np.column_stack((robot + world.split, kitchen))])
-    pairs = np.ascontiguousarray(shapes, np.int64), np.concatenate([own, outside])
+    pairs = _grouped(world, shapes, np.concatenate([own, outside]))
     found = np.empty(ROWS, np.int64), np.empty(ROWS)
     frames = np.empty((len(world.tree[0]), 3, 3)), np.empty((len(world.tree[0]), 3))
     boxes = np.empty((len(world.body), 3, 3)), np.empty((len(world.body), 3))
-    room = frames, boxes, np.zeros(12), witness.room()
-    rows = np.empty((ROWS, len(limb.lower)))
-    return Depths(world, limb, hand, mechanics, pairs, levers, found, rows, room)
+    room = found, np.empty((ROWS, len(limb.lower))), (frames, boxes, np.zeros(12), witness.room())
+    scene = world.tree, world.boxes, world.radius, world.half, world.shapes
+    return Depths(world, limb, hand, mechanics, pairs, scene, levers, room)
+
+
+def _grouped(world: World, shapes: NDArray[np.int64], demands: Array) -> tuple:
+    """Pairs of shapes (P, 2) and the distances demanded (P,), in groups that a ball each can part."""
+    joints, _, middles = world.boxes
+    alone = np.arange(len(joints)) < world.split  # what is not the robot's
+    _, ball = np.unique(
+        np.where(alone, joints.max() + 1 + np.arange(len(joints)), joints), return_inverse=True
+    )
+    order = np.lexsort(ball[shapes].T)
+    shapes, demands = np.ascontiguousarray(shapes[order], np.int64), demands[order]
+    changes = np.any(np.diff(ball[shapes], axis=0, prepend=-1), axis=1)
+    first = np.flatnonzero(changes)
+    last = np.append(first[1:], len(shapes))
+    groups = np.column_stack((ball[shapes[first]], first, last)).astype(np.int64)
+    widest = np.maximum.reduceat(demands, first) if len(first) else demands
+    members = [np.flatnonzero(ball == one) for one in range(int(ball.max()) + 1)]
+    balls = np.array([_ball(middles[some], world.radius[some]) for some in members])
+    carriers = np.array([joints[some[0]] for some in members], np.int64)
+    return shapes, demands, groups, widest, (carriers, balls[:, :3].copy(), balls[:, 3].copy())
+
+
+def _ball(middles: Array, radius: Array) -> Array:
+    """Middle and radius of a ball about balls, shape (4,)."""
+    low, high = (middles - radius[:, None]).min(axis=0), (middles + radius[:, None]).max(axis=0)
+    middle = (low + high) / 2
+    return np.append(middle, (np.linalg.norm(middles - middle, axis=1) + radius).max())
 
 
 def unmoved(limb: Limb, mechanics: Mechanics, start: Array, values: Array) -> Contact | None:

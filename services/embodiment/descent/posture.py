@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from services.embodiment.body.hand import fingers
 from services.embodiment.body.limb import BASE
 from services.embodiment.descent.depths import SPARE, Depths
-from services.embodiment.descent.pinch import Grip, Pads, Pose, led, pinched
-from services.embodiment.descent.solver import Bounds, both, descend
+from services.embodiment.descent.pinch import Grip, Pads, Pose, led, line
+from services.embodiment.descent.solver import Bounds, Solver
 from services.embodiment.hold.fit import INWARD, REACH, ROUNDS
 from services.embodiment.hold.grasp import TOUCH
 from services.embodiment.hold.holding import inside
@@ -67,7 +67,7 @@ class Descent:
     """
 
     depths: Depths
-    pads: Pads
+    solver: Solver
     grips: list[Grip]
     handle: Callable[[float], Pose]
     bounds: Bounds
@@ -108,22 +108,14 @@ class Descent:
 
     def _from(self, x: Array, grip: Grip, value: float) -> Posture | None:
         """Where the descent from x comes to; None where the handle does not come between the fingers."""
-        limb, handle, sides = self.depths.limb, self.handle(value), len(self.depths.hand.closing[1])
-
-        def place(x: Array) -> tuple[Array, Array]:
-            return pinched(x, limb, self.pads, grip, handle)
-
-        x, cost = descend(x, place, self.bounds, STEPS, MET)
+        part, sides = line(grip, self.handle(value)), len(self.depths.hand.closing[1])
+        x, cost = self.solver.pinch(x, part, None, STEPS, MET)
         if cost > LED:
             return None
         for look in range(LOOKS):
             closed = self._closed(x, value)
             shares, before = np.full(sides, HALF_CLOSED) if closed is None else closed[1], cost
-
-            def pressed(x: Array, shares: Array = shares) -> tuple[Array, Array]:
-                return both(place(x), self.depths.residual(x, shares, value))
-
-            x, cost = descend(x, pressed, self.bounds, STEPS, MET)
+            x, cost = self.solver.pinch(x, part, (shares, value), STEPS, MET)
             if cost < MET or (look and (cost > HOPELESS or cost > SLOW * before)):
                 break
         closed = self._closed(x, value)
@@ -133,17 +125,12 @@ class Descent:
         if not over or cost > NEARLY:
             return Posture(x, shares, cost + LOOSE_COST * (not over), grip, False)
         y, left = self.kept(x, shares, tool, value, LAST_STEPS)
-        holds = self.free(y, shares, value) and float(np.abs(led(y, limb, tool)[0]).max()) < HELD
+        holds = self.free(y, shares, value) and float(np.abs(led(y, self.depths.limb, tool)[0]).max()) < HELD
         return Posture(y, shares, left if holds else max(cost, left), grip, holds)
 
     def kept(self, x: Array, shares: Array, tool: Pose, value: float, steps: int) -> tuple[Array, float]:
         """Descends to where the tool is at a pose and shapes out of each other; what is left of that."""
-        limb = self.depths.limb
-
-        def residual(x: Array) -> tuple[Array, Array]:
-            return both(led(x, limb, tool), self.depths.residual(x, shares, value))
-
-        return descend(x, residual, self.bounds, steps, FREE)
+        return self.solver.lead(x, tool, (shares, value), steps, FREE)
 
     def free(self, x: Array, shares: Array, value: float) -> bool:
         """Whether nearly nothing is left of depths: less than what is demanded beyond certification."""
@@ -175,4 +162,5 @@ def make_descent(
     moves = np.ones(len(lower), np.bool_)
     moves[BASE] = False
     bounds = Bounds(moves, lower, upper)
-    return Descent(depths, Pads(depths.hand), grips, handle, bounds, start, rng)
+    solver = Solver(depths, Pads(depths.hand), bounds)
+    return Descent(depths, solver, grips, handle, bounds, start, rng)

@@ -1,19 +1,18 @@
-"""Levenberg and Marquardt's descent within bounds, for few variables."""
+"""Levenberg and Marquardt's descent within bounds, of one limb whose hand is about one handle."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Residual = Callable[[Array], tuple[Array, Array]]
+from services.embodiment.descent.depths import Depths
+from services.embodiment.descent.downhill import PLACES, descend
+from services.embodiment.descent.pinch import Line, Pads, Pose
 
-DAMPING, LEAST = 1e-4, 1e-7  # [1] at first, and at least
-SOFTER, HARDER = 4.0, 6.0  # [1] by which damping falls after a step and grows before another
-TRIES = 5  # dampings at one posture
-STEP = 0.5  # [rad or m] largest change of a variable
-GAIN = 1e-4  # [1] of the sum of squares that a step has to save
+Array = NDArray[np.float64]
+Held = tuple[Array, float]
+
+NOWHERE = np.eye(3), np.zeros(3)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,50 +27,46 @@ class Bounds:
         """x, changed by so much of what may move."""
         return np.clip(x + np.where(self.moves, change, 0.0), self.lower, self.upper)
 
-    def free(self, x: Array, gradient: Array) -> NDArray[np.bool_]:
-        """Which variables a descent may change."""
-        ends = ((x <= self.lower) & (gradient > 0)) | ((x >= self.upper) & (gradient < 0))
-        return self.moves & ~ends
 
+@dataclass(slots=True, eq=False)
+class Solver:
+    """Descents from postures x (n,) within bounds: where each comes to, and what is left there.
 
-def descend(x: Array, residual: Residual, bounds: Bounds, steps: int, enough: float) -> tuple[Array, float]:
-    """Where a descent from x (n,) comes to, and the root of the sum of squares there.
-
-    Args:
-        x: Within the bounds.
-        residual: Of x, shape (N,), and its derivatives (N, n); N may differ from x to x.
-        bounds: Of x.
-        steps: At most.
-        enough: The root with which it ends.
+    That is the root of the sum of squares of what the hand lacks of its place and, where it is said by which
+    shares its joints are closed (F,) and where the container is, of what shapes lack of their distances.
     """
-    (r, rows), damping = residual(x), DAMPING
-    cost = float(r @ r)
-    for _ in range(steps):
-        if cost < enough**2:
-            break
-        gradient = rows.T @ r
-        free = bounds.free(x, gradient)
-        if not free.any():
-            break
-        some = rows[:, free]
-        square, diagonal = some.T @ some, np.eye(int(free.sum()))
-        for _ in range(TRIES):
-            change = np.zeros(len(x))
-            change[free] = -np.linalg.solve(square + damping * diagonal, gradient[free])
-            change *= min(1.0, STEP / max(float(np.abs(change).max()), STEP))
-            there = bounds.beside(x, change)
-            r, rows = residual(there)
-            now = float(r @ r)
-            if now < cost * (1 - GAIN):
-                break
-            damping *= HARDER
-        else:
-            break
-        x, cost, damping = there, now, max(damping / SOFTER, LEAST)
-    return x, float(np.sqrt(cost))
 
+    depths: Depths
+    pads: Pads
+    bounds: Bounds
+    _about: tuple = field(init=False)
+    _room: tuple = field(init=False)
 
-def both(*residuals: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Residuals (N,) and their derivatives (N, n), one after the other."""
-    values, rows = zip(*residuals, strict=True)
-    return np.concatenate(values), np.concatenate(rows)
+    def __post_init__(self) -> None:
+        depths, limb, world = self.depths, self.depths.limb, self.depths.world
+        n, joints = len(limb.lower), len(limb.chain[3])
+        expansion = np.ascontiguousarray(limb.expansion)
+        self._about = limb.chain, depths.scene, depths.pairs, depths.levers, expansion
+        tool = np.empty((3, 3)), np.empty(3), np.empty((joints, 3)), np.empty((joints, 3)), np.empty((6, n))
+        places = np.empty(PLACES), np.empty((PLACES, n))
+        self._room = places, np.empty(world.scene.model.nq), tool, *depths.room
+
+    def pinch(
+        self, x: Array, part: Line, held: Held | None, steps: int, enough: float
+    ) -> tuple[Array, float]:
+        """A part of the handle comes between the fingers."""
+        return self._down(x, (False, part, self.pads.room, NOWHERE), held, steps, enough)
+
+    def lead(self, x: Array, tool: Pose, held: Held | None, steps: int, enough: float) -> tuple[Array, float]:
+        """The tool comes to a pose."""
+        nothing = NOWHERE[1], NOWHERE[1], NOWHERE[1], 0.0
+        return self._down(x, (True, nothing, self.pads.room, tool), held, steps, enough)
+
+    def _down(
+        self, x: Array, goal: tuple, held: Held | None, steps: int, enough: float
+    ) -> tuple[Array, float]:
+        there, depths, bounds = x.copy(), self.depths, self.bounds
+        q = depths.limb.rest if held is None else depths.q(np.zeros(len(x)), *held)
+        limits = bounds.moves, bounds.lower, bounds.upper
+        left = descend(there, goal, (held is not None, q), self._about, limits, steps, enough, self._room)
+        return there, float(left)

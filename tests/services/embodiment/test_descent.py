@@ -12,10 +12,10 @@ from scipy.spatial.transform import Rotation
 from sdt_kg.load import load_twin
 from services.embodiment.body.limb import Limb, Margins
 from services.embodiment.body.world import World
-from services.embodiment.descent import witness
+from services.embodiment.descent import placed, witness
 from services.embodiment.descent.depths import Depths, make_depths
-from services.embodiment.descent.pinch import Pads, grips, led, pinched
-from services.embodiment.descent.solver import Bounds, descend
+from services.embodiment.descent.pinch import Grip, Pads, Pose, grips, led, line
+from services.embodiment.descent.solver import Bounds, Solver
 from services.embodiment.hold.handle import Mechanics, find_bar
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.parts import parts
@@ -127,6 +127,14 @@ def test_depths_change_as_their_derivatives_say(depths: Depths) -> None:
     assert np.mean(seen) > 0.9
 
 
+def pinched(x: Array, limb: Limb, pads: Pads, grip: Grip, handle: Pose) -> tuple[Array, Array]:
+    """What a hand lacks of its place about a part of a handle, and the derivatives."""
+    values, rows = np.empty(4), np.empty((4, len(x)))
+    at = *limb.tool(x), limb.tool_jacobian(x)
+    count = placed.pinched(*at, line(grip, handle), pads.room, values, rows)
+    return values[:count], rows[:count]
+
+
 def test_the_place_of_a_handle_changes_as_its_derivatives_say(depths: Depths) -> None:
     limb, world, mechanics = depths.limb, depths.world, depths.mechanics
     q = limb.q(limb.parked)
@@ -144,14 +152,49 @@ def test_the_place_of_a_handle_changes_as_its_derivatives_say(depths: Depths) ->
     assert rows_seen > 10
 
 
-def test_the_tool_comes_to_its_pose_as_its_derivatives_say(depths: Depths) -> None:
+def about(depths: Depths) -> Solver:
     limb = depths.limb
+    return Solver(depths, Pads(depths.hand), Bounds(np.arange(len(limb.lower)) >= 3, limb.lower, limb.upper))
+
+
+def test_the_tool_is_off_its_pose_as_its_derivatives_say(depths: Depths) -> None:
+    limb = depths.limb
+    for x, y in zip(drawn(limb, 10), drawn(limb, 20)[10:], strict=True):
+        aim = limb.tool(y)
+        off, rows = led(x, limb, aim)
+        np.testing.assert_allclose(off[:3], limb.tool(x)[1] - aim[1], atol=1e-12)
+        there = differences(lambda x, a=aim: led(x, limb, a)[0], x, 6)
+        np.testing.assert_allclose(rows[:3, 3:], there[:3, 3:], atol=ALIKE)
+
+
+def test_a_descent_leads_the_tool_to_its_pose(depths: Depths) -> None:
+    limb, solver = depths.limb, about(depths)
+    none = np.zeros(len(depths.hand.closing[1]))
     for x in drawn(limb, 10):
-        aim = limb.tool(x)
-        y = x + 0.01 * (np.arange(len(x)) >= 3)
-        bounds = Bounds(np.arange(len(x)) >= 3, limb.lower, limb.upper)
-        z, left = descend(
-            bounds.beside(y, np.zeros(len(x))), lambda x, a=aim: led(x, limb, a), bounds, 30, 1e-9
-        )
+        y = solver.bounds.beside(x, np.full(len(x), 0.01))
+        z, left = solver.lead(y, limb.tool(x), None, 30, 1e-9)
         assert left < 1e-6 or (z <= limb.lower).any() or (z >= limb.upper).any()
         np.testing.assert_array_equal(z[:3], y[:3])
+        z, left = solver.lead(y, limb.tool(x), (none, 0.1), 30, 1e-9)
+        lacks = [led(z, limb, limb.tool(x))[0], depths.residual(z, none, 0.1)[0]]
+        assert left == pytest.approx(np.linalg.norm(np.concatenate(lacks)), abs=1e-9)
+
+
+def test_no_pair_is_left_out_for_the_ball_that_it_is_in(depths: Depths) -> None:
+    world, none = depths.world, np.zeros(len(depths.hand.closing[1]))
+    shapes, demands, groups, widest, _ = depths.pairs
+    assert groups[0, 2] == 0
+    assert groups[-1, 3] == len(shapes)
+    np.testing.assert_array_equal(groups[1:, 2], groups[:-1, 3])
+    every = np.arange(len(shapes))
+    assert all(demands[i:j].max() == most for (_, _, i, j), most in zip(groups, widest, strict=True))
+    met = 0
+    for x in drawn(depths.limb, 60):
+        apart = world.distances(shapes, *world.frames(depths.q(x, none, 0.1)))
+        count = len(depths.residual(x, none, 0.1)[0])
+        found = set(depths.room[0][0][:count].tolist())
+        near = set(every[apart < demands - 1e-6].tolist())
+        assert near <= found
+        assert found <= set(every[apart < demands + 1e-6].tolist())
+        met += len(near)
+    assert met > 10
