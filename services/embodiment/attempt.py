@@ -1,7 +1,7 @@
 """The search with one gripper: its grasps as they come due, and when it has gone on for long enough."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 
 import numpy as np
@@ -58,6 +58,15 @@ class Attempt:
     def saturated(self, number: int) -> bool:
         """Whether so much was tried for nothing that round `number` would hardly be another."""
         return self.blocked >= BLOCKED or (number >= ROUNDS and not self.searcher.tally.paths)
+
+    def through(self, waypoints: int) -> None:
+        """Paths are through so many waypoints."""
+        problem, limb = self.searcher.problem, self.limb
+        values = np.linspace(problem.values[0], problem.values[-1], waypoints)
+        q, joint = limb.q(limb.parked), self.fitter.bar.joint
+        handle_r, handle_p = problem.mechanics.handle_poses(q, joint, values)
+        finer = replace(problem, values=values, handle_r=handle_r, handle_p=handle_p)
+        self.searcher.problem = self.assembler.problem = finer
 
     def widen(self, number: int) -> None:
         """Round `number` searches as many grasps as it is due."""

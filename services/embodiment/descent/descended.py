@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from services.embodiment.attempt import Attempt
 from services.embodiment.body.limb import Margins
@@ -20,7 +21,7 @@ from services.embodiment.descent.posture import make_descent
 from services.embodiment.descent.spans import PIECES, Hold, Spans
 from services.embodiment.hold.fit import OPENINGS
 from services.embodiment.hold.grasp import Grasp
-from services.embodiment.hold.holding import Holding
+from services.embodiment.hold.holding import WAYPOINTS, Holding
 from services.embodiment.hold.kit import Kits
 from services.embodiment.hold.parts import parts
 from services.embodiment.plan import Planner
@@ -35,11 +36,17 @@ FINE = Margins(0.00025, 0.00025, 0.0001)
 """[m] that planning keeps here beyond what certification demands: half of what a descent does."""
 SHARES = (*OPENINGS, 0.8)
 """[1] by which the fingers are closed when the hand comes near."""
+LEAVES = 0.1, 0.05, 0.025
+"""[m] The open hand backs off from the bar, one after the other where there is no room."""
 STARTS = 240
-"""[1] Descents in a turn, at most: it ends when a hold is found and some reach everywhere."""
+"""[1] Descents in a turn."""
 STRIDE = 3
 """[1] Values from one to the next at which it is looked whether a hold can be left and another be come to."""
 
+FINER = WAYPOINTS, 2 * WAYPOINTS - 1, 4 * WAYPOINTS - 3
+"""[1] Waypoints of a part, one after the other: a spline through few may touch something between them."""
+
+Array = NDArray[np.float64]
 Ends = tuple[float, float]
 Part = tuple[Hold, int, int]
 
@@ -117,22 +124,26 @@ class _Search:
         return Lack(self._gripper, (float(values[none[0]]), float(values[last])))
 
     def turn(self) -> Iterator[Planned]:
-        """Plans in the holds that are known after one turn more: none before some reach everywhere.
+        """Plans in the holds that are found in one turn more, as soon as some reach everywhere."""
+        spans, late, before = self.spans, self._planner.late, np.count_nonzero(self.spans.cover())
+        until = spans.descent.starts + STARTS
+        while spans.descent.starts < until and not late():
+            at = time.perf_counter()
+            spans.grow(until - spans.descent.starts, late)
+            self._attempt.searcher.tally.seeds = spans.descent.starts
+            self._planner.spent("descent", at)
+            yield from self._plans()
+        farther = np.count_nonzero(spans.cover()) > before
+        self.idle = 0 if farther or spans.cover().all() else self.idle + 1
 
-        Holds of a motion that was not certified are taken no more.
-        """
-        at, late, before = time.perf_counter(), self._planner.late, np.count_nonzero(self.spans.cover())
-        self.spans.grow(STARTS, late)
-        self._attempt.searcher.tally.seeds = self.spans.descent.starts
-        self._planner.spent("descent", at)
-        farther = np.count_nonzero(self.spans.cover()) > before
-        self.idle = 0 if farther or self.spans.cover().all() else self.idle + 1
-        while self.spans.cover().all() and not late():
+    def _plans(self) -> Iterator[Planned]:
+        """Plans in the holds that are known; those of a motion that was not certified are taken no more."""
+        while self.spans.cover().all() and not self._planner.late():
             way = self._way()
             if way is None:
                 return
             if (legs := self._planned(way)) is not None:
-                for bodies in orders(legs, late):
+                for bodies in orders(legs, self._planner.late):
                     yield joined([leg.planned for leg in legs], bodies)
                 self.spans.leave({hold for hold, _, _ in way})
 
@@ -196,6 +207,7 @@ class _Search:
         """The one attempt of who plans with one gripper."""
         attempt = planner.attempt(next(iter(planner.kits())))
         assert attempt is not None, "the handle was held"
+        attempt.approacher.backs_off = LEAVES
         planner.attempts.append(attempt)
         return attempt
 
@@ -217,12 +229,26 @@ class _Search:
         self._whole.parts.append(planner)
         attempt, back = self._of(planner), self._back(hold, begin)
         assert back is not None, "the way begins where one comes to it"
-        xs = self.spans.between(hold, attempt.searcher.problem.values)
+        xs, value = self._followed(attempt, hold)
         holding = replace(back.holding, limb=attempt.limb, xs=xs)
+        if value is not None:
+            self.spans.cut(hold, value)
+            return None
         if not attempt.searcher.free(xs, holding.rest):
             return None
         planned = planner.approached(attempt, holding)
         return None if planned is None else Leg(planned, None if end == PIECES else self._back(hold, end))
+
+    def _followed(self, attempt: Attempt, hold: Hold) -> tuple[Array, float | None]:
+        """Postures that keep a hold at as many waypoints as a spline needs; where it is not free with all."""
+        for waypoints in FINER:
+            attempt.through(waypoints)
+            values = attempt.searcher.problem.values
+            xs = self.spans.between(hold, values)
+            value = self.spans.amid(hold, values, xs)
+            if value is None:
+                break
+        return xs, value
 
     def _spans(self, attempt: Attempt) -> Spans:
         """The holds of the gripper: none as yet."""

@@ -6,14 +6,15 @@ residual still. More are looked for where the fewest reach.
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from services.embodiment.descent.depths import Depths
+from services.embodiment.descent.depths import BUFFER, Depths
 from services.embodiment.descent.pinch import Pose, led
 from services.embodiment.descent.posture import Descent, Posture
+from services.embodiment.ways.timing import Followed
 
 Array = NDArray[np.float64]
 
@@ -23,6 +24,8 @@ TOGETHER = 2e-5  # [m, rad · ANGLE] that the tool may be off
 JUMP = 0.3  # [rad or m] largest change of a variable from one value to the next
 STARTS = 40  # at one value, until a hold is found
 TRIED = 1.5  # [1] holds that a look counts as, so that others have their turn
+AMID = 0.25, 0.5, 0.75  # [1] of the way from one value to the next at which a spline is looked at
+LESS = 0.5 * BUFFER  # [m] of what is kept beyond certification may be lacked there
 ELSEWHERE = 3  # every third look is at the first of the values where the fewest reach, others at the last
 
 
@@ -97,6 +100,16 @@ class Spans:
         """These are taken no more."""
         self.holds = [one for one in self.holds if one not in holds]
 
+    def cut(self, hold: Hold, value: float) -> None:
+        """A hold is taken no more about a value, but before and after it."""
+        self.leave({hold})
+        share = (value - self.values[0]) / (self.values[-1] - self.values[0])
+        at = min(int(share * PIECES), hold.last - 1)
+        for first, last in ((hold.first, at), (at + 1, hold.last)):
+            if first < last:
+                some = hold.xs[first - hold.first : last - hold.first + 1]
+                self.holds.append(replace(hold, first=first, xs=some))
+
     def _next(self) -> int:
         """Where the fewest holds reach, looks there counted too."""
         score = self.cover() + TRIED * np.array([self._tried[k] for k in range(len(self.values))])
@@ -137,6 +150,16 @@ class Spans:
             aim = in_world(hold.tool, self.descent.handle(value))
             xs[k], _ = self.descent.kept(xs[k], hold.shares, aim, value, STEPS)
         return xs
+
+    def amid(self, hold: Hold, values: Array, xs: Array) -> float | None:
+        """A value between two of these at which a spline through postures that keep a hold is not free."""
+        path, span = Followed.through(values, xs), values[-1] - values[0]
+        between = (values[:-1, None] + np.diff(values)[:, None] * np.array(AMID)).ravel()
+        some, _ = path.spline.at((between - values[0]) / span)
+        for x, value in zip(some, between.tolist(), strict=True):
+            if self.depths.residual(x, hold.shares, value)[0].max(initial=0.0) > LESS:
+                return value
+        return None
 
 
 def in_world(tool: Pose, handle: Pose) -> Pose:

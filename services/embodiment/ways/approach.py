@@ -8,7 +8,7 @@ arm folds to the slimmest posture that is known, and is parked only at home.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,6 +68,9 @@ class Blocked:
 class Approacher:
     """Ways to holdings of one limb.
 
+    Attributes:
+        backs_off: By how much the open hand backs off from the bar, one after the other [m].
+
     Args:
         roads: Of the parked robot.
         slim: Of the robot with its arm carried as slim as it can be; asked for where those lead nowhere.
@@ -80,6 +83,7 @@ class Approacher:
         self.hand, self.rules = kit.hand, kit.opened
         self.world, self.limb, self.drive = kit.hand.world, kit.limb, roads.space.drive
         self.weight = reaches(self.limb)
+        self.backs_off: tuple[float, ...] = (LEAVE,)
         self.rest = self.limb.rest
         self._slim = slim
         self._tucked: tuple[Array | None, ...] = ()  # one, once it was looked for
@@ -131,9 +135,9 @@ class Approacher:
         if isinstance(aside, Blocked):
             return aside
         p, contact = p if len(aside) == 1 else self.limb.tool(aside[-1])[1], None
-        for angle in ASLANT.tolist():
+        for far, angle in product(self.backs_off, ASLANT.tolist()):
             away = np.sin(angle) * r[:, 2] - np.cos(angle) * r[:, 0]
-            for xs in self._leaves(aside[-1], r, p, away):
+            for xs in self._leaves(aside[-1], r, p, away, far):
                 last = self._contact(xs)
                 if last is None:
                     return np.concatenate([aside[:-1], xs])
@@ -157,12 +161,12 @@ class Approacher:
                     return np.concatenate([here, path])
         return Blocked("leave", contact)
 
-    def _leaves(self, x0: Array, r: Array, p: Array, away: Array):  # noqa: ANN202 - iterator of arrays
+    def _leaves(self, x0: Array, r: Array, p: Array, away: Array, far: float):  # noqa: ANN202 - iterator of arrays
         if self.drive is Drive.OMNI and abs(away[2]) < 1e-3:
             end = x0.copy()
-            end[:2] += LEAVE * away[:2]
+            end[:2] += far * away[:2]
             yield np.concatenate([x0[None], between(x0, end, PULLS)])
-        target_p = p + LEAVE * np.arange(1, PULLS + 1)[:, None] / PULLS * away
+        target_p = p + far * np.arange(1, PULLS + 1)[:, None] / PULLS * away
         target = np.repeat(r[None], PULLS, axis=0), target_p
         for base in bases(self.drive, turning=False):
             path = track(self.limb, x0, target, base, inside(self.limb))

@@ -142,7 +142,8 @@ class Assembler:
         container = self.problem.mechanics.container
         most = container.velocity, container.acceleration
         if not self.motion.timed and not timing.turns_back(self.motion):
-            timed, values, rates = timing.fastest(path, self.body_bound, most, FOLLOW_SAMPLES)
+            samples = max(FOLLOW_SAMPLES, 2 * len(xs) - 1)
+            timed, values, rates = timing.fastest(path, self.body_bound, most, samples)
             return timed, values, rates, timing.excess(timed, self.body_bound)
         times, values, rates = timing.as_timed(self.motion, FOLLOW_SAMPLES)
         timed = timing.at_values(path, times, values, rates)

@@ -1,0 +1,120 @@
+"""What a way in holds by descent is made of: waypoints, cuts, and room to back off."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from services.embodiment.descent.descended import FINER, LEAVES, Descended
+from services.embodiment.descent.spans import PIECES, Hold, Spans
+from services.embodiment.hold.holding import WAYPOINTS
+from services.embodiment.plan import LAST, Planner
+from services.embodiment.planned import Planned
+from services.embodiment.ways.approach import LEAVE, Approach, Approacher, Blocked
+from tests.services.embodiment.test_descended_refused import BUDGET, HERE, NO_HAND_FITS, planner_of
+
+pytestmark = pytest.mark.oracle
+Array = NDArray[np.float64]
+
+
+@pytest.fixture
+def planner(tmp_path: Path) -> Planner:
+    return planner_of(NO_HAND_FITS, tmp_path, HERE, BUDGET)
+
+
+def planned(planner: Planner) -> Planned:
+    """The first motion in holds by descent."""
+    planner.descended = descended = Descended(planner)
+    found = next(descended.plans(*LAST), None)
+    assert found is not None
+    return found
+
+
+def hold(first: int, last: int) -> Hold:
+    tool = np.eye(3), np.zeros(3)
+    return Hold(tool, np.ones(1), 7, first, np.arange(first, last + 1)[:, None] * np.ones(4))
+
+
+@pytest.mark.parametrize(
+    ("value", "parts"), [(0.5, [(5, 32), (33, 60)]), (0.08, [(6, 60)]), (0.94, [(5, 59)])]
+)
+def test_a_hold_is_cut_about_a_value(value: float, parts: list[tuple[int, int]]) -> None:
+    spans = Spans(None, np.linspace(2.0, 4.0, PIECES + 1))  # no descent is asked
+    whole, other = hold(5, 60), hold(0, 3)
+    spans.holds = [whole, other]
+    spans.cut(whole, 2.0 + 2.0 * (value + 0.001))
+    assert spans.holds[0] is other
+    assert [(one.first, one.last) for one in spans.holds[1:]] == parts
+    for one in spans.holds[1:]:
+        assert one.number == whole.number
+        for k in range(one.first, one.last + 1):
+            np.testing.assert_array_equal(one.at(k), whole.at(k))
+
+
+def test_where_a_spline_touches_something_it_is_led_through_more_waypoints(
+    planner: Planner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real, looked = Spans.amid, list[int]()
+
+    def amid(self: Spans, one: Hold, values: Array, xs: Array) -> float | None:
+        looked.append(len(values))
+        return float(values[1]) if len(values) == WAYPOINTS else real(self, one, values, xs)
+
+    monkeypatch.setattr(Spans, "amid", amid)
+    found = planned(planner)
+    assert looked[:2] == [*FINER[:2]]
+    assert len(found.holding.xs) in FINER[1:]
+    values = found.assembler.problem.values
+    assert len(values) == len(found.holding.xs)
+    for k in (0, len(values) // 2, -1):
+        r, p = found.holding.grasp.tool(
+            found.assembler.problem.handle_r[k], found.assembler.problem.handle_p[k]
+        )
+        there = found.assembler.limb.tool(found.holding.xs[k])
+        np.testing.assert_allclose(there[1], p, atol=1e-4)
+        np.testing.assert_allclose(there[0], r, atol=1e-3)
+    follow = dict(found.body.phases)
+    samples = follow["let go"] - follow["follow"]
+    assert samples == 2 * (len(values) - 1)
+
+
+def test_a_hold_that_a_spline_never_keeps_is_cut(planner: Planner, monkeypatch: pytest.MonkeyPatch) -> None:
+    cut, real = list[Hold](), Spans.cut
+
+    def noted(self: Spans, one: Hold, value: float) -> None:
+        cut.append(one)
+        real(self, one, value)
+
+    def amid(self: Spans, one: Hold, values: Array, _xs: Array) -> float | None:
+        return None if cut else float(values[len(values) // 2])
+
+    monkeypatch.setattr(Spans, "cut", noted)
+    monkeypatch.setattr(Spans, "amid", amid)
+    found = planned(planner)
+    assert len(cut) == 1
+    assert found.body.times[-1] > 0
+
+
+def test_where_there_is_less_room_the_open_hand_backs_off_less(
+    planner: Planner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = Approacher._leaves
+
+    def near(self: Approacher, x: Array, *way: Any) -> Iterator[Array]:
+        if way[-1] < LEAVES[1]:
+            yield from real(self, x, *way)
+
+    monkeypatch.setattr(Approacher, "_leaves", near)
+    found = planned(planner)
+    ends = [found.assembler.limb.tool(found.approach.reach[k])[1] for k in (0, -1)]
+    assert np.linalg.norm(ends[1] - ends[0]) == pytest.approx(LEAVES[-1], abs=1e-3)
+    assert LEAVES[0] == LEAVE
+    name = found.body.gripper
+    attempt = next(one for one in planner.attempts if one.limb.gripper.name == name)
+    usual = attempt.approacher.approach(found.holding, attempt.searcher.problem, attempt.rng)
+    assert isinstance(found.approach, Approach)
+    assert isinstance(usual, Blocked)
+    assert usual.stage == "leave"
