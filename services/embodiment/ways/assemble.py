@@ -1,6 +1,6 @@
 """Paths become a BodyMotion: phases in order, each from rest to rest."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -141,13 +141,16 @@ class Assembler:
         path = Followed.through(self.problem.values, xs)
         container = self.problem.mechanics.container
         most = container.velocity, container.acceleration
-        if not self.motion.timed and not timing.turns_back(self.motion):
+        motion = self.motion
+        if not motion.timed and not timing.turns_back(motion):
             samples = max(FOLLOW_SAMPLES, 2 * len(xs) - 1)
             timed, values, rates = timing.fastest(path, self.body_bound, most, samples)
             return timed, values, rates, timing.excess(timed, self.body_bound)
-        times, values, rates = timing.as_timed(self.motion, FOLLOW_SAMPLES)
+        if not motion.timed:  # what counts is its way, from where the kitchen is
+            motion = replace(motion, values=np.vstack((self.problem.values[0], motion.values[1:])))
+        times, values, rates = timing.as_timed(motion, FOLLOW_SAMPLES)
         timed = timing.at_values(path, times, values, rates)
-        if not self.motion.timed:
+        if not motion.timed:
             timed, values, rates = timing.stretched(timed, self.body_bound, (values, rates), most)
         return timed, values, rates, timing.excess(timed, self.body_bound)
 
