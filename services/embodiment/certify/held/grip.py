@@ -157,25 +157,23 @@ class Grip:
         No less than that: the least of `SLANTS` by which the way of each piece that touches first, or hardly
         later, grows or shrinks when it is moved aside, which it may along both sides at once; else pi / 2.
         """
-        found = 0.0
-        for body, inward in zip(pinch.fingers, self._inward, strict=True):
-            asked = inward, self._sides
-            gaps = [
-                (self._gap(pair, inward), pair)
-                for pair in np.split(self._pairs[body], len(self._pairs[body]))
-            ]
-            first = min(gap for gap, _ in gaps)
-            for gap, pair in gaps:
-                if gap > first + LATER:
-                    continue
-                on = self._shapes.convex, pair, self._posed, *asked, gap, ASIDE
-                least = next(
-                    (a for a in SLANTS if moved.looks_along(*on, float(np.tan(a)), self._room)), None
-                )
-                found = max(
-                    found, np.pi / 2 if least is None else float(np.arctan(np.sqrt(2) * np.tan(least)))
-                )
-        return found
+        return max(
+            self._slant(body, inward) for body, inward in zip(pinch.fingers, self._inward, strict=True)
+        )
+
+    def _slant(self, body: Iri, inward: Array) -> float:
+        """The same of one finger."""
+        pairs = np.split(self._pairs[body], len(self._pairs[body]))
+        gaps = [self._gap(pair, inward) for pair in pairs]
+        first = [(pair, gap) for pair, gap in zip(pairs, gaps, strict=True) if gap <= min(gaps) + LATER]
+        for angle in SLANTS:
+            slope, about = float(np.tan(angle)), (inward, self._sides)
+            asked = (
+                (self._shapes.convex, pair, self._posed, *about, gap, ASIDE, slope) for pair, gap in first
+            )
+            if all(moved.looks_along(*each, self._room) for each in asked):
+                return float(np.arctan(np.sqrt(2.0) * slope))
+        return np.pi / 2
 
     def _gap(self, pair: Pairs, inward: Array) -> float:
         """The way of one shape to one of the handle, inward; infinite if it does not press on that."""
