@@ -73,6 +73,8 @@ class Play:
             data.joint(name).qpos, data.joint(name).qvel = told[name][0], 0.0
         for k in range(len(ways)):
             data.qpos[q], data.qvel[v] = ways[k], speeds[k]
+            for name in self._free if k < BEFORE / STEP else ():  # until it is held it stays, as in D_artic
+                data.joint(name).qpos, data.joint(name).qvel = told[name][0], 0.0
             for name, carried in self._tips.items():
                 joint, lever = data.joint(name), self._lever[name]
                 joint.qfrc_applied = STIFF * lever**2 * (told[name][k] - joint.qpos)
