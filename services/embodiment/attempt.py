@@ -1,7 +1,7 @@
 """The search with one gripper: its grasps as they come due, and when it has gone on for long enough."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import islice
 
 import numpy as np
@@ -12,7 +12,7 @@ from services.embodiment.body.limb import Limb
 from services.embodiment.hold.bred import Breeder
 from services.embodiment.hold.fit import Fitter, Opened
 from services.embodiment.hold.grasp import Grasp
-from services.embodiment.hold.holding import Holding, Searcher
+from services.embodiment.hold.holding import Holding, Problem, Searcher
 from services.embodiment.hold.parts import around, parts
 from services.embodiment.hold.pool import anyhow
 from services.embodiment.hold.sampling import FULL, Effort, Sampler
@@ -63,9 +63,7 @@ class Attempt:
         """Paths are through so many waypoints."""
         problem, limb = self.searcher.problem, self.limb
         values = np.linspace(problem.values[0], problem.values[-1], waypoints)
-        q, joint = limb.q(limb.parked), self.fitter.bar.joint
-        handle_r, handle_p = problem.mechanics.handle_poses(q, joint, values)
-        finer = replace(problem, values=values, handle_r=handle_r, handle_p=handle_p)
+        finer = Problem.through(problem.mechanics, self.fitter.bar, limb.q(limb.parked), values)
         self.searcher.problem = self.assembler.problem = finer
 
     def widen(self, number: int) -> None:

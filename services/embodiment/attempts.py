@@ -77,5 +77,4 @@ def _problem(setting: Setting, mechanics: Mechanics, bar: Bar, q: Array) -> Prob
     start = mechanics.start
     end = farthest(setting.motion, start, setting.container)
     values = np.linspace(start, end, WAYPOINTS)
-    handle_r, handle_p = mechanics.handle_poses(q, bar.joint, values)
-    return Problem(mechanics, values, handle_r, handle_p, handle_r[0] @ bar.outward)
+    return Problem.through(mechanics, bar, q, values)

@@ -9,7 +9,15 @@ import click
 
 from sdt_kg.errors import InputError
 from services.commands.network.answers import ANSWERS, Asked
-from services.commands.options import FiniteRange, WholeRange, csv_flag, json_flag, state_option, tee_option
+from services.commands.options import (
+    FiniteRange,
+    WholeRange,
+    budget_option,
+    csv_flag,
+    json_flag,
+    state_option,
+    tee_option,
+)
 from services.stopping import terminable
 
 ENDPOINT = "tcp/127.0.0.1:7447"
@@ -73,13 +81,7 @@ config_option = click.option(
     metavar="NEWTON",
     help="Allowed at the handle, for d_artic_dyn; without it, what the kitchen's force data say.",
 )
-@click.option(
-    "--budget",
-    type=FiniteRange(min=0, min_open=True),
-    default=20.0,
-    show_default=True,
-    help="Seconds of CPU that the search for each container may take before it gives up.",
-)
+@budget_option
 @click.option(
     "--deadline",
     type=FiniteRange(min=0, min_open=True),

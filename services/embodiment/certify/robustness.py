@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from sdt_kg.mechanism import JointType
 from services.embodiment.certify.findings import Findings
-from services.embodiment.certify.held.hold import Hold
+from services.embodiment.certify.held.hold import TURN, Hold
 from services.embodiment.certify.limits import DRIFT, SIDEWAYS
 from services.embodiment.certify.sweep.pieces import velocities
 from services.embodiment.certify.sweep.subject import Subject
@@ -39,7 +39,7 @@ def tolerated(holds: Sequence[Hold], found: Findings, reach: float) -> Figures:
     left = np.min([_left(hold) for hold in holds], axis=0)
     room = min(*(hold.room for hold in holds), *found.slack.values())
     slip = min(slips - found.figures["tool slip"][0], float(left[0]))
-    turn = min(turns - found.figures["tool turn"][0], float(left[1]))
+    turn = min(turns - found.figures[TURN][0], float(left[1]))
     base = min(room, slip / 2)
     yaw = min(base / (2 * reach), turn / 2, _rolling(holds[0].checked, found.figures))
     return {

@@ -19,7 +19,7 @@ from services.embodiment.body.rolling import telescope
 from services.embodiment.body.track import EXACT, Base, bases, mobility, tracked
 from services.embodiment.body.world import Contact, Rules, World
 from services.embodiment.hold.grasp import Grasp
-from services.embodiment.hold.handle import Mechanics
+from services.embodiment.hold.handle import Bar, Mechanics
 
 Array = NDArray[np.float64]
 
@@ -47,6 +47,12 @@ class Problem:
     handle_r: Array
     handle_p: Array
     outward: Array
+
+    @staticmethod
+    def through(mechanics: Mechanics, bar: Bar, q: Array, values: Array) -> "Problem":
+        """The handle at these values of the container, all else of the scene as at q."""
+        handle_r, handle_p = mechanics.handle_poses(q, bar.joint, values)
+        return Problem(mechanics, values, handle_r, handle_p, handle_r[0] @ bar.outward)
 
     def planar(self) -> bool:
         """Whether the handle moves in a horizontal plane and turns about the vertical only."""

@@ -272,8 +272,7 @@ class _Question:
         if bar is None:
             return None
         values = np.linspace(mechanics.start, end, WAYPOINTS)
-        handle_r, handle_p = mechanics.handle_poses(q, bar.joint, values)
-        problem = Problem(mechanics, values, handle_r, handle_p, handle_r[0] @ bar.outward)
+        problem = Problem.through(mechanics, bar, q, values)
         holding = touching(self.world, kit.limb, kit.demands, (mechanics.container.handle,))
         fitted = Fitter(kit.hand, problem, bar, (holding, kit.demands), Counter()).fitting()
         searcher = Searcher(self.world, kit.limb, problem, holding, Drive.FIXED)

@@ -32,6 +32,9 @@ Indices = NDArray[np.intp]
 FINE = 2e-4  # [m or rad] precision of the largest tool error that is reported
 FIRST = np.zeros(1, dtype=np.intp)
 
+TURN = "tool turn"
+"""Name of the figure that says how far a held tool turns on its handle."""
+
 
 class Hold:
     """One gripper, the handle of one container, and the motion that is to be checked for them.
@@ -226,7 +229,7 @@ class Hold:
             intervals = np.concatenate((2 * intervals, 2 * intervals + 1))
         if not findings.violations:
             findings.figures["tool slip"] = (float(safe[0]), "m")
-            findings.figures["tool turn"] = (float(2 * np.arcsin(safe[1] / 2)), "rad")
+            findings.figures[TURN] = (float(2 * np.arcsin(safe[1] / 2)), "rad")
         return findings
 
     def _slips(self, findings: Findings, row: int, error: Array, time: Array, most: Array) -> None:

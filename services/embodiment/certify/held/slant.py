@@ -2,14 +2,12 @@
 
 from sdt_kg.twin import Twin
 from services.embodiment.certify.certificate import Certificate
+from services.embodiment.certify.held.hold import TURN
 from services.embodiment.certify.held.holds import one_after_the_other
 from services.embodiment.certify.held.stints import begin
 from services.embodiment.certify.motion import whole_motion
 from services.embodiment.certify.sweep.subject import subject
 from services.physics.model import Scene
-
-TURN = "tool turn"
-"""Name of the figure that says how far a held tool turns on its handle."""
 
 
 def slant(scene: Scene, twin: Twin, certificate: Certificate) -> float:
