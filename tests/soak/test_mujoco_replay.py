@@ -1,8 +1,10 @@
 """Certified motions of our models, replayed in MuJoCo: it sees no contact and no slip. `make soak`."""
 
+from collections.abc import Iterator
 from copy import copy
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,19 +35,26 @@ def scene(kitchen: str, robot: str, base: str, height: float) -> Scene:
     return Scene(*files(kitchen, robot), base, height)
 
 
-def ways(kitchen: str, robot: str, asked: tuple[str, tuple[str, ...]], folder: Path) -> dict[str, Way]:
-    """Case → certified motion."""
+def certified_ways(
+    kitchen: str, robot: str, asked: tuple[str, tuple[str, ...]], folder: Path
+) -> Iterator[tuple[str, Way, dict[str, tuple[float, str]]]]:
+    """Case, certified motion, and the figures of its verdict."""
     verb, states = asked
     every = cells((kitchen,), (robot,), verb, states, Policy(drive=Drive.OMNI))
     result = run(every, 2, lambda _: None, folder)
     about = {"kitchen": kitchen, "robot": robot, "verb": verb, "drive": "omni"}
-    found = dict[str, Way]()
     for each in result.results:
         if each.verdict["outcome"] == "certified":
             judged = stage(*files(kitchen, robot), about, each.cell.container, states)
             with np.load(folder / each.cell.file_name) as motion:
-                found[each.cell.container] = Way(judged, dict(motion), STEP)
-    return found
+                way = Way(judged, dict(motion), STEP)
+            verdict: Any = each.verdict  # JSON
+            yield each.cell.container, way, verdict["figures"]
+
+
+def ways(kitchen: str, robot: str, asked: tuple[str, tuple[str, ...]], folder: Path) -> dict[str, Way]:
+    """Case → certified motion."""
+    return {case: way for case, way, _ in certified_ways(kitchen, robot, asked, folder)}
 
 
 @pytest.mark.parametrize("asked", ASKED)

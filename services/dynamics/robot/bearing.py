@@ -19,8 +19,7 @@ from services.dynamics.cells import Cells, cells, instants
 from services.dynamics.oracle import Dynamics
 from services.dynamics.robot.checks import Bound, Checks, checks
 from services.dynamics.robot.load import Loads, loads
-from services.embodiment.certify.certificate import read_certificate
-from services.embodiment.certify.held.slant import slant
+from services.embodiment.certify.held.friction import slanted
 from services.physics.model import Scene
 from services.versions import bearing
 
@@ -63,7 +62,7 @@ class Bearing:
         scene = Scene(twin, robot)
         mechanics = self._dynamics.mechanics(twin, container)
         carried = self._dynamics.carried(twin, body, container)
-        asked = checks(scene, twin, body.gripper, partial(_slant, answer, scene))
+        asked = checks(scene, twin, body.gripper, _slant(answer))
         off = twin.state[container.joint] - float(carried.values[0, 0])
         bounds = _decided(asked, partial(loads, scene, body, mechanics), carried, off) if asked.of else []
         found = [each for bound in bounds for each in _judged(bound, mechanics.forces.iri)]
@@ -79,11 +78,9 @@ class Bearing:
         )
 
 
-def _slant(answer: Answer, scene: Scene) -> float | None:
-    """How far faces that hold look away from the way in which fingers close [rad]: a certificate tells."""
-    if answer.artefact is None:
-        return None
-    return slant(scene, answer.case.twin, read_certificate(answer.artefact.content))
+def _slant(answer: Answer) -> float | None:
+    """How far faces that hold look away from the way in which fingers close [rad], where a certificate is."""
+    return None if answer.artefact is None else slanted(answer.figures)
 
 
 def _decided(asked: Checks, loaded: Callable[[Cells], Loads], carried: Motion, off: float) -> list[Bound]:

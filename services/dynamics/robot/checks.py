@@ -97,7 +97,7 @@ class Checks:
         return [each for check in self.of for each in check(loads)]
 
 
-def checks(scene: Scene, twin: Twin, gripper: str, slant: Callable[[], float | None]) -> Checks:
+def checks(scene: Scene, twin: Twin, gripper: str, slant: float | None) -> Checks:
     """All checks for which there are data.
 
     Args:
@@ -187,7 +187,7 @@ def _range(facts: Facts, subject: Iri, name: str) -> tuple[float, float]:
     return least, most
 
 
-def _grip(slant: Callable[[], float | None], scene: Scene, twin: Twin, gripper: str) -> _Made:
+def _grip(slant: float | None, scene: Scene, twin: Twin, gripper: str) -> _Made:
     """Friction of two pads, which close along the tool's y, against what pulls across them: the cone.
 
     Where faces look elsewhere, by `slant`, the cone about y that is surely within theirs is so much narrower,
@@ -203,8 +203,7 @@ def _grip(slant: Callable[[], float | None], scene: Scene, twin: Twin, gripper: 
         absent = " and no sdt:".join(name for name, value in given if math.isnan(value))
         return None, [f"not checked: grip at the handle, since {gripper} has no sdt:{absent}"]
 
-    known = slant()
-    off = 0.0 if known is None else known
+    off = 0.0 if slant is None else slant
     surely, perhaps = (_friction(each, turned) for each, turned in ((friction, -off), (roughest, off)))
 
     def check(loads: Loads) -> Iterator[Bound]:
@@ -215,7 +214,7 @@ def _grip(slant: Callable[[], float | None], scene: Scene, twin: Twin, gripper: 
         what = _Allowed("press of the pads that the pull across them takes", grip, "N", iri, strongest)
         yield what.over(loads, Interval(least, most))
 
-    return check, [PARALLEL] if known is None else []
+    return check, [PARALLEL] if slant is None else []
 
 
 def _friction(coefficient: float, turned: float) -> float:

@@ -15,6 +15,8 @@ from services.embodiment.certify.asked import keeps
 from services.embodiment.certify.certificate import Certificate, models_of, sealed
 from services.embodiment.certify.collisions import above_floor, collisions
 from services.embodiment.certify.findings import Findings
+from services.embodiment.certify.held.friction import friction
+from services.embodiment.certify.held.hold import TURN
 from services.embodiment.certify.held.holds import held_so
 from services.embodiment.certify.inside import inside
 from services.embodiment.certify.limits import drive_limits, joint_limits, kitchen_keeps
@@ -139,6 +141,7 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
         return Refused(findings.diagnoses(), findings.figures)
     assert holds, "a container that moves unheld is refused"
     findings.figures |= tolerated(holds, findings, reach)
+    findings.add(friction(holds, findings.figures[TURN][0]))
     _check_figures(findings.figures)
     certificate = Certificate(
         models=models_of(twin, robot),

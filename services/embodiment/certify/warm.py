@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from services.embodiment.certify.held.moved import farthest, press, tolerated
+from services.embodiment.certify.held.moved import farthest, press, slope, tolerated
 from services.embodiment.certify.sweep.clearance import Pairs, Sweep
 from services.embodiment.certify.sweep.kinematics import Of
 from services.embodiment.certify.sweep.pieces import hermite
@@ -35,3 +35,4 @@ def warm(scene: Scene) -> None:
     press(checked.shapes.convex, row, posed, way, sides, *asked, room)
     tolerated(checked.shapes.convex, (row, row), posed, (way, way), sides, *asked, room)
     farthest(checked.shapes.convex, row, posed, way, *asked, 0.0, room)
+    slope(checked.shapes.convex, row, posed, way, sides, 0.0, 1.0, room)

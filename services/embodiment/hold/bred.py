@@ -150,7 +150,7 @@ class Breeder:
                 self._drawn() if block < self._pool.fresh or not self._fitted else self._like()
             )
             found = self._fit(genes, flips, held)
-            engaged = (k for k, one in enumerate(found) if one is not None and self.fitter.engaged(one[0]))
+            engaged = (k for k, one in enumerate(found) if one is not None and self.fitter.engaged(one[0][0]))
             fit = list(itertools.islice(engaged, left))
             self._fitted += [one[0] for k in fit if (one := found[k])]
             self._shares += [one[1] for k in fit if (one := found[k])]
@@ -260,7 +260,7 @@ class Breeder:
         for k, cost in enumerate(costs.sum(axis=1).tolist()):
             parent = parents[fit[k]]
             other = dearest.pop(0) if dearest else parent
-            if cost < min(total[parent], total[other]) and self.fitter.engaged(children[k][0]):
+            if cost < min(total[parent], total[other]) and self.fitter.engaged(children[k][0][0]):
                 self._genes[other], self._flips[other] = genes[fit[k]], self._flips[parent]
                 self._held[other] = self._held[parent]
                 self._fitted[other], self._shares[other] = children[k]

@@ -28,6 +28,7 @@ CHECKED = 7  # values of the container at which the hand alone is checked
 BESIDE = 0.05  # [m] that a grasp's tool may lie beside the bar
 REACH = Tolerances().engaged  # [m] by which fingers reach over a handle
 INWARD = REACH * float(np.tan(Tolerances().facing))  # [m] that they then move on until they meet it
+FLAT = REACH * float(np.tan(np.radians(20.0)))  # [m] the same of faces that look along the way they close
 ROUNDS = 12  # of regula falsi; three or four are usual
 
 
@@ -100,28 +101,43 @@ class Fitter:
         self._never = set[int]()
         self._screened: dict[float, tuple[set[int], set[int]]] = {share: (set(), set()) for share in OPENINGS}
         self._known: dict[tuple[float, int], Fitted | None] = {}
-        self._all: list[Fitted] | None = None
+        self._all: list[tuple[bool, Fitted]] | None = None
         self._work = hand.room()
         joints = len(hand.closing[1])
         self._begin = np.zeros((joints, 2)), np.zeros((joints, 2), np.int64)
 
     def fitting(self, late: Callable[[], bool] = lambda: False, steep: bool = False) -> Iterator[Fitted]:
-        """Those grasps; those that come from far above or below are first if `steep`."""
+        """Those grasps; those that come from far above or below are first if `steep`.
+
+        Of all, those by faces that look nearly along the way in which fingers close come first: they take
+        less friction. Those that certification refuses for how faces look are left out.
+        """
         if self._all is not None:
-            yield from sorted(self._all, key=lambda one: steepness(one[0].index)) if steep else self._all
+            known = sorted(self._all, key=lambda one: (one[0], steepness(one[1][0].index)))
+            yield from (fitted for _, fitted in (known if steep else self._all))
             return
-        found: list[Fitted] = []
+        found = list[tuple[bool, Fitted]]()
         grasps = grasp_set(self.bar, steep)
         for share in OPENINGS:
-            for grasp in self._in_blocks(grasps, share, late):
+            for slanted, grasp in self._flat_first(self._in_blocks(grasps, share, late)):
                 fitted = self.fitted((grasp, share))
                 if fitted is not None:
-                    found.append(fitted)
+                    found.append((slanted, fitted))
                     yield fitted
             if len(found) >= ENOUGH or late():
                 break
         if not late():
             self._all = found
+
+    def _flat_first(self, grasps: Iterator[Grasp]) -> Iterator[tuple[bool, Grasp]]:
+        """Those that close, and whether by faces that look farther away than others do, which come last."""
+        slanted = list[Grasp]()
+        for grasp in filter(self._closes, grasps):
+            if self.engaged(grasp, FLAT):
+                yield False, grasp
+            else:
+                slanted.append(grasp)
+        yield from ((True, grasp) for grasp in slanted if self.engaged(grasp))
 
     def _in_blocks(self, grasps: Grasps, share: float, late: Callable[[], bool]) -> Iterator[Grasp]:
         """What is `screened` of them, as far as it is asked for."""
@@ -178,18 +194,24 @@ class Fitter:
         grasp, share = opened
         key = share, grasp.index
         if key not in self._known:
-            if grasp.index not in self._closed and grasp.index not in self._never:
-                self._close(grasp)
-            self._known[key] = None if grasp.index in self._never else self._swung(grasp, share)
+            self._known[key] = self._swung(grasp, share) if self._closes(grasp) else None
         return self._known[key]
 
-    def engaged(self, fitted: Fitted) -> bool:
-        """Whether fingers that have closed reach over the handle all around, as certification demands."""
-        grasp, hand = fitted[0], self.hand
-        closed = self._closed[grasp.index]
+    def _closes(self, grasp: Grasp) -> bool:
+        """Whether the hand can be closed on the handle so, and stay there."""
+        if grasp.index not in self._closed and grasp.index not in self._never:
+            self._close(grasp)
+        return grasp.index not in self._never
+
+    def engaged(self, grasp: Grasp, inward: float = INWARD) -> bool:
+        """Whether fingers that have closed reach over the handle all around, as certification demands.
+
+        They meet it there when they move inward by at most so much more [m].
+        """
+        hand, closed = self.hand, self._closed[grasp.index]
         tool = self.problem.handle_r[0] @ grasp.rotation, closed[0]
         about = hand.pads, hand.parts, hand.closing, self.room.handle, self._rest[2]
-        return fingers.engaged(tool, closed[1], *about, REACH, INWARD, self._work)
+        return fingers.engaged(tool, closed[1], *about, REACH, inward, self._work)
 
     def known(self, opened: Opened) -> Fitted | None:
         """The same, if it is known."""

@@ -229,7 +229,7 @@ class Sampler:
         """Whether a grasp fits and is a hold; its tool is then where the hand is closed, not as meant."""
         if grasp not in self._fitted:
             fitted = self._fitter.fitted(self.opened[grasp])
-            if fitted is not None and not self._fitter.engaged(fitted):
+            if fitted is not None and not self._fitter.engaged(fitted[0]):
                 fitted = None
             self._fitted[grasp], self._may_fit[grasp] = fitted, fitted is not None
             if fitted is not None:

@@ -106,8 +106,7 @@ def test_tiagos_fingers_press_with_what_their_model_says_and_pr2s_grip_is_not_ch
     finger = f"{tiago}/joint/gripper_{name}_left_finger_joint"
     assert facts.number(f"{tiago}/gripper/{name}", "gripForce") == facts.number(finger, "effortLimit") == 16.0
     notes = {
-        robot: " ".join(checks(Scene(twin, robot), twin, name, lambda: None).missing)
-        for robot in (tiago, ROBOT)
+        robot: " ".join(checks(Scene(twin, robot), twin, name, None).missing) for robot in (tiago, ROBOT)
     }
     assert "grip at the handle" not in notes[tiago]
     assert "not checked: grip at the handle" in notes[ROBOT]
@@ -143,7 +142,7 @@ def felt(force: float, along: tuple[float, float, float], weight: float = 98.1, 
 @pytest.mark.parametrize(("force", "slips"), [(49.0, False), (49.2, True)])
 def test_wheels_hold_friction_times_weight(force: float, slips: bool) -> None:
     twin = load("b", ["pr2"]).twin.with_edit(ROBOT, wheelFriction=0.5, wheelFrictionMost=0.5)
-    (slip,) = checks(Scene(twin, ROBOT), twin, "left", lambda: None).of
+    (slip,) = checks(Scene(twin, ROBOT), twin, "left", None).of
     (bound,) = slip(felt(force, (1.0, 0.0, 0.0)))
     assert bound.least == pytest.approx(force - 0.5 * 98.1, abs=1e-6)
     assert (bound.most > 0, bound.least > 0) == (slips, slips)
@@ -155,7 +154,7 @@ def test_pads_on_faces_that_look_elsewhere_hold_by_what_is_left_of_the_cone(degr
     twin = load("b", ["tiago_dual"]).twin
     friction = {"padFriction": 0.3, "padFrictionMost": 1.2, "gripForce": 16.0, "gripForceMost": 28.0}
     twin = twin.with_edit(f"{name}/gripper/left", **friction)
-    (press,) = checks(Scene(twin, name), twin, "left", lambda: slant).of
+    (press,) = checks(Scene(twin, name), twin, "left", slant).of
     (bound,) = press(felt(10.0, (1.0, 0.0, 0.0)))
     assert bound.least == pytest.approx(10.0 / 2 / np.tan(np.arctan(1.2) + slant))
     assert bound.most == pytest.approx(10.0 / 2 / np.tan(np.arctan(0.3) - slant))
@@ -164,7 +163,7 @@ def test_pads_on_faces_that_look_elsewhere_hold_by_what_is_left_of_the_cone(degr
 def test_pads_on_faces_that_look_farther_off_than_they_rub_surely_hold_nothing() -> None:
     name = "https://example.org/id/tiago_dual"
     twin = load("b", ["tiago_dual"]).twin.with_edit(f"{name}/gripper/left", padFriction=0.3, gripForce=16.0)
-    (press,) = checks(Scene(twin, name), twin, "left", lambda: np.radians(39.2)).of
+    (press,) = checks(Scene(twin, name), twin, "left", np.radians(39.2)).of
     (bound,) = press(felt(0.1, (1.0, 0.0, 0.0)))
     assert bound.most > 1e6
     assert bound.least == 0.0

@@ -21,9 +21,7 @@ Pairs = NDArray[np.intp]
 
 APART = 1e-5  # [m] from touching, so that nearest points are well defined
 NOTHING = 0.0  # [m] reaches over the handle
-ASIDE = 1e-3  # [m] a finger is moved to tell how the faces look that touch the handle
 LATER = 1e-4  # [m] what touches later than the first by more bears nothing
-SLANTS = np.radians((0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,8 +152,7 @@ class Grip:
     def slant(self, pinch: Pinch) -> float:
         """How far faces with which they touch the handle look away from the way in which they close [rad].
 
-        No less than that: the least of `SLANTS` by which the way of each piece that touches first, or hardly
-        later, grows or shrinks when it is moved aside, which it may along both sides at once; else pi / 2.
+        No less than that, of every piece that touches first or hardly later; pi / 2 where nothing is shown.
         """
         return max(
             self._slant(body, inward) for body, inward in zip(pinch.fingers, self._inward, strict=True)
@@ -163,17 +160,17 @@ class Grip:
 
     def _slant(self, body: Iri, inward: Array) -> float:
         """The same of one finger."""
+        if body in self._hollow:
+            return np.pi / 2
         pairs = np.split(self._pairs[body], len(self._pairs[body]))
         gaps = [self._gap(pair, inward) for pair in pairs]
         first = [(pair, gap) for pair, gap in zip(pairs, gaps, strict=True) if gap <= min(gaps) + LATER]
-        for angle in SLANTS:
-            slope, about = float(np.tan(angle)), (inward, self._sides)
-            asked = (
-                (self._shapes.convex, pair, self._posed, *about, gap, ASIDE, slope) for pair, gap in first
-            )
-            if all(moved.looks_along(*each, self._room) for each in asked):
-                return float(np.arctan(np.sqrt(2.0) * slope))
-        return np.pi / 2
+        convex, posed, sides = self._shapes.convex, self._posed, self._sides
+        slopes = [
+            moved.slope(convex, pair, posed, inward, sides, gap, self._slope, self._room)
+            for pair, gap in first
+        ]
+        return float(np.arctan(max(slopes)))
 
     def _gap(self, pair: Pairs, inward: Array) -> float:
         """The way of one shape to one of the handle, inward; infinite if it does not press on that."""

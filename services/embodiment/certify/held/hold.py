@@ -46,6 +46,8 @@ class Hold:
         time: The moment of the grasp [s].
         until: The end of holding [s].
         room: By how much the handle may be elsewhere and is still held [m]; known once `contact` holds.
+        slant: How far the faces that hold look away from the way in which fingers close, at most [rad]; known
+            then too, and pi / 2 where nothing is shown.
         most: How far the tool may slip [m] and turn [rad] on it: less where another container goes farther.
     """
 
@@ -57,7 +59,7 @@ class Hold:
         self.tolerances, self.timeline = checked.tolerances, checked.timeline
         self.kinematics, self.shapes = checked.kinematics, checked.shapes
         self.pieces, self.begin = checked.timeline.pieces, begin
-        self.room, self._since = 0.0, since
+        self.room, self.slant, self._since = 0.0, np.pi / 2, since
         self.gripper, self.container = gripper, container
         ratio = farther(scene, scene.coordinate[container.joint])
         self.most = self.tolerances.tool_position / ratio, self.tolerances.tool_angle / ratio
@@ -127,14 +129,8 @@ class Hold:
         pinch = grip.pinch()
         if pinch is None or pinch.over < self.tolerances.engaged:
             return self._not_held(grip, pinch)
-        self.room = grip.room(pinch)
+        self.room, self.slant = grip.room(pinch), grip.slant(pinch)
         return Findings(figures={"finger to handle": (pinch.gap, "m")})
-
-    def slant(self) -> float:
-        """How far faces that hold look away from the way in which fingers close, at most [rad]."""
-        grip = self._grip()
-        pinch = grip.pinch()
-        return np.pi / 2 if pinch is None else grip.slant(pinch)
 
     def _grip(self) -> Grip:
         placed = self.slip.at_grasp

@@ -13,6 +13,8 @@ STEP = 1e-3  # [m] what is thinner than this, finger and handle together, may be
 EXACT = 1e-7  # [m] of the way until finger and handle touch
 COARSE = 1e-5  # [m] of the way until they come as near as the handle may be elsewhere
 TOUCH = 1e-6  # [m] what is nearer touches
+ASIDE = 1e-3  # [m] a finger is moved to tell how the faces look that touch the handle
+LEVEL = 2e-3  # [1] precision of that, a tenth of a degree
 ROOM_STEPS = 6  # halvings of the tolerance of contact
 
 
@@ -88,20 +90,40 @@ def press(convex, pairs, posed, inward, sides, contact, engaged, slope, room):
     return gap, over
 
 
-@kernel(makes=False)
-def looks_along(convex, pair, posed, inward, sides, gap, aside, slope, room):
-    """Whether a finger that touches after `gap`, moved `aside` to any side, does so nearly then.
-
-    By ways that differ by no more than `aside * slope`: where they meet, faces look that nearly along inward.
-    """
-    more = aside * slope
-    for k in range(sides.shape[0]):
-        later, sooner = gap + more, gap - more - 2.0 * TOUCH
-        if _touching(convex, pair, posed, sides[k], aside, inward, later, 0.0, 1, TOUCH, room) < 0:
+@subkernel
+def _level(convex, pair, posed, inward, sides, axis, gap, slope, room):
+    """Whether a finger, moved `ASIDE` both ways along an axis, touches after `gap`, but for `slope` of it."""
+    more = ASIDE * slope
+    later, sooner = gap + more, gap - more - 2.0 * TOUCH
+    for k in range(2 * axis, 2 * axis + 2):
+        side = sides[k]
+        if _touching(convex, pair, posed, side, ASIDE, inward, later, 0.0, 1, TOUCH, room) < 0:
             return False
-        if _touching(convex, pair, posed, sides[k], aside, inward, sooner, 0.0, 1, TOUCH, room) >= 0:
+        if _touching(convex, pair, posed, side, ASIDE, inward, sooner, 0.0, 1, TOUCH, room) >= 0:
             return False
     return True
+
+
+@kernel(makes=False)
+def slope(convex, pair, posed, inward, sides, gap, most, room):
+    """Tangent of how far the faces that meet after `gap` look away from inward; infinite above `most`.
+
+    By how much more, or less, a finger goes until it touches if it is moved aside along one axis, or along
+    the other; of both the root of the sum of squares.
+    """
+    total = 0.0
+    for axis in range(2):
+        level, steeper = 0.0, most
+        if not _level(convex, pair, posed, inward, sides, axis, gap, most, room):
+            return math.inf
+        while steeper - level > LEVEL:
+            middle = (level + steeper) / 2.0
+            if _level(convex, pair, posed, inward, sides, axis, gap, middle, room):
+                steeper = middle
+            else:
+                level = middle
+        total += steeper * steeper
+    return math.sqrt(total)
 
 
 @kernel(makes=False)

@@ -1,4 +1,4 @@
-"""How far faces that hold look away from the way in which fingers close: a bar that gets thicker inward."""
+"""The friction that a certified hold takes: fingers at a bar that gets thicker inward."""
 
 from pathlib import Path
 
@@ -9,16 +9,12 @@ import trimesh
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
 from services.embodiment.certify import Certified
-from services.embodiment.certify.certificate import read_certificate
-from services.embodiment.certify.held.slant import slant
-from services.physics.model import Scene
 from tests.services.embodiment.gantry import FOLDER, gantry_twin, opening
 from tests.services.embodiment.judging import judge
 
 pytestmark = pytest.mark.oracle
 
 TIP, CLOSED = 0.01, 0.005  # [m] of the fingers beyond the bar's middle, and from each other's middle
-BOTH = np.sqrt(2)  # a face may look away along both sides at once
 
 
 def wedge(folder: Path, degrees: float) -> Twin:
@@ -34,19 +30,32 @@ def wedge(folder: Path, degrees: float) -> Twin:
     return load_twin(folder / "cell.urdf", [FOLDER / "gantry.urdf"])
 
 
-def found(twin: Twin) -> float:
-    """Of the certified motion of the gantry [degrees]."""
+def needed(twin: Twin) -> float:
+    """Of the certified motion of the gantry [1]."""
     verdict = judge(twin, opening())
     assert isinstance(verdict, Certified), verdict.diagnoses
-    certificate = read_certificate(verdict.artefact().content)
-    return float(np.degrees(slant(Scene(twin, twin.robots[0]), twin, certificate)))
+    value, unit = verdict.figures["friction needed"]
+    assert unit == "1"
+    return value
 
 
-@pytest.mark.parametrize(("degrees", "told"), [(0.0, 0.25), (1.5, 2.0), (8.0, 10.0), (18.0, 20.0)])
-def test_faces_that_look_back_are_told_by_no_less(tmp_path: Path, degrees: float, told: float) -> None:
-    most = np.degrees(np.arctan(BOTH * np.tan(np.radians(told))))
-    assert degrees <= found(wedge(tmp_path, degrees)) == pytest.approx(most, abs=1e-3)
+@pytest.mark.parametrize("degrees", [0.0, 1.5, 8.0, 18.0])
+def test_faces_that_look_back_need_friction_of_the_tangent_of_their_angle(
+    tmp_path: Path, degrees: float
+) -> None:
+    least = np.tan(np.radians(degrees))
+    assert least <= needed(wedge(tmp_path, degrees)) <= least + 0.01
 
 
-def test_faces_of_a_box_look_along_the_way_that_fingers_close(tmp_path: Path) -> None:
-    assert found(gantry_twin(tmp_path)) < 0.4
+def test_faces_of_a_box_need_hardly_any(tmp_path: Path) -> None:
+    assert needed(gantry_twin(tmp_path)) < 0.01
+
+
+def test_where_nothing_shows_how_faces_look_no_figure_is_given_but_a_word(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("services.embodiment.certify.held.grip.moved.slope", lambda *_: np.inf)
+    verdict = judge(gantry_twin(tmp_path), opening())
+    assert isinstance(verdict, Certified)
+    assert "friction needed" not in verdict.figures
+    assert "friction needed: not known" in " ".join(verdict.nearest)
