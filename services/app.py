@@ -236,6 +236,7 @@ def whole_body(policy: Policy, *, forces: bool = False) -> Embodiment:
         seed=policy.seed,
         any_start=policy.any_start,
         contact=policy.contact,
+        friction=policy.friction,
         coupled=not forces,
         regrasps=not forces,
     )

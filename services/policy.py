@@ -1,5 +1,7 @@
 """What decides CanPerform beyond twin, robot and task."""
 
+import math
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -23,6 +25,21 @@ USUAL_CONTACT: Final = 0.002
 MOST_CONTACT: Final = 0.1
 """[m] More than anybody may ask for: farther from a handle than that nothing is held."""
 
+LEAST_FRICTION: Final = 0.01
+MOST_FRICTION: Final = 10.0
+"""[1] Coefficients of friction that may be asked for: how faces look is told to some thousandths."""
+
+
+def friction_of(cone: float) -> float | None:
+    """The coefficient [1] whose cone of friction is that wide from its axis [rad]; None of a half space."""
+    return None if cone == math.pi / 2 else float(f"{math.tan(cone):.12g}")
+
+
+def told_friction(tolerances: str) -> float | None:
+    """The same of the text of tolerances that a verdict has among its inputs; None where it says none."""
+    cone = re.search(r"\bcone=([\d.]+)", tolerances)
+    return friction_of(float(cone[1])) if cone else None
+
 
 @dataclass(frozen=True)
 class Policy:
@@ -35,6 +52,8 @@ class Policy:
         seed: Of the search.
         any_start: Whether a body motion that is given may begin anywhere, in any posture.
         contact: How far a finger may be from the handle that it holds [m]; None takes the certifier's.
+        friction: The coefficient with which fingers rub on handles [1]: holds that need more are refused.
+            None: a certificate says what its holds need.
 
     Raises:
         InputError: A drive, seed, budget or tolerance that is none, or a start where none is demanded.
@@ -46,6 +65,7 @@ class Policy:
     seed: int = 0
     any_start: bool = False
     contact: float | None = None
+    friction: float | None = None
 
     def __post_init__(self) -> None:
         if not 0 <= self.seed < SEEDS:
@@ -57,6 +77,9 @@ class Policy:
         if self.contact is not None and not 0 <= self.contact <= MOST_CONTACT:
             what = f"a finger may be {self.contact:g} m from what it holds"
             raise InputError(what, allowed=f"0 to {MOST_CONTACT:g} m")
+        if self.friction is not None and not LEAST_FRICTION <= self.friction <= MOST_FRICTION:
+            what = f"fingers that rub with a coefficient of friction of {self.friction:g}"
+            raise InputError(what, allowed=f"{LEAST_FRICTION:g} to {MOST_FRICTION:g}")
         if self.any_start and self.base is not None:
             what = "a start of the base, for a motion that may begin anywhere"
             raise InputError(what, allowed="one of base and any_start")

@@ -93,7 +93,7 @@ class Attempt:
         """
         one, problem = self.fitter, self.fitter.problem
         every = parts(self.searcher.world, problem.mechanics.container.handle, one.bar)
-        fitter = Fitter(one.hand, problem, around(every), one.demands, one.unfit)
+        fitter = Fitter(one.hand, problem, around(every), one.demands, one.unfit, one.facing)
         more = 1 if self.searcher.drive is Drive.FIXED else 2
         pool = anyhow(every, self.searcher.tally.grasps > 0, more)
         yield from self._bred(Breeder(self.searcher, fitter, self.rng, late, pool), late)

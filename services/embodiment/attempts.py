@@ -49,7 +49,7 @@ def make_attempt(  # noqa: PLR0913  # what is asked, of whom, and how it is sear
     world, limb = setting.world, kit.limb
     problem = _problem(setting, mechanics, bar, limb.q(limb.parked))
     holding = touching(world, limb, kit.demands, (setting.container.handle,))
-    fitter = Fitter(kit.hand, problem, bar, (holding, kit.demands), unfit)
+    fitter = Fitter(kit.hand, problem, bar, (holding, kit.demands), unfit, setting.tolerances.facing)
     fitted, steep = (fitter.fitting(late, steep) for steep in (False, True))
     searcher = Searcher(world, limb, problem, holding, setting.drive)
     start = np.array(setting.start)

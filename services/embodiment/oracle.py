@@ -77,6 +77,7 @@ class WholeBody:
         seed: Of the search: the same seed gives the same answer, but for the budget.
         any_start: Whether a body motion that is given may begin anywhere, in any posture.
         contact: How far a finger may be from the handle that it holds [m]; None takes the certifier's.
+        friction: With which coefficient it rubs there [1]: holds that need more are refused; None: none are.
         coupled: Whether a container may be held by the handle of one that moves with it.
         regrasps: Whether it may be let go on the way, where it rests, and held anew.
     """
@@ -89,13 +90,14 @@ class WholeBody:
         seed: int = 0,
         any_start: bool = False,
         contact: float | None = None,
+        friction: float | None = None,
         coupled: bool = True,
         regrasps: bool = True,
     ) -> None:
         self.drive, self.start, self.budget, self.seed = drive, start, budget, seed
         self.any_start, self.margins, self.coupled = any_start, Margins(), coupled
         self.regrasps = regrasps
-        self.tolerances = Tolerances.within(contact)
+        self.tolerances = Tolerances.within(contact, friction)
         self._physics = Kinematics()
         self._compiled, self._worlds = False, Worlds(self.margins)
 

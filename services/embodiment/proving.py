@@ -40,7 +40,8 @@ class Proofs:
         self._setting, self._spent = setting, spent
         self._prover: Prover | None = None
         self._stands = setting.drive is Drive.FIXED
-        self._sought = sought and setting.tolerances == Tolerances()  # they refute what these accept, no more
+        usual = Tolerances.within(None, setting.tolerances.friction)
+        self._sought = sought and setting.tolerances == usual  # they refute what these accept, no more
 
     @property
     def ended(self) -> bool:

@@ -13,7 +13,7 @@ from predicates.record.stored import read_positions
 from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import ID, LAW, Iri, local_name
 from sdt_kg.scope import D_ARTIC
-from services.policy import USUAL_CONTACT
+from services.policy import USUAL_CONTACT, told_friction
 from services.why.words import Section, moved, of_then, reasons, standing, versions, with_unit
 
 PREDICATES = {
@@ -194,6 +194,8 @@ def _command(verdict: StoredVerdict, facts: Facts) -> str:
     contact = _CONTACT.search(inputs.get("embodiment.tolerances", ""))
     if contact and float(contact[1]) != USUAL_CONTACT:
         words += ["--contact-tolerance", contact[1]]
+    if (friction := told_friction(inputs.get("embodiment.tolerances", ""))) is not None:
+        words += ["--friction", repr(friction)]
     start = inputs.get(START_INPUT, "")
     if start.count(",") == 2:
         words += ["--base", start.replace(" ", "")]

@@ -35,6 +35,13 @@ def test_nothing_is_held_from_farther_than_a_hand(contact: float) -> None:
         Policy(contact=contact)
 
 
+@pytest.mark.parametrize("friction", [0.0, -0.5, 11.0, math.inf, math.nan])
+def test_a_friction_is_one_that_pads_may_have(friction: float) -> None:
+    assert Policy(friction=0.5).friction == 0.5
+    with pytest.raises(InputError, match=r"a coefficient of friction of .*; allowed: 0\.01 to 10"):
+        Policy(friction=friction)
+
+
 def test_a_drive_is_a_drive() -> None:
     with pytest.raises(InputError, match=r"'omni' is no Drive; allowed: Drive\.OMNI"):
         Policy(drive="omni")  # pyright: ignore[reportArgumentType]  # as somebody may type it

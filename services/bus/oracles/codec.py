@@ -199,6 +199,7 @@ def policy_plain(policy: Policy) -> Plain:
         "seed": policy.seed,
         "any_start": policy.any_start,
         "contact": policy.contact,
+        "friction": policy.friction,
     }
 
 
@@ -213,6 +214,7 @@ def policy_value(plain: Mapping[str, Any]) -> Policy:
         plain["seed"],
         any_start=plain["any_start"],
         contact=plain["contact"],
+        friction=plain.get("friction"),
     )
 
 

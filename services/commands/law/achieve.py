@@ -37,7 +37,7 @@ from services.commands.options import (
 from services.commands.show import progress
 from services.commands.verdicts import told
 from services.motions import read_motion, write_motion
-from services.policy import MOST_CONTACT
+from services.policy import LEAST_FRICTION, MOST_CONTACT, MOST_FRICTION
 from services.relative import in_class
 from services.requests import parse_base, parse_task
 from services.store.output import write_file
@@ -66,6 +66,13 @@ if TYPE_CHECKING:
     type=FiniteRange(min=0, max=MOST_CONTACT),
     metavar="M",
     help="How far a finger may be from the handle that it holds; without it 0.002.",
+)
+@click.option(
+    "--friction",
+    type=FiniteRange(min=LEAST_FRICTION, max=MOST_FRICTION),
+    metavar="MU",
+    help="Coefficient with which fingers rub on handles: holds that need more are refused. Without it the "
+    "verdict says what its holds need.",
 )
 @states_option
 @click.option(
@@ -102,6 +109,7 @@ def achieve(
     motion: Path | None,
     any_start: bool,
     contact: float | None,
+    friction: float | None,
     states: tuple[str, ...],
     base: str | None,
     drive: str | None,
@@ -121,7 +129,8 @@ def achieve(
 
     Exit 0 all certified, 1 some not, 3 all abstained, 2 bad input.
     """
-    policy = Policy(Drive(drive) if drive else None, parse_base(base), budget, seed, any_start, contact)
+    moves = Drive(drive) if drive else None
+    policy = Policy(moves, parse_base(base), budget, seed, any_start, contact, friction)
     service = load(kitchen, [robot], annotation=annotation, state=states, policy=policy)
     service = in_class(service, tee, forces)
     given = read_motion(motion, service.twin, service.robot(model_name(robot))) if motion else None

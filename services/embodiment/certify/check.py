@@ -130,6 +130,8 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
     why = ONE_HOLD if one_hold else TIMES if asked is not None and asked.timed else ""
     holds, held = held_so(checked, container, motion.gripper, one_hold=why, in_full=in_full)
     findings.add(held)
+    if TURN in held.figures:
+        findings.add(friction(holds, held.figures[TURN][0], tolerances.cone))
     findings.add(collisions(checked, holds))
     findings.add(inside(checked))
     reach = reach_of(checked)
@@ -141,7 +143,6 @@ def certify(  # noqa: PLR0913  # what a motion is judged by; the rest has defaul
         return Refused(findings.diagnoses(), findings.figures)
     assert holds, "a container that moves unheld is refused"
     findings.figures |= tolerated(holds, findings, reach)
-    findings.add(friction(holds, findings.figures[TURN][0]))
     _check_figures(findings.figures)
     certificate = Certificate(
         models=models_of(twin, robot),

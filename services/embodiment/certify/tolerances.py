@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 from sdt_kg.errors import InputError
 from services.physics.replay import BEYOND_STOPS
-from services.policy import USUAL_CONTACT
+from services.policy import USUAL_CONTACT, friction_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +22,10 @@ class Tolerances:
             and back [m]. Ours: more than `depth`, so that no fingertip that stands in front of a
             bar, or is as deep in its front as it may be, counts; and more than `tool_position`,
             so that what is held stays so while the tool slips.
-        facing: Between the closing direction and the faces with which fingers and handle meet [rad].
+        facing: Between the closing direction and the faces with which fingers and handle meet, along each
+            side [rad].
+        cone: The same in all, as friction holds [rad]: of a coefficient µ its arc tangent; pi / 2 if none was
+            asked for.
         tool_position: How far the tool may slip on the handle [m]; where a container goes n times as far as
             the one that is held, an n-th of it.
         tool_angle: How far it may turn on the handle [rad]; so, too.
@@ -45,6 +48,7 @@ class Tolerances:
     depth: float = 0.002
     engaged: float = 0.003
     facing: float = math.radians(30.0)
+    cone: float = math.pi / 2
     tool_position: float = 0.002
     tool_angle: float = math.radians(1.0)
     position: float = BEYOND_STOPS
@@ -68,25 +72,39 @@ class Tolerances:
                 raise InputError(f"the tolerance '{field.name}' is not a number", allowed="0 or above")
 
     @classmethod
-    def within(cls, contact: float | None) -> "Tolerances":
-        """The usual ones, but for how far a finger may be from the handle, where that is said."""
-        return cls() if contact is None else cls(contact=contact)
+    def within(cls, contact: float | None, friction: float | None = None) -> "Tolerances":
+        """The usual ones, but for a finger's distance from the handle [m], or its friction, that is said."""
+        usual = cls() if contact is None else cls(contact=contact)
+        if friction is None:
+            return usual
+        cone = math.atan(friction)
+        return replace(usual, cone=cone, facing=min(usual.facing, cone))
 
     @classmethod
     def told(cls, given: Mapping[str, float]) -> "Tolerances":
-        """Those of an artefact; `lag`, which some do not have yet, is as ever.
+        """Those of an artefact; `lag` and `cone`, which some do not have yet, are as ever.
 
         Raises:
             ValueError: Others are missing, or unknown.
         """
-        if wrong := {field.name for field in fields(cls)} ^ {*given, "lag"}:
+        if wrong := {field.name for field in fields(cls)} ^ {*given, "lag", "cone"}:
             raise ValueError(f"tolerances {sorted(wrong)}, which are missing or unknown")
         return cls(**given)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a verdict has to say of them: that fingers may be farther from a handle than usual."""
-        if self.contact == USUAL_CONTACT:
-            return ()
-        much, usual = 1e3 * self.contact, 1e3 * USUAL_CONTACT
-        return (f"a finger may be {much:g} mm from the handle that it holds, not {usual:g} mm: as asked",)
+        """What a verdict has to say of them: in what fingers may, or may not, hold otherwise than usual."""
+        notes = list[str]()
+        if self.contact != USUAL_CONTACT:
+            much, usual = 1e3 * self.contact, 1e3 * USUAL_CONTACT
+            notes.append(
+                f"a finger may be {much:g} mm from the handle that it holds, not {usual:g} mm: as asked"
+            )
+        if (friction := self.friction) is not None:
+            notes.append(f"holds that need friction of more than {friction:g} are refused: as asked")
+        return tuple(notes)
+
+    @property
+    def friction(self) -> float | None:
+        """The coefficient of friction that was asked for [1], if one was."""
+        return friction_of(self.cone)

@@ -19,7 +19,7 @@ from services.embodiment.descent.depths import make_depths, unmoved
 from services.embodiment.descent.pinch import Pose, grips
 from services.embodiment.descent.posture import make_descent
 from services.embodiment.descent.spans import PIECES, Hold, Spans
-from services.embodiment.hold.fit import OPENINGS
+from services.embodiment.hold.fit import OPENINGS, inward
 from services.embodiment.hold.grasp import Grasp
 from services.embodiment.hold.holding import WAYPOINTS, Holding
 from services.embodiment.hold.kit import Kits
@@ -258,7 +258,8 @@ class _Search:
         held = grips(parts(setting.world, setting.container.handle, bar))
         handle = _handle(self._planner, attempt)
         rng = np.random.default_rng(self._planner.seed)
-        return Spans(make_descent(depths, held, handle, start, rng), np.linspace(*self._ends, PIECES + 1))
+        descent = make_descent(depths, held, handle, start, rng, inward(attempt.fitter.facing))
+        return Spans(descent, np.linspace(*self._ends, PIECES + 1))
 
 
 def _handle(planner: Planner, attempt: Attempt) -> Callable[[float], Pose]:

@@ -15,7 +15,7 @@ from services.embodiment.body.limb import BASE
 from services.embodiment.descent.depths import SPARE, Depths
 from services.embodiment.descent.pinch import Grip, Pads, Pose, led, line
 from services.embodiment.descent.solver import Bounds, Solver
-from services.embodiment.hold.fit import INWARD, REACH, ROUNDS
+from services.embodiment.hold.fit import REACH, ROUNDS
 from services.embodiment.hold.grasp import TOUCH
 from services.embodiment.hold.holding import inside
 
@@ -62,6 +62,7 @@ class Descent:
 
     Attributes:
         handle: World pose of the handle's joint at a value of the container.
+        inward: How far fingers that reach over it may move on until they meet it there [m].
         starts: How many were made.
         near: By value, what was nearly free there.
     """
@@ -73,6 +74,7 @@ class Descent:
     bounds: Bounds
     start: Array
     rng: np.random.Generator
+    inward: float
     starts: int = 0
     near: dict[float, list[Posture]] = field(default_factory=dict[float, list[Posture]])
 
@@ -150,12 +152,17 @@ class Descent:
         about, room = (hand.parts, hand.closing, bar, world.shapes), hand.room()
         if not fingers.closed(tool, shares, hand.sides, *about, TOUCH, ROUNDS, room, *begin):
             return None
-        over = fingers.engaged(tool, shares.copy(), hand.pads, *about, REACH, INWARD, room)
+        over = fingers.engaged(tool, shares.copy(), hand.pads, *about, REACH, self.inward, room)
         return tool, shares, bool(over)
 
 
-def make_descent(
-    depths: Depths, grips: list[Grip], handle: Callable[[float], Pose], start: Array, rng: np.random.Generator
+def make_descent(  # noqa: PLR0913, PLR0917  # of what, where from, and how it holds
+    depths: Depths,
+    grips: list[Grip],
+    handle: Callable[[float], Pose],
+    start: Array,
+    rng: np.random.Generator,
+    inward: float,
 ) -> Descent:
     """The search for postures of one hand, its base standing at `start` (3,)."""
     lower, upper = inside(depths.limb)
@@ -163,4 +170,4 @@ def make_descent(
     moves[BASE] = False
     bounds = Bounds(moves, lower, upper)
     solver = Solver(depths, Pads(depths.hand), bounds)
-    return Descent(depths, solver, grips, handle, bounds, start, rng)
+    return Descent(depths, solver, grips, handle, bounds, start, rng, inward)

@@ -27,9 +27,14 @@ ENOUGH = 6  # grasps with which no narrower opening is tried
 CHECKED = 7  # values of the container at which the hand alone is checked
 BESIDE = 0.05  # [m] that a grasp's tool may lie beside the bar
 REACH = Tolerances().engaged  # [m] by which fingers reach over a handle
-INWARD = REACH * float(np.tan(Tolerances().facing))  # [m] that they then move on until they meet it
-FLAT = REACH * float(np.tan(np.radians(20.0)))  # [m] the same of faces that look along the way they close
+FACING = Tolerances().facing  # [rad]
+FLAT = np.radians(20.0)  # [rad] from the way in which they close faces look that are tried first
 ROUNDS = 12  # of regula falsi; three or four are usual
+
+
+def inward(facing: float) -> float:
+    """How far fingers that reach over a handle move on until they meet it there [m], by such faces."""
+    return REACH * float(np.tan(facing))
 
 
 class Room:
@@ -87,12 +92,20 @@ class Fitter:
         bar: Where.
         demands: The distances demanded while it holds, and of the open hand.
         unfit: Counts the pairs of shapes whose contact rules a grasp out.
+        facing: How far faces that hold may look away from the way in which fingers close [rad].
     """
 
-    def __init__(
-        self, hand: Hand, problem: Problem, bar: Bar, demands: tuple[Rules, Rules], unfit: Counter[Pair]
+    def __init__(  # noqa: PLR0913, PLR0917  # a hand, what it holds, and what is demanded of both
+        self,
+        hand: Hand,
+        problem: Problem,
+        bar: Bar,
+        demands: tuple[Rules, Rules],
+        unfit: Counter[Pair],
+        facing: float = FACING,
     ) -> None:
         self.hand, self.problem, self.bar, self.demands, self.unfit = hand, problem, bar, demands, unfit
+        self.facing, self._flat = facing, min(facing, FLAT)
         self.room = Room(hand, problem, bar)
         world = hand.world
         self._margins = demands[0].environment, demands[1].environment
@@ -133,7 +146,7 @@ class Fitter:
         """Those that close, and whether by faces that look farther away than others do, which come last."""
         slanted = list[Grasp]()
         for grasp in filter(self._closes, grasps):
-            if self.engaged(grasp, FLAT):
+            if self._reaches(grasp, self._flat):
                 yield False, grasp
             else:
                 slanted.append(grasp)
@@ -203,15 +216,16 @@ class Fitter:
             self._close(grasp)
         return grasp.index not in self._never
 
-    def engaged(self, grasp: Grasp, inward: float = INWARD) -> bool:
-        """Whether fingers that have closed reach over the handle all around, as certification demands.
+    def engaged(self, grasp: Grasp) -> bool:
+        """Whether fingers that have closed reach over the handle all around, as certification demands."""
+        return self._reaches(grasp, self.facing)
 
-        They meet it there when they move inward by at most so much more [m].
-        """
+    def _reaches(self, grasp: Grasp, facing: float) -> bool:
+        """The same, and by faces that look at most so far away from the way in which they close [rad]."""
         hand, closed = self.hand, self._closed[grasp.index]
         tool = self.problem.handle_r[0] @ grasp.rotation, closed[0]
         about = hand.pads, hand.parts, hand.closing, self.room.handle, self._rest[2]
-        return fingers.engaged(tool, closed[1], *about, REACH, inward, self._work)
+        return fingers.engaged(tool, closed[1], *about, REACH, inward(facing), self._work)
 
     def known(self, opened: Opened) -> Fitted | None:
         """The same, if it is known."""

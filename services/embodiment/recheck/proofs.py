@@ -19,6 +19,7 @@ from sdt_kg.iri import local_name
 from sdt_kg.state import Interval, Region
 from sdt_kg.task import Task, Verb
 from sdt_kg.twin import Container, Twin
+from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check import check
 from services.embodiment.proof_check.claim import Claim
 from services.embodiment.proof_check.content import Proof
@@ -28,6 +29,7 @@ from services.embodiment.recheck.claim import moved_differs
 from services.embodiment.recheck.embodiment import faces, is_at
 from services.embodiment.recheck.models import TwinOf, at_hand, models_differ
 from services.embodiment.recheck.words import words_beside_proof
+from services.policy import told_friction
 
 ROUNDING = 1e-9  # [rad or m] of a goal's middle
 
@@ -145,7 +147,10 @@ def _policy_differs(said: dict[str, str], claim: Claim, twin: Twin, container: C
     """In what the verdict's base policy and tolerances are not the proof's."""
     if said.get("embodiment.drive") != claim.drive.value:
         yield f"the verdict's drive is {said.get('embodiment.drive')}, its proof's {claim.drive.value}"
-    if said.get("embodiment.tolerances") != repr(claim.tolerances):
+    tolerances = said.get("embodiment.tolerances", "")
+    # what refutes every hold refutes those that need no more friction than was asked for
+    asked = repr(Tolerances.within(None, told_friction(tolerances)))
+    if tolerances != (asked if claim.tolerances == Tolerances() else repr(claim.tolerances)):
         yield "the verdict's tolerances are not its proof's"
     if claim.drive is Drive.FIXED and not _starts_as(
         said.get("embodiment.start", ""), claim, twin, container

@@ -87,7 +87,12 @@ def test_verdicts_are_the_same_and_the_work_is_shared(here: Service, on_bus: Rou
 
 def test_an_oracle_judges_under_the_whole_policy_that_it_is_sent(here: Service, on_bus: Routed) -> None:
     robot = here.twin.robots[0]
-    for policy in (Policy(any_start=True), Policy(contact=0.02), Policy(seed=3, base=(0.5, 0.0, 0.0))):
+    policies = (
+        Policy(any_start=True),
+        Policy(contact=0.02, friction=0.4),
+        Policy(seed=3, base=(0.5, 0.0, 0.0)),
+    )
+    for policy in policies:
         there = on_bus[0].embodiment(policy)
         assert there.settings(here.twin, robot) == whole_body(policy).settings(here.twin, robot)
 

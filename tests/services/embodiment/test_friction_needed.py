@@ -1,14 +1,20 @@
 """The friction that a certified hold takes: fingers at a bar that gets thicker inward."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
 
+from predicates.case import Outcome
+from sdt_kg.annotation import Drive
 from sdt_kg.load import load_twin
 from sdt_kg.twin import Twin
-from services.embodiment.certify import Certified
+from services.app import Policy, load
+from services.embodiment.certify import Certified, Refused, Tolerances
+from services.embodiment.recheck import Saved, recheck_verdict
+from services.store.files import SavedVerdicts
 from tests.services.embodiment.gantry import FOLDER, gantry_twin, opening
 from tests.services.embodiment.judging import judge
 
@@ -51,7 +57,7 @@ def test_faces_of_a_box_need_hardly_any(tmp_path: Path) -> None:
     assert needed(gantry_twin(tmp_path)) < 0.01
 
 
-def test_where_nothing_shows_how_faces_look_no_figure_is_given_but_a_word(
+def test_where_nothing_shows_how_faces_look_no_figure_is_given_and_no_friction_is_enough(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("services.embodiment.certify.held.grip.moved.slope", lambda *_: np.inf)
@@ -59,3 +65,54 @@ def test_where_nothing_shows_how_faces_look_no_figure_is_given_but_a_word(
     assert isinstance(verdict, Certified)
     assert "friction needed" not in verdict.figures
     assert "friction needed: not known" in " ".join(verdict.nearest)
+    refused = judge(gantry_twin(tmp_path), opening(), tolerances=Tolerances.within(None, 5.0))
+    assert isinstance(refused, Refused)
+    (found,) = refused.diagnoses
+    assert "may take any friction, and 5 is asked" in found.reason
+
+
+@pytest.mark.parametrize(("asked", "kept"), [(0.13, False), (0.16, True), (2.0, True)])
+def test_holds_that_need_more_friction_than_is_asked_are_refused(
+    tmp_path: Path, asked: float, kept: bool
+) -> None:
+    tolerances = Tolerances.within(None, asked)
+    assert tolerances.friction == asked
+    assert isinstance(judge(wedge(tmp_path, 8.0), opening(), tolerances=tolerances), Certified) is kept
+
+
+def test_faces_that_look_away_along_both_sides_are_refused_for_what_both_take(tmp_path: Path) -> None:
+    tolerances = replace(Tolerances(), cone=np.arctan(0.13))
+    refused = judge(wedge(tmp_path, 8.0), opening(), tolerances=tolerances)
+    assert isinstance(refused, Refused)
+    (found,) = refused.diagnoses
+    assert "which takes friction of 0.14" in found.reason
+    assert found.evidence is not None
+    assert found.evidence.value == pytest.approx(np.radians(8.0), abs=0.01)
+    assert found.evidence.bound == np.arctan(0.13)
+
+
+def test_a_search_finds_a_hold_that_needs_no_more_than_is_asked() -> None:
+    needed = []
+    for friction in (None, 0.3):
+        service = load("b", ["stretch"], policy=Policy(drive=Drive.OMNI, friction=friction))
+        (verdict,) = service.achieve("open:oven_area_oven_door")
+        assert verdict.outcome is Outcome.CERTIFIED
+        assert verdict.can_perform is not None
+        needed.append(verdict.can_perform.figures["friction needed"][0])
+    assert needed[1] <= 0.3 < needed[0]
+
+
+@pytest.mark.parametrize(("drive", "kind"), [(Drive.FIXED, "proof"), (Drive.OMNI, "certificate")])
+def test_what_is_said_of_less_friction_is_verified_again(tmp_path: Path, drive: Drive, kind: str) -> None:
+    service = load("b", ["stretch"], policy=Policy(drive=drive, friction=0.6))
+    (verdict,) = service.achieve("open:iai_fridge_door")
+    file = tmp_path / "kept.nq"
+    with SavedVerdicts(file) as saved:
+        saved.add_twin(service.twin)
+        saved.add(verdict)
+    stored = Saved(file)
+    (entry,) = stored.entries()
+    assert entry.stored is not None
+    assert entry.artefact is not None
+    assert entry.artefact.kind.value == kind
+    assert recheck_verdict(entry.stored, entry.artefact, stored.twin).reasons == ()
