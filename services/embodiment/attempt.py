@@ -76,7 +76,7 @@ class Attempt:
 
     def spread(self, late: Callable[[], bool], effort: Effort) -> Iterator[Holding]:
         """Holdings of listed grasps, if any fits at all, that many postures find together."""
-        if self.grasps and not self.wide:
+        if self.fitter.has_room and not self.wide:
             self.wide = self.fitter.wide(late)
             self._count()
         if self.wide:
@@ -95,7 +95,7 @@ class Attempt:
         every = parts(self.searcher.world, problem.mechanics.container.handle, one.bar)
         fitter = Fitter(one.hand, problem, around(every), one.demands, one.unfit, one.facing)
         more = 1 if self.searcher.drive is Drive.FIXED else 2
-        pool = anyhow(every, self.searcher.tally.grasps > 0, more)
+        pool = anyhow(every, one.has_room, more)
         yield from self._bred(Breeder(self.searcher, fitter, self.rng, late, pool), late)
 
     def _bred(self, breeder: Breeder, late: Callable[[], bool]) -> Iterator[Holding]:

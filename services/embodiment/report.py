@@ -99,8 +99,10 @@ def _stage(planner: Planner, rejected: bool) -> tuple[str, Counter[Pair]]:
         )
     if planner.bar is None:
         return "its handle has no collision geometry to hold", nothing
-    if not any(attempt.grasps for attempt in planner.attempts):
+    if not any(attempt.searcher.tally.grasps for attempt in planner.attempts):
         fits = "fits around the handle and keeps clear as the container moves"
+        if any(attempt.fitter.has_room for attempt in planner.attempts):
+            fits += ", reaches over it and holds it by faces that look along the way in which fingers close"
         return (
             f"no grasp was found in time that {fits}" if planner.late() else f"no gripper {fits}",
             planner.unfit,

@@ -86,6 +86,9 @@ class Fitter:
 
     What is known of a grasp is kept: it may be asked for in more than one order.
 
+    Attributes:
+        has_room: Whether the hand can close somewhere and stay there, whether that holds the handle or not.
+
     Args:
         hand: Whose fingers close.
         problem: What is held.
@@ -111,7 +114,7 @@ class Fitter:
         self._margins = demands[0].environment, demands[1].environment
         self._rest = world.split, world.radius, world.shapes
         self._closed: dict[int, tuple[Array, Array]] = {}
-        self._never = set[int]()
+        self._never, self.has_room = set[int](), False
         self._screened: dict[float, tuple[set[int], set[int]]] = {share: (set(), set()) for share in OPENINGS}
         self._known: dict[tuple[float, int], Fitted | None] = {}
         self._all: list[tuple[bool, Fitted]] | None = None
@@ -133,8 +136,9 @@ class Fitter:
         grasps = grasp_set(self.bar, steep)
         for share in OPENINGS:
             for slanted, grasp in self._flat_first(self._in_blocks(grasps, share, late)):
-                fitted = self.fitted((grasp, share))
-                if fitted is not None:
+                held = not slanted or self.engaged(grasp)
+                fitted = self.fitted((grasp, share)) if held or not self.has_room else None
+                if held and fitted is not None:
                     found.append((slanted, fitted))
                     yield fitted
             if len(found) >= ENOUGH or late():
@@ -143,14 +147,14 @@ class Fitter:
             self._all = found
 
     def _flat_first(self, grasps: Iterator[Grasp]) -> Iterator[tuple[bool, Grasp]]:
-        """Those that close, and whether by faces that look farther away than others do, which come last."""
+        """Those that close, and whether by faces that look far away, or by none: these come last."""
         slanted = list[Grasp]()
         for grasp in filter(self._closes, grasps):
             if self._reaches(grasp, self._flat):
                 yield False, grasp
             else:
                 slanted.append(grasp)
-        yield from ((True, grasp) for grasp in slanted if self.engaged(grasp))
+        yield from ((True, grasp) for grasp in slanted)
 
     def _in_blocks(self, grasps: Grasps, share: float, late: Callable[[], bool]) -> Iterator[Grasp]:
         """What is `screened` of them, as far as it is asked for."""
@@ -208,6 +212,7 @@ class Fitter:
         key = share, grasp.index
         if key not in self._known:
             self._known[key] = self._swung(grasp, share) if self._closes(grasp) else None
+            self.has_room |= self._known[key] is not None
         return self._known[key]
 
     def _closes(self, grasp: Grasp) -> bool:

@@ -102,6 +102,15 @@ def test_a_search_finds_a_hold_that_needs_no_more_than_is_asked() -> None:
     assert needed[1] <= 0.3 < needed[0]
 
 
+def test_a_handle_that_only_slanted_faces_can_hold_is_said_to_be_so() -> None:
+    service = load("a", ["stretch"], policy=Policy(drive=Drive.OMNI, friction=0.5))
+    (verdict,) = service.achieve("open:cabinet6_drawer_top")
+    assert verdict.outcome is Outcome.NOT_CERTIFIED
+    (found,) = verdict.diagnoses
+    assert "holds it by faces that look along the way in which fingers close" in found.reason
+    assert not found.proof
+
+
 @pytest.mark.parametrize(("drive", "kind"), [(Drive.FIXED, "proof"), (Drive.OMNI, "certificate")])
 def test_what_is_said_of_less_friction_is_verified_again(tmp_path: Path, drive: Drive, kind: str) -> None:
     service = load("b", ["stretch"], policy=Policy(drive=drive, friction=0.6))

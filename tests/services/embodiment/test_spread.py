@@ -91,7 +91,7 @@ def test_grasps_whose_fingers_do_not_reach_over_the_bar_do_not_fit(tmp_path: Pat
     )
     fit = [sampler.fits(k) for k in range(len(opened))]
     closed = [one.fitter.fitted(each) for each in opened]
-    assert fit == [each is not None and one.fitter.engaged(each) for each in closed]
+    assert fit == [each is not None and one.fitter.engaged(each[0]) for each in closed]
     assert 0 < sum(fit) < sum(each is not None for each in closed)
 
 
