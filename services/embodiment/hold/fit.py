@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterator
-from itertools import islice
+from itertools import chain, islice, repeat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,7 @@ Opened = tuple[Grasp, float]
 
 OPENINGS = (0.0, 0.55, 0.75)  # [1] shares by which the fingers are closed when the hand comes near
 SWING = 6  # steps at which closing fingers are checked
-BLOCKS = (10, 45)  # listed grasps that are looked at together: at first, and then
+BLOCKS = (10, 20, 45)  # listed grasps that are looked at together: at first, then, and from then on
 ENOUGH = 6  # grasps with which no narrower opening is tried
 CHECKED = 7  # values of the container at which the hand alone is checked
 BESIDE = 0.05  # [m] that a grasp's tool may lie beside the bar
@@ -158,10 +158,11 @@ class Fitter:
 
     def _in_blocks(self, grasps: Grasps, share: float, late: Callable[[], bool]) -> Iterator[Grasp]:
         """What is `screened` of them, as far as it is asked for."""
-        first, (size, usual) = 0, BLOCKS
+        first, sizes = 0, chain(BLOCKS, repeat(BLOCKS[-1]))
         while first < len(grasps) and not late():
-            yield from self.screened(grasps.some(slice(first, first + size)), share)
-            first, size = first + size, usual
+            end = first + next(sizes)
+            yield from self.screened(grasps.some(slice(first, end)), share)
+            first = end
 
     def wide(self, late: Callable[[], bool]) -> list[Opened]:
         """Grasps of the wide set that may fit, the fingers no narrower than needed; `fitted` tells."""
