@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from services.embodiment.certify.held.moved import EXACT, press, tolerated
+from services.embodiment.certify.held.moved import EXACT, LEVEL, press, slope, tolerated
 from services.physics.geometry.convex import ROOM
 from services.physics.geometry.packed import pack
 
@@ -13,6 +13,7 @@ pytestmark = pytest.mark.oracle
 
 INWARD, CONTACT, ENGAGED = np.array([0.0, -1.0, 0.0]), 0.005, 0.003
 SIDES = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
+NEARLY = 2e-5  # [m] before they touch, where a direction from one to the other is told
 AGREES = 3e-6  # [m] coal calls shapes touching that are 1e-6 m apart
 ROWS = np.array([[0, 1]])
 
@@ -96,3 +97,29 @@ def test_a_handle_elsewhere_by_what_is_tolerated_is_met_by_faces_that_look_along
                 assert over >= ENGAGED - AGREES
         shown += error > 0
     assert shown > 10
+
+
+@pytest.mark.parametrize("handle", [coal.Cylinder(0.006, 0.1), coal.Box(0.1, 0.012, 0.01), coal.Sphere(0.01)])
+def test_faces_look_no_farther_away_than_is_told_where_coal_has_them_touch(
+    handle: coal.CollisionGeometry,
+) -> None:
+    rng, (both, convex), told = np.random.default_rng(11), shapes(handle), []
+    for _ in range(300):
+        turn = Rotation.from_rotvec(rng.normal(size=(2, 3)) * 0.3).as_matrix()
+        middle = np.array([[0.0, rng.uniform(0.008, 0.016), 0.0], rng.normal(size=3) * 3e-3])
+        posed = np.array([0, 1]), turn, middle
+        gap, _ = press(convex, ROWS, posed, INWARD, SIDES, CONTACT, ENGAGED, 0.6, room())
+        if np.isnan(gap):
+            continue
+        most = slope(convex, ROWS, posed, INWARD, SIDES, gap, 0.6, room())
+        if np.isfinite(most):
+            finger = coal.Transform3s(turn[0], middle[0] + (gap - NEARLY) * INWARD)
+            result = coal.DistanceResult()
+            bar = coal.Transform3s(turn[1], middle[1])
+            coal.distance(both[0], finger, both[1], bar, coal.DistanceRequest(), result)
+            along = abs(result.normal @ INWARD)
+            assert np.sqrt(1 - along**2) / along <= most + 0.01
+            told.append(most)
+    assert len(told) > 40
+    assert min(told) < 0.3 < max(told)
+    assert min(told) >= LEVEL / 2
