@@ -3,6 +3,9 @@
 What a face of a shape cuts off is a polytope again, known by its corners and by the faces on which each of
 them lies: two corners that share two faces are the ends of an edge. In floats; what sticks out by less than
 `STICKS_OUT` counts as inside, which is far more than rounding.
+
+Certification takes a robot's mesh in few pieces, or in more where those of two links would touch when it is
+parked (`services.physics.model`). Few fill hollows that more leave open, so a box has to lie in both.
 """
 
 from functools import lru_cache
@@ -13,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.mechanism import Geometry
+from services.physics.geometry.hulls import COARSE, FINE, Fineness
 from services.physics.geometry.shapes import solids
 
 Array = NDArray[np.float64]
@@ -29,9 +33,14 @@ BOTH_WAYS = np.vstack((np.eye(3), -np.eye(3)))
 @lru_cache(maxsize=1024)
 def is_covered(box: Geometry, shapes: tuple[Geometry, ...]) -> bool:
     """Whether a box lies in the shapes, or hulls of parts of a mesh: in one of them, or in all together."""
+    return all(_is_in_pieces(box, shapes, fineness) for fineness in (COARSE, FINE))
+
+
+def _is_in_pieces(box: Geometry, shapes: tuple[Geometry, ...], fineness: Fineness) -> bool:
+    """The same, of meshes that are cut into pieces so finely."""
     matrix = box.pose.matrix()
     corners = (SIGNS * np.array(box.size) / 2) @ matrix[:3, :3].T + matrix[:3, 3]
-    parts = [(_at(one), part) for one in shapes for part in solids(one)]
+    parts = [(_at(one), part) for one in shapes for part in solids(one, fineness)]
     if any(all(_meets(at, part, corner) for corner in corners) for at, part in parts):
         return True
     faces = [_faces(at, part) for at, part in parts]

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from sdt_kg.mechanism import Geometry, Pose, ShapeType
 from sdt_kg.urdf.meshes import mesh_hash
 from services.embodiment.proof_check.inside.covered import STICKS_OUT, is_covered
+from services.physics.geometry.hulls import COARSE, FINE
 from services.physics.geometry.shapes import solids
 
 WHOLE = (0.2, 0.3, 0.5)
@@ -119,3 +120,19 @@ def test_two_meshes_hold_a_box_together_where_nothing_is_between_them(tmp_path: 
     core = box((0.2, 0.1, 0.1), at(0, 0, 0))
     assert not any(is_covered(core, (one,)) for one in bodies)
     assert is_covered(core, tuple(bodies)) == (not apart)
+
+
+def test_a_box_in_a_groove_that_few_pieces_of_a_mesh_fill_lies_in_no_body(tmp_path: Path) -> None:
+    """Certification takes the fine ones where the coarse pieces of two links touch: then it lets things in."""
+    file, groove = tmp_path / "grooved.stl", 0.1
+    parts = [
+        ((0.1, 0.2, 0.2), (-0.1, 0, 0)),
+        ((0.1, 0.2, 0.2), (0.1, 0, 0)),
+        ((groove, 0.2, 0.1), (0, 0, -0.05)),
+    ]
+    blocks = [trimesh.creation.box(size).apply_translation(place) for size, place in parts]
+    trimesh.util.concatenate(blocks).export(file)
+    body = Geometry(ShapeType.MESH, at(0, 0, 0), (1.0, 1.0, 1.0), str(file), mesh_hash(file))
+    assert len(solids(body, COARSE)) < len(solids(body, FINE))
+    assert not is_covered(box((0.06, 0.1, 0.06), at(0, 0, 0.05)), (body,))
+    assert is_covered(box((0.06, 0.1, 0.06), at(0, 0, -0.05)), (body,))
