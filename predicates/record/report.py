@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from predicates.case import Answer, Diagnosis, Evidence, Verdict
+from predicates.margins import at_least
 from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import local_name
 from sdt_kg.motion import BodyMotion
@@ -70,7 +71,7 @@ def moved(verdict: Verdict) -> dict[str, float]:
 
 
 def to_json(verdict: Verdict) -> dict[str, object]:
-    """The object that `sdt achieve --json` prints for one verdict."""
+    """The object that `sdt achieve --json` prints; `at_least` names those of the figures that are bounds."""
     case = verdict.case
     task = case.task if isinstance(case.task, Task) else None
     container = task.container if task is not None and isinstance(task.container, str) else None
@@ -91,6 +92,7 @@ def to_json(verdict: Verdict) -> dict[str, object]:
         "tee_class": None if tee is None else tee.name,
         "diagnoses": [diagnosis_json(each) for each in verdict.diagnoses],
         "figures": {name: [_rounded(value), unit] for name, (value, unit) in figures(verdict).items()},
+        "at_least": list(at_least(figures(verdict))),
         "notes": list(notes(verdict)),
         "times": {name: round(seconds, 4) for name, seconds in times(verdict).items()},
         "seconds": round(verdict.seconds, 4),

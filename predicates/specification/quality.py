@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 
 from predicates.case import Answer
+from predicates.margins import CLEARANCES
 from predicates.specification.cubic import Array, Cubic
 from predicates.specification.model import Quality
 from sdt_kg.mechanism import Mechanism
@@ -24,12 +25,6 @@ UNITS: Final = {
 NODES: Final = 8
 """[1] Of the Gauss rule for the way of the base on each piece; exact for straight pieces."""
 
-SMALLEST: Final = "smallest distance, "
-"""How the certifier's figures of distances are named; those of allowed contact are no clearance."""
-
-CLEARANCES: Final = (SMALLEST + "environment", SMALLEST + "self")
-
-
 Work = Callable[[BodyMotion], float | None]
 """Mechanical work of a body motion [J]; None where masses are not known."""
 
@@ -42,7 +37,8 @@ def measured(
     TIME from the first sample to the last; ENERGY the integral of squared acceleration over joints and
     base, exact on the splines; PATH_LENGTH the way of all robot joints, from extremum to extremum, base
     apart; BASE_TRAVEL the way of the base's origin over the floor, by quadrature; CLEARANCE the
-    certified smallest distance to the kitchen or itself, allowed contact apart; WORK what `work` says.
+    certified smallest distance to the kitchen or itself, allowed contact apart, `LOOKED_UP_TO` where nothing
+    is nearer; WORK what `work` says.
     """
     if quality is Quality.WORK:
         return work(motion)

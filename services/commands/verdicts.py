@@ -6,6 +6,7 @@ from typing import Any
 import click
 
 from predicates.case import Quantity, Search
+from predicates.margins import AT_LEAST
 from predicates.record.report import told_evidence
 from services.commands.exits import Exit
 from services.commands.show import csv_is_asked, print_json, print_rows
@@ -72,7 +73,8 @@ def print_verdict(verdict: Json, *, given: bool = False) -> None:
     _line("drive", verdict["drive"])
     _line("class", verdict.get("tee_class"))
     for name, (value, unit) in verdict["figures"].items():
-        _line(name, f"{value:g}" + ("" if unit == "1" else f" {unit}"))
+        bound = AT_LEAST if name in verdict.get("at_least", ()) else ""
+        _line(name, f"{bound}{value:g}" + ("" if unit == "1" else f" {unit}"))
     for note in verdict["notes"]:
         click.echo(f"  note: {note}")
     times = ", ".join(f"{name} {seconds:.2f}" for name, seconds in verdict["times"].items())

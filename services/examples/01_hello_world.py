@@ -13,7 +13,8 @@ for name in ("satisfies_request", "causes", "can_perform"):
     answer = getattr(verdict, name)
     print(f"  {name}: {answer.holds}")
 
-# What the certificate promises, in figures: each with its unit.
+# What the certificate promises, in figures with their units. Smallest distances are looked at up to 0.02 m:
+# just this says that nothing was found nearer.
 for name, (value, unit) in verdict.can_perform.figures.items():
     print(f"  {name}: {value:.4g} {unit}")
 

@@ -3,6 +3,7 @@
 from typing import Any
 
 from predicates.case import Outcome
+from predicates.margins import is_bound
 from predicates.record import diagnosis_json, to_json
 from predicates.specification.model import Quality
 from predicates.specification.quality import UNITS, unweighed
@@ -38,14 +39,19 @@ def result_json(result: TaskResult) -> Json:
         "iri": result.specification.iri,
         "result": result.iri,
         "outcome": result.outcome.value,
-        "steps": [_step_json(step) for step in result.steps],
+        "steps": [_step_json(step, quality) for step in result.steps],
         "steps_of": result.of,
         "rules": [_rule_json(each) for each in result.rules],
         "rules_not_judged": len(result.specification.rules) - len(result.rules),
         "first_broken": None if result.broken is None else _rule_json(result.broken),
         "quality": None
         if quality is None
-        else {"name": quality.value, "value": result.value, "unit": UNITS[quality]},
+        else {
+            "name": quality.value,
+            "value": result.value,
+            "unit": UNITS[quality],
+            "at_least": _is_bound(quality, result.value),
+        },
         "diagnoses": [diagnosis_json(each) for each in result.diagnoses],
         "notes": [*notes, *([NOMINAL] if result.rules else [])],
         "seconds": round(result.seconds, 3),
@@ -64,7 +70,12 @@ def _unweighed(result: TaskResult) -> list[str]:
     return [f"mechanical work: the robot's model gives no mass of {', '.join(names)}: {so}"]
 
 
-def _step_json(step: StepResult) -> Json:
+def _is_bound(quality: Quality | None, value: float | None) -> bool:
+    """Whether a value of J is a clearance up to which was looked, so that nothing nearer was found."""
+    return quality is Quality.CLEARANCE and value is not None and is_bound(value)
+
+
+def _step_json(step: StepResult, quality: Quality | None) -> Json:
     return {
         "step": str(step.request),
         "outcome": step.verdict.outcome.value,
@@ -72,6 +83,7 @@ def _step_json(step: StepResult) -> Json:
         "searches": step.tried,
         "compared": step.compared,
         "value": step.value,
+        "at_least": _is_bound(quality, step.value),
         "verdict": to_json(step.verdict),
     }
 

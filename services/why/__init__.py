@@ -12,7 +12,7 @@ from sdt_kg.iri import Iri, local_name, task_result_iri, verdict_iri
 from services.store.records import graph_of, is_result
 from services.why import task
 from services.why import verdict as of_verdict
-from services.why.verdict import PREDICATES, means, outcome, question
+from services.why.verdict import PREDICATES, means, nothing_kept, outcome, question
 from services.why.words import SHORT_KEY, STORE, Section, used
 
 REMEDY = (
@@ -25,6 +25,7 @@ __all__ = [
     "SHORT_KEY",
     "Section",
     "means",
+    "nothing_kept",
     "outcome",
     "question",
     "results_of",

@@ -4,8 +4,10 @@ from collections.abc import Iterator
 from typing import Final
 
 from predicates.case import Outcome
+from predicates.margins import is_bound
 from predicates.record.facts import Facts, term
 from predicates.record.stored import OUTCOMES, read_diagnosis, read_inputs
+from predicates.specification.model import Quality
 from sdt_kg.iri import LAW, RDFS, Iri, local_name
 from services.why.words import (
     SHORT_KEY,
@@ -91,8 +93,9 @@ def _step(of: Iri, facts: Facts) -> Iterator[str]:
     )
     value = facts.number(of, LAW + "qualityValue")
     unit = facts.text(of, LAW + "unit") or "1"
-    said = "no value of J" if value is None else with_unit(value, unit)
-    if facts.text(of, LAW + "comparedBy") is None:
+    by = facts.text(of, LAW + "comparedBy")
+    said = "no value of J" if value is None else with_unit(value, unit, bound=_is_bound(by, value))
+    if by is None:
         said = "the first"
     yield f"  motion of seed {seed}, {said}: of {compared} certified that broke no rule, {searches} searched"
 
@@ -118,10 +121,16 @@ def _rules(iri: Iri, rules: list[Iri], facts: Facts) -> Iterator[str]:
 def _quality(iri: Iri, facts: Facts) -> Iterator[str]:
     by, value = facts.text(iri, LAW + "comparedBy"), facts.number(iri, LAW + "qualityValue")
     if by is not None:
-        said = "no value" if value is None else with_unit(value, facts.needed(iri, LAW + "unit"))
+        unit = facts.needed(iri, LAW + "unit")
+        said = "no value" if value is None else with_unit(value, unit, bound=_is_bound(by, value))
         yield f"J = {local_name(by)}: {said}, of the best found, step by step; not the optimum"
         if local_name(by) == "MechanicalWork":
             yield "bodies of which the robot's model gives no mass count as weightless in it"
+
+
+def _is_bound(quality: str | None, value: float) -> bool:
+    """Whether a value of J is a clearance up to which was looked."""
+    return quality == LAW + Quality.CLEARANCE.value and is_bound(value)
 
 
 def _again(iri: Iri, steps: list[Iri], facts: Facts, place: str) -> Iterator[str]:

@@ -3,6 +3,7 @@
 import re
 import shlex
 from collections.abc import Iterator
+from typing import Final
 from urllib.parse import unquote
 
 from predicates.case import Outcome
@@ -14,7 +15,7 @@ from predicates.scope import tee_class_of_hash
 from sdt_kg.iri import ID, LAW, Iri, local_name
 from sdt_kg.scope import D_ARTIC
 from services.policy import USUAL_CONTACT, told_friction
-from services.why.words import Section, moved, of_then, reasons, standing, versions, with_unit
+from services.why.words import Section, margins, moved, of_then, reasons, standing, versions
 
 PREDICATES = {
     "SatisfiesRequest": "does the final state meet the request?",
@@ -29,6 +30,13 @@ MEANS = {
     Outcome.ABSTAINED: "The case lies outside {tee}, so nothing is claimed: neither that it can be done "
     "nor that it cannot.",
 }
+NOTHING_KEPT: Final = (
+    "neither certificate nor proof goes with this verdict: nothing could be verified without judging again"
+)
+CALCULATED: Final = (
+    "no certificate or proof goes with this verdict: what it calls proved is a calculation from the twin, "
+    "the request and what was given, and judging again repeats it"
+)
 _CONTACT = re.compile(r"\bcontact=([^,)]+)")
 FORCES = {"D_artic": "no forces, no friction", "D_artic_dyn": "forces at the handle, the robot's as noted"}
 
@@ -43,9 +51,7 @@ def sections(verdict: StoredVerdict, facts: Facts, place: str) -> tuple[Section,
         Section("Asked", tuple(_asked(verdict, facts))),
         Section("Answers", tuple(_answers(verdict, facts))),
         Section("Reasons", tuple(reasons(verdict.diagnoses))),
-        Section(
-            "Margins", tuple(f"{name}: {with_unit(*figure)}" for name, figure in verdict.figures.items())
-        ),
+        Section("Margins", tuple(margins(verdict.figures))),
         Section("Notes", verdict.notes),
         Section("Versions and inputs", tuple(versions(verdict.inputs))),
         Section("To check again", tuple(_again(verdict, facts, place))),
@@ -61,6 +67,11 @@ def outcome(verdict: StoredVerdict) -> str:
 def means(outcome: Outcome, tee: str) -> str:
     """What an outcome claims, relative to the class of that name."""
     return MEANS[outcome].format(tee=tee, forces=FORCES.get(tee, "forces as it has them"))
+
+
+def nothing_kept(verdict: StoredVerdict) -> str:
+    """Of a verdict without artefact, that nothing re-verifies it, and on what rests what it calls proved."""
+    return CALCULATED if any(each.proof for each in verdict.diagnoses) else NOTHING_KEPT
 
 
 def question(verdict: StoredVerdict) -> str:
@@ -168,6 +179,8 @@ def _again(verdict: StoredVerdict, facts: Facts, place: str) -> Iterator[str]:
     if facts.text(verdict.iri, LAW + "artefact") is not None:
         yield f"sdt recheck {verdict.iri} --store {place}"
         yield "  re-verifies what the verdict keeps, without the code that found it"
+    else:
+        yield f"  {nothing_kept(verdict)}"
     yield verdict.iri
 
 

@@ -2,11 +2,12 @@
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from urllib.parse import unquote
 
 from predicates.case import Diagnosis, Evidence, Outcome, Quantity
+from predicates.margins import AT_LEAST, at_least
 from predicates.record.facts import Facts
 from predicates.record.inputs import UNKNOWN_INPUT, Inputs
 from predicates.record.report import SIGNIFICANT
@@ -124,9 +125,16 @@ def _settings(found: re.Match[str]) -> str:
     )
 
 
-def with_unit(value: float, unit: str) -> str:
-    """A number with its unit, bare where that is 1."""
-    return f"{value:.6g}" + ("" if unit == "1" else f" {unit}")
+def with_unit(value: float, unit: str, *, bound: bool = False) -> str:
+    """A number with its unit, bare where that is 1; whether it is a lower bound."""
+    return f"{AT_LEAST if bound else ''}{value:.6g}" + ("" if unit == "1" else f" {unit}")
+
+
+def margins(figures: Mapping[str, tuple[float, str]]) -> Iterator[str]:
+    """Each figure of a certificate with its name; one that is a bound says so."""
+    bounds = at_least(figures)
+    for name, (value, unit) in figures.items():
+        yield f"{name}: {with_unit(value, unit, bound=name in bounds)}"
 
 
 def _plain(value: object) -> str:

@@ -32,6 +32,7 @@ KEYS = [
     "tee_class",
     "diagnoses",
     "figures",
+    "at_least",
     "notes",
     "times",
     "seconds",

@@ -76,6 +76,27 @@ def test_a_proof_is_told_as_a_proof_with_its_measurement() -> None:
     assert "\n  proved" in text
 
 
+def test_of_a_proof_that_is_a_calculation_nobody_is_told_that_it_is_none_or_that_it_is_kept() -> None:
+    low = TWIN.container("low_drawer")
+    already = replace(
+        Case(TWIN.at({low.joint: low.upper}), robot=TWIN.robots[0]), task=Task(Verb.OPEN, low.iri)
+    )
+    (made,) = law(already, Kinematics(), Lift())
+    text = told(made)
+    assert "nothing to cause" in text
+    assert "\n  proved\n" in text
+    assert "no certificate or proof goes with this verdict: what it calls proved is a calculation" in text
+    assert "neither certificate nor proof" not in text
+
+
+def test_of_a_refusal_that_proves_nothing_it_is_told_that_nothing_is_kept() -> None:
+    made = verdict("low_drawer")
+    gave_up = Diagnosis(Kind.EMBODIMENT, "no placement found", search=Search(5, 2, 3, 1.25))
+    text = told(replace(made, outcome=Outcome.NOT_CERTIFIED, diagnoses=(gave_up,)))
+    assert "neither certificate nor proof goes with this verdict" in text
+    assert "calculation" not in text
+
+
 def test_a_search_that_gave_up_is_never_told_as_a_proof() -> None:
     gave_up = Diagnosis(Kind.EMBODIMENT, "no placement found", search=Search(5, 2, 3, 1.25))
     text = told(replace(verdict("low_drawer"), outcome=Outcome.NOT_CERTIFIED, diagnoses=(gave_up,)))

@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from predicates.case import Outcome
+from predicates.margins import AT_LEAST
 from predicates.record.report import told_evidence
 from predicates.specification.model import Specification
 from sdt_kg.annotation import Drive
@@ -200,10 +201,15 @@ def _print_broken(broken: Json | None) -> None:
 def _print_quality(quality: Json | None) -> None:
     if quality is None:
         return
-    value = "no value" if quality["value"] is None else f"{quality['value']:.4g} {quality['unit']}"
+    value = "no value" if quality["value"] is None else f"{_at(quality)} {quality['unit']}"
     click.echo(
         f"  J = {quality['name']}: {value}" + ("" if quality["value"] is None else ", best of those found")
     )
+
+
+def _at(said: Json) -> str:
+    """A value of J; of a clearance that is a bound, that it is one."""
+    return f"{AT_LEAST if said['at_least'] else ''}{said['value']:.4g}"
 
 
 def _evidence(said: Json) -> str:
@@ -216,6 +222,6 @@ def _chosen(step: Json, said: Json) -> str:
         return ""
     unit = said["quality"]["unit"]
     return (
-        f"  (seed {step['seed']}, {step['value']:.4g} {unit}: best of {step['compared']} certified "
+        f"  (seed {step['seed']}, {_at(step)} {unit}: best of {step['compared']} certified "
         f"that break no rule, {step['searches']} searched)"
     )

@@ -57,7 +57,8 @@ def recheck(
 
     IRI is a verdict or the result of a task in --store; FILE is a .trig or .nq file, and STORE a store
     directory or the address of a SPARQL server, all of which is meant; or FILE is a certificate that `sdt
-    achieve --certificate` wrote. A verdict without certificate or proof shows nothing and is only counted.
+    achieve --certificate` wrote. A verdict without certificate or proof is only counted: what it calls
+    proved is a calculation, which judging again repeats.
     Of a task's result, its steps' verdicts, where each step begins, the rules and J are checked. What is
     about other models of these names than those at hand, or relative to a class D of another version, is
     not checked.
@@ -69,7 +70,8 @@ def recheck(
     if not results:
         raise InputError(
             f"nothing to recheck: {without} verdict(s) without certificate or proof",
-            allowed="a certified or proved verdict, or a result of a task that has its specification",
+            allowed="a verdict with its certificate or proof, or the result of a task with its specification",
+            remedy="judge again: what is called proved without a proof is a calculation, which that repeats",
         )
     if as_json:
         print_json([_json(each) for each in results])

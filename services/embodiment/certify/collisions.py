@@ -6,11 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from predicates.case import Evidence, Quantity
+from predicates.margins import LOOKED_UP_TO, SMALLEST
 from sdt_kg.iri import local_name
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
 from services.embodiment.certify.held.through import most_depth
-from services.embodiment.certify.sweep.clearance import NEAR, PRECISION, Clearance, Distance, Pairs, Sweep
+from services.embodiment.certify.sweep.clearance import PRECISION, Clearance, Distance, Pairs, Sweep
 from services.embodiment.certify.sweep.pieces import Timeline, positions
 from services.embodiment.certify.sweep.subject import Subject
 from services.physics.geometry.floor import SIDE
@@ -121,8 +122,8 @@ def _findings(scene: Scene, found: Clearance, scope: str, name: str) -> Findings
         worst = found.worst or found.first
         findings.violations.extend(_violation(scene, one, scope) for one in (found.first, worst))
     elif found.gave_up is None:
-        nearest = NEAR if found.worst is None else found.worst.value
-        findings.figures[f"smallest distance, {name}"] = (nearest, "m")
+        nearest = LOOKED_UP_TO if found.worst is None else found.worst.value
+        findings.figures[SMALLEST + name] = (nearest, "m")
         if scope == "environment":
             findings.slack[name] = found.slack - PRECISION
         if found.worst is not None:

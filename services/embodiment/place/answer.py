@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from predicates.margins import AT_LEAST, LOOKED_UP_TO, is_bound
 from services.embodiment.place.grid import SIDE, Status
 from services.embodiment.place.search import DECIMALS, Placement, Spot
 
@@ -18,6 +19,7 @@ def to_json(found: Placement) -> dict[str, object]:
         "container": found.container,
         "best": None if found.best is None else spot(found.best),
         "spots": [spot(each) for each in found.spots],
+        "margins_looked_up_to": LOOKED_UP_TO,
         "impossible": found.impossible,
         "tried": found.tried,
         "diagnoses": [
@@ -57,9 +59,10 @@ def lines(found: Placement) -> Iterator[str]:
     for each in found.diagnoses:
         yield f"{each.kind.value}: {each.reason}"
     for spot in found.spots[:SHOWN]:
+        bound = AT_LEAST if is_bound(spot.margin) else ""
         yield (
             f"certified  --base {base_of(spot)} --drive fixed  "
-            f"gripper {spot.gripper}, margin {spot.margin * 1000:.1f} mm"
+            f"gripper {spot.gripper}, margin {bound}{spot.margin * 1000:.1f} mm"
         )
     if len(found.spots) > SHOWN:
         yield f"and {len(found.spots) - SHOWN} more"

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from predicates.case import Case, Diagnosis
 from predicates.causes import causes
+from predicates.margins import CLEARANCES
 from predicates.meant import by_other_handles, handles_of_no_container
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
@@ -48,7 +49,6 @@ arm of few joints makes up for no more than that with a base that stands."""
 ENOUGH = 40  # certified poses
 DRAWN_FOR_ONE = 3  # candidates that are drawn for each of them
 LEAST = 1.0  # [s] for one candidate
-MARGINS = ("smallest distance, environment", "smallest distance, self")
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,8 @@ class Spot:
     Attributes:
         x, y: [m].
         yaw: [rad].
-        margin: Smallest distance of the certified motion from kitchen or robot itself [m], 0.02 at most.
+        margin: Smallest distance of the certified motion from kitchen or robot itself [m],
+            `LOOKED_UP_TO` of predicates.margins where nothing is nearer.
         gripper: That holds the handle.
     """
 
@@ -244,7 +245,7 @@ class _Question:
         answer = self.oracle.perform(replace(self.case, robot=self.robot, motion=self.motion))
         if not answer.holds or answer.case.body_motion is UNKNOWN:
             return None
-        margin = min(answer.figures[name][0] for name in MARGINS if name in answer.figures)
+        margin = min(answer.figures[name][0] for name in CLEARANCES if name in answer.figures)
         return Spot(*pose, margin, answer.case.body_motion.gripper)
 
     def _candidates(self) -> Iterator[Pose]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from predicates.case import Diagnosis, Evidence, Verdict
+from predicates.margins import at_least
 from predicates.record import to_record
 from predicates.record.report import figures
 from sdt_kg.errors import InputError
@@ -167,9 +168,15 @@ def _row(diagnosis: Diagnosis) -> dict[str, object]:
 
 def margins(found: Diagnosed) -> Table:
     """What a certified motion keeps; empty for what is not certified."""
+    kept = figures(found.verdict)
+    bounds = at_least(kept)
     rows = [
-        {"margin": name, "value": value, "unit": "" if unit == "1" else unit}
-        for name, (value, unit) in figures(found.verdict).items()
+        {
+            "margin": name + (", at least" if name in bounds else ""),
+            "value": value,
+            "unit": "" if unit == "1" else unit,
+        }
+        for name, (value, unit) in kept.items()
     ]
     caption = "What the certificate keeps; none where nothing is certified."
     return Table.of("diagnosis_margins", caption, rows or [{"margin": "none", "value": None, "unit": None}])

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch, Rectangle
 
 from predicates.case import Outcome
+from predicates.margins import CLEARANCES, LOOKED_UP_TO
 from predicates.record.report import figures
 from sdt_kg.motion import BodyMotion
 from services.reports.pages.figure import Figure, drawn
@@ -18,9 +19,10 @@ from services.reports.scene.view import View
 from services.reports.studies.judged import Judged, Judgements
 from services.reports.studies.words import LETTERS, cell, color, failed, is_proved, reasons
 
+TO_KITCHEN, TO_ITSELF = CLEARANCES
 MARGINS = {
-    "smallest distance, environment": ("to the kitchen", "mm", 1000.0),
-    "smallest distance, self": ("to the robot itself", "mm", 1000.0),
+    TO_KITCHEN: ("to the kitchen", "mm", 1000.0),
+    TO_ITSELF: ("to the robot itself", "mm", 1000.0),
     "base error tolerated": ("base error tolerated", "mm", 1000.0),
     "handle error tolerated": ("handle error tolerated", "mm", 1000.0),
 }
@@ -136,7 +138,8 @@ def margins(found: Judgements) -> Figure:
         axes.set_ylim(len(found.robots) - 0.5, -0.5)
     caption = (
         "Margins of the certified motions, between the samples too: a dot for each motion, a stroke at the"
-        " median. Tolerated errors: how far base and handle may be from where the twin has them."
+        f" median. Distances are not looked at above {1000 * LOOKED_UP_TO:g} mm: a dot there stands for at"
+        " least that. Tolerated errors: how far base and handle may be from where the twin has them."
     )
     return Figure("feasibility_margins", caption, drawing)
 

@@ -24,6 +24,7 @@ from services.store.workers import put
 from tests.services.http.conftest import Serve
 from tests.services.pages.conftest import LEFT_OPEN, PAGE, text_of, verdict_link
 from tests.small import small_twin
+from tests.small.far import TO_ITSELF, TO_KITCHEN, Far
 from tests.small.lift import Lift
 
 QUERY = """SELECT ?robot ?container WHERE {
@@ -80,6 +81,25 @@ def test_what_fails_in_several_ways_is_marked_alike_on_every_page(serve: Serve, 
     assert re.findall(r'class="badge k-(\w+)"', page)[:2] == row["kinds"]
 
 
+def test_a_margin_that_is_a_bound_says_so(serve: Serve, tmp_path: Path) -> None:
+    twin = small_twin("a", ("pr2",))
+    asked = Task(Verb.OPEN, twin.container("low_drawer").iri)
+    (verdict,) = law(Case(twin, robot=twin.robots[0], task=asked), Kinematics(), Far())
+    path = tmp_path / "far.nq"
+    with SavedVerdicts(str(path)) as saved:
+        saved.add(verdict)
+    with closing(opened(path)) as archive:
+        served = serve(kitchens=("a",), robots=("pr2",), archive=archive)
+        link = served.get("/verdicts.json").json()["verdicts"][0]["link"]
+        page, data = served.get(link, headers=PAGE).text, served.get(f"{link}.json").json()
+    assert {each["name"]: each["at_least"] for each in data["margins"]} == {
+        TO_KITCHEN: True,
+        TO_ITSELF: False,
+    }
+    assert f"<dt>{TO_KITCHEN}</dt><dd>at least 0.02 m</dd>" in page
+    assert f"<dt>{TO_ITSELF}</dt><dd>0.0145 m</dd>" in page
+
+
 def test_the_state_of_a_view_is_in_its_address(served) -> None:
     text = served.get("/kitchens/a?task=close&show=certified&state=low_drawer%3Dopen", headers=PAGE).text
     assert "What can each robot close in kitchen a?" in text
@@ -117,7 +137,7 @@ def test_a_verdict_page_has_its_answers_reasons_evidence_and_provenance(served) 
     )
     assert reason["value"] > reason["bound"]
     assert data["inputs"]["physics"] in text_of(page)
-    assert "Neither certificate nor proof goes with this verdict" in page
+    assert "No certificate or proof goes with this verdict: what it calls proved is a calculation" in page
     rows = list(csv.DictReader(io.StringIO(served.get(f"{link}.csv").text)))
     assert [row["reason"] for row in rows] == [reason["reason"]]
     graph = re.search(r'href="(/id/graph/verdict/[^"]+)\.ttl"', page)[1]

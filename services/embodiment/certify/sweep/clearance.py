@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from predicates.margins import LOOKED_UP_TO
 from sdt_kg.errors import OracleRejectedError
 from services.embodiment.certify.sweep import compiled, telling
 from services.embodiment.certify.sweep.kinematics import Kinematics
@@ -22,7 +23,6 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Codes = NDArray[np.int8]
 
-NEAR = 0.02  # [m] smallest distances above this are not looked for more closely
 PRECISION = 0.001  # [m] of the smallest distance and the deepest penetration that are reported
 PROMPT = 0.02  # [s] precision of the first time of a violation
 SHORTEST = 1e-5  # [s] an interval that is not halved any more
@@ -73,7 +73,7 @@ class Clearance:
     """What is known of a set of pairs.
 
     Attributes:
-        worst: The least slack that was seen, None where nothing came nearer than `NEAR`.
+        worst: The least slack that was seen, None where nothing came nearer than `LOOKED_UP_TO`.
         first: The first violation.
         queries: Distance computations.
         gave_up: Time of an interval that was left unresolved because there were too many.
@@ -86,8 +86,8 @@ class Clearance:
 
     @property
     def slack(self) -> float:
-        """Least slack so far [m]; `NEAR` where nothing is nearer."""
-        return NEAR if self.worst is None else self.worst.value - self.worst.least
+        """Least slack so far [m]; `LOOKED_UP_TO` where nothing is nearer."""
+        return LOOKED_UP_TO if self.worst is None else self.worst.value - self.worst.least
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -159,7 +159,7 @@ class Sweep:
             np.empty(len(kinematics.path)),
         )
         self._known = (
-            np.full(len(sets), NEAR),
+            np.full(len(sets), LOOKED_UP_TO),
             np.full(len(sets), np.inf),
             np.empty((2, len(sets)), dtype=np.intp),
             np.empty((2, len(sets)), dtype=bool),
@@ -253,7 +253,7 @@ class Sweep:
 
 def _near(pairs: Pairs, low: Array, high: Array) -> tuple[Indices, Indices]:
     """Spans and pairs, in the order of time, whose boxes come near each other."""
-    least, room = float(pairs.least.max()) + NEAR, len(pairs.shapes) + ROOM
+    least, room = float(pairs.least.max()) + LOOKED_UP_TO, len(pairs.shapes) + ROOM
     while True:
         which, pair = np.empty((2, room), dtype=np.intp)
         work = *np.empty((2, 1, *low.shape[1:])), np.empty(len(pairs.shapes), dtype=np.intp)

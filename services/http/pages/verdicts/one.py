@@ -8,6 +8,7 @@ import pyoxigraph as ox
 from starlette.requests import Request
 
 from predicates.case import Artefact, Diagnosis, Evidence, Outcome
+from predicates.margins import at_least
 from predicates.record import StoredVerdict, read_verdict
 from predicates.record.facts import Facts
 from predicates.record.inputs import START_INPUT, TURNED, UNKNOWN_INPUT
@@ -21,7 +22,7 @@ from services.http.pages.terms import Cell, iri_cell
 from services.http.pages.view import Json, View
 from services.http.pages.writing.recheck import Rechecks
 from services.versions import outdated
-from services.why import PREDICATES, outcome, question, sections, used
+from services.why import PREDICATES, nothing_kept, outcome, question, sections, used
 
 EVIDENCE: Final = (
     "diagnosis",
@@ -73,6 +74,7 @@ def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
         "graph": "/id/graph/verdict/" + local_name(iri),
         "base": _base(stored),
         "used": list(used(stored.inputs)),
+        "nothing_kept": nothing_kept(stored),
         "commands": [each for each in told.get("To check again", []) if each.startswith("sdt ")],
     }
     return View("verdict", data, data["diagnoses"], EVIDENCE, shown)
@@ -80,7 +82,7 @@ def _read(request: Request, iri: Iri, quads: list[ox.Quad]) -> View:
 
 def _data(stored: StoredVerdict, facts: Facts, told: dict[str, list[str]]) -> Json:
     """The verdict as a JSON object."""
-    figures = stored.figures.items()
+    figures, bounds = stored.figures.items(), at_least(stored.figures)
     return {
         "iri": stored.iri,
         "name": local_name(stored.iri),
@@ -97,7 +99,10 @@ def _data(stored: StoredVerdict, facts: Facts, told: dict[str, list[str]]) -> Js
         "tee_class": _tee(stored),
         "predicates": _predicates(stored, facts),
         "diagnoses": [_evidence(index, each) for index, each in enumerate(stored.diagnoses, 1)],
-        "margins": [{"name": name, "value": finite(at), "unit": unit} for name, (at, unit) in figures],
+        "margins": [
+            {"name": name, "value": finite(at), "unit": unit, "at_least": name in bounds}
+            for name, (at, unit) in figures
+        ],
         "artefact": _artefact(stored.artefact),
         "inputs": {name: value for name, value in stored.inputs if value != UNKNOWN_INPUT},
         "seconds": stored.seconds,
