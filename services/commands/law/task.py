@@ -10,6 +10,7 @@ from predicates.case import Outcome
 from predicates.margins import AT_LEAST
 from predicates.record.report import told_evidence
 from predicates.specification.model import Specification
+from predicates.specification.record import task_record
 from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from sdt_kg.load import model_name
@@ -38,7 +39,6 @@ from services.specifications import (
     StepResult,
     TaskResult,
     achieve_task,
-    keep,
     ready,
     result_json,
     specification_of,
@@ -103,7 +103,7 @@ def task_command(
     with SavedVerdicts(save) if save is not None else nullcontext() as saved:
         result = _judged(service, specification, model_name(robot), saved)
         if saved is not None:
-            keep(saved, result)
+            saved.add_record(task_record(result))  # twin and steps were kept as they were done
         _say(result_json(result), as_json=as_json)  # before the store is closed, which may not fit
     exits = {Outcome.CERTIFIED: 0, Outcome.ABSTAINED: Exit.ABSTAINED}
     raise SystemExit(exits.get(result.outcome, Exit.NO))

@@ -3,16 +3,19 @@
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 
 from predicates.case import Kind, Outcome
+from predicates.record import Record
 from predicates.specification.read import read_specification
 from predicates.specification.step import Request
 from predicates.specification.walk import Taken, Walk
 from sdt_kg.errors import InputError
 from sdt_kg.twin import Twin
 from services.app import Policy, Service, load
+from services.commands.law import task as of_task
 from services.specifications import (
     TaskResult,
     achieve_task,
@@ -21,6 +24,7 @@ from services.specifications import (
     specification_from,
     specification_of,
 )
+from services.store.files import SavedVerdicts
 from tests.small import small_twin
 from tests.small.lift import Lifts
 
@@ -280,6 +284,33 @@ def test_steps_that_were_done_before_an_interrupt_are_kept(
     )
     found = sdt("open", place, "--json").json
     assert (found["verdicts"], found["task_results"]) == (1, 0)
+
+
+class Counted(SavedVerdicts):
+    """What is kept, and how often that was asked for."""
+
+    twins: ClassVar[list[Twin]] = []
+    records: ClassVar[list[str]] = []
+
+    def add_twin(self, twin: Twin) -> None:
+        self.twins.append(twin)
+        super().add_twin(twin)
+
+    def add_record(self, record: Record) -> bool:
+        self.records.append(record.verdict)
+        return super().add_record(record)
+
+
+@pytest.mark.oracle
+def test_twin_steps_and_result_are_kept_once(sdt, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(of_task, "SavedVerdicts", Counted)
+    place = str(tmp_path / "kept.nq")
+    words = ("--kitchen", "a", "--robot", "pr2", "--budget", "0.001", "--save", place, "--json")
+    said = sdt("task", "dishwasher_then_drawer", *words).json
+    assert len(Counted.twins) == 1
+    assert Counted.records == [*(each["verdict"]["iri"] for each in said["steps"]), said["result"]]
+    found = sdt("open", place, "--json").json
+    assert (found["verdicts"], found["task_results"]) == (len(said["steps"]), 1)
 
 
 @pytest.mark.oracle
