@@ -173,7 +173,7 @@ def _left(case: Case, replayed: Replayed) -> Iterator[Diagnosis]:
         return
     container = moved_by(case.twin, replayed.motion.of)[0]
     at = replayed.final[container.joint]
-    stop = container.lower if at <= container.closed_to else container.upper
+    stop = container.lower if container.is_closed(at) else container.upper
     stopped = case.twin.at({container.joint: stop}).state
     for joint, interval in _intervals(case.final):
         if stopped[joint] not in interval:

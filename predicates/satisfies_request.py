@@ -79,7 +79,7 @@ def _within(inner: Region, outer: Region) -> bool:
     """Whether every state of the inner region is in the outer one."""
     bounds = dict(inner.intervals)
     return all(
-        joint in bounds and interval.lower <= bounds[joint].lower and bounds[joint].upper <= interval.upper
+        joint in bounds and bounds[joint].lower in interval and bounds[joint].upper in interval
         for joint, interval in outer.intervals
     )
 

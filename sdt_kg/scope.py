@@ -115,6 +115,8 @@ def violations(
 ) -> list[Violation]:
     """How the request lies outside the class, and outside those that it refines; empty inside.
 
+    Outside every class is a kitchen that no state keeps within its limits: of that, too, no shape tells.
+
     Args:
         twin: The kitchen, and the robot if there is one.
         container: What the request is about.
@@ -122,9 +124,29 @@ def violations(
         verb: `law:Open` or `law:Close`; left out, T is not checked.
         tee: D.
     """
-    wider = [] if tee.refined is None else violations(twin, container, robot, verb, tee.refined)
+    wider = (
+        list(_stateless(twin, tee))
+        if tee.refined is None
+        else violations(twin, container, robot, verb, tee.refined)
+    )
     found = chain.from_iterable(_checked(*each) for each in _asked(twin, container, robot, verb, tee))
     return [*wider, *sorted(found, key=order)]
+
+
+def _stateless(twin: Twin, tee: TeeClass) -> Iterator[Violation]:
+    """Joints of the kitchen whose limits contradict each other; the class itself says so, not a shape."""
+    kitchen = twin.entities.coupling
+    for each in kitchen.contradictions:
+        name, other = local_name(each.joint), local_name(each.other)
+        path, most, own = (
+            ("lowerLimit", "most", "lower") if each.is_lower else ("upperLimit", "least", "upper")
+        )
+        where = f"wherever '{other}' keeps its limits" if each.other != each.joint else "by its other limit"
+        said = (
+            f"no state of the kitchen keeps its limits: '{name}' is at {most} {each.reached:.6g} {where}, "
+            f"and its own {own} limit is {each.limit:.6g}: repair one of the two"
+        )
+        yield Violation(each.joint, SDT + path, each.limit, each.reached, said, tee.iri)
 
 
 def look(twin: Twin, verb: Iri | None = None, tee: TeeClass = D_ARTIC) -> Seen:

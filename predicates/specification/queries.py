@@ -172,7 +172,7 @@ def _grasps_unknown(leg: Leg) -> bool:
 
 def _is_open_at_first(leg: Leg, container: Iri) -> bool:
     each = leg.twin.container(container)
-    return leg.twin.state[each.joint] >= each.open_from
+    return bool(each.is_open(leg.twin.state[each.joint]))
 
 
 def _say(store: ox.Store, triples: Iterator[tuple[Iri, Iri, ox.NamedNode | ox.Literal]]) -> None:

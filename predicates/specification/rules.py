@@ -203,11 +203,11 @@ def _bounded(rule: Rule, container: Container, bound: float, legs: Sequence[Leg]
 
 
 def _ordered(rule: OpensBefore, legs: Sequence[Leg]) -> RuleAnswer:
-    has_opened = legs[0].positions(rule.first)[0] >= rule.first.open_from
+    has_opened = rule.first.is_open(legs[0].positions(rule.first)[0])
     for leg in legs:
         first, then = leg.positions(rule.first), leg.positions(rule.then)
-        opens = np.flatnonzero(then >= rule.then.open_from)
-        opened = np.flatnonzero(first >= rule.first.open_from)
+        opens = np.flatnonzero(rule.then.is_open(then))
+        opened = np.flatnonzero(rule.first.is_open(first))
         earlier = has_opened or (opens.size and opened.size and opened[0] < opens[0])
         if opens.size and not earlier:
             return _broken(rule, leg, int(opens[0]), rule.then, (then, rule.then.open_from))

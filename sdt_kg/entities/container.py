@@ -3,9 +3,11 @@
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import Any
 
 from sdt_kg.errors import UnknownEntityError
 from sdt_kg.iri import Iri, local_name
+from sdt_kg.state import ROUNDING
 from sdt_kg.store import Row
 
 
@@ -44,6 +46,14 @@ class Container:
     velocity: float
     acceleration: float
     more_handles: tuple[Iri, ...] = ()
+
+    def is_open(self, at: Any) -> Any:  # noqa: ANN401 - one position, or an array of them
+        """Eq. (8): whether it is open at positions of its own joint, one or shape (T,) [rad or m]."""
+        return at >= self.open_from - ROUNDING
+
+    def is_closed(self, at: Any) -> Any:  # noqa: ANN401 - likewise
+        """Eq. (8): whether it is closed at them."""
+        return at <= self.closed_to + ROUNDING
 
     @property
     def by_each_handle(self) -> "tuple[Container, ...]":

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 from sdt_kg.errors import StateError, UnknownEntityError
@@ -21,6 +22,27 @@ class _Follower:
     active: Iri
     multiplier: float
     offset: float
+
+
+@dataclass(frozen=True, slots=True)
+class Contradiction:
+    """A joint that is beyond a limit of its own wherever another, with which it moves, keeps its limits.
+
+    Attributes:
+        other: Which of those; the joint itself, where its lower limit is above its upper one.
+        limit: The joint's own [rad or m].
+        reached: How near it comes to that [rad or m].
+    """
+
+    joint: Iri
+    other: Iri
+    limit: float
+    reached: float
+
+    @property
+    def is_lower(self) -> bool:
+        """Whether it is the joint's lower limit."""
+        return self.limit > self.reached
 
 
 @dataclass(frozen=True)
@@ -66,7 +88,34 @@ class Coupling:
                 slack = LIMIT_TOLERANCE / abs(each.multiplier)
                 fits &= one - slack <= alone <= other + slack
                 low, high = max(low, one), min(high, other)
-        return alone if fits or low > high else min(max(alone, low), high)
+        return alone if fits or low - high > LIMIT_TOLERANCE else min(max(alone, low), high)
+
+    @cached_property
+    def contradictions(self) -> tuple[Contradiction, ...]:
+        """Of joints that move together and have no position that keeps all their limits, one pair each."""
+        found = (self._contradiction(iri) for iri in self.joints if iri not in self.followers)
+        return tuple(sorted((each for each in found if each is not None), key=lambda each: each.joint))
+
+    def _contradiction(self, active: Iri) -> Contradiction | None:
+        """The pair of a group whose intervals for the active joint are farthest apart, if these are so."""
+        group = {active: _Follower(active, 1.0, 0.0)}
+        group |= {iri: each for iri, each in self.followers.items() if each.active == active}
+        ends = [(*self._ends(iri, each), iri) for iri, each in group.items()]
+        (low, _, one), (_, high, other) = max(ends), min(ends, key=lambda each: each[1])
+        joint, beside, own_end, at = (other, one, high, low) if one == active else (one, other, low, high)
+        own = group[joint]
+        limit, reached = (own.multiplier * end + own.offset for end in (own_end, at))
+        if low <= high or abs(limit - reached) <= LIMIT_TOLERANCE:
+            return None
+        return Contradiction(joint, beside, limit, reached)
+
+    def _ends(self, iri: Iri, follower: _Follower) -> tuple[float, float]:
+        """Between which positions of the active joint a mimicking one keeps its limits."""
+        limits = self.joints[iri].limits
+        if follower.multiplier == 0:
+            return -math.inf, math.inf
+        one, other = ((end - follower.offset) / follower.multiplier for end in (limits.lower, limits.upper))
+        return min(one, other), max(one, other)
 
     def moved(self, state: State, changes: Mapping[Iri, float]) -> State:
         """The state with these joints elsewhere.

@@ -54,8 +54,8 @@ Values = NDArray[np.float64]
 
 # Positions come one by one or as arrays, shape (T,); the answers likewise: hence Any.
 _CLAIMS: Final[tuple[tuple[Callable[[Container, Any], Any], EventType, EventType | None], ...]] = (
-    (lambda c, at: at >= c.open_from, EventType.OPENED, EventType.NO_LONGER_OPEN),
-    (lambda c, at: at <= c.closed_to, EventType.CLOSED, EventType.NO_LONGER_CLOSED),
+    (lambda c, at: c.is_open(at), EventType.OPENED, EventType.NO_LONGER_OPEN),
+    (lambda c, at: c.is_closed(at), EventType.CLOSED, EventType.NO_LONGER_CLOSED),
     (lambda c, at: at >= c.upper - LIMIT_TOLERANCE, EventType.UPPER_LIMIT_REACHED, None),
     (lambda c, at: at <= c.lower + LIMIT_TOLERANCE, EventType.LOWER_LIMIT_REACHED, None),
 )

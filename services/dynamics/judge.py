@@ -125,7 +125,7 @@ def _before(mechanics: Mechanics, container: Container, rest: Rest) -> Iterator[
 def _after(mechanics: Mechanics, container: Container, motion: Motion, rest: Rest) -> Iterator[Diagnosis]:
     """What it does when let go does not undo what was achieved: further open than open does no harm."""
     q = float(motion.values[-1, 0])
-    harmless = (not rest.shuts or q <= container.closed_to) and (not rest.opens or q >= container.open_from)
+    harmless = (not rest.shuts or container.is_closed(q)) and (not rest.opens or container.is_open(q))
     if rest.stays or harmless:
         return
     where = f"{container.name} let go at {q:.3g}"
@@ -141,8 +141,8 @@ def _after(mechanics: Mechanics, container: Container, motion: Motion, rest: Res
 def _undone_at(container: Container, q: float, rest: Rest) -> float:
     """Where what was achieved at q is undone on the way that it takes when let go."""
     if rest.shuts:
-        return container.open_from if q >= container.open_from else q - STATE_TOLERANCE
-    return container.closed_to if q <= container.closed_to else q + STATE_TOLERANCE
+        return container.open_from if container.is_open(q) else q - STATE_TOLERANCE
+    return container.closed_to if container.is_closed(q) else q + STATE_TOLERANCE
 
 
 def way(rest: Rest) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
 
-KINEMATICS_VERSION = "21"
+KINEMATICS_VERSION = "22"
 DYNAMICS_VERSION = "9"
 EMBODIMENT_VERSION = "39"
 BEARING_VERSION = "7"

@@ -75,7 +75,10 @@ def _grounds(diagnosis: Diagnosis) -> Iterator[str]:
     violation, search = diagnosis.violation, diagnosis.search
     if violation is not None:
         path = f", property {local_name(violation.path)}" if violation.path else ""
-        yield f"SHACL result: {local_name(violation.focus)}{path}, shape {local_name(violation.shape)}"
+        if violation.component is None:
+            yield f"found beside SHACL: {local_name(violation.focus)}{path}"
+        else:
+            yield f"SHACL result: {local_name(violation.focus)}{path}, shape {local_name(violation.shape)}"
         yield f"  value {_plain(violation.value)}, demanded {_plain(violation.bound)}"
     elif diagnosis.evidence is not None and not _of_search(diagnosis):
         yield _measured(diagnosis.evidence)

@@ -107,7 +107,7 @@ def _states(world: World, verdict: Verdict, container: Container) -> Family:
     for each in twin.containers():
         if each.active_joint == container.active_joint:
             continue
-        if twin.state[each.joint] > each.closed_to:
+        if not each.is_closed(twin.state[each.joint]):
             edits.append(f"move:{each.name}=closed")
         elif _moved_by(twin, each) & named(verdict):
             edits.append(f"move:{each.name}=open")

@@ -148,7 +148,10 @@ def _other_models(twin: Twin, robot: Iri, container: Container, claim: Claim) ->
 
 
 def _not_needed(container: Container, at: float, span: tuple[float, float]) -> Iterator[str]:
-    """Where the container can open or close without passing all of the span."""
+    """Where the container can open or close without passing all of the span.
+
+    It may be short of that by rounding (`ROUNDING` of sdt_kg.state), by which boxes of a proof are larger.
+    """
     low, high = span
     if not low <= at <= high:
         yield f"the container is at {at:.4g}, outside the values that it has to pass, {low:.4g} to {high:.4g}"

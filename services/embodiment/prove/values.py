@@ -18,8 +18,8 @@ def needed(container: Container, at: float, values: Array) -> tuple[float, float
     """
     last = float(values[-1])
     if last > at:
-        return (at, min(last, container.open_from)) if container.open_from > at else None
-    return (max(last, container.closed_to), at) if container.closed_to < at else None
+        return (at, min(last, container.open_from)) if not container.is_open(at) else None
+    return (max(last, container.closed_to), at) if not container.is_closed(at) else None
 
 
 def spread(span: tuple[float, float], at: float, count: int) -> list[float]:

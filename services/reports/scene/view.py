@@ -87,7 +87,7 @@ def handle_paths(twin: Twin, kitchen: Tree) -> Iterator[Line]:
     for each in twin.containers():
         now = twin.state.get(each.active_joint, 0.0)
         end = (each.upper - each.offset) / each.multiplier
-        if not np.isfinite(end) or each.multiplier * now + each.offset >= each.open_from:
+        if not np.isfinite(end) or each.is_open(each.multiplier * now + each.offset):
             continue
         path = chain(model, each.handle, twin.state)
         poses, _ = path.poses(np.linspace(now, end, PATH_POINTS))
