@@ -80,7 +80,11 @@ def _bundled(twin: Twin) -> Path | None:
 
 
 def _with_efforts(twin: Twin, robot: Iri) -> Twin:
-    """The twin with a robot's bundled efforts, grippers and wheels, if all fits and none is there yet."""
+    """The twin with a robot's bundled efforts, grippers and wheels, if none is there yet.
+
+    Of grippers that its annotation leaves out there are none; a robot that lacks a joint or body of which
+    they speak is another one, which is only called so. The twin's notes tell either.
+    """
     name = local_name(robot)
     file = robots.path(f"{name}/dynamics/{name}.ttl")
     facts = twin.entities.facts
@@ -91,9 +95,16 @@ def _with_efforts(twin: Twin, robot: Iri) -> Twin:
     triples = frozenset(_triples(file))
     about = {subject for subject, _, _ in triples}
     about |= {value.value for _, predicate, value in triples if predicate == SDT + "standsOn"}
-    if not about <= {robot, *parts}:
-        return twin
-    return twin.rewritten(Replacement(robot, frozenset(), triples, f"efforts, grippers and wheels of {name}"))
+    missing = about - {robot, *parts}
+    gone = {each for each in missing if each.startswith(f"{robot}/gripper/")}
+    note = f"efforts, grippers and wheels of {name}"
+    if foreign := sorted(map(local_name, missing - gone)):
+        added, note = frozenset[Triple](), f"no {note}: it has no {foreign[0]}, so it is another robot"
+    else:
+        added = frozenset(each for each in triples if each[0] not in gone)
+        names = ", ".join(sorted(map(local_name, gone)))
+        note += f", without those of the gripper {names}, which it does not have" if gone else ""
+    return twin.rewritten(Replacement(robot, frozenset(), added, note))
 
 
 def _has_forces(twin: Twin) -> bool:
