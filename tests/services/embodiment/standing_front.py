@@ -1,8 +1,10 @@
 """A random front that a TIAGo++ opens from where its base stands, and who judges its motion."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pytest
 
 from predicates.case import Outcome, Verdict
 from sdt_kg.annotation import Drive
@@ -18,9 +20,18 @@ HERE = (0.0, 0.0, 0.0)
 BUDGET = 60.0  # [s]
 
 
-def written(number: int, folder: Path) -> Path:
-    """The front of that number."""
-    return write(draw(np.random.default_rng(number)), folder, "front")
+def fixtures(number: int) -> tuple[Any, Any]:
+    """Where the front of that number lies, and the Law over it, as fixtures `path` and `service`."""
+
+    @pytest.fixture(scope="module")
+    def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+        return write(draw(np.random.default_rng(number)), tmp_path_factory.mktemp("front"), "front")
+
+    @pytest.fixture(scope="module")
+    def service(path: Path) -> Service:
+        return asked(path)
+
+    return path, service
 
 
 def asked(path: Path, budget: float = BUDGET) -> Service:

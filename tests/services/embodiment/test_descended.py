@@ -19,7 +19,7 @@ from tests.services.embodiment.standing_front import (
     body_of,
     check_by_other_code,
     check_given_again,
-    written,
+    fixtures,
 )
 
 pytestmark = pytest.mark.oracle
@@ -28,14 +28,7 @@ NO_HAND_FITS = 40
 """A door that tips over, 0.74 m away: about its bar no listed or bred grasp has room at the end."""
 
 
-@pytest.fixture(scope="module")
-def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return written(NO_HAND_FITS, tmp_path_factory.mktemp("front"))
-
-
-@pytest.fixture(scope="module")
-def service(path: Path) -> Service:
-    return asked(path)
+path, service = fixtures(NO_HAND_FITS)
 
 
 @pytest.fixture(scope="module")

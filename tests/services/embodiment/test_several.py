@@ -13,11 +13,10 @@ from services.embodiment import plan
 from services.embodiment.oracle import WholeBody
 from tests.services.embodiment.standing_front import (
     HERE,
-    asked,
     body_of,
     check_by_other_code,
     check_given_again,
-    written,
+    fixtures,
 )
 
 pytestmark = pytest.mark.oracle
@@ -26,14 +25,7 @@ LASTS_NOT = 34
 """A door 0.92 m away that a TIAGo++ holds at each angle, and in no way that it can keep."""
 
 
-@pytest.fixture(scope="module")
-def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return written(LASTS_NOT, tmp_path_factory.mktemp("front"))
-
-
-@pytest.fixture(scope="module")
-def service(path: Path) -> Service:
-    return asked(path)
+path, service = fixtures(LASTS_NOT)
 
 
 @pytest.fixture(scope="module")
