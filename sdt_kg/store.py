@@ -27,6 +27,9 @@ _READERS: Final[dict[str, Callable[[str], Value]]] = {
 KEPT_NODES: Final = 65_536
 """Nodes kept for the next triple about the same: making one checks its IRI."""
 
+MOST_NESTED: Final = 256
+"""[1] Brackets within each other in a query: of 4,000 the parser dies, and the process with it."""
+
 SHOWN_EXPECTATION: Final = 80
 """[characters] Of what the parser would have accepted; it lists whole character classes."""
 
@@ -176,6 +179,10 @@ def checked_query(sparql: str) -> str:
             allowed="SELECT, ASK, CONSTRUCT, DESCRIBE over what is loaded",
             remedy="leave the word out, in names and comments too",
         )
+    if _depth(sparql) > MOST_NESTED:
+        raise QueryError(
+            "the query is nested too deeply", allowed=f"{MOST_NESTED} brackets or signs within each other"
+        )
     try:
         ox.Store().query(sparql, prefixes=PREFIXES)
     except UnicodeEncodeError:
@@ -185,6 +192,16 @@ def checked_query(sparql: str) -> str:
     except RuntimeError as error:
         raise not_there(error) from None
     return sparql
+
+
+def _depth(sparql: str) -> int:
+    """How many brackets, and signs before what is signed itself, are within each other at most."""
+    depth = run = most = 0
+    for each in sparql:
+        depth += (each in "({[") - (each in ")}]")
+        run = run + 1 if each in "!-+^" else run if each.isspace() else 0
+        most = max(most, depth + run)
+    return most
 
 
 def not_there(error: Exception) -> QueryError:

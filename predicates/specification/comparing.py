@@ -1,33 +1,19 @@
-"""What a query's text tells: whether it only compares numbers, and whether its terms are known."""
+"""What a query's text tells: whether it only compares numbers, and which triples it asks for."""
 
 import re
-from collections.abc import Iterator
-from difflib import get_close_matches
-from functools import cache
 from typing import Any, Final, cast
 
-import pyoxigraph as ox
 import rdflib
 from pyparsing import ParseBaseException
 from rdflib.plugins.sparql import prepareQuery
 
-import ontology
-from sdt_kg.iri import ID, LAW, PREFIXES, SDT, TEE, Iri
-from sdt_kg.twin import Twin
-
-FILES = ("sdt.ttl", "law.ttl", "tee.ttl")
-"""Where the terms of the vocabularies are declared."""
-
-LIKENESS = 0.8
-"""[1] Share of letters in common from which a term may have been meant."""
-
+from sdt_kg.iri import PREFIXES, Iri
 
 WORDS: Final = frozenset(
     {
         *("ask", "select", "distinct", "where", "filter", "not", "exists", "minus"),
         *("optional", "union", "prefix", "in", "order", "by", "asc", "desc"),
         *("limit", "offset", "values", "bound", "true", "false", "a", "as"),
-        *("bind"),
     }
 )
 """Keywords under which only the order of numbers counts; what is not listed is not trusted."""
@@ -39,7 +25,7 @@ _TOKEN: Final = re.compile(
   | (?P<string>"(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)*')
   | (?P<variable>[?$]\w+)
   | (?P<number>(?:\d+\.\d+|\.\d+|\d+)(?:[eE][+-]?\d+)?)
-  | (?P<name>[A-Za-z][\w-]*:[\w-]*)
+  | (?P<name>(?:[A-Za-z][\w-]*)?:[\w-]*)
   | (?P<word>[A-Za-z]\w*)
   | (?P<mark>&&|\|\||<=|>=|!=|[{}();.,<>=!*])
     """,
@@ -92,11 +78,16 @@ def only_asks_for(sparql: str, kinds: frozenset[Iri]) -> bool:
 
 def _patterns(sparql: str) -> list[tuple[object, object, object]] | None:
     """All triple patterns; None if in doubt."""
+    algebra = algebra_of(sparql)
+    return None if algebra is None else _triples(algebra)
+
+
+def algebra_of(sparql: str) -> Any:  # noqa: ANN401 - rdflib does not type it
+    """What the query means; None where two parsers do not agree on it, or it is nested deeply."""
     try:
-        algebra: Any = prepareQuery(sparql, initNs=PREFIXES).algebra  # rdflib does not type it
-    except ParseBaseException:  # what two parsers do not agree on
+        return prepareQuery(sparql, initNs=PREFIXES).algebra
+    except (ParseBaseException, RecursionError):
         return None
-    return _triples(algebra)
 
 
 def _triples(part: Any) -> list[tuple[object, object, object]]:  # noqa: ANN401 - a tree of rdflib's own kinds
@@ -112,44 +103,6 @@ def _triples(part: Any) -> list[tuple[object, object, object]]:  # noqa: ANN401 
         for each in cast("list[Any]", parts):
             found += _triples(each)
     return found
-
-
-def unknown_term(sparql: str, twin: Twin) -> tuple[Iri, tuple[Iri, ...]] | None:
-    """The first term or individual of ours that no vocabulary and no kitchen has, and what may be meant."""
-    for iri in _named(sparql):
-        declared = _terms() if not iri.startswith(ID) else frozenset[Iri]()
-        if iri in declared or _in_graph(iri, twin):
-            continue
-        return iri, tuple(get_close_matches(iri, sorted(declared), n=2, cutoff=LIKENESS))
-    return None
-
-
-def _named(sparql: str) -> Iterator[Iri]:
-    """IRIs of our own namespaces, spelled out or with a prefix; declarations of prefixes do not count."""
-    prefixes, found = dict(PREFIXES), tokens(sparql)
-    edge = ("", "")
-    for before, (kind, text), after in zip([edge, *found], found, [*found[1:], edge], strict=False):
-        if kind == "iri" and before[0] == "name" and before[1].endswith(":"):
-            prefixes[before[1][:-1]] = text[1:-1]
-            continue
-        iri = text[1:-1] if kind == "iri" else ""
-        if kind == "name" and after[0] != "unknown":  # an escape goes on behind it
-            prefix, _, name = text.partition(":")
-            iri = prefixes.get(prefix, "") + name if name else ""
-        if iri.startswith((SDT, LAW, TEE, ID)):
-            yield iri
-
-
-@cache
-def _terms() -> frozenset[Iri]:
-    """What the vocabularies declare."""
-    quads = (quad for name in FILES for quad in ox.parse(path=str(ontology.path(name))))
-    return frozenset(quad.subject.value for quad in quads if isinstance(quad.subject, ox.NamedNode))
-
-
-def _in_graph(iri: Iri, twin: Twin) -> bool:
-    _, rows = twin.query(f"ASK {{ {{ <{iri}> ?p ?o }} UNION {{ ?s <{iri}> ?o }} UNION {{ ?s ?p <{iri}> }} }}")
-    return bool(rows[0]["answer"])
 
 
 def tokens(sparql: str) -> list[tuple[str, str]]:

@@ -24,7 +24,7 @@ from sdt_kg.history.events import EventType, events_along
 from sdt_kg.history.records import event_triples, first_triples
 from sdt_kg.history.trajectory import Trajectory
 from sdt_kg.iri import ID, PREFIXES, SDT, Iri
-from sdt_kg.store import value_of
+from sdt_kg.store import Solutions, value_of
 from sdt_kg.twin import Twin
 
 RUN: Final = ID + "task-run"
@@ -181,12 +181,15 @@ def _say(store: ox.Store, triples: Iterator[tuple[Iri, Iri, ox.NamedNode | ox.Li
 
 def _yes(twin: Twin, sparql: str) -> bool:
     """Whether the query answers yes, or with a row, in this state."""
-    columns, rows = twin.query(sparql)
-    return bool(rows[0]["answer"]) if columns == ["answer"] and len(rows) == 1 else bool(rows)
+    return _is_yes(twin.entities.store.query(sparql, twin.graphs()))
 
 
 def _ask(store: ox.Store, sparql: str) -> bool:
-    found = store.query(sparql, prefixes=PREFIXES)
+    return _is_yes(store.query(sparql, prefixes=PREFIXES))
+
+
+def _is_yes(found: Solutions) -> bool:
+    """A yes, or a row, whatever it holds."""
     return bool(found) if isinstance(found, ox.QueryBoolean) else next(iter(found), None) is not None
 
 

@@ -4,14 +4,13 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from enum import Enum
+from textwrap import shorten
 from typing import Final, TypeVar
 
-import pyoxigraph as ox
 import rdflib
 from rdflib.namespace import RDF, RDFS
 from rdflib.term import Node
 
-from predicates.specification.comparing import unknown_term
 from predicates.specification.model import (
     Demand,
     KeepsDistance,
@@ -25,8 +24,10 @@ from predicates.specification.model import (
     StaysClosed,
     Step,
 )
+from predicates.specification.question import faults, is_question
+from predicates.specification.written import written_task
 from sdt_kg.errors import InputError, UnknownEntityError
-from sdt_kg.iri import LAW, PREFIXES, body_iri, local_name
+from sdt_kg.iri import LAW, body_iri, local_name
 from sdt_kg.numbers import number_in
 from sdt_kg.store import checked_query
 from sdt_kg.task import Verb
@@ -46,6 +47,9 @@ _KNOWN: Final[dict[str, frozenset[str]]] = {
 }
 """Which terms of law: each class may have: a misspelt rule must not be no rule."""
 
+SHOWN: Final = 80
+"""[characters] Of a query that has no name."""
+
 _TERMS: Final = frozenset(term for terms in _KNOWN.values() for term in terms)
 
 
@@ -62,21 +66,8 @@ def read_specification(twin: Twin, text: str, source: str) -> Specification:
         UnknownEntityError: No such container or body.
         QueryError: A rule's query is not SPARQL that only reads.
     """
-    graph = rdflib.Graph()
-    try:
-        graph.parse(data=text, format="turtle")
-    except (
-        SyntaxError,
-        ValueError,
-        IndexError,
-    ) as error:  # IndexError: rdflib's, of a text that ends too early
-        raise InputError(f"{source} is not Turtle: {error}") from None
-    found = list(graph.subjects(RDF.type, _LAW.TaskSpecification))
-    if len(found) != 1:
-        raise InputError(
-            f"{source} has {len(found)} task specifications", allowed="one law:TaskSpecification"
-        )
-    return replace(_Reader(twin, graph, source).specification(found[0]), written=text)
+    graph, subject = written_task(text, source)
+    return replace(_Reader(twin, graph, source).specification(subject), written=text)
 
 
 class _Reader:
@@ -111,6 +102,10 @@ class _Reader:
             loose = set(self._graph.subjects(RDF.type, _LAW[name])) - self._read
             if loose:
                 raise self._error(f"{_name(min(loose, key=str))} is a law:{name} that nothing uses")
+        for subject, predicate, value in self._graph:
+            term = str(predicate if predicate != RDF.type else value)
+            if term.startswith(LAW) and subject not in self._read:
+                raise self._error(f"nothing uses {_name(subject)}, of which law:{local_name(term)} is said")
 
     def _steps(self, subject: Node) -> tuple[Step, ...]:
         numbered = [
@@ -187,19 +182,19 @@ class _Reader:
             )
         self._check(node, "QueryRule")
         sparql = checked_query(self._text(node, "sparql"))
-        if not _asks(sparql):
+        if not is_question(sparql):
             raise self._error(f"the query of {_name(node)} is no question", allowed="ASK or SELECT")
-        if (unknown := unknown_term(sparql, self._twin)) is not None:
-            iri, likest = unknown
-            raise self._error(
-                f"the query of {_name(node)} names <{iri}>, which neither a vocabulary nor the kitchen has",
-                allowed=" or ".join(f"<{each}>" for each in likest),
-                remedy="correct it: a pattern that nothing matches keeps every rule",
-            )
         over = self._one(node, "over")
         scope = Scope.STATES if over is None else self._member(Scope, over, "scope")
+        for what, allowed in faults(sparql, self._twin, scope):
+            raise self._error(
+                f"the query of {_name(node)} {what}",
+                allowed=allowed,
+                remedy="correct it: a question that has but one answer keeps every rule, or none",
+            )
         label = self._graph.value(node, RDFS.label)
-        return QueryRule(_name(node) if label is None else str(label), sparql, scope, demand)
+        name = shorten(sparql, SHOWN) if isinstance(node, rdflib.BNode) else _name(node)
+        return QueryRule(name if label is None else str(label), sparql, scope, demand)
 
     def _is(self, node: Node, name: str) -> bool:
         return (node, RDF.type, _LAW[name]) in self._graph
@@ -208,6 +203,12 @@ class _Reader:
         """That the node is of the class and has no term of law: that the class does not have."""
         if not self._is(node, name):
             raise self._error(f"{_name(node)} is no law:{name}", remedy=f"write 'a law:{name}'")
+        kinds = {str(each) for each in self._graph.objects(node, RDF.type) if str(each).startswith(LAW)}
+        if len(kinds) > 1:
+            raise self._error(
+                f"{_name(node)} is {' and '.join(f'a law:{local_name(each)}' for each in sorted(kinds))}",
+                allowed="one of them",
+            )
         self._read.add(node)
         for predicate in set(self._graph.predicates(node)):
             term = local_name(str(predicate))
@@ -277,11 +278,6 @@ class _Reader:
 
     def _error(self, what: str, *, allowed: str = "", remedy: str = "") -> InputError:
         return InputError(f"{self._source}: {what}", allowed=allowed, remedy=remedy)
-
-
-def _asks(sparql: str) -> bool:
-    """Whether the query is ASK or SELECT."""
-    return isinstance(ox.Store().query(sparql, prefixes=PREFIXES), ox.QueryBoolean | ox.QuerySolutions)
 
 
 def _name(node: Node) -> str:

@@ -121,7 +121,7 @@ def _rules(iri: Iri, rules: list[Iri], facts: Facts) -> Iterator[str]:
 def _quality(iri: Iri, facts: Facts) -> Iterator[str]:
     by, value = facts.text(iri, LAW + "comparedBy"), facts.number(iri, LAW + "qualityValue")
     if by is not None:
-        unit = facts.needed(iri, LAW + "unit")
+        unit = facts.text(iri, LAW + "unit") or "1"
         said = "no value" if value is None else with_unit(value, unit, bound=_is_bound(by, value))
         yield f"J = {local_name(by)}: {said}, of the best found, step by step; not the optimum"
         if local_name(by) == "MechanicalWork":

@@ -45,12 +45,14 @@ def test_an_event_of_no_kind_is_refused() -> None:
     [
         "ASK { ?c a sdt:Container ; sdt:hasJoint ?j . ?j sdt:position ?p FILTER (?p > 0.1) }",
         'ASK { ?c sdt:name "sdt:Contaner" } # sdt:Contaner',
-        "PREFIX my: <https://my.org/> ASK { ?c my:colour ?it }",
+        "PREFIX d: <http://purl.org/dc/terms/> ASK { ?c d:source ?it }",
+        "ASK { ?c a/rdfs:subClassOf* sdt:Container }",
+        "ASK { ?c a sdt:Door ; sdt:hasJoint ?j . ?j sdt:upperLimit ?u FILTER (xsd:float(?u) > 0.1) }",
         "ASK { <https://example.org/id/a/joint/low_drawer_joint> sdt:position ?p }",
         "SELECT ?c WHERE { ?c a sdt:Drawer , <https://example.org/sdt#Container> }",
     ],
 )
-def test_what_is_known_or_another_ones_is_read(sparql: str) -> None:
+def test_what_is_known_or_the_kitchens_is_read(sparql: str) -> None:
     read(sparql)
 
 
