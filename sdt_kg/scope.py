@@ -20,6 +20,7 @@ from sdt_kg.annotating.annotate import tee_triples
 from sdt_kg.entities.moving_together import MOVES_WITH, moving_together
 from sdt_kg.iri import LAW, RDF, SDT, TEE, Iri, local_name
 from sdt_kg.shacl import Violation, check, order
+from sdt_kg.shapes import followed, mentioned
 from sdt_kg.store import Triple
 from sdt_kg.triples import Facts
 from sdt_kg.triples.to_rdflib import rdflib_graph
@@ -35,6 +36,27 @@ Asked = tuple["TeeClass", tuple[Triple, ...], tuple[Iri, ...]]
 
 Seen = dict[Asked, tuple[Violation, ...]]
 """How it lies outside the class."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asks:
+    """What shapes ask for.
+
+    Attributes:
+        names: Predicates; None: any.
+        onward: Those of them whose values' own triples are asked for.
+    """
+
+    names: frozenset[Iri] | None
+    onward: frozenset[Iri]
+
+    @staticmethod
+    def of(shapes: rdflib.Graph) -> "Asks":
+        """What these do."""
+        return Asks(mentioned(shapes), followed(shapes))
+
+    def __contains__(self, name: Iri) -> bool:
+        return self.names is None or name in self.names
 
 
 @dataclass(frozen=True)
@@ -72,10 +94,9 @@ class TeeClass:
         return graph.parse(data=self._shapes_text(), format="turtle")
 
     @cached_property
-    def mentioned(self) -> frozenset[Iri]:
-        """Every IRI that the shapes speak of, and rdf:type."""
-        named = {str(node) for node in self.shapes.objects() if isinstance(node, rdflib.URIRef)}
-        return frozenset({RDF + "type", *named})
+    def asks(self) -> "Asks":
+        """What has to be said of a request, so that the shapes can judge it."""
+        return Asks.of(self.shapes)
 
     def shapes_of(self, part: str) -> list[Iri]:
         """Shapes of a part of D: Task, Environment, Robot or Physics."""
@@ -169,9 +190,9 @@ def _asked(
 ) -> Iterator[Asked]:
     """The kitchen's and the robot's part of a request: no shape looks from one into the other."""
     parts = ["Environment", "Physics", *(["Task"] if verb is not None else [])]
-    yield tee, tuple(_of_kitchen(twin, container, verb, tee)), _shapes_of(tee, parts)
+    yield tee, tuple(_of_kitchen(twin, container, verb, tee.asks)), _shapes_of(tee, parts)
     if robot is not None:
-        yield tee, tuple(_of_robot(twin, robot, tee)), _shapes_of(tee, ["Robot"])
+        yield tee, tuple(_of_robot(twin, robot, tee.asks)), _shapes_of(tee, ["Robot"])
 
 
 def _shapes_of(tee: TeeClass, parts: list[str]) -> tuple[Iri, ...]:
@@ -190,33 +211,51 @@ def request_graph(
     container: Container,
     robot: Iri | None = None,
     verb: Iri | None = None,
-    tee: TeeClass = D_ARTIC,
+    tee: TeeClass | rdflib.Graph = D_ARTIC,
 ) -> rdflib.Graph:
-    """What the graph says of the individuals that the request is about, as far as the class asks."""
-    kitchen = _of_kitchen(twin, container, verb, tee)
-    return rdflib_graph(chain(kitchen, () if robot is None else _of_robot(twin, robot, tee)))
+    """What the graph says of the individuals that the request is about, as far as the class asks.
+
+    Args:
+        twin: The kitchen, and the robot if there is one.
+        container: What the request is about.
+        robot: Left out, nothing of R is said.
+        verb: `law:Open` or `law:Close`; left out, nothing of T is said.
+        tee: D, or shapes that are to become one.
+    """
+    asks = Asks.of(tee) if isinstance(tee, rdflib.Graph) else tee.asks
+    kitchen = _of_kitchen(twin, container, verb, asks)
+    return rdflib_graph(chain(kitchen, () if robot is None else _of_robot(twin, robot, asks)))
 
 
-def _of_robot(twin: Twin, robot: Iri, tee: TeeClass) -> Iterator[Triple]:
+def _of_robot(twin: Twin, robot: Iri, asks: Asks) -> Iterator[Triple]:
     facts = twin.entities.facts
-    yield from _mentioned(facts, [robot, *facts.iris(robot, "hasGripper")], tee)
+    yield from _mentioned(facts, [robot, *facts.iris(robot, "hasGripper")], asks)
 
 
-def _of_kitchen(twin: Twin, container: Container, verb: Iri | None, tee: TeeClass) -> Iterator[Triple]:
+def _of_kitchen(twin: Twin, container: Container, verb: Iri | None, asks: Asks) -> Iterator[Triple]:
     facts = twin.entities.facts
     subjects = [twin.environment, container.iri, *facts.iris(container.iri, "hasHandle")]
     subjects += facts.iris(container.iri, "hasJoint")
-    if SDT + "hasForceModel" in tee.mentioned:
+    if SDT + "hasForceModel" in asks:
         yield from (coupled := list(moving_together(twin.mechanism(twin.environment), container.joint)))
         subjects += [term.value for _, name, term in coupled if name == MOVES_WITH]
         subjects += [model for each in subjects for model in facts.iris(each, "hasForceModel")]
-    yield from _mentioned(facts, subjects, tee)
+    yield from _mentioned(facts, subjects, asks)
     if verb is not None:
         yield _TASK, RDF + "type", ox.NamedNode(LAW + "Task")
         yield _TASK, LAW + "verb", ox.NamedNode(verb)
         yield _TASK, LAW + "container", ox.NamedNode(container.iri)
 
 
-def _mentioned(facts: Facts, subjects: Iterable[Iri], tee: TeeClass) -> Iterator[Triple]:
-    for subject in subjects:
-        yield from ((subject, name, term) for name, term in facts.about(subject) if name in tee.mentioned)
+def _mentioned(facts: Facts, subjects: Iterable[Iri], asks: Asks) -> Iterator[Triple]:
+    """What is asked for of the subjects, and of what they lead on to."""
+    left = list(subjects)
+    known = set(left)
+    while left:
+        subject = left.pop(0)
+        for name, term in facts.about(subject):
+            if name in asks:
+                yield subject, name, term
+            if name in asks.onward and isinstance(term, ox.NamedNode) and term.value not in known:
+                known.add(term.value)
+                left.append(term.value)

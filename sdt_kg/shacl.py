@@ -3,6 +3,7 @@
 That is half of what importing it takes, and no shape of ours asks for it.
 """
 
+import re
 import sys
 import threading
 from collections.abc import Callable
@@ -16,9 +17,12 @@ from typing import Any, Final
 
 import rdflib
 from rdflib.namespace import RDF as RDF_NS
+from rdflib.namespace import RDFS
 from rdflib.term import Node
 
+from sdt_kg.errors import InputError
 from sdt_kg.iri import SH, Iri
+from sdt_kg.shapes import check_shapes
 from sdt_kg.store import Value
 
 SPARQL: Final = "rdflib.plugins.sparql"
@@ -87,7 +91,12 @@ def pyshacl() -> Any:  # noqa: ANN401 - its annotations are partial
 
 def pyshacl_report(data: rdflib.Graph, shapes: rdflib.Graph) -> rdflib.Graph:
     """The validation report of pySHACL, without inference: the engine of every verdict."""
-    report = pyshacl().validate(data, shacl_graph=shapes, inference="none")[1]
+    package = pyshacl()
+    try:
+        report = package.validate(data, shacl_graph=shapes, inference="none")[1]
+    except (package.errors.ReportableRuntimeError, re.error) as error:
+        what = " ".join(str(error).split())
+        raise InputError(f"the shapes are not SHACL: {what}", allowed="SHACL core, well-formed") from None
     assert isinstance(report, rdflib.Graph), "pyshacl answers with a graph, or raises"
     return report
 
@@ -95,7 +104,19 @@ def pyshacl_report(data: rdflib.Graph, shapes: rdflib.Graph) -> rdflib.Graph:
 def check(
     data: rdflib.Graph, shapes: rdflib.Graph, expected: list[Iri], engine: Engine = pyshacl_report
 ) -> list[Violation]:
-    """SHACL results of the data, and a violation for each expected shape without focus node."""
+    """SHACL results of the data, and a violation for each expected shape without focus node.
+
+    Args:
+        data: What the shapes look at.
+        shapes: All are run.
+        expected: IRIs of those that have to find something to look at, and to demand something of it.
+        engine: That runs them.
+
+    Raises:
+        InputError: They are malformed; or, where some are expected, let everything pass (`check_shapes`).
+    """
+    if expected:
+        check_shapes(shapes, tuple(expected))
     found = [_without_focus(shape) for shape in expected if not _has_focus(data, shapes, shape)]
     found += read_report(data, shapes, engine(data, shapes))
     return sorted(found, key=order)
@@ -115,6 +136,9 @@ def _has_focus(data: rdflib.Graph, shapes: rdflib.Graph, shape: Iri) -> bool:
     node = rdflib.URIRef(shape)
     found = [data.subjects(RDF_NS.type, each) for each in shapes.objects(node, _SH.targetClass)]
     found += [data.objects(None, each) for each in shapes.objects(node, _SH.targetObjectsOf)]
+    found += [data.subjects(each, None) for each in shapes.objects(node, _SH.targetSubjectsOf)]
+    found += [data.predicates(each, None) for each in shapes.objects(node, _SH.targetNode)]
+    found += [data.subjects(RDF_NS.type, node)] if (node, RDF_NS.type, RDFS.Class) in shapes else []
     return any(next(each, None) is not None for each in found)
 
 

@@ -9,16 +9,13 @@ import pyoxigraph as ox
 import rdflib
 from rdflib.paths import Path
 
-import ontology
 from predicates.specification.comparing import algebra_of, tokens
 from predicates.specification.model import Scope
 from sdt_kg.history.events import Event, EventType
 from sdt_kg.history.records import event_triples, first_triples
 from sdt_kg.iri import ID, PREFIXES, RDF, RDFS, SDT, TEE, XSD, Iri
+from sdt_kg.shapes import declared
 from sdt_kg.twin import Twin
-
-FILES = ("sdt.ttl", "law.ttl", "tee.ttl")
-"""Where the terms of the vocabularies are declared."""
 
 CORE: Final = (RDF, RDFS, XSD)
 """Whose terms need not be in a graph: types of literals, and paths that may have no step."""
@@ -60,10 +57,10 @@ def _strangers(sparql: str, algebra: Any, twin: Twin, over: Scope) -> Iterator[t
         if not told:
             elsewhere = Scope.EVENTS if over is Scope.STATES else Scope.STATES
             yield f"names <{iri}>, which nothing has over law:{over.value}", f"law:over law:{elsewhere.value}"
-        declared = _terms() if iri.startswith((SDT, TEE)) else frozenset[Iri]()
-        if iri not in declared and not _in_graph(iri, twin):
-            likest = get_close_matches(iri, sorted(_terms()), n=2, cutoff=LIKENESS)
-            who = "no kitchen has" if iri in _terms() else "neither a vocabulary nor the kitchen has"
+        known = declared() if iri.startswith((SDT, TEE)) else frozenset[Iri]()
+        if iri not in known and not _in_graph(iri, twin):
+            likest = get_close_matches(iri, sorted(declared()), n=2, cutoff=LIKENESS)
+            who = "no kitchen has" if iri in declared() else "neither a vocabulary nor the kitchen has"
             what = f"names <{iri}>, which {who}"
             yield what, " or ".join(f"<{each}>" for each in likest)
 
@@ -129,13 +126,6 @@ def _of_events() -> frozenset[Iri]:
     return frozenset(
         {SDT + each.value for each in EventType} | {name for _, name, _ in triples} - {RDF + "type"}
     )
-
-
-@cache
-def _terms() -> frozenset[Iri]:
-    """What the vocabularies declare."""
-    quads = (quad for name in FILES for quad in ox.parse(path=str(ontology.path(name))))
-    return frozenset(quad.subject.value for quad in quads if isinstance(quad.subject, ox.NamedNode))
 
 
 def _in_graph(iri: Iri, twin: Twin) -> bool:

@@ -6,6 +6,7 @@ result says why. Here is the shape, before it becomes a class of the ontology (p
 
 import rdflib
 
+from sdt_kg.errors import InputError
 from sdt_kg.iri import local_name
 from sdt_kg.scope import request_graph, violations
 from sdt_kg.shacl import check
@@ -30,10 +31,16 @@ twin = load("b").twin
 
 for container in twin.containers():
     inside = not violations(twin, container)  # D_artic first: a narrower class is inside the wider one
-    found = check(request_graph(twin, container), shapes, [f"{LIGHT}ShortWay"])
+    found = check(request_graph(twin, container, tee=shapes), shapes, [f"{LIGHT}ShortWay"])
     why = "; ".join(f"{local_name(each.focus)}: {each.value} > {each.bound}" for each in found)
     print(f"{container.name}: {'inside' if inside and not found else 'abstain'} {why}")
 
-# A shape that finds nothing to look at lets nothing pass: a typo in a target is no permission.
-typo = rdflib.Graph().parse(data=SHAPES.replace("sdt:hasJoint ", "sdt:hasJiont "), format="turtle")
-print(check(request_graph(twin, twin.containers()[0]), typo, [f"{LIGHT}ShortWay"])[0].message)
+# A shape that finds nothing to look at lets nothing pass, and a typo is no permission: it is refused by name.
+container = twin.containers()[0]
+idle = rdflib.Graph().parse(data=SHAPES.replace("sdt:hasJoint ", "sdt:padFriction "), format="turtle")
+print(check(request_graph(twin, container, tee=idle), idle, [f"{LIGHT}ShortWay"])[0].message)
+typo = rdflib.Graph().parse(data=SHAPES.replace("sdt:upperLimit", "sdt:uperLimit"), format="turtle")
+try:
+    check(request_graph(twin, container, tee=typo), typo, [f"{LIGHT}ShortWay"])
+except InputError as error:
+    print(error)

@@ -1,5 +1,6 @@
 """Every shape has a twin that passes and one that fails; a shape that looks at nothing is a violation."""
 
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -9,6 +10,8 @@ from rdflib.namespace import RDF, SH
 from rdflib.term import Node, URIRef
 
 import ontology
+from sdt_kg.errors import InputError
+from sdt_kg.iri import SDT
 from sdt_kg.scope import D_ARTIC, D_ARTIC_DYN, TeeClass
 from sdt_kg.shacl import Violation, check
 from tests.shapes.engines import ENGINES
@@ -79,14 +82,24 @@ def test_every_property_is_demanded_and_says_what_to_repair(name: str, shape: UR
 
 
 @pytest.mark.parametrize(("name", "shape"), SHAPES, ids=IDS)
-def test_a_typo_in_a_target_lets_nothing_pass(name: str, shape: URIRef) -> None:
+def test_a_typo_in_a_target_is_refused_and_one_that_nothing_is_lets_nothing_pass(
+    name: str, shape: URIRef
+) -> None:
+    data = rdflib.Graph().parse(twin(name, shape, "pass"))
+    with pytest.raises(InputError, match=r"Typo>, which no vocabulary has"):
+        check(data, aimed(name, shape, lambda value: URIRef(f"{value}Typo")), [str(shape)])
+    nowhere = aimed(name, shape, lambda _: URIRef(SDT + "Branch"))
+    assert str(shape) in {each.focus for each in check(data, nowhere, [str(shape)])}
+
+
+def aimed(name: str, shape: URIRef, at: Callable[[Node], URIRef]) -> rdflib.Graph:
+    """The shapes, with other targets of one of them."""
     graph = rdflib.Graph() + shapes(name)
     for target in (SH.targetClass, SH.targetObjectsOf):
         for value in list(graph.objects(shape, target)):
             graph.remove((shape, target, value))
-            graph.add((shape, target, URIRef(f"{value}Typo")))
-    data = rdflib.Graph().parse(twin(name, shape, "pass"))
-    assert str(shape) in {each.focus for each in check(data, graph, [str(shape)])}
+            graph.add((shape, target, at(value)))
+    return graph
 
 
 @pytest.mark.parametrize("tee", [D_ARTIC, D_ARTIC_DYN], ids=lambda tee: tee.name)
