@@ -30,6 +30,9 @@ SPARQL: Final = "rdflib.plugins.sparql"
 
 _SH: Final = rdflib.Namespace(SH)
 
+AS_MALFORMED: Final = (AssertionError, AttributeError, IndexError, KeyError, TypeError, ValueError)
+"""What pySHACL raises, beside errors of its own, of shapes whose terms have values of another kind."""
+
 Engine = Callable[[rdflib.Graph, rdflib.Graph], rdflib.Graph]
 """Data and shapes → SHACL validation report."""
 
@@ -94,8 +97,8 @@ def pyshacl_report(data: rdflib.Graph, shapes: rdflib.Graph) -> rdflib.Graph:
     package = pyshacl()
     try:
         report = package.validate(data, shacl_graph=shapes, inference="none")[1]
-    except (package.errors.ReportableRuntimeError, re.error) as error:
-        what = " ".join(str(error).split())
+    except (package.errors.ReportableRuntimeError, re.error, *AS_MALFORMED) as error:
+        what = " ".join(str(error).split()) or "a term has a value of another kind than it may have"
         raise InputError(f"the shapes are not SHACL: {what}", allowed="SHACL core, well-formed") from None
     assert isinstance(report, rdflib.Graph), "pyshacl answers with a graph, or raises"
     return report

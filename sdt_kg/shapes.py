@@ -34,7 +34,7 @@ IDLE: Final = frozenset(
 ASKING: Final = ("path", "inversePath", "targetClass", "targetObjectsOf", "targetSubjectsOf", "class")
 """Terms of SHACL whose values name what is looked at."""
 
-LOOKING_ON: Final = ("node", "property", "qualifiedValueShape", "and", "or", "not", "xone")
+LOOKING_ON: Final = ("node", "property", "qualifiedValueShape", "and", "or", "not", "xone", "closed")
 """Terms of SHACL by which a property shape asks what its values are, and have."""
 
 

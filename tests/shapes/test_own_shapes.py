@@ -49,6 +49,7 @@ def found(shapes: str) -> list[Violation]:
         (SHORT.replace("sh:maxInclusive 0.1", 'sh:minCount "one"'), "the shapes are not SHACL: "),
         (SHORT.replace("sh:maxInclusive 0.1", 'sh:pattern "("'), "the shapes are not SHACL: "),
         (OF_JOINT + "sh:or my:Other .", "the shapes are not SHACL: "),
+        (SHORT.replace("0.1", "my:Other"), "the shapes are not SHACL: "),
     ],
 )
 def test_shapes_that_would_let_everything_pass_are_refused(shapes: str, why: str) -> None:
