@@ -263,7 +263,8 @@ class WholeBody:
         if self.start is None and usual[:2] != (x, y):
             notes.append(MOVED_START.format(usual[0], usual[1], np.hypot(x - usual[0], y - usual[1])))
         if planned is not None:
-            notes.append(f"grasp {planned.grasp} by gripper {planned.body.gripper}, {planned.style}")
+            gripper = planned.assembler.limb.gripper.name
+            notes.append(f"grasp {planned.grasp} by gripper {gripper}, {planned.style}")
         return (*notes, *self.tolerances.notes, *_of_models(setting.world.scene))
 
     def _drive(self, twin: Twin, robot: Iri) -> Drive:

@@ -15,6 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from sdt_kg.iri import joint_iri
 from sdt_kg.motion import BodyMotion, Motion
 from services.embodiment.attempt import Attempt
 from services.embodiment.body.limb import BASE
@@ -223,7 +224,8 @@ def orders(legs: list[Leg], late: Callable[[], bool]) -> Iterator[list[BodyMotio
     for one, other in pairwise(legs):
         assert one.back is not None, "only the last is not left"
         by_parking = [one.back.parked(), other.planned.body]
-        straight += one.back.on(other.planned, late) or by_parking
+        same = one.planned.body.gripper == other.planned.body.gripper
+        straight += (same and one.back.on(other.planned, late)) or by_parking
         parking += by_parking
     yield straight
     if parking != straight:
@@ -232,8 +234,9 @@ def orders(legs: list[Leg], late: Callable[[], bool]) -> Iterator[list[BodyMotio
 
 def joined(planned: list[Planned], bodies: list[BodyMotion]) -> Planned:
     """All of them in order, and the motion of the container from when it begins to move to its end."""
-    body = _in_a_row(bodies)
     first, *others = planned
+    scene = first.assembler.world.scene
+    body = _in_a_row(bodies if len({one.gripper for one in bodies}) == 1 else _of_all(bodies, scene))
     parts = [one.motion for one in (first, *others)]
     begins = np.array([body.times[sample] for name, sample in body.phases if name.startswith("follow")])
     velocities = [part.velocities for part in parts if part.velocities is not None]
@@ -245,8 +248,24 @@ def joined(planned: list[Planned], bodies: list[BodyMotion]) -> Planned:
     )
     style = first.style
     for one in others:
-        style += f"; let go at {one.motion.values[0, 0]:.3g}, then grasp {one.grasp}, {one.style}"
+        gripper = one.assembler.limb.gripper.name
+        by = "" if body.gripper else f" by gripper {gripper}"
+        style += f"; let go at {one.motion.values[0, 0]:.3g}, then grasp {one.grasp}{by}, {one.style}"
     return replace(first, body=body, motion=motion, style=style)
+
+
+def _of_all(bodies: list[BodyMotion], scene: Scene) -> list[BodyMotion]:
+    """The same with the joints of all of them, parked where one does not move them; no gripper is named."""
+    names = tuple(dict.fromkeys(name for body in bodies for name in body.joints))
+    parked, robot = scene.q((0.0, 0.0, 0.0), {}), scene.robot.mechanism.name
+    rest = np.array([parked[scene.coordinate[joint_iri(robot, name)]] for name in names])
+    found = list[BodyMotion]()
+    for body in bodies:
+        q, v = np.tile(rest, (len(body.times), 1)), np.zeros((len(body.times), len(names)))
+        own = [names.index(name) for name in body.joints]
+        q[:, own], v[:, own] = body.q, body.v
+        found.append(replace(body, gripper="", joints=names, q=q, v=v))
+    return found
 
 
 def _in_a_row(bodies: list[BodyMotion]) -> BodyMotion:

@@ -15,16 +15,15 @@ from scipy.spatial.transform import Rotation
 
 from tests.services.embodiment.dense import Judgement
 from tests.soak.annotated import Note
+from tests.soak.audit_holds import held
 from tests.soak.machine import Machine, Solid, gap
 
 Array = NDArray[np.float64]
 Looks = NDArray[np.intp]
 
 CLOSED, OPEN = 0.01, 0.9  # [rad or m] beyond the lower limit, and share of the upper one
-MOVES = 1e-6  # [rad or m] the container has begun to move
 NEAR = 0.02  # [m] pairs whose boxes stay farther apart are not looked at
 SAMPLED = 32  # looks at rates between two samples
-SOME = 4  # looks at how deep fingers are in a handle, while they hold it
 
 
 @dataclass(frozen=True)
@@ -63,10 +62,17 @@ class Way:
         self.q = np.hstack([motion[f"{each}_positions" if each != "base" else each] for each in parts])
         self.v = np.hstack([motion[f"{each}_velocities"] for each in parts])
         self.spline = CubicHermiteSpline(self.knots, self.q, self.v)
-        self.tool, self.tool_T, self.fingers = stage.note.grippers[str(motion["gripper"])]
+        named = str(motion["gripper"])
+        self.hands = {name: one for name, one in stage.note.grippers.items() if named in {"", name}}
         self.robot, self.kitchen = [*stage.robot.solids], [*stage.kitchen.solids]
         self.times = self._fine(step)
         self.frames, self.rooms = self.placed(self.times)
+
+    @property
+    def hand(self) -> tuple[str, Array, set[str]]:
+        """Of the one hand that may hold: the tool's link, link_T_tool, and the links of the fingers."""
+        (one,) = self.hands.values()
+        return one
 
     def placed(self, times: Array) -> tuple[dict[str, Array], dict[str, Array]]:
         """world_T_link of the robot's links, and of the kitchen's."""
@@ -78,7 +84,8 @@ class Way:
         base = np.tile(np.eye(4), (len(times), 1, 1))
         base[:, :3, :3] = Rotation.from_rotvec(at[:, 2, None] * (0, 0, 1)).as_matrix()
         base[:, :2, 3], base[:, 2, 3] = at[:, :2], stage.note.height
-        links = {solid.link for solid in self.robot} | {self.tool, stage.note.base_body}
+        tools = {tool for tool, _, _ in self.hands.values()}
+        links = {solid.link for solid in self.robot} | tools | {stage.note.base_body}
         frames = stage.robot.place(robot, links)
         world_T_root = base @ np.linalg.inv(frames[stage.note.base_body])
         rooms = stage.kitchen.place(kitchen, {solid.link for solid in self.kitchen} | {stage.handle})
@@ -118,7 +125,7 @@ def audited(stage: Stage, motion: Mapping[str, Array], step: float) -> Judgement
     _limits(found, way)
     _ends(found, way)
     _drives(found, way)
-    may = _holds(found, way)
+    may = held(found, way)
     for rule, distance in _distances(way, may):
         found.keeps(rule, distance - stage.note.overhang, step / 2 + 2e-4)
     return found
@@ -181,85 +188,16 @@ def _drives(found: Judgement, way: Way) -> None:
         found.keeps("drift", 0.01 - float(np.trapezoid(sideways, way.times)), 2e-3)
 
 
-def _holds(found: Judgement, way: Way) -> NDArray[np.bool_]:
-    """The tool keeps its place on the handle while the container moves; at which looks it may touch it.
-
-    Where the container rests on the way, the tool may go, and take another place before it moves on.
-    """
-    value, may = way.container(), np.zeros(len(way.times), dtype=bool)
-    moving = np.flatnonzero(np.abs(value - value[0]) > MOVES)
-    if not len(moving):
-        found.keeps("moves", -1.0, 0.1)
-        return may
-    begin, last, before = max(int(moving[0]) - 1, 0), _stops(value), 0
-    tool = np.linalg.inv(way.rooms[way.stage.handle]) @ way.frames[way.tool] @ way.tool_T
-    while True:
-        slip = np.linalg.norm(tool[:, :3, 3] - tool[begin, :3, 3], axis=1)
-        turn = Rotation.from_matrix(tool[begin, :3, :3].T @ tool[:, :3, :3]).magnitude()
-        away = (slip > 0.002) | (turn > np.radians(1.0))
-        rest = next((one for one in _rests(value, begin, last) if away[one].any()), None)
-        end = last if rest is None else rest.start
-        found.keeps("slip", 0.002 - float(slip[begin : end + 1].max()), 3e-4)
-        found.keeps("turn", np.radians(1.0) - float(turn[begin : end + 1].max()), 5e-4)
-        touches = [_touch(way, look) for look in np.linspace(begin, end, SOME).astype(int)]
-        found.keeps("contact", 0.002 - sorted(touches[0])[1], 2e-4)
-        found.keeps("depth", 0.002 + min(map(min, touches)), 1e-3)
-        come = np.flatnonzero(away[before:begin])
-        gone = np.flatnonzero(away[end:])
-        until = end + int(gone[0]) if len(gone) else len(value)
-        may[before + int(come[-1]) + 1 if len(come) else before : until] = True
-        if rest is None:
-            return may
-        begin, before = rest.stop - 1, until
-
-
-def _stops(value: Array) -> int:
-    """The last look before which the container moves."""
-    away = np.flatnonzero(np.abs(value - value[-1]) > MOVES)
-    return min(int(away[-1]) + 1, len(value) - 1) if len(away) else len(value) - 1
-
-
-def _rests(value: Array, begin: int, last: int) -> Iterator[slice]:
-    """Looks in a row at which the container is at one value, before the last."""
-    at = begin + 1
-    while at < last:
-        stop = at + 1
-        while stop < last and abs(value[stop] - value[at]) < 1e-9:
-            stop += 1
-        if stop - at > 2:
-            yield slice(at, stop)
-        at = stop
-
-
-def _touch(way: Way, look: int) -> list[float]:
-    """How far fingers, one for each link with which they begin, are from the handle; negative is deep."""
-    touch: dict[str, float] = {}
-    for finger in (one for one in way.robot if one.link in way.fingers):
-        first = _first(way, finger.link)
-        for bar in (one for one in way.kitchen if one.link == way.stage.handle):
-            distance = gap(finger, way.frames[finger.link][look], bar, way.rooms[bar.link][look])
-            touch[first] = min(touch.get(first, np.inf), distance)
-    return [*touch.values()]
-
-
-def _first(way: Way, finger: str) -> str:
-    """The first of the finger's links on the way to this one from the palm."""
-    machine, first = way.stage.robot, finger
-    while finger in machine.parent:
-        finger = machine.urdf.ends(machine.parent[finger])[0]
-        first = finger if finger in way.fingers else first
-    return first
-
-
-def _distances(way: Way, may: NDArray[np.bool_]) -> Iterator[tuple[str, float]]:
+def _distances(way: Way, may: Mapping[str, NDArray[np.bool_]]) -> Iterator[tuple[str, float]]:
     """Least distance of each pair that has to keep one, where it is less than `NEAR`."""
+    holder = {finger: name for name, (_, _, fingers) in way.hands.items() for finger in fingers}
     stage, every = way.stage, np.ones(len(way.times), dtype=bool)
     boxes = [_box(corners(one, way.frames[one.link])) for one in way.robot]
     rooms = [_box(corners(one, way.rooms[one.link])) for one in way.kitchen]
     for one, box in zip(way.robot, boxes, strict=True):
         for other, room in zip(way.kitchen, rooms, strict=True):
-            held = one.link in way.fingers and other.link == stage.handle
-            looks = _near(box, room, ~may if held else every)
+            holds = one.link in holder and other.link == stage.handle
+            looks = _near(box, room, ~may[holder[one.link]] if holds else every)
             yield "environment", _least(one, way.frames[one.link], other, way.rooms[other.link], looks)
     for i, (one, box) in enumerate(zip(way.robot, boxes, strict=True)):
         for other, room in zip(way.robot[i + 1 :], boxes[i + 1 :], strict=True):

@@ -6,7 +6,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from tests.soak.audit import MOVES, Way
+from tests.soak.audit import Way
+from tests.soak.audit_holds import MOVES
 from tests.soak.mujoco_replay import PREFIX, Scene, positions_of
 
 Array = NDArray[np.float64]
@@ -47,7 +48,8 @@ class Play:
         self._tips = self._fingers()
         at_first = round(BEFORE / STEP)
         scene.put({name: value[at_first] for name, value in self._told.items()})
-        tool = (scene.pose(PREFIX + way.tool) @ way.tool_T)[:3, 3]
+        link, link_T_tool, _ = way.hand
+        tool = (scene.pose(PREFIX + link) @ link_T_tool)[:3, 3]
         self._lever = {each: self._lever_of(each, tool) for each in self._tips}
         for name, lever in self._lever.items():
             held, before = self._told[name][at_first], earlier[name][way.times < self._begin]
@@ -99,9 +101,9 @@ class Play:
     def _fingers(self) -> dict[str, dict[str, float]]:
         """Joint of a finger next to the palm → joints behind it, which follow, with their ratio to it."""
         robot = self._stage.robot
-        palm, follows = robot.rigid(self._way.tool), robot.mimicked()
+        palm, follows = robot.rigid(self._way.hand[0]), robot.mimicked()
         found = dict[str, dict[str, float]]()
-        for finger in self._way.fingers:
+        for finger in self._way.hand[2]:
             joints, link = list[str](), robot.rigid(finger)
             while link != palm:
                 joints.append(robot.parent[link])

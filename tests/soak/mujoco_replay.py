@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from tests.soak.audit import MOVES, Way
+from tests.soak.audit import Way
+from tests.soak.audit_holds import MOVES
 
 Array = NDArray[np.float64]
 
@@ -127,9 +128,8 @@ def replayed(scene: Scene, way: Way) -> tuple[dict[tuple[str, str], float], floa
             if pair not in found and not _may(way, pair):
                 found[pair] = float(time)
         if moving[k]:
-            held.append(
-                np.linalg.inv(scene.pose(way.stage.handle)) @ scene.pose(PREFIX + way.tool) @ way.tool_T
-            )
+            tool, tool_T, _ = way.hand
+            held.append(np.linalg.inv(scene.pose(way.stage.handle)) @ scene.pose(PREFIX + tool) @ tool_T)
     first = held[0]
     slip = max(float(np.linalg.norm(each[:3, 3] - first[:3, 3])) for each in held)
     turn = max(float(Rotation.from_matrix(first[:3, :3].T @ each[:3, :3]).magnitude()) for each in held)
@@ -143,4 +143,4 @@ def _may(way: Way, pair: tuple[str, str]) -> bool:
     if len(ours) == 2:
         return frozenset(ours) in stage.note.touching or stage.robot.joined(*ours)
     others = [body for body in pair if not body.startswith(PREFIX)]
-    return ours[0] in way.fingers and others == [stage.handle]
+    return ours[0] in way.hand[2] and others == [stage.handle]

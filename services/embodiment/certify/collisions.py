@@ -27,7 +27,7 @@ def collisions(checked: Subject, holds: Sequence[Hold]) -> Findings:
 
     The only contact allowed is that of the holding gripper's fingers with the container's handle,
     from the time on at which the tool is in its grasp until it leaves it, the container at rest; and so of
-    each hold.
+    each hold. Fingers of another gripper keep clear of it meanwhile.
     """
     findings, pairs = Findings(), checked.scene.environment_pairs
     own = _touching(checked, holds)
@@ -95,10 +95,10 @@ def _keep(checked: Subject, shapes: Indices, level: int) -> Pairs:
 
 
 def _touching(checked: Subject, holds: Sequence[Hold]) -> NDArray[np.bool_]:
-    """Which pairs of robot and kitchen are a finger of the holding gripper and the handle."""
+    """Which pairs of robot and kitchen are a finger of a gripper that ever holds and the handle."""
     one, other = checked.scene.environment_pairs.T
     finger, bar = np.zeros((2, len(checked.scene.solids)), dtype=bool)
-    for hold in holds:  # of one gripper all
+    for hold in holds:
         finger[hold.fingers], bar[hold.bar] = True, True
     return finger[one] & bar[other]
 
@@ -108,7 +108,8 @@ def _touch(checked: Subject, hold: Hold | None, shapes: Indices, level: int) -> 
     if hold is None:
         return kept
     pairs = ((checked.scene.solids[i].shape for i in pair) for pair in shapes)
-    held = np.array([-most_depth(finger, bar, checked.tolerances.depth) for finger, bar in pairs])
+    deep = np.array([-most_depth(finger, bar, checked.tolerances.depth) for finger, bar in pairs])
+    held = np.where(np.isin(shapes, hold.fingers).any(axis=1), deep, kept.least)
     return Pairs(kept.shapes, kept.least, held, hold.arrived, level)
 
 

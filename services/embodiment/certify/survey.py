@@ -6,6 +6,7 @@ times, not between them, so it adds to a refusal and decides none.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from sdt_kg.mechanism import Mechanism
 from sdt_kg.twin import Container
 from services.embodiment.certify.findings import Findings, Violation
 from services.embodiment.certify.held.hold import Hold
-from services.embodiment.certify.held.holds import one_after_the_other
+from services.embodiment.certify.held.holds import first_of, one_after_the_other
 from services.embodiment.certify.held.stints import begin, last, rests
 from services.embodiment.certify.sweep.kinematics import Placed, unit_of
 from services.embodiment.certify.sweep.subject import Subject
@@ -50,18 +51,20 @@ def survey(checked: Subject, container: Container, grippers: Sequence[Gripper]) 
     """Collisions by kind, each with the first and the deepest; how the handle is held and let go."""
     findings = Findings()
     times = _times(checked)
-    acting, away = None, np.zeros(len(times), dtype=bool)
+    acting, away = list[Hold](), np.zeros(len(times), dtype=bool)
     first = begin(checked.pieces, checked.scene.coordinate[container.joint])
     if first is not None:
         holds = [Hold(checked, container, gripper, first) for gripper in grippers]
         gaps = [_gaps(checked, hold, times) for hold in holds]
         best = min(range(len(holds)), key=lambda k: float(gaps[k].min()))
-        acting = holds[best]
-        away = _away(checked, acting, times)
-        findings.violations.extend(_contact(checked, acting, times, gaps[best]))
+        every = first_of(grippers[best], grippers)
+        acting = [*one_after_the_other(checked, container, every, first)]
+        away = _away(acting, times)
+        own = _in_turn(acting, grippers, times, gaps)
+        findings.violations.extend(_contact(checked, acting[0], times, own))
     for rule, scope, pairs in _kinds(checked, acting):
         touches = [touch for part in _parts(times) for touch in _touches(checked, pairs, part)]
-        if acting is not None and rule == "collision: fingers and handle":
+        if acting and rule == "collision: fingers and handle":
             depth, clear = checked.tolerances.depth, set(times[away].tolist())
             touches = [each for each in touches if each.way > depth or each.time in clear]
         findings.violations.extend(_collisions(checked, rule, scope, touches, times))
@@ -76,11 +79,21 @@ def _times(checked: Subject) -> Array:
     return times[np.linspace(0, len(times) - 1, min(len(times), MOST_TIMES)).astype(np.intp)]
 
 
-def _away(checked: Subject, acting: Hold, times: Array) -> Mask:
-    """When the fingers that hold have left the handle, and are not in their next grasp."""
+def _in_turn(acting: Sequence[Hold], grippers: Sequence[Gripper], times: Array, gaps: list[Array]) -> Array:
+    """Distance of the nearest finger of who holds the handle then, or did last, shape (T,) [m]."""
+    of = {gripper.name: gap for gripper, gap in zip(grippers, gaps, strict=True)}
+    found = of[acting[0].gripper.name].copy()
+    for before, hold in pairwise(acting):
+        later = times > before.until
+        found[later] = of[hold.gripper.name][later]
+    return found
+
+
+def _away(acting: Sequence[Hold], times: Array) -> Mask:
+    """When the fingers that hold have left the handle, and none are in the next grasp."""
     away = np.zeros(len(times), dtype=bool)
-    for hold in one_after_the_other(checked, acting.container, acting.gripper, acting.begin):
-        if hold.begin > acting.begin:
+    for k, hold in enumerate(acting):
+        if k:
             away &= times < hold.arrived
         away |= times > hold.clear_from()
     return away
@@ -93,16 +106,17 @@ def _placed(checked: Subject, times: Array) -> Placed:
     return checked.kinematics.place(q, v)
 
 
-def _kinds(checked: Subject, acting: Hold | None) -> Iterator[tuple[str, str, Indices]]:
+def _kinds(checked: Subject, acting: Sequence[Hold]) -> Iterator[tuple[str, str, Indices]]:
     """Rule, scope and pairs of shapes of each kind of collision."""
     pairs = checked.scene.environment_pairs
-    own = np.zeros(len(pairs), dtype=bool)
-    if acting is not None:
-        bodies = hand(checked.scene.robot.mechanism, acting.gripper)
+    own, bar = np.zeros((2, len(pairs)), dtype=bool)
+    for hold in acting:
+        bodies = hand(checked.scene.robot.mechanism, hold.gripper)
         robot = [i for i, one in enumerate(checked.scene.solids) if one.body in bodies]
-        moved = np.flatnonzero(checked.shapes.carrier == acting.handle.carrier)
-        own = np.isin(pairs[:, 0], robot) & np.isin(pairs[:, 1], moved)
-        bar = np.isin(pairs[:, 0], acting.fingers) & np.isin(pairs[:, 1], acting.bar)
+        moved = np.flatnonzero(checked.shapes.carrier == hold.handle.carrier)
+        own |= np.isin(pairs[:, 0], robot) & np.isin(pairs[:, 1], moved)
+        bar |= np.isin(pairs[:, 0], hold.fingers) & np.isin(pairs[:, 1], hold.bar)
+    if acting:
         yield "collision: fingers and handle", "environment", pairs[own & bar]
         yield "collision: own container", "environment", pairs[own & ~bar]
     yield "collision: environment", "environment", pairs[~own]

@@ -6,7 +6,6 @@ distances here than elsewhere: what fits by less than a millimetre is what the o
 """
 
 import time
-from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
@@ -18,6 +17,7 @@ from services.embodiment.body.limb import Margins
 from services.embodiment.descent.depths import make_depths, unmoved
 from services.embodiment.descent.pinch import Pose, grips
 from services.embodiment.descent.posture import make_descent
+from services.embodiment.descent.row import cover, plans
 from services.embodiment.descent.spans import PIECES, Hold, Spans
 from services.embodiment.hold.fit import OPENINGS, inward
 from services.embodiment.hold.grasp import Grasp
@@ -27,7 +27,7 @@ from services.embodiment.hold.parts import parts
 from services.embodiment.plan import Planner
 from services.embodiment.planned import Lack, Planned
 from services.embodiment.setting import Setting
-from services.embodiment.several import Back, Leg, Legs, joined, orders
+from services.embodiment.several import Back, Leg, Legs
 from services.embodiment.ways.approach import Approach
 from services.embodiment.ways.roads import Known
 from services.embodiment.ways.timing import farthest, turns_back
@@ -40,15 +40,12 @@ LEAVES = 0.1, 0.05, 0.025
 """[m] The open hand backs off from the bar, one after the other where there is no room."""
 STARTS = 240
 """[1] Descents in a turn."""
-STRIDE = 3
-"""[1] Values from one to the next at which it is looked whether a hold can be left and another be come to."""
 
 FINER = WAYPOINTS, 2 * WAYPOINTS - 1, 4 * WAYPOINTS - 3
 """[1] Waypoints of a part, one after the other: a spline through few may touch something between them."""
 
 Array = NDArray[np.float64]
 Ends = tuple[float, float]
-Part = tuple[Hold, int, int]
 
 
 class Descended:
@@ -66,12 +63,22 @@ class Descended:
             idle: In a row, of which no hold reaches a value that none did: then a gripper is out.
         """
         self._each = self._each or self._begun()
+        late = self._planner.late
         for _ in range(turns):
             for one in self._each:
-                if self._planner.late():
+                if late():
                     return
                 if one.contact is None and one.idle < idle:
                     yield from one.turn()
+            yield from self._taken_over([one for one in self._each if one.contact is None])
+
+    def _taken_over(self, hands: "list[_Search]") -> Iterator[Planned]:
+        """Plans in which one hand takes over from another, as soon as holds of all reach everywhere."""
+        if not hands or any(one.spans.cover().all() for one in hands) or not cover(hands).all():
+            return
+        for one in hands:
+            one.idle = 0
+        yield from plans(hands, self._planner.late)
 
     def _begun(self) -> "list[_Search]":
         """Of each gripper, first who has followed the handle farthest; none where times are required."""
@@ -132,49 +139,11 @@ class _Search:
             spans.grow(until - spans.descent.starts, late)
             self._attempt.searcher.tally.seeds = spans.descent.starts
             self._planner.spent("descent", at)
-            yield from self._plans()
+            yield from plans([self], late)
         farther = np.count_nonzero(spans.cover()) > before
         self.idle = 0 if farther or spans.cover().all() else self.idle + 1
 
-    def _plans(self) -> Iterator[Planned]:
-        """Plans in the holds that are known; those of a motion that was not certified are taken no more."""
-        while self.spans.cover().all() and not self._planner.late():
-            way = self._way()
-            if way is None:
-                return
-            if (legs := self._planned(way)) is not None:
-                for bodies in orders(legs, self._planner.late):
-                    yield joined([leg.planned for leg in legs], bodies)
-                self.spans.leave({hold for hold, _, _ in way})
-
-    def _way(self) -> list[Part] | None:
-        """As few holds as lead all the way, each from where the one before is left; None if none do."""
-        holds = sorted(self.spans.holds, key=lambda one: -one.last)
-        begun = {hold for hold in holds if hold.first == 0 and self._back(hold, 0) is not None}
-        waiting = deque([(hold, 0)] for hold in holds if hold in begun)
-        while waiting:
-            way = waiting.popleft()
-            hold, begin = way[-1]
-            if hold.last == PIECES:
-                ends = [*(at for _, at in way[1:]), PIECES]
-                return [(*part, end) for part, end in zip(way, ends, strict=True)]
-            for other in holds:
-                changed = None if other in begun else self._changed(hold, begin, other)
-                if changed is not None:
-                    begun.add(other)
-                    waiting.append([*way, (other, changed)])
-        return None
-
-    def _changed(self, hold: Hold, begin: int, other: Hold) -> int | None:
-        """The first value after `begin` at which one hold can be left and another be come to."""
-        for index in range(max(begin + 1, other.first), min(hold.last + 1, other.last), STRIDE):
-            if self._planner.late():
-                return None
-            if self._back(hold, index) is not None and self._back(other, index) is not None:
-                return index
-        return None
-
-    def _back(self, hold: Hold, index: int) -> Back | None:
+    def back(self, hold: Hold, index: int) -> Back | None:
         """How a hold is left at a value, fingers opened no wider than they need; None if no way is found."""
         key = hold, index
         if key not in self._backs:
@@ -211,23 +180,12 @@ class _Search:
         planner.attempts.append(attempt)
         return attempt
 
-    def _planned(self, way: list[Part]) -> list[Leg] | None:
-        """All parts of a way; a hold of which one is not found is taken no more."""
-        legs: list[Leg] = []
-        for part in way:
-            leg = self._leg(*part)
-            if leg is None:
-                self.spans.leave({part[0]})
-                return None
-            legs.append(leg)
-        return legs
-
-    def _leg(self, hold: Hold, begin: int, end: int) -> Leg | None:
+    def leg(self, hold: Hold, begin: int, end: int) -> Leg | None:
         """One part of the way, in one hold."""
         values = float(self.spans.values[begin]), float(self.spans.values[end])
         planner = self._legs.at(values, self._planner.deadline)
         self._whole.parts.append(planner)
-        attempt, back = self._of(planner), self._back(hold, begin)
+        attempt, back = self._of(planner), self.back(hold, begin)
         assert back is not None, "the way begins where one comes to it"
         xs, value = self._followed(attempt, hold)
         holding = replace(back.holding, limb=attempt.limb, xs=xs)
@@ -237,7 +195,7 @@ class _Search:
         if not attempt.searcher.free(xs, holding.rest):
             return None
         planned = planner.approached(attempt, holding)
-        return None if planned is None else Leg(planned, None if end == PIECES else self._back(hold, end))
+        return None if planned is None else Leg(planned, None if end == PIECES else self.back(hold, end))
 
     def _followed(self, attempt: Attempt, hold: Hold) -> tuple[Array, float | None]:
         """Postures that keep a hold at as many waypoints as a spline needs; where it is not free with all."""

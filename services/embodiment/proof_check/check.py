@@ -13,7 +13,7 @@ from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.claim import Claim, Timing, other_handle
-from services.embodiment.proof_check.content import IN_HAND, Proof, Refutation
+from services.embodiment.proof_check.content import IN_HAND, Proof, Refutation, at_one_value
 from services.embodiment.proof_check.handles import another_question
 from services.embodiment.proof_check.haste import too_fast
 from services.embodiment.proof_check.pinch.fingers import handle_span
@@ -98,8 +98,10 @@ def _by_handle(twin: Twin, robot: Iri, container: Container, proof: Proof) -> Ch
         else:
             found, leaves = refuted(statement, claim.span, proof.refutations)
             reasons += found
-            if any(one.one_hold for one in proof.refutations) and not claim.one_hold:
-                reasons.append("one hold at several values is refuted, and the proof is about every one")
+            if not at_one_value(proof.refutations) and not claim.one_hold:
+                reasons.append(
+                    "not every gripper is refuted at one value, and the proof is about several holds"
+                )
     if claim.timing is not None:
         sentence = f"no certified motion of {local_name(robot)} moves {container.name} in the given times"
         return Checked(tuple(reasons), sentence, proof.assumptions(), leaves)

@@ -1,5 +1,6 @@
 """A proof: what it claims, what it assumes, and one tree of boxes for each gripper."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from sdt_kg.annotation import Drive
@@ -91,6 +92,17 @@ class Refutation:
     def one_hold(self) -> bool:
         """Whether it refutes one hold at several values, and not every hold at one."""
         return self.places is not None and len(set(self.places.values)) > 1
+
+
+def at_one_value(refutations: Iterable[Refutation]) -> bool:
+    """Whether all are at one value, of every hold there: then no gripper takes over from another.
+
+    Steps are of limbs that are in the way whoever holds the handle, if anyone does.
+    """
+    each = [*refutations]
+    if any(one.one_hold for one in each):
+        return False
+    return any(one.steps is not None for one in each) or len({one.value for one in each}) <= 1
 
 
 @dataclass(frozen=True, slots=True)

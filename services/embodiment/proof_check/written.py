@@ -32,7 +32,7 @@ from sdt_kg.annotation import Drive
 from sdt_kg.errors import InputError
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.claim import Claim, Timing
-from services.embodiment.proof_check.content import Places, Proof, Refutation, Steps
+from services.embodiment.proof_check.content import Places, Proof, Refutation, Steps, at_one_value
 
 SCHEMA = "sdt proof 12"
 BY_PLACES = "sdt proof 4"
@@ -92,7 +92,7 @@ def _proof(given: dict[str, Any], schema: str) -> Proof:  # Any: JSON
     claim, told = _claim(given["claim"], schema), given["claim"].get("one_hold")
     if type(told) is not (bool if schema == SCHEMA else type(None)):
         raise ValueError(f"whether one hold alone is meant is not told in {schema}")
-    one_hold = any(one.one_hold for one in refutations) if told is None else told
+    one_hold = not at_one_value(refutations) if told is None else told
     proof = Proof(replace(claim, one_hold=one_hold), refutations, _window(given.get("window")))
     misstated = schema == SCHEMA and given["assumptions"] != [*proof.assumptions()]  # others had other words
     return replace(proof, misstated=misstated)

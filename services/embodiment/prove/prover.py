@@ -1,8 +1,9 @@
 """Proofs that no certified motion takes a container past a value: found in floats, verified in intervals."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,25 +12,23 @@ from predicates.case import Artefact, ArtefactKind, Diagnosis, Evidence, Kind, Q
 from sdt_kg.annotation import Drive, Gripper
 from sdt_kg.errors import InputError
 from sdt_kg.iri import Iri, local_name
-from sdt_kg.mechanism import JointType
 from sdt_kg.motion import Motion
 from sdt_kg.twin import Container, Twin
 from services.embodiment.certify.tolerances import Tolerances
 from services.embodiment.proof_check.arm import Arm
 from services.embodiment.proof_check.check import leaves_of_one, refuted
 from services.embodiment.proof_check.claim import Timing, claim_about
-from services.embodiment.proof_check.content import Proof, Refutation
+from services.embodiment.proof_check.content import Proof, Refutation, at_one_value
 from services.embodiment.proof_check.haste import too_fast
-from services.embodiment.proof_check.mechanics import Tree
-from services.embodiment.proof_check.parked import stands
 from services.embodiment.proof_check.places import at_value
 from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.written import to_bytes
-from services.embodiment.prove.boxes import LEAF
 from services.embodiment.prove.divided import divided
 from services.embodiment.prove.limbs.beside import Limbs, never
+from services.embodiment.prove.one_value import Look, at_one
 from services.embodiment.prove.pinch import by_fingers
 from services.embodiment.prove.places import by_places
+from services.embodiment.prove.said import diagnosis
 from services.embodiment.prove.values import needed, spread
 from services.embodiment.prove.windows import window
 
@@ -41,7 +40,6 @@ MANY = 65  # the same, where something has to come inside what the base carries
 SWEPT = 100  # boxes of such a proof
 AMID = 2_000  # the same, of an arm where limbs beside it are in the way in some parts of the lift only
 SPARSE = 2  # every so many of them, where one hold at several is refuted
-HINGE, SLIDE = "rad", "m"
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +84,8 @@ class Prover:
         self.statement = Statement(*about, within=within, declared=declared, span=self.span)
         self.count = VALUES
         self._arms: dict[tuple[str, bool | None], tuple[Statement, Arm | None]] = {}
-        self._pinched: dict[str, Refutation | None] = {}
+        self._trees: dict[tuple[str, float, int], Refutation | None] = {}
+        self._pinched: dict[tuple[str, float], Refutation | None] = {}
         self._limbs: Limbs | None = None
         self._late: Callable[[], bool] = never
 
@@ -95,6 +94,7 @@ class Prover:
         other = copy(self)
         other.count = FEW
         other.start, other.statement, other._arms = start, self.statement.standing(start, room), {}
+        other._trees = {}
         return other
 
     def prove(self, nodes: int, one_hold: bool = False, late: Callable[[], bool] = never) -> Proved | None:
@@ -111,10 +111,12 @@ class Prover:
             return None
         refutations, leaves = found
         about = self.twin, self.robot, self.container, self.span, self.drive, self.start
-        of, once = self.statement, any(one.one_hold for one in refutations)
+        of, once = self.statement, not at_one_value(refutations)
         claim = claim_about(*about, within=of.within, declared=of.declared, one_hold=once)
         artefact = Artefact(ArtefactKind.PROOF, to_bytes(Proof(claim, tuple(refutations))))
-        return Proved(self._diagnosis(refutations, leaves, whole=not claim.partial), artefact, leaves)
+        return Proved(
+            diagnosis(self.statement, refutations, leaves, whole=not claim.partial), artefact, leaves
+        )
 
     def swept(self, late: Callable[[], bool] = never) -> Proved | None:
         """The same where the container comes into what the base carries: at many values, until it is late."""
@@ -158,33 +160,52 @@ class Prover:
         """One refutation for each gripper, verified, and how many boxes were refuted in all."""
         if self.span is None:
             return None
-        refutations: list[Refutation] = []
-        for gripper in self.statement.grippers:
-            found = next(self._refutations(gripper, nodes), None) or self._by_limbs(gripper)
-            if found is None and self.statement.within is None:
-                found = self._by_fingers(gripper)
-            if found is None and one_hold:
-                found = self._by_places(gripper, late)
-            if found is None:
-                return None
-            refutations.append(found)
-        reasons, leaves = refuted(self.statement, self.span, tuple(refutations))
-        return None if reasons else (refutations, leaves)
+        found = self._at_one_value(nodes)
+        if found is None and one_hold:
+            found = self._of_one_hold(nodes, late)
+        if found is None:
+            return None
+        reasons, leaves = refuted(self.statement, self.span, tuple(found))
+        return None if reasons else (found, leaves)
 
-    def _refutations(self, gripper: Gripper, nodes: int) -> Iterator[Refutation]:
-        """Refutations of one gripper, at values from the ends of the span inwards."""
-        if not self.statement.handle_boxes():
-            return
-        for value in self._values():
-            between, statement, arm = self._meant(gripper, value)
-            if arm is None or self._late():
-                return
-            low, high = arm.chain.ranges()
-            tree = divided(at_value(statement, arm, value), low, high, nodes)
-            if tree is not None:
-                names = tuple(link.name for link in arm.chain.links)
-                box = tuple(zip(low.tolist(), high.tolist(), strict=True))
-                yield Refutation(gripper.name, value, names, box, tree, between=between)
+    def _at_one_value(self, nodes: int) -> list[Refutation] | None:
+        """One refutation for each gripper, all at one value: none has the handle there, nor can take over."""
+        by_tree = partial(self._at, nodes=nodes)
+        found = at_one(self.statement.grippers, self._values(), by_tree)
+        found = found or self._with_limbs(by_tree)
+        return found or self._with_fingers(by_tree)
+
+    def _of_one_hold(self, nodes: int, late: Callable[[], bool]) -> list[Refutation] | None:
+        """The same, each at values of its own: one hold is one gripper's."""
+        found: list[Refutation] = []
+        for gripper in self.statement.grippers:
+            each = (self._at(gripper, value, nodes) for value in self._values())
+            one = next((one for one in each if one is not None), None) or self._by_places(gripper, late)
+            if one is None:
+                return None
+            found.append(one)
+        return found
+
+    def _at(self, gripper: Gripper, value: float, nodes: int) -> Refutation | None:
+        """The refutation of one gripper at a value by a tree of its arm's joints; looked for once."""
+        key = gripper.name, value, nodes
+        if key not in self._trees:
+            if self._late():
+                return None
+            self._trees[key] = self._tree(*key[1:], gripper)
+        return self._trees[key]
+
+    def _tree(self, value: float, nodes: int, gripper: Gripper) -> Refutation | None:
+        between, statement, arm = self._meant(gripper, value)
+        if arm is None or not self.statement.handle_boxes():
+            return None
+        low, high = arm.chain.ranges()
+        tree = divided(at_value(statement, arm, value), low, high, nodes)
+        if tree is None:
+            return None
+        names = tuple(link.name for link in arm.chain.links)
+        box = tuple(zip(low.tolist(), high.tolist(), strict=True))
+        return Refutation(gripper.name, value, names, box, tree, between=between)
 
     def _meant(self, gripper: Gripper, value: float | None) -> tuple[bool, Statement, Arm | None]:
         """The handle between two fingers, at a value or at all; in the grasp box where there are no two."""
@@ -210,15 +231,27 @@ class Prover:
         found = by_places(statement, arm, sorted(self._values())[::SPARSE], late)
         return found if found is None else replace(found, between=between)
 
-    def _by_limbs(self, gripper: Gripper) -> Refutation | None:
-        """A refutation of one gripper by bodies beside its arm, where such are looked for."""
-        if self._limbs is None or self._late() or not self.statement.handle_boxes():
+    def _with_limbs(self, by_tree: Look) -> list[Refutation] | None:
+        """Refutations by bodies beside the arms, where such are looked for."""
+        arms = {one.name: self._of(one, None)[1] for one in self.statement.grippers}
+        limbs, known = self._limbs, {name: arm for name, arm in arms.items() if arm is not None}
+        if limbs is None or not known or known.keys() != arms.keys():
             return None
-        _, arm = self._of(gripper, None)
-        if arm is None:
+        if self._late() or not self.statement.handle_boxes():
             return None
-        found = self._limbs.refutations(arm, AMID)
-        return next((one for one in found if self._shown(arm, one)), None)
+
+        def look(gripper: Gripper, value: float) -> Refutation | None:
+            arm = known[gripper.name]
+            one = limbs.at(arm, value, AMID)
+            return one if one is not None and self._shown(arm, one) else by_tree(gripper, value)
+
+        found = at_one(self.statement.grippers, limbs.values(next(iter(known.values()))), look)
+        if found is not None:
+            return found
+        steps = [
+            next((one for one in limbs.steps(arm) if self._shown(arm, one)), None) for arm in known.values()
+        ]
+        return [one for one in steps if one is not None] if all(steps) else None
 
     def _shown(self, arm: Arm, one: Refutation) -> bool:
         """Whether the check finds so too: where a limb is grazed it may not."""
@@ -227,78 +260,25 @@ class Prover:
         except InputError:
             return False
 
-    def _by_fingers(self, gripper: Gripper) -> Refutation | None:
-        """A refutation of two fingers of one gripper together, at an end of the span; looked for once."""
-        if gripper.name not in self._pinched:
-            hand = self.statement.hand(gripper) if self.statement.level else None
-            values = [] if hand is None else self._values()[:2]
-            found = (by_fingers(self.statement, hand, value) for value in values if hand is not None)
-            self._pinched[gripper.name] = next((one for one in found if one is not None), None)
-        return self._pinched[gripper.name]
+    def _with_fingers(self, by_tree: Look) -> list[Refutation] | None:
+        """Refutations of two fingers of grippers together, at an end of the span."""
+        if not self.statement.level or self.statement.within is not None:
+            return None
+
+        def look(gripper: Gripper, value: float) -> Refutation | None:
+            return by_tree(gripper, value) or self._by_fingers(gripper, value)
+
+        return at_one(self.statement.grippers, self._values()[:2], look)
+
+    def _by_fingers(self, gripper: Gripper, value: float) -> Refutation | None:
+        """A refutation of two fingers of one gripper together, at a value; looked for once."""
+        key = gripper.name, value
+        if key not in self._pinched:
+            hand = self.statement.hand(gripper)
+            self._pinched[key] = None if hand is None else by_fingers(self.statement, hand, value)
+        return self._pinched[key]
 
     def _values(self) -> list[float]:
         assert self.span is not None
         values = spread(self.span, self.twin.state[self.container.joint], self.count)
         return sorted(values, key=lambda value: -abs(value - (values[0] + values[-1]) / 2))
-
-    def _diagnosis(self, refutations: list[Refutation], leaves: int, *, whole: bool) -> Diagnosis:
-        """In words: where the handle is out of reach, and for which base."""
-        assert self.span is not None
-        value = refutations[0].value
-        joint = self.twin.mechanism(self.twin.environment).joint(local_name(self.container.joint))
-        unit = SLIDE if joint.type is JointType.PRISMATIC else HINGE
-        boxes = self.statement.target(value).boxes
-        height = np.array([(box.translation.lo[2] + box.translation.hi[2]) / 2 for box in boxes])
-        handle = local_name(self.container.handle)
-        where = (
-            f"at a height of {height.mean():.3f} m, whatever base pose it takes"
-            if self.statement.level
-            else "with its base fixed at {:.2f} m, {:.2f} m, {:.2f} rad".format(*self.start)
-        )
-        within = self.statement.within
-        come = "come to" if within is None else f"have the middle between its fingers within {within:g} m of"
-        if any(one.pinched or one.between for one in refutations):
-            come = "bring two fingers to"
-        values = sorted({value for one in refutations for value in one.values})
-        if any(one.places is not None for one in refutations):
-            amid = "one hold" if within is None else f"the middle between its fingers within {within:g} m"
-            come, value = f"keep {amid} of", values[-1]
-        there = " and ".join(f"{each:.3g}" for each in values)
-        reason = (
-            f"no gripper of {local_name(self.robot)} can {come} {handle} with {self.container.name} at "
-            f"{there} {unit}, {where}: all joint positions are refuted, in {leaves} box(es)"
-        )
-        if inside := self._inside(refutations):
-            reason += f"; in some of them {inside} would be inside the furniture or the robot"
-        if any(one.steps is not None for one in refutations):
-            reason += (
-                "; each part of the lift at one of these values, and from one to the next where they meet"
-            )
-        if held := self._held(refutations):
-            reason += f", with {held} where the robot is parked, since no limit of acceleration is known"
-        opens = self.twin.state[self.container.joint] <= self.span[0]
-        demanded = self.span[1] if opens else self.span[0]
-        evidence = Evidence(Quantity.POSITION, demanded, value, unit, entity=self.container.joint)
-        if self.statement.declared:
-            reason += "; its bodies are taken as the collision shapes that certification has"
-        return Diagnosis(Kind.EMBODIMENT, reason, evidence, proof=whole)
-
-    def _held(self, refutations: list[Refutation]) -> str:
-        """Names of joints behind limbs beside the arm that no certified motion moves."""
-        tree, own = Tree(self.twin.mechanism(self.robot)), self.twin.robot(self.robot)
-        limbs = {body for one in refutations if one.parked for body in one.beside}
-        joints = {joint for body in limbs for joint in tree.path(body) if joint.type is not JointType.FIXED}
-        return ", ".join(sorted(joint.name for joint in joints if stands(joint, own)))
-
-    def _inside(self, refutations: list[Refutation]) -> str:
-        """Names of the bodies whose cores refute something at a single value; of limbs, the ends."""
-        bodies: set[str] = set()
-        for one in refutations:
-            if one.beside:
-                bodies.update(f"{body} or what carries it" for body in one.beside)
-                continue
-            arm = next(arm for key, (_, arm) in self._arms.items() if key[0] == one.gripper and arm)
-            first = LEAF + len(one.joints) + 1
-            codes = set(one.tree) if one.places is None else set[int]()
-            bodies.update(arm.cores[code - first].body for code in codes if code >= first)
-        return ", ".join(sorted(bodies))

@@ -1,4 +1,7 @@
-"""All holds of a container along a motion: one, or several with one gripper, each anew while it rests."""
+"""All holds of a container along a motion: one, or several, each anew while it rests.
+
+Where no gripper is named, another may take over: it comes to the handle once the one before has left it.
+"""
 
 from collections.abc import Iterator, Sequence
 from itertools import islice
@@ -22,7 +25,7 @@ Found = tuple[list[Hold], Findings]
 def held_so(
     checked: Subject, container: Container, name: str, *, one_hold: str = "", in_full: bool = False
 ) -> Found:
-    """How the named gripper holds the container; if none is named, the one that does so best.
+    """How the named gripper holds the container; if none is named, any, first the one that does so best.
 
     Args:
         checked: The motion.
@@ -41,7 +44,7 @@ def held_so(
     if first is None:
         return [], Findings()
     chosen = [grippers[name]] if name else list(grippers.values())
-    ways = [_taken(checked, container, gripper, first) for gripper in chosen]
+    ways = [_taken(checked, container, first_of(gripper, chosen), first) for gripper in chosen]
     holds, findings = min(ways, key=_badness)
     if findings.violations:
         failed = [holds.pop(), *(() if holds else (other[-1] for other, _ in ways if other))]
@@ -58,10 +61,15 @@ def held_so(
     return holds, findings
 
 
-def _taken(checked: Subject, container: Container, gripper: Gripper, first: int) -> Found:
+def first_of(gripper: Gripper, grippers: Sequence[Gripper]) -> list[Gripper]:
+    """These grippers, one of them first."""
+    return [gripper, *(one for one in grippers if one.name != gripper.name)]
+
+
+def _taken(checked: Subject, container: Container, grippers: Sequence[Gripper], first: int) -> Found:
     """The holds one after the other, up to the first grasp that is none."""
     holds, findings = list[Hold](), Findings()
-    for hold in one_after_the_other(checked, container, gripper, first):
+    for hold in one_after_the_other(checked, container, grippers, first):
         holds.append(hold)
         _add(findings, hold.contact())
         if findings.violations:
@@ -70,14 +78,26 @@ def _taken(checked: Subject, container: Container, gripper: Gripper, first: int)
 
 
 def one_after_the_other(
-    checked: Subject, container: Container, gripper: Gripper, first: int
+    checked: Subject, container: Container, grippers: Sequence[Gripper], first: int
 ) -> Iterator[Hold]:
-    """The holds of a container that begins to move on a piece, whether they are any or not."""
-    hold = Hold(checked, container, gripper, first)
+    """The holds of a container that begins to move on a piece, whether they are any or not.
+
+    The first is by the first of these grippers; who holds it later holds it anew, or any other takes over.
+    """
+    hold = Hold(checked, container, grippers[0], first)
     yield hold
     while hold.onward is not None:
-        hold = Hold(checked, container, gripper, hold.onward, hold.left + 1)
+        hold = _anew(hold, grippers, hold.onward)
         yield hold
+
+
+def _anew(hold: Hold, grippers: Sequence[Gripper], onward: int) -> Hold:
+    """The next hold: by the same gripper, if it holds then or no other does, else by another."""
+    about, since = (hold.checked, hold.container), hold.left + 1
+    same, *others = (Hold(*about, one, onward, since) for one in first_of(hold.gripper, grippers))
+    if not others or not same.contact().violations:
+        return same
+    return next((one for one in others if not one.contact().violations), same)
 
 
 def _badness(found: Found) -> tuple[bool, int, float]:
@@ -109,9 +129,11 @@ def _let_go_too_soon(hold: Hold, why: str) -> Violation:
 
 def let_go(holds: Sequence[Hold]) -> Iterator[str]:
     """What a certificate rests on if the hand leaves the handle before the motion ends."""
-    for hold in holds:
+    for k, hold in enumerate(holds):
         name, when = hold.container.name, f"from {hold.time:.2f} s to {hold.until:.2f} s"
         if hold.onward is not None:
-            yield f"let go on the way: {name} is held {when}, then anew; nothing in D_artic moves it"
+            other = holds[k + 1].gripper.name if k + 1 < len(holds) else hold.gripper.name
+            by = "" if other == hold.gripper.name else f", by gripper {other} after {hold.gripper.name}"
+            yield f"let go on the way: {name} is held {when}, then anew{by}; nothing in D_artic moves it"
         elif hold.left < len(hold.pieces.start):
             yield f"let go: {name} is held {when}, and nothing in D_artic moves it afterwards"

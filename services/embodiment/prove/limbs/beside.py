@@ -49,19 +49,14 @@ class Limbs:
         self._values, self._known = values, dict[float, Parts]()
         self._climb: Climb | None = None
 
-    def refutations(self, arm: Arm, nodes: int) -> Iterator[Refutation]:
-        """Refutations of one gripper at single values: by limbs in parts of the lift, by its arm in others.
+    def values(self, arm: Arm) -> list[float]:
+        """Values at which limbs are in the way, those first where that is in the largest part of the lift.
 
-        Those values come first at which limbs are in the way in the largest part, by the fewest boxes. Last
-        come steps from value to value, if in each part of the lift limbs are in the way at some value.
-
-        Args:
-            arm: The gripper's.
-            nodes: Of the arm's tree in each part that is left.
+        Of equally large ones, those first where fewest boxes show it.
         """
         for value in self._values[::SPARSE]:
             if self._late():
-                return
+                return []
             self._look(arm, value)
         best = max(self._known, key=self._rank, default=None)
         if best is not None and self._rank(best)[0]:
@@ -69,9 +64,28 @@ class Limbs:
             for value in self._values[max(k - SPARSE, 0) : k + SPARSE]:
                 self._look(arm, value)
         found = sorted(self._known, key=self._rank, reverse=True)[:TRIED]
-        each = (self._refute(arm, value, nodes) for value in found if self._rank(value)[0])
-        yield from (one for one in each if one is not None)
-        if all(map(any, zip(*map(_shares, self._known.values()), strict=True))):
+        return [value for value in found if self._rank(value)[0]]
+
+    def at(self, arm: Arm, value: float, nodes: int) -> Refutation | None:
+        """The refutation of one gripper at such a value, by limbs in parts of the lift, by its arm in others.
+
+        Args:
+            arm: The gripper's.
+            value: One of `values`.
+            nodes: Of the arm's tree in each part that is left.
+        """
+        goal, parts, box = at_value(self._statement, arm, value), self._known[value], arm.chain.ranges()
+        used = tuple(sorted(_bodies(parts)))
+        tree = _tree(goal, used, parts, box, nodes) if goal.codes + len(used) <= CODES else None
+        if tree is None:
+            return None
+        names = tuple(link.name for link in arm.chain.links)
+        ends = tuple(zip(*(each.tolist() for each in box), strict=True))
+        return Refutation(arm.gripper, value, names, ends, tree, beside=used, parked=True)
+
+    def steps(self, arm: Arm) -> Iterator[Refutation]:
+        """Steps from value to value, if in each part of the lift limbs are in the way at some value."""
+        if self._known and all(map(any, zip(*map(_shares, self._known.values()), strict=True))):
             self._climb = self._climb or Climb(self._statement, self._bodies, self._values[::SPARSE], arm)
             yield from self._climb.refutations(arm)
 
@@ -86,16 +100,6 @@ class Limbs:
         limbs = {body: self._statement.beside(arm, body, value, parked=True) for body in self._bodies}
         asked = [Asked(body, one) for body, one in limbs.items() if one.shared > LIFT]
         self._known[value] = _parts(asked, arm.chain.ranges(), HALVED)
-
-    def _refute(self, arm: Arm, value: float, nodes: int) -> Refutation | None:
-        goal, parts, box = at_value(self._statement, arm, value), self._known[value], arm.chain.ranges()
-        used = tuple(sorted(_bodies(parts)))
-        tree = _tree(goal, used, parts, box, nodes) if goal.codes + len(used) <= CODES else None
-        if tree is None:
-            return None
-        names = tuple(link.name for link in arm.chain.links)
-        ends = tuple(zip(*(each.tolist() for each in box), strict=True))
-        return Refutation(arm.gripper, value, names, ends, tree, beside=used, parked=True)
 
 
 def _ends(statement: Statement) -> tuple[str, ...]:
