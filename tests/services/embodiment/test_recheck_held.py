@@ -16,6 +16,7 @@ from services.embodiment.oracle import WholeBody
 from services.embodiment.recheck import Rechecked, recheck_verdict
 from services.physics.oracle import Kinematics
 from tests.services.embodiment.gantry import START, TWICE, gantry_twin, opening
+from tests.services.embodiment.two_hands import taken_over, two_handed
 
 pytestmark = pytest.mark.oracle
 
@@ -66,6 +67,11 @@ def test_a_certificate_of_two_holds_shows_nothing_of_a_verdict_about_one(
     found = again(gantry_twin(tmp_path), "drawer_main", opening(rests=TWICE), said_of)
     refused = ("the verdict is about one hold, and its certificate has several",)
     assert found.reasons == (() if regrasps else refused)
+
+
+def test_a_certificate_of_two_hands_is_verified_with_its_verdict(tmp_path: Path) -> None:
+    found = again(two_handed(tmp_path), "drawer_main", taken_over(), WholeBody(Drive.OMNI, START))
+    assert found.reasons == ()
 
 
 @pytest.mark.parametrize("coupled", [True, False])
