@@ -34,7 +34,7 @@ TRIES = 4  # holdings of one batch that are approached
 SWEPT = 0.25  # [1] of the time that is left may go into it; what it takes beyond comes after the search
 SWEEP = 5.0  # [s] that are left for a proof that the container comes into the robot; else the search has them
 LIMITS = 1.5, 4.0, 16.0  # [s] for each part of a way in several holds, one after the other
-FIRST = 8, 2  # turns of descents before several holds are planned, and of those in vain
+FIRST = 24, 2  # turns of descents before several holds are planned, and of those in vain
 LAST = 48, 4  # the same at last
 WITHIN = 1.02  # [1] ratio to a limit that a required time may lead to, before certification
 
