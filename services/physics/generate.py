@@ -6,6 +6,7 @@ import numpy as np
 
 from sdt_kg.errors import OracleRejectedError
 from sdt_kg.iri import Iri, local_name
+from sdt_kg.mechanism import JointType
 from sdt_kg.motion import LARGEST, Motion
 from sdt_kg.state import Interval
 from sdt_kg.twin import Twin
@@ -17,9 +18,15 @@ from services.physics.tree import Model
 SAMPLES = 33
 """[1] Samples of a generated motion; the spline through them is within 1e-5 of the quintic."""
 
-DEPTH = 0.005
-"""[rad or m] How deep into the goal a motion goes, at least: the tool may slip by 2 mm on the handle,
-which at 0.4 m from a hinge is as much. What is beyond that the robot would have to reach for nothing."""
+HINGE_DEPTH = 0.005
+"""[rad] How deep into the goal a motion goes, at least: the tool may slip by 2 mm on the handle, which at 0.4 m
+from a hinge is as much. What is beyond that the robot would have to reach for nothing."""
+
+SLIDE_DEPTH = 0.003
+"""[m] The same of a slide: more than the tool may slip."""
+
+NARROW = 0.015
+"""[rad or m] A goal of no more is gone through to its end: a container is closed to its lower limit."""
 
 LIMIT_SHARE = 0.99
 """[1] Share of the velocity and acceleration limits that a generated motion uses."""
@@ -45,7 +52,9 @@ def generate(model: Model, twin: Twin, joint: Iri, goal: Interval) -> Motion | N
     if is_stuck(bounds):
         return None
     begin = followed.multiplier * twin.state.get(followed.active, 0.0) + followed.offset
-    target = _target(begin, max(goal.lower, bounds.lower), min(goal.upper, bounds.upper), local_name(joint))
+    slides = twin.mechanism(twin.environment).joint(local_name(joint)).type is JointType.PRISMATIC
+    depth, name = SLIDE_DEPTH if slides else HINGE_DEPTH, local_name(joint)
+    target = _target(begin, max(goal.lower, bounds.lower), min(goal.upper, bounds.upper), depth, name)
     u = np.linspace(0, 1, SAMPLES)
     values = (begin + (target - begin) * u**3 * (10 + u * (6 * u - 15)))[:, None]
     spline = Hermite(u, values[:, 0], at_rest_velocities(u, values)[:, 0])
@@ -56,7 +65,7 @@ def generate(model: Model, twin: Twin, joint: Iri, goal: Interval) -> Motion | N
         speed / (LIMIT_SHARE * bounds.velocity), math.sqrt(acceleration / (LIMIT_SHARE * bounds.acceleration))
     )
     if duration == 0:
-        raise OracleRejectedError(f"{local_name(joint)} has no limit of velocity or acceleration")
+        raise OracleRejectedError(f"{name} has no limit of velocity or acceleration")
     if duration > LARGEST:
         return None
     return Motion(joint, u * duration, values, timed=False)
@@ -67,12 +76,9 @@ def is_stuck(bounds: Bounds) -> bool:
     return min(bounds.velocity, bounds.acceleration) <= 0
 
 
-def _target(begin: float, lower: float, upper: float, name: str) -> float:
-    """A point inside [lower, upper], deep enough from the edge at which the motion enters.
-
-    A goal of hardly that width is gone through to its end: a container is closed to its lower limit.
-    """
+def _target(begin: float, lower: float, upper: float, depth: float, name: str) -> float:
+    """A point inside [lower, upper], so deep from the edge at which the motion enters; or at the other one."""
     if lower > upper:
         raise OracleRejectedError(f"no position of {name} within its limits lies in the goal")
-    depth = DEPTH if upper - lower > 3 * DEPTH else upper - lower
-    return lower + depth if begin < lower else upper - depth
+    deep = depth if upper - lower > NARROW else upper - lower
+    return lower + deep if begin < lower else upper - deep

@@ -20,15 +20,15 @@ from services.embodiment.report import refusal
 from services.embodiment.setting import Setting
 from services.embodiment.ways.roads import Known
 from services.kernel import worked
-from services.physics.generate import DEPTH
+from services.physics.generate import HINGE_DEPTH
 from services.physics.model import Scene
 from tests.soak.doors import draw, write
 
 pytestmark = pytest.mark.oracle
 
 HERE, FAR = (0.0, 0.0, 0.0), (-5.0, 0.0, 0.0)
-BAR_IN_BASE = 52
-"""A drawer whose bar is 1.2 mm in a TIAGo++'s base at the end of its way."""
+DOOR_AT_BASE = 261
+"""A door that comes too near to a TIAGo++'s base at the end of its way."""
 NO_HAND_FITS = 40
 BUDGET = 100.0  # [s]
 
@@ -37,7 +37,7 @@ def planner_of(seed: int, folder: Path, start: tuple[float, float, float], budge
     """Who plans to open a front, and has looked for nothing as yet."""
     twin = load_twin(write(draw(np.random.default_rng(seed)), folder, "front"), ["tiago_dual"])
     world, container = World(Scene(twin, twin.robots[0])), twin.container("front_door")
-    ends = np.array([[0.0], [container.open_from + DEPTH]])
+    ends = np.array([[0.0], [container.open_from + HINGE_DEPTH]])
     motion = Motion(container.joint, np.array([0.0, 1.0]), ends, timed=False)
     own = Kits(world, Margins()), Known(), Tolerances()
     setting = Setting(world, container, motion, Drive.FIXED, start, twin.robots[0], *own)
@@ -55,20 +55,20 @@ def said(planner: Planner) -> list[str]:
 
 
 def test_where_the_door_comes_into_what_no_arm_moves_nothing_is_started(tmp_path: Path) -> None:
-    planner = planner_of(BAR_IN_BASE, tmp_path, HERE, BUDGET)
+    planner = planner_of(DOOR_AT_BASE, tmp_path, HERE, BUDGET)
     before = planner.searched(0.0).seeds
     planner.descended = descended = Descended(planner)
     assert not list(descended.plans(*LAST))
     assert planner.searched(0.0).seeds == before
     assert said(planner) == [
-        f"holds were looked for by descent: gripper {gripper} has none with front_door at 0.449 m: "
-        "base_link is too near to front_handle there wherever the arm is"
+        f"holds were looked for by descent: gripper {gripper} has none with front_door at 1.45 rad: "
+        "base_link is too near to front_door there wherever the arm is"
         for gripper in ("left", "right")
     ]
 
 
 def test_what_is_in_contact_wherever_the_arm_is_is_found_at_its_value(tmp_path: Path) -> None:
-    planner = planner_of(BAR_IN_BASE, tmp_path, HERE, BUDGET)
+    planner = planner_of(DOOR_AT_BASE, tmp_path, HERE, BUDGET)
     last = float(planner.setting.motion.values[-1, 0])
     limb, mechanics, world = planner.attempts[0].limb, planner.mechanics, planner.setting.world
     contact = unmoved(limb, mechanics, np.array(HERE), np.linspace(0.0, last, 5))
