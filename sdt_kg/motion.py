@@ -52,7 +52,7 @@ class BodyMotion:
 
     Attributes:
         robot: IRI of the robot.
-        gripper: Name of the gripper that acts, empty if not known.
+        gripper: Name of the gripper that acts; empty if not known, or if several do in turn.
         joints: Names of the n robot joints; the base is apart. Not listed: parked.
         times: Shape (T,), increasing [s].
         base: Shape (T, 3): x, y [m], yaw [rad] in the environment's root frame.
