@@ -19,8 +19,8 @@ SAMPLES = 33
 """[1] Samples of a generated motion; the spline through them is within 1e-5 of the quintic."""
 
 HINGE_DEPTH = 0.005
-"""[rad] How deep into the goal a motion goes, at least: the tool may slip by 2 mm on the handle, which at 0.4 m
-from a hinge is as much. What is beyond that the robot would have to reach for nothing."""
+"""[rad] How deep into the goal a motion goes, at least: the tool may slip by 2 mm on the handle, which at
+0.4 m from a hinge is as much. What is beyond that the robot would have to reach for nothing."""
 
 SLIDE_DEPTH = 0.003
 """[m] The same of a slide: more than the tool may slip."""
@@ -77,7 +77,7 @@ def is_stuck(bounds: Bounds) -> bool:
 
 
 def _target(begin: float, lower: float, upper: float, depth: float, name: str) -> float:
-    """A point inside [lower, upper], so deep from the edge at which the motion enters; or at the other one."""
+    """A point inside [lower, upper], so deep from the edge at which the motion enters; or at the other."""
     if lower > upper:
         raise OracleRejectedError(f"no position of {name} within its limits lies in the goal")
     deep = depth if upper - lower > NARROW else upper - lower

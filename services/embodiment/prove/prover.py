@@ -25,11 +25,10 @@ from services.embodiment.proof_check.statement import Statement
 from services.embodiment.proof_check.written import to_bytes
 from services.embodiment.prove.divided import divided
 from services.embodiment.prove.limbs.beside import Limbs, never
-from services.embodiment.prove.one_value import Look, at_one
 from services.embodiment.prove.pinch import by_fingers
 from services.embodiment.prove.places import by_places
 from services.embodiment.prove.said import diagnosis
-from services.embodiment.prove.values import needed, spread
+from services.embodiment.prove.values import Look, at_one, needed, spread
 from services.embodiment.prove.windows import window
 
 Array = NDArray[np.float64]

@@ -17,7 +17,7 @@ from services.embodiment.proof_check.claim import claim_about
 from services.embodiment.proof_check.content import Proof, Refutation, Steps, at_one_value
 from services.embodiment.proof_check.written import read_proof, to_bytes
 from services.embodiment.prove import Prover
-from services.embodiment.prove.one_value import at_one
+from services.embodiment.prove.values import at_one
 from tests.small import beside
 from tests.soak.doors import draw, write
 
