@@ -123,7 +123,7 @@ def test_two_meshes_hold_a_box_together_where_nothing_is_between_them(tmp_path: 
 
 
 def test_a_box_in_a_groove_that_few_pieces_of_a_mesh_fill_lies_in_no_body(tmp_path: Path) -> None:
-    """Certification takes the fine ones where the coarse pieces of two links touch: then it lets things in."""
+    """Certification takes fine ones where the coarse pieces of two links touch: then it lets things in."""
     file, groove = tmp_path / "grooved.stl", 0.1
     parts = [
         ((0.1, 0.2, 0.2), (-0.1, 0, 0)),
