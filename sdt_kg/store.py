@@ -30,9 +30,16 @@ KEPT_NODES: Final = 65_536
 MOST_NESTED: Final = 256
 """[1] Brackets within each other in a query: of 4,000 the parser dies, and the process with it."""
 
+MOST_JOINED: Final = 1_000
+"""[1] Patterns, filters and signs between parts of a query: of 4,000 it may die likewise."""
+
 SHOWN_EXPECTATION: Final = 80
 """[characters] Of what the parser would have accepted; it lists whole character classes."""
 
+_QUOTED: Final = re.compile(r"""<[^<>"{}|^`\\\s]*>|"(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)*'""")
+_JOINT: Final = re.compile(
+    r"\|\||&&|[+*/|{]|\b(?:optional|union|filter|bind|minus)\b|[.;](?=\s|$)", re.IGNORECASE
+)
 _ESCAPE: Final = re.compile(r"\\u([0-9A-Fa-f]{4})|\\U([0-9A-Fa-f]{8})")
 
 
@@ -179,10 +186,13 @@ def checked_query(sparql: str) -> str:
             allowed="SELECT, ASK, CONSTRUCT, DESCRIBE over what is loaded",
             remedy="leave the word out, in names and comments too",
         )
-    if _depth(sparql) > MOST_NESTED:
+    bare = _QUOTED.sub(" ", sparql)
+    if _depth(bare) > MOST_NESTED:
         raise QueryError(
             "the query is nested too deeply", allowed=f"{MOST_NESTED} brackets or signs within each other"
         )
+    if (parts := len(_JOINT.findall(bare))) > MOST_JOINED:
+        raise QueryError(f"the query joins {parts} parts", allowed=str(MOST_JOINED), remedy="a VALUES list")
     try:
         ox.Store().query(sparql, prefixes=PREFIXES)
     except UnicodeEncodeError:

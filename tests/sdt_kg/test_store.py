@@ -103,3 +103,26 @@ def test_queries_that_read_pass(query: str) -> None:
 def test_queries_that_write_fetch_or_do_not_parse_are_refused(query: str) -> None:
     with pytest.raises(QueryError):
         checked_query(query)
+
+
+@pytest.mark.parametrize(
+    "sparql",
+    [
+        "ASK { ?s ?p ?o FILTER (" + " || ".join(["?s = ?p"] * 10_000) + ") }",
+        "ASK { " + "OPTIONAL { ?s ?p ?o } " * 4_000 + "}",
+        "ASK { " + "BIND (1 AS ?v) " * 4_000 + "}",
+        "ASK { " + "?s ?p ?o . " * 4_000 + "}",
+        "ASK { ?s " + "/".join(["rdf:type"] * 4_000) + " ?o }",
+        "ASK " + "{" * 8_000 + " ?s ?p ?o " + "}" * 8_000,
+        "ASK { ?s ?p ?o FILTER (" + "!" * 20_000 + " true) }",
+    ],
+)
+def test_a_query_of_which_the_parser_would_die_is_refused(sparql: str) -> None:
+    with pytest.raises(QueryError, match=r"joins \d+ parts|nested too deeply"):
+        checked_query(sparql)
+
+
+def test_a_long_list_of_values_is_no_long_query() -> None:
+    values = " ".join(f"<https://example.org/a+b/{n}.x> '{n} || {{ ; '" for n in range(5_000))
+    sparql = f"SELECT ?v {{ VALUES ?v {{ {values} }} }}"
+    assert checked_query(sparql) == sparql
