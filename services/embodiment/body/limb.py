@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sdt_kg.annotation import Gripper
-from sdt_kg.iri import body_iri, joint_iri
+from sdt_kg.errors import AnnotationError
+from sdt_kg.iri import body_iri, joint_iri, local_name
 from services.embodiment.body import ik
 from services.embodiment.body.world import MAY_TOUCH, Rules, World
 from services.physics.model import Scene
@@ -18,6 +19,7 @@ from services.physics.model import Scene
 Array = NDArray[np.float64]
 
 BASE = slice(0, 3)
+ROUNDING = 1e-9  # [rad or m] of limits that joints which move together have in common
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,7 +74,11 @@ class Limb:
 
 
 def make_limb(world: World, gripper: Gripper) -> Limb:
-    """The limb that carries a gripper."""
+    """The limb that carries a gripper.
+
+    Raises:
+        AnnotationError: Joints that move together have no position in common within their limits.
+    """
     scene = world.scene
     frame = scene.model.frames[scene.model.getFrameId(scene.tool_frame(gripper.name))]
     support = _support(scene, frame.parentJoint)
@@ -86,6 +92,14 @@ def make_limb(world: World, gripper: Gripper) -> Limb:
     lower[BASE], upper[BASE] = -np.inf, np.inf
     for k in range(3, len(variables)):
         lower[k], upper[k] = _coupled_limits(scene, expansion[:, k], rest, lower[k], upper[k])
+        if lower[k] > upper[k] + ROUNDING:
+            names = ", ".join(local_name(scene.names[each]) for each in np.flatnonzero(expansion[:, k]))
+            raise AnnotationError(
+                f"joints that move together have no position in common within their limits: {names}",
+                allowed="limits, multipliers and offsets that leave them one",
+                remedy="correct the robot's limits, <mimic> or sdt:couples",
+            )
+        upper[k] = max(lower[k], upper[k])
     palm = _palm(scene, gripper, frame.parentJoint)
     fingers = tuple(body_iri(scene.robot.mechanism.name, body) for body in gripper.fingers)
     chain = _chain(world, frame, support, rest, expansion)
